@@ -43,7 +43,6 @@ from cranny._cranny import (
 )
 from cranny.notebook import View, show
 from cranny.own_planner import Budget, Problem, planner
-from cranny.steps import StepsPlan, plan_steps
 
 __all__ = [
     "Body",
@@ -60,7 +59,6 @@ __all__ = [
     "Robot",
     "Samples",
     "Scenario",
-    "StepsPlan",
     "Verification",
     "View",
     "__version__",
@@ -69,7 +67,6 @@ __all__ = [
     "licences",
     "lift_file_limits",
     "plan",
-    "plan_steps",
     "planner",
     "planner_names",
     "ros",

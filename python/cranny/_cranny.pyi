@@ -26,15 +26,12 @@ __all__ = [
     "Scenario",
     "Verification",
     "__version__",
-    "_judged_steps",
-    "_load_steps",
     "_restored",
     "_restored_contact",
     "_restored_grasps",
     "_restored_motion",
     "_restored_plan",
     "_restored_samples",
-    "_save_steps",
     "grasp_experiment",
     "licences",
     "lift_file_limits",
@@ -287,7 +284,7 @@ class Scenario:
     @property
     def places(self) -> list[str]: ...
     @property
-    def steps(self) -> list[dict[str, str]]: ...
+    def tasks(self) -> dict[str, list[dict[str, Any]]]: ...
     @property
     def known_goals(self) -> _Floats: ...
     def cell(self, *, margin_m: float = 0.0, grasp_margin_m: float = 0.0) -> Cell: ...
@@ -307,7 +304,7 @@ class Scenario:
     def with_moveit_scene(self, path: _Path) -> Scenario: ...
     def show(
         self,
-        plan: Plan | Sequence[Plan] | None = None,
+        plan: Plan | None = None,
         *,
         view: str = "three-quarter",
         width: int = 640,
@@ -335,11 +332,11 @@ class MoveItProblem:
 
 @final
 class LivePage:
-    def __new__(cls, scenario: Scenario, plan: Plan | Sequence[Plan] | None = None, *, port: int = 0) -> LivePage: ...
+    def __new__(cls, scenario: Scenario, plan: Plan | None = None, *, port: int = 0) -> LivePage: ...
     @property
     def url(self) -> str: ...
     def pose(self, q: ArrayLike | None) -> None: ...
-    def plan(self, plan: Plan | Sequence[Plan] | None) -> None: ...
+    def plan(self, plan: Plan | None) -> None: ...
     def close(self) -> None: ...
     def __enter__(self) -> LivePage: ...
     def __exit__(self, _kind: object, _value: object, _trace: object) -> None: ...
@@ -386,6 +383,10 @@ class Plan:
     def path(self) -> _Floats: ...
     @property
     def segments(self) -> list[dict[str, Any]]: ...
+    @property
+    def task(self) -> list[dict[str, Any]]: ...
+    @property
+    def task_name(self) -> str | None: ...
     @property
     def robustness(self) -> dict[str, Any] | None: ...
     @property
@@ -453,8 +454,9 @@ def plan(
     min_score: float | None = None,
     carry: str | ArrayLike | None = None,
     place: str | None = None,
-    then: str = "home",
-    clear_m: float = 0.05,
+    task: str | Sequence[Mapping[str, Any]] | None = None,
+    then: str | None = None,
+    clear_m: float | None = None,
     robust: tuple[float, float] | None = None,
     watch: LivePage | None = None,
 ) -> Plan: ...
@@ -525,7 +527,7 @@ def simulate_plan(
 ) -> list[dict[str, Any]]: ...
 def picture(
     scenario: Scenario,
-    plan: Plan | Sequence[Plan] | None = None,
+    plan: Plan | None = None,
     *,
     view: str = "three-quarter",
     width: int = 960,
@@ -533,17 +535,14 @@ def picture(
 ) -> bytes: ...
 def moving_picture(
     scenario: Scenario,
-    plan: Plan | Sequence[Plan],
+    plan: Plan,
     *,
     view: str = "three-quarter",
     width: int = 640,
     height: int = 480,
     rate: int = 10,
 ) -> bytes: ...
-def page(scenario: Scenario, plan: Plan | Sequence[Plan] | None = None) -> str | None: ...
-def _judged_steps(scenario: Scenario, plans: list[Plan]) -> list[Plan]: ...
-def _load_steps(path: _Path, scenario: Scenario | None = None) -> tuple[Scenario, list[Plan]]: ...
-def _save_steps(path: _Path, scenario: Scenario, plans: Sequence[Plan]) -> None: ...
+def page(scenario: Scenario, plan: Plan | None = None) -> str | None: ...
 def run_campaign(
     scenarios: Sequence[str],
     planners: Sequence[tuple[str, str | Sequence[str], Mapping[str, Any] | None]],
@@ -560,6 +559,7 @@ def run_campaign(
     judge_both: bool,
     measure_clearance: bool,
     carry: str | None,
+    task: str | None,
     grasps: str | None,
     margin_m: float,
     grasp_margin_m: float,

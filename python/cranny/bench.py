@@ -140,6 +140,7 @@ def run(
     judge_both: bool = False,
     measure_clearance: bool = True,
     carry: str | None = None,
+    task: str | None = None,
     grasps: str | None = None,
     margin_m: float = 0.0,
     grasp_margin_m: float = 0.0,
@@ -154,7 +155,8 @@ def run(
 
     It goes on where it was stopped: trials that are in `output` are not run again. Ctrl-C stops it; what has ended
     stays. With more than one of `workers`, times are not those of a machine at rest, and the results say so.
-    With `carry`, "home", "out" or "place", the target is carried on once it is grasped. `robust`: how far (m, rad) it may
+    With `carry`, "home", "out" or "place", the target is carried on once it is grasped; with `task` the task of that name
+    is done in each scenario. `robust`: how far (m, rad) it may
     be from where it is thought to be. With `grasps`, "none", no set of grasps is
     given, for planners that make grasps of their own. `margin_m` and `grasp_margin_m` are the
     clearances (m) that each path must keep: between any two things, and between the hand and what it grasps.
@@ -190,6 +192,7 @@ def run(
         judge_both=judge_both,
         measure_clearance=measure_clearance,
         carry=carry,
+        task=task,
         grasps=grasps,
         margin_m=margin_m,
         grasp_margin_m=grasp_margin_m,

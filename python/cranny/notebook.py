@@ -8,21 +8,17 @@ import html
 import os
 import tempfile
 import webbrowser
-from collections.abc import Sequence
 from pathlib import Path
-from typing import Literal, TypeAlias, overload
+from typing import Literal, overload
 
 from cranny._cranny import LivePage, Plan, Scenario, moving_picture, page, picture
-
-Shown: TypeAlias = "Plan | Sequence[Plan]"
-"""A plan, or those of several steps."""
 
 NOTEBOOK_RATE_HZ = 4
 """Pictures a second in a notebook: each takes some tenths of a second to draw."""
 
 
 class View:
-    """A scenario as a notebook shows it, with a plan where there is one, or those of its steps: what `scenario.show(plan)` gives.
+    """A scenario as a notebook shows it, with a plan where there is one: what `scenario.show(plan)` gives.
 
     A notebook calls `_repr_html_` and shows what it returns; a plan moves.
     """
@@ -30,7 +26,7 @@ class View:
     def __init__(
         self,
         scenario: Scenario,
-        plan: Shown | None = None,
+        plan: Plan | None = None,
         *,
         view: str = "three-quarter",
         width: int = 640,
@@ -85,13 +81,13 @@ class View:
 
 
 @overload
-def show(scenario: Scenario, plan: Shown | None = None, *, live: Literal[False] = False) -> View: ...
+def show(scenario: Scenario, plan: Plan | None = None, *, live: Literal[False] = False) -> View: ...
 @overload
-def show(scenario: Scenario, plan: Shown | None = None, *, live: Literal[True], open_browser: bool = True) -> LivePage: ...
+def show(scenario: Scenario, plan: Plan | None = None, *, live: Literal[True], open_browser: bool = True) -> LivePage: ...
 def show(
-    scenario: Scenario, plan: Shown | None = None, *, live: bool = False, open_browser: bool = True
+    scenario: Scenario, plan: Plan | None = None, *, live: bool = False, open_browser: bool = True
 ) -> View | LivePage:
-    """Shows a scenario, with a plan where one is given, or those of its steps: a View, which a notebook draws.
+    """Shows a scenario, with a plan where one is given: a View, which a notebook draws.
 
     With `live`, opens the viewer in the browser, and returns its page: `page.pose(q)` and `page.plan(plan)` show what
     a script comes to, as it comes, `cranny.plan(scenario, watch=page)` shows how a search grows, `page.close()` (or the

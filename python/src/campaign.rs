@@ -45,7 +45,7 @@ where
 /// these change; or None.
 #[pyfunction]
 #[pyo3(signature = (scenarios, planners, output, worker, *, criteria, runs, first_seed, time_limit_s, iterations,
-    memory_limit_mb, workers, judge_both, measure_clearance, carry, grasps, margin_m, grasp_margin_m, robust, sandbox, again, shard, command,
+    memory_limit_mb, workers, judge_both, measure_clearance, carry, task, grasps, margin_m, grasp_margin_m, robust, sandbox, again, shard, command,
     heard=None))]
 #[allow(clippy::too_many_arguments, reason = "what a campaign is")]
 pub fn run_campaign(
@@ -64,6 +64,7 @@ pub fn run_campaign(
     judge_both: bool,
     measure_clearance: bool,
     carry: Option<&str>,
+    task: Option<String>,
     grasps: Option<&str>,
     margin_m: f64,
     grasp_margin_m: f64,
@@ -88,6 +89,7 @@ pub fn run_campaign(
         measure_clearance,
         demand: PathDemand {
             carry: carry.map(|word| one_of("carry", word)).transpose()?,
+            task,
             margins: Margins { margin_m, grasp_margin_m, ..Margins::default() },
             robust: robust.map(|(translation_m, rotation_rad)| PoseRadius { translation_m, rotation_rad }),
             without_grasp_set: grasps.map_or(Ok(false), without_grasp_set)?,

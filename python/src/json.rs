@@ -15,12 +15,19 @@ pub fn python_of<'py>(py: Python<'py>, value: &impl Serialize) -> PyResult<Bound
 /// A dictionary of settings.
 pub fn settings_of(settings: Option<&Bound<'_, PyAny>>) -> PyResult<Map<String, Value>> {
     let Some(settings) = settings else { return Ok(Map::new()) };
-    let py = settings.py();
-    let text: String = py
+    match value_of("settings", "a dictionary of plain values", settings)? {
+        Value::Object(settings) => Ok(settings),
+        other => Err(bad_type(format!("settings: a dictionary of plain values is expected, not {other}"))),
+    }
+}
+
+/// Plain values of Python, as JSON.
+pub fn value_of(what: &str, expected: &str, value: &Bound<'_, PyAny>) -> PyResult<Value> {
+    let text: String = value
+        .py()
         .import("json")?
-        .call_method1("dumps", (settings,))
-        .map_err(|reason| bad_type(format!("settings: a dictionary of plain values is expected ({reason})")))?
+        .call_method1("dumps", (value,))
+        .map_err(|reason| bad_type(format!("{what}: {expected} is expected ({reason})")))?
         .extract()?;
-    serde_json::from_str(&text)
-        .map_err(|_| bad_type(format!("settings: a dictionary of plain values is expected, not {text}")))
+    serde_json::from_str(&text).map_err(|_| bad_type(format!("{what}: {expected} is expected, not {text}")))
 }

@@ -39,7 +39,6 @@ mod robot;
 mod rows;
 mod scenario;
 mod simulation;
-mod steps;
 mod task;
 mod trajectory;
 mod verification;
@@ -92,8 +91,6 @@ mod _cranny {
     use crate::scenario::{PyScenario, scenario_ids};
     #[pymodule_export]
     use crate::simulation::{grasp_experiment, simulate_grasps, simulate_plan};
-    #[pymodule_export]
-    use crate::steps::{judged_steps, load_steps, save_steps};
     #[pymodule_export]
     use crate::trajectory::{PySamples, restored_samples};
     #[pymodule_export]

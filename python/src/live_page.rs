@@ -9,7 +9,7 @@ use tokio::sync::oneshot;
 
 use crate::array::configuration;
 use crate::fault::{bad_value, fault};
-use crate::picture::{Shown, ShownPlans, page_of};
+use crate::picture::page_of;
 use crate::plan::PyPlan;
 use crate::scenario::PyScenario;
 use crate::task::Task;
@@ -33,9 +33,14 @@ struct Server {
 impl PyLivePage {
     #[new]
     #[pyo3(signature = (scenario, plan=None, *, port=0))]
-    fn new(py: Python<'_>, scenario: Py<PyScenario>, plan: Option<Shown<'_>>, port: u16) -> PyResult<Self> {
-        let (shown, plans) = (scenario.get(), Shown::plans(plan.as_ref()));
-        let (page, cells) = py.detach(|| page_of(shown, &plans, None))?;
+    fn new(
+        py: Python<'_>,
+        scenario: Py<PyScenario>,
+        plan: Option<&Bound<'_, PyPlan>>,
+        port: u16,
+    ) -> PyResult<Self> {
+        let (shown, plan) = (scenario.get(), plan.map(Bound::get));
+        let (page, cells) = py.detach(|| page_of(shown, plan, None))?;
         PageServer::check_page().map_err(fault)?;
         let feed = PageFeed::new(&page, true).map_err(fault)?;
         let server = PageServer::bind(port, PageLimits::default()).map_err(fault)?;
@@ -77,13 +82,13 @@ impl PyLivePage {
         Ok(())
     }
 
-    /// Shows a plan, or those of several steps; None: the scenario alone. Postures are judged as with what the page began with.
+    /// Shows a plan; None: the scenario alone. Postures are judged as with what the page began with.
     #[pyo3(signature = (plan))]
-    fn plan(&self, py: Python<'_>, plan: Option<Shown<'_>>) -> PyResult<()> {
+    fn plan(&self, py: Python<'_>, plan: Option<&Bound<'_, PyPlan>>) -> PyResult<()> {
         self.check_open()?;
-        let (scenario, plans) = (self.scenario.get(), Shown::plans(plan.as_ref()));
+        let (scenario, plan) = (self.scenario.get(), plan.map(Bound::get));
         py.detach(|| {
-            let (page, _) = page_of(scenario, &plans, None)?;
+            let (page, _) = page_of(scenario, plan, None)?;
             self.feed.show(&page, true).map_err(fault)
         })
     }
@@ -137,7 +142,7 @@ impl PyLivePage {
         if self.check_open().is_err() {
             return Ok(());
         }
-        let (page, _) = page_of(self.scenario.get(), &ShownPlans::One(plan), Some(search_tree))?;
+        let (page, _) = page_of(self.scenario.get(), Some(plan), Some(search_tree))?;
         self.feed.show(&page, true).map_err(fault)
     }
 

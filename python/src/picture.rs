@@ -1,16 +1,14 @@
 //! Pictures and pages of scenarios and plans, as the bytes or the text of files.
 
 use std::path::Path;
-use std::sync::Arc;
 
-use cranny_collision::{Cell, Margins, World};
-use cranny_plan::Audit;
+use cranny_collision::{Margins, World};
 use cranny_scenario::Scenario;
 use cranny_solve::{TaskTrajectory, ik_statuses};
 use cranny_spatial::Pose;
 use cranny_view::{
     Animation, PageCells, PageData, PagePlan, PageSettings, Picture, PictureSettings, Scene, SceneSettings,
-    ShownPath, StandardView, StepCells, TreeRecording, ViewError,
+    ShownPath, StandardView, TreeRecording, ViewError,
 };
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -31,23 +29,23 @@ const IN_MEMORY: &str = "picture";
 /// The longest motion that is drawn at once, in pictures.
 const MOST_FRAMES: usize = 2000;
 
-/// A PNG of `scenario`, of the end of `plan` (or of the plans of several steps) with the way to it where one is given. `view`: "three-quarter",
+/// A PNG of `scenario`, of the end of `plan` with the way to it where one is given. `view`: "three-quarter",
 /// "front", "side" or "top". `width` and `height` in points, 16 to 8192.
 #[pyfunction]
 #[pyo3(signature = (scenario, plan=None, *, view="three-quarter", width=960, height=720))]
 pub fn picture<'py>(
     py: Python<'py>,
     scenario: &PyScenario,
-    plan: Option<Shown<'py>>,
+    plan: Option<&Bound<'py, PyPlan>>,
     view: &str,
     #[pyo3(from_py_with = whole::width)] width: usize,
     #[pyo3(from_py_with = whole::height)] height: usize,
 ) -> PyResult<Bound<'py, PyBytes>> {
     let view = standard_view(view)?;
     let settings = PictureSettings { width, height, ..PictureSettings::default() };
-    let plans = Shown::plans(plan.as_ref());
+    let plan = plan.map(Bound::get);
     let bytes = py.detach(|| {
-        let scene = scene_of(&scenario.scenario, &plans, STILL_RATE_HZ)?;
+        let scene = scene_of(&scenario.scenario, plan, STILL_RATE_HZ)?;
         let picture = Picture::of(&scene, view, &settings).map_err(fault)?;
         picture.png(Path::new(IN_MEMORY)).map_err(fault)
     })?;
@@ -60,7 +58,7 @@ pub fn picture<'py>(
 pub fn moving_picture<'py>(
     py: Python<'py>,
     scenario: &PyScenario,
-    plan: Shown<'py>,
+    plan: &Bound<'py, PyPlan>,
     view: &str,
     #[pyo3(from_py_with = whole::width)] width: usize,
     #[pyo3(from_py_with = whole::height)] height: usize,
@@ -69,9 +67,9 @@ pub fn moving_picture<'py>(
     let view = standard_view(view)?;
     let settings = PictureSettings { width, height, ghosts: 0, ..PictureSettings::default() };
     let mut interrupt = Interrupt::new();
-    let plans = Shown::plans(Some(&plan));
+    let plan = plan.get();
     let bytes = py.detach(|| -> PyResult<Vec<u8>> {
-        let scene = scene_of(&scenario.scenario, &plans, f64::from(rate))?;
+        let scene = scene_of(&scenario.scenario, Some(plan), f64::from(rate))?;
         let Some(last) = scene.last_frame() else { return Err(bad_value("the plan has no path to show")) };
         if last >= MOST_FRAMES {
             return Err(bad_value(format!(
@@ -97,40 +95,20 @@ pub fn moving_picture<'py>(
     Ok(PyBytes::new(py, &bytes?))
 }
 
-/// The viewer with `scenario`, and with `plan` (or the plans of several steps) where one is given, as one HTML document; None if the package was
+/// The viewer with `scenario`, and with `plan` where one is given, as one HTML document; None if the package was
 /// built without the viewer (Node was missing).
 #[pyfunction]
 #[pyo3(signature = (scenario, plan=None))]
-pub fn page(py: Python<'_>, scenario: &PyScenario, plan: Option<Shown<'_>>) -> PyResult<Option<String>> {
-    let plans = Shown::plans(plan.as_ref());
-    let html = py.detach(|| page_of(scenario, &plans, None).map(|(page, _)| page.html()));
+pub fn page(
+    py: Python<'_>,
+    scenario: &PyScenario,
+    plan: Option<&Bound<'_, PyPlan>>,
+) -> PyResult<Option<String>> {
+    let plan = plan.map(Bound::get);
+    let html = py.detach(|| page_of(scenario, plan, None).map(|(page, _)| page.html()));
     match html? {
         Err(ViewError::NoPage) => Ok(None),
         html => html.map(Some).map_err(fault),
-    }
-}
-
-/// What is shown with a scenario: a plan, or those of its steps.
-#[derive(FromPyObject)]
-pub enum Shown<'py> {
-    One(Bound<'py, PyPlan>),
-    Steps(Vec<Bound<'py, PyPlan>>),
-}
-
-/// The same without the interpreter.
-pub enum ShownPlans<'a> {
-    None,
-    One(&'a PyPlan),
-    Steps(Vec<&'a PyPlan>),
-}
-
-impl Shown<'_> {
-    pub fn plans(shown: Option<&Self>) -> ShownPlans<'_> {
-        match shown {
-            None => ShownPlans::None,
-            Some(Self::One(plan)) => ShownPlans::One(plan.get()),
-            Some(Self::Steps(plans)) => ShownPlans::Steps(plans.iter().map(Bound::get).collect()),
-        }
     }
 }
 
@@ -138,46 +116,26 @@ impl Shown<'_> {
 /// plan came of, if they are known.
 pub fn page_of(
     scenario: &PyScenario,
-    plans: &ShownPlans<'_>,
+    plan: Option<&PyPlan>,
     search_tree: Option<TreeRecording>,
 ) -> PyResult<(PageData, PageCells)> {
     let shown = &scenario.scenario;
     let exact = scenario.exact_problem(Margins::default())?;
     let cell = exact.cell().ok_or_else(|| bad_value("the scenario has no exact cell"))?;
-    let judged = |plan: &PyPlan| -> PyResult<Option<Audit>> {
-        Ok(plan.judge().map_err(fault)?.map(|judgement| judgement.audit))
-    };
-    let cells = |plan: &PyPlan, reach: &Arc<Cell>| -> PyResult<Option<StepCells>> {
-        let task = plan.file.task_cells(&plan.task.problem).map_err(fault)?;
-        Ok(task.map(|task| StepCells { reach: reach.clone(), task: Some(task) }))
-    };
-    let page_plan = match plans {
-        ShownPlans::None => None,
-        ShownPlans::One(plan) => {
+    let page_plan = match plan {
+        None => None,
+        Some(plan) => {
             check_shown(shown, plan)?;
-            let (timed, verification, cells) = (timed_in(shown, plan)?, judged(plan)?, cells(plan, cell)?);
+            let timed = timed_in(shown, plan)?;
+            let verification = plan.judge().map_err(fault)?.map(|judgement| judgement.audit);
+            let along = match plan.file.task.len() {
+                0 | 1 => None,
+                _ => plan.file.states(&plan.task.problem).map_err(fault)?,
+            };
+            let states = along.map_or_else(Vec::new, |along| along.states);
             let page =
-                PagePlan::of_file("plan", &plan.file, &shown.robot, timed.as_ref(), verification, cells);
+                PagePlan::of_file("plan", &plan.file, &shown.robot, timed.as_ref(), verification, states);
             Some(PagePlan { search_tree, ..page.map_err(fault)? })
-        }
-        ShownPlans::Steps(plans) => {
-            follow_each_other(shown, plans)?;
-            let (mut timed, mut verifications, mut steps) = (Vec::new(), Vec::new(), Vec::new());
-            for plan in plans {
-                timed.push((&plan.file, timed_in(shown, plan)?));
-                let verification = judged(plan)?;
-                let is_valid = verification.as_ref().is_some_and(|verification| verification.valid);
-                verifications.extend(verification);
-                let reach = plan.task.problem.cell().unwrap_or(cell);
-                steps.push(cells(plan, reach)?.unwrap_or(StepCells { reach: reach.clone(), task: None }));
-                // What follows is in a world that nobody knows.
-                if !is_valid {
-                    break;
-                }
-            }
-            let count = shown.steps.len().max(plans.len());
-            let page = PagePlan::of_steps("steps", &timed, &shown.robot, count, (verifications, steps));
-            Some(page.map_err(fault)?)
         }
     };
     let statuses = ik_statuses(&exact, &shown.ik).map_err(fault)?;
@@ -198,24 +156,6 @@ fn check_shown(scenario: &Scenario, plan: &PyPlan) -> PyResult<()> {
     )))
 }
 
-/// That each plan is for the world that the one before leaves, as far as these put something down.
-fn follow_each_other(scenario: &Scenario, plans: &[&PyPlan]) -> PyResult<()> {
-    let mut now = scenario.clone();
-    for (index, plan) in plans.iter().enumerate() {
-        let planned = plan.task.scenario.as_deref().unwrap_or(&now);
-        let is_next = plan.file.waypoints.first().is_none_or(|first| *first == now.start);
-        if !is_next || !stand_alike(&planned.world, &now.world) {
-            let step = index + 1;
-            return Err(bad_value(format!(
-                "plan: step {step} was planned for another world than it begins in (see scenario.after)"
-            )));
-        }
-        let Ok(next) = now.after(&plan.file, &plan.task.problem) else { break };
-        now = next;
-    }
-    Ok(())
-}
-
 /// Whether all bodies of two worlds are where those of the other are.
 fn stand_alike(a: &World, b: &World) -> bool {
     let poses = |world: &World| -> Vec<Pose> {
@@ -224,19 +164,13 @@ fn stand_alike(a: &World, b: &World) -> bool {
     poses(a) == poses(b)
 }
 
-fn scene_of(scenario: &Scenario, plans: &ShownPlans<'_>, rate_hz: f64) -> PyResult<Scene> {
-    let path = match plans {
-        ShownPlans::None => None,
-        ShownPlans::One(plan) => {
+fn scene_of(scenario: &Scenario, plan: Option<&PyPlan>, rate_hz: f64) -> PyResult<Scene> {
+    let path = match plan {
+        None => None,
+        Some(plan) => {
             check_shown(scenario, plan)?;
             let timed = timed_in(scenario, plan)?;
             ShownPath::of_plan(&scenario.robot, &plan.file, timed.as_ref(), rate_hz).map_err(fault)?
-        }
-        ShownPlans::Steps(plans) => {
-            follow_each_other(scenario, plans)?;
-            let steps = plans.iter().map(|plan| Ok((&plan.file, timed_in(scenario, plan)?)));
-            let steps = steps.collect::<PyResult<Vec<_>>>()?;
-            ShownPath::of_steps(&scenario.robot, &steps, rate_hz).map_err(fault)?
         }
     };
     Scene::of_task(scenario, path.as_ref(), &SceneSettings::default()).map_err(fault)

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use cranny_plan::{AuditSettings, Outcome, PlanError, robot_hand};
-use cranny_scenario::{GivenGrasps, Judgement, PlanFile, PlanSegment, Statement, write_trajectory_csv};
+use cranny_plan::{AuditSettings, Outcome, PlanError, Segment, robot_hand};
+use cranny_scenario::{GivenGrasps, Judgement, PlanFile, Statement, write_trajectory_csv};
 use cranny_solve::TaskTrajectory;
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
@@ -58,14 +58,15 @@ impl PyPlan {
 
     /// The pieces of the path, each from where the one before ends, as dicts of `mode` ("reach", "lift-off", "carry"),
     /// `attached` (what the hand carries, or None), `opening_m` (between the fingers; None: as far as they go), `uneven_m`
-    /// (how much farther the finger that meets the object last would have to go than the first, or None) and
-    /// `path`, (N, dof). One, unless the object was to be carried.
+    /// (how much farther the finger that meets the object last would have to go than the first, or None), `stage` (index in
+    /// `task`) and `path`, (N, dof). One, unless the task has several stages.
     #[getter]
     fn segments<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
         let dof = self.file.joint_names.len();
-        let segment = |segment: &PlanSegment| {
+        let segment = |segment: &Segment| {
             let row = PyDict::new(py);
-            row.set_item("mode", &segment.mode)?;
+            row.set_item("mode", segment.mode.name)?;
+            row.set_item("stage", segment.stage)?;
             row.set_item("attached", &segment.attached)?;
             row.set_item("opening_m", segment.opening_m)?;
             row.set_item("uneven_m", segment.uneven_m)?;
@@ -73,6 +74,19 @@ impl PyPlan {
             Ok(row)
         };
         self.measured.segments.iter().map(segment).collect()
+    }
+
+    /// The stages of the task, in order: dictionaries of `pick`, `move` or `place`, with what belongs to each. Empty where the
+    /// goal of the scenario is all.
+    #[getter]
+    fn task<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        python_of(py, &self.file.task)
+    }
+
+    /// Name of the task of the scenario that this is a plan for, or None.
+    #[getter]
+    fn task_name(&self) -> Option<&str> {
+        self.file.task_name.as_deref()
     }
 
     /// How far things may be from where the plan has them while every segment stays proven, each kind of error by itself: a
@@ -258,7 +272,10 @@ impl PyPlan {
             named = py.get_type::<PyScenario>().call(what, Some(&keywords))?;
             &named
         };
-        let task = Task::of(scenario, file.margins)?;
+        let mut task = Task::of(scenario, file.margins)?;
+        if let Some(scenario) = &task.scenario {
+            task.source = scenario.source_of(&file, &task.source);
+        }
         Self::judged(py, task, file)
     }
 

@@ -4,19 +4,17 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use cranny_collision::Margins;
-use cranny_plan::{
-    AuditSettings, Budget, CarryEnd, Observer, OptimiseSettings, PlaceSettings, TimingMethod, audit_with,
-};
+use cranny_plan::{AuditSettings, Observer, audit_with};
 use cranny_robot::Robot;
-use cranny_scenario::PlanFile;
-use cranny_solve::{Carry, Request, Timing, solve};
+use cranny_scenario::{Ask, CarryWord, PlanFile, TaskWord};
+use cranny_solve::{PoseRadius, solve};
 use cranny_view::WatchedSearch;
 use pyo3::prelude::*;
 
 use crate::array::Configurations;
 use crate::fault::{bad_value, fault};
 use crate::interrupt::InterruptObserver;
-use crate::json::settings_of;
+use crate::json::{settings_of, value_of};
 use crate::live_page::PyLivePage;
 use crate::plan::PyPlan;
 use crate::scenario::PyScenario;
@@ -25,30 +23,37 @@ use crate::verification::PyVerification;
 use crate::whole;
 
 /// Where an object is to be carried.
-fn carry_of(value: &Bound<'_, PyAny>, clear_m: f64, robot: &Robot) -> PyResult<Carry> {
+fn carry_of(value: &Bound<'_, PyAny>, robot: &Robot) -> PyResult<CarryWord> {
     if let Ok(word) = value.extract::<String>() {
         return match word.as_str() {
-            "home" => Ok(Carry::default()),
-            "out" => Ok(Carry { end: CarryEnd::Out { clear_m }, ..Carry::default() }),
+            "home" => Ok(CarryWord::Home),
+            "out" => Ok(CarryWord::Out),
             _ => {
                 let expected = "\"home\", \"out\" or configurations are expected";
                 Err(bad_value(format!("carry is '{word}', but {expected}")))
             }
         };
     }
-    let ends = Configurations::read(value, "carry", robot)?.rows(robot.dof())?;
-    Ok(Carry { end: CarryEnd::Configurations(ends), ..Carry::default() })
+    Ok(CarryWord::Configurations(Configurations::read(value, "carry", robot)?.rows(robot.dof())?))
 }
 
-/// The margin about the target of a scenario that may be so far from where it is thought to be (m, rad).
-fn object_margin_m(scenario: &Bound<'_, PyAny>, [translation_m, rotation_rad]: [f64; 2]) -> PyResult<f64> {
+/// The name of a task, or its stages.
+fn task_of(value: &Bound<'_, PyAny>) -> PyResult<TaskWord> {
+    if let Ok(name) = value.extract::<String>() {
+        return Ok(TaskWord::Named(name));
+    }
+    let stages = value_of("task", "the name of a task or a list of stages", value)?;
+    let stages = serde_json::from_value(stages).map_err(|problem| bad_value(format!("task: {problem}")))?;
+    Ok(TaskWord::Stages(stages))
+}
+
+/// An error of a pose (m, rad).
+fn radius_of([translation_m, rotation_rad]: [f64; 2]) -> PyResult<PoseRadius> {
     if !(translation_m.is_finite() && translation_m >= 0.0 && rotation_rad.is_finite() && rotation_rad >= 0.0)
     {
         return Err(bad_value("robust is a translation (m) and a rotation (rad), both at least 0"));
     }
-    let scenario = scenario.cast::<PyScenario>().map_err(|_| bad_value("robust needs a Scenario"))?;
-    let margin_m = scenario.get().scenario.object_margin_m(translation_m, rotation_rad);
-    margin_m.ok_or_else(|| bad_value("robust: there is no target that could be elsewhere"))
+    Ok(PoseRadius { translation_m, rotation_rad })
 }
 
 /// Names of the planners that there are.
@@ -81,7 +86,8 @@ pub fn seconds(what: &str, value: f64) -> PyResult<Duration> {
 /// several (N, dof), where the target is carried to once it is grasped; "out" is anywhere it is `clear_m` (m) clear of all
 /// bodies but floors. A grasp that it cannot be carried away from is none, and `plan.segments` are the pieces. `place`: the
 /// name of one of `scenario.places`, where the target is put down instead; the hand opens, goes `clear_m` off it, and the
-/// robot goes "home" or `then` stays, "stay". `robust`: how far (m, rad) the target may be from where it is thought to be,
+/// robot goes "home" or `then` stays, "stay". `task`: the name of one of `scenario.tasks`, or a list of stages of
+/// that form, which are done in order; `plan.task` lists them. `robust`: how far (m, rad) the target may be from where it is thought to be,
 /// before the hand closes and in the hand; `plan.robustness` says how far anyway. `watch`: a
 /// page of `cranny.show(scenario, live=True)`, which then shows the trees of the search as they grow, and at its end the
 /// plan with them.
@@ -91,7 +97,7 @@ pub fn seconds(what: &str, value: f64) -> PyResult<Duration> {
 #[pyo3(signature = (scenario, planner=None, *, seed=0, time_limit_s=120.0, iterations=None, margin_m=0.0,
     grasp_margin_m=0.0, strict_pairs=false, settings=None, goal_threshold=None, shortcut=true, optimise_s=None,
     cost="length", score_weight=1.0, jerk_limited=false, blend=false, score="geometric", min_score=None,
-    carry=None, place=None, then="home", clear_m=0.05, robust=None, watch=None))]
+    carry=None, place=None, task=None, then=None, clear_m=None, robust=None, watch=None))]
 #[allow(
     clippy::too_many_arguments,
     clippy::fn_params_excessive_bools,
@@ -117,66 +123,60 @@ pub fn plan(
     score: &str,
     min_score: Option<f64>,
     carry: Option<&Bound<'_, PyAny>>,
-    place: Option<&str>,
-    then: &str,
-    clear_m: f64,
+    place: Option<String>,
+    task: Option<&Bound<'_, PyAny>>,
+    then: Option<&str>,
+    clear_m: Option<f64>,
     robust: Option<[f64; 2]>,
     watch: Option<&Bound<'_, PyLivePage>>,
 ) -> PyResult<PyPlan> {
     let py = scenario.py();
-    let object_margin_m = robust.map(|error| object_margin_m(scenario, error)).transpose()?.unwrap_or(0.0);
-    let mut task = Task::of(scenario, Margins { margin_m, grasp_margin_m, object_margin_m })?;
+    let robust = robust.map(radius_of).transpose()?;
+    let margins = Margins { margin_m, grasp_margin_m, ..Margins::default() };
+    let margins = match (robust, scenario.cast::<PyScenario>()) {
+        (None, _) => margins,
+        (_, Ok(scenario)) => scenario
+            .get()
+            .scenario
+            .margins_forgiving(margins, robust)
+            .map_err(|_| bad_value("robust: there is no target that could be elsewhere"))?,
+        (_, Err(_)) => return Err(bad_value("robust needs a Scenario")),
+    };
+    let mut asked = Task::of(scenario, margins)?;
     if strict_pairs {
-        task.problem = task.problem.checking_all_pairs();
+        asked.problem = asked.problem.checking_all_pairs();
     }
-    let optimise = optimise_s.map(|time_s| seconds("optimise_s", time_s)).transpose()?;
-    let cost = cost.parse().map_err(|_| {
-        bad_value(format!("cost is '{cost}', but 'length', 'l2', 'time' or 'clearance' is expected"))
-    })?;
-    let request = Request {
+    let one_of = |what: &str, word: &str, known: &str| {
+        bad_value(format!("{what} is '{word}', but {known} is expected"))
+    };
+    let ask = Ask {
         planner: planner.map(str::to_owned),
         settings: settings_of(settings)?,
-        budget: Budget {
-            iterations: iterations.unwrap_or(u64::MAX),
-            time: seconds("time_limit_s", time_limit_s)?,
-        },
         seed,
-        score: score.parse().map_err(|_| {
-            bad_value(format!("score is '{score}', but 'geometric' or 'physics' is expected"))
-        })?,
+        time_limit: seconds("time_limit_s", time_limit_s)?,
+        iterations,
+        score: score.parse().map_err(|_| one_of("score", score, "'geometric' or 'physics'"))?,
         min_score,
         goal_threshold,
         keep_path: !shortcut,
-        optimise: optimise.map(|time| OptimiseSettings {
-            time,
-            score_weight,
-            cost,
-            ..OptimiseSettings::default()
-        }),
-        timing: Some(Timing {
-            method: if jerk_limited { TimingMethod::JerkLimited } else { TimingMethod::TimeOptimal },
-            blend,
-            is_demanded: false,
-        }),
-        carry: match (carry, place) {
-            (Some(_), Some(_)) => return Err(bad_value("carry and place exclude each other")),
-            (Some(carry), None) => Some(carry_of(carry, clear_m, task.problem.robot())?),
-            (None, Some(place)) => {
-                let then = then
-                    .parse()
-                    .map_err(|_| bad_value(format!("then is '{then}', but 'home' or 'stay' is expected")))?;
-                let goal = task.problem.place(place).map_err(fault)?.clone();
-                Some(Carry {
-                    end: CarryEnd::Place(PlaceSettings { goal, clear_m, then }),
-                    ..Carry::default()
-                })
-            }
-            (None, None) => None,
-        },
-        audit: AuditSettings::default(),
-        robustness: true,
-        ..Request::default()
+        optimise: optimise_s.map(|time_s| seconds("optimise_s", time_s)).transpose()?,
+        cost: cost.parse().map_err(|_| one_of("cost", cost, "'length', 'l2', 'time' or 'clearance'"))?,
+        score_weight,
+        jerk_limited,
+        blend,
+        carry: carry.map(|carry| carry_of(carry, asked.problem.robot())).transpose()?,
+        place,
+        task: task.map(task_of).transpose()?,
+        then: then
+            .map(|then| then.parse().map_err(|_| one_of("then", then, "'home' or 'stay'")))
+            .transpose()?,
+        clear_m,
+        robust,
+        ..Ask::default()
     };
+    let (request, named) = ask.request(&asked.problem, asked.scenario.as_deref()).map_err(fault)?;
+    asked.source.task = named;
+    let task = asked;
     let watched = watch.map(|page| page.get().watch(&task)).transpose()?;
     let mut observer = PlanObserver { interrupt: InterruptObserver::new(), watched };
     let found = py.detach(|| solve(&task.problem, &request, &mut observer));

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use cranny_collision::{Margins, World};
 use cranny_plan::{Criterion, Goal, Problem};
 use cranny_scenario::{
-    Geometry, GivenGrasps, OpenOptions, RobotSource, Scenario, Step, TargetPhysics, built_in, catalogue,
+    Geometry, GivenGrasps, OpenOptions, RobotSource, Scenario, TargetPhysics, built_in, catalogue,
     write_moveit_scene,
 };
 use cranny_view::StandardView;
@@ -20,6 +20,7 @@ use crate::body::{PyBody, named_twice};
 use crate::cell::PyCell;
 use crate::fault::{bad_value, fault};
 use crate::grasp_set::PyGrasps;
+use crate::json::python_of;
 use crate::pickled::{Made, Reduced, absolute};
 use crate::picture::picture;
 use crate::plan::PyPlan;
@@ -138,7 +139,8 @@ impl PyScenario {
             has_grasp_set: grasps.is_some() || target.is_none(),
             ik: Vec::new(),
             places: Vec::new(),
-            steps: Vec::new(),
+            tasks: Vec::new(),
+            physics: std::collections::BTreeMap::new(),
             export: None,
         };
         let made = Made::opened(&robot.py().get_type::<Self>().getattr("of")?, (robot, bodies), &keywords)?;
@@ -211,17 +213,15 @@ impl PyScenario {
         self.scenario.places.iter().map(|place| place.name.clone()).collect()
     }
 
-    /// What is to be picked and put down, in order: dictionaries of `pick`, `place` and `then`.
+    /// The tasks of several stages, by name: for each a list of dictionaries of `pick`, `move` or `place`, with what belongs to
+    /// each. `plan(scenario, task=…)` does one.
     #[getter]
-    fn steps<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
-        let step = |step: &Step| {
-            let row = PyDict::new(py);
-            row.set_item("pick", &step.pick)?;
-            row.set_item("place", &step.place)?;
-            row.set_item("then", step.then.name())?;
-            Ok(row)
-        };
-        self.scenario.steps.iter().map(step).collect()
+    fn tasks<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let tasks = PyDict::new(py);
+        for task in &self.scenario.tasks {
+            tasks.set_item(&task.name, python_of(py, &task.stages)?)?;
+        }
+        Ok(tasks)
     }
 
     /// How the target can be grasped.
@@ -307,29 +307,22 @@ impl PyScenario {
     }
 
     /// The same scenario with the body of that name as what is to be grasped. But for the scenario's own target it has no set
-    /// of grasps, and `plan` makes one of its own; its mass and friction are those that a step says which picks it.
+    /// of grasps, and `plan` makes one of its own; its mass and friction are those of its entry in scenario.yaml.
     fn with_target(slf: &Bound<'_, Self>, name: &str) -> PyResult<Self> {
         let own = slf.get();
-        let step = own.scenario.steps.iter().find(|step| step.pick == name);
-        let physics = step.map(|step| step.physics).unwrap_or_default();
-        let scenario = own.scenario.with_target(name, physics).map_err(fault)?;
+        let scenario = own.scenario.with_target(name).map_err(fault)?;
         let is_own = own.scenario.target == scenario.target;
         let altered = Self::altered(slf, scenario, ("with_target", name))?;
         Ok(if is_own { altered } else { Self { given_grasps: GivenGrasps::None, goals: None, ..altered } })
     }
 
-    /// The scenario as it is once `plan`, which puts something down in it, has been carried out: this stands there, and the
+    /// The scenario as it is once `plan`, which puts down what it picks, has been carried out: bodies stand there, and the
     /// robot where the plan ends. The target is the scenario's own, whatever the plan moved.
     fn after<'py>(slf: &Bound<'py, Self>, plan: &Bound<'py, PyPlan>) -> PyResult<Self> {
         let (own, done) = (&slf.get().scenario, plan.get());
         done.file.check_joints(Path::new("the plan"), &own.robot).map_err(fault)?;
         if !done.is_valid {
             return Err(bad_value("plan: it does not hold, so nothing can be said of what comes after it"));
-        }
-        if done.file.place.is_none() {
-            return Err(bad_value(
-                "plan: it puts nothing down (place=\"…\"), so that the target stays in the hand",
-            ));
         }
         let scenario = slf.py().detach(|| own.after(&done.file, &done.task.problem)).map_err(fault)?;
         Self::altered(slf, scenario, ("after", plan))

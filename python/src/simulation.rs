@@ -6,11 +6,10 @@ use std::sync::Mutex;
 use cranny_grasp::Hand;
 use cranny_plan::robot_hand;
 use cranny_scenario::{Scenario, TargetPhysics, read_gripper};
-use cranny_sim::{DriveSettings, GraspRow, GraspTest, PlanRow, PlanTest};
+use cranny_sim::{ExecutedPlan, GraspRow, GraspTest, PickPath, PlanExecution};
 use cranny_spatial::Pose;
 use pyo3::prelude::*;
 use rayon::prelude::*;
-use serde::Serialize;
 
 use crate::fault::{bad_type, bad_value, fault};
 use crate::grasp_set::PyGrasps;
@@ -117,7 +116,7 @@ pub fn grasp_experiment<'py>(
 /// down, or "misplaced"), is_in_hand, of a plan that puts it down released (where, and how far off) and placed (how far off
 /// in the end: translation_m, rotation_rad, is_there), reach_s, tracking_on_the_way, tracking_at_the_end, contacts,
 /// pushed_m, lift_m, rose_m, translation_error_m, rotation_error_rad, held_s, contact_force_n, position_m,
-/// quaternion_xyzw, simulated_s. Of several plans, which are executed on all cores, a list of them in their order.
+/// quaternion_xyzw, simulated_s; of a plan with several picks scenario, as_planned and steps, a dictionary for each. Of several plans, which are executed on all cores, a list of them in their order.
 ///
 /// `mass_kg`, `friction` and `closing_force_n` go before what files say.
 #[pyfunction]
@@ -159,13 +158,6 @@ struct Instead {
     closing_force_n: Option<f64>,
 }
 
-#[derive(Serialize)]
-struct ExecutedPlan {
-    scenario: String,
-    #[serde(flatten)]
-    row: PlanRow,
-}
-
 impl Instead {
     fn execute(&self, plan: &PyPlan, lift_m: f64) -> PyResult<ExecutedPlan> {
         let Some(scenario) = &plan.task.scenario else {
@@ -176,15 +168,12 @@ impl Instead {
         if plan.file.waypoints.is_empty() {
             return Err(bad_value("the plan has no path, so there is nothing to execute"));
         }
-        let cell = plan.task.problem.cell().map(AsRef::as_ref);
-        let timed = plan.file.trajectory(&scenario.robot, cell).map_err(fault)?.ok_or_else(|| {
-            bad_value("without limits of acceleration (a limits.yaml beside the URDF) the path has no times")
-        })?;
+        let picks = PickPath::all_of(&plan.file, &plan.task.problem).map_err(fault)?;
         let mut hand = robot_hand(&scenario.robot);
         hand.closing_force_n = self.closing_force_n.unwrap_or(hand.closing_force_n);
-        let test = GraspTest::of_scenario(scenario, &hand, &self.physics, false).map_err(fault)?;
-        let test = PlanTest::new(test, scenario.robot.clone(), DriveSettings::default()).map_err(fault)?;
-        let run = test.run(&timed, lift_m, false).map_err(fault)?;
-        Ok(ExecutedPlan { scenario: scenario.id.clone(), row: PlanRow::of(&run) })
+        let execution = PlanExecution { scenario, hand, instead: self.physics, lift_m, is_recorded: false };
+        let runs = execution.run(&picks, || {}).map_err(fault)?;
+        ExecutedPlan::of(&scenario.id, picks.len(), &runs)
+            .ok_or_else(|| bad_value("there is no target to be grasped"))
     }
 }

@@ -35,7 +35,7 @@ EXACT: list[Request] = [
     (["--place", "outside", "--then", "stay", "--clear", "30", "--iterations", "4000"],
      {"place": "outside", "then": "stay", "clear_m": 0.03, "iterations": 4000}),
     (["--robust", "1,0"], {"robust": (0.001, 0.0)}),
-    (["--optimise", "60", "--iterations", "40"], {"optimise_s": 60.0, "iterations": 40}),
+    (["--optimise", "60", "--iterations", "400"], {"optimise_s": 60.0, "iterations": 400}),
     (["--optimise", "60", "--iterations", "40", "--score-weight", "0"],
      {"optimise_s": 60.0, "iterations": 40, "score_weight": 0.0}),
     (["--optimise", "60", "--iterations", "40", "--cost", "time"],
@@ -116,3 +116,53 @@ def test_both_refuse_with_the_same_words(tmp_path: Path, flags: list[str], keywo
         cranny.plan(cranny.Scenario("021", criterion=criterion), **keywords)
     said = told.stderr.split(": ")[-1].strip()
     assert str(caught.value).endswith(said), (said, str(caught.value))
+
+
+KINDS: list[Request] = [
+    (["021"], {}),
+    (["021", "--carry", "home"], {"carry": "home"}),
+    (["021", "--carry", "out"], {"carry": "out"}),
+    (["021", "--place", "outside"], {"place": "outside"}),
+    (["235", "--task", "steps"], {"task": "steps"}),
+]
+FLAGS: list[Request] = [
+    (["--robust", "0.2,0.1"], {"robust": (0.0002, 0.0017453292519943296)}),
+    (["--clear", "20"], {"clear_m": 0.02}),
+    (["--margin", "0.01"], {"margin_m": 0.00001}),
+    (["--then", "stay"], {"then": "stay"}),
+    (["--optimise", "60", "--iterations", "400"], {"optimise_s": 60.0, "iterations": 400}),
+    (["--optimise", "0.1", "--cost", "time"], {"optimise_s": 0.1, "cost": "time"}),
+    (["--blend"], {"blend": True}),
+    (["--jerk-limited"], {"jerk_limited": True}),
+    (["--rate", "50"], {}),
+    (["--grasps", "none"], {}),
+    (["--score", "physics"], {"score": "physics"}),
+    (["--min-score", "0.1"], {"min_score": 0.1}),
+    (["--no-shortcut"], {"shortcut": False}),
+    (["--strict-pairs"], {"strict_pairs": True}),
+]
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=lambda kind: " ".join(kind[0]))
+@pytest.mark.parametrize("flag", FLAGS, ids=lambda flag: " ".join(flag[0]))
+def test_every_flag_works_with_every_task_or_is_refused_by_one_message(
+    tmp_path: Path, kind: Request, flag: Request
+) -> None:
+    (words, task), (flags, options) = kind, flag
+    theirs, ours = tmp_path / "cli.plan.json", tmp_path / "python.plan.json"
+    command = [program(), "plan", *words, *flags, "--quiet", "-o", str(theirs)]
+    ended = subprocess.run(command, cwd=tmp_path, check=False, capture_output=True, text=True)
+    grasps = "none" if flags == ["--grasps", "none"] else None
+    scenario = cranny.Scenario(words[0], grasps=grasps)
+    if ended.returncode == 2:
+        message = ended.stderr.splitlines()[0].removeprefix("error: ").removeprefix("--")
+        with pytest.raises(ValueError) as refused:
+            cranny.plan(scenario, **task, **options)
+        assert str(refused.value) == message
+        return
+    plan = cranny.plan(scenario, **task, **options)
+    plan.save(ours)
+    assert ended.returncode == (0 if plan else 1), ended.stderr
+    if "--cost" not in flags:
+        assert without_times(theirs) == without_times(ours)
+    assert plan.verify()

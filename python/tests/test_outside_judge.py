@@ -349,8 +349,12 @@ def test_plans_of_steps_touch_nothing_but_what_things_rest_on(
             continue
         known, document = len(tally.false), json.loads(plan.read_text())
         task = Task(folder, panda, mesh, tally, SAMPLES)
-        for k, (step, entry) in enumerate(zip(document["steps"], task.entry["steps"], strict=True)):
-            task.judge(step, entry["pick"], f"{plan.name} step {k + 1}")
+        picks = [stage for stage, row in enumerate(document["task"]) if "pick" in row]
+        for first, end in zip(picks, [*picks[1:], len(document["task"])], strict=True):
+            segments = [segment for segment in document["segments"] if first <= segment["stage"] < end]
+            pick = document["task"][first]["pick"]
+            others = [one for one in document["not_checked"] if one["reason"] != "resting" or one["first"] == pick]
+            task.judge({**document, "segments": segments, "not_checked": others}, pick, f"{plan.name} stage {first + 1}")
         tally.counts["plans of steps"] += 1
         if len(tally.false) > known:
             keep(tmp_path / f"s{number}")

@@ -212,7 +212,7 @@ def test_a_plan_puts_its_target_down_and_says_what_it_forgives() -> None:
     assert robust and robust.robustness is not None and robust.robustness["object"]["translation_m"] >= 0.0029
     for wrong, says in [
         ({"place": "moon"}, "no place 'moon'"),
-        ({"place": "outside", "carry": "home"}, "exclude"),
+        ({"place": "outside", "carry": "home"}, "only one"),
         ({"place": "outside", "then": "away"}, "then is 'away'"),
         ({"robust": (-1.0, 0.0)}, "at least 0"),
     ]:

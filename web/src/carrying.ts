@@ -7,10 +7,8 @@ export type Moved = ReadonlyMap<string, Pose>;
 
 /** What the robot does from when to when; "close" and "open" while it stands and its hand moves. */
 export interface Stretch extends Mode {
-  /** Which of the steps of its plan this belongs to. */
+  /** Which of the objects that its plan carries this belongs to. */
   step: number;
-  /** By which mode postures are judged: while the hand moves by the one before. */
-  judgedAs: string;
 }
 
 /** What becomes of the objects that a plan carries away, one after the other, over time. */
@@ -34,7 +32,7 @@ export class Carrying {
     });
     const stretches = (of: (transfer: Transfer) => Mode[]): Stretch[] =>
       this.transfers.flatMap((transfer, step) =>
-        of(transfer).map((mode) => ({ ...mode, step, judgedAs: transfer.modeBefore(mode) })),
+        of(transfer).map((mode) => ({ ...mode, step })),
       );
     this.modes = stretches(({ modes }) => modes);
     this.stops = stretches(({ stops }) => stops);
@@ -83,19 +81,15 @@ class Transfer {
   constructor(carry: Carry, object: string, kinematics: Kinematics) {
     this.object = object;
     this.modes = carry.modes;
-    this.stops = carry.modes.slice(1).flatMap(({ name, from_s }, index) => {
+    // Postures are judged as along the segment before.
+    this.stops = carry.modes.slice(1).flatMap(({ holds, from_s }, index) => {
       const before = carry.modes[index];
-      if (HOLDING.has(before.name) === HOLDING.has(name)) return [];
-      return [{ name: HOLDING.has(name) ? "close" : "open", from_s: before.until_s, until_s: from_s }];
+      if (before.holds === holds) return [];
+      return [{ ...before, name: holds ? "close" : "open", from_s: before.until_s, until_s: from_s }];
     });
     this.closing = carry.closing;
     this.graspFromWorld = inverse(kinematics.worldFromGripper(carry.grasp));
     this.placed = carry.placed ? compose(kinematics.worldFromGripper(carry.placed), this.graspFromWorld) : null;
-  }
-
-  /** The mode that a stretch is, or that ends where the hand begins to move. */
-  modeBefore({ name, from_s }: Mode): string {
-    return this.stops.some((stop) => stop.name === name) ? (this.modes.find(({ until_s }) => until_s === from_s)?.name ?? "") : name;
   }
 
   closingAt(time_s: number): number {
@@ -115,9 +109,6 @@ class Transfer {
 export function carriedBy(plans: { carrying: Carrying | null }[]): ReadonlySet<string> {
   return new Set(plans.flatMap(({ carrying }) => [...(carrying?.objects ?? [])]));
 }
-
-/** What the robot does with the object in its hand. */
-const HOLDING = new Set(["lift-off", "carry", "set-down"]);
 
 function stood({ from_s, until_s }: Mode, time_s: number): number {
   return Math.min(Math.max(time_s - from_s, 0), until_s - from_s);

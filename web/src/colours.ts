@@ -1,3 +1,5 @@
+import type { Mode } from "./page_data.ts";
+
 /** `#rrggbb` as numbers from 0 to 1, as a screen takes them. */
 export type Screen = [number, number, number];
 
@@ -43,16 +45,8 @@ export function ofPlan(index: number): string {
 
 /** What a plan does with the object in its hand: its colour lighter as long as it is lifted off or set down, between
  * these darker, and a little so once it has left it; as in pictures. */
-const IN_HAND: Record<string, [string, number]> = {
-  "lift-off": ["#ffffff", 0.6],
-  carry: ["#201838", 0.6],
-  "set-down": ["#ffffff", 0.6],
-  retreat: ["#201838", 0.3],
-  return: ["#201838", 0.3],
-};
-
-export function ofMode(plan: string, mode: string): string {
-  const [towards, share] = IN_HAND[mode] ?? [plan, 0];
+export function ofMode(plan: string, { holds, touches, leaves }: Pick<Mode, "holds" | "touches" | "leaves">): string {
+  const [towards, share] = touches ? ["#ffffff", 0.6] : holds ? ["#201838", 0.6] : leaves ? ["#201838", 0.3] : [plan, 0];
   const [from, to] = [channels(plan), channels(towards)];
   return hex(from.map((value, i) => value + (to[i] - value) * share) as Screen);
 }

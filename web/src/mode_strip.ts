@@ -35,12 +35,13 @@ export class ModeStrip {
       const said = HAND[name] ?? `To the beginning of ${name}`;
       const isOne = carrying.stepCount === 1;
       const label = isOne ? said : `${said}, step ${step + 1}`;
-      const text = isOne || name !== "reach" ? name : `step ${step + 1}`;
+      const isFirst = carrying.stretches.find((other) => other.step === step) === stretch;
+      const text = isOne || !isFirst ? name : `step ${step + 1}`;
       const mark = button(label, element("span", {}, text), () => this.onTime(from_s + (from_s > 0 ? AFTER_S : 0)), "mode");
       mark.dataset["mode"] = name;
       mark.style.left = `${(100 * from_s) / this.duration_s}%`;
       mark.style.width = `${(100 * (until_s - from_s)) / this.duration_s}%`;
-      mark.style.setProperty("--mode", name in HAND ? "var(--ink-soft)" : ofMode(colour, name));
+      mark.style.setProperty("--mode", name in HAND ? "var(--ink-soft)" : ofMode(colour, stretch));
       return { stretch, mark };
     });
   }

@@ -167,7 +167,15 @@ export interface Carry {
 }
 
 export interface Mode {
-  name: "reach" | "lift-off" | "carry" | "set-down" | "retreat" | "return" | string;
+  name: string;
+  /** Whether an object is in the closed hand. */
+  holds: boolean;
+  /** Whether it may touch what carries it. */
+  touches: boolean;
+  /** Whether the hand has let one go before. */
+  leaves: boolean;
+  /** Index of the segment of the plan. */
+  segment: number;
   from_s: number;
   until_s: number;
 }
@@ -210,8 +218,7 @@ export interface SearchTree {
 /** What a plan does, by index and step: what is in the hand and where everything else stands is as it is then. */
 export interface During {
   plan: number;
-  step: number;
-  mode: Mode["name"];
+  segment: number;
 }
 
 /** Body of `POST verdict`. */

@@ -26,13 +26,15 @@ export class PathView {
   constructor(plan: ShownPlan, kinematics: Kinematics) {
     this.plan = plan;
     const { times_s } = plan.trajectory;
-    const whole = { name: "reach", from_s: 0, until_s: plan.trajectory.duration_s };
-    this.pieces = (plan.carrying?.modes ?? [whole]).flatMap(({ name, from_s, until_s }) => {
+    const empty = { holds: false, touches: false, leaves: false };
+    const whole = { ...empty, from_s: 0, until_s: plan.trajectory.duration_s };
+    this.pieces = (plan.carrying?.modes ?? [whole]).flatMap((mode) => {
+      const { from_s, until_s, holds, leaves } = mode;
       const first = times_s.findIndex((time_s) => time_s >= from_s);
       const last = times_s.findLastIndex((time_s) => time_s <= until_s);
       const look = {
-        colour: ofMode(plan.colour, name),
-        radius_m: name === "reach" ? RADIUS_M : IN_HAND_RADIUS_M,
+        colour: ofMode(plan.colour, mode),
+        radius_m: holds || leaves ? IN_HAND_RADIUS_M : RADIUS_M,
       };
       return first < 0 ? [] : (Piece.of(plan, kinematics, { first, last }, look) ?? []);
     });

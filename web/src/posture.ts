@@ -42,7 +42,7 @@ export function postureAlong(plan: ShownPlan, time_s: number, { nodes, kinematic
   const worldFromGripper = worldFromLinks[kinematics.robot.tip];
   const moved = carrying?.movedAt(time_s, worldFromGripper) ?? NOTHING;
   const now = moved.size > 0 ? carrying?.at(time_s) : undefined;
-  const during = now ? { plan: index, step: now.step, mode: now.judgedAs } : null;
+  const during = now ? { plan: index, segment: now.segment } : null;
   return { q, worldFromLinks, worldFromGripper, worldFromNodes: worldFromNodes(nodes, worldFromLinks, moved), moved, during };
 }
 

@@ -2,7 +2,7 @@ use std::collections::HashSet;
 use std::time::Duration;
 
 use cranny_grasp::ScoreKind;
-use cranny_plan::{Budget, Carrier, Criterion, Goal, Problem, Registry, Unobserved};
+use cranny_plan::{Budget, Carrier, Criterion, Goal, LiftOffSettings, Problem, Registry, Stage, Unobserved};
 use cranny_scenario::Recipe;
 
 use crate::opened_scenario::OpenedScenario;
@@ -171,7 +171,7 @@ impl Campaign {
                 goals: None,
             };
             for criterion in &criteria {
-                let opened = OpenedScenario::open(&source.source, *criterion, self.demand)?;
+                let opened = OpenedScenario::open(&source.source, *criterion, &self.demand)?;
                 if source.goals.is_none() && self.planners.iter().any(|planner| planner.each_goal) {
                     source.goals = Some(opened.goals()?.len());
                 }
@@ -287,17 +287,18 @@ impl Campaign {
         } else {
             &opened.problem
         };
+        let stages = self.demand.stages_in(&opened.scenario)?;
         let asked = cranny_solve::Request {
             registry: registry.clone(),
             planner: Some(name.clone()),
             score: *score,
             min_score: *min_score,
-            carry: self.demand.carry.map(|carry| carry.carry(problem)).transpose()?,
+            stages: stages.clone(),
             ..cranny_solve::Request::default()
         };
         asked.check(problem)?;
-        if let Some(carry) = &asked.carry {
-            Carrier::new(problem, carry.lift_off)?;
+        if stages.len() > 1 && stages[0] == Stage::pick() {
+            Carrier::new(problem, LiftOffSettings::default())?;
         }
         let nothing = Budget { iterations: 0, time: Duration::ZERO };
         let planner = registry.planner_with(name, settings)?;

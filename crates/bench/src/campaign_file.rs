@@ -39,6 +39,8 @@ struct CampaignEntry {
     #[serde(default)]
     carry: Option<CarryTo>,
     #[serde(default)]
+    task: Option<String>,
+    #[serde(default)]
     grasps: Option<GraspsEntry>,
     #[serde(default)]
     margin_m: Option<Spanned<f64>>,
@@ -164,6 +166,7 @@ impl Campaign {
             measure_clearance: entry.measure_clearance.unwrap_or(default.measure_clearance),
             demand: PathDemand {
                 carry: entry.carry,
+                task: entry.task,
                 margins,
                 robust,
                 without_grasp_set: entry.grasps.is_some(),

@@ -1,5 +1,5 @@
-use cranny_plan::{AfterPlacing, CarryEnd, PlaceSettings, PlanError, Problem};
-use cranny_solve::Carry;
+use cranny_plan::{AfterPlacing, CLEAR_M, Move, PlaceAt, PlanError, Stage};
+use cranny_scenario::Scenario;
 use serde::{Deserialize, Serialize};
 use strum::{EnumString, IntoStaticStr, VariantArray};
 
@@ -12,36 +12,34 @@ use strum::{EnumString, IntoStaticStr, VariantArray};
 pub enum CarryTo {
     /// To where the robot started.
     Home,
-    /// To where it is clear of everything but floors, by [`CarryEnd::CLEAR_M`].
+    /// To where it is clear of everything but floors, by [`CLEAR_M`].
     Out,
     /// To the first place of its scenario, where it is put down, and the robot goes home.
     Place,
 }
 
 impl CarryTo {
-    /// What files and flags call it.
+    /// Name in files and flags.
     pub fn name(self) -> &'static str {
         self.into()
     }
 
-    /// What a planner is asked for.
+    /// The stages, of which the last ends there.
     ///
     /// # Errors
     /// [`PlanError::Place`] for a scenario without a place to put anything down.
-    pub(crate) fn carry(self, problem: &Problem) -> Result<Carry, PlanError> {
-        let end = match self {
-            Self::Home => CarryEnd::Home,
-            Self::Out => CarryEnd::Out { clear_m: CarryEnd::CLEAR_M },
-            Self::Place => {
-                let none = || PlanError::Place {
-                    problem: "the scenario has no place to put its target down (`places` in scenario.yaml)"
-                        .to_owned(),
-                };
-                let goal = problem.places().first().ok_or_else(none)?.clone();
-                let (clear_m, then) = (PlaceSettings::CLEAR_M, AfterPlacing::Home);
-                CarryEnd::Place(PlaceSettings { goal, clear_m, then })
-            }
+    pub(crate) fn stages(self, scenario: &Scenario) -> Result<Vec<Stage>, PlanError> {
+        let none = || PlanError::Place {
+            problem: "the scenario has no place to put its target down (`places` in scenario.yaml)"
+                .to_owned(),
         };
-        Ok(Carry { end, ..Carry::default() })
+        Ok(match self {
+            Self::Home => vec![Stage::pick(), Stage::home()],
+            Self::Out => vec![Stage::pick(), Stage::Move(Move::Clear { clear_m: CLEAR_M })],
+            Self::Place => {
+                let place = scenario.places.first().ok_or_else(none)?.name.clone();
+                Stage::put_down(PlaceAt { place, clear_m: CLEAR_M }, AfterPlacing::Home)
+            }
+        })
     }
 }

@@ -2,9 +2,7 @@
 
 use std::path::Path;
 
-use cranny_plan::{Outcome, Statistics};
-use cranny_scenario::PlanSegment;
-use cranny_solve::{Mode, Segment, joined};
+use cranny_plan::{Outcome, Segment, Stage, Statistics, check_segments, joined, number_stages};
 use serde::Deserialize;
 
 use crate::TrialOutcome;
@@ -30,7 +28,7 @@ struct Document {
     #[serde(default)]
     waypoints: Vec<Vec<f64>>,
     #[serde(default)]
-    segments: Option<Vec<PlanSegment>>,
+    segments: Option<Vec<Segment>>,
     #[serde(default)]
     outcome: Option<Outcome>,
     #[serde(default)]
@@ -53,15 +51,15 @@ const MOST_COUNT: u64 = i64::MAX.cast_unsigned();
 /// What a program printed: a JSON document, or way points as comma-separated lines; nothing where it found no
 /// path.
 ///
-/// Where the target is to be carried (`carries`), a path is in segments that do it.
+/// A path through several stages is in segments; where these name no stage, they are numbered by what they do.
 ///
 /// # Errors
 /// What is wrong, with the line.
-pub fn read_output(output: &[u8], joints: usize, carries: bool) -> Result<ForeignAnswer, String> {
+pub fn read_output(output: &[u8], joints: usize, stages: &[Stage]) -> Result<ForeignAnswer, String> {
     let text = std::str::from_utf8(output).map_err(|_| "the output is not UTF-8".to_owned())?;
     if !text.trim_start().starts_with('{') {
         let segments = reach_along(read_lines(text, joints)?);
-        check_carrying(&segments, carries)?;
+        check_stages(stages, &segments)?;
         return Ok(ForeignAnswer {
             outcome: TrialOutcome::BudgetExhausted,
             segments,
@@ -72,23 +70,22 @@ pub fn read_output(output: &[u8], joints: usize, carries: bool) -> Result<Foreig
         cranny_file::json(text.as_bytes()).map_err(|reason| format!("line {}: {reason}", reason.line))?;
     let segments = match (document.protocol.unwrap_or(1), document.segments) {
         (1 | 2, None) => reach_along(document.waypoints),
-        (2, Some(segments)) if document.waypoints.is_empty() => {
-            PlanSegment::joined(&segments)?;
-            let known: Result<Vec<Segment>, String> = segments.iter().map(PlanSegment::segment).collect();
-            let known = known?;
-            // The way to a grasp may come in pieces.
-            if known.iter().all(|segment| segment.mode == Mode::Reach) {
-                reach_along(joined(&known))
-            } else {
-                known
+        (2, Some(mut segments)) if document.waypoints.is_empty() => {
+            if segments.iter().all(|segment| segment.stage == 0) {
+                number_stages(stages, &mut segments);
             }
+            let reach = [Stage::pick()];
+            check_segments(if stages.is_empty() { &reach } else { stages }, &segments)?;
+            // The path to a goal may come in pieces.
+            let is_reach = segments.iter().all(|segment| segment.stage == 0 && !segment.mode.holds);
+            if is_reach { reach_along(joined(&segments)) } else { segments }
         }
         (1 | 2, Some(_)) => {
             return Err("segments stand in answers that name protocol 2 and have no way points".to_owned());
         }
         (other, _) => return Err(format!("its protocol is {other}, but this version speaks 1 and 2")),
     };
-    check_carrying(&segments, carries)?;
+    check_stages(stages, &segments)?;
     let mut way_points = segments.iter().flat_map(|segment| &segment.waypoints).enumerate();
     if let Some((index, q)) = way_points.find(|(_, q)| q.len() != joints) {
         return Err(format!("way point {index} has {} values instead of {joints}", q.len()));
@@ -127,19 +124,16 @@ fn reach_along(path: Vec<Vec<f64>>) -> Vec<Segment> {
     if path.is_empty() { Vec::new() } else { vec![Segment::reach(path, Vec::new())] }
 }
 
-/// Whether a path, if it is one, goes on after the grasp where that is asked, and nowhere else.
-fn check_carrying(segments: &[Segment], carries: bool) -> Result<(), String> {
-    match segments.iter().position(|segment| segment.mode != Mode::Reach) {
-        Some(index) if !carries => {
-            Err(format!("segment {index} goes on after the grasp, at which the trial ends"))
-        }
-        None if carries && !segments.is_empty() => {
-            Err("the path ends at the grasp, but the trial carries the target on: name protocol 2 and give segments \
-                 `reach`, `lift-off`, `carry` and what follows"
-                .to_owned())
-        }
-        _ => Ok(()),
+/// Checks that a path, if it is one, is of the stages of its task; without any it ends at the grasp.
+fn check_stages(stages: &[Stage], segments: &[Segment]) -> Result<(), String> {
+    let reach = [Stage::pick()];
+    check_segments(if stages.is_empty() { &reach } else { stages }, segments)?;
+    if stages.len() > 1 && segments.iter().all(|segment| segment.stage == 0) && !segments.is_empty() {
+        return Err("the path ends at the grasp, but the trial carries the target on: name protocol 2 and give segments \
+                    `reach`, `lift-off`, `carry` and what follows"
+            .to_owned());
     }
+    Ok(())
 }
 
 /// What the released program writes beside its way points.
@@ -223,10 +217,10 @@ mod tests {
     fn way_points_come_as_json_or_as_lines() {
         let expected = vec![vec![0.1 + 0.2, -1e-300], vec![1.0, 2.0]];
         let text = format!("{},{}\n\n1,2,\n", expected[0][0], expected[0][1]);
-        assert_eq!(joined(&read_output(text.as_bytes(), 2, false).unwrap().segments), expected);
+        assert_eq!(joined(&read_output(text.as_bytes(), 2, &[]).unwrap().segments), expected);
         let text =
             serde_json::json!({"waypoints": expected, "outcome": "solved", "statistics": {"iterations": 7}});
-        let answer = read_output(text.to_string().as_bytes(), 2, false).unwrap();
+        let answer = read_output(text.to_string().as_bytes(), 2, &[]).unwrap();
         assert_eq!((joined(&answer.segments), answer.statistics.iterations), (expected, 7));
     }
 
@@ -246,7 +240,7 @@ mod tests {
     #[test]
     fn a_path_of_protocol_2_may_come_as_segments() {
         use serde_json::json;
-        let read = |answer: serde_json::Value| read_output(answer.to_string().as_bytes(), 2, false);
+        let read = |answer: serde_json::Value| read_output(answer.to_string().as_bytes(), 2, &[]);
         let same = json!({});
         let answer = read(json!({"protocol": 2, "segments": segments(&same, &same), "outcome": "solved"}));
         assert_eq!(joined(&answer.unwrap().segments), [[0.0, 0.0], [0.5, 1.0], [1.0, 2.0]]);
@@ -256,13 +250,21 @@ mod tests {
         }
         assert_eq!(read(json!({"protocol": 2, "segments": []})).unwrap().segments.len(), 0);
         for (first, second, says) in [
-            (json!({"kind": "spline"}), same.clone(), "segment 0 is of kind 'spline'"),
-            (json!({"mode": ""}), same.clone(), "segment 0 is of mode ''"),
-            (same.clone(), json!({"mode": "carry"}), "neither a reach nor"),
-            (same.clone(), json!({"attached": "ball"}), "segment 1 carries 'ball'"),
-            (json!({"opening_m": 0.04}), same.clone(), "segment 0 opens the hand by 0.04 m"),
-            (json!({"waypoints": []}), same.clone(), "segment 0 has no way points"),
-            (same.clone(), json!({"waypoints": [[0.5, 1.5], [1, 2]]}), "does not begin where segment 0 ends"),
+            (json!({"kind": "spline"}), same.clone(), "a segment is of kind 'spline'"),
+            (json!({"mode": ""}), same.clone(), "a segment is of mode ''"),
+            (
+                same.clone(),
+                json!({"mode": "carry"}),
+                "segment 1, 'carry', holds an object that was not picked",
+            ),
+            (same.clone(), json!({"attached": "ball"}), "segment 1, 'reach', states what is in the hand"),
+            (json!({"opening_m": 0.04}), same.clone(), "segment 0, 'reach', states what is in the hand"),
+            (json!({"waypoints": []}), same.clone(), "segment 0, 'reach', has no way points"),
+            (
+                same.clone(),
+                json!({"waypoints": [[0.5, 1.5], [1, 2]]}),
+                "does not begin where the segment before",
+            ),
             (same.clone(), json!({"waypoints": [[0.5, 1], [1]]}), "way point 2 has 1 values"),
         ] {
             let fault = read(json!({"protocol": 2, "segments": segments(&first, &second)})).unwrap_err();
@@ -280,16 +282,16 @@ mod tests {
     #[test]
     fn no_path_is_an_answer() {
         for text in ["", "\n \n", "{}", "{\"outcome\": \"budget-exhausted\"}"] {
-            let answer = read_output(text.as_bytes(), 2, false).unwrap();
+            let answer = read_output(text.as_bytes(), 2, &[]).unwrap();
             assert_eq!((answer.outcome, answer.segments.len()), (TrialOutcome::BudgetExhausted, 0));
         }
-        let answer = read_output(b"{\"outcome\": \"no-reachable-grasp\"}", 2, false).unwrap();
+        let answer = read_output(b"{\"outcome\": \"no-reachable-grasp\"}", 2, &[]).unwrap();
         assert_eq!(answer.outcome, TrialOutcome::NoReachableGrasp);
     }
 
     #[test]
     fn what_is_no_answer_is_named_with_its_line() {
-        let fault = |text: &[u8]| read_output(text, 2, false).unwrap_err();
+        let fault = |text: &[u8]| read_output(text, 2, &[]).unwrap_err();
         assert!(fault(b"1,2\nloading robot ...\n").contains("line 2: 'loading robot ...'"));
         assert!(fault(b"1,2\n1,2,3\n").contains("line 2: 3 numbers instead of 2"));
         assert!(fault(b"1,nan\n").contains("'nan'"));

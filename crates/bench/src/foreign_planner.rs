@@ -5,9 +5,9 @@ use std::time::Duration;
 use cranny_collision::Margins;
 use cranny_file::system::{self, FileStamp};
 use cranny_grasp::rows_of_pose;
-use cranny_plan::{CarryEnd, Criterion, PlaceSettings, PlaceSpot, Problem, Statistics};
+use cranny_plan::{AfterPlacing, Criterion, LiftOffSettings, PlaceSpot, Problem, Segment, Stage, Statistics};
 use cranny_scenario::{Recipe, ScenarioError};
-use cranny_solve::{Carry, Segment};
+
 use serde_json::json;
 use tempfile::TempDir;
 
@@ -47,6 +47,8 @@ pub struct ForeignTask<'a> {
     pub goal: Option<&'a [f64]>,
     /// Where the target is to be carried, if it is.
     pub carry: Option<CarryTo>,
+    /// The stages of the task; empty where the path ends at the goal.
+    pub stages: &'a [Stage],
 }
 
 /// How long a program may go on after its time limit before it counts as hung: enough to notice, to tidy up and
@@ -140,7 +142,7 @@ impl ForeignPlanner {
                 let read = if self.is_released {
                     foreign_answer::read_released(&prefix, joints)
                 } else {
-                    foreign_answer::read_output(&output, joints, task.carry.is_some())
+                    foreign_answer::read_output(&output, joints, task.stages)
                 };
                 match read {
                     Ok(ForeignAnswer { outcome, segments, statistics }) => {
@@ -224,7 +226,8 @@ impl ForeignFiles {
             "tip": robot.links()[robot.tip()].name,
             "goal_configuration": task.goal,
             "target": problem.target().and_then(|target| Some(&problem.cell()?.world().bodies()[target].name)),
-            "carry": task.carry.and_then(|carry| asked_to_carry(carry, problem)),
+            "carry": task.carry.map(|carry| asked_to_carry(carry, task.stages, problem)),
+            "task": task.stages.iter().map(|stage| asked_stage(stage, problem)).collect::<Vec<_>>(),
             "margin_m": margin_m,
             "grasp_margin_m": grasp_margin_m,
             "object_margin_m": object_margin_m,
@@ -321,31 +324,39 @@ impl ForeignFiles {
     }
 }
 
-/// What a program is told of where the target is to be carried; nothing where that is no place.
-fn asked_to_carry(carry: CarryTo, problem: &Problem) -> Option<serde_json::Value> {
-    // Where there is no place, nobody came so far.
-    let Carry { end, lift_off } = carry.carry(problem).ok()?;
-    let (clear_m, place) = match end {
-        CarryEnd::Out { clear_m } => (Some(clear_m), None),
-        CarryEnd::Place(PlaceSettings { goal, clear_m, then }) => {
-            let (on, pose, size_m) = match &goal.spot {
-                PlaceSpot::Surface { on, pose, size_m } => (Some(on), pose, Some(size_m)),
-                PlaceSpot::Target(pose) => (None, pose, None),
-            };
-            let pose = rows_of_pose(pose);
-            let place =
-                json!({"name": goal.name, "on": on, "pose": pose, "size_m": size_m, "then": then.name()});
-            (Some(clear_m), Some(place))
-        }
-        CarryEnd::Home | CarryEnd::Configurations(_) => (None, None),
-    };
+/// The form of protocol 2 for a target that is carried on: the only pick of its task, and one stage after it.
+fn asked_to_carry(carry: CarryTo, stages: &[Stage], problem: &Problem) -> serde_json::Value {
+    let LiftOffSettings { most_m, clear_m, slack_m } = LiftOffSettings::default();
     let mut asked = json!({
         "to": carry.name(),
-        "clear_m": clear_m,
-        "lift_off": {"most_m": lift_off.most_m, "clear_m": lift_off.clear_m, "slack_m": lift_off.slack_m},
+        "clear_m": null,
+        "lift_off": {"most_m": most_m, "clear_m": clear_m, "slack_m": slack_m},
     });
-    if let (Some(keys), Some(place)) = (asked.as_object_mut(), place) {
-        keys.insert("place".to_owned(), place);
+    for stage in stages {
+        let mut keys = asked_stage(stage, problem);
+        if !keys["clear_m"].is_null() {
+            asked["clear_m"] = keys["clear_m"].take();
+        }
+        if keys["place"].is_object() {
+            asked["place"] = keys["place"].take();
+            asked["place"]["then"] = AfterPlacing::Home.name().into();
+        }
     }
-    Some(asked)
+    asked
+}
+
+/// A stage as a plan file has it, with its place in full: name, support, pose in the planning frame (m, row by row), and
+/// size (m).
+fn asked_stage(stage: &Stage, problem: &Problem) -> serde_json::Value {
+    let mut asked = json!(stage);
+    if let Stage::Place(place) = stage
+        && let Ok(goal) = problem.place(&place.place)
+    {
+        let (on, pose, size_m) = match &goal.spot {
+            PlaceSpot::Surface { on, pose, size_m } => (Some(on), pose, Some(size_m)),
+            PlaceSpot::Target(pose) => (None, pose, None),
+        };
+        asked["place"] = json!({"name": goal.name, "on": on, "pose": rows_of_pose(pose), "size_m": size_m});
+    }
+    asked
 }

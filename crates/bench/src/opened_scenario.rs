@@ -19,11 +19,11 @@ pub struct OpenedScenario {
 }
 
 impl OpenedScenario {
-    pub fn open(source: &str, criterion: Criterion, demand: PathDemand) -> Result<Self, ScenarioError> {
+    pub fn open(source: &str, criterion: Criterion, demand: &PathDemand) -> Result<Self, ScenarioError> {
         let grasps = demand.given_grasps();
         let options = OpenOptions { criterion: Some(criterion), grasps, ..OpenOptions::default() };
         let scenario = Scenario::open(source, &options)?;
-        let problem = scenario.problem(demand.margins_in(&scenario)?)?;
+        let problem = scenario.problem(scenario.margins_forgiving(demand.margins, demand.robust)?)?;
         Ok(Self { scenario, problem, source: source.to_owned(), goals: OnceCell::new() })
     }
 
@@ -75,12 +75,12 @@ impl OpenedScenarios {
             return Err(BenchError::ChangedScenario { scenario, source_name });
         }
         // Where an object is carried to plays no part.
-        let demand = PathDemand { carry: None, ..PathDemand::of_settings(&trial.settings) };
+        let demand = PathDemand { carry: None, task: None, ..PathDemand::of_settings(&trial.settings) };
         let key = (source.to_owned(), criterion.name(), format!("{demand:?}"));
         if let Some(opened) = self.opened.get(&key) {
             return Ok(opened.clone());
         }
-        let opened = Rc::new(OpenedScenario::open(source, criterion, demand)?);
+        let opened = Rc::new(OpenedScenario::open(source, criterion, &demand)?);
         self.opened.insert(key, opened.clone());
         Ok(opened)
     }

@@ -1,6 +1,7 @@
 use std::collections::BTreeMap;
 
 use cranny_collision::Margins;
+use cranny_plan::Stage;
 use cranny_scenario::{GivenGrasps, Scenario, ScenarioError};
 use cranny_solve::PoseRadius;
 use serde_json::Value;
@@ -11,10 +12,12 @@ use crate::CarryTo;
 ///
 /// It stands among the settings of a trial, as far as it is not the usual: trials that ask for more are others, and those
 /// that do not are the same as before there was more to ask for.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct PathDemand {
     /// Where the target is carried to, once it is grasped. Default: the path ends at the grasp.
     pub carry: Option<CarryTo>,
+    /// Name of the task of each scenario that is done instead. Default: none.
+    pub task: Option<String>,
     /// How much clearance it keeps. Default: contact alone counts.
     pub margins: Margins,
     /// How far the target may be from where it is thought to be. Default: it is there.
@@ -25,6 +28,7 @@ pub struct PathDemand {
 
 /// What it is called among settings.
 const CARRY: &str = "carry";
+const TASK: &str = "task";
 const MARGIN: &str = "margin_m";
 const GRASP_MARGIN: &str = "grasp_margin_m";
 const ROBUST_M: &str = "robust_m";
@@ -36,9 +40,25 @@ impl PathDemand {
     /// Under what whether a set of grasps is given stands among settings.
     pub(crate) const GRASPS: &str = "grasps";
 
+    /// The stages of a trial in a scenario; empty where the path ends at the goal of its problem.
+    ///
+    /// # Errors
+    /// [`ScenarioError::UnknownTask`], [`PlanError::Place`](cranny_plan::PlanError::Place) for a scenario without a place to put anything down.
+    pub(crate) fn stages_in(&self, scenario: &Scenario) -> Result<Vec<Stage>, ScenarioError> {
+        let stages = match (&self.task, self.carry) {
+            (Some(name), _) => scenario.task(name)?.stages.clone(),
+            (None, Some(carry)) => carry.stages(scenario)?,
+            (None, None) => Vec::new(),
+        };
+        Ok(match self.robust {
+            Some(error) => scenario.forgiving(&stages, error.translation_m, error.rotation_rad),
+            None => stages,
+        })
+    }
+
     /// The settings of a planner, as canonical JSON, with what the trial asks of it.
-    pub(crate) fn among(self, settings: String) -> String {
-        if self == Self::default() {
+    pub(crate) fn among(&self, settings: String) -> String {
+        if *self == Self::default() {
             return settings;
         }
         let parsed = serde_json::from_str(&settings);
@@ -46,6 +66,9 @@ impl PathDemand {
         let mut all: BTreeMap<&str, Value> = parsed.unwrap_or_default();
         if let Some(carry) = self.carry {
             all.insert(CARRY, carry.name().into());
+        }
+        if let Some(task) = &self.task {
+            all.insert(TASK, task.as_str().into());
         }
         if self.without_grasp_set {
             all.insert(Self::GRASPS, NONE.into());
@@ -73,6 +96,7 @@ impl PathDemand {
         let metres = |key| number(key).unwrap_or_default();
         Self {
             carry: all.get(CARRY).and_then(Value::as_str).and_then(|name| name.parse().ok()),
+            task: all.get(TASK).and_then(Value::as_str).map(str::to_owned),
             margins: Margins {
                 margin_m: metres(MARGIN),
                 grasp_margin_m: metres(GRASP_MARGIN),
@@ -85,19 +109,8 @@ impl PathDemand {
         }
     }
 
-    /// The margins of a scenario's problem.
-    ///
-    /// # Errors
-    /// [`ScenarioError::NoTarget`] where it has no target that could be elsewhere.
-    pub(crate) fn margins_in(self, scenario: &Scenario) -> Result<Margins, ScenarioError> {
-        let Some(PoseRadius { translation_m, rotation_rad }) = self.robust else { return Ok(self.margins) };
-        let object_margin_m = scenario.object_margin_m(translation_m, rotation_rad);
-        let lacking = || ScenarioError::NoTarget { id: scenario.id.clone() };
-        Ok(Margins { object_margin_m: object_margin_m.ok_or_else(lacking)?, ..self.margins })
-    }
-
     /// Which grasps a path may end at.
-    pub fn given_grasps(self) -> GivenGrasps {
+    pub fn given_grasps(&self) -> GivenGrasps {
         if self.without_grasp_set { GivenGrasps::None } else { GivenGrasps::Own }
     }
 }
@@ -114,11 +127,13 @@ mod tests {
         let margins = Margins { margin_m: 0.005, grasp_margin_m: 0.001, ..Margins::default() };
         for demand in [
             PathDemand { carry: Some(CarryTo::Home), ..PathDemand::default() },
+            PathDemand { task: Some("tidy".to_owned()), ..PathDemand::default() },
             PathDemand { margins, ..PathDemand::default() },
             PathDemand { carry: Some(CarryTo::Out), margins, ..PathDemand::default() },
             PathDemand { without_grasp_set: true, ..PathDemand::default() },
             PathDemand {
                 carry: Some(CarryTo::Home),
+                task: None,
                 margins,
                 robust: Some(PoseRadius { translation_m: 0.0, rotation_rad: 0.1 }),
                 without_grasp_set: true,

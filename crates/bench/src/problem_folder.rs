@@ -20,9 +20,8 @@ pub fn write_problem(question: &Question, folder: &Path) -> Result<PathBuf, Benc
     let folder = std::path::absolute(folder).map_err(unwritable)?;
     let trial = &question.trial;
     let demand = PathDemand::of_settings(&trial.settings);
-    let carry = demand.carry;
-    let opened =
-        OpenedScenario::open(&question.source, trial.criterion, PathDemand { carry: None, ..demand })?;
+    let opened = OpenedScenario::open(&question.source, trial.criterion, &demand)?;
+    let stages = demand.stages_in(&opened.scenario)?;
     let files = ForeignFiles::write(&folder, &question.source, &opened)?;
     // It tells a worker what it has written before; here nobody asks.
     let _ = std::fs::remove_file(mark_of_the_whole(&folder, opened.problem.criterion()));
@@ -32,7 +31,8 @@ pub fn write_problem(question: &Question, folder: &Path) -> Result<PathBuf, Benc
         memory_limit_bytes: 0,
         walls: Walls::default(),
     };
-    let task = ForeignTask { request: &request, opened: &opened, goal: None, carry };
+    let task =
+        ForeignTask { request: &request, opened: &opened, goal: None, carry: demand.carry, stages: &stages };
     let problem = files.problem(&task, &folder.join("scratch"));
     let text = serde_json::to_string_pretty(&problem).map_err(|reason| BenchError::message(&reason))? + "\n";
     let document = folder.join("problem.json");

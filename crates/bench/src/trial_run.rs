@@ -2,16 +2,15 @@ use std::time::Duration;
 
 use cranny_file::system;
 use cranny_plan::{
-    Audit, AuditSettings, Budget, Carrier, Clearances, Criterion, Goal, Observer, PlanError, Problem,
-    Registry,
+    AuditSettings, Budget, Clearances, Criterion, Goal, Observer, Registry, Stage, audit_task, joined,
 };
-use cranny_solve::{Segment, audit_segments, joined, solve};
+use cranny_solve::solve;
 
 use crate::foreign_planner::{ForeignPlanner, ForeignTask};
 use crate::opened_scenario::{OpenedScenario, OpenedScenarios};
 use crate::process_group::Leash;
 use crate::worker_message::{Message, Request, TrialRun};
-use crate::{BenchError, CarryTo, PathDemand, PlannerCall, TrialOutcome, TrialRecord, judge};
+use crate::{BenchError, PathDemand, PlannerCall, TrialOutcome, TrialRecord, judge};
 
 /// Runs one trial, and returns how it went and the planner's own path.
 ///
@@ -49,10 +48,17 @@ pub fn run(
     // 2.
     let clearances = if question.measure_clearance { Clearances::OfPath } else { Clearances::None };
     let settings = AuditSettings { clearances, ..AuditSettings::default() };
-    let carry = PathDemand::of_settings(&trial.settings).carry;
+    let demand = PathDemand::of_settings(&trial.settings);
+    let stages = demand.stages_in(&opened.scenario)?;
     let (mut record, segments, audit) = match (&question.call, &foreign) {
         (_, Some(foreign)) => {
-            let task = ForeignTask { request, opened: &opened, goal: goal.as_deref(), carry };
+            let task = ForeignTask {
+                request,
+                opened: &opened,
+                goal: goal.as_deref(),
+                carry: demand.carry,
+                stages: &stages,
+            };
             let (record, segments) = foreign.plan(&task, leash)?;
             tell(&Message::Planned)?;
             (record, segments, None)
@@ -73,7 +79,7 @@ pub fn run(
                 },
                 seed: trial.seed,
                 keep_path: true,
-                carry: carry.map(|carry| carry.carry(&opened.problem)).transpose()?,
+                stages: stages.clone(),
                 // A path to one goal is judged below.
                 audit: if aimed.is_some() {
                     AuditSettings { clearances: Clearances::None, ..settings }
@@ -99,7 +105,12 @@ pub fn run(
     if path.is_empty() {
         return Ok((given_up(record), path));
     }
-    let word = audit.map_or_else(|| audit_task(&opened.problem, &segments, carry, settings), Ok);
+    let judged = || {
+        let own = Stage::of_goal(&opened.problem);
+        let stages = if stages.is_empty() { &own } else { &stages };
+        audit_task(&opened.problem, stages, &segments, settings)
+    };
+    let word = audit.map_or_else(judged, Ok);
     judge::decide(&mut record, &mut path, &opened.problem, word);
     if let (Some(other), Some(reach), false) = (other, segments.first(), path.is_empty()) {
         record.also_solved = judge::also_meets(&other.problem, &reach.waypoints).ok();
@@ -110,18 +121,6 @@ pub fn run(
         record.detail = Some(format!("a path came {late_s:.3} s after the limit"));
     }
     Ok((record, path))
-}
-
-/// What the judge says of the path of a trial.
-fn audit_task(
-    problem: &Problem,
-    segments: &[Segment],
-    carry: Option<CarryTo>,
-    settings: AuditSettings,
-) -> Result<Audit, PlanError> {
-    let carry = carry.map(|carry| carry.carry(problem)).transpose()?;
-    let carrier = carry.as_ref().map(|carry| Carrier::new(problem, carry.lift_off)).transpose()?;
-    audit_segments(problem, carrier.as_ref(), segments, carry.as_ref().map(|carry| &carry.end), settings)
 }
 
 /// Tells that the search is over: judging has a time limit of its own.

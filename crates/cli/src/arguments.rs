@@ -97,6 +97,7 @@ pub struct TaskArguments {
   cranny plan 012 --place outside --then stay
   cranny plan 021 --robust 2,3
   cranny plan 213 --steps
+  cranny plan path/to/scenario --task tidy
   cranny plan 021 --grasps scored.csv --score physics    see `cranny simulate grasps --trials`
   cranny plan 021 --grasps scored.csv --score physics --min-score 0.8
   cranny plan 021 --grasps none
@@ -129,7 +130,7 @@ pub struct PlanArguments {
     #[arg(long, value_enum, default_value_t = ScoreArgument::Geometric)]
     pub score: ScoreArgument,
     /// Least score, of that kind, of a grasp that counts as a goal, from 0 to 1; those below it, or without one, do not
-    #[arg(long, value_name = "S", allow_negative_numbers = true, conflicts_with_all = ["moveit", "steps"])]
+    #[arg(long, value_name = "S", allow_negative_numbers = true, conflicts_with = "moveit")]
     pub min_score: Option<f64>,
     /// Seed of all randomness: the same seed gives the same path
     #[arg(long, value_name = "N", default_value = "0", value_parser = whole(0..=u64::MAX))]
@@ -143,7 +144,7 @@ pub struct PlanArguments {
     /// Carry the target on once it is grasped: `home`, to where the robot started; `out`, to where it is clear of
     /// everything but the floor; to a configuration (comma-separated values), or to any of those in a file (.csv). A grasp
     /// that it cannot be carried away from is none
-    #[arg(long, value_name = "home|out|Q|FILE", allow_hyphen_values = true, conflicts_with_all = ["optimise", "blend"])]
+    #[arg(long, value_name = "home|out|Q|FILE", allow_hyphen_values = true)]
     pub carry: Option<String>,
     /// Demand that the target may be so far from where it is thought to be, moved and turned about its middle at once, before
     /// the hand closes on it and in the hand from then on (the plan says how far it and all else may be anyway)
@@ -151,16 +152,19 @@ pub struct PlanArguments {
     pub robust: Option<PoseRadius>,
     /// Put the target down in a place of the scenario (`places` in its scenario.yaml; `cranny info` lists them) and open the
     /// hand. A grasp with which it cannot be brought there is none
-    #[arg(long, value_name = "PLACE", conflicts_with_all = ["carry", "optimise", "blend"])]
+    #[arg(long, value_name = "PLACE")]
     pub place: Option<String>,
-    /// Pick and put down what the scenario's `steps` name, one after the other, each in the world that the one before leaves
-    #[arg(long, conflicts_with_all = ["moveit", "carry", "place", "then", "clear", "optimise", "blend", "grasps", "rate"])]
+    /// Do a task of several stages (`tasks` in the scenario.yaml; `cranny info` lists them)
+    #[arg(long = "task", value_name = "NAME")]
+    pub named_task: Option<String>,
+    /// Pick and put down what the scenario's `steps` name: short for --task steps
+    #[arg(long, conflicts_with = "named_task")]
     pub steps: bool,
-    /// With --place: where the robot goes once its hand has left the target
-    #[arg(long, value_enum, value_name = "WHERE", default_value_t = ThenArgument::Home, requires = "place")]
-    pub then: ThenArgument,
-    /// In millimetres, with --carry out: how clear the target is in the end, at most 1000; with --place: how far the hand
-    /// is from the target when it has left it, at most 500 [default: 50]
+    /// With --place: where the robot goes once its hand has left the target [default: home]
+    #[arg(long, value_enum, value_name = "WHERE")]
+    pub then: Option<ThenArgument>,
+    /// In millimetres, with --carry out: how clear the target is in the end, at most 1000; with --place, --steps and --task:
+    /// how far the hand is from an object when it has left it, at most 500 [default: 50]
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     pub clear: Option<f64>,
     /// Leave the path as the planner found it

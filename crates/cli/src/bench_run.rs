@@ -94,6 +94,9 @@ pub struct RunArguments {
     /// everything but the floor; or `place`, to the first place of its scenario, where it is put down
     #[arg(long, value_name = "home|out|place", value_parser = carry_to)]
     carry: Option<CarryTo>,
+    /// Do the task of this name in each scenario (`tasks` of its scenario.yaml)
+    #[arg(long, value_name = "NAME", conflicts_with = "carry")]
+    task: Option<String>,
     /// Demand that the target may be so far from where it is thought to be, as `plan --robust` does
     #[arg(long, value_name = "MM,DEG", value_parser = pose_error)]
     robust: Option<PoseRadius>,
@@ -272,6 +275,7 @@ fn campaign(arguments: &RunArguments, registry: &Registry) -> Result<Campaign, F
     }
     campaign.judge_both |= arguments.judge_both;
     campaign.demand.carry = arguments.carry.or(campaign.demand.carry);
+    campaign.demand.task = arguments.task.clone().or(campaign.demand.task.take());
     campaign.demand.robust = arguments.robust.or(campaign.demand.robust);
     campaign.demand.without_grasp_set |= arguments.grasps.is_some();
     campaign.demand.margins = arguments.margins.or(campaign.demand.margins);

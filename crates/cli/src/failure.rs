@@ -1,5 +1,6 @@
 use std::path::PathBuf;
 
+use cranny_scenario::ScenarioError;
 use cranny_solve::SolveError;
 
 /// Bad input: said once, exit 2.
@@ -7,7 +8,7 @@ use cranny_solve::SolveError;
 pub enum Failure {
     /// The scenario, a plan file or way points.
     #[error(transparent)]
-    Scenario(#[from] cranny_scenario::ScenarioError),
+    Scenario(ScenarioError),
     /// The problem.
     #[error(transparent)]
     Plan(#[from] cranny_plan::PlanError),
@@ -91,6 +92,15 @@ impl From<SolveError> for Failure {
         match fault {
             SolveError::Request { field, problem } => Self::Request { field, problem },
             SolveError::Plan(fault) => Self::Plan(fault),
+        }
+    }
+}
+
+impl From<ScenarioError> for Failure {
+    fn from(fault: ScenarioError) -> Self {
+        match fault {
+            ScenarioError::Ask { field, problem } => Self::Request { field, problem },
+            fault => Self::Scenario(fault),
         }
     }
 }

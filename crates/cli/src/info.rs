@@ -24,7 +24,7 @@ struct Info {
     bodies: Vec<Body>,
     target: Option<String>,
     places: Vec<String>,
-    steps: usize,
+    tasks: Vec<String>,
     grasps: usize,
     scored_grasps: usize,
     known_ik_solutions: usize,
@@ -57,7 +57,7 @@ pub fn run(arguments: &TaskArguments, output: Output) -> Result<Answer, Failure>
             .collect(),
         target: scenario.target.map(|target| world.bodies()[target].name.clone()),
         places: scenario.places.iter().map(|place| place.name.clone()).collect(),
-        steps: scenario.steps.len(),
+        tasks: scenario.tasks.iter().map(|task| task.name.clone()).collect(),
         grasps: scenario.grasps.len(),
         scored_grasps: scenario.grasps.grasps().iter().filter(|g| g.score.is_some()).count(),
         known_ik_solutions: scenario.ik.len(),
@@ -89,8 +89,8 @@ fn page(info: &Info) -> String {
     for (index, place) in info.places.iter().enumerate() {
         line(if index == 0 { "places" } else { "" }, place.clone());
     }
-    if info.steps > 0 {
-        line("steps", info.steps.to_string());
+    for (index, task) in info.tasks.iter().enumerate() {
+        line(if index == 0 { "tasks" } else { "" }, task.clone());
     }
     line("grasps", format!("{} ({} scored)", info.grasps, info.scored_grasps));
     line("known IK", counted(info.known_ik_solutions, "configuration"));

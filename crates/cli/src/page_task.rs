@@ -4,14 +4,14 @@ use cranny_collision::Margins;
 use cranny_plan::{Audit, AuditSettings, Criterion, PlanError, Problem, Registry, audit};
 use cranny_scenario::{
     Geometry, GivenGrasps, Judgement, OpenOptions, PlanFile, PlanSource, Scenario, ScenarioError,
-    SequencePlan, StepTask, read_waypoints,
+    read_waypoints,
 };
 use cranny_solve::{Timing, ik_statuses};
-use cranny_view::{PageCells, PageData, PagePlan, PageSettings, StepCells};
+use cranny_view::{PageCells, PageData, PagePlan, PageSettings};
 
 use crate::arguments::{GeometryArgument, Output};
 use crate::failure::Failure;
-use crate::plan_task::{check_plan, check_steps, read_plan};
+use crate::plan_task::{check_plan, read_plan};
 use crate::progress::{self, stop_on_interrupt};
 use crate::task::open_scenario;
 use crate::{recording, search_replay, text};
@@ -30,40 +30,6 @@ pub struct PageRequest<'a> {
     pub grasps: GivenGrasps,
     /// The planners by which the searches are run again, if their trees are to be shown.
     pub search_trees: Option<&'a Registry>,
-}
-
-/// What a file holds of which a page is made.
-enum PageFile {
-    Waypoints,
-    Plan(Box<PlanFile>),
-    Steps(SequencePlan),
-}
-
-impl PageFile {
-    fn read(file: &Path) -> Result<Self, ScenarioError> {
-        if let Some(plans) = SequencePlan::read(file)? {
-            return Ok(Self::Steps(plans));
-        }
-        Ok(read_plan(file)?.map_or(Self::Waypoints, |plan| Self::Plan(Box::new(plan))))
-    }
-
-    /// For which grasps it was made.
-    fn given_grasps(&self) -> GivenGrasps {
-        match self {
-            Self::Waypoints => GivenGrasps::Own,
-            Self::Plan(plan) => plan.given_grasps(),
-            Self::Steps(plans) => plans.given_grasps(),
-        }
-    }
-
-    /// The plan that says with which robot it was made.
-    fn first(&self) -> Option<&PlanFile> {
-        match self {
-            Self::Waypoints => None,
-            Self::Plan(plan) => Some(plan),
-            Self::Steps(plans) => plans.steps.first(),
-        }
-    }
 }
 
 /// A page, and what postures are judged in where it has a robot.
@@ -86,12 +52,9 @@ impl PageTask {
             )?;
             return Ok(Self { page: PageData::of_recording(&recording), cells: None });
         }
-        let files = request
-            .plans
-            .iter()
-            .map(|file| PageFile::read(file))
-            .collect::<Result<Vec<_>, ScenarioError>>()?;
-        let read = || files.iter().filter_map(PageFile::first);
+        let files =
+            request.plans.iter().map(|file| read_plan(file)).collect::<Result<Vec<_>, ScenarioError>>()?;
+        let read = || files.iter().flatten();
         let robot_of = |plan: &PlanFile| plan.robot.clone().map(PathBuf::from);
         let options = OpenOptions {
             criterion: request.criterion,
@@ -100,7 +63,7 @@ impl PageTask {
                 .geometry
                 .map(Geometry::from)
                 .or_else(|| read().find_map(PlanFile::given_geometry)),
-            grasps: files.iter().map(PageFile::given_grasps).fold(request.grasps.clone(), GivenGrasps::or),
+            grasps: read().map(PlanFile::given_grasps).fold(request.grasps.clone(), GivenGrasps::or),
         };
         let OpenOptions { robot, geometry, grasps, .. } = options.clone();
         let mut source = PlanSource { robot, geometry, grasps, ..PlanSource::default() };
@@ -118,38 +81,24 @@ impl PageTask {
         for (file, read) in request.plans.iter().zip(&files) {
             let name = file.file_name().unwrap_or(file.as_os_str()).to_string_lossy().into_owned();
             let robot = &shown.robot;
-            let plan = match read {
-                PageFile::Plan(plan) => plan,
-                PageFile::Steps(_) if trees.is_some() => {
-                    let problem =
-                        format!("{}: of a plan of several steps no search is run again", file.display());
-                    return Err(Failure::Flag { flag: "search-tree", problem });
-                }
-                PageFile::Steps(steps) => {
-                    let criterion = steps.steps.first().map_or(own.criterion, |plan| plan.criterion);
-                    let scenario = tasks.open(Some(criterion))?;
-                    plans.push(plan_of_steps(name, file, steps, (&scenario, &source))?);
-                    continue;
-                }
-                PageFile::Waypoints => {
-                    let waypoints = read_waypoints(file, robot.dof())?;
-                    let problem = tasks.problem(own.criterion, Margins::default(), None)?;
-                    let trajectory = Timing::default().along(robot, None, &waypoints)?;
-                    let verification = Some(audit(&problem, &waypoints)?);
-                    let path =
-                        PagePlan::of_waypoints(name, &waypoints, robot, trajectory.as_ref(), verification)?;
-                    plans.push(path);
-                    continue;
-                }
+            let Some(plan) = read else {
+                let waypoints = read_waypoints(file, robot.dof())?;
+                let problem = tasks.problem(own.criterion, Margins::default(), None)?;
+                let trajectory = Timing::default().along(robot, None, &waypoints)?;
+                let verification = Some(audit(&problem, &waypoints)?);
+                let path =
+                    PagePlan::of_waypoints(name, &waypoints, robot, trajectory.as_ref(), verification)?;
+                plans.push(path);
+                continue;
             };
             check_plan(file, plan, &shown.robot, &shown.id, "shown in")?;
             let problem = tasks.problem(plan.criterion, plan.margins, plan.goal_threshold)?;
             let timed = plan.trajectory(robot, problem.cell().map(AsRef::as_ref))?;
-            let task = PlanSource { margins: plan.margins, ..source.clone() };
+            let task = shown.source_of(plan, &PlanSource { margins: plan.margins, ..source.clone() });
             let verification = verdict(file, plan.judge(&task, &problem, AuditSettings::default())?)?;
-            let cells =
-                plan.task_cells(&problem)?.map(|task| StepCells { reach: cell.clone(), task: Some(task) });
-            let mut shown_plan = PagePlan::of_file(name, plan, robot, timed.as_ref(), verification, cells)?;
+            let along = if plan.task.len() > 1 { plan.states(&problem)? } else { None };
+            let states = along.map_or_else(Vec::new, |along| along.states);
+            let mut shown_plan = PagePlan::of_file(name, plan, robot, timed.as_ref(), verification, states)?;
             if let Some((registry, stop)) = &trees {
                 let tree = search_replay::replay(file, plan, &problem, registry, stop, output)?;
                 shown_plan.search_tree = Some(tree);
@@ -162,31 +111,6 @@ impl PageTask {
         spinner.finish_and_clear();
         Ok(Self { page, cells: Some(PageCells::of(cell.clone(), &plans)) })
     }
-}
-
-/// Plans of the scenario's steps, each judged in the world that those before it leave.
-fn plan_of_steps(
-    name: String,
-    file: &Path,
-    plans: &SequencePlan,
-    (scenario, source): (&Scenario, &PlanSource),
-) -> Result<PagePlan, Failure> {
-    check_steps(file, plans, scenario, "shown in")?;
-    let (mut timed, mut verifications, mut cells) = (Vec::new(), Vec::new(), Vec::new());
-    plans.walk(scenario, SequencePlan::own_problem, |step| -> Result<bool, Failure> {
-        let StepTask { plan, scenario, problem } = step;
-        let reach = problem.cell().ok_or(PlanError::Annotation)?;
-        timed.push(plan.trajectory(&scenario.robot, Some(reach))?);
-        let judgement = plan.judge(&step.task(source), problem, AuditSettings::default())?;
-        let verification = verdict(file, judgement)?;
-        let is_valid = verification.as_ref().is_some_and(|verification| verification.valid);
-        verifications.extend(verification);
-        cells.push(StepCells { reach: reach.clone(), task: plan.task_cells(problem)? });
-        Ok(is_valid)
-    })?;
-    let judged = (verifications, cells);
-    let timed: Vec<_> = plans.steps.iter().zip(timed).collect();
-    Ok(PagePlan::of_steps(name, &timed, &scenario.robot, scenario.steps.len(), judged)?)
 }
 
 /// The verdict on a plan; the user is warned of what its file states otherwise than it was measured.

@@ -2,11 +2,11 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use cranny_file::counted;
-use cranny_plan::{
-    AuditSettings, Budget, CarryEnd, OptimiseSettings, PlaceGoal, PlaceSettings, Registry, TimingMethod,
+use cranny_plan::Registry;
+use cranny_scenario::{
+    Ask, CarryWord, PlanFile, PlanSource, STEPS, TaskWord, read_waypoints, write_trajectory_csv,
 };
-use cranny_scenario::{PlanFile, read_waypoints, write_trajectory_csv};
-use cranny_solve::{Carry, Request, Timing, solve};
+use cranny_solve::solve;
 
 use crate::Answer;
 use crate::arguments::{Output, PlanArguments};
@@ -15,7 +15,6 @@ use crate::file_kind::FileKind;
 use crate::ik;
 use crate::output_file;
 use crate::plan_page::{self, Answered};
-use crate::plan_steps;
 use crate::plan_task::PlanTask;
 use crate::progress::{SearchProgress, stop_on_interrupt};
 use crate::start;
@@ -23,22 +22,14 @@ use crate::task::Demand;
 use crate::text;
 
 pub fn run(arguments: &PlanArguments, registry: &Registry, output: Output) -> Result<Answer, Failure> {
-    if arguments.steps {
-        let request = Request { registry: registry.clone(), ..request(arguments, None) };
-        let file = destination(arguments, &arguments.task.id, output)?;
-        return plan_steps::plan(arguments, &request, &file, output);
-    }
     let begin = Instant::now();
     let demand = Demand { robust: arguments.robust, ..Demand::default() };
-    let PlanTask { source, grasps, problem, deviations } =
+    let PlanTask { source, grasps, problem, deviations, scenario } =
         PlanTask::open(&arguments.task, &arguments.moveit, demand, output)?;
     let preparation_time_s = begin.elapsed().as_secs_f64();
-    let carry = match &arguments.place {
-        Some(place) => Some(put_down(arguments, problem.place(place)?)),
-        None => carry(arguments, problem.robot().dof())?,
-    };
-    let request = Request { registry: registry.clone(), ..request(arguments, carry) };
-    request.check(&problem)?;
+    let ask = Ask { registry: registry.clone(), ..ask(arguments, problem.robot().dof())? };
+    let (request, task) = ask.request(&problem, scenario.as_ref())?;
+    let source = PlanSource { task, ..source };
     // Better now than after the search.
     let file = destination(arguments, &source.scenario, output)?;
 
@@ -86,30 +77,11 @@ pub fn run(arguments: &PlanArguments, registry: &Registry, output: Output) -> Re
     Ok(if solved { Answer::Done } else { Answer::No })
 }
 
-/// How `--place` puts the target down.
-fn put_down(arguments: &PlanArguments, goal: &PlaceGoal) -> Carry {
-    let clear_m = arguments.clear.map_or(PlaceSettings::CLEAR_M, |clear_mm| clear_mm / 1e3);
-    let place = PlaceSettings { goal: goal.clone(), clear_m, then: arguments.then.into() };
-    Carry { end: CarryEnd::Place(place), ..Carry::default() }
-}
-
-fn refuse_clear(arguments: &PlanArguments) -> Result<(), Failure> {
-    let problem = || "how clear is asked with `--carry out` and `--place` alone".to_owned();
-    arguments.clear.map_or(Ok(()), |_| Err(Failure::Flag { flag: "clear", problem: problem() }))
-}
-
 /// Where `--carry` leads.
-fn carry(arguments: &PlanArguments, joints: usize) -> Result<Option<Carry>, Failure> {
-    let Some(given) = arguments.carry.as_deref() else { return refuse_clear(arguments).map(|()| None) };
-    if given != "out" {
-        refuse_clear(arguments)?;
-    }
+fn carry(given: &str, joints: usize) -> Result<CarryWord, Failure> {
     match given {
-        "home" => return Ok(Some(Carry::default())),
-        "out" => {
-            let clear_m = arguments.clear.map_or(CarryEnd::CLEAR_M, |clear_mm| clear_mm / 1e3);
-            return Ok(Some(Carry { end: CarryEnd::Out { clear_m }, ..Carry::default() }));
-        }
+        "home" => return Ok(CarryWord::Home),
+        "out" => return Ok(CarryWord::Out),
         _ => {}
     }
     let values: Option<Vec<f64>> = given.split(',').map(|value| value.trim().parse().ok()).collect();
@@ -129,40 +101,38 @@ fn carry(arguments: &PlanArguments, joints: usize) -> Result<Option<Carry>, Fail
         }
         None => read_waypoints(Path::new(given), joints)?,
     };
-    Ok(Some(Carry { end: CarryEnd::Configurations(ends), ..Carry::default() }))
+    Ok(CarryWord::Configurations(ends))
 }
 
-/// What the flags ask for.
-fn request(arguments: &PlanArguments, carry: Option<Carry>) -> Request {
-    Request {
+/// What the flags ask for, of a robot with so many joints.
+fn ask(arguments: &PlanArguments, joints: usize) -> Result<Ask, Failure> {
+    Ok(Ask {
         planner: arguments.planner.clone(),
         settings: arguments.set.iter().cloned().collect(),
-        budget: Budget { iterations: arguments.iterations.unwrap_or(u64::MAX), time: arguments.time_limit },
         seed: arguments.seed,
+        time_limit: arguments.time_limit,
+        iterations: arguments.iterations,
         score: arguments.score.into(),
         min_score: arguments.min_score,
         goal_threshold: arguments.goal_threshold,
         keep_path: arguments.no_shortcut,
-        optimise: arguments.optimise.map(|time| OptimiseSettings {
-            time,
-            score_weight: arguments.score_weight,
-            cost: arguments.cost.into(),
-            ..OptimiseSettings::default()
-        }),
-        carry,
-        timing: Some(Timing {
-            method: if arguments.jerk_limited {
-                TimingMethod::JerkLimited
-            } else {
-                TimingMethod::TimeOptimal
-            },
-            blend: arguments.blend,
-            is_demanded: arguments.rate.is_some(),
-        }),
-        audit: AuditSettings::default(),
-        robustness: true,
-        ..Request::default()
-    }
+        optimise: arguments.optimise,
+        cost: arguments.cost.into(),
+        score_weight: arguments.score_weight,
+        jerk_limited: arguments.jerk_limited,
+        blend: arguments.blend,
+        is_timing_demanded: arguments.rate.is_some(),
+        carry: arguments.carry.as_deref().map(|given| carry(given, joints)).transpose()?,
+        place: arguments.place.clone(),
+        task: {
+            let steps = arguments.steps.then(|| STEPS.to_owned());
+            steps.or_else(|| arguments.named_task.clone()).map(TaskWord::Named)
+        },
+        then: arguments.then.map(Into::into),
+        clear_m: arguments.clear.map(|clear_mm| clear_mm / 1e3),
+        robust: arguments.robust,
+        ..Ask::default()
+    })
 }
 
 fn destination(arguments: &PlanArguments, id: &str, output: Output) -> Result<PathBuf, Failure> {

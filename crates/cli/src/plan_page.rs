@@ -3,8 +3,10 @@ use std::path::Path;
 
 use cranny_file::counted;
 use cranny_grasp::{GraspSet, ScoreKind};
-use cranny_plan::{ClearanceLimit, GraspFailure, Improvement, NoGrasp, Outcome, Statistics};
-use cranny_scenario::{PlanFile, PlanSegment, PlanShortening, PlanTiming};
+use cranny_plan::{
+    ClearanceLimit, GraspFailure, Improvement, MotionEnd, Move, NoGrasp, Outcome, Segment, Stage, Statistics,
+};
+use cranny_scenario::{PlanFile, PlanShortening, PlanTiming};
 use cranny_solve::{JointRadius, PoseRadius, Robustness};
 use serde::Serialize;
 
@@ -52,17 +54,24 @@ fn milestones(improvements: &[Improvement]) -> Vec<&Improvement> {
     told
 }
 
-/// What is carried, if anything is.
-fn carried(plan: &PlanFile) -> Option<String> {
-    let [_, lift_off, carry, ..] = &plan.segments[..] else { return None };
-    let [off, on] = [lift_off, carry].map(|segment| segment.waypoints.len());
-    let object = lift_off.attached.as_deref()?;
-    let opening = millimetres(lift_off.opening_m?);
-    let uneven = text::uneven(lift_off.uneven_m);
-    Some(format!(
-        "{object}, fingers {opening} apart{uneven}: {} to lift it off, {on} to where it goes",
-        counted(off, "way point")
-    ))
+/// The objects that are carried, a line each.
+fn carried(plan: &PlanFile) -> Vec<String> {
+    let of_pick = |pair: &[Segment]| {
+        let [lift_off, onward] = pair else { return None };
+        let object = lift_off.attached.as_deref().filter(|_| is_at(lift_off, MotionEnd::First))?;
+        let [off, on] = [lift_off, onward].map(|segment| segment.waypoints.len());
+        let opening = millimetres(lift_off.opening_m?);
+        let uneven = text::uneven(lift_off.uneven_m);
+        Some(format!(
+            "{object}, fingers {opening} apart{uneven}: {} to lift it off, {on} to where it goes",
+            counted(off, "way point")
+        ))
+    };
+    plan.segments.windows(2).filter_map(of_pick).collect()
+}
+
+fn is_at(segment: &Segment, end: MotionEnd) -> bool {
+    segment.mode.rests_at == Some(end)
 }
 
 /// How far things may be from where the plan has them.
@@ -84,32 +93,36 @@ fn robust(robustness: &Robustness) -> String {
     format!("free with {} off", parts.into_iter().flatten().collect::<Vec<_>>().join("; "))
 }
 
-/// How the target is put down, if it is.
-fn placed(plan: &PlanFile) -> Option<String> {
-    let place = plan.place.as_ref()?;
-    let [_, _, _, set_down, retreat, back @ ..] = &plan.segments[..] else { return None };
-    let points = |segment: &PlanSegment| segment.waypoints.len();
-    let back =
-        back.first().map_or_else(|| "where it stays".to_owned(), |back| format!("{} home", points(back)));
-    let (name, clear) = (&place.name, at_least_mm(place.clear_m));
-    Some(format!(
-        "'{name}': {} to set it down, {} until the hand is {clear} off it, {back}",
-        counted(points(set_down), "way point"),
-        points(retreat)
-    ))
+/// The objects that are put down, a line each.
+fn placed(plan: &PlanFile) -> Vec<String> {
+    let of_place = |(index, set_down): (usize, &Segment)| {
+        let Some(Stage::Place(place)) = plan.task.get(set_down.stage) else { return None };
+        let retreat = plan.segments.get(index + 1).filter(|_| is_at(set_down, MotionEnd::Last))?;
+        let points = |segment: &Segment| segment.waypoints.len();
+        let home = matches!(plan.task.get(set_down.stage + 1), Some(Stage::Move(Move::Home)));
+        let back = plan.segments.get(index + 2).filter(|_| home);
+        let back = back.map_or_else(|| "where it stays".to_owned(), |back| format!("{} home", points(back)));
+        let (name, clear) = (&place.place, at_least_mm(place.clear_m));
+        Some(format!(
+            "'{name}': {} to set it down, {} until the hand is {clear} off it, {back}",
+            counted(points(set_down), "way point"),
+            points(retreat)
+        ))
+    };
+    plan.segments.iter().enumerate().filter_map(of_place).collect()
 }
 
 /// When the path is run through, and what it took to find that.
 fn timed(timing: &PlanTiming, seconds: f64) -> String {
     let corners = if timing.blended { ", corners cut where proven" } else { "" };
-    let closes = timing.closing_s.map_or_else(String::new, |[begin_s, end_s]| {
-        format!(", the hand closes from {begin_s:.3} to {end_s:.3} s")
+    let hand = timing.hand_s.iter().enumerate().map(|(index, [begin_s, end_s])| {
+        let begins = if index == 0 { ", the hand" } else { " and" };
+        let moves = if index % 2 == 0 { "closes" } else { "opens" };
+        format!("{begins} {moves} from {begin_s:.3} to {end_s:.3} s")
     });
-    let opens = timing
-        .opening_s
-        .map_or_else(String::new, |[begin_s, end_s]| format!(" and opens from {begin_s:.3} to {end_s:.3} s"));
+    let hand: String = hand.collect();
     let (duration, method) = (at_most_seconds(timing.duration_s), timing.method.name());
-    format!("{duration}, {method}{corners}{closes}{opens}; {:.3} ms to time", seconds * 1e3)
+    format!("{duration}, {method}{corners}{hand}; {:.3} ms to time", seconds * 1e3)
 }
 
 /// More reasons why goals are refused are not listed.
@@ -169,6 +182,14 @@ fn about_path(answered: &Answered, grasps: &GraspSet, line: &mut dyn FnMut(&str,
     if let Some(grasp) = &plan.own_grasp {
         line("grasp", text::own_grasp(grasp));
     }
+    for pick in &plan.picks {
+        let grasp = match (&pick.own_grasp, pick.grasp) {
+            (Some(grasp), _) => text::own_grasp(grasp),
+            (None, Some(grasp)) => format!("{grasp} of {}", grasps.len()),
+            (None, None) => continue,
+        };
+        line("grasp", format!("stage {}: {grasp}", pick.stage + 1));
+    }
     if let Some(clearance) = plan.clearance_m {
         let but_for = text::but_for(&plan.not_checked);
         let limited_by = text::limited_by(*clearance_limit, plan.margins);
@@ -187,11 +208,10 @@ fn about_path(answered: &Answered, grasps: &GraspSet, line: &mut dyn FnMut(&str,
     if let Some(robustness) = &plan.robustness {
         line("robust", robust(robustness));
     }
-    if let Some(carried) = carried(plan) {
-        line("carries", carried);
-    }
-    if let Some(placed) = placed(plan) {
-        line("puts down", placed);
+    for (name, lines) in [("carries", carried(plan)), ("puts down", placed(plan))] {
+        for value in lines {
+            line(name, value);
+        }
     }
 }
 

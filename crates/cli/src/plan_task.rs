@@ -5,8 +5,7 @@ use cranny_grasp::GraspSet;
 use cranny_plan::Problem;
 use cranny_robot::Robot;
 use cranny_scenario::{
-    MoveItOptions, MoveItProblem, PlanFile, PlanSource, Scenario, ScenarioError, SequencePlan,
-    brief_model_notes,
+    MoveItOptions, MoveItProblem, PlanFile, PlanSource, Scenario, ScenarioError, brief_model_notes,
 };
 
 use crate::arguments::{Output, TaskArguments};
@@ -22,6 +21,8 @@ pub struct PlanTask {
     pub problem: Problem,
     /// Points at which the problem differs from its files, in sentences.
     pub deviations: Vec<String>,
+    /// The scenario; none for a problem in other people's files.
+    pub scenario: Option<Scenario>,
 }
 
 /// The plan of a file; `None` for a file of bare way points.
@@ -43,7 +44,8 @@ impl PlanTask {
             return Self::open_moveit([scene, request], arguments, otherwise.margins, output);
         }
         let Task { scenario, problem, source } = Task::open(arguments, otherwise, output)?;
-        Ok(Self { source, grasps: scenario.grasps, problem, deviations: Vec::new() })
+        let (grasps, scenario) = (scenario.grasps.clone(), Some(scenario));
+        Ok(Self { source, grasps, problem, deviations: Vec::new(), scenario })
     }
 
     fn open_moveit(
@@ -71,7 +73,7 @@ impl PlanTask {
             margins,
             ..PlanSource::default()
         };
-        Ok(Self { source, grasps: GraspSet::default(), problem, deviations })
+        Ok(Self { source, grasps: GraspSet::default(), problem, deviations, scenario: None })
     }
 }
 
@@ -85,35 +87,10 @@ pub fn check_plan(
     used: &str,
 ) -> Result<(), Failure> {
     plan.check_joints(file, robot)?;
-    check_scenario(file, &plan.scenario, scenario, used)
-}
-
-/// Warns of a plan that was made for another scenario than the one that it is now `used`.
-pub fn check_scenario(file: &Path, planned: &str, scenario: &str, used: &str) -> Result<(), Failure> {
+    let planned = &plan.scenario;
     if planned == scenario {
         return Ok(());
     }
     let file = file.display();
     text::note(&format!("{file}: the plan was made for scenario '{planned}', and is {used} '{scenario}'"))
-}
-
-/// The same of the plans of several steps, said once; refuses those of a scenario that does not have so many steps.
-pub fn check_steps(
-    file: &Path,
-    plans: &SequencePlan,
-    scenario: &Scenario,
-    used: &str,
-) -> Result<(), Failure> {
-    if let Some(first) = plans.steps.first() {
-        check_plan(file, first, &scenario.robot, &scenario.id, used)?;
-    }
-    let (count, planned) = (scenario.steps.len(), plans.steps.len());
-    if !(1..=count).contains(&planned) {
-        let problem = format!("the plan has {planned} steps, but scenario '{}' has {count}", scenario.id);
-        return Err(Failure::File { path: file.to_owned(), problem });
-    }
-    for (step, plan) in scenario.steps.iter().zip(&plans.steps) {
-        step.check(plan)?;
-    }
-    Ok(())
 }

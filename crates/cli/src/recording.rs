@@ -4,7 +4,7 @@ use std::path::Path;
 
 use cranny_collision::Body;
 use cranny_scenario::Scenario;
-use cranny_sim::{RecordedBody, Recording};
+use cranny_sim::{PickRun, RecordedBody, Recording};
 use cranny_spatial::Pose;
 use cranny_view::{Animation, BodyRecording, MovingBody, PictureSettings, Scene, StandardView};
 
@@ -63,17 +63,17 @@ pub fn of_run(name: &str, surroundings: &[Body], run: &Recording) -> BodyRecordi
     recording
 }
 
-/// What was recorded of a step.
-pub struct RecordedStep {
-    /// The body that was picked, by index.
-    pub body: usize,
-    /// Pose of its frame where the scenario has it before the step.
-    pub world_from_object: Pose,
-    pub run: Recording,
-}
-
-/// What is seen of simulations of a scenario's steps, each of which begins where the one before ends.
-pub fn of_steps(scenario: &Scenario, steps: &[RecordedStep]) -> BodyRecording {
+/// Moving bodies of picks, each of which begins where the one before ends; the recordings are taken out.
+pub fn of_picks(scenario: &Scenario, picks: &mut [PickRun]) -> BodyRecording {
+    if let [pick] = picks {
+        let run = pick.run.grasp.recording.take().unwrap_or_default();
+        return of_run(&scenario.id, &pick.surroundings, &run);
+    }
+    let mut steps = Vec::new();
+    for pick in picks {
+        let run = pick.run.grasp.recording.take().unwrap_or_default();
+        steps.push(RecordedStep { body: pick.body, world_from_object: pick.world_from_object, run });
+    }
     let mut whole = BodyRecording { name: scenario.id.clone(), ..BodyRecording::default() };
     let arm = steps.first().into_iter().flat_map(|step| &step.run.bodies[1..]);
     let link = |(index, link): (usize, &RecordedBody)| MovingBody {
@@ -88,7 +88,7 @@ pub fn of_steps(scenario: &Scenario, steps: &[RecordedStep]) -> BodyRecording {
     };
     whole.bodies = arm.enumerate().map(link).collect();
     let mut begin_s = 0.0;
-    for RecordedStep { run, .. } in steps {
+    for RecordedStep { run, .. } in &steps {
         whole.times_s.extend(run.times_s.iter().map(|time_s| begin_s + time_s));
         begin_s = whole.times_s.last().copied().unwrap_or_default() + PAUSE_S;
     }
@@ -100,7 +100,7 @@ pub fn of_steps(scenario: &Scenario, steps: &[RecordedStep]) -> BodyRecording {
         }
         // By how much it has moved at each instant.
         let mut motions: Vec<Pose> = Vec::new();
-        for RecordedStep { body, world_from_object, run } in steps {
+        for RecordedStep { body, world_from_object, run } in &steps {
             let before = motions.last().copied().unwrap_or_default();
             let poses = &run.bodies[0].world_from_body;
             let before_step = world_from_object.inverse() * before;
@@ -114,6 +114,15 @@ pub fn of_steps(scenario: &Scenario, steps: &[RecordedStep]) -> BodyRecording {
         }
     }
     whole
+}
+
+/// The recording of a pick.
+struct RecordedStep {
+    /// The body that was picked, by index.
+    body: usize,
+    /// Pose of its frame before the pick.
+    world_from_object: Pose,
+    run: Recording,
 }
 
 /// Between the end of a step and the beginning of the next, which are the same instant, in seconds.

@@ -2,8 +2,8 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use cranny_plan::{PlanError, Problem, Registry};
-use cranny_scenario::{GivenGrasps, OpenOptions, PlanFile, Scenario, SequencePlan, read_waypoints};
+use cranny_plan::{Problem, Registry};
+use cranny_scenario::{GivenGrasps, OpenOptions, PlanFile, Scenario, read_waypoints};
 use cranny_solve::Timing;
 use cranny_view::{
     Animation, Camera, PageServer, Picture, PictureSettings, Scene, SceneSettings, SeeThrough, ShownPath,
@@ -18,7 +18,7 @@ use crate::failure::Failure;
 use crate::file_kind::FileKind;
 use crate::output_file::{self, NamedFile};
 use crate::page_task::{PageRequest, PageTask};
-use crate::plan_task::{check_plan, check_steps, read_plan};
+use crate::plan_task::{check_plan, read_plan};
 use crate::recording;
 use crate::render_format::Format;
 use crate::task::open_scenario;
@@ -329,11 +329,6 @@ pub fn scene(
     rate_hz: f64,
     output: Output,
 ) -> Result<Scene, Failure> {
-    if let Some(file) = plan
-        && let Some(plans) = SequencePlan::read(file)?
-    {
-        return scene_of_steps(id, (file, &plans), arguments, rate_hz, output);
-    }
     let read = plan.map(read_plan).transpose()?.flatten();
     let of_plan = |file: fn(&PlanFile) -> &Option<String>| {
         read.as_ref().and_then(|plan| file(plan).as_ref()).map(PathBuf::from)
@@ -348,6 +343,7 @@ pub fn scene(
     let path = match (read, plan) {
         (Some(plan), Some(file)) => {
             check_plan(file, &plan, &scenario.robot, &scenario.id, "shown in")?;
+            scenario.check_task(&plan)?;
             // Time alone needs no cell, but where corners are to be cut.
             let planned = Scenario { criterion: plan.criterion, ..scenario.clone() };
             let problem = plan.is_blended().then(|| planned.problem(plan.margins)).transpose()?;
@@ -362,25 +358,6 @@ pub fn scene(
         }
         (_, None) => None,
     };
-    Ok(Scene::of_task(&scenario, path.as_ref(), &SceneSettings { grasps: arguments.grasps })?)
-}
-
-/// What is seen of a scenario while its steps are carried out.
-fn scene_of_steps(
-    id: &str,
-    (file, plans): (&Path, &SequencePlan),
-    arguments: &RenderArguments,
-    rate_hz: f64,
-    output: Output,
-) -> Result<Scene, Failure> {
-    let of_plan = plans.steps.first().and_then(|plan| plan.robot.clone()).map(PathBuf::from);
-    let options = OpenOptions { robot: arguments.robot.clone().or(of_plan), ..OpenOptions::default() };
-    let scenario = open_scenario(id, &options, output)?;
-    check_steps(file, plans, &scenario, "shown in")?;
-    let timed = |plan: &PlanFile| plan.trajectory(&scenario.robot, None);
-    let steps = plans.steps.iter().map(|plan| Ok((plan, timed(plan)?)));
-    let steps = steps.collect::<Result<Vec<_>, PlanError>>()?;
-    let path = ShownPath::of_steps(&scenario.robot, &steps, rate_hz)?;
     Ok(Scene::of_task(&scenario, path.as_ref(), &SceneSettings { grasps: arguments.grasps })?)
 }
 

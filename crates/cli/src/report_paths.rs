@@ -38,7 +38,8 @@ pub fn write(
             continue;
         }
         let (own, said) = (&trial.record.trial, !output.quiet);
-        if PathDemand::of_settings(&own.settings).carry.is_some() {
+        let demand = PathDemand::of_settings(&own.settings);
+        if demand.carry.is_some() || demand.task.is_some() {
             // Its path goes on with the object in the hand, which bare way points do not say.
             let note =
                 || text::note(&format!("trial {}: it carries the target on, and has no page", trial.id));

@@ -44,7 +44,8 @@ fn scene(recipe: &RecipeRobot) -> Result<(Scene, Scenario), Failure> {
         grasps: GraspSet::default(),
         ik: Vec::new(),
         places: Vec::new(),
-        steps: Vec::new(),
+        tasks: Vec::new(),
+        physics: std::collections::BTreeMap::new(),
     };
     let scenario = recipe.scenario(recipe.robot.robot.name(), &OpenOptions::default())?;
     let frames = scenario.robot.frames_at(&scenario.start);

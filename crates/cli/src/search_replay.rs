@@ -27,7 +27,7 @@ pub fn replay(
         recording: TreeRecording::new(problem.robot().clone(), TreeRecording::MOST_NODES),
         progress: SearchProgress::new(output.quiet, stop.clone()),
     };
-    let request = Request { registry: registry.clone(), ..plan.request(problem)? };
+    let request = Request { registry: registry.clone(), ..plan.request() };
     let answer = solve(problem, &request, &mut watched)?;
     watched.progress.finish();
     let recording = watched.recording;

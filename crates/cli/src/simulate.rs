@@ -1,5 +1,4 @@
 use clap::{Args, Subcommand};
-use cranny_scenario::SequencePlan;
 
 use crate::arguments::Output;
 use crate::failure::Failure;
@@ -8,10 +7,7 @@ use crate::simulate_grasps::SimulateGraspsArguments;
 use crate::simulate_plan::SimulatePlanArguments;
 use crate::simulate_results::SimulateResultsArguments;
 use crate::simulate_settle::SettleArguments;
-use crate::{
-    Answer, simulate_export, simulate_grasps, simulate_plan, simulate_results, simulate_settle,
-    simulate_steps,
-};
+use crate::{Answer, simulate_export, simulate_grasps, simulate_plan, simulate_results, simulate_settle};
 
 #[derive(Clone, Debug, Args)]
 pub struct SimulateArguments {
@@ -36,10 +32,7 @@ pub enum SimulateCommand {
 pub fn run(arguments: &SimulateArguments, output: Output) -> Result<Answer, Failure> {
     match &arguments.command {
         SimulateCommand::Grasps(arguments) => simulate_grasps::run(arguments, output),
-        SimulateCommand::Plan(arguments) => match SequencePlan::read(&arguments.plan)? {
-            Some(plans) => simulate_steps::run(&plans, arguments, output),
-            None => simulate_plan::run(arguments, output),
-        },
+        SimulateCommand::Plan(arguments) => simulate_plan::run(arguments, output),
         SimulateCommand::Results(arguments) => simulate_results::run(arguments, output),
         SimulateCommand::Export(arguments) => simulate_export::run(arguments, output),
         SimulateCommand::Settle(arguments) => simulate_settle::run(arguments, output),

@@ -2,26 +2,23 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use cranny_collision::Body;
 use cranny_grasp::Hand;
-use cranny_plan::robot_hand;
-use cranny_scenario::{OpenOptions, PlanFile, Scenario, TargetPhysics, read_waypoints};
+use cranny_plan::{Segment, robot_hand};
+use cranny_scenario::{OpenOptions, PlanFile, TargetPhysics, read_waypoints};
 use cranny_sim::{
-    DriveSettings, GraspOutcome, GraspTest, PlacedError, PlanContact, PlanOutcome, PlanRow, PlanRun,
-    PlanTest, Released, TrackingError,
+    ExecutedPlan, PickPath, PlacedError, PlanContact, PlanExecution, PlanRow, Released, SimError,
+    TrackingError,
 };
-use cranny_solve::{Segment, TaskTrajectory, Timing};
-use serde::Serialize;
+use cranny_solve::{TaskTrajectory, Timing};
 
 use crate::arguments::Output;
 use crate::failure::Failure;
 use crate::file_kind::FileKind;
 use crate::number_argument::positive;
 use crate::plan_task::{check_plan, read_plan};
-use crate::progress::spinner;
 use crate::task::open_scenario;
 use crate::text::{self, degrees, millimetres};
-use crate::{Answer, number_argument, output_file, recording};
+use crate::{Answer, number_argument, output_file, progress, recording};
 
 /// What goes before what files say of object and hand.
 #[derive(Clone, Debug, Args)]
@@ -91,14 +88,6 @@ impl SimulatePlanArguments {
     }
 }
 
-/// What `simulate plan --json` prints; the keys stay.
-#[derive(Serialize)]
-struct Executed {
-    scenario: String,
-    #[serde(flatten)]
-    row: PlanRow,
-}
-
 pub fn run(arguments: &SimulatePlanArguments, output: Output) -> Result<Answer, Failure> {
     let recorded = arguments.recorded(output)?;
     let file = &arguments.plan;
@@ -111,59 +100,69 @@ pub fn run(arguments: &SimulatePlanArguments, output: Output) -> Result<Answer, 
         grasps: plan.as_ref().map(PlanFile::given_grasps).unwrap_or_default(),
     };
     let scenario = open_scenario(&arguments.id, &options, output)?;
-    let problem = scenario.problem(plan.as_ref().map(|plan| plan.margins).unwrap_or_default())?;
     let refused = |problem: String| Failure::File { path: file.clone(), problem };
-    let timed = if let Some(plan) = &plan {
+    let picks = if let Some(plan) = &plan {
         check_plan(file, plan, &scenario.robot, &scenario.id, "executed in")?;
         if plan.waypoints.is_empty() {
             let ended = plan.outcome.sentence();
             return Err(refused(format!("the plan has no path, so there is nothing to execute: {ended}")));
         }
-        plan.trajectory(&scenario.robot, problem.cell().map(AsRef::as_ref))?
+        scenario.check_task(plan)?;
+        PickPath::all_of(plan, &scenario.problem(plan.margins)?)
     } else {
         let reach = Segment::reach(read_waypoints(file, scenario.robot.dof())?, Vec::new());
-        TaskTrajectory::of(Timing::default(), &scenario.robot, None, &[reach])?
+        let end = reach.waypoints.last().cloned().unwrap_or_default();
+        let timed = TaskTrajectory::of(Timing::default(), &scenario.robot, None, &[reach])?;
+        timed.map(|timed| vec![PickPath { object: None, timed, end }]).ok_or(SimError::NoTimes)
     };
-    let timed = timed.ok_or_else(|| {
-        refused(
-            "without limits of acceleration (a limits.yaml beside the URDF) the path has no times".to_owned(),
-        )
+    let picks = picks.map_err(|fault| match fault {
+        SimError::NoTimes => refused(fault.to_string()),
+        fault => fault.into(),
     })?;
-    let waiting = spinner("executing the plan", output.quiet);
-    let (mut run, surroundings) = execute(arguments, &scenario, &timed, recorded.is_some())?;
-    waiting.finish_and_clear();
-    if let Some((file, kind)) = recorded {
-        let run = run.grasp.recording.take().unwrap_or_default();
-        recording::write(&recording::of_run(&scenario.id, &surroundings, &run), file, kind, output)?;
+    let execution = PlanExecution {
+        scenario: &scenario,
+        hand: arguments.instead.of_hand(robot_hand(&scenario.robot)),
+        instead: arguments.instead.of_target(),
+        lift_m: arguments.lift,
+        is_recorded: recorded.is_some(),
+    };
+    let count = picks.len();
+    if let Some(PickPath { object: Some(object), .. }) = execution.massless(&picks)?.filter(|_| count > 1) {
+        return Err(refused(format!(
+            "the mass of '{object}' is not known (write mass_kg in its entry of scenario.yaml, or give --mass)"
+        )));
     }
-    let executed = Executed { scenario: scenario.id, row: PlanRow::of(&run) };
-    text::answer(&executed, || page_of(&executed.scenario, &executed.row), output)?;
-    Ok(if is_as_planned(&executed.row) { Answer::Done } else { Answer::No })
+    let bar = progress::bar(count as u64, output.quiet);
+    bar.set_message("picks");
+    let mut runs = execution.run(&picks, || bar.inc(1))?;
+    bar.finish_and_clear();
+    if let Some((file, kind)) = recorded {
+        recording::write(&recording::of_picks(&scenario, &mut runs), file, kind, output)?;
+    }
+    let nothing = || Failure::NoTarget { id: scenario.id.clone() };
+    let executed = ExecutedPlan::of(&scenario.id, count, &runs).ok_or_else(nothing)?;
+    text::answer(&executed, || page(&executed, count), output)?;
+    Ok(if executed.is_as_planned() { Answer::Done } else { Answer::No })
 }
 
-/// Lets the robot of a scenario follow a plan; with what came of it, and what stood around.
-pub fn execute(
-    arguments: &SimulatePlanArguments,
-    scenario: &Scenario,
-    timed: &TaskTrajectory,
-    is_recorded: bool,
-) -> Result<(PlanRun, Vec<Body>), Failure> {
-    let hand = arguments.instead.of_hand(robot_hand(&scenario.robot));
-    let test = GraspTest::of_scenario(scenario, &hand, &arguments.instead.of_target(), false)?;
-    let surroundings = test.surroundings().to_vec();
-    let test = PlanTest::new(test, scenario.robot.clone(), DriveSettings::default())?;
-    Ok((test.run(timed, arguments.lift, is_recorded)?, surroundings))
-}
-
-/// Whether the object is held to the end, or stands where it was to be put down.
-pub fn is_as_planned(row: &PlanRow) -> bool {
-    let is_to_be_placed = row.placed.is_some();
-    row.outcome
-        == if is_to_be_placed { PlanOutcome::Placed } else { PlanOutcome::Grasped(GraspOutcome::Held) }
+fn page(executed: &ExecutedPlan, count: usize) -> String {
+    let (scenario, steps) = match executed {
+        ExecutedPlan::One { scenario, row } => return page_of(scenario, row),
+        ExecutedPlan::Several { scenario, steps, .. } => (scenario, steps),
+    };
+    let there = steps.iter().filter(|step| step.row.is_as_planned()).count();
+    let mut page = format!("{scenario}: {there} of {count} steps as planned\n");
+    for (index, step) in steps.iter().enumerate() {
+        let _ = write!(page, "step {}, {}", index + 1, page_of(&step.object, &step.row));
+    }
+    if steps.len() < count {
+        let _ = writeln!(page, "what follows was not executed: the object was not let go");
+    }
+    page
 }
 
 /// What came of a plan of this name.
-pub fn page_of(name: &str, row: &PlanRow) -> String {
+fn page_of(name: &str, row: &PlanRow) -> String {
     let off = |error: &TrackingError| {
         format!("{}, {}", millimetres(error.translation_m), degrees(error.rotation_rad))
     };

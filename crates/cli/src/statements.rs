@@ -2,8 +2,7 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use cranny_collision::Margins;
-use cranny_file::counted;
-use cranny_scenario::{Demanded, Geometry, GivenGrasps, Judgement, PlanPlace};
+use cranny_scenario::{Demanded, Geometry, GivenGrasps, Judgement};
 use serde::Serialize;
 
 use crate::arguments::VerifyArguments;
@@ -66,16 +65,9 @@ pub fn demanded_margins(margins: &Margins) -> Vec<String> {
 
 /// Lines on everything in a plan file that is not its path.
 pub fn statement_lines(judgement: &Judgement) -> String {
-    let Judgement { demanded: Demanded { margins, carry_to, carry_clear_m, place }, .. } = judgement;
-    let ends = [
-        carry_to.as_ref().map(|ends| format!("carried to one of {}", counted(ends.len(), "configuration"))),
-        carry_clear_m.map(|clear_m| format!("carried until {} clear", at_least_mm(clear_m))),
-        place.as_ref().map(|PlanPlace { name, clear_m, then }| {
-            format!("put down in '{name}', the hand {} off it, then {}", at_least_mm(*clear_m), then.name())
-        }),
-    ];
-    let demanded: Vec<String> =
-        demanded_margins(margins).into_iter().chain(ends.into_iter().flatten()).collect();
+    let Judgement { demanded: Demanded { margins, task }, .. } = judgement;
+    let stages = task.iter().map(ToString::to_string);
+    let demanded: Vec<String> = demanded_margins(margins).into_iter().chain(stages).collect();
     let mut lines = String::new();
     for statement in &judgement.differs {
         let _ = writeln!(lines, "  differs     {statement}");

@@ -55,20 +55,17 @@ impl Task {
             grasps: arguments.grasps.clone().unwrap_or(grasps),
         };
         let scenario = open_scenario(&arguments.id, &options, output)?;
-        let mut margins = arguments.margins.or(margins);
-        if let Some(error) = robust {
-            let margin_m = scenario.object_margin_m(error.translation_m, error.rotation_rad);
-            margins.object_margin_m = margin_m.ok_or_else(|| {
-                let problem = "there is no target that could be elsewhere".to_owned();
-                Failure::Flag { flag: "robust", problem }
-            })?;
-        }
+        let margins = scenario.margins_forgiving(arguments.margins.or(margins), robust).map_err(|_| {
+            let problem = "there is no target that could be elsewhere".to_owned();
+            Failure::Flag { flag: "robust", problem }
+        })?;
         let mut problem = scenario.problem(margins)?;
         if arguments.strict_pairs {
             problem = problem.checking_all_pairs();
         }
         let OpenOptions { robot, geometry, grasps, .. } = options;
-        let source = PlanSource { scenario: scenario.id.clone(), robot, geometry, grasps, margins };
+        let source =
+            PlanSource { scenario: scenario.id.clone(), robot, geometry, grasps, margins, task: None };
         Ok(Self { scenario, problem, source })
     }
 }

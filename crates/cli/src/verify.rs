@@ -2,13 +2,12 @@ use std::fmt::Write as _;
 
 use cranny_file::counted;
 use cranny_plan::{Audit, AuditSettings, Criterion, PlanError, audit_with};
-use cranny_scenario::{Judgement, SequencePlan, read_waypoints};
+use cranny_scenario::{Judgement, read_waypoints};
 use serde::Serialize;
 
 use crate::Answer;
 use crate::arguments::{Output, VerifyArguments};
 use crate::failure::Failure;
-use crate::plan_steps;
 use crate::plan_task::{PlanTask, check_plan, read_plan};
 use crate::statements::{Brought, statement_lines};
 use crate::task::Demand;
@@ -16,18 +15,16 @@ use crate::text::{self, at_most_degrees, at_most_mm};
 
 pub fn run(arguments: &VerifyArguments, output: Output) -> Result<Answer, Failure> {
     let file = arguments.plan();
-    if let Some(plans) = SequencePlan::read(file)? {
-        return plan_steps::verify(&plans, file, arguments, output);
-    }
     let plan = read_plan(file)?;
     let demand = plan.as_ref().map(Demand::of_plan).unwrap_or_default();
     let brought = Brought::of(&demand, arguments);
-    let PlanTask { source, problem, deviations, .. } =
+    let PlanTask { source, problem, deviations, scenario, .. } =
         PlanTask::open(&arguments.task, &arguments.moveit, demand, output)?;
     let settings = AuditSettings { at_goal: !arguments.any_end, ..AuditSettings::default() };
     let (judged, way_points) = if let Some(plan) = &plan {
         check_plan(file, plan, problem.robot(), &source.scenario, "judged against")?;
         plan.check_path(file, problem.robot().dof())?;
+        let source = scenario.as_ref().map_or_else(|| source.clone(), |known| known.source_of(plan, &source));
         let judgement = plan.judge(&source, &problem, settings)?.ok_or(PlanError::EmptyPath)?;
         (Judged::Plan(Box::new(judgement)), plan.waypoints.len())
     } else {

@@ -116,7 +116,7 @@ fn a_planner_that_misbehaves_is_recorded_as_what_it_does() {
     assert_each(&trials, "p9", TrialOutcome::GaveUp, "without a path");
     assert_each(&trials, "p10", TrialOutcome::NoReachableGrasp, "");
     assert_each(&trials, "p11", TrialOutcome::Rejected, "off the start");
-    assert_each(&trials, "p12", TrialOutcome::Garbled, "neither a reach nor");
+    assert_each(&trials, "p12", TrialOutcome::Garbled, "holds an object that was not picked");
     assert!(trials.iter().any(|trial| trial.record.statistics.iterations == 5));
     // Nothing is left running.
     let listing = std::process::Command::new("ps").args(["-eo", "args"]).output().expect("ps");

@@ -7,10 +7,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use cranny_bench::Campaign;
-use cranny_plan::{AfterPlacing, AuditSettings, CarryEnd, PlaceSettings, Registry, Unobserved};
+use cranny_plan::{AuditSettings, Move, Registry, Stage, Unobserved};
 use cranny_robot::{Robot, RobotDescription, RobotOptions};
-use cranny_scenario::{OpenOptions, PlanFile, PlanSource, Scenario, SequencePlan, StepDemand};
-use cranny_solve::{Carry, Request, Timing, solve};
+use cranny_scenario::{OpenOptions, PlanFile, PlanSource, STEPS, Scenario};
+use cranny_solve::{Request, Timing, solve};
 use cranny_spatial::Stream;
 use serde_json::{Value, json};
 
@@ -69,9 +69,6 @@ impl Format<'_> {
     }
 
     fn is_exempt(&self, key: &str) -> bool {
-        // Of several steps each has the keys of a plan.
-        let key =
-            key.strip_prefix("steps[").and_then(|rest| rest.split_once("].")).map_or(key, |(_, key)| key);
         self.exempt.iter().any(|(first, _)| key.trim_start_matches('.').starts_with(first))
     }
 }
@@ -206,15 +203,15 @@ impl PlanReader {
         Self { id, file: folder.join(format!("{id}.plan.json")), scenario, source }
     }
 
-    /// A plan, with what is done with the object.
-    pub fn plan(&self, carry: Option<CarryEnd>, blend: bool) -> Value {
+    /// The plan of a task, as that of the scenario if it has the same stages.
+    pub fn plan(&self, stages: Vec<Stage>, blend: bool) -> Value {
         let problem = self.scenario.problem(self.source.margins).unwrap();
-        let carry = carry.map(|end| Carry { end, ..Carry::default() });
         let timing = Some(Timing { blend, ..Timing::default() });
-        let request = Request { carry, timing, robustness: true, ..Request::default() };
+        let request = Request { stages, timing, robustness: true, ..Request::default() };
         let answer = solve(&problem, &request, &mut Unobserved).unwrap();
         assert!(answer.is_solved());
-        serde_json::to_value(PlanFile::of(&answer, &self.source)).unwrap()
+        let task = self.scenario.tasks.iter().find(|task| task.stages == answer.stages).cloned();
+        serde_json::to_value(PlanFile::of(&answer, &PlanSource { task, ..self.source.clone() })).unwrap()
     }
 
     fn opened(&self, plan: &PlanFile) -> Option<(Scenario, PlanSource)> {
@@ -237,15 +234,9 @@ impl PlanReader {
     /// The verdict on a plan as text; `None` for what is refused.
     pub fn read(&self, text: &str) -> Option<String> {
         fs::write(&self.file, text).unwrap();
-        if let Some(plans) = SequencePlan::read(&self.file).ok()? {
-            let (scenario, task) = self.opened(plans.steps.first()?)?;
-            let of_scenario = plans.scenario.clone();
-            let task = (&scenario, &task);
-            let found = plans.judge(task, SequencePlan::own_problem, AuditSettings::default()).ok()?;
-            return Some(of_scenario + &serde_json::to_string(&found).unwrap());
-        }
         let plan = PlanFile::read(&self.file).ok()?;
         let (scenario, task) = self.opened(&plan)?;
+        let task = scenario.source_of(&plan, &task);
         plan.check_joints(&self.file, &scenario.robot).ok()?;
         plan.check_path(&self.file, scenario.robot.dof()).ok()?;
         let problem = scenario.problem(plan.margins).ok()?;
@@ -265,23 +256,14 @@ fn no_key_of_a_plan_is_changed_unseen() {
         let read = Box::new(|text: &str| reader.read(text));
         silent.extend(Format { name, whole, exempt: &RECORD, read }.check(most));
     };
-    check("a reach", "021", &|reader| reader.plan(None, false), 60);
-    check("cut corners", "021", &|reader| reader.plan(None, true), 8);
-    check("a carry", "035", &|reader| reader.plan(Some(CarryEnd::Home), false), 15);
-    check("a carry out", "035", &|reader| reader.plan(Some(CarryEnd::Out { clear_m: 0.05 }), false), 4);
-    let place = |reader: &PlanReader| {
-        let problem = reader.scenario.problem(reader.source.margins).unwrap();
-        let goal = problem.place("outside").unwrap().clone();
-        let place = PlaceSettings { goal, clear_m: PlaceSettings::CLEAR_M, then: AfterPlacing::Home };
-        reader.plan(Some(CarryEnd::Place(place)), false)
-    };
-    check("a place", "012", &place, 8);
-    let steps = |reader: &PlanReader| {
-        let task = (&reader.source, StepDemand::default());
-        let request = Request { timing: Some(Timing::default()), ..Request::default() };
-        let solved = SequencePlan::solve(&reader.scenario, task, &request, &mut Unobserved).unwrap();
-        serde_json::to_value(solved.0).unwrap()
-    };
+    let carry = |goal: Move| vec![Stage::pick(), Stage::Move(goal)];
+    check("a reach", "021", &|reader| reader.plan(Vec::new(), false), 60);
+    check("cut corners", "021", &|reader| reader.plan(Vec::new(), true), 8);
+    check("a carry", "035", &|reader| reader.plan(carry(Move::Home), false), 15);
+    check("a carry out", "035", &|reader| reader.plan(carry(Move::Clear { clear_m: 0.05 }), false), 4);
+    let place = vec![Stage::pick(), Stage::place("outside"), Stage::home()];
+    check("a place", "012", &|reader| reader.plan(place.clone(), false), 8);
+    let steps = |reader: &PlanReader| reader.plan(reader.scenario.task(STEPS).unwrap().stages.clone(), false);
     check("steps", "235", &steps, 4);
     assert!(silent.is_empty(), "{silent:#?}");
 }

@@ -361,16 +361,16 @@ fn steps_are_executed_one_after_the_other() {
     // What is no plan of these steps, or none of one robot that goes on where it is, is not executed.
     let plans: serde_json::Value =
         serde_json::from_slice(&std::fs::read(folder.join("235.plan.json")).unwrap()).unwrap();
-    let lie = |change: &dyn Fn(&mut Vec<serde_json::Value>), words: &[&str]| {
+    let lie = |change: &dyn Fn(&mut serde_json::Value), words: &[&str]| {
         let mut lying = plans.clone();
-        change(lying["steps"].as_array_mut().unwrap());
+        change(&mut lying);
         std::fs::write(folder.join("lie.plan.json"), lying.to_string()).unwrap();
         refused(folder, &["plan", "235", "lie.plan.json"], words);
     };
-    lie(&|steps| drop(steps.pop()), &["lie.plan.json", "each of the 3 steps"]);
-    lie(&|steps| steps.swap(0, 1), &["does not put"]);
-    lie(&|steps| steps[1]["segments"][1]["attached"] = "box".into(), &["does not put"]);
-    lie(&|steps| drop(steps[1].as_object_mut().unwrap().remove("format")), &["step 2", "cranny-plan/1"]);
+    lie(&|plan| plan["task"].as_array_mut().unwrap().swap(0, 3), &["not those of task 'steps'"]);
+    lie(&|plan| plan["segments"][1]["stage"] = 4.into(), &["lie.plan.json", "segment 0"]);
+    lie(&|plan| plan["format"] = "cranny-plan/9".into(), &["lie.plan.json", "cranny-plan/2"]);
+    lie(&|plan| plan["task_name"] = "tidy".into(), &["no task 'tidy'", "'steps'"]);
     // Shown as what it is, and not where it does not belong.
     assert_eq!(command(&["render", "235", "235.plan.json", "-o", "235.html"]).status.code(), Some(0));
     for arguments in [
@@ -382,7 +382,7 @@ fn steps_are_executed_one_after_the_other() {
     }
     let shown = command(&["render", "021", "235.plan.json", "-o", "021.html"]);
     let words = String::from_utf8_lossy(&shown.stderr).into_owned();
-    assert!(words.contains("3 steps, but scenario '021' has 0"), "{words}");
+    assert!(words.contains("scenario '021' has no task 'steps'"), "{words}");
     assert_eq!(words.matches("the plan was made for scenario '235'").count(), 1, "{words}");
     let drawn = command(&["render", "021", "235.plan.json", "-o", "021.png", "--size", "32x24"]);
     assert_eq!(drawn.status.code(), Some(2), "a picture is of it or of nothing");

@@ -39,6 +39,13 @@ impl Cell {
         }))
     }
 
+    /// The same robot, with what it holds, in the surroundings of another cell, with the margins of that.
+    #[must_use]
+    pub fn amid(&self, other: &Self) -> Self {
+        let (robot, body, held) = (self.robot.clone(), self.body.clone(), self.held.clone());
+        Self::of(CellParts { robot, body, held, ..other.parts_of() })
+    }
+
     /// How far what is held is from the bodies of the world at `q`, floors aside, in metres, certified from below: at most
     /// `beyond_m`, for what is farther is not measured.
     ///

@@ -2,11 +2,11 @@ use std::sync::Arc;
 
 use cranny_spatial::Pose;
 
-use crate::CollisionError;
 use crate::cell::{Cell, Scratch};
 use crate::cell_parts::CellParts;
 use crate::link_body::group_separation;
 use crate::resting::moved_to;
+use crate::{CollisionError, Margins};
 
 impl Cell {
     /// The same cell, of the open and empty hand, with a body of the world elsewhere: its first solid at a pose. The hand may
@@ -28,6 +28,28 @@ impl Cell {
             grasp_bodies: grasp_bodies.into(),
             ..self.parts_of()
         }))
+    }
+
+    /// The body to be grasped, by index, if there is one.
+    pub fn grasp_body(&self) -> Option<usize> {
+        self.grasp_bodies.last().copied()
+    }
+
+    /// The same cell, of the open and empty hand, with another body to be grasped, and other margins; `None` if it is that.
+    ///
+    /// # Errors
+    /// [`CollisionError::Margin`] for a negative or infinite margin.
+    ///
+    /// # Panics
+    /// If the world has no body of that index.
+    pub fn to_grasp(&self, body: usize, margins: Margins) -> Result<Option<Self>, CollisionError> {
+        margins.check()?;
+        if self.grasp_body() == Some(body) && self.margins == margins {
+            return Ok(None);
+        }
+        let mut grasp_bodies = self.world().supports_of(body);
+        grasp_bodies.push(body);
+        Ok(Some(Self::of(CellParts { grasp_bodies: grasp_bodies.into(), margins, ..self.parts_of() })))
     }
 
     /// How far the hand is from a body of the world at `q`, in metres, certified from below: at most `beyond_m`, for what is

@@ -77,13 +77,23 @@ impl Cell {
     /// # Panics
     /// If the world has no body of that index.
     pub fn resting(&self, body: usize) -> Result<Resting, CollisionError> {
+        self.resting_with(body, &Extent::of(&self.world().bodies()[body])?)
+    }
+
+    /// The same where the extent of the body is known.
+    ///
+    /// # Errors
+    /// As [`Self::resting`].
+    ///
+    /// # Panics
+    /// If the world has no body of that index.
+    pub fn resting_with(&self, body: usize, extent: &Extent) -> Result<Resting, CollisionError> {
         let thing: &Body = &self.world().bodies()[body];
-        let extent = Extent::of(thing)?;
         // As it is held from: so bits agree.
         let world_from_held = thing.parts[0].world_from_solid.inverse().inverse();
         let placed: Vec<(Pose, &Solid)> =
             thing.parts.iter().map(|part| (part.world_from_solid, &part.solid)).collect();
-        let resting = self.resting_of(body, &extent, &world_from_held, &placed);
+        let resting = self.resting_of(body, extent, &world_from_held, &placed);
         let Some(met) = resting.beside.iter().find(|other| other.gap_m < CONTACT_M) else {
             return Ok(resting);
         };

@@ -66,11 +66,20 @@ pub enum PlanError {
         /// Which planner.
         planner: &'static str,
     },
-    /// The segments of a path are no task.
-    #[error(
-        "a task is a reach; or a reach, a lift-off and a carry; or these, a set-down, a retreat and a return or none"
-    )]
-    Segments,
+    /// The segments of a path are not of the stages of a task.
+    #[error("{problem}")]
+    Segments {
+        /// Which segment, and what is wrong with it.
+        problem: String,
+    },
+    /// A stage cannot be asked for.
+    #[error("stage {}: {problem}", stage + 1)]
+    Stage {
+        /// Which stage, from 0.
+        stage: usize,
+        /// What is wrong with it.
+        problem: String,
+    },
     /// There is nothing to reach for.
     #[error("the problem has no goal: neither a grasp nor a configuration to reach for")]
     NoGoal,

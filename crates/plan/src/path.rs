@@ -6,6 +6,7 @@ pub(crate) mod corner_audit;
 pub(crate) mod grasp_judge;
 pub(crate) mod joint_metric;
 pub(crate) mod path_cost;
+pub(crate) mod pick_audit;
 pub(crate) mod shortcut;
 pub(crate) mod step;
 pub(crate) mod task_audit;

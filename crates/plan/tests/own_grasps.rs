@@ -141,7 +141,7 @@ fn what_is_said_of_a_grasp_must_be_so() {
     let problem = without_set(still_life(), &q);
     let judged = audit(&problem, std::slice::from_ref(&q)).expect("a configuration");
     let truth = judged.own_grasp.expect("a grasp");
-    assert!(judged.clone().with_said_grasp(truth, 0).valid);
+    assert!(judged.clone().with_said_grasps(&[(0, truth)]).valid);
     let (mut elsewhere, mut nowhere) = (truth.world_from_gripper, truth.world_from_gripper);
     elsewhere[0][3] += 1e-3;
     nowhere[0][0] = f64::NAN;
@@ -155,7 +155,7 @@ fn what_is_said_of_a_grasp_must_be_so() {
         OwnGrasp { world_from_gripper: elsewhere, ..truth },
         OwnGrasp { world_from_gripper: nowhere, ..truth },
     ] {
-        let audit = judged.clone().with_said_grasp(lie, 0);
+        let audit = judged.clone().with_said_grasps(&[(0, lie)]);
         assert!(!audit.valid && matches!(audit.violations[..], [Violation::SaidGrasp { .. }]), "{lie:?}");
         assert!(audit.violations[0].to_string().contains("said"), "{lie:?}");
     }

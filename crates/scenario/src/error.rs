@@ -171,6 +171,27 @@ pub enum ScenarioError {
         /// The name.
         name: String,
     },
+    /// A word of what is asked does not go with another, or with the problem.
+    #[error("{field}: {problem}")]
+    Ask {
+        /// The word; flags and keywords have the same name.
+        field: &'static str,
+        /// What is wrong, with a hint.
+        problem: String,
+    },
+    /// A scenario has no task of that name.
+    #[error(
+        "scenario '{id}' has no task '{name}' (there are: {known}; `tasks` of its scenario.yaml){}",
+        cranny_file::did_you_mean(name, known.split(", ").map(|known| known.trim_matches('\'')))
+    )]
+    UnknownTask {
+        /// The scenario.
+        id: String,
+        /// The name asked for.
+        name: String,
+        /// The names that there are.
+        known: String,
+    },
     /// There is no object to be grasped.
     #[error("scenario '{id}' has no target")]
     NoTarget {

@@ -8,6 +8,7 @@ pub(crate) mod open;
 pub(crate) mod own;
 pub(crate) mod own_export;
 pub(crate) mod own_file;
+pub(crate) mod own_tasks;
 pub(crate) mod recipe;
 pub(crate) mod recipe_file;
 pub(crate) mod released;

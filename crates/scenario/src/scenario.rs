@@ -1,16 +1,19 @@
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use cranny_collision::{Margins, ReleasedCheck, World};
 use cranny_grasp::GraspSet;
-use cranny_plan::{Criterion, Goal, PlaceGoal, Problem};
+use cranny_plan::{Criterion, Goal, Pick, PlaceGoal, PlanError, Problem, Stage};
 use cranny_robot::Robot;
 use cranny_shape::Surface;
 use cranny_spatial::Pose;
 use strum::{EnumString, IntoStaticStr};
 
 use crate::robot::hand;
-use crate::{DEFAULT_FRICTION, GivenGrasps, ObjectSource, RobotSource, ScenarioError, Step, TargetPhysics};
+use crate::{
+    DEFAULT_FRICTION, GivenGrasps, NamedTask, ObjectSource, RobotSource, ScenarioError, TargetPhysics,
+};
 
 /// A task: a robot, what stands around it, what it should grasp and how it may.
 #[derive(Clone, Debug)]
@@ -43,8 +46,10 @@ pub struct Scenario {
     pub ik: Vec<Vec<f64>>,
     /// Where the target can be put down.
     pub places: Vec<PlaceGoal>,
-    /// What is to be picked and put down, in order; often nothing.
-    pub steps: Vec<Step>,
+    /// Tasks of several stages, by name; often none.
+    pub tasks: Vec<NamedTask>,
+    /// Mass and friction of bodies besides the target, by name, as far as they are given.
+    pub physics: BTreeMap<String, TargetPhysics>,
     /// The triangles, in the planning frame, that the `paper` criterion checks instead of the bodies of
     /// `world`: the released export.
     pub export: Option<Surface>,
@@ -84,6 +89,38 @@ impl Geometry {
 }
 
 impl Scenario {
+    /// The task of that name.
+    ///
+    /// # Errors
+    /// [`ScenarioError::UnknownTask`], which lists the names that there are.
+    pub fn task(&self, name: &str) -> Result<&NamedTask, ScenarioError> {
+        self.tasks.iter().find(|task| task.name == name).ok_or_else(|| {
+            let known: Vec<String> = self.tasks.iter().map(|task| format!("'{}'", task.name)).collect();
+            let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
+            ScenarioError::UnknownTask { id: self.id.clone(), name: name.to_owned(), known }
+        })
+    }
+
+    /// The scenario in which a body of this name is the target. Its own target has its own grasps, mass and friction; of
+    /// anything else no grasps are given, and the planner makes one.
+    ///
+    /// # Errors
+    /// [`ScenarioError::Plan`] for the name of nothing.
+    pub fn with_target(&self, name: &str) -> Result<Self, ScenarioError> {
+        let target = self.world.body_index(name).map_err(PlanError::from)?;
+        if self.target == Some(target) {
+            return Ok(self.clone());
+        }
+        let given_physics = self.physics_of(target);
+        Ok(Self { target: Some(target), target_source: None, given_physics, ..self.without_grasps() })
+    }
+
+    /// Mass and friction of a body besides the target, as far as the scenario gives them.
+    pub fn physics_of(&self, body: usize) -> TargetPhysics {
+        let name = &self.world.bodies()[body].name;
+        self.physics.get(name).copied().unwrap_or_default()
+    }
+
     /// The problem to plan for.
     ///
     /// Under `exact`, the world decides, with the demanded margins. Under `paper`, the released check does:
@@ -98,7 +135,11 @@ impl Scenario {
     /// for what has no grasp to measure ([`Problem::without_grasp_set`]); [`ScenarioError::MarginUnderPaper`] for a margin
     /// that nothing would check.
     pub fn problem(&self, margins: Margins) -> Result<Problem, ScenarioError> {
-        let problem = self.problem_with_grasp_set(margins)?.with_places(&self.places);
+        let bodies = 0..self.world.bodies().len();
+        let friction = |body| self.physics_of(body).friction.unwrap_or(DEFAULT_FRICTION);
+        let frictions: Vec<Option<f64>> = bodies.map(|body| Some(friction(body))).collect();
+        let problem =
+            self.problem_with_grasp_set(margins)?.with_places(&self.places).with_frictions(&frictions);
         if self.has_grasp_set {
             return Ok(problem);
         }
@@ -120,7 +161,7 @@ impl Scenario {
                 };
                 let floor_links = hand::floor_links(&robot);
                 let check = ReleasedCheck::new(robot, obstacles, floor_links, PAPER_FLOOR_M)
-                    .map_err(cranny_plan::PlanError::from)?;
+                    .map_err(PlanError::from)?;
                 Ok(Problem::paper(check, self.world.clone(), start, goal)?)
             }
         }
@@ -129,8 +170,27 @@ impl Scenario {
     /// What must be kept free about the target that may be so far from where it is thought to be, moved and turned about the
     /// middle of a ball around it at once, in metres; `None` without a target.
     pub fn object_margin_m(&self, translation_m: f64, rotation_rad: f64) -> Option<f64> {
-        let ball = self.world.bodies()[self.target?].ball()?;
+        self.margin_about(self.target?, translation_m, rotation_rad)
+    }
+
+    fn margin_about(&self, body: usize, translation_m: f64, rotation_rad: f64) -> Option<f64> {
+        let ball = self.world.bodies()[body].ball()?;
         Some(translation_m + rotation_rad * ball.radius_m)
+    }
+
+    /// Stages each pick of which demands the clearance about its object that forgives such an error of its pose (m, rad), as
+    /// [`Self::object_margin_m`] does about the target.
+    pub fn forgiving(&self, stages: &[Stage], translation_m: f64, rotation_rad: f64) -> Vec<Stage> {
+        let forgiving = |stage: &Stage| match stage {
+            Stage::Pick(Pick { object: Some(object), .. }) => {
+                let body = self.world.body_index(object).ok();
+                let object_margin_m =
+                    body.and_then(|body| self.margin_about(body, translation_m, rotation_rad));
+                Stage::Pick(Pick { object: Some(object.clone()), object_margin_m })
+            }
+            other => other.clone(),
+        };
+        stages.iter().map(forgiving).collect()
     }
 
     /// The scenario with another robot lifted or lowered so that the ground that it stands on is the floor, as far as both

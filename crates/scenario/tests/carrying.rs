@@ -2,20 +2,24 @@
 
 use cranny_collision::Margins;
 use cranny_plan::{
-    Audit, AuditSettings, CarryEnd, Clearances, FailureReason, LiftOffSettings, Outcome, Problem, Unobserved,
+    Audit, AuditSettings, Clearances, FailureReason, Mode, Move, Outcome, Problem, Stage, Unobserved,
     Violation,
 };
 use cranny_scenario::{OpenOptions, PlanFile, PlanSource, Scenario};
-use cranny_solve::{Answer, Carry, Mode, Request, Timing, solve};
+use cranny_solve::{Answer, Request, Timing, solve};
 use cranny_spatial::Stream;
 
 fn problem(id: &str, margins: Margins) -> Problem {
     Scenario::open(id, &OpenOptions::default()).unwrap().problem(margins).unwrap()
 }
 
-fn carried(problem: &Problem, carry: Carry) -> Answer {
-    let request = Request { carry: Some(carry), timing: Some(Timing::default()), ..Request::default() };
+fn carried(problem: &Problem, goal: Move) -> Answer {
+    let request = Request { timing: Some(Timing::default()), ..carry(goal) };
     solve(problem, &request, &mut Unobserved).unwrap()
+}
+
+fn carry(goal: Move) -> Request {
+    Request { stages: vec![Stage::pick(), Stage::Move(goal)], ..Request::default() }
 }
 
 fn audit_of(plan: &PlanFile, problem: &Problem) -> Audit {
@@ -32,17 +36,17 @@ fn the_target_of_every_scenario_can_be_carried_home() {
             let id = format!("0{family}{level}");
             let margins = if level == 2 { wide } else { Margins::default() };
             let problem = problem(&id, margins);
-            let answer = carried(&problem, Carry::default());
+            let answer = carried(&problem, Move::Home);
             assert!(answer.is_solved(), "{id}: {:?} {:?}", answer.outcome, answer.audit);
             let modes: Vec<Mode> = answer.segments.iter().map(|segment| segment.mode).collect();
-            assert_eq!(modes, [Mode::Reach, Mode::LiftOff, Mode::Carry], "{id}");
+            assert_eq!(modes, [Mode::REACH, Mode::LIFT_OFF, Mode::CARRY], "{id}");
             let [_, lift_off, carry] = &answer.segments[..] else { panic!("{id}") };
             assert_eq!(carry.waypoints.last().map(Vec::as_slice), Some(problem.start()), "{id}");
             let opening_m = lift_off.opening_m.unwrap();
             assert!(opening_m > 0.0 && opening_m < 0.08, "{id}: {opening_m}");
             // The same once more is the same.
             if level == 1 {
-                let again = carried(&problem, Carry::default());
+                let again = carried(&problem, Move::Home);
                 assert_eq!(again.waypoints(), answer.waypoints(), "{id}");
             }
         }
@@ -52,7 +56,7 @@ fn the_target_of_every_scenario_can_be_carried_home() {
 #[test]
 fn a_plan_file_of_a_task_is_read_and_judged_and_lies_are_seen() {
     let problem = problem("021", Margins::default());
-    let answer = carried(&problem, Carry::default());
+    let answer = carried(&problem, Move::Home);
     let plan = PlanFile::of(&answer, &PlanSource { scenario: "021".to_owned(), ..PlanSource::default() });
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("021.plan.json");
@@ -61,9 +65,9 @@ fn a_plan_file_of_a_task_is_read_and_judged_and_lies_are_seen() {
     assert_eq!(read, plan);
     let sound = audit_of(&read, &problem);
     assert!(sound.valid, "{:?}", sound.violations);
-    assert_eq!(plan.carry_to, Some(vec![problem.start().to_vec()]));
+    assert_eq!(plan.task, [Stage::pick(), Stage::home()]);
     // Its request is the one that it was made by.
-    let again = solve(&problem, &plan.request(&problem).unwrap(), &mut Unobserved).unwrap();
+    let again = solve(&problem, &plan.request(), &mut Unobserved).unwrap();
     assert_eq!(again.waypoints(), plan.waypoints);
     // What it says of the hand and of its end is looked at.
     let kinds = |plan: &PlanFile| -> Vec<&str> {
@@ -76,12 +80,14 @@ fn a_plan_file_of_a_task_is_read_and_judged_and_lies_are_seen() {
     other.segments[1].attached = Some("table".to_owned());
     assert_eq!(kinds(&other), ["grip"]);
     let mut elsewhere = plan.clone();
-    elsewhere.carry_to.as_mut().unwrap()[0][1] += 0.01;
+    let mut aside = problem.start().to_vec();
+    aside[1] += 0.01;
+    elsewhere.task[1] = Stage::Move(Move::Configurations(vec![aside]));
     assert_eq!(kinds(&elsewhere), ["goal"]);
     let mut short = plan.clone();
     short.segments[2].waypoints.pop();
     short.segments[2].waypoints.truncate(1);
-    (short.carry_to, short.carry_clear_m) = (None, Some(1.0));
+    short.task[1] = Stage::Move(Move::Clear { clear_m: 1.0 });
     assert_eq!(kinds(&short), ["goal"]);
     // Up and down again until the object has gone too far.
     let mut long = plan.clone();
@@ -104,7 +110,8 @@ fn a_plan_file_of_a_task_is_read_and_judged_and_lies_are_seen() {
     let mut above = grasp.clone();
     above[3] -= 0.4;
     missed.segments[0].waypoints.pop();
-    missed.segments[0].waypoints.push(above);
+    missed.segments[0].waypoints.push(above.clone());
+    missed.segments[1].waypoints[0] = above;
     let violations = audit_of(&missed, &problem).violations;
     let nothing = |violation: &Violation| {
         matches!(violation, Violation::Grip { reason: FailureReason::ClosesOnNothing, .. })
@@ -117,7 +124,7 @@ fn where_the_object_is_carried_to_can_be_said() {
     let problem = problem("031", Margins::default());
     let mut end = problem.start().to_vec();
     end[2] += 0.3;
-    let to = |end: &[f64]| Carry { end: CarryEnd::Configurations(vec![end.to_vec()]), ..Carry::default() };
+    let to = |end: &[f64]| Move::Configurations(vec![end.to_vec()]);
     let answer = carried(&problem, to(&end));
     assert!(answer.is_solved());
     assert_eq!(answer.waypoints().last(), Some(&end));
@@ -135,32 +142,29 @@ fn where_the_object_is_carried_to_can_be_said() {
     assert_eq!(answer.outcome, Outcome::NoReachableGrasp);
     let is_of_end = |reason: &FailureReason| matches!(reason, FailureReason::EndBlocked { .. });
     assert!(answer.failures.iter().any(|failure| is_of_end(&failure.reason)), "{:?}", answer.failures);
-    let refused = |end: CarryEnd| {
-        let request = Request { carry: Some(Carry { end, ..Carry::default() }), ..Request::default() };
-        solve(&problem, &request, &mut Unobserved).unwrap_err().to_string()
-    };
+    let refused = |goal: Move| solve(&problem, &carry(goal), &mut Unobserved).unwrap_err().to_string();
     end[4] = 1e3;
-    let far = refused(CarryEnd::Configurations(vec![end.clone()]));
+    let far = refused(Move::Configurations(vec![end.clone()]));
     assert!(far.contains("cannot be at 1000: its limits are"), "{far}");
     end[4] = f64::NAN;
-    assert!(refused(CarryEnd::Configurations(vec![end])).contains("not a finite number"));
-    assert!(refused(CarryEnd::Configurations(Vec::new())).contains("no configuration"));
-    assert!(refused(CarryEnd::Out { clear_m: f64::NAN }).contains("no clearance"));
+    assert!(refused(Move::Configurations(vec![end])).contains("not a finite number"));
+    assert!(refused(Move::Configurations(Vec::new())).contains("no configuration"));
+    assert!(refused(Move::Clear { clear_m: f64::NAN }).contains("no clearance"));
 }
 
 #[test]
 fn out_is_where_the_object_is_clear_of_everything_but_the_floor() {
     for (id, clear_m) in [("015", 0.05), ("025", 0.1), ("035", 0.05), ("045", 0.02)] {
         let problem = problem(id, Margins::default());
-        let answer = carried(&problem, Carry { end: CarryEnd::Out { clear_m }, ..Carry::default() });
+        let answer = carried(&problem, Move::Clear { clear_m });
         assert!(answer.is_solved(), "{id}: {:?} {:?}", answer.outcome, answer.audit);
-        let home = carried(&problem, Carry::default());
+        let home = carried(&problem, Move::Home);
         assert!(answer.waypoints().last() != home.waypoints().last(), "{id}: no farther than needed");
         let source = PlanSource { scenario: id.to_owned(), ..PlanSource::default() };
         let mut plan = PlanFile::of(&answer, &source);
-        assert_eq!(plan.carry_clear_m, Some(clear_m));
+        assert_eq!(plan.task[1], Stage::Move(Move::Clear { clear_m }));
         // Farther out is more than was asked.
-        plan.carry_clear_m = Some(1.0);
+        plan.task[1] = Stage::Move(Move::Clear { clear_m: 1.0 });
         let kinds: Vec<&str> = audit_of(&plan, &problem).violations.iter().map(Violation::kind).collect();
         assert_eq!(kinds, ["goal"], "{id}");
     }
@@ -168,7 +172,7 @@ fn out_is_where_the_object_is_clear_of_everything_but_the_floor() {
 
 #[test]
 fn what_cannot_be_carried_is_refused_in_words() {
-    let request = Request { carry: Some(Carry::default()), ..Request::default() };
+    let request = carry(Move::Home);
     let refused = |problem: &Problem, request: &Request| {
         solve(problem, request, &mut Unobserved).unwrap_err().to_string()
     };
@@ -191,12 +195,4 @@ fn what_cannot_be_carried_is_refused_in_words() {
     )
     .unwrap();
     assert!(refused(&no_target, &request).contains("needs a target"));
-    let high = LiftOffSettings { clear_m: 0.5, ..LiftOffSettings::default() };
-    let impossible = Request {
-        carry: Some(Carry { lift_off: high, ..Carry::default() }),
-        budget: cranny_plan::Budget { iterations: 20, ..cranny_plan::Budget::default() },
-        ..Request::default()
-    };
-    let answer = solve(&sound, &impossible, &mut Unobserved).unwrap();
-    assert_eq!(answer.outcome, Outcome::BudgetExhausted);
 }

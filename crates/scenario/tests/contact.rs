@@ -2,12 +2,12 @@
 
 use cranny_collision::{Body, CollisionError, Margins};
 use cranny_plan::{
-    AfterPlacing, AuditSettings, Carrier, CarryEnd, ContactSegment, LiftOffSettings, NotCheckedReason,
-    Outcome, PlaceGoal, PlaceSettings, PlaceSpot, Placer, PlanError, Problem, Unobserved, Violation,
+    AuditSettings, CLEAR_M, Carrier, ContactSegment, LiftOffSettings, NotCheckedReason, Outcome, PlaceGoal,
+    PlaceSpot, Placer, PlanError, Problem, Stage, Unobserved, Violation,
 };
 use cranny_scenario::{OpenOptions, PlanFile, PlanSource, Scenario};
 use cranny_shape::Solid;
-use cranny_solve::{Answer, Carry, Request, solve};
+use cranny_solve::{Answer, Request, solve};
 use cranny_spatial::{Point, Pose, Vector};
 
 fn opened(id: &str) -> Scenario {
@@ -18,9 +18,13 @@ fn problem(scenario: &Scenario, margin_m: f64) -> Problem {
     scenario.problem(Margins { margin_m, ..Margins::default() }).unwrap()
 }
 
-fn asked(problem: &Problem, end: CarryEnd) -> Answer {
+fn carry() -> Vec<Stage> {
+    vec![Stage::pick(), Stage::home()]
+}
+
+fn asked(problem: &Problem, stages: Vec<Stage>) -> Answer {
     let request = Request {
-        carry: Some(Carry { end, ..Carry::default() }),
+        stages,
         robustness: true,
         budget: cranny_plan::Budget { iterations: 3000, ..cranny_plan::Budget::default() },
         ..Request::default()
@@ -55,7 +59,7 @@ fn with_post(gap_m: f64) -> Scenario {
 fn a_post_beside_the_object_is_an_obstacle_of_its_lift_off() {
     let scenario = with_post(0.001);
     let free = problem(&scenario, 0.0);
-    let answer = asked(&free, CarryEnd::Home);
+    let answer = asked(&free, carry());
     assert!(answer.is_solved(), "{:?} {:?}", answer.outcome, answer.failures);
     let audit = answer.audit.as_ref().unwrap();
     let clearance_m = audit.clearance_m.unwrap();
@@ -65,9 +69,9 @@ fn a_post_beside_the_object_is_an_obstacle_of_its_lift_off() {
     assert!(slip_m <= 0.001, "{slip_m}");
     let object_margin = Margins { object_margin_m: 0.015, ..Margins::default() };
     let robust = scenario.problem(object_margin).unwrap();
-    assert_ne!(asked(&robust, CarryEnd::Home).outcome, Outcome::Solved);
+    assert_ne!(asked(&robust, carry()).outcome, Outcome::Solved);
     // A greater margin does not hide it.
-    let answer = asked(&problem(&scenario, 0.004), CarryEnd::Home);
+    let answer = asked(&problem(&scenario, 0.004), carry());
     assert_ne!(answer.outcome, Outcome::Solved);
     let names_post = answer.failures.iter().any(|failure| failure.reason.sentence().contains("post"));
     assert!(names_post, "{:?}", answer.failures);
@@ -77,9 +81,7 @@ fn a_post_beside_the_object_is_an_obstacle_of_its_lift_off() {
 fn the_contact_that_is_allowed_is_named_with_every_answer() {
     let scenario = opened("021");
     let problem = problem(&scenario, 0.0);
-    let place = problem.place("outside").unwrap().clone();
-    let place = PlaceSettings { goal: place, clear_m: 0.05, then: AfterPlacing::Stay };
-    let answer = asked(&problem, CarryEnd::Place(place));
+    let answer = asked(&problem, vec![Stage::pick(), Stage::place("outside")]);
     assert!(answer.is_solved());
     let audit = answer.audit.as_ref().unwrap();
     let contacts: Vec<_> =
@@ -119,8 +121,7 @@ fn fault(scenario: &Scenario, motion: &Pose) -> Option<String> {
     let carrier = Carrier::new(&problem, LiftOffSettings::default()).unwrap();
     let now = scenario.world.bodies()[scenario.target.unwrap()].parts[0].world_from_solid;
     let goal = PlaceGoal { name: "there".to_owned(), spot: PlaceSpot::Target(motion * now) };
-    let settings = PlaceSettings { goal, clear_m: 0.05, then: AfterPlacing::Stay };
-    Placer::new(&carrier, settings).unwrap().fault_at(&(motion * now))
+    Placer::new(&carrier, &goal, CLEAR_M).unwrap().fault_at(&(motion * now))
 }
 
 #[test]
@@ -173,14 +174,13 @@ fn a_slope_is_no_place_for_a_robot_that_is_tilted_as_it_is() {
     let problem = problem(&tilted, 0.0);
     let carrier = Carrier::new(&problem, LiftOffSettings::default()).unwrap();
     let goal = problem.place("outside").unwrap().clone();
-    let settings = PlaceSettings { goal, clear_m: 0.05, then: AfterPlacing::Stay };
-    assert!(Placer::new(&carrier, settings).unwrap_err().to_string().contains("not level"));
+    assert!(Placer::new(&carrier, &goal, CLEAR_M).unwrap_err().to_string().contains("not level"));
 }
 
 #[test]
 fn a_plan_that_drags_the_object_past_a_post_is_not_valid() {
     let scenario = opened("021");
-    let answer = asked(&problem(&scenario, 0.0), CarryEnd::Home);
+    let answer = asked(&problem(&scenario, 0.0), carry());
     let plan = PlanFile::of(&answer, &PlanSource { scenario: "021".to_owned(), ..PlanSource::default() });
     let judged = |scenario: &Scenario, margin_m: f64| {
         plan.audit(&problem(scenario, margin_m), AuditSettings::default()).unwrap().unwrap()
@@ -209,8 +209,7 @@ fn a_rectangle_is_level_in_the_scene_however_the_robot_stands() {
         Scenario::open(folder.path().to_str().unwrap(), &OpenOptions::default()).map(|scenario| {
             let carrier = Carrier::new(&problem(&scenario, 0.0), LiftOffSettings::default()).unwrap();
             let goal = scenario.places[0].clone();
-            let settings = PlaceSettings { goal, clear_m: 0.05, then: AfterPlacing::Stay };
-            Placer::new(&carrier, settings).unwrap().with_placements(0).placements().count()
+            Placer::new(&carrier, &goal, CLEAR_M).unwrap().with_placements(0).placements(None).count()
         })
     };
     assert!(places("[0, 0, 20]").unwrap() > 0);

@@ -5,9 +5,9 @@ use std::io::{Write as _, stderr};
 use std::path::{Path, PathBuf};
 
 use cranny_collision::{Cell, Collider, Margins};
-use cranny_plan::{Carrier, LiftOffSettings, Unobserved};
+use cranny_plan::{Carrier, LiftOffSettings, Stage, Unobserved};
 use cranny_scenario::{OpenOptions, Scenario};
-use cranny_solve::{Carry, Request, solve};
+use cranny_solve::{Request, solve};
 use cranny_spatial::{Stream, simd_levels};
 
 /// Configurations of each kind in a scenario.
@@ -51,7 +51,8 @@ fn verdicts_are_exact_with_the_target_in_the_hand() {
         let problem = scenario.problem(Margins::default()).unwrap();
         let carrier = Carrier::new(&problem, LiftOffSettings::default()).unwrap();
         for seed in 0..2 {
-            let request = Request { carry: Some(Carry::default()), seed, ..Request::default() };
+            let stages = vec![Stage::pick(), Stage::home()];
+            let request = Request { stages, seed, ..Request::default() };
             let answer = solve(&problem, &request, &mut Unobserved).unwrap();
             let grip = carrier.close(answer.segments[0].waypoints.last().unwrap()).unwrap();
             let cell = grip.cells()[1];

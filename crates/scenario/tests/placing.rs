@@ -2,14 +2,12 @@
 
 use cranny_collision::{Body, Cell, Collider, Margins, Part, World};
 use cranny_plan::{
-    AfterPlacing, Audit, AuditSettings, Carrier, CarryEnd, Clearances, LiftOffSettings, Outcome, PlaceGoal,
-    PlaceSettings, PlaceSpot, PlanError, Problem, Unobserved, Violation,
+    AfterPlacing, Audit, AuditSettings, CLEAR_M, Clearances, Mode, Outcome, PlaceAt, PlaceGoal, PlaceSpot,
+    PlanError, Problem, Stage, Unobserved, Violation, audit_task,
 };
 use cranny_robot::{RobotOptions, between};
 use cranny_scenario::{BUILTIN_ROBOTS, OpenOptions, PlanFile, PlanSource, Scenario};
-use cranny_solve::{
-    Answer, Carry, Mode, Request, Robustness, SolveError, TaskCells, Timing, audit_segments, solve,
-};
+use cranny_solve::{Answer, Request, Robustness, SolveError, Timing, solve};
 use cranny_spatial::nalgebra::UnitQuaternion;
 use cranny_spatial::{Pose, Rotation, Stream, Vector};
 
@@ -19,25 +17,23 @@ fn open(id: &str) -> (Scenario, Problem) {
     (scenario, problem)
 }
 
-fn settings(problem: &Problem, then: AfterPlacing) -> PlaceSettings {
-    let goal = problem.place("outside").unwrap().clone();
-    PlaceSettings { goal, clear_m: PlaceSettings::CLEAR_M, then }
+fn then(then: AfterPlacing) -> Vec<Stage> {
+    Stage::put_down(PlaceAt { place: "outside".to_owned(), clear_m: CLEAR_M }, then)
 }
 
-fn asked(problem: &Problem, place: PlaceSettings, seed: u64) -> Result<Answer, SolveError> {
-    let carry = Carry { end: CarryEnd::Place(place), ..Carry::default() };
-    let request = Request {
-        carry: Some(carry),
-        timing: Some(Timing::default()),
-        seed,
-        robustness: true,
-        ..Request::default()
-    };
+fn asked(problem: &Problem, stages: Vec<Stage>, seed: u64) -> Result<Answer, SolveError> {
+    let timing = Some(Timing::default());
+    let request = Request { stages, timing, seed, robustness: true, ..Request::default() };
     solve(problem, &request, &mut Unobserved)
 }
 
-fn placed(problem: &Problem, place: PlaceSettings) -> Answer {
-    asked(problem, place, 0).unwrap()
+fn placed(problem: &Problem, stages: Vec<Stage>) -> Answer {
+    asked(problem, stages, 0).unwrap()
+}
+
+/// The same problem whose target is put down at a goal.
+fn at(problem: &Problem, goal: PlaceGoal) -> Problem {
+    problem.clone().with_places(&[PlaceGoal { name: "outside".to_owned(), ..goal }])
 }
 
 fn audit_of(plan: &PlanFile, problem: &Problem) -> Audit {
@@ -52,7 +48,7 @@ fn moved(answer: &Answer, problem: &Problem) -> Pose {
         let segment = answer.segments.iter().find(|segment| segment.mode == mode).unwrap();
         tip(segment.waypoints.last().unwrap())
     };
-    last(Mode::SetDown) * last(Mode::Reach).inverse()
+    last(Mode::SET_DOWN) * last(Mode::REACH).inverse()
 }
 
 /// By the corners of its triangles alone: whether the target lies on the rectangle, and nowhere beyond its edges.
@@ -72,16 +68,16 @@ fn the_target_of_every_scenario_can_be_put_down_outside() {
     for (family, level) in (1..=4).flat_map(|family| (1..=5).map(move |level| (family, level))) {
         let id = format!("0{family}{level}");
         let (scenario, problem) = open(&id);
-        let then = if level % 2 == 0 { AfterPlacing::Stay } else { AfterPlacing::Home };
-        let answer = placed(&problem, settings(&problem, then));
+        let after = if level % 2 == 0 { AfterPlacing::Stay } else { AfterPlacing::Home };
+        let answer = placed(&problem, then(after));
         assert!(answer.is_solved(), "{id}: {:?} {:?}", answer.outcome, answer.audit);
         let modes: Vec<Mode> = answer.segments.iter().map(|segment| segment.mode).collect();
-        let all = [Mode::Reach, Mode::LiftOff, Mode::Carry, Mode::SetDown, Mode::Retreat, Mode::Return];
-        assert_eq!(modes, all[..if then == AfterPlacing::Home { 6 } else { 5 }], "{id}");
+        let all = [Mode::REACH, Mode::LIFT_OFF, Mode::CARRY, Mode::SET_DOWN, Mode::RETREAT, Mode::RETURN];
+        assert_eq!(modes, all[..if after == AfterPlacing::Home { 6 } else { 5 }], "{id}");
         let moved = moved(&answer, &problem);
         assert!(lies_on(&scenario, &moved, &scenario.places[0]), "{id}: {moved}");
         assert!(moved.translation.vector.norm() > 0.3, "{id}");
-        if then == AfterPlacing::Home {
+        if after == AfterPlacing::Home {
             assert_eq!(answer.waypoints().last().map(Vec::as_slice), Some(problem.start()), "{id}");
         }
         let timed = &answer.timed.as_ref().unwrap().trajectory;
@@ -92,7 +88,7 @@ fn the_target_of_every_scenario_can_be_put_down_outside() {
         assert_eq!(bits(closes.openings_m), bits([opens.openings_m[1], opens.openings_m[0]]));
         assert_eq!(timed.opening_m(opens.until_s), Some(opens.openings_m[1]));
         if level == 1 {
-            let again = placed(&problem, settings(&problem, then));
+            let again = placed(&problem, then(after));
             assert_eq!(again.waypoints(), answer.waypoints(), "{id}");
         }
     }
@@ -105,20 +101,18 @@ fn the_target_is_brought_to_a_pose() {
     // Beside where it stands, turned by 20°.
     let there = Pose::translation(-0.1, -0.15, 0.0) * now * Pose::rotation(Vector::x() * 0.35);
     let goal = PlaceGoal { name: "there".to_owned(), spot: PlaceSpot::Target(there) };
-    let place = PlaceSettings { goal, ..settings(&problem, AfterPlacing::Home) };
-    let answer = placed(&problem, place.clone());
+    let answer = placed(&at(&problem, goal), then(AfterPlacing::Home));
     // Tilted it is let go, but does not stand: that is not asked of a pose.
     assert!(matches!(answer.outcome, Outcome::Solved | Outcome::BudgetExhausted | Outcome::NoReachableGrasp));
     let upright = Pose::translation(-0.1, -0.15, 0.0) * now;
     let goal = PlaceGoal { name: "there".to_owned(), spot: PlaceSpot::Target(upright) };
-    let answer = placed(&problem, PlaceSettings { goal, ..place });
+    let answer = placed(&at(&problem, goal), then(AfterPlacing::Home));
     assert!(answer.is_solved(), "{:?} {:?}", answer.outcome, answer.audit);
     // In the air, or in the floor, nothing can be let go.
     for off_m in [0.02, -0.005] {
         let spot = PlaceSpot::Target(Pose::translation(-0.1, -0.15, off_m) * now);
         let goal = PlaceGoal { name: "there".to_owned(), spot };
-        let place = PlaceSettings { goal, ..settings(&problem, AfterPlacing::Home) };
-        assert_ne!(placed(&problem, place).outcome, Outcome::Solved, "{off_m}");
+        assert_ne!(placed(&at(&problem, goal), then(AfterPlacing::Home)).outcome, Outcome::Solved, "{off_m}");
     }
     let ended = moved(&answer, &problem) * now;
     assert!((ended.translation.vector - upright.translation.vector).norm() < 1e-4);
@@ -129,7 +123,7 @@ fn the_target_is_brought_to_a_pose() {
 #[test]
 fn what_a_plan_file_says_of_a_place_is_judged() {
     let (_, problem) = open("021");
-    let answer = placed(&problem, settings(&problem, AfterPlacing::Home));
+    let answer = placed(&problem, then(AfterPlacing::Home));
     let plan = PlanFile::of(&answer, &PlanSource { scenario: "021".to_owned(), ..PlanSource::default() });
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("021.plan.json");
@@ -137,7 +131,7 @@ fn what_a_plan_file_says_of_a_place_is_judged() {
     let read = PlanFile::read(&file).unwrap();
     assert_eq!(read, plan);
     assert!(audit_of(&read, &problem).valid);
-    let again = solve(&problem, &plan.request(&problem).unwrap(), &mut Unobserved).unwrap();
+    let again = solve(&problem, &plan.request(), &mut Unobserved).unwrap();
     assert_eq!(again.waypoints(), plan.waypoints);
 
     let kinds = |plan: &PlanFile, problem: &Problem| -> Vec<&str> {
@@ -162,13 +156,13 @@ fn what_a_plan_file_says_of_a_place_is_judged() {
     }
     // Another end of the retreat is demanded, or of the path.
     let mut far = plan.clone();
-    far.place.as_mut().unwrap().clear_m = 0.2;
+    far.task[1] = Stage::Place(PlaceAt { place: "outside".to_owned(), clear_m: 0.2 });
     assert_eq!(kinds(&far, &problem), ["retreat"]);
     let mut stays = plan.clone();
     stays.segments.pop();
     let problems: Vec<_> = kinds(&stays, &problem);
-    assert_eq!(problems, ["goal"], "home is not where the retreat ends");
-    stays.place.as_mut().unwrap().then = AfterPlacing::Stay;
+    assert_eq!(problems, ["goal"], "the path ends before it goes home");
+    stays.task.pop();
     assert!(audit_of(&stays, &problem).valid);
     // Let go from higher up, or carried through the table.
     let mut early = plan.clone();
@@ -183,19 +177,15 @@ fn what_a_plan_file_says_of_a_place_is_judged() {
     assert!(!audit_of(&through, &problem).valid);
     // A jump between two pieces: no file has one, but a caller may.
     for piece in [1, 2, 3, 4, 5] {
-        let mut segments: Vec<_> = plan.segments.iter().map(|segment| segment.segment().unwrap()).collect();
-        let jump = segments[piece].waypoints[0].iter().map(|value| value + 1e-3).collect();
-        segments[piece].waypoints[0] = jump;
-        let carrier = Carrier::new(&problem, LiftOffSettings::default()).unwrap();
-        let end = plan.carry_end(&problem).unwrap();
-        let audit =
-            audit_segments(&problem, Some(&carrier), &segments, end.as_ref(), AuditSettings::default())
-                .unwrap();
-        assert!(audit.violations.iter().any(|violation| violation.kind() == "start"), "piece {piece}");
+        let mut segments = plan.segments.clone();
+        segments[piece].waypoints[0] =
+            segments[piece].waypoints[0].iter().map(|value| value + 1e-3).collect();
+        let fault = audit_task(&problem, &plan.task, &segments, AuditSettings::default()).unwrap_err();
+        assert!(fault.to_string().contains("does not begin where"), "piece {piece}: {fault}");
     }
     // What is not there is an error, and not a verdict.
     let mut unknown = plan.clone();
-    unknown.place.as_mut().unwrap().name = "nowhere".to_owned();
+    unknown.task[1] = Stage::place("nowhere");
     assert!(matches!(
         unknown.audit(&problem, AuditSettings::default()),
         Err(PlanError::UnknownPlace { known, .. }) if known == "'outside'"
@@ -204,38 +194,38 @@ fn what_a_plan_file_says_of_a_place_is_judged() {
     let mut reach = plan.clone();
     reach.segments.truncate(1);
     reach.waypoints = reach.segments[0].waypoints.clone();
-    assert!(matches!(reach.audit(&problem, AuditSettings::default()), Err(PlanError::Segments)));
-    // Without what it says of a place, its segments are no task.
-    let placeless = PlanFile { place: None, ..plan };
-    assert!(matches!(placeless.audit(&problem, AuditSettings::default()), Err(PlanError::Segments)));
+    assert_eq!(kinds(&reach, &problem), ["goal"]);
+    // Without its task, its segments are of none.
+    let placeless = PlanFile { task: Vec::new(), ..plan };
+    assert!(matches!(placeless.audit(&problem, AuditSettings::default()), Err(PlanError::Segments { .. })));
 }
 
 #[test]
 fn places_that_are_none_are_refused_and_those_that_hold_nothing_are_told() {
     let (_, problem) = open("021");
-    let sound = settings(&problem, AfterPlacing::Home);
-    let PlaceSpot::Surface { on, pose, size_m } = sound.goal.spot.clone() else { panic!("a surface") };
-    let with = |on: &str, pose: Pose, size_m: [f64; 2]| PlaceSettings {
-        goal: PlaceGoal {
-            name: "p".to_owned(),
-            spot: PlaceSpot::Surface { on: on.to_owned(), pose, size_m },
-        },
-        ..sound.clone()
+    let PlaceSpot::Surface { on, pose, size_m } = problem.place("outside").unwrap().spot.clone() else {
+        panic!("a surface")
     };
+    let with = |on: &str, pose: Pose, size_m: [f64; 2]| {
+        let spot = PlaceSpot::Surface { on: on.to_owned(), pose, size_m };
+        at(&problem, PlaceGoal { name: String::new(), spot })
+    };
+    let clear =
+        |clear_m: f64| vec![Stage::pick(), Stage::Place(PlaceAt { place: "outside".to_owned(), clear_m })];
     let tilted = pose * Pose::rotation(Vector::x() * 0.1);
-    for (place, says) in [
-        (with("ball", pose, size_m), "lies on what is to be put down"),
-        (with("moon", pose, size_m), "moon"),
-        (with(&on, tilted, size_m), "not level"),
-        (with(&on, pose, [0.1, f64::NAN]), "no size"),
-        (PlaceSettings { clear_m: -0.1, ..sound.clone() }, "no clearance"),
-        (PlaceSettings { clear_m: f64::INFINITY, ..sound.clone() }, "no clearance"),
+    for (problem, stages, says) in [
+        (with("ball", pose, size_m), clear(CLEAR_M), "lies on what is to be put down"),
+        (with("moon", pose, size_m), clear(CLEAR_M), "moon"),
+        (with(&on, tilted, size_m), clear(CLEAR_M), "not level"),
+        (with(&on, pose, [0.1, f64::NAN]), clear(CLEAR_M), "no size"),
+        (problem.clone(), clear(-0.1), "no clearance"),
+        (problem.clone(), clear(f64::INFINITY), "no clearance"),
     ] {
-        let fault = asked(&problem, place, 0).unwrap_err().to_string();
+        let fault = asked(&problem, stages, 0).unwrap_err().to_string();
         assert!(fault.contains(says), "{fault}");
     }
     // Too small for it: no error, and every grasp says why.
-    let answer = placed(&problem, with(&on, pose, [0.01, 0.01]));
+    let answer = placed(&with(&on, pose, [0.01, 0.01]), clear(CLEAR_M));
     assert_ne!(answer.outcome, Outcome::Solved);
     assert!(answer.failures.iter().any(|failure| failure.reason.sentence().contains("no place")));
 }
@@ -283,9 +273,9 @@ fn within_the_radius_nothing_is_touched() {
     let shares = [1.0, 3.0, 30.0];
     for id in ["012", "033"] {
         let (_, problem) = open(id);
-        let answer = placed(&problem, settings(&problem, AfterPlacing::Home));
+        let answer = placed(&problem, then(AfterPlacing::Home));
         let plan = PlanFile::of(&answer, &PlanSource { scenario: id.to_owned(), ..PlanSource::default() });
-        let cells: TaskCells = plan.task_cells(&problem).unwrap().unwrap();
+        let along = plan.states(&problem).unwrap().unwrap();
         let Robustness { object, base, joints, .. } = answer.robustness.unwrap();
         let [object, base] = [object, base].map(|radius| {
             let radius = radius.expect("there is something to touch");
@@ -314,7 +304,7 @@ fn within_the_radius_nothing_is_touched() {
             }
             for (row, share) in touching.iter_mut().zip(shares) {
                 let segment = &answer.segments[execution % answer.segments.len()];
-                let cell = cells.cell(segment.mode).unwrap_or(empty);
+                let cell = along.states[execution % answer.segments.len()].cell();
                 let slides = random.uniform() < 0.5;
                 let off: Vec<f64> = (0..9)
                     .map(|joint| {

@@ -1,19 +1,22 @@
 //! Statements of a plan file besides its path are measured; one that differs is false, or is named.
 
-use cranny_plan::{AuditSettings, CarryEnd, Problem, Unobserved, Violation};
+use cranny_plan::{AuditSettings, Problem, Segment, Stage, Unobserved, Violation};
 use cranny_scenario::{Judgement, OpenOptions, PlanFile, PlanSource, Scenario, ScenarioError};
-use cranny_solve::{Carry, Request, Timing, solve};
+use cranny_solve::{Request, Timing, solve};
 use serde_json::{Value, json};
 
-fn planned(id: &str, end: Option<CarryEnd>) -> (Problem, PlanSource, Value) {
+fn planned(id: &str, stages: Vec<Stage>) -> (Problem, PlanSource, Value) {
     let scenario = Scenario::open(id, &OpenOptions::default()).unwrap();
     let source = PlanSource { scenario: id.to_owned(), ..PlanSource::default() };
     let problem = scenario.problem(source.margins).unwrap();
-    let carry = end.map(|end| Carry { end, ..Carry::default() });
     let timing = Some(Timing::default());
-    let request = Request { carry, timing, robustness: true, ..Request::default() };
+    let request = Request { stages, timing, robustness: true, ..Request::default() };
     let answer = solve(&problem, &request, &mut Unobserved).unwrap();
     (problem, source.clone(), serde_json::to_value(PlanFile::of(&answer, &source)).unwrap())
+}
+
+fn carry() -> Vec<Stage> {
+    vec![Stage::pick(), Stage::home()]
 }
 
 fn read(plan: &Value) -> Result<PlanFile, ScenarioError> {
@@ -31,7 +34,7 @@ fn changed(plan: &Value, pointer: &str, value: Value) -> Value {
 
 #[test]
 fn a_figure_beyond_what_is_measured_is_a_violation() {
-    let (problem, source, plan) = planned("021", None);
+    let (problem, source, plan) = planned("021", Vec::new());
     let judge = |plan: &Value, source: &PlanSource| -> Judgement {
         read(plan).unwrap().judge(source, &problem, AuditSettings::default()).unwrap().unwrap()
     };
@@ -76,7 +79,7 @@ fn a_figure_beyond_what_is_measured_is_a_violation() {
 /// A figure stays false whatever else a file states, unless that is another task.
 #[test]
 fn what_is_left_out_makes_no_other_statement_true() {
-    let (problem, source, plan) = planned("035", Some(CarryEnd::Home));
+    let (problem, source, plan) = planned("035", carry());
     let judge = |plan: &Value| -> Judgement {
         read(plan).unwrap().judge(&source, &problem, AuditSettings::default()).unwrap().unwrap()
     };
@@ -123,7 +126,7 @@ fn what_is_left_out_makes_no_other_statement_true() {
 /// A larger bound than the one that is measured is not proven, however little larger it is.
 #[test]
 fn a_bound_holds_to_the_last_digit() {
-    let (problem, source, plan) = planned("021", None);
+    let (problem, source, plan) = planned("021", Vec::new());
     for pointer in [
         "/clearance_m",
         "/robustness/base/translation_m",
@@ -184,7 +187,8 @@ fn pairs_that_a_plan_leaves_out_are_compared() {
     let mut bent = own;
     bent.waypoints.insert(1, vec![1.57]);
     bent.waypoints.insert(2, vec![0.0]);
-    bent = PlanFile { segments: Vec::new(), not_checked: Vec::new(), ..bent };
+    let segments = vec![Segment::reach(bent.waypoints.clone(), Vec::new())];
+    bent = PlanFile { segments, not_checked: Vec::new(), ..bent };
     let found = judge(&bent);
     let lie = "not_checked: the file states nothing, measured";
     assert!(
@@ -195,21 +199,24 @@ fn pairs_that_a_plan_leaves_out_are_compared() {
 
 #[test]
 fn ends_and_times_that_no_path_can_have_are_refused() {
-    let (_, _, plan) = planned("035", Some(CarryEnd::Home));
+    let (_, _, plan) = planned("035", carry());
     assert!(read(&plan).is_ok());
     let refused = |other: Value, says: &str| {
         let fault = read(&other).unwrap_err().to_string();
         assert!(fault.contains("x.plan.json") && fault.contains(says), "{fault}");
     };
     refused(changed(&plan, "/timing/blended", json!(true)), "corners are not cut where an object is carried");
-    refused(changed(&plan, "/carry_to", json!([])), "names no configuration");
-    refused(changed(&plan, "/carry_to/0", json!([0.0])), "has a configuration without");
-    let mut two = plan.clone();
-    two["carry_clear_m"] = json!(0.05);
-    refused(two.clone(), "states more than one");
-    two["carry_to"] = Value::Null;
-    two["carry_clear_m"] = json!(-1.0);
-    refused(two, "is no clearance");
+    refused(changed(&plan, "/task/1/move", json!([])), "moves to no configuration");
+    refused(changed(&plan, "/task/1/move", json!([[0.0]])), "moves to no configuration");
+    refused(
+        changed(&plan, "/task/1", json!({"move": "away"})),
+        "'move' is 'home', 'clear' or configurations",
+    );
+    refused(changed(&plan, "/task/1", json!({"move": "home", "place": "x"})), "a stage has one of");
+    refused(
+        changed(&plan, "/task/0", json!({"pick": "target", "clear_m": 0.1})),
+        "'clear_m' belongs to a stage with 'place'",
+    );
     refused(changed(&plan, "/format", Value::Null), "no 'format'");
     refused(changed(&plan, "/geometry", json!("true")), "its 'geometry' is 'true'");
     for pointer in [

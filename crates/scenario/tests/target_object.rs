@@ -222,11 +222,14 @@ fn numbers_that_are_none_are_refused_with_their_line() {
 }
 
 #[test]
-fn an_obstacle_has_no_mass() {
-    for (key, line) in [("mass_kg", "mass_kg: 1"), ("friction", "friction: 0.5")] {
+fn an_obstacle_may_have_a_mass() {
+    let folder = folder_with(BOX, "    mass_kg: 0.2\n    friction: 0.3\n");
+    let scenario = open_folder(folder.path());
+    let physics = scenario.with_target("board").unwrap().target_physics();
+    assert_eq!(physics, TargetPhysics { mass_kg: Some(0.2), friction: Some(0.3) });
+    for (key, line) in [("mass", "mass_kg: -1"), ("friction", "friction: 0")] {
         let said = fault(BOX, &format!("    {line}\n"));
         assert!(said.contains("scenario.yaml:9: ") && said.contains(key), "{said}");
-        assert!(said.contains("obstacles do not move"), "{said}");
     }
 }
 

@@ -4,6 +4,9 @@ use cranny_shape::ShapeError;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SimError {
+    /// A path has no times.
+    #[error("without limits of acceleration (a limits.yaml beside the URDF) the path has no times")]
+    NoTimes,
     /// A hand has nothing that closes.
     #[error(
         "hand '{hand}' has no fingers that slide, so it cannot close (is there a robot.yaml beside the URDF that names \

@@ -1,6 +1,6 @@
 use serde::Serialize;
 
-use crate::{PlacedError, PlanContact, PlanOutcome, PlanRun, TrackingError};
+use crate::{GraspOutcome, PickRun, PlacedError, PlanContact, PlanOutcome, PlanRun, TrackingError};
 
 /// What came of an executed plan, without what was recorded. The names of the fields are those of files.
 #[derive(Clone, Debug, Serialize)]
@@ -45,6 +45,63 @@ pub struct PlanRow {
     pub simulated_s: f64,
 }
 
+/// What came of a plan: with one pick its row, with several one for each. The names of the fields are those of files.
+#[derive(Clone, Debug, Serialize)]
+#[serde(untagged)]
+pub enum ExecutedPlan {
+    /// A plan with one pick.
+    One {
+        /// Id of the scenario.
+        scenario: String,
+        /// What came of it.
+        #[serde(flatten)]
+        row: Box<PlanRow>,
+    },
+    /// A plan with several.
+    Several {
+        /// Id of the scenario.
+        scenario: String,
+        /// True if all objects are where the plan has them.
+        as_planned: bool,
+        /// Up to the first pick whose object is not let go where another follows.
+        steps: Vec<ExecutedPick>,
+    },
+}
+
+/// What came of a pick of a plan with several.
+#[derive(Clone, Debug, Serialize)]
+pub struct ExecutedPick {
+    /// Name of the object.
+    pub object: String,
+    /// What came of it.
+    #[serde(flatten)]
+    pub row: PlanRow,
+}
+
+impl ExecutedPlan {
+    /// What came of the runs of a plan with so many picks; `None` if it has one, of nothing.
+    pub fn of(scenario: &str, count: usize, runs: &[PickRun]) -> Option<Self> {
+        let scenario = scenario.to_owned();
+        if let [pick] = runs
+            && count == 1
+        {
+            return Some(Self::One { scenario, row: Box::new(PlanRow::of(&pick.run)) });
+        }
+        let pick = |pick: &PickRun| ExecutedPick { object: pick.object.clone(), row: PlanRow::of(&pick.run) };
+        let steps: Vec<ExecutedPick> = runs.iter().map(pick).collect();
+        let as_planned = steps.len() == count && steps.iter().all(|pick| pick.row.is_as_planned());
+        (count > 1).then_some(Self::Several { scenario, as_planned, steps })
+    }
+
+    /// True if all objects are where the plan has them.
+    pub fn is_as_planned(&self) -> bool {
+        match self {
+            Self::One { row, .. } => row.is_as_planned(),
+            Self::Several { as_planned, .. } => *as_planned,
+        }
+    }
+}
+
 /// Pose of the object in the planning frame when the hand let it go.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Released {
@@ -58,6 +115,12 @@ pub struct Released {
 }
 
 impl PlanRow {
+    /// True if the object is held to the end, or stands where it was to be put down.
+    pub fn is_as_planned(&self) -> bool {
+        let held = PlanOutcome::Grasped(GraspOutcome::Held);
+        self.outcome == if self.placed.is_some() { PlanOutcome::Placed } else { held }
+    }
+
     /// That of a run.
     pub fn of(run: &PlanRun) -> Self {
         let (grasp, ended) = (&run.grasp, &run.grasp.world_from_object);

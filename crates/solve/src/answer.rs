@@ -1,10 +1,9 @@
 use cranny_grasp::ScoreKind;
 use cranny_plan::{
-    Audit, Budget, CarryEnd, ConfigurationFault, Criterion, GraspFailure, Improvement, NoGrasp, NotChecked,
-    OptimiseSettings, Outcome, Statistics,
+    Audit, Budget, ConfigurationFault, Criterion, GraspFailure, Improvement, NoGrasp, NotChecked,
+    OptimiseSettings, Outcome, Segment, Stage, Statistics, joined,
 };
 
-use crate::segment::{Mode, Segment, joined};
 use crate::{Robustness, TaskTrajectory};
 
 /// What came of a request: everything that is told of it anywhere.
@@ -32,6 +31,8 @@ pub struct Answer {
     pub joint_names: Vec<String>,
     /// How the search ended.
     pub outcome: Outcome,
+    /// The stages that were asked; empty where the goal of the problem is all.
+    pub stages: Vec<Stage>,
     /// The path, piece by piece; empty where there is none.
     pub segments: Vec<Segment>,
     /// What the judge says of it.
@@ -47,10 +48,8 @@ pub struct Answer {
     pub shortening: Option<Shortening>,
     /// How it became better after the first search, if anybody tried.
     pub optimisation: Option<Optimisation>,
-    /// What the search cost: the first, where others followed.
+    /// Cost of the search, over all stages; of a single stage that of the first search, where others followed.
     pub statistics: Statistics,
-    /// Where the object was to be carried, if it was; home as the configuration that this is.
-    pub carry_to: Option<CarryEnd>,
     /// What stood between the robot and each grasp, from a planner that keeps account of it; empty if solved.
     pub failures: Vec<GraspFailure>,
     /// All reasons why each goal configuration is refused, if all of them are.
@@ -59,21 +58,6 @@ pub struct Answer {
     pub no_grasp: Option<NoGrasp>,
     /// Pairs that touch and were not compared: the whole answer holds except for these.
     pub not_checked: Vec<NotChecked>,
-}
-
-impl Mode {
-    /// What files call it.
-    pub fn name(self) -> &'static str {
-        self.into()
-    }
-}
-
-impl Segment {
-    /// The way to a grasp.
-    pub fn reach(waypoints: Vec<Vec<f64>>, clearances_m: Vec<Option<f64>>) -> Self {
-        let (attached, opening_m, uneven_m) = (None, None, None);
-        Self { mode: Mode::Reach, attached, opening_m, uneven_m, waypoints, clearances_m }
-    }
 }
 
 /// A path's time, and what it took to find it.
@@ -112,11 +96,15 @@ pub struct Optimisation {
 impl Answer {
     /// The same answer to a problem with more grasps, where those that it counts from 0 are these.
     pub(crate) fn with_grasp_numbers(mut self, numbers: &[usize], count: usize) -> Self {
-        if let Some(goal) = self.audit.as_mut().and_then(|audit| audit.goal.as_mut()) {
-            goal.grasp = numbers[goal.grasp];
+        if let Some(audit) = &mut self.audit {
+            let goals = audit.picks.iter_mut().filter_map(|pick| pick.goal.as_mut());
+            for goal in goals.chain(&mut audit.goal) {
+                goal.grasp = numbers[goal.grasp];
+            }
         }
+        // Of another object the grasps are the planner's own.
         for failure in &mut self.failures {
-            failure.grasp = numbers[failure.grasp];
+            failure.grasp = numbers.get(failure.grasp).copied().unwrap_or(failure.grasp);
         }
         if let Some(NoGrasp::OutOfReach(miss)) = &mut self.no_grasp {
             miss.grasp = miss.grasp.map(|grasp| numbers[grasp]);

@@ -1,12 +1,11 @@
 use cranny_grasp::{Grasp, GraspError, GraspSet, ScoreKind};
 use cranny_plan::{
-    AuditSettings, Budget, CarryEnd, Criterion, Goal, MotionLimits, OptimiseSettings, Planner, Problem,
-    Registry, TimingMethod, default_planner,
+    AuditSettings, Budget, Criterion, Goal, MotionLimits, OptimiseSettings, PlanError, Planner, Problem,
+    Registry, Stage, State, TimingMethod, default_planner,
 };
-use cranny_robot::LimitViolation;
 use serde_json::{Map, Value};
 
-use crate::{Carry, SolveError};
+use crate::SolveError;
 
 /// How a problem is to be solved. The same problem and request give the same way points on every machine, unless time
 /// cuts the search short.
@@ -33,8 +32,8 @@ pub struct Request {
     pub keep_path: bool,
     /// How to look for better paths once there is one; they are shortened whatever `keep_path` says.
     pub optimise: Option<OptimiseSettings>,
-    /// What is done with the object that is grasped; `None`: nothing, the path ends at the grasp.
-    pub carry: Option<Carry>,
+    /// The stages of the task. Default: the goal of the problem alone.
+    pub stages: Vec<Stage>,
     /// How the path gets its time; `None` where nobody asks for a trajectory.
     pub timing: Option<Timing>,
     /// What is judged of the path.
@@ -55,35 +54,6 @@ pub struct Timing {
     pub is_demanded: bool,
 }
 
-/// The most that an object can be asked to be carried away from everything, in metres.
-pub const FARTHEST_CLEAR_M: f64 = 1.0;
-
-/// Whether an object can be asked to be carried there.
-fn check_end(end: &CarryEnd, problem: &Problem) -> Result<(), SolveError> {
-    let refuse = |problem| Err(SolveError::Request { field: "carry", problem });
-    match end {
-        // What is wrong with a place is found out where the object is known.
-        CarryEnd::Home | CarryEnd::Place(_) => Ok(()),
-        CarryEnd::Out { clear_m } if (0.0..=FARTHEST_CLEAR_M).contains(clear_m) => Ok(()),
-        CarryEnd::Out { clear_m } => {
-            refuse(format!("{clear_m} m is no clearance; give 0 to {FARTHEST_CLEAR_M} m"))
-        }
-        CarryEnd::Configurations(ends) => {
-            problem.with_goal(Goal::Configurations(ends.clone()))?;
-            let robot = problem.robot();
-            let mut beyond = ends.iter().map(|end| robot.first_limit_violation(end));
-            let Some(first) = beyond.next() else { return refuse("there is no configuration".to_owned()) };
-            match first.filter(|_| beyond.all(|violation| violation.is_some())) {
-                None => Ok(()),
-                Some(LimitViolation { joint, value, lower, upper }) => refuse(format!(
-                    "{} cannot be at {value}: its limits are {lower} to {upper}",
-                    robot.joint_names()[joint]
-                )),
-            }
-        }
-    }
-}
-
 impl Request {
     /// Whether the request goes with the problem.
     ///
@@ -91,7 +61,7 @@ impl Request {
     /// [`SolveError::Request`]; [`SolveError::Plan`] for an unknown planner or setting, or where a trajectory is
     /// demanded of a robot without the limits for it.
     pub fn check(&self, problem: &Problem) -> Result<(), SolveError> {
-        self.planner_for(problem)?;
+        self.planner_for(&self.first_problem(problem)?)?;
         self.asked(problem)?;
         let refuse = |field, problem: String| Err(SolveError::Request { field, problem });
         let is_paper = problem.criterion() == Criterion::Paper;
@@ -125,16 +95,12 @@ impl Request {
                 );
             }
         }
-        if let Some(carry) = &self.carry {
-            check_end(&carry.end, problem)?;
+        if !self.stages.is_empty() {
             if is_paper {
                 let problem = "nothing is carried under it, which proves nothing; ask for the exact one";
                 return refuse("criterion", problem.to_owned());
             }
-            if self.optimise.is_some() {
-                let problem = "the way on with the object in the hand is not bettered; leave this out";
-                return refuse("optimise", problem.to_owned());
-            }
+            Stage::check_all(&self.stages, problem)?;
             if self.timing.is_some_and(|timing| timing.blend) {
                 let problem = "corners are not cut where an object is in the hand; leave this out";
                 return refuse("blend", problem.to_owned());
@@ -213,6 +179,20 @@ impl Request {
             return Err(refuse(GraspError::NoRobustScore { grasp }.to_string()));
         }
         Ok(problem.with_goal(Goal::Grasps(grasps.scored_by(self.score)))?)
+    }
+
+    /// The stages: those that are asked, or the goal of the problem.
+    pub(crate) fn stages_of(&self, problem: &Problem) -> Vec<Stage> {
+        if self.stages.is_empty() { Stage::of_goal(problem) } else { self.stages.clone() }
+    }
+
+    /// The problem of the first stage.
+    pub(crate) fn first_problem(&self, problem: &Problem) -> Result<Problem, PlanError> {
+        match (self.stages.first(), State::start(problem)) {
+            (Some(Stage::Pick(pick)), Some(start)) => start.picking(problem, pick),
+            (Some(Stage::Move(goal)), Some(start)) => start.moving(goal.ends(problem).unwrap_or_default()),
+            _ => Ok(problem.clone()),
+        }
     }
 
     pub(crate) fn planner_for(&self, problem: &Problem) -> Result<Box<dyn Planner>, SolveError> {

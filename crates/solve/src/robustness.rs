@@ -1,9 +1,7 @@
 use cranny_collision::{Cell, Levers, PairGroup, StandingClearance};
-use cranny_plan::{CutCorner, Problem};
+use cranny_plan::{CutCorner, Segment, StatesAlong};
 use cranny_spatial::CONTACT_M;
 use serde::{Deserialize, Serialize};
-
-use crate::{Mode, Segment, TaskCells};
 
 /// Distances by which things may be from where a plan has them while every motion of it stays free of collision: each kind of
 /// error by itself, and certified. `None`: however far, nothing is there to touch.
@@ -86,42 +84,32 @@ impl JointRadius {
 }
 
 impl Robustness {
-    /// Robustness of a path that is proven, and of the corners that its trajectory cuts; `None` under `paper`, which
-    /// proves nothing.
-    pub fn of(
-        problem: &Problem,
-        cells: Option<&TaskCells>,
-        segments: &[Segment],
-        cut_corners: &[CutCorner],
-    ) -> Option<Self> {
-        let reach = problem.cell()?;
-        let target = problem.target().and_then(|target| reach.world().bodies()[target].ball());
-        let object_m = target.map_or(0.0, |ball| ball.radius_m);
-        let in_mode = |mode| cells.and_then(|cells| cells.cell(mode));
+    /// Robustness of segments that are proven, with the state along each, and of the corners that their trajectory cuts;
+    /// `None` where a segment has no way point.
+    pub fn of(along: &StatesAlong, segments: &[Segment], cut_corners: &[CutCorner]) -> Option<Self> {
         let mut all = Self::default();
-        for segment in segments {
-            let Segment { mode, waypoints, .. } = segment;
-            let (first, last) = (waypoints.first()?, waypoints.last()?);
+        let states = || along.states.iter();
+        for (index, (segment, state)) in segments.iter().zip(states()).enumerate() {
+            let (first, last) = (segment.waypoints.first()?, segment.waypoints.last()?);
             // A path of one way point is an edge of no length.
             let standing = [first.clone(), first.clone()];
-            let path = if waypoints.len() > 1 { &waypoints[..] } else { &standing };
-            let cell = in_mode(*mode).unwrap_or(reach);
+            let path = if segment.waypoints.len() > 1 { &segment.waypoints[..] } else { &standing };
+            let cell = state.cell();
             let mut rooms = vec![Rooms::along(cell, path, 0.0)];
             rooms.extend(
                 cut_corners.iter().map(|corner| Rooms::along(cell, &corner.chords, corner.deviation_m)),
             );
-            // The hand closes where a reach ends, and opens where a set-down does.
-            let sweeping = match mode {
-                Mode::Reach => in_mode(Mode::LiftOff),
-                Mode::SetDown => in_mode(Mode::SetDown),
-                _ => None,
-            };
+            // The hand closes on, or opens off, what it holds along one of two segments.
+            let next = states().nth(index + 1).filter(|next| next.held().is_some() != state.held().is_some());
+            let sweeping = next.map(|next| if next.held().is_some() { next.cell() } else { cell });
             rooms.extend(sweeping.map(|cell| Rooms::while_closing(cell, last)));
+            let object = cell.grasp_body().and_then(|body| cell.world().bodies()[body].ball());
+            let object_m = object.map_or(0.0, |ball| ball.radius_m);
             for of_rooms in rooms.iter().map(|rooms| rooms.robustness(object_m)) {
-                let (object, slip) = match in_mode(*mode) {
-                    None => (of_rooms.object, None),
-                    Some(_) => (None, of_rooms.object),
-                };
+                let is_touched = state.held().is_some()
+                    || state.let_go().is_some_and(|(body, _)| cell.grasp_body() == Some(body));
+                let (object, slip) =
+                    if is_touched { (None, of_rooms.object) } else { (of_rooms.object, None) };
                 all = Self {
                     object: PoseRadius::least(all.object, object),
                     slip: PoseRadius::least(all.slip, slip),
@@ -205,7 +193,7 @@ mod tests {
     use std::sync::Arc;
 
     use cranny_collision::{Body, Margins, World};
-    use cranny_plan::Goal;
+    use cranny_plan::{Goal, Problem, Stage};
     use cranny_robot::{Robot, RobotOptions};
 
     use super::*;
@@ -226,7 +214,8 @@ mod tests {
         let goal = Goal::Configurations(vec![end.clone()]);
         let problem = Problem::exact(Arc::new(robot), world, None, start.clone(), goal, Margins::default());
         let segments = [Segment::reach(vec![start, end], Vec::new())];
-        Robustness::of(&problem.expect("a problem"), None, &segments, &[]).expect("a cell")
+        let along = StatesAlong::of(&problem.expect("a problem"), &[Stage::home()], &segments);
+        Robustness::of(&along.expect("states").expect("a cell"), &segments, &[]).expect("way points")
     }
 
     #[test]

@@ -4,24 +4,23 @@ use std::time::Instant;
 
 use cranny_collision::Cell;
 use cranny_plan::{
-    Audit, AuditSettings, Budget, Carrier, CarryEnd, Criterion, Goal, MotionLimits, NoGrasp, Observer,
-    OptimiseSettings, Outcome, PlacePath, Placer, PlanError, PlanReport, Planner, Problem, Reach,
-    ShortcutSettings, TaskPath, Trajectory, Unobserved, audit_cut_corners, audit_task, audit_with, better,
-    optimise, search, shortcut,
+    Budget, Criterion, Improvement, MotionLimits, NoGrasp, Observer, OptimiseSettings, Outcome, PlanError,
+    PlanReport, Planner, Problem, Reach, Segment, ShortcutSettings, Stage, StatesAlong, Statistics,
+    Trajectory, Unobserved, audit_along, audit_cut_corners, audit_task, better, give_clearances, optimise,
+    search, shortcut,
 };
 use cranny_robot::Robot;
 use cranny_spatial::other_seed;
 
-use crate::task::Task;
+use crate::chain::{Chain, Piece};
 use crate::{
-    Answer, Mode, Optimisation, Request, Robustness, Segment, Shortening, SolveError, TaskCells,
-    TaskTrajectory, Timed, Timing,
+    Answer, Optimisation, Request, Robustness, Shortening, SolveError, TaskTrajectory, Timed, Timing,
 };
 
 /// Solves a problem as a request says.
 ///
-/// 1. The planner looks for a path; better ones are looked for if that is asked. Where the object is to be carried, a
-///    grasp counts only if there is a way on from it.
+/// 1. The planner looks for a path; better ones are looked for if that is asked. Of several stages a path through one counts
+///    only if there is one through all that follow (see `chain.rs`).
 /// 2. A path under `exact` is shortened, unless it is to be kept or was bettered; that of `reach` to a grasp or a
 ///    configuration is bettered a little ([`OptimiseSettings::delivery`]).
 /// 3. Whatever was found is judged like anybody's path before it is called solved.
@@ -96,48 +95,29 @@ fn solve_asked(
     request: &Request,
     observer: &mut dyn Observer,
 ) -> Result<Answer, SolveError> {
-    let planner = request.planner_for(problem)?;
-    // 1.
-    let (budget, seed) = (&request.budget, request.seed);
-    let carry = request.carry.as_ref();
-    let mut task = carry.map(|carry| Task::new(problem, carry, (seed, budget.time))).transpose()?;
-    let (report, optimisation, onward) = match &mut task {
-        None => {
-            let (report, optimisation) = searched(planner.as_ref(), problem, request, observer)?;
-            (report, optimisation, Vec::new())
-        }
-        Some(task) => {
-            let (report, onward) = task.search(planner.as_ref(), problem, (budget, seed), observer)?;
-            (report, None, onward)
-        }
+    let stages = request.stages_of(problem);
+    let first = request.first_problem(problem)?;
+    let planner = request.planner_for(&first)?;
+    // 1. and 2.
+    let found = match &stages[..] {
+        [_] if request.stages.is_empty() => found_alone(problem, planner.as_ref(), request, observer)?,
+        stages => found_in_stages(problem, planner.as_ref(), (stages, request), observer)?,
     };
-    observer.search_ended();
-    // 2.
-    let is_shortened =
-        problem.criterion() == Criterion::Exact && optimisation.is_none() && !request.keep_path;
-    let (report, shortening) = if is_shortened && !report.path.is_empty() {
-        let (report, shortening) = shortened(problem, planner.as_ref(), report, task.is_some(), seed)?;
-        (report, Some(shortening))
-    } else {
-        (report, None)
-    };
-    let PlanReport { outcome, path, statistics, failures } = report;
+    let Found {
+        report: PlanReport { outcome, statistics, failures, .. },
+        mut segments,
+        shortening,
+        optimisation,
+    } = found;
     // 3.
-    let mut segments = if path.is_empty() { Vec::new() } else { vec![Segment::reach(path, Vec::new())] };
-    let (mut carrier, mut carry_to) = (None, None);
-    if let Some(task) = task {
-        (carrier, carry_to) = (Some(task.carrier.clone()), Some(task.end()));
-        if is_shortened {
-            segments.extend(task.shortened(onward)?);
-        } else {
-            segments.extend(onward.into_iter().map(|(segment, _)| segment));
-        }
-    }
-    let mut audit = match &segments[..] {
+    let along = match &segments[..] {
         [] => None,
-        segments => {
-            Some(audit_segments(problem, carrier.as_ref(), segments, carry_to.as_ref(), request.audit)?)
-        }
+        segments => StatesAlong::of(problem, &stages, segments)?,
+    };
+    let mut audit = match (&segments[..], &along) {
+        ([], _) => None,
+        (segments, Some(along)) => Some(audit_along(problem, &stages, (segments, along), request.audit)?),
+        (segments, None) => Some(audit_task(problem, &stages, segments, request.audit)?),
     };
     // 4.
     let holds = outcome == Outcome::Solved && audit.as_ref().is_some_and(|audit| audit.valid);
@@ -148,24 +128,19 @@ fn solve_asked(
     let cut_corners = timed.as_ref().map_or(&[][..], |timed| timed.trajectory.cut_corners());
     if let Some(audit) = &mut audit {
         audit_cut_corners(problem, cut_corners, request.audit, audit);
+        give_clearances(&mut segments, &audit.clearances_per_edge_m);
     }
-    give_clearances(audit.as_ref(), &mut segments);
     let not_checked = audit.as_ref().map_or_else(|| problem.not_checked(), |audit| audit.not_checked.clone());
     let is_grasp_missed = matches!(
         outcome,
         Outcome::BudgetExhausted | Outcome::Cancelled | Outcome::GaveUp | Outcome::NoReachableGrasp
     );
-    let no_grasp = if is_grasp_missed { NoGrasp::of(problem, &failures) } else { None };
-    let goal_faults = if outcome == Outcome::GoalsInvalid { problem.goal_faults() } else { Vec::new() };
+    let no_grasp = if is_grasp_missed { NoGrasp::of(&first, &failures) } else { None };
+    let goal_faults = if outcome == Outcome::GoalsInvalid { first.goal_faults() } else { Vec::new() };
     // 5.
     let holds = holds && audit.as_ref().is_some_and(|audit| audit.valid);
-    let robustness = if request.robustness && holds {
-        let cells = |carrier| TaskCells::of(carrier, &segments, carry_to.as_ref());
-        let cells = carrier.as_ref().map(cells).transpose()?.flatten();
-        Robustness::of(problem, cells.as_ref(), &segments, cut_corners)
-    } else {
-        None
-    };
+    let robustness = along.filter(|_| request.robustness && holds);
+    let robustness = robustness.and_then(|along| Robustness::of(&along, &segments, cut_corners));
     let limits = request.timing.map(|timing| MotionLimits::of(problem.robot(), timing.method));
     let untimed = limits.and_then(Result::err).map(|fault| fault.to_string());
     Ok(Answer {
@@ -177,9 +152,10 @@ fn solve_asked(
         below_min_score: None,
         goal_threshold: problem.goal_threshold(),
         budget: request.budget,
-        seed,
+        seed: request.seed,
         joint_names: problem.robot().joint_names().to_vec(),
         outcome,
+        stages: request.stages.clone(),
         segments,
         audit,
         timed,
@@ -188,12 +164,124 @@ fn solve_asked(
         shortening,
         optimisation,
         statistics,
-        carry_to,
         failures,
         goal_faults,
         no_grasp,
         not_checked,
     })
+}
+
+/// Outcome of the search, and the segments as they are delivered.
+struct Found {
+    report: PlanReport,
+    segments: Vec<Segment>,
+    shortening: Option<Shortening>,
+    optimisation: Option<Optimisation>,
+}
+
+/// Steps 1 and 2 for the goal of the problem alone.
+fn found_alone(
+    problem: &Problem,
+    planner: &dyn Planner,
+    request: &Request,
+    observer: &mut dyn Observer,
+) -> Result<Found, SolveError> {
+    let (report, optimisation) = searched(planner, problem, request, observer)?;
+    observer.search_ended();
+    let is_shortened =
+        problem.criterion() == Criterion::Exact && optimisation.is_none() && !request.keep_path;
+    let (mut report, shortening) = if is_shortened && !report.path.is_empty() {
+        let (report, shortening) = shortened(problem, planner, report, request.seed)?;
+        (report, Some(shortening))
+    } else {
+        (report, None)
+    };
+    let path = std::mem::take(&mut report.path);
+    let segments = if path.is_empty() { Vec::new() } else { vec![Segment::reach(path, Vec::new())] };
+    Ok(Found { report, segments, shortening, optimisation })
+}
+
+/// Steps 1 and 2 for several stages: each segment that is not bound to what carries an object is shortened, or bettered,
+/// between its ends, for the hand holds an object as it stands where a segment ends.
+fn found_in_stages(
+    problem: &Problem,
+    planner: &dyn Planner,
+    (stages, request): (&[Stage], &Request),
+    observer: &mut dyn Observer,
+) -> Result<Found, SolveError> {
+    let (report, pieces) = Chain::new(problem, stages, request).search(planner, observer)?;
+    observer.search_ended();
+    let begin = Instant::now();
+    let is_found = !pieces.is_empty();
+    let (segments, optimisation) = match request.optimise.filter(|_| is_found) {
+        Some(settings) => {
+            let (segments, optimisation) = bettered(pieces, &report, (settings, request), observer)?;
+            (segments, Some(optimisation))
+        }
+        None if request.keep_path => (pieces.into_iter().map(|(segment, _)| segment).collect(), None),
+        None => (shortened_pieces(pieces, request.seed)?, None),
+    };
+    let is_shortened = is_found && optimisation.is_none() && !request.keep_path;
+    let attempts = ShortcutSettings::default().attempts;
+    let time_s = begin.elapsed().as_secs_f64();
+    let shortening = is_shortened.then_some(Shortening { attempts, searches: 0, time_s });
+    Ok(Found { report, segments, shortening, optimisation })
+}
+
+fn shortened_pieces(pieces: Vec<Piece>, seed: u64) -> Result<Vec<Segment>, PlanError> {
+    let settings = ShortcutSettings { seed, ..ShortcutSettings::default() };
+    let shortened = pieces.into_iter().map(|(segment, problem)| match problem {
+        Some(problem) => {
+            let waypoints = shortcut(&problem, &segment.waypoints, settings)?.path;
+            Ok(Segment { waypoints, ..segment })
+        }
+        None => Ok(segment),
+    });
+    shortened.collect()
+}
+
+/// The segments, each that can be bettered with an equal share of time and iterations; their costs are added up.
+fn bettered(
+    pieces: Vec<Piece>,
+    report: &PlanReport,
+    (settings, request): (OptimiseSettings, &Request),
+    observer: &mut dyn Observer,
+) -> Result<(Vec<Segment>, Optimisation), PlanError> {
+    let begin = Instant::now();
+    let free = pieces.iter().filter(|(_, problem)| problem.is_some()).count();
+    let time = settings.time / u32::try_from(free.max(1)).unwrap_or(u32::MAX);
+    let left = request.budget.iterations.saturating_sub(report.statistics.iterations);
+    let most = settings.iterations.min(left / free.max(1) as u64);
+    let of_piece = OptimiseSettings { time, iterations: most, score_weight: 0.0, ..settings };
+    let (mut segments, mut steps) = (Vec::new(), Vec::new());
+    let (mut iterations, mut first_cost) = (report.statistics.iterations, 0.0);
+    for (segment, problem) in pieces {
+        let Some(problem) = problem else {
+            segments.push(segment);
+            continue;
+        };
+        let statistics =
+            Statistics { planning_time_s: begin.elapsed().as_secs_f64(), ..Statistics::default() };
+        let path = segment.waypoints.clone();
+        let first = PlanReport { outcome: Outcome::Solved, path, statistics, failures: Vec::new() };
+        let found = better(&problem, first, of_piece, request.seed, observer)?;
+        let costs = found.improvements;
+        first_cost += costs.first().map_or(0.0, |first| first.cost);
+        steps.extend(costs.windows(2).map(|pair| {
+            let iterations = iterations + pair[1].iterations;
+            (pair[0].cost - pair[1].cost, Improvement { iterations, ..pair[1] })
+        }));
+        iterations += found.iterations;
+        segments.push(Segment { waypoints: found.report.path, ..segment });
+    }
+    let search_s = report.statistics.planning_time_s;
+    let first = Improvement { time_s: search_s, iterations: report.statistics.iterations, cost: first_cost };
+    let mut improvements = vec![first];
+    for (saved, step) in steps {
+        first_cost -= saved;
+        improvements.push(Improvement { cost: first_cost, time_s: search_s + step.time_s, ..step });
+    }
+    Ok((segments, Optimisation { settings, time_s: begin.elapsed().as_secs_f64(), iterations, improvements }))
 }
 
 /// Step 1: the search, and with `optimise` those for better paths.
@@ -217,15 +305,6 @@ fn searched(
     Ok((optimised.report, Some(optimisation)))
 }
 
-/// Gives each segment the clearances of its edges.
-fn give_clearances(audit: Option<&Audit>, segments: &mut [Segment]) {
-    let mut clearances_m = audit.into_iter().flat_map(|audit| &audit.clearances_per_edge_m);
-    for segment in segments {
-        let edges = segment.waypoints.len().max(2) - 1;
-        segment.clearances_m = clearances_m.by_ref().take(edges).copied().collect();
-    }
-}
-
 /// Step 4 for a path that holds; `None` for a robot without the limits for it.
 fn timed(problem: &Problem, timing: Timing, segments: &[Segment]) -> Result<Option<Timed>, PlanError> {
     let begin = Instant::now();
@@ -234,85 +313,25 @@ fn timed(problem: &Problem, timing: Timing, segments: &[Segment]) -> Result<Opti
     Ok(trajectory.map(|trajectory| Timed { trajectory, time_s: begin.elapsed().as_secs_f64() }))
 }
 
-/// Step 2 for a path, from which the object is carried on or not.
+/// Step 2 for a path to the goal of a problem.
 fn shortened(
     problem: &Problem,
     planner: &dyn Planner,
     mut report: PlanReport,
-    is_carried_on: bool,
     seed: u64,
 ) -> Result<(PlanReport, Shortening), PlanError> {
     let begin = Instant::now();
     let settings = ShortcutSettings { seed, ..ShortcutSettings::default() };
     let mut searches = 0;
     // Only where the planner is the one that searches again is what it finds its own.
-    if planner.name() == Reach::default().name() && !is_carried_on {
+    if planner.name() == Reach::default().name() {
         let optimised = better(problem, report, OptimiseSettings::delivery(), seed, &mut Unobserved)?;
         (report, searches) = (optimised.report, optimised.searches);
-    } else if is_carried_on {
-        // The hand holds the object as it stands where the path ends: another configuration would hold it otherwise.
-        let to_end =
-            problem.with_goal(Goal::Configurations(report.path.last().cloned().into_iter().collect()))?;
-        report.path = shortcut(&to_end, &report.path, settings)?.path;
     } else {
         report.path = shortcut(problem, &report.path, settings)?.path;
     }
     let time_s = begin.elapsed().as_secs_f64();
     Ok((report, Shortening { attempts: settings.attempts, searches, time_s }))
-}
-
-/// Judges segments that follow each other, whoever made them: the way to a grasp alone, or with the two that carry the
-/// object off, to this end if one was asked.
-///
-/// # Errors
-/// [`PlanError::Segments`] for segments that are no such task, and those of the judge.
-pub fn audit_segments(
-    problem: &Problem,
-    carrier: Option<&Carrier>,
-    segments: &[Segment],
-    end: Option<&CarryEnd>,
-    settings: AuditSettings,
-) -> Result<Audit, PlanError> {
-    let modes: Vec<Mode> = segments.iter().map(|segment| segment.mode).collect();
-    let placer = match (end, carrier) {
-        (Some(CarryEnd::Place(place)), Some(carrier)) => Some(Placer::new(carrier, place.clone())?),
-        _ => None,
-    };
-    match (segments, &modes[..], carrier) {
-        ([reach], [Mode::Reach], _) => audit_with(problem, &reach.waypoints, settings),
-        (
-            [reach, lift_off, carry, after @ ..],
-            [Mode::Reach, Mode::LiftOff, Mode::Carry, put_down @ ..],
-            Some(carrier),
-        ) => {
-            let held = [lift_off, carry].map(|segment| segment.attached.as_deref().zip(segment.opening_m));
-            let place = match (put_down, after, &placer) {
-                ([], [], None) => None,
-                (
-                    [Mode::SetDown, Mode::Retreat] | [Mode::SetDown, Mode::Retreat, Mode::Return],
-                    [set_down, retreat, back @ ..],
-                    Some(placer),
-                ) => Some(PlacePath {
-                    placer,
-                    set_down: &set_down.waypoints,
-                    retreat: &retreat.waypoints,
-                    back: back.first().map(|back| &back.waypoints[..]),
-                    held: set_down.attached.as_deref().zip(set_down.opening_m),
-                }),
-                _ => return Err(PlanError::Segments),
-            };
-            let path = TaskPath {
-                reach: &reach.waypoints,
-                lift_off: &lift_off.waypoints,
-                carry: &carry.waypoints,
-                held,
-                end,
-                place,
-            };
-            audit_task(problem, carrier, path, settings)
-        }
-        _ => Err(PlanError::Segments),
-    }
 }
 
 impl Timing {

@@ -1,9 +1,10 @@
 use cranny_collision::Cell;
-use cranny_plan::{CutCorner, PlanError, TimingMethod, Trajectory, TrajectorySample, sample_times};
+use cranny_plan::{
+    CutCorner, PlanError, Segment, TimingMethod, Trajectory, TrajectorySample, joined, sample_times,
+};
 use cranny_robot::{PadDistance, Robot};
 
-use crate::segment::joined;
-use crate::{Segment, Timing};
+use crate::Timing;
 
 /// The time for which a robot stands at least while its hand closes or opens, in seconds: the fingers of common hands go
 /// through their whole stroke in about twice that. Where the limits of any joint of the hand demand more, it stands longer
@@ -65,7 +66,7 @@ impl TaskTrajectory {
         }
         let hand_opens_m = robot.hand().map(|hand| hand.description.opening_m);
         let (mut legs, mut openings_m) = (Vec::new(), Vec::new());
-        for leg in legs_of(segments) {
+        for leg in cranny_plan::legs(segments) {
             let way = joined(leg);
             if way.is_empty() {
                 continue;
@@ -124,16 +125,6 @@ impl TaskTrajectory {
             self.pads.as_ref().map_or(0.0, |pads| pads.least_time_s([openings_m[0], openings_m[1]]))
         };
         self.openings_m.windows(2).map(|openings_m| CLOSING_S.max(least_s(openings_m))).collect()
-    }
-
-    /// From when to when the hand closes, in seconds, if it does.
-    pub fn closing_s(&self) -> Option<[f64; 2]> {
-        self.hand_motions().first().map(|motion| [motion.from_s, motion.until_s])
-    }
-
-    /// From when to when the hand opens again, in seconds, if it does.
-    pub fn opening_s(&self) -> Option<[f64; 2]> {
-        self.hand_motions().get(1).map(|motion| [motion.from_s, motion.until_s])
     }
 
     /// How far the fingers are apart on each leg, in metres; `None` where the hand does nothing.
@@ -198,9 +189,4 @@ impl TaskTrajectory {
     ) -> Result<impl Iterator<Item = TrajectorySample> + use<'_>, PlanError> {
         Ok(sample_times(self.duration_s(), rate_hz)?.map(|time_s| self.sample(time_s)))
     }
-}
-
-/// Segments in rows along which the hand does nothing.
-fn legs_of(segments: &[Segment]) -> impl Iterator<Item = &[Segment]> {
-    segments.chunk_by(|a, b| a.mode.holds() == b.mode.holds())
 }

@@ -1,14 +1,13 @@
 use std::borrow::Cow;
-use std::sync::Arc;
 
 use cranny_collision::{Cell, Closest, Collider};
+use cranny_plan::State;
 use cranny_robot::Hold;
-use cranny_solve::Mode;
 use cranny_spatial::{Point, Vector};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::{ShownCarry, ShownMode, ShownPath, StepCells, number_row};
+use crate::{ShownCarry, ShownPath, number_row};
 
 /// How far the robot is from everything along a path, and which pair is the closest.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,13 +30,15 @@ impl ClearanceProfile {
     /// exact check of single configurations, so that nothing is said of what lies between. `None` where there is
     /// nothing to touch.
     ///
-    /// From when the hand begins to close on what it carries away, the object counts as part of the robot, in the cells of
-    /// the `steps`, one for each that is carried; where they end nothing is said of the rest of the path. What it rests on
-    /// counts from the end of the lift-off on, and until it is set down.
-    pub fn along(path: &ShownPath, cell: &Cell, steps: &[StepCells], most: usize) -> Option<Self> {
-        let known = steps.iter().take_while(|step| step.task.is_some()).count();
-        let shown = path.carries.get(known).map_or(path.times_s.len(), |carry| {
-            path.times_s.partition_point(|&time_s| time_s <= carry.closes_s()[0])
+    /// From when the hand begins to close on an object, that counts as part of the robot, in the `states` along the segments;
+    /// nothing is stated of the path after the last of these. What carries an object counts from the end of the lift-off on, and
+    /// until it is set down.
+    pub fn along(path: &ShownPath, cell: &Cell, states: &[State], most: usize) -> Option<Self> {
+        let mut modes = path.carries.iter().flat_map(|carry| &carry.modes);
+        let unknown = modes.find(|shown| shown.mode.holds && shown.segment >= states.len());
+        let shown = unknown.map_or(path.times_s.len(), |unknown| {
+            let until_s = modes_before(path, unknown.segment);
+            path.times_s.partition_point(|&time_s| time_s <= until_s)
         });
         let last = shown.checked_sub(1)?;
         let count = shown.min(most.max(2));
@@ -46,7 +47,7 @@ impl ClearanceProfile {
         places.dedup();
         let (mut closest, mut names, mut name_indices) = (Vec::new(), Vec::new(), Vec::new());
         let mut apart_m = Vec::new();
-        for Stretch { cell, places } in stretches(path, cell, steps, &places) {
+        for Stretch { cell, places } in stretches(path, cell, states, &places) {
             let nearest = places.par_iter().map_init(
                 || cell.scratch(),
                 |scratch, &place| {
@@ -96,43 +97,49 @@ struct Stretch<'a, 'b> {
     places: &'b [usize],
 }
 
-/// Each mode in its cell; while the hand closes or opens, at each instant another cell.
+/// The instant at which the motion before a segment ends, in seconds.
+fn modes_before(path: &ShownPath, segment: usize) -> f64 {
+    let modes = path.carries.iter().flat_map(|carry| &carry.modes);
+    modes.take_while(|shown| shown.segment < segment).last().map_or(0.0, |before| before.until_s)
+}
+
+/// Each segment in its cell; while the hand closes or opens, at each instant another cell.
 fn stretches<'a, 'b>(
-    path: &ShownPath,
+    path: &'a ShownPath,
     empty: &'a Cell,
-    steps: &'a [StepCells],
+    states: &'a [State],
     places: &'b [usize],
 ) -> Vec<Stretch<'a, 'b>> {
-    let carries = path.carries.iter().zip(steps);
-    let modes: Vec<(&ShownMode, &ShownCarry, &StepCells)> =
-        carries.flat_map(|(carry, cells)| carry.modes.iter().map(move |mode| (mode, carry, cells))).collect();
+    let of_carry = |carry: &'a ShownCarry| carry.modes.iter().map(move |shown| (shown, carry));
+    let all = path.carries.iter().flat_map(of_carry);
+    let modes: Vec<_> =
+        all.filter_map(|(shown, carry)| Some((shown, carry, states.get(shown.segment)?))).collect();
     let until = |from: usize, is_before: &dyn Fn(f64) -> bool| {
         from + places[from..].partition_point(|&place| is_before(path.times_s[place]))
     };
-    let cell_in = |cells: &'a StepCells, mode: Mode| cells.cell(mode).map_or(empty, Arc::as_ref);
     let mut stretches = Vec::new();
     let mut begin = 0;
-    for (index, (now, carry, cells)) in modes.iter().enumerate() {
-        let next = modes.get(index + 1).map(|(next, ..)| *next);
-        let moves_hand = next.filter(|next| next.mode.holds() != now.mode.holds());
+    for (index, (now, carry, state)) in modes.iter().enumerate() {
+        let next = modes.get(index + 1);
+        let moves_hand = next.filter(|(next, ..)| next.mode.holds != now.mode.holds);
         // Where the hand moves, the mode ends with its last instant; else the next begins with it.
         let end = match (next, moves_hand) {
             (None, _) => until(begin, &|_| true),
-            (Some(next), None) => until(begin, &|time_s| time_s < next.from_s),
+            (Some((next, ..)), None) => until(begin, &|time_s| time_s < next.from_s),
             (Some(_), Some(_)) => until(begin, &|time_s| time_s <= now.until_s),
         };
-        stretches
-            .push(Stretch { cell: Cow::Borrowed(cell_in(cells, now.mode)), places: &places[begin..end] });
+        stretches.push(Stretch { cell: Cow::Borrowed(state.cell()), places: &places[begin..end] });
         begin = end;
-        let Some(next) = moves_hand else { continue };
+        let Some((next, _, next_state)) = moves_hand else { continue };
         let goes_on = until(begin, &|time_s| time_s < next.from_s);
-        let held = cell_in(cells, if next.mode.holds() { next.mode } else { now.mode });
+        let held = if next.mode.holds { next_state } else { state };
         for place in places[begin..goes_on].chunks(1) {
             let closing = carry.closing_at(path.times_s[place[0]]);
             // A hand that is less closed holds as well what the closed one holds.
-            let held_so = cells.task.as_ref().map(|task| Hold { closing, ..task.grip.hold });
-            let cell = held_so.map_or(Ok(held.clone()), |hold| held.with_hold(hold));
-            stretches.push(Stretch { cell: cell.map_or(Cow::Borrowed(held), Cow::Owned), places: place });
+            let held_so = held.held().map(|(_, grip)| Hold { closing, ..grip.hold });
+            let cell = held_so.and_then(|hold| held.cell().with_hold(hold).ok());
+            stretches
+                .push(Stretch { cell: cell.map_or(Cow::Borrowed(held.cell()), Cow::Owned), places: place });
         }
         begin = goes_on;
     }

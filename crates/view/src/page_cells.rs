@@ -1,22 +1,22 @@
 use std::sync::Arc;
 
 use cranny_collision::Cell;
-use cranny_solve::Mode;
 
-use crate::{PagePlan, StepCells};
+use crate::PagePlan;
 
-/// What a server judges postures in.
+/// Cells in which a server judges postures.
 #[derive(Clone, Debug)]
 pub struct PageCells {
     empty: Arc<Cell>,
-    /// By plan, then by step.
-    plans: Vec<Vec<StepCells>>,
+    /// By plan, then by segment.
+    plans: Vec<Vec<Arc<Cell>>>,
 }
 
 impl PageCells {
     /// The cell in which the robot starts, and those along plans.
     pub fn of(empty: Arc<Cell>, plans: &[PagePlan]) -> Self {
-        Self { empty, plans: plans.iter().map(|plan| plan.steps.clone()).collect() }
+        let cells = |plan: &PagePlan| plan.states.iter().map(|state| state.cell().clone()).collect();
+        Self { empty, plans: plans.iter().map(cells).collect() }
     }
 
     /// Before anything has moved, the hand open and empty.
@@ -24,8 +24,8 @@ impl PageCells {
         &self.empty
     }
 
-    /// While a step of a plan does something; `None` for what there is not.
-    pub(crate) fn during(&self, plan: usize, step: usize, mode: Mode) -> Option<&Cell> {
-        self.plans.get(plan)?.get(step)?.cell(mode).map(Arc::as_ref)
+    /// Along a segment of a plan; `None` for one that it does not have.
+    pub(crate) fn during(&self, plan: usize, segment: usize) -> Option<&Cell> {
+        self.plans.get(plan)?.get(segment).map(Arc::as_ref)
     }
 }

@@ -1,6 +1,6 @@
 use cranny_collision::Cell;
 use cranny_file::at_least;
-use cranny_plan::{Audit, GraspFailure, NotChecked, Outcome, Trajectory, path_length};
+use cranny_plan::{Audit, GraspFailure, NotChecked, Outcome, State, Trajectory, path_length};
 use cranny_robot::Robot;
 use cranny_scenario::PlanFile;
 use cranny_solve::TaskTrajectory;
@@ -8,9 +8,7 @@ use serde::Serialize;
 
 use crate::clearance_profile::ClearanceRows;
 use crate::tree_recording::SearchTreeRows;
-use crate::{
-    ClearanceProfile, ShownCarry, ShownMode, ShownPath, StepCells, TreeRecording, ViewError, number_row,
-};
+use crate::{ClearanceProfile, ShownCarry, ShownMode, ShownPath, TreeRecording, ViewError, number_row};
 
 /// A plan as a page shows it: the path in time, what `verify` says of it, or why there is none.
 #[derive(Clone, Debug)]
@@ -25,12 +23,10 @@ pub struct PagePlan {
     pub path_length: f64,
     /// The path in time; `None` for a plan without a path.
     pub path: Option<ShownPath>,
-    /// How many steps there are to be; 1 for a plan that is not one of several.
-    pub step_count: usize,
-    /// What `verify` says of each step, as far as they have a path.
-    pub verifications: Vec<Audit>,
-    /// Robot and world along each step in which something is carried away.
-    pub steps: Vec<StepCells>,
+    /// Verdict of `verify`; `None` for a plan without a path.
+    pub verification: Option<Audit>,
+    /// The states along the segments of a plan with several.
+    pub states: Vec<State>,
     /// What stood between the robot and each grasp.
     pub failures: Vec<GraspFailure>,
     /// The trees of the search, if they were recorded.
@@ -47,8 +43,8 @@ pub(crate) fn rate_hz(duration_s: f64) -> f64 {
 }
 
 impl PagePlan {
-    /// The plan of a file, with the times of [`PlanFile::trajectory`], what `verify` says of it, and what it carries away
-    /// how ([`PlanFile::task_cells`]).
+    /// The plan of a file, with the times of [`PlanFile::trajectory`], the verdict of `verify` and the states along its
+    /// segments ([`PlanFile::states`]).
     ///
     /// # Errors
     /// As [`ShownPath::of`].
@@ -58,7 +54,7 @@ impl PagePlan {
         robot: &Robot,
         timed: Option<&TaskTrajectory>,
         verification: Option<Audit>,
-        cells: Option<StepCells>,
+        states: Vec<State>,
     ) -> Result<Self, ViewError> {
         let path_length = path_length(&plan.waypoints);
         let duration_s = timed.map_or(path_length, TaskTrajectory::duration_s);
@@ -68,41 +64,9 @@ impl PagePlan {
             outcome: Some(plan.outcome),
             path_length,
             path: ShownPath::of_plan(robot, plan, timed, rate_hz(duration_s))?,
-            step_count: 1,
-            verifications: verification.into_iter().collect(),
-            steps: cells.into_iter().collect(),
+            verification,
+            states,
             failures: plan.failures.clone(),
-            search_tree: None,
-        })
-    }
-
-    /// The plans of several steps, each with its time, as one motion; with what `verify` says of them and what they carry
-    /// away, as far as they hold.
-    ///
-    /// # Errors
-    /// As [`ShownPath::of`].
-    pub fn of_steps(
-        name: impl Into<String>,
-        plans: &[(&PlanFile, Option<TaskTrajectory>)],
-        robot: &Robot,
-        step_count: usize,
-        (verifications, steps): (Vec<Audit>, Vec<StepCells>),
-    ) -> Result<Self, ViewError> {
-        let path_length = plans.iter().map(|(plan, _)| path_length(&plan.waypoints)).sum();
-        let durations = plans.iter().map(|(_, timed)| timed.as_ref().map(TaskTrajectory::duration_s));
-        let duration_s = durations.sum::<Option<f64>>().unwrap_or(path_length);
-        let last = plans.last().map(|(plan, _)| plan);
-        Ok(Self {
-            name: name.into(),
-            planner: last.map(|plan| plan.planner.clone()).unwrap_or_default(),
-            outcome: last.map(|plan| plan.outcome),
-            path_length,
-            path: ShownPath::of_steps(robot, plans, rate_hz(duration_s))?,
-            step_count,
-            verifications,
-            steps,
-            // Each step has grasps of its own, which a page does not show.
-            failures: Vec::new(),
             search_tree: None,
         })
     }
@@ -126,58 +90,42 @@ impl PagePlan {
             outcome: None,
             path_length,
             path: ShownPath::of(robot, waypoints, trajectory, rate_hz(duration_s))?,
-            step_count: 1,
-            verifications: verification.into_iter().collect(),
-            steps: Vec::new(),
+            verification,
+            states: Vec::new(),
             failures: Vec::new(),
             search_tree: None,
         })
     }
 
-    /// Whether all of it holds, by what `verify` says.
+    /// True if `verify` finds nothing wrong with it.
     pub fn is_valid(&self) -> bool {
-        self.step_count > 0
-            && self.verifications.len() == self.step_count
-            && self.verifications.iter().all(|v| v.valid)
+        self.verification.as_ref().is_some_and(|verification| verification.valid)
     }
 
-    /// The grasp that the path ends at: what `verify` finds, not what the file claims. Of several steps each has its own.
+    /// The grasp that the path ends at: what `verify` finds, not what the file states. `None` for several picks.
     pub fn grasp(&self) -> Option<usize> {
-        let is_one = self.is_valid() && self.step_count == 1;
-        self.verifications.first().filter(|_| is_one)?.goal.map(|goal| goal.grasp)
+        let one = self.verification.as_ref().filter(|audit| audit.valid && audit.picks.len() < 2)?;
+        one.goal.map(|goal| goal.grasp)
     }
 
-    /// One line: what `verify` says.
+    /// One line: the verdict of `verify`.
     pub fn verdict(&self) -> String {
-        let of_step = |step: usize| match self.step_count {
-            1 => String::new(),
-            _ => format!("step {}: ", step + 1),
+        let Some(audit) = &self.verification else {
+            return format!("no path: {}", self.outcome.map_or("no way points", Outcome::sentence));
         };
-        let judged = self.verifications.len();
-        let failing = self.verifications.iter().enumerate().find(|(_, verification)| !verification.valid);
-        if let Some((step, Audit { violations, .. })) = failing {
-            let first = violations.first().map(ToString::to_string).unwrap_or_default();
-            let more = match violations.len().saturating_sub(1) {
+        if !audit.valid {
+            let first = audit.violations.first().map(ToString::to_string).unwrap_or_default();
+            let more = match audit.violations.len().saturating_sub(1) {
                 0 => String::new(),
                 count => format!(", and {count} more"),
             };
-            return format!("{}not valid: {first}{more}", of_step(step));
+            return format!("not valid: {first}{more}");
         }
-        if judged < self.step_count {
-            let ended = match self.outcome {
-                Some(Outcome::Solved) => "nobody has planned it",
-                outcome => outcome.map_or("no way points", Outcome::sentence),
-            };
-            return format!("{}no path: {ended}", of_step(judged));
-        }
-        let clearances_m = self.verifications.iter().filter_map(|verification| verification.clearance_m);
-        let clearance = clearances_m.reduce(f64::min).map_or_else(String::new, |clearance_m| {
+        let clearance = audit.clearance_m.map_or_else(String::new, |clearance_m| {
             format!(", {} mm or more from everything, proven", at_least(clearance_m, 1e3, 2))
         });
-        let not_checked: Vec<NotChecked> =
-            self.verifications.iter().flat_map(|verification| verification.not_checked.clone()).collect();
-        let but_for =
-            NotChecked::summary(&not_checked).map_or_else(String::new, |pairs| format!(", but for {pairs}"));
+        let but_for = NotChecked::summary(&audit.not_checked);
+        let but_for = but_for.map_or_else(String::new, |pairs| format!(", but for {pairs}"));
         format!("valid{clearance}{but_for}")
     }
 
@@ -187,7 +135,7 @@ impl PagePlan {
             number_row::floats64(path.map(pick).into_iter().flatten().copied())
         };
         let configurations = path.into_iter().flat_map(|path| path.configurations.iter().flatten().copied());
-        let profile = path.and_then(|path| ClearanceProfile::along(path, cell, &self.steps, most_instants));
+        let profile = path.and_then(|path| ClearanceProfile::along(path, cell, &self.states, most_instants));
         PlanEntry {
             name: self.name.clone(),
             planner: self.planner.clone(),
@@ -247,14 +195,22 @@ struct CarryEntry {
 #[derive(Clone, Debug, Serialize)]
 struct ModeEntry {
     name: &'static str,
+    holds: bool,
+    touches: bool,
+    leaves: bool,
+    segment: usize,
     from_s: f64,
     until_s: f64,
 }
 
 impl CarryEntry {
     fn of(carry: &ShownCarry) -> Self {
-        let mode = |&ShownMode { mode, from_s, until_s }: &ShownMode| ModeEntry {
-            name: mode.name(),
+        let mode = |&ShownMode { mode, segment, from_s, until_s }: &ShownMode| ModeEntry {
+            name: mode.name,
+            holds: mode.holds,
+            touches: mode.rests_at.is_some(),
+            leaves: mode.leaves,
+            segment,
             from_s,
             until_s,
         };

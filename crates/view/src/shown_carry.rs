@@ -1,8 +1,5 @@
-use std::str::FromStr as _;
-
+use cranny_plan::{Mode, Segment, legs};
 use cranny_robot::Robot;
-use cranny_scenario::{PlanFile, PlanSegment};
-use cranny_solve::Mode;
 
 /// What becomes of an object along a path on which it is carried away: it stands, the hand closes on it, and from then on
 /// it goes with the hand, until that opens again where it is put down, if it is.
@@ -25,6 +22,8 @@ pub struct ShownCarry {
 pub struct ShownMode {
     /// What it does.
     pub mode: Mode,
+    /// Index of the segment.
+    pub segment: usize,
     /// In seconds.
     pub from_s: f64,
     /// In seconds.
@@ -35,45 +34,39 @@ pub struct ShownMode {
 pub(crate) type LegTimes = Vec<f64>;
 
 impl ShownCarry {
-    /// Of a plan whose legs pass their way points at `times_s`; `None` for one that carries nothing.
-    pub(crate) fn of(robot: &Robot, plan: &PlanFile, times_s: &[LegTimes]) -> Option<Self> {
-        let mode_of = |segment: &PlanSegment| Mode::from_str(&segment.mode).unwrap_or(Mode::Reach);
-        let holding = plan.segments.iter().find(|segment| mode_of(segment).holds())?;
-        let closing = holding.opening_m.zip(robot.hand());
-        let closing = closing.map_or(0.0, |(opening_m, hand)| hand.pads.closing(opening_m));
+    /// What each object of segments undergoes, one after the other; `times_s` are those of all way points of each leg.
+    pub(crate) fn all_of(robot: &Robot, segments: &[Segment], times_s: &[LegTimes]) -> Vec<Self> {
         let mut modes: Vec<ShownMode> = Vec::new();
-        let legs = plan.segments.chunk_by(|a, b| mode_of(a).holds() == mode_of(b).holds());
-        for (leg, times_s) in legs.zip(times_s) {
+        let mut first = 0;
+        for (leg, times_s) in legs(segments).zip(times_s) {
             let mut passed = 0;
             for segment in leg {
                 let [from_s, until_s] = [passed, passed + segment.waypoints.len().saturating_sub(1)]
                     .map(|index| times_s.get(index).or(times_s.last()).copied().unwrap_or_default());
                 passed += segment.waypoints.len().saturating_sub(1);
-                match modes.last_mut().filter(|last| last.mode == mode_of(segment)) {
-                    Some(last) => last.until_s = until_s,
-                    None => modes.push(ShownMode { mode: mode_of(segment), from_s, until_s }),
-                }
+                modes.push(ShownMode { mode: segment.mode, segment: first, from_s, until_s });
+                first += 1;
             }
         }
-        let last_of = |mode| {
-            let of_mode = plan.segments.iter().rfind(|segment| mode_of(segment) == mode);
-            of_mode.and_then(|segment| segment.waypoints.last()).cloned()
-        };
-        Some(Self {
-            object: holding.attached.clone().unwrap_or_default(),
-            grasp: last_of(Mode::Reach).unwrap_or_default(),
-            closing,
-            placed: last_of(Mode::SetDown),
-            modes,
-        })
+        // Once an object is let go, the next motion that does not leave it is towards another.
+        let of_objects = modes.chunk_by(|a, b| b.mode.leaves || !a.mode.leaves);
+        of_objects.filter_map(|modes| Self::of_modes(robot, segments, modes)).collect()
     }
 
-    /// The same so much later, in seconds.
-    pub(crate) fn later_by(mut self, time_s: f64) -> Self {
-        for mode in &mut self.modes {
-            (mode.from_s, mode.until_s) = (mode.from_s + time_s, mode.until_s + time_s);
-        }
-        self
+    fn of_modes(robot: &Robot, segments: &[Segment], modes: &[ShownMode]) -> Option<Self> {
+        let closes = modes.iter().position(|shown| shown.mode.holds)?;
+        let holding = &segments[modes[closes].segment];
+        let closing = holding.opening_m.zip(robot.hand());
+        let let_go = modes[closes..].iter().take_while(|shown| shown.mode.holds).count() + closes;
+        let placed =
+            (let_go < modes.len()).then(|| segments[modes[let_go - 1].segment].waypoints.last().cloned());
+        Some(Self {
+            object: holding.attached.clone().unwrap_or_default(),
+            grasp: holding.waypoints.first().cloned().unwrap_or_default(),
+            closing: closing.map_or(0.0, |(opening_m, hand)| hand.pads.closing(opening_m)),
+            placed: placed.flatten(),
+            modes: modes.to_vec(),
+        })
     }
 
     /// From when to when the hand closes, in seconds.
@@ -87,8 +80,7 @@ impl ShownCarry {
     }
 
     fn hand_moves_s(&self, opens: bool) -> Option<[f64; 2]> {
-        let is_change =
-            |modes: &&[ShownMode]| modes[0].mode.holds() == opens && modes[1].mode.holds() != opens;
+        let is_change = |modes: &&[ShownMode]| modes[0].mode.holds == opens && modes[1].mode.holds != opens;
         let change = self.modes.windows(2).find(is_change)?;
         Some([change[0].until_s, change[1].from_s])
     }

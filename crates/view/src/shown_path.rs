@@ -1,4 +1,4 @@
-use cranny_plan::{MAX_SAMPLE_RATE_HZ, Trajectory, path_length};
+use cranny_plan::{MAX_SAMPLE_RATE_HZ, Trajectory, joined, legs, path_length};
 use cranny_robot::{Robot, between, distance};
 use cranny_scenario::PlanFile;
 use cranny_solve::{CLOSING_S, TaskTrajectory};
@@ -66,15 +66,14 @@ impl ShownPath {
         timed: Option<&TaskTrajectory>,
         rate_hz: f64,
     ) -> Result<Option<Self>, ViewError> {
-        let legs = plan.legs();
         // Before the first leg the hand does nothing.
         let mut stops_s =
             [0.0].into_iter().chain(timed.map(TaskTrajectory::hand_times_s).unwrap_or_default());
         let mut timed = timed.map(TaskTrajectory::legs).unwrap_or_default().iter();
         let mut shown: Option<Self> = None;
         let mut times_s = Vec::new();
-        for leg in &legs {
-            let Some(leg) = Self::of(robot, leg, timed.next(), rate_hz)? else { break };
+        for leg in legs(&plan.segments) {
+            let Some(leg) = Self::of(robot, &joined(leg), timed.next(), rate_hz)? else { break };
             let hand_s = stops_s.next().unwrap_or(CLOSING_S);
             let begin_s = shown.as_ref().map_or(0.0, |before| before.ends_s() + hand_s);
             times_s.push(leg.waypoint_times_s.iter().map(|time_s| begin_s + time_s).collect());
@@ -83,39 +82,8 @@ impl ShownPath {
                 None => leg,
             });
         }
-        let carries =
-            ShownCarry::of(robot, plan, &times_s).filter(|_| times_s.len() > 1).into_iter().collect();
+        let carries = ShownCarry::all_of(robot, &plan.segments, &times_s);
         Ok(shown.map(|shown| Self { grasp: plan.grasp, carries, ..shown }))
-    }
-
-    /// The paths of several plans, each from where the one before ends, in the same way; `None` where none has a path.
-    ///
-    /// # Errors
-    /// As [`Self::of`].
-    pub fn of_steps(
-        robot: &Robot,
-        steps: &[(&PlanFile, Option<TaskTrajectory>)],
-        rate_hz: f64,
-    ) -> Result<Option<Self>, ViewError> {
-        let mut whole: Option<Self> = None;
-        for (plan, timed) in steps {
-            let Some(step) = Self::of_plan(robot, plan, timed.as_ref(), rate_hz)? else { break };
-            whole = Some(match whole {
-                Some(whole) => whole.followed_by(step),
-                None => Self { grasp: None, ..step },
-            });
-        }
-        Ok(whole)
-    }
-
-    /// The path, and one that begins where it ends.
-    fn followed_by(mut self, next: Self) -> Self {
-        let begin_s = self.ends_s();
-        self.times_s.extend(next.times_s[1..].iter().map(|time_s| begin_s + time_s));
-        self.configurations.extend_from_slice(&next.configurations[1..]);
-        self.waypoint_times_s.extend(next.waypoint_times_s[1..].iter().map(|time_s| begin_s + time_s));
-        self.carries.extend(next.carries.into_iter().map(|carry| carry.later_by(begin_s)));
-        self
     }
 
     /// The path, a stop of `hand_s` seconds in which the hand moves, and the leg that follows.

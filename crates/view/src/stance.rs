@@ -67,7 +67,17 @@ impl<'a> Stance<'a> {
         Placed {
             local: robot.links().iter().enumerate().map(local).collect(),
             tip: frames.link(robot.tip()).translation.vector.into(),
-            carried: carries.iter().map(moved).collect(),
+            carried: {
+                let mut carried: Vec<Pose> = carries.iter().map(moved).collect();
+                // What is carried again begins where it was put down.
+                for later in 1..carries.len() {
+                    let object = &carries[later].shown.object;
+                    let before = carries[..later].iter().rposition(|carry| carry.shown.object == *object);
+                    let moved_before = before.map_or_else(Pose::identity, |before| carried[before]);
+                    carried[later] *= moved_before;
+                }
+                carried
+            },
         }
     }
 

@@ -1,7 +1,7 @@
 use cranny_collision::Body;
+use cranny_plan::Mode;
 use cranny_scenario::{ObjectType, Scenario};
 use cranny_shape::TriangleSoup;
-use cranny_solve::Mode;
 use cranny_spatial::{Point, Pose, Vector};
 
 use crate::colour::of_score;
@@ -59,10 +59,14 @@ impl Scene {
     ) -> Result<Self, ViewError> {
         let mut scene = Self { name: scenario.id.clone(), ..Self::default() };
         let carried = scene.add_robot(scenario, path)?;
-        let objects = path.iter().flat_map(|path| &path.carries).map(|carry| carry.object.as_str());
+        let objects: Vec<&str> =
+            path.iter().flat_map(|path| &path.carries).map(|carry| carry.object.as_str()).collect();
         scene.add_bodies(scenario.world.bodies(), scenario.target);
-        for (object, moved) in objects.zip(&carried) {
-            scene.carry(scenario, object, moved);
+        for (index, (object, moved)) in objects.iter().zip(&carried).enumerate() {
+            // The last motion of an object includes those before it.
+            if !objects[index + 1..].contains(object) {
+                scene.carry(scenario, object, moved);
+            }
         }
         scene.add_grasps(scenario, path.and_then(|path| path.grasp), settings.grasps);
         scene.add_gripper_path();
@@ -238,15 +242,15 @@ impl Scene {
     fn add_gripper_path(&mut self) {
         let Some(motion) = &self.motion else { return };
         let mut pieces = Vec::new();
-        for ShownMode { mode, from_s, until_s } in &motion.modes {
+        for ShownMode { mode, from_s, until_s, .. } in &motion.modes {
             let first = motion.times_s.partition_point(|time_s| time_s < from_s);
             let end = motion.times_s.partition_point(|time_s| time_s <= until_s);
-            let name = format!("gripper path, {}", mode.name());
+            let name = format!("gripper path, {}", mode.name);
             let (colour, radius_m) = way_look(*mode);
             pieces.push((name, colour, radius_m, motion.gripper_path[first..end].to_vec()));
         }
         if pieces.is_empty() {
-            let (colour, radius_m) = way_look(Mode::Reach);
+            let (colour, radius_m) = way_look(Mode::REACH);
             pieces.push(("gripper path".to_owned(), colour, radius_m, motion.gripper_path.clone()));
         }
         for (name, colour, radius_m, points) in pieces {
@@ -267,10 +271,10 @@ impl Scene {
 fn way_look(mode: Mode) -> (Colour, f64) {
     let chosen = Colour::hex(CHOSEN);
     match mode {
-        Mode::Reach => (chosen, PATH_RADIUS_M),
-        Mode::LiftOff | Mode::SetDown => (chosen.mix(Colour::WHITE, 0.6), CARRY_RADIUS_M),
-        Mode::Carry => (chosen.mix(Colour::hex(DEEP), 0.7), CARRY_RADIUS_M),
-        Mode::Retreat | Mode::Return => (chosen.mix(Colour::hex(DEEP), 0.35), PATH_RADIUS_M),
+        Mode { holds: true, rests_at: Some(_), .. } => (chosen.mix(Colour::WHITE, 0.6), CARRY_RADIUS_M),
+        Mode { holds: true, .. } => (chosen.mix(Colour::hex(DEEP), 0.7), CARRY_RADIUS_M),
+        Mode { leaves: true, .. } => (chosen.mix(Colour::hex(DEEP), 0.35), PATH_RADIUS_M),
+        _ => (chosen, PATH_RADIUS_M),
     }
 }
 

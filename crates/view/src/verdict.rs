@@ -1,8 +1,5 @@
-use std::str::FromStr as _;
-
 use cranny_collision::Collider;
 use cranny_file::counted;
-use cranny_solve::Mode;
 use serde::{Deserialize, Serialize};
 
 use crate::clearance_profile::PairNames;
@@ -26,9 +23,7 @@ pub(crate) struct DuringQuestion {
     /// By index.
     pub plan: usize,
     /// By index.
-    pub step: usize,
-    /// By name.
-    pub mode: String,
+    pub segment: usize,
 }
 
 /// The answer, by the exact check.
@@ -49,8 +44,8 @@ pub(crate) enum QuestionError {
     JointCount { expected: usize, actual: usize, joints: String },
     #[error("value {index} of 'q' is not finite")]
     NotFinite { index: usize },
-    #[error("plan {plan} has no step {step} with a mode '{mode}'")]
-    NotDone { plan: usize, step: usize, mode: String },
+    #[error("plan {plan} has no segment {segment}")]
+    NotDone { plan: usize, segment: usize },
 }
 
 /// Answers the question in the body of a request.
@@ -58,9 +53,8 @@ pub(crate) fn answer(cells: &PageCells, body: &[u8]) -> Result<Verdict, Question
     let VerdictQuestion { q, during } = serde_json::from_slice(body)?;
     let cell = match during {
         None => cells.empty(),
-        Some(DuringQuestion { plan, step, mode }) => {
-            let cell = Mode::from_str(&mode).ok().and_then(|mode| cells.during(plan, step, mode));
-            cell.ok_or(QuestionError::NotDone { plan, step, mode })?
+        Some(DuringQuestion { plan, segment }) => {
+            cells.during(plan, segment).ok_or(QuestionError::NotDone { plan, segment })?
         }
     };
     let robot = cell.robot();

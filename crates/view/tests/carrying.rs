@@ -3,14 +3,14 @@
 use std::sync::{Arc, OnceLock};
 
 use cranny_collision::Margins;
-use cranny_plan::{AuditSettings, Problem, Unobserved};
+use cranny_plan::{AuditSettings, Mode, Problem, Stage, State, Unobserved};
 use cranny_robot::Hold;
 use cranny_scenario::{OpenOptions, PlanFile, PlanSource, Scenario};
-use cranny_solve::{CLOSING_S, Carry, Mode, Request, TaskTrajectory, Timing, solve};
+use cranny_solve::{CLOSING_S, Request, TaskTrajectory, Timing, solve};
 use cranny_spatial::Pose;
 use cranny_view::{
     ClearanceProfile, PageCells, PageData, PageLimits, PagePlan, PageServer, PageSettings, Picture,
-    PictureSettings, Role, Scene, SceneSettings, ShownCarry, ShownPath, StandardView, StepCells, ViewError,
+    PictureSettings, Role, Scene, SceneSettings, ShownCarry, ShownPath, StandardView, ViewError,
 };
 use serde_json::Value;
 
@@ -26,8 +26,8 @@ fn carried() -> &'static Carried {
     CARRIED.get_or_init(|| {
         let scenario = Scenario::open("031", &OpenOptions::default()).unwrap();
         let problem = scenario.problem(Margins::default()).unwrap();
-        let request =
-            Request { carry: Some(Carry::default()), timing: Some(Timing::default()), ..Request::default() };
+        let stages = vec![Stage::pick(), Stage::home()];
+        let request = Request { stages, timing: Some(Timing::default()), ..Request::default() };
         let answer = solve(&problem, &request, &mut Unobserved).unwrap();
         assert!(answer.is_solved());
         let plan = PlanFile::of(&answer, &PlanSource { scenario: "031".to_owned(), ..PlanSource::default() });
@@ -47,19 +47,18 @@ impl Carried {
     }
 
     fn hold(&self) -> Hold {
-        self.step().task.expect("a hand that closes").grip.hold
+        self.states()[1].held().expect("a hand that closes").1.hold
     }
 
-    fn step(&self) -> StepCells {
-        let task = self.plan.task_cells(&self.problem).unwrap();
-        StepCells { reach: self.problem.cell().unwrap().clone(), task }
+    fn states(&self) -> Vec<State> {
+        self.plan.states(&self.problem).unwrap().expect("the default criterion is exact").states
     }
 
     fn page_plan(&self) -> PagePlan {
         let verification = self.plan.audit(&self.problem, AuditSettings::default()).unwrap();
-        let cells = Some(self.step());
+        let states = self.states();
         let robot = &self.scenario.robot;
-        PagePlan::of_file("p", &self.plan, robot, Some(&self.timed), verification, cells).unwrap()
+        PagePlan::of_file("p", &self.plan, robot, Some(&self.timed), verification, states).unwrap()
     }
 
     fn page(&self, plan: PagePlan) -> Value {
@@ -123,7 +122,7 @@ fn modes_follow_each_other_and_the_hand_closes_between_the_first_two() {
     for timed in [Some(&carried.timed), None] {
         let path = ShownPath::of_plan(&carried.scenario.robot, &carried.plan, timed, 20.0).unwrap().unwrap();
         let [reach, lift_off, carry] = carry_of(&path).modes[..] else { panic!("three modes") };
-        assert_eq!([reach.mode, lift_off.mode, carry.mode], [Mode::Reach, Mode::LiftOff, Mode::Carry]);
+        assert_eq!([reach.mode, lift_off.mode, carry.mode], [Mode::REACH, Mode::LIFT_OFF, Mode::CARRY]);
         assert_eq!((reach.from_s, carry.until_s), (0.0, path.ends_s()));
         assert!((lift_off.from_s - reach.until_s - CLOSING_S).abs() < 1e-12);
         assert!(lift_off.until_s > lift_off.from_s && lift_off.until_s.to_bits() == carry.from_s.to_bits());
@@ -193,8 +192,8 @@ fn a_page_is_told_what_becomes_of_the_object_and_measures_all_of_the_way() {
     assert!(pairs.iter().any(|pair| pair["first"] == "box"), "{pairs:?}");
     // Where nobody knows how it is held, nothing is said of the rest.
     let (path, cell) = (carried.path(60.0), carried.problem.cell().unwrap());
-    let profile = |steps: &[StepCells]| ClearanceProfile::along(&path, cell, steps, 240).unwrap();
-    let (whole, reach) = (profile(&[carried.step()]), profile(&[]));
+    let profile = |states: &[State]| ClearanceProfile::along(&path, cell, states, 240).unwrap();
+    let (whole, reach) = (profile(&carried.states()), profile(&[]));
     assert_eq!(whole.times_s.last(), Some(&path.ends_s()));
     assert_eq!(reach.times_s.last(), Some(&carry_of(&path).modes[0].until_s));
     assert!(whole.times_s.windows(2).all(|pair| pair[0] < pair[1]));
@@ -225,13 +224,13 @@ fn postures_with_the_object_in_the_hand_are_judged_with_it() {
     ready.recv().unwrap();
     let ask = |during: Value| ask(&url, &serde_json::json!({"q": grasp, "during": during}));
     assert_eq!(ask(Value::Null)["is_free"], true);
-    assert_eq!(ask(serde_json::json!({"plan": 0, "step": 0, "mode": "lift-off"}))["is_free"], true);
-    let resting = ask(serde_json::json!({"plan": 0, "step": 0, "mode": "carry"}));
+    assert_eq!(ask(serde_json::json!({"plan": 0, "segment": 1}))["is_free"], true);
+    let resting = ask(serde_json::json!({"plan": 0, "segment": 2}));
     assert_eq!((&resting["is_free"], &resting["contacts"][0]["first"]), (&false.into(), &"box".into()));
-    assert_eq!(ask(serde_json::json!({"plan": 0, "step": 0, "mode": "reach"}))["is_free"], true);
-    for (plan, step, mode) in [(0, 0, "retreat"), (0, 1, "reach"), (1, 0, "carry"), (0, 0, "throw")] {
-        let refused = ask(serde_json::json!({"plan": plan, "step": step, "mode": mode}));
-        assert!(refused["error"].as_str().is_some_and(|said| said.contains("no step")), "{refused}");
+    assert_eq!(ask(serde_json::json!({"plan": 0, "segment": 0}))["is_free"], true);
+    for (plan, segment) in [(0, 3), (1, 0)] {
+        let refused = ask(serde_json::json!({"plan": plan, "segment": segment}));
+        assert!(refused["error"].as_str().is_some_and(|said| said.contains("no segment")), "{refused}");
     }
     stop.send(()).unwrap();
     let ended: Result<(), ViewError> = serving.join().unwrap();

@@ -1,11 +1,11 @@
 //! Plans that put their object down: what is seen of them.
 
 use cranny_collision::Margins;
-use cranny_plan::{AfterPlacing, CarryEnd, PlaceSettings, Unobserved};
-use cranny_scenario::{OpenOptions, PlanFile, PlanSource, Scenario, SequencePlan, StepDemand};
-use cranny_solve::{CLOSING_S, Carry, Mode, Request, Timing, solve};
+use cranny_plan::{Mode, Stage, Unobserved};
+use cranny_scenario::{OpenOptions, PlanFile, PlanSource, STEPS, Scenario};
+use cranny_solve::{CLOSING_S, Request, Timing, solve};
 use cranny_spatial::Pose;
-use cranny_view::{ClearanceProfile, Role, Scene, SceneSettings, ShownPath, StepCells};
+use cranny_view::{ClearanceProfile, Role, Scene, SceneSettings, ShownPath};
 
 fn source(id: &str) -> PlanSource {
     PlanSource { scenario: id.to_owned(), ..PlanSource::default() }
@@ -15,13 +15,8 @@ fn source(id: &str) -> PlanSource {
 fn the_object_stays_where_the_hand_let_it_go() {
     let scenario = Scenario::open("031", &OpenOptions::default()).unwrap();
     let problem = scenario.problem(Margins::default()).unwrap();
-    let goal = problem.place("outside").unwrap().clone();
-    let place = PlaceSettings { goal, clear_m: 0.05, then: AfterPlacing::Home };
-    let request = Request {
-        carry: Some(Carry { end: CarryEnd::Place(place), ..Carry::default() }),
-        timing: Some(Timing::default()),
-        ..Request::default()
-    };
+    let stages = vec![Stage::pick(), Stage::place("outside"), Stage::home()];
+    let request = Request { stages, timing: Some(Timing::default()), ..Request::default() };
     let answer = solve(&problem, &request, &mut Unobserved).unwrap();
     let plan = PlanFile::of(&answer, &source("031"));
     let timed = plan.trajectory(&scenario.robot, None).unwrap();
@@ -29,8 +24,7 @@ fn the_object_stays_where_the_hand_let_it_go() {
         let path = ShownPath::of_plan(&scenario.robot, &plan, timed, 20.0).unwrap().unwrap();
         let [carry] = &path.carries[..] else { panic!("one thing is carried") };
         let modes: Vec<Mode> = carry.modes.iter().map(|mode| mode.mode).collect();
-        let all = [Mode::Reach, Mode::LiftOff, Mode::Carry, Mode::SetDown, Mode::Retreat, Mode::Return];
-        assert_eq!(modes, all);
+        assert_eq!(modes, Mode::ALL);
         let [opens_s, has_opened_s] = carry.opens_s().unwrap();
         assert!((has_opened_s - opens_s - CLOSING_S).abs() < 1e-9);
         assert_eq!(carry.modes.last().unwrap().until_s.to_bits(), path.ends_s().to_bits());
@@ -42,16 +36,15 @@ fn the_object_stays_where_the_hand_let_it_go() {
 
         let scene = Scene::of_task(&scenario, Some(&path), &SceneSettings { grasps: 0 }).unwrap();
         let target = scene.nodes.iter().position(|node| node.role == Role::Target).unwrap();
-        let there = *plan.task_cells(&problem).unwrap().unwrap().placed().unwrap();
+        let along = plan.states(&problem).unwrap().unwrap();
+        let there = *along.end.let_go().unwrap().1;
         for (frame, time_s) in path.times_s.iter().enumerate().filter(|(_, time_s)| **time_s >= opens_s) {
             let off: Pose = scene.world_from_nodes(Some(frame))[target].inv_mul(&there);
             assert!(off.translation.vector.norm() < 1e-9 && off.rotation.angle() < 1e-6, "at {time_s} s");
         }
         // All of it has a clearance, the object being an obstacle once it stands.
         let cell = problem.cell().unwrap();
-        let task = plan.task_cells(&problem).unwrap();
-        let step = StepCells { reach: cell.clone(), task };
-        let profile = ClearanceProfile::along(&path, cell, &[step], 200).unwrap();
+        let profile = ClearanceProfile::along(&path, cell, &along.states, 200).unwrap();
         let last_s = profile.times_s.last().unwrap();
         assert_eq!(last_s.to_bits(), path.ends_s().to_bits());
         let free = profile.times_s.iter().zip(&profile.closest);
@@ -63,15 +56,15 @@ fn the_object_stays_where_the_hand_let_it_go() {
 #[test]
 fn several_steps_are_one_motion() {
     let scenario = Scenario::open("213", &OpenOptions::default()).unwrap();
-    let request = Request { timing: Some(Timing::default()), ..Request::default() };
-    let (plans, _) =
-        SequencePlan::solve(&scenario, (&source("213"), StepDemand::default()), &request, &mut Unobserved)
-            .unwrap();
-    let timed = |plan: &PlanFile| plan.trajectory(&scenario.robot, None).unwrap();
-    let steps: Vec<_> = plans.steps.iter().map(|plan| (plan, timed(plan))).collect();
-    let path = ShownPath::of_steps(&scenario.robot, &steps, 5.0).unwrap().unwrap();
+    let problem = scenario.problem(Margins::default()).unwrap();
+    let stages = scenario.task(STEPS).unwrap().stages.clone();
+    let request = Request { stages, timing: Some(Timing::default()), ..Request::default() };
+    let answer = solve(&problem, &request, &mut Unobserved).unwrap();
+    let plan = PlanFile::of(&answer, &source("213"));
+    let timed = plan.trajectory(&scenario.robot, None).unwrap();
+    let path = ShownPath::of_plan(&scenario.robot, &plan, timed.as_ref(), 5.0).unwrap().unwrap();
     assert_eq!(path.carries.len(), 3);
-    assert!((path.ends_s() - plans.duration_s.unwrap()).abs() < 1e-9);
+    assert!((path.ends_s() - plan.timing.unwrap().duration_s).abs() < 1e-9);
     assert!(path.times_s.windows(2).all(|pair| pair[0] < pair[1]));
     let scene = Scene::of_task(&scenario, Some(&path), &SceneSettings { grasps: 0 }).unwrap();
     let [before, after] = [Some(0), scene.last_frame()].map(|frame| scene.world_from_nodes(frame));

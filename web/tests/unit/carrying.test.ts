@@ -54,7 +54,7 @@ test("the object stands, and from when the hand has closed it stays in it", () =
       const expected = compose(worldFromGripper!, held);
       assert.ok(distanceBetween(worldFromNodes[target], expected) < 1e-9, `at ${time}`);
       assert.ok(angleBetween(worldFromNodes[target], expected) < 1e-6, `at ${time}`);
-      assert.deepEqual([during?.plan, during?.step], [0, 0]);
+      assert.deepEqual(during, { plan: 0, segment: carrying.at(time).segment });
     }
   }
 });
@@ -97,7 +97,10 @@ test("what one step has put down stays there while the next carries it on or som
     grasp,
     closing: 0.5,
     placed,
-    modes: ["reach", "carry", "retreat"].map((name, i) => ({ name, from_s: from_s + i, until_s: from_s + i + 0.8 })),
+    modes: ["reach", "carry", "retreat"].map((name, i) => {
+      const properties = { holds: i === 1, touches: false, leaves: i === 2, segment: from_s + i };
+      return { name, ...properties, from_s: from_s + i, until_s: from_s + i + 0.8 };
+    }),
   });
   const [there, here] = [[0.1, 0.9, 0.85], turned];
   const steps = [step(0, "target", there, here), step(3, "table", there, here), step(6, "target", here, there)];

@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 use cranny_bench::{Campaign, read_output};
 use cranny_grasp::{ImportSettings, check_csv, import_grasps};
 use cranny_plan::Registry;
+use cranny_plan::Stage;
 use cranny_robot::{Robot, RobotOptions, TextSource};
 use cranny_scenario::{
     Credits, MoveItOptions, MoveItProblem, ObjectType, OpenOptions, Scenario, check_folder, pack,
@@ -86,7 +87,11 @@ pub const FILE_READERS: [FileReader; 30] = [
         let _ = Campaign::read(&folder.join("campaign.yaml"), &Registry::default());
     }),
     reader("exec_answer", "answer.json", |folder| {
-        let _ = read_output(&fs::read(folder.join("answer.json")).unwrap_or_default(), 2, true);
+        let _ = read_output(
+            &fs::read(folder.join("answer.json")).unwrap_or_default(),
+            2,
+            &[Stage::pick(), Stage::home()],
+        );
     }),
     reader("released_answer", "trial.txt", read_released_answer),
     reader("results", "results.changes", stored_results::read),

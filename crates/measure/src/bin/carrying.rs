@@ -19,11 +19,11 @@ use std::time::{Duration, Instant};
 use cranny_collision::Margins;
 use cranny_grasp::GraspSet;
 use cranny_plan::{
-    AfterPlacing, AuditSettings, Budget, Carrier, CarryEnd, Clearances, FailureReason, Goal, LiftOffSettings,
-    Outcome, PlaceSettings, Problem, Unobserved,
+    AfterPlacing, AuditSettings, Budget, CLEAR_M, Carrier, Clearances, FailureReason, Goal, LiftOffSettings,
+    Outcome, PlaceAt, Problem, Stage, Unobserved,
 };
 use cranny_scenario::{OpenOptions, Scenario};
-use cranny_solve::{Carry, Request, solve};
+use cranny_solve::{Request, solve};
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -59,14 +59,12 @@ fn opened(scenario: &str, margins: Margins) -> (String, Problem) {
     (scenario.id, problem)
 }
 
-/// What is asked for by a word.
-fn carry_to(end: &str, problem: &Problem) -> Carry {
+/// The stages of a word: `home`, or the name of a place.
+fn carry_to(end: &str) -> Vec<Stage> {
     if end == "home" {
-        return Carry::default();
+        return vec![Stage::pick(), Stage::home()];
     }
-    let goal = problem.place(end).expect("a place of the scenario").clone();
-    let place = PlaceSettings { goal, clear_m: PlaceSettings::CLEAR_M, then: AfterPlacing::Home };
-    Carry { end: CarryEnd::Place(place), ..Carry::default() }
+    Stage::put_down(PlaceAt { place: end.to_owned(), clear_m: CLEAR_M }, AfterPlacing::Home)
 }
 
 fn plans(end: &str, seeds: u64, margins: Margins, scenarios: &[&str]) {
@@ -77,9 +75,9 @@ fn plans(end: &str, seeds: u64, margins: Margins, scenarios: &[&str]) {
         let (mut times_ms, mut solved, mut valid) = (Vec::new(), 0, 0);
         for seed in 0..seeds {
             let budget = Budget { time: Duration::from_secs(10), ..Budget::default() };
-            let carry = Some(carry_to(end, &problem));
+            let stages = carry_to(end);
             let audit = AuditSettings { clearances: Clearances::None, ..AuditSettings::default() };
-            let request = Request { seed, budget, carry, audit, ..Request::default() };
+            let request = Request { seed, budget, stages, audit, ..Request::default() };
             let answer = solve(&problem, &request, &mut Unobserved).expect("a good problem");
             solved += u64::from(answer.outcome == Outcome::Solved);
             valid += u64::from(answer.is_solved());
@@ -119,7 +117,7 @@ fn grasps(place: &str, every: usize, iterations: u64, scenarios: &[&str]) {
             }
             reached += 1;
             let task = |end| {
-                let task = Request { carry: Some(carry_to(end, &problem)), ..reach.clone() };
+                let task = Request { stages: carry_to(end), ..reach.clone() };
                 solve(&alone, &task, &mut Unobserved).expect("a good problem")
             };
             carried += usize::from(task("home").outcome == Outcome::Solved);
@@ -144,7 +142,7 @@ fn holds(scenarios: &[&str]) {
     for scenario in scenarios {
         let (id, problem) = opened(scenario, Margins::default());
         let carrier = Carrier::new(&problem, LiftOffSettings::default()).expect("something to carry");
-        let request = Request { carry: Some(Carry::default()), ..Request::default() };
+        let request = Request { stages: carry_to("home"), ..Request::default() };
         let answer = solve(&problem, &request, &mut Unobserved).expect("a good problem");
         let grasp = answer.segments[0].waypoints.last().expect("a path");
         let grip = carrier.close(grasp).expect("a grip");

@@ -11,7 +11,9 @@ use crate::path::clearance_limit::ClearanceLimit;
 use crate::path::grasp_judge::GraspJudge;
 use crate::path::step::{RELEASED_STEP_M, Stepper};
 use crate::task::problem::Validity;
-use crate::{Goal, GoalError, JointOffset, NotChecked, OwnGrasp, Place, PlanError, Problem, Violation};
+use crate::{
+    Goal, GoalError, JointOffset, NotChecked, OwnGrasp, PickAudit, Place, PlanError, Problem, Violation,
+};
 
 /// What a judge found in a path.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -26,6 +28,9 @@ pub struct Audit {
     /// The grasp that it ends at, where no set of them is given and it is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub own_grasp: Option<OwnGrasp>,
+    /// The grasps of all picks of a task, where there are several; `goal` and `own_grasp` are those of the first.
+    #[serde(skip_serializing_if = "is_one_pick")]
+    pub picks: Vec<PickAudit>,
     /// The least distance along the whole path, in metres, certified from below (`exact` only); `None` where
     /// there is nothing to touch.
     pub clearance_m: Option<f64>,
@@ -44,17 +49,47 @@ impl Audit {
         self.own_grasp.map_or_else(given, |grasp| Some(grasp.score))
     }
 
-    /// The same with what somebody says of the grasp at the end, the way point of this number, judged too. Where it is none
-    /// that has been told already.
+    /// The verdict on no motion at all.
+    pub fn of_nothing() -> Self {
+        Self {
+            valid: false,
+            violations: Vec::new(),
+            goal: None,
+            own_grasp: None,
+            picks: Vec::new(),
+            clearance_m: None,
+            clearance_limit: None,
+            clearances_per_edge_m: Vec::new(),
+            not_checked: Vec::new(),
+        }
+    }
+
+    /// Adds the grasp of a pick.
+    pub(crate) fn add_pick(&mut self, pick: PickAudit) {
+        if self.picks.is_empty() {
+            (self.goal, self.own_grasp) = (pick.goal, pick.own_grasp);
+        }
+        self.picks.push(pick);
+    }
+
+    /// The same with the grasps that somebody states for the stages of picks judged too, as far as they are grasps.
     #[must_use]
-    pub fn with_said_grasp(mut self, said: OwnGrasp, way_point: usize) -> Self {
-        if let Some(measured) = self.own_grasp.filter(|measured| !measured.is_as_said(&said)) {
-            let said_and_measured = Box::new([said, measured]);
-            self.violations.push(Violation::SaidGrasp { way_point, said_and_measured });
-            self.valid = false;
+    pub fn with_said_grasps(mut self, said: &[(usize, OwnGrasp)]) -> Self {
+        for (stage, said) in said {
+            let Some(pick) = self.picks.iter().find(|pick| pick.stage == *stage) else { continue };
+            let way_point = pick.way_point;
+            if let Some(measured) = pick.own_grasp.filter(|measured| !measured.is_as_said(said)) {
+                let said_and_measured = Box::new([*said, measured]);
+                self.violations.push(Violation::SaidGrasp { way_point, said_and_measured });
+                self.valid = false;
+            }
         }
         self
     }
+}
+
+fn is_one_pick(picks: &[PickAudit]) -> bool {
+    picks.len() < 2
 }
 
 /// How far a path may begin from the start of its problem, per joint (m or rad): way points are often
@@ -208,6 +243,7 @@ pub fn audit_with(problem: &Problem, path: &[Vec<f64>], settings: AuditSettings)
         violations,
         goal,
         own_grasp,
+        picks: vec![PickAudit { stage: 0, goal, own_grasp, way_point: path.len() - 1 }],
         clearance_m,
         clearance_limit,
         clearances_per_edge_m,

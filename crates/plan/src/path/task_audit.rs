@@ -1,248 +1,291 @@
 use cranny_collision::Resting;
 
+use crate::task::segment::{MotionEnd, Segment, joined};
+use crate::task::stage::{Move, Stage};
+use crate::task::stage_segments::{are_complete, check_segments};
+use crate::task::state::{State, StatesAlong};
 use crate::{
-    AfterPlacing, Audit, AuditSettings, Carrier, CarryEnd, ContactSegment, Grip, Place, Placer, PlanError,
+    Audit, AuditSettings, Carrier, ContactSegment, Grip, PickAudit, Place, Placed, Placer, PlanError,
     Problem, Violation, audit_with,
 };
 
-/// The pieces of a task's path, each from where the one before ends, and what is said of them.
-#[derive(Clone, Copy, Debug)]
-pub struct TaskPath<'a> {
-    /// To the grasp, the hand open and empty.
-    pub reach: &'a [Vec<f64>],
-    /// The object in the closed hand, off what it rested on.
-    pub lift_off: &'a [Vec<f64>],
-    /// And on from there.
-    pub carry: &'a [Vec<f64>],
-    /// What the hand is said to hold in each of the last two, and how far its fingers are apart, in metres.
-    pub held: [Option<(&'a str, f64)>; 2],
-    /// Where the object is to be carried; `None`: wherever the path ends.
-    pub end: Option<&'a CarryEnd>,
-    /// What follows where it is put down.
-    pub place: Option<PlacePath<'a>>,
-}
-
-/// The pieces of a path along which an object is put down, each from where the one before ends.
-#[derive(Clone, Copy, Debug)]
-pub struct PlacePath<'a> {
-    /// Puts it down.
-    pub placer: &'a Placer,
-    /// The object in the closed hand, down to where it then rests.
-    pub set_down: &'a [Vec<f64>],
-    /// The hand open and empty, off the object.
-    pub retreat: &'a [Vec<f64>],
-    /// And on from there, if it goes on.
-    pub back: Option<&'a [Vec<f64>]>,
-    /// What the hand is said to hold in the first, and how far its fingers are apart, in metres.
-    pub held: Option<(&'a str, f64)>,
-}
-
-/// A number that is said of how far the fingers are apart is right to within this, in metres.
+/// Tolerance on the finger opening that is stated, in metres.
 const OPENING_TOLERANCE_M: f64 = 1e-4;
-/// What the object may go farther than it may, in metres: straight lines in joint space are none in space.
+/// Tolerance on the length of an object's path, in metres: straight lines in joint space are none in space.
 const LENGTH_TOLERANCE_M: f64 = 1e-3;
 
-/// Judges the path of a task, whoever made it: the way to the grasp as [`audit_with`] does, whether the hand closes there
-/// on the object, every edge after that with the object in the hand, as it stands in it then, and where it ends. Edges are
-/// counted through all pieces.
+/// Judges the segments of a task, whoever made them: every motion as [`audit_with`] does, in the state along it
+/// ([`StatesAlong`]); that the hand closes and opens; and the end of each stage. Edges are counted through all segments.
 ///
 /// # Errors
-/// As [`audit_with`].
+/// [`PlanError::Segments`] for segments that are not of these stages ([`check_segments`]), and those of [`audit_with`].
 pub fn audit_task(
     problem: &Problem,
-    carrier: &Carrier,
-    path: TaskPath<'_>,
+    stages: &[Stage],
+    segments: &[Segment],
     settings: AuditSettings,
 ) -> Result<Audit, PlanError> {
-    let mut audit = audit_with(problem, path.reach, settings)?;
-    let Some(grasp) = path.reach.last() else { return Err(PlanError::EmptyPath) };
-    let way_point = path.reach.len() - 1;
-    let grip = match carrier.close(grasp) {
-        Ok(grip) => grip,
-        Err(reason) => {
-            audit.violations.push(Violation::Grip { way_point, reason });
-            audit.valid = false;
-            return Ok(audit);
-        }
-    };
-    for (name, opening_m) in path.held.into_iter().chain(path.place.map(|place| place.held)).flatten() {
-        let off_m = (opening_m - grip.opening_m).abs();
-        if name != carrier.object() || off_m.is_nan() || off_m > OPENING_TOLERANCE_M {
-            let held = (carrier.object().to_owned(), grip.opening_m);
-            audit.violations.push(Violation::Hold { way_point, said: (name.to_owned(), opening_m), held });
-        }
+    if let Some(along) = StatesAlong::of(problem, stages, segments)? {
+        return audit_along(problem, stages, (segments, &along), settings);
     }
-    lift_off(&mut audit, carrier, &grip, path, settings)?;
-    carry(&mut audit, carrier, &grip, path, settings)?;
-    if let Some(placing) = path.place {
-        place(&mut audit, carrier, &grip, (path, placing), settings)?;
+    check_segments(stages, segments).map_err(|problem| PlanError::Segments { problem })?;
+    audit_with(problem, &joined(segments), settings)
+}
+
+/// [`audit_task`] where the states along the segments are known, under `exact`.
+///
+/// # Errors
+/// As [`audit_task`].
+pub fn audit_along(
+    problem: &Problem,
+    stages: &[Stage],
+    (segments, along): (&[Segment], &StatesAlong),
+    settings: AuditSettings,
+) -> Result<Audit, PlanError> {
+    if segments.is_empty() {
+        return Err(PlanError::EmptyPath);
+    }
+    check_segments(stages, segments).map_err(|problem| PlanError::Segments { problem })?;
+    let task = TaskJudge { problem, stages, settings };
+    let (mut audit, mut before, mut closed_at) = (Audit::of_nothing(), 0, 0);
+    let mut picks = along.picks.iter();
+    let mut first = 0;
+    let known = &segments[..along.states.len()];
+    for run in known.chunk_by(is_one_motion) {
+        let (state, next) = (&along.states[first], segments.get(first + run.len()));
+        let segment = Segment { waypoints: joined(run), ..run[0].clone() };
+        first += run.len();
+        let run = Run { segment: &segment, before, next };
+        match state.held() {
+            None => task.empty(&mut audit, state, &run, &mut picks)?,
+            Some((carrier, grip)) => {
+                let was_held = first > 1 && segments[first - 2].mode.holds;
+                if !was_held {
+                    closed_at = before;
+                }
+                check_hold(&mut audit, carrier, grip, &segment, closed_at);
+                task.held(&mut audit, state, (carrier, grip), &run)?;
+            }
+        }
+        before += segment.waypoints.len() - 1;
+    }
+    match &along.stopped {
+        Some(reason) => {
+            audit.violations.push(Violation::Grip { way_point: before, reason: reason.clone() });
+        }
+        None if settings.at_goal && !are_complete(stages, segments) => {
+            let stage = segments.last().map_or(0, |last| last.stage);
+            audit.violations.push(Violation::Unfinished { way_point: before, stage, stages: stages.len() });
+        }
+        None => {}
     }
     audit.valid = audit.violations.is_empty();
     Ok(audit)
 }
 
-fn lift_off(
-    audit: &mut Audit,
-    carrier: &Carrier,
-    grip: &Grip,
-    path: TaskPath<'_>,
-    settings: AuditSettings,
-) -> Result<(), PlanError> {
-    let (Some(from), Some(off)) = (path.reach.last(), path.lift_off.last()) else {
-        return Err(PlanError::EmptyPath);
-    };
-    let before = path.reach.len() - 1;
-    let near = Near { carrier, grip, resting: carrier.resting(), from, path: path.lift_off, before };
-    near.judge(audit, settings, ContactSegment::LiftOff)?;
-    let way_point = near.last();
-    if let Some((length_m, most_m)) = near.too_long_m() {
-        audit.violations.push(Violation::LongLiftOff { way_point, length_m, most_m });
-    }
-    if !near.is_off_at(off) {
-        audit.violations.push(Violation::NotOff { way_point });
-    }
-    Ok(())
+/// True for segments of one stage in one world.
+fn is_one_motion(a: &Segment, b: &Segment) -> bool {
+    let properties = |segment: &Segment| (segment.stage, segment.mode.holds, segment.mode.rests_at);
+    properties(a) == properties(b) && a.mode.rests_at.is_none()
 }
 
-/// A piece of a path along which a held object is near what it rests on, at one of its ends.
-struct Near<'a> {
-    carrier: &'a Carrier,
-    grip: &'a Grip,
-    resting: &'a Resting,
-    /// Where the piece before it ends.
-    from: &'a [f64],
-    path: &'a [Vec<f64>],
-    /// How many edges there are before it.
+/// A motion, the edges before it, and the segment that follows.
+struct Run<'a> {
+    segment: &'a Segment,
     before: usize,
+    next: Option<&'a Segment>,
 }
 
-impl Near<'_> {
-    /// Whether its edges are proven, and stay off what the object rests on.
-    fn judge(
+impl Run<'_> {
+    /// Number of its last way point.
+    fn last(&self) -> usize {
+        self.before + self.segment.waypoints.len() - 1
+    }
+
+    fn ends_stage(&self) -> bool {
+        self.next.is_none_or(|next| next.stage != self.segment.stage)
+    }
+
+    fn path(&self) -> &[Vec<f64>] {
+        &self.segment.waypoints
+    }
+
+    fn end(&self) -> &[f64] {
+        &self.segment.waypoints[self.segment.waypoints.len() - 1]
+    }
+}
+
+struct TaskJudge<'a> {
+    problem: &'a Problem,
+    stages: &'a [Stage],
+    settings: AuditSettings,
+}
+
+impl TaskJudge<'_> {
+    /// Judges a motion of the open and empty hand.
+    fn empty<'p>(
         &self,
         audit: &mut Audit,
-        settings: AuditSettings,
-        segment: ContactSegment,
+        state: &State,
+        run: &Run<'_>,
+        picks: &mut impl Iterator<Item = &'p Problem>,
     ) -> Result<(), PlanError> {
-        let lifting = self.grip.lifting(self.from, self.from)?;
-        let anywhere = AuditSettings { at_goal: false, ..settings };
-        let mut judged = audit_with(&lifting, self.path, anywhere)?;
-        judged.not_checked = judged.not_checked.into_iter().map(|pair| pair.along(segment)).collect();
-        append(audit, judged, self.before);
-        let mut scratch = lifting.exact_cell("audit")?.scratch();
-        for (edge, ends) in self.path.windows(2).enumerate() {
-            let ends = [&ends[0][..], &ends[1]];
-            if let Some((at, body)) = self.carrier.stays_off(self.grip, self.resting, ends, &mut scratch) {
-                let (first, second) = (self.carrier.object().to_owned(), self.carrier.body_name(body));
-                let place = Place { edge: self.before + edge, at, first, second };
-                audit.violations.push(match segment {
-                    ContactSegment::LiftOff => Violation::LiftOff { place },
-                    ContactSegment::SetDown => Violation::SetDown { place },
-                });
+        let is_at_grasp = run.next.is_none_or(|next| next.mode.holds);
+        match &self.stages[run.segment.stage] {
+            Stage::Pick(_) if is_at_grasp => {
+                let Some(picking) = picks.next() else { return Err(PlanError::EmptyPath) };
+                let judged = audit_with(picking, run.path(), self.settings)?;
+                let (goal, own_grasp) = (judged.goal, judged.own_grasp);
+                let (stage, way_point) = (run.segment.stage, run.last());
+                audit.add_pick(PickAudit { stage, goal, own_grasp, way_point });
+                append(audit, judged, run.before);
+                Ok(())
+            }
+            Stage::Move(goal) if run.ends_stage() => self.moved(audit, state, goal, run),
+            stage => {
+                append(audit, self.anywhere(state, run)?, run.before);
+                if let (Stage::Place(place), true, Some((body, pose))) =
+                    (stage, run.ends_stage(), state.let_go())
+                {
+                    let placed = Placed::of(state.cell(), body, *pose);
+                    let (way_point, required_m) = (run.last(), place.clear_m);
+                    let clearance_m = placed.clearance_m(run.end(), required_m, &mut placed.scratch());
+                    if clearance_m < required_m {
+                        audit.violations.push(Violation::NotClear { way_point, clearance_m, required_m });
+                    }
+                }
+                Ok(())
+            }
+        }
+    }
+
+    /// Judges a motion that may end anywhere.
+    fn anywhere(&self, state: &State, run: &Run<'_>) -> Result<Audit, PlanError> {
+        let settings = AuditSettings { at_goal: false, ..self.settings };
+        audit_with(&state.moving(vec![state.q.clone()])?, run.path(), settings)
+    }
+
+    /// Judges the last motion of a move, with what is in the hand, and where it ends.
+    fn moved(&self, audit: &mut Audit, state: &State, goal: &Move, run: &Run<'_>) -> Result<(), PlanError> {
+        let ends = goal.ends(self.problem).filter(|_| self.settings.at_goal);
+        let Some(ends) = ends else { return self.moved_clear(audit, state, goal, run) };
+        let judged = audit_with(&state.moving(ends)?, run.path(), self.settings)?;
+        append(audit, judged, run.before);
+        Ok(())
+    }
+
+    fn moved_clear(
+        &self,
+        audit: &mut Audit,
+        state: &State,
+        goal: &Move,
+        run: &Run<'_>,
+    ) -> Result<(), PlanError> {
+        append(audit, self.anywhere(state, run)?, run.before);
+        if let (Move::Clear { clear_m }, true) = (goal, self.settings.at_goal) {
+            let clearance_m = state.clearance_m(run.end(), *clear_m, &mut state.cell().scratch());
+            if clearance_m < *clear_m {
+                let (way_point, required_m) = (run.last(), *clear_m);
+                audit.violations.push(Violation::NotOut { way_point, clearance_m, required_m });
             }
         }
         Ok(())
     }
 
-    /// Which way point is its last.
-    fn last(&self) -> usize {
-        self.before + self.path.len() - 1
-    }
-
-    /// How far the object goes and how far it may, in metres, where that is too far.
-    fn too_long_m(&self) -> Option<(f64, f64)> {
-        let (length_m, most_m) =
-            (self.carrier.length_m(self.grip, self.path), self.carrier.settings().most_m);
-        (length_m > most_m + LENGTH_TOLERANCE_M).then_some((length_m, most_m))
-    }
-
-    fn is_off_at(&self, q: &[f64]) -> bool {
-        self.carrier.is_off(self.grip, self.resting, q, &mut self.grip.carrying_scratch())
-    }
-}
-
-fn carry(
-    audit: &mut Audit,
-    carrier: &Carrier,
-    grip: &Grip,
-    path: TaskPath<'_>,
-    settings: AuditSettings,
-) -> Result<(), PlanError> {
-    let (Some(off), Some(last)) = (path.lift_off.last(), path.carry.last()) else {
-        return Err(PlanError::EmptyPath);
-    };
-    let before = path.reach.len() + path.lift_off.len() - 2;
-    let ends = path.end.and_then(|end| carrier.ends(end)).filter(|_| settings.at_goal);
-    let at_goal = ends.is_some();
-    let carrying = grip.carrying(off, ends.unwrap_or_else(|| vec![off.clone()]))?;
-    append(audit, audit_with(&carrying, path.carry, AuditSettings { at_goal, ..settings })?, before);
-    if let Some(CarryEnd::Out { clear_m }) = path.end.filter(|_| settings.at_goal) {
-        let clearance_m = grip.clearance_m(last, *clear_m, &mut grip.carrying_scratch());
-        if clearance_m < *clear_m {
-            let way_point = before + path.carry.len() - 1;
-            audit.violations.push(Violation::NotOut { way_point, clearance_m, required_m: *clear_m });
+    /// Judges a motion with an object in the hand.
+    fn held(
+        &self,
+        audit: &mut Audit,
+        state: &State,
+        (carrier, grip): (&Carrier, &Grip),
+        run: &Run<'_>,
+    ) -> Result<(), PlanError> {
+        let stage = &self.stages[run.segment.stage];
+        let is_let_go = run.next.is_some_and(|next| !next.mode.holds);
+        if let (Stage::Place(place), true) = (stage, is_let_go) {
+            let placer = Placer::new(carrier, self.problem.place(&place.place)?, place.clear_m)?;
+            if let Some(fault) = placer.fault_at(&carrier.held_at(grip, run.end())) {
+                audit.violations.push(Violation::NotPlaced { way_point: run.last(), fault });
+            }
+        }
+        match (state.resting().zip(run.segment.mode.rests_at), stage) {
+            (Some((resting, end)), _) => {
+                let near = Near { carrier, grip, resting, end, state, run };
+                near.judge(audit, self.anywhere(state, run)?);
+                Ok(())
+            }
+            (None, Stage::Move(goal)) if run.ends_stage() => self.moved(audit, state, goal, run),
+            (None, _) => {
+                append(audit, self.anywhere(state, run)?, run.before);
+                Ok(())
+            }
         }
     }
-    Ok(())
 }
 
-/// The object put down, the hand opened and off it, and the arm where it goes then.
-fn place(
-    audit: &mut Audit,
-    carrier: &Carrier,
-    grip: &Grip,
-    (path, place): (TaskPath<'_>, PlacePath<'_>),
-    settings: AuditSettings,
-) -> Result<(), PlanError> {
-    let PlacePath { placer, set_down, retreat, back, .. } = place;
-    let (Some(from), Some(above), Some(down), Some(off)) =
-        (path.carry.last(), set_down.first(), set_down.last(), retreat.last())
-    else {
-        return Err(PlanError::EmptyPath);
-    };
-    let mut before = path.reach.len() + path.lift_off.len() + path.carry.len() - 3;
-    let way_point = before + set_down.len() - 1;
-    let world_from_held = placer.held_at(grip, down);
-    let placement = placer.placement(&world_from_held);
-    if let Some(fault) = placer.fault_of(&placement) {
-        audit.violations.push(Violation::NotPlaced { way_point, fault });
+/// Compares what a segment states about the object in the hand with what the hand holds.
+fn check_hold(audit: &mut Audit, carrier: &Carrier, grip: &Grip, segment: &Segment, way_point: usize) {
+    let Some((name, opening_m)) = segment.attached.as_ref().zip(segment.opening_m) else { return };
+    let off_m = (opening_m - grip.opening_m).abs();
+    if name != carrier.object() || off_m.is_nan() || off_m > OPENING_TOLERANCE_M {
+        let held = (carrier.object().to_owned(), grip.opening_m);
+        audit.violations.push(Violation::Hold { way_point, said: (name.clone(), opening_m), held });
     }
-    let near_grip = &placement.grip_near(grip)?;
-    let near = Near { carrier, grip: near_grip, resting: placement.resting(), from, path: set_down, before };
-    near.judge(audit, settings, ContactSegment::SetDown)?;
-    if let Some((length_m, most_m)) = near.too_long_m() {
-        audit.violations.push(Violation::LongSetDown { way_point, length_m, most_m });
-    }
-    if !near.is_off_at(above) {
-        audit.violations.push(Violation::NotAbove { way_point: before });
-    }
-    before = way_point;
-    let placed = match placer.open(grip, down) {
-        Ok(placed) => placed,
-        Err(reason) => {
-            audit.violations.push(Violation::Grip { way_point, reason });
-            return Ok(());
+}
+
+/// A motion along which a held object is near what carries it, at one of its ends.
+struct Near<'a> {
+    carrier: &'a Carrier,
+    grip: &'a Grip,
+    resting: &'a Resting,
+    end: MotionEnd,
+    state: &'a State,
+    run: &'a Run<'a>,
+}
+
+impl Near<'_> {
+    /// Adds what was found of its edges; whether the object stays off what carries it, and goes no farther than it may; and
+    /// whether it is off at the other end.
+    fn judge(&self, audit: &mut Audit, mut judged: Audit) {
+        let Self { carrier, grip, resting, run, .. } = *self;
+        let (kind, off_at, off_way_point) = match self.end {
+            MotionEnd::First => (ContactSegment::LiftOff, run.end(), run.last()),
+            MotionEnd::Last => (ContactSegment::SetDown, &run.path()[0][..], run.before),
+        };
+        judged.not_checked = judged.not_checked.into_iter().map(|pair| pair.along(kind)).collect();
+        append(audit, judged, run.before);
+        let cell = self.state.cell();
+        let mut scratch = cell.scratch();
+        for (edge, ends) in run.path().windows(2).enumerate() {
+            let ends = [&ends[0][..], &ends[1]];
+            if let Some((at, body)) = carrier.stays_off(cell, resting, ends, &mut scratch) {
+                let (first, second) = (carrier.object().to_owned(), carrier.body_name(body));
+                let place = Place { edge: run.before + edge, at, first, second };
+                audit.violations.push(match self.end {
+                    MotionEnd::First => Violation::LiftOff { place },
+                    MotionEnd::Last => Violation::SetDown { place },
+                });
+            }
         }
-    };
-    let anywhere = AuditSettings { at_goal: false, ..settings };
-    append(audit, audit_with(&placed.leaving(down, vec![down.clone()])?, retreat, anywhere)?, before);
-    before += retreat.len() - 1;
-    let required_m = placer.settings().clear_m;
-    let clearance_m = placed.clearance_m(off, required_m, &mut placed.scratch());
-    if clearance_m < required_m {
-        audit.violations.push(Violation::NotClear { way_point: before, clearance_m, required_m });
+        let (way_point, most_m) = (run.last(), carrier.settings().most_m);
+        let length_m = carrier.length_m(grip, run.path());
+        if length_m > most_m + LENGTH_TOLERANCE_M {
+            audit.violations.push(match self.end {
+                MotionEnd::First => Violation::LongLiftOff { way_point, length_m, most_m },
+                MotionEnd::Last => Violation::LongSetDown { way_point, length_m, most_m },
+            });
+        }
+        if !carrier.is_off(grip, resting, off_at, &mut grip.carrying_scratch()) {
+            let way_point = off_way_point;
+            audit.violations.push(match self.end {
+                MotionEnd::First => Violation::NotOff { way_point },
+                MotionEnd::Last => Violation::NotAbove { way_point },
+            });
+        }
     }
-    let at_goal = settings.at_goal && placer.settings().then == AfterPlacing::Home;
-    // Without a way back the robot is where its hand has left the object.
-    let (goes_on, back) = (back.is_some(), back.unwrap_or(std::slice::from_ref(off)));
-    let home = placed.leaving(off, vec![carrier.problem().start().to_vec()])?;
-    let judged = audit_with(&home, back, AuditSettings { at_goal, ..settings })?;
-    let judged = if goes_on { judged } else { Audit { clearances_per_edge_m: Vec::new(), ..judged } };
-    append(audit, judged, before);
-    Ok(())
 }
 
-/// Adds what was found of a piece whose first edge has this number.
+/// Adds what was found of a motion whose first edge has this number.
 fn append(audit: &mut Audit, piece: Audit, before: usize) {
     audit.violations.extend(piece.violations.into_iter().map(|violation| violation.counted_from(before)));
     audit.clearances_per_edge_m.extend(piece.clearances_per_edge_m);

@@ -168,6 +168,16 @@ pub enum Violation {
         /// How far it has to be, in metres.
         required_m: f64,
     },
+    /// The path ends before the task does.
+    #[strum(to_string = "goal")]
+    Unfinished {
+        /// Which way point is the last.
+        way_point: usize,
+        /// Index of the stage in which it ends.
+        stage: usize,
+        /// Number of stages.
+        stages: usize,
+    },
     /// What is said of the object in the hand is not so.
     #[strum(to_string = "grip")]
     Hold {
@@ -246,6 +256,7 @@ impl Violation {
             | Self::LongLiftOff { way_point, .. }
             | Self::Hold { way_point, .. }
             | Self::NotOut { way_point, .. }
+            | Self::Unfinished { way_point, .. }
             | Self::NotAbove { way_point }
             | Self::LongSetDown { way_point, .. }
             | Self::NotPlaced { way_point, .. }
@@ -286,6 +297,7 @@ impl Violation {
             | Self::LongLiftOff { way_point, .. }
             | Self::Hold { way_point, .. }
             | Self::NotOut { way_point, .. }
+            | Self::Unfinished { way_point, .. }
             | Self::NotAbove { way_point }
             | Self::LongSetDown { way_point, .. }
             | Self::NotPlaced { way_point, .. }
@@ -390,6 +402,9 @@ impl fmt::Display for Violation {
                     "after its retreat the hand is {clearance} mm from the object, {required} mm are demanded"
                 )
             }
+            Self::Unfinished { stage, stages, .. } => {
+                write!(f, "the path ends in stage {} of {stages}, before that is done", stage + 1)
+            }
             Self::Hold { way_point, said, held } => {
                 let [said, held] = [said, held]
                     .map(|(name, opening_m)| format!("{name}, fingers {:.2} mm apart", mm(*opening_m)));
@@ -451,6 +466,7 @@ impl Serialize for Violation {
             | Self::SetDown { .. }
             | Self::NotAbove { .. }
             | Self::NotPlaced { .. }
+            | Self::Unfinished { .. }
             | Self::NotOff { .. } => &[],
         };
         let mut row = serializer.serialize_map(None)?;

@@ -1,3 +1,5 @@
+use std::time::Duration;
+
 use cranny_spatial::other_seed;
 
 use crate::search::no_grasp::all_excluded;
@@ -37,7 +39,9 @@ pub fn begin_search<'a>(
         return Ok(Box::new(Ended(report)));
     }
     let own = planner.begin(problem, budget, seed)?;
-    Ok(own.unwrap_or_else(|| Box::new(Restarts { planner, problem, budget: *budget, seed, count: 0 })))
+    Ok(own.unwrap_or_else(|| {
+        Box::new(Restarts { planner, problem, budget: *budget, seed, count: 0, spent: Statistics::default() })
+    }))
 }
 
 /// The report on a problem whose grasps are all excluded.
@@ -55,18 +59,20 @@ struct Restarts<'a> {
     seed: u64,
     /// Searches that are over.
     count: u64,
+    /// Cost of all of them.
+    spent: Statistics,
 }
 
 impl PathSearch for Restarts<'_> {
     fn next(&mut self, observer: &mut dyn Observer) -> Result<PlanReport, PlanError> {
-        let report =
-            self.planner.plan(self.problem, &self.budget, other_seed(self.seed, self.count), observer)?;
+        let seed = other_seed(self.seed, self.count);
+        let report = self.planner.plan(self.problem, &self.budget, seed, observer)?;
         self.count += 1;
-        let spent = &report.statistics;
-        self.budget.iterations = self.budget.iterations.saturating_sub(spent.iterations.max(1));
-        self.budget.time =
-            self.budget.time.saturating_sub(std::time::Duration::from_secs_f64(spent.planning_time_s));
-        Ok(report)
+        let Statistics { iterations, planning_time_s, .. } = report.statistics;
+        self.budget.iterations = self.budget.iterations.saturating_sub(iterations.max(1));
+        self.budget.time = self.budget.time.saturating_sub(Duration::from_secs_f64(planning_time_s));
+        self.spent = self.spent.with(&report.statistics);
+        Ok(PlanReport { statistics: self.spent, ..report })
     }
 
     fn reject(&mut self) {}

@@ -92,6 +92,25 @@ pub struct Statistics {
     pub nearest_time_s: f64,
 }
 
+impl Statistics {
+    /// The sum of this and the cost of another search.
+    #[must_use]
+    pub fn with(&self, other: &Self) -> Self {
+        Self {
+            iterations: self.iterations + other.iterations,
+            nodes: self.nodes + other.nodes,
+            collision_checks: self.collision_checks + other.collision_checks,
+            ik_attempts: self.ik_attempts + other.ik_attempts,
+            goals_tried: self.goals_tried + other.goals_tried,
+            planning_time_s: self.planning_time_s + other.planning_time_s,
+            ik_time_s: self.ik_time_s + other.ik_time_s,
+            collision_time_s: self.collision_time_s + other.collision_time_s,
+            proof_time_s: self.proof_time_s + other.proof_time_s,
+            nearest_time_s: self.nearest_time_s + other.nearest_time_s,
+        }
+    }
+}
+
 /// What a planner found.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlanReport {

@@ -1,11 +1,11 @@
 use std::sync::Arc;
 
 use cranny_collision::{Cell, Closing, CollisionError, Motion, Resting, Scratch};
-use cranny_robot::{Hold, IkSettings, IkSolver, between, distance};
+use cranny_robot::{Hold, IkSettings, IkSolver, between};
 use cranny_spatial::{Pose, Rotation, Vector};
 
 use crate::task::closing_hand::{ClosedHand, ClosingHand};
-use crate::{FailureReason, Goal, PlaceSettings, PlanError, Problem};
+use crate::{FailureReason, PlanError, Problem};
 
 /// How an object leaves what it rests on.
 ///
@@ -30,39 +30,16 @@ impl Default for LiftOffSettings {
     }
 }
 
-/// Where an object is carried to.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub enum CarryEnd {
-    /// The configuration that the robot started from.
-    #[default]
-    Home,
-    /// Any of these configurations (m, rad; one value per joint each).
-    Configurations(Vec<Vec<f64>>),
-    /// Anywhere the object is so far from all bodies but floors, in metres ([`Self::CLEAR_M`]).
-    Out {
-        /// How far.
-        clear_m: f64,
-    },
-    /// To where it is put down.
-    Place(PlaceSettings),
-}
-
-impl CarryEnd {
-    /// How far an object is from everything that is out, unless more is asked, in metres.
-    pub const CLEAR_M: f64 = 0.05;
-}
-
 /// Between two configurations of a lift-off, in metres.
 const RUNG_M: f64 = 0.005;
-/// Between two configurations on the way back, in the metric of the joints (m, rad).
-const PIECE: f64 = 0.25;
 /// Pieces of an edge whose lengths together are that of its way in space.
 const SAMPLES_ALONG: u32 = 8;
 
 /// What follows a grasp: the target of a problem in the hand that has closed on it, in the same world.
 #[derive(Clone, Debug)]
 pub struct Carrier {
-    problem: Problem,
+    /// The open and empty hand, and the object where it stands.
+    cell: Arc<Cell>,
     settings: LiftOffSettings,
     hand: ClosingHand,
     resting: Resting,
@@ -91,14 +68,44 @@ impl Carrier {
     /// [`PlanError::NothingToCarry`] for a problem without a target, without proofs, or of a robot whose hand cannot
     /// close; [`PlanError::Collision`] for a target that has no end, or touches what does not carry it.
     pub fn new(problem: &Problem, settings: LiftOffSettings) -> Result<Self, PlanError> {
+        Self::in_cell(problem.cell(), problem.target(), settings)
+    }
+
+    /// The same of a body of the world of a cell.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub(crate) fn in_cell(
+        cell: Option<&Arc<Cell>>,
+        target: Option<usize>,
+        settings: LiftOffSettings,
+    ) -> Result<Self, PlanError> {
         let lacking = |needs| PlanError::NothingToCarry { needs };
-        let (hand, cell) = ClosingHand::new(problem.cell().map(Arc::as_ref), problem.target(), lacking)?;
+        let cell = cell.ok_or_else(|| lacking("the exact criterion"))?;
+        let (hand, _) = ClosingHand::new(Some(cell), target, lacking)?;
         let clear_m = settings.clear_m.max(cell.margins().of_held_m());
         let resting = cell.resting(hand.target())?;
         Ok(Self {
             lifting: hand.holding().sparing(&resting),
             settings: LiftOffSettings { clear_m, ..settings },
-            problem: problem.clone(),
+            cell: cell.clone(),
+            hand,
+            resting,
+        })
+    }
+
+    /// The same object in the surroundings of another cell, which is to grasp it: far less work than from the start.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn amid(&self, cell: &Arc<Cell>) -> Result<Self, PlanError> {
+        let hand = self.hand.amid(cell);
+        let clear_m = self.settings.clear_m.max(cell.margins().of_held_m());
+        let resting = cell.resting_with(hand.target(), self.resting.extent())?;
+        Ok(Self {
+            lifting: hand.holding().sparing(&resting),
+            settings: LiftOffSettings { clear_m, ..self.settings },
+            cell: cell.clone(),
             hand,
             resting,
         })
@@ -144,21 +151,17 @@ impl Carrier {
         open.close_on_held().map_or(Some(names), |Closing { closing, .. }| Some(blocked(closing)?.0))
     }
 
+    /// Pose of the first solid of the object where it stands, in the planning frame.
+    pub fn world_from_object(&self) -> Pose {
+        self.hand.world_from_target()
+    }
+
     /// Where the gripper is at a configuration.
     ///
     /// # Panics
     /// If `q` has not one value per joint.
     pub fn gripper(&self, q: &[f64]) -> Pose {
-        *self.problem.robot().frames_at(q).link(self.problem.robot().tip())
-    }
-
-    /// The configurations that an object may be carried to; `None` where they are not counted.
-    pub fn ends(&self, end: &CarryEnd) -> Option<Vec<Vec<f64>>> {
-        match end {
-            CarryEnd::Home => Some(vec![self.problem.start().to_vec()]),
-            CarryEnd::Configurations(ends) => Some(ends.clone()),
-            CarryEnd::Out { .. } | CarryEnd::Place(_) => None,
-        }
+        *self.cell.robot().frames_at(q).link(self.cell.robot().tip())
     }
 
     /// How the object leaves what it rests on.
@@ -212,7 +215,7 @@ impl Carrier {
         way: &Vector,
         scratch: &mut Scratch,
     ) -> Result<Vec<Vec<f64>>, Option<[String; 2]>> {
-        let robot = self.problem.robot();
+        let robot = self.cell.robot();
         let world_from_tip = *robot.frames_at(q).link(robot.tip());
         // What is left of the tolerance of an answer is for the straight lines between.
         let settings = IkSettings {
@@ -244,7 +247,7 @@ impl Carrier {
                 }
                 Motion::OutOfLimits { .. } => return Err(None),
             }
-            if let Some((_, body)) = self.stays_off(grip, resting, [last, &next], scratch) {
+            if let Some((_, body)) = self.stays_off(&grip.lifting, resting, [last, &next], scratch) {
                 return Err(Some([self.object().to_owned(), self.body_name(body)]));
             }
             path.push(next);
@@ -256,15 +259,16 @@ impl Carrier {
         grip.carrying.lifted_m(resting, q, scratch) >= self.settings.clear_m
     }
 
-    /// Where an edge of a lift-off brings the object nearer to what it rested on, or may, and to which body.
+    /// Where an edge of a motion near what carries the object brings it nearer to that, or may, and to which body: in the
+    /// cell along that motion.
     pub(crate) fn stays_off(
         &self,
-        grip: &Grip,
+        cell: &Cell,
         resting: &Resting,
         [a, b]: [&[f64]; 2],
         scratch: &mut Scratch,
     ) -> Option<(f64, usize)> {
-        grip.lifting.stays_off(resting, self.settings.slack_m, a, b, scratch)
+        cell.stays_off(resting, self.settings.slack_m, a, b, scratch)
     }
 
     /// How the object rests before it is lifted off.
@@ -277,14 +281,14 @@ impl Carrier {
         &self.hand
     }
 
-    /// The problem whose target it is.
-    pub(crate) fn problem(&self) -> &Problem {
-        &self.problem
+    /// The open and empty hand, and the object where it stands.
+    pub fn cell(&self) -> &Arc<Cell> {
+        &self.cell
     }
 
     /// How far the object goes along a path, in metres.
     pub(crate) fn length_m(&self, grip: &Grip, path: &[Vec<f64>]) -> f64 {
-        let robot = self.problem.robot();
+        let robot = self.cell.robot();
         let place = |q: Vec<f64>| {
             let world_from_held = robot.frames_at(&q).link(robot.tip()) * grip.hold.tip_from_held;
             world_from_held.translation.vector
@@ -314,69 +318,8 @@ impl Grip {
         Ok(Self { lifting: Arc::new(cell.with_hold(self.hold)?), ..self.clone() })
     }
 
-    /// The problem of moving the object on the way off what it rests on.
-    ///
-    /// # Errors
-    /// [`PlanError::JointCount`] or [`PlanError::NotFinite`] for what is no configuration of the robot.
-    pub fn lifting(&self, from: &[f64], to: &[f64]) -> Result<Problem, PlanError> {
-        Problem::in_cell(self.lifting.clone(), from.to_vec(), Goal::Configurations(vec![to.to_vec()]))
-    }
-
-    /// The problem of carrying it on from there to any of these configurations.
-    ///
-    /// # Errors
-    /// As [`Self::lifting`].
-    pub fn carrying(&self, from: &[f64], to: Vec<Vec<f64>>) -> Result<Problem, PlanError> {
-        Problem::in_cell(self.carrying.clone(), from.to_vec(), Goal::Configurations(to))
-    }
-
-    /// Whether a configuration is free with the object in the hand, and within its limits.
-    ///
-    /// # Panics
-    /// If `q` has not one value per joint.
-    pub fn is_free(&self, q: &[f64], scratch: &mut Scratch) -> bool {
-        self.carrying.is_free(q, scratch)
-    }
-
     /// Scratch for the hand with the object in it.
-    pub fn carrying_scratch(&self) -> Scratch {
+    pub(crate) fn carrying_scratch(&self) -> Scratch {
         self.carrying.scratch()
-    }
-
-    /// How far the object is from all bodies but floors, in metres, certified from below; at most `beyond_m`.
-    ///
-    /// # Panics
-    /// If `q` has not one value per joint.
-    pub fn clearance_m(&self, q: &[f64], beyond_m: f64, scratch: &mut Scratch) -> f64 {
-        self.carrying.held_clearance(q, beyond_m, scratch)
-    }
-
-    /// Configurations along a path, from its begin on, as far as the path is proven with the object in the hand: no two
-    /// farther apart than one could grow in a step.
-    pub fn free_along(&self, path: &[Vec<f64>]) -> Vec<Vec<f64>> {
-        let mut scratch = self.carrying.scratch();
-        let mut along: Vec<Vec<f64>> = path.first().cloned().into_iter().collect();
-        for edge in path.windows(2) {
-            let [a, b] = edge else { break };
-            let pieces = (distance(a, b) / PIECE).ceil().max(1.0);
-            #[expect(
-                clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
-                reason = "at most so many that their number is exact"
-            )]
-            for piece in 1..=pieces.min(1e6) as u32 {
-                let next: Vec<f64> = if f64::from(piece) >= pieces {
-                    b.clone()
-                } else {
-                    between(a, b, f64::from(piece) / pieces).collect()
-                };
-                let last = &along[along.len() - 1];
-                if !self.carrying.motion_is_free(last, &next, &mut scratch).is_proven() {
-                    return along;
-                }
-                along.push(next);
-            }
-        }
-        along
     }
 }

@@ -42,10 +42,15 @@ impl ClosingHand {
         if cell.robot().hand().is_none_or(|hand| hand.fingers == 0) {
             return Err(lacking("a hand that can close (a robot.yaml beside the URDF names its fingers)"));
         }
-        let thing = &cell.world().bodies()[target];
-        let world_from_target = thing.parts.first().map_or_else(Pose::identity, |part| part.world_from_solid);
+        let world_from_target = first_pose(cell, target);
         let nowhere = Hold { tip_from_held: Pose::identity(), closing: 0.0 };
         Ok((Self { target, world_from_target, holding: cell.holding(target, nowhere)? }, cell))
+    }
+
+    /// The same hand and body, in the surroundings of another cell.
+    pub fn amid(&self, cell: &Cell) -> Self {
+        let holding = self.holding.amid(cell);
+        Self { world_from_target: first_pose(cell, self.target), holding, ..*self }
     }
 
     /// Which body of the world the target is.
@@ -118,4 +123,9 @@ impl ClosingHand {
         let opening_m = hand.map_or(0.0, |hand| hand.pads.opening_m(closing));
         Ok(ClosedHand { hold: Hold { tip_from_held, closing }, opening_m, uneven_m, touching })
     }
+}
+
+/// Pose of the first solid of a body.
+fn first_pose(cell: &Cell, body: usize) -> Pose {
+    cell.world().bodies()[body].parts.first().map_or_else(Pose::identity, |part| part.world_from_solid)
 }

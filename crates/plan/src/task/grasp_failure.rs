@@ -42,6 +42,12 @@ impl TryFrom<Value> for GraspFailure {
 }
 
 impl GraspFailure {
+    /// The reason for which most grasps failed.
+    pub fn commonest(failures: &[Self]) -> Option<&FailureReason> {
+        let (sentence, _) = Self::counted(failures).into_iter().next()?;
+        failures.iter().map(|failure| &failure.reason).find(|reason| reason.sentence() == sentence)
+    }
+
     /// How many grasps failed for each reason, the commonest first.
     pub fn counted(failures: &[Self]) -> Vec<(String, usize)> {
         let mut counts: Vec<(String, usize)> = Vec::new();
@@ -170,6 +176,15 @@ pub enum FailureReason {
     NotBroughtThere,
     /// The object was put down, but no way back was found for the empty hand.
     NotReturned,
+    /// The arm found no way to where it was to move next.
+    NotMoved,
+    /// A later stage of the task could not be done after this:
+    Later {
+        /// Index of the stage.
+        stage: usize,
+        /// Why.
+        because: Box<FailureReason>,
+    },
     /// The search ended before it came to this grasp.
     NotTried,
 }
@@ -235,6 +250,10 @@ impl FailureReason {
                 "lifted off, but no way was found to where it is to be put down".to_owned()
             }
             Self::NotReturned => "set down, but no way back was found".to_owned(),
+            Self::NotMoved => "no way was found to where the arm was to move".to_owned(),
+            Self::Later { stage, because } => {
+                format!("stage {} failed after it: {}", stage + 1, because.sentence())
+            }
             Self::NotTried => "not tried".to_owned(),
         }
     }

@@ -1,14 +1,14 @@
 use std::f64::consts::PI;
-use std::sync::{Arc, OnceLock};
+use std::sync::OnceLock;
 
-use cranny_collision::{CONTACT_ALLOWANCE_M, Cell, Collider, Contact, Extent, Part, Resting};
-use cranny_robot::Hold;
+use cranny_collision::{CONTACT_ALLOWANCE_M, Collider, Extent, Part, Resting};
 use cranny_spatial::nalgebra::{Quaternion, UnitQuaternion};
 use cranny_spatial::{EXACT_ROTATION_RAD, Point, Pose, PoseDifference, Rotation, Stream, Vector, sin_cos};
 
-use crate::task::placed::{MOST_RETREAT_M, Placed};
+use crate::task::placed::MOST_RETREAT_M;
+use crate::task::placement::Placement;
 use crate::task::rests::{rests, stable_rests};
-use crate::{Carrier, FailureReason, Grip, PlaceSettings, PlaceSpot, PlanError};
+use crate::{Carrier, FailureReason, Grip, PlaceGoal, PlaceSpot, PlanError};
 
 /// An object is let go so far above what it is put down on, in metres: far less than matters to it, and far more than
 /// the errors of inverse kinematics.
@@ -23,26 +23,20 @@ const OVERHANG_M: f64 = 1e-6;
 /// Places that are looked at for some where the object can be, and how many of these are enough.
 const MOST_DRAWS: u32 = 2000;
 const ENOUGH_PLACES: usize = 96;
+/// Number of placements that are looked at for some after which the task may go on.
+const MOST_HOPES: usize = 4000;
 /// A hand that can be at none of so many places is not tried at others: what it touches is mostly what carries the object.
 const ENOUGH_TO_REFUSE: usize = 16;
 /// The normal of a floor is no farther from the vertical, as a chord: rounding.
 const LEVEL: f64 = 1e-9;
 
-/// A place where an object can be put down.
-#[derive(Clone, Debug)]
-pub struct Placement {
-    /// Pose of the first solid of the object.
-    pub world_from_held: Pose,
-    resting: Resting,
-    /// In which the object may touch what it then rests on, anywhere in the hand.
-    near: Arc<Cell>,
-}
-
 /// Puts down what a [`Carrier`] carries.
 #[derive(Clone, Debug)]
 pub struct Placer {
     carrier: Carrier,
-    settings: PlaceSettings,
+    goal: PlaceGoal,
+    /// Distance of the hand from the object at the end of its retreat, in metres.
+    clear_m: f64,
     extent: Extent,
     /// In which rotations it can rest, and the first solid with it, turns about the vertical aside, from a frame whose z axis
     /// is up; none where it can in any.
@@ -61,6 +55,8 @@ struct Draw {
     shares: [f64; 2],
     /// What was found there, once it was looked at.
     placement: OnceLock<Option<Placement>>,
+    /// Whether what follows in the task may be done then, once that was looked at.
+    is_hopeful: OnceLock<bool>,
 }
 
 impl Placer {
@@ -68,16 +64,17 @@ impl Placer {
     ///
     /// # Errors
     /// [`PlanError::Place`] for a goal that is none, [`PlanError::Collision`] for an object without bounds.
-    pub fn new(carrier: &Carrier, settings: PlaceSettings) -> Result<Self, PlanError> {
+    pub fn new(carrier: &Carrier, goal: &PlaceGoal, clear_m: f64) -> Result<Self, PlanError> {
         let target = carrier.hand().target();
         let body = &carrier.hand().holding().world().bodies()[target];
         let extent = carrier.resting().extent().clone();
         let level_from_world = carrier.hand().holding().world().world_from_level().inverse();
-        let rests = match &settings.goal.spot {
+        let rests = match &goal.spot {
             PlaceSpot::Target(_) => stable_rests(body, &extent, &level_from_world, 0.0).unwrap_or_default(),
             PlaceSpot::Surface { .. } => rests(body, &extent, &level_from_world),
         };
-        let placer = Self { carrier: carrier.clone(), settings, extent, rests, draws: Vec::new() };
+        let placer =
+            Self { carrier: carrier.clone(), goal: goal.clone(), clear_m, extent, rests, draws: Vec::new() };
         placer.check()?;
         Ok(placer)
     }
@@ -85,10 +82,16 @@ impl Placer {
     /// The same with places where the object may be, the same ones for the same seed.
     #[must_use]
     pub fn with_placements(self, seed: u64) -> Self {
+        self.with_draws(seed, MOST_DRAWS)
+    }
+
+    /// The same with at most so many places that are looked at: the first ones are those of [`Self::with_placements`].
+    #[must_use]
+    pub fn with_draws(self, seed: u64, most: u32) -> Self {
         let mut random = Stream::new(seed, PLACES_STREAM);
-        let count = match &self.settings.goal.spot {
+        let count = match &self.goal.spot {
             PlaceSpot::Target(_) => 1,
-            PlaceSpot::Surface { .. } => MOST_DRAWS,
+            PlaceSpot::Surface { .. } => most,
         };
         let draw = |draw: u32| Draw {
             // Every other time as it can rest best.
@@ -96,13 +99,31 @@ impl Placer {
             turn_rad: random.uniform_between(-PI, PI),
             shares: [random.uniform(), random.uniform()],
             placement: OnceLock::new(),
+            is_hopeful: OnceLock::new(),
         };
         Self { draws: (0..count).map(draw).collect(), ..self }
     }
 
+    /// The same places of the same object in the surroundings of another carrier, none of them looked at yet.
+    #[must_use]
+    pub fn amid(&self, carrier: &Carrier) -> Self {
+        let draws = self.draws.iter().map(|draw| Draw {
+            placement: OnceLock::new(),
+            is_hopeful: OnceLock::new(),
+            ..*draw
+        });
+        let (goal, extent, rests) = (self.goal.clone(), self.extent.clone(), self.rests.clone());
+        Self { carrier: carrier.clone(), goal, extent, rests, draws: draws.collect(), ..*self }
+    }
+
+    /// True if the object can be at one of the first draws.
+    pub fn has_placement(&self, most_draws: usize) -> bool {
+        self.draws.iter().take(most_draws).any(|draw| self.look_at(draw).is_some())
+    }
+
     fn check(&self) -> Result<(), PlanError> {
         let refuse = |problem: String| Err(PlanError::Place { problem });
-        let PlaceSettings { goal, clear_m, .. } = &self.settings;
+        let Self { goal, clear_m, .. } = self;
         let name = &goal.name;
         if !(0.0..=MOST_RETREAT_M).contains(clear_m) {
             return refuse(format!("{clear_m} m is no clearance of the hand; give 0 to {MOST_RETREAT_M} m"));
@@ -130,7 +151,7 @@ impl Placer {
 
     /// Where the object is by a draw.
     fn pose_of(&self, draw: &Draw) -> Pose {
-        let (world_from_surface, size_m) = match &self.settings.goal.spot {
+        let (world_from_surface, size_m) = match &self.goal.spot {
             PlaceSpot::Target(pose) => return *pose,
             PlaceSpot::Surface { pose, size_m, .. } => (pose, size_m),
         };
@@ -152,15 +173,34 @@ impl Placer {
         Pose::from_parts(place.coords.into(), turned.rotation)
     }
 
-    /// Where the object can be put down, as far as it alone is concerned: of a place that is a pose that one, if it can.
-    pub fn placements(&self) -> impl Iterator<Item = &Placement> {
-        self.draws.iter().filter_map(|draw| self.look_at(draw)).take(ENOUGH_PLACES)
+    /// Where the object can be put down, as far as it alone is concerned, each with the number of its draw: of a place that
+    /// is a pose that one, if it can. Those that `is_hopeful` approves of come first, up to the last that it is asked about.
+    pub fn placements<'a>(
+        &'a self,
+        is_hopeful: Option<&'a dyn Fn(&Placement) -> bool>,
+    ) -> impl Iterator<Item = (usize, &'a Placement)> {
+        let looked_at = |(number, draw): (usize, &'a Draw)| Some((number, draw, self.look_at(draw)?));
+        let all = move || self.draws.iter().enumerate().filter_map(looked_at);
+        let hopes = move |draw: &Draw, placement: &Placement| {
+            is_hopeful.is_some_and(|is_hopeful| *draw.is_hopeful.get_or_init(|| is_hopeful(placement)))
+        };
+        let first = all().take_while(move |_| is_hopeful.is_some()).take(MOST_HOPES);
+        let first = first.filter(move |(_, draw, placement)| hopes(draw, placement));
+        // Without hope a few are enough.
+        let others = all().filter(|(_, draw, _)| draw.is_hopeful.get() != Some(&true));
+        first.chain(others).map(|(number, _, placement)| (number, placement)).take(ENOUGH_PLACES)
     }
 
     /// Where the object is by a draw, if it can be there.
     fn look_at<'a>(&self, draw: &'a Draw) -> Option<&'a Placement> {
         let look = || {
-            let placement = self.placement(&self.pose_of(draw));
+            let pose = self.pose_of(draw);
+            if let PlaceSpot::Surface { pose: surface, size_m, .. } = &self.goal.spot
+                && self.over_edge_m(surface, size_m, &pose) > OVERHANG_M
+            {
+                return None;
+            }
+            let placement = self.placement(&pose);
             self.fault_of(&placement).is_none().then_some(placement)
         };
         draw.placement.get_or_init(look).as_ref()
@@ -168,15 +208,9 @@ impl Placer {
 
     /// The object at a pose, and its supports there. The cell is that of a draw that was evaluated before, if it
     /// applies to this pose too.
-    pub(crate) fn placement(&self, world_from_held: &Pose) -> Placement {
-        let cell = self.carrier.hand().holding();
-        let resting = cell.resting_at(self.target(), &self.extent, world_from_held);
-        let mut known = self.draws.iter().filter_map(|draw| draw.placement.get()?.as_ref());
-        let near = match known.find(|known| known.resting.is_spared_alike(&resting)) {
-            Some(known) => known.near.clone(),
-            None => Arc::new(cell.sparing(&resting)),
-        };
-        Placement { world_from_held: *world_from_held, resting, near }
+    fn placement(&self, world_from_held: &Pose) -> Placement {
+        let known = self.draws.iter().filter_map(|draw| draw.placement.get()?.as_ref());
+        self.carrier.placement_among(known, world_from_held)
     }
 
     /// A fault, in words, of the object let go with its first solid at a pose; `None` if it is where it is to be.
@@ -186,7 +220,7 @@ impl Placer {
 
     /// What is wrong with an object that is let go at a pose, in words; `None` if it is where it is to be.
     pub(crate) fn fault_of(&self, Placement { world_from_held, resting, .. }: &Placement) -> Option<String> {
-        let name = &self.settings.goal.name;
+        let name = &self.goal.name;
         let up_in_held = world_from_held.rotation.inverse() * self.up();
         let tilt = |rest: &Rotation| (rest.inverse() * Vector::z() - up_in_held).norm();
         let tilt_rad = self.rests.iter().map(tilt).reduce(f64::min).unwrap_or(0.0);
@@ -194,7 +228,7 @@ impl Placer {
             (tilt_rad.is_nan() || tilt_rad > most_rad)
                 .then(|| format!("it is {:.2}° from any way to rest", tilt_rad.to_degrees()))
         };
-        let (on, world_from_surface, size_m) = match &self.settings.goal.spot {
+        let (on, world_from_surface, size_m) = match &self.goal.spot {
             PlaceSpot::Target(pose) => {
                 let off = PoseDifference::between(pose, world_from_held);
                 if !off.is_exact() {
@@ -214,17 +248,23 @@ impl Placer {
         if let Some(fault) = tilted(EXACT_ROTATION_RAD) {
             return Some(fault);
         }
+        let over_m = self.over_edge_m(world_from_surface, size_m, world_from_held);
+        if over_m.is_nan() || over_m > OVERHANG_M {
+            return Some(format!("it reaches {:.2} mm over the edge of '{name}'", over_m * 1e3));
+        }
+        self.fault_of_rest(resting, Some(on))
+    }
+
+    /// Distance by which the object reaches over the edges of a rectangle, in metres; negative within them.
+    fn over_edge_m(&self, world_from_surface: &Pose, size_m: &[f64; 2], world_from_held: &Pose) -> f64 {
+        let middle = world_from_surface.translation.vector;
         let over_m = [0, 1].into_iter().flat_map(|axis| {
             let along = world_from_surface.rotation * Vector::ith(axis, 1.0);
             [along, -along].map(|along| {
                 -0.5 * size_m[axis] - (self.extent.lowest_along(world_from_held, &along) - along.dot(&middle))
             })
         });
-        let over_m = over_m.fold(f64::NEG_INFINITY, f64::max);
-        if over_m.is_nan() || over_m > OVERHANG_M {
-            return Some(format!("it reaches {:.2} mm over the edge of '{name}'", over_m * 1e3));
-        }
-        self.fault_of_rest(resting, Some(on))
+        over_m.fold(f64::NEG_INFINITY, f64::max)
     }
 
     /// Fault of a resting pose, if any: too near to or inside another body, on nothing, on a slope, above its support,
@@ -250,7 +290,7 @@ impl Placer {
             return Some(format!("it is on a slope of {:.2}°", slope_rad.to_degrees()));
         }
         match resting.supports().min_by(|a, b| a.1.total_cmp(&b.1)) {
-            None => Some(format!("at '{}' there is nothing that it could rest on", self.settings.goal.name)),
+            None => Some(format!("at '{}' there is nothing that it could rest on", self.goal.name)),
             Some((body, above_m)) if above_m > MOST_ABOVE_M => {
                 Some(format!("it is {:.2} mm above {}", above_m * 1e3, body_name(body)))
             }
@@ -262,9 +302,9 @@ impl Placer {
         }
     }
 
-    /// How an object is put down.
-    pub fn settings(&self) -> &PlaceSettings {
-        &self.settings
+    /// Distance of the hand from the object at the end of its retreat, in metres.
+    pub fn clear_m(&self) -> f64 {
+        self.clear_m
     }
 
     /// What keeps a hand that holds the object, its tip at a pose now, from letting it go at the first placements: what it
@@ -320,100 +360,6 @@ impl Placer {
             }
             Err(_) => Err(FailureReason::NoPlace),
         }
-    }
-
-    /// The way down to a placement, from where the object is off what it is put down on, to where the arm stands at `q`: the
-    /// mirror of a lift-off.
-    ///
-    /// # Errors
-    /// What is in the way.
-    ///
-    /// # Panics
-    /// If `q` has not one value per joint.
-    pub fn set_down(
-        &self,
-        grip: &Grip,
-        placement: &Placement,
-        q: &[f64],
-    ) -> Result<Vec<Vec<f64>>, FailureReason> {
-        let near = placement.grip_near(grip).map_err(|_| FailureReason::NoPlace)?;
-        let way = self.carrier.way_off(&near, &placement.resting, q).map_err(|blocked| match blocked {
-            Some([first, second]) => FailureReason::SetDownBlocked { first, second },
-            None => FailureReason::SetDownOutOfReach,
-        })?;
-        Ok(way.into_iter().rev().collect())
-    }
-
-    /// Whether the hand can open there, but for what it then leaves.
-    ///
-    /// # Errors
-    /// What the fingers meet.
-    ///
-    /// # Panics
-    /// If `q` has not one value per joint.
-    pub fn opens(&self, grip: &Grip, q: &[f64]) -> Result<(), FailureReason> {
-        let [_, carrying] = grip.cells();
-        let contact = carrying.closing_contact(q, &mut carrying.scratch());
-        contact.map_or(Ok(()), |contact| {
-            let [first, second] = contact.names(carrying);
-            Err(FailureReason::OpeningCollides { first, second })
-        })
-    }
-
-    /// Opens the hand where it has put the object down.
-    ///
-    /// # Errors
-    /// What the fingers meet.
-    ///
-    /// # Panics
-    /// If `q` has not one value per joint.
-    pub fn open(&self, grip: &Grip, q: &[f64]) -> Result<Placed, FailureReason> {
-        self.opens(grip, q)?;
-        let world_from_held = self.held_at(grip, q);
-        let before = self.carrier.problem().cell().ok_or(FailureReason::NoPlace)?;
-        let after =
-            before.with_body_at(self.target(), &world_from_held).map_err(|_| FailureReason::NoPlace)?;
-        Ok(Placed { world_from_held, target: self.target(), after: Arc::new(after) })
-    }
-
-    /// Where the object is with the arm at a configuration.
-    pub(crate) fn held_at(&self, grip: &Grip, q: &[f64]) -> Pose {
-        self.carrier.gripper(q) * grip.hold.tip_from_held
-    }
-
-    /// A grip with the object near what it rests on where the arm stands at a configuration.
-    ///
-    /// # Errors
-    /// [`PlanError::Collision`] for a hold that is none.
-    pub fn grip_at(&self, grip: &Grip, q: &[f64]) -> Result<Grip, PlanError> {
-        self.placement(&self.held_at(grip, q)).grip_near(grip)
-    }
-}
-
-impl Placement {
-    /// What the open hand touches that has the object there, held so, in the cell in which it does.
-    fn hand_contact(&self, tip_from_held: Pose) -> Result<Option<(Contact, Cell)>, PlanError> {
-        let cell = self.near.with_hold(Hold { tip_from_held, closing: 0.0 })?;
-        let contact = cell.hand_contact(&self.world_from_tip(&tip_from_held), &mut cell.scratch());
-        Ok(contact.map(|contact| (contact, cell)))
-    }
-
-    /// Where the tip is then.
-    fn world_from_tip(&self, tip_from_held: &Pose) -> Pose {
-        self.world_from_held * tip_from_held.inverse()
-    }
-
-    /// How the object rests there.
-    pub(crate) fn resting(&self) -> &Resting {
-        &self.resting
-    }
-
-    /// A grip with the object near what it rests on there.
-    ///
-    /// # Errors
-    /// [`PlanError::Collision`] for a hold that is none.
-    pub fn grip_near(&self, grip: &Grip) -> Result<Grip, PlanError> {
-        Ok(grip.near(&self.near)?)
     }
 }
 

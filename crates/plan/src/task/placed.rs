@@ -4,7 +4,7 @@ use cranny_collision::{Cell, Motion, Scratch};
 use cranny_robot::{IkSettings, IkSolver};
 use cranny_spatial::{Pose, Rotation, Vector};
 
-use crate::{FailureReason, Goal, PlanError, Problem};
+use crate::FailureReason;
 
 /// Between two configurations of a retreat, in metres, and how far it goes at most.
 const RUNG_M: f64 = 0.01;
@@ -20,17 +20,9 @@ pub struct Placed {
 }
 
 impl Placed {
-    /// The problem of moving the empty hand away from there.
-    ///
-    /// # Errors
-    /// [`PlanError::JointCount`] or [`PlanError::NotFinite`] for what is no configuration of the robot.
-    pub fn leaving(&self, from: &[f64], to: Vec<Vec<f64>>) -> Result<Problem, PlanError> {
-        Problem::in_cell(self.after.clone(), from.to_vec(), Goal::Configurations(to))
-    }
-
-    /// Robot and world once the object stands there.
-    pub fn cell(&self) -> &Arc<Cell> {
-        &self.after
+    /// A body, by index, that was put down in a cell at a pose of its first solid.
+    pub(crate) fn of(after: &Arc<Cell>, target: usize, world_from_held: Pose) -> Self {
+        Self { world_from_held, target, after: after.clone() }
     }
 
     /// Distance of the hand from the object, in metres, certified from below; at most `beyond_m`.

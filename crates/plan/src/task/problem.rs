@@ -8,7 +8,8 @@ use serde::{Deserialize, Serialize};
 use strum::{EnumString, IntoStaticStr};
 
 use crate::task::grasp_filter::GraspFilter;
-use crate::{GraspMeasure, NotChecked, PlaceGoal, PlanError};
+use crate::task::grasp_poses;
+use crate::{FailureReason, GraspMeasure, NotChecked, PlaceGoal, PlanError};
 
 /// What a path must do, and what makes it valid. Start and goal fit the robot, and the robot is the one that the check
 /// was made for: whoever has a problem need not look again.
@@ -21,8 +22,10 @@ pub struct Problem {
     /// What grasps are measured by, if no set of them is given.
     grasp_measure: Option<Arc<GraspMeasure>>,
     grasp_filter: Option<GraspFilter>,
-    /// Where the target can be put down.
+    /// Where an object can be put down.
     places: Arc<[PlaceGoal]>,
+    /// Coefficients of friction of bodies against the pads, by index.
+    frictions: Arc<[Option<f64>]>,
     validity: Validity,
 }
 
@@ -98,6 +101,7 @@ impl Problem {
             grasp_measure: None,
             grasp_filter: None,
             places: Arc::default(),
+            frictions: Arc::default(),
             validity,
         }
         .checked()
@@ -119,6 +123,7 @@ impl Problem {
             grasp_measure: None,
             grasp_filter: None,
             places: Arc::default(),
+            frictions: Arc::default(),
             validity,
         }
         .checked()
@@ -141,6 +146,7 @@ impl Problem {
             grasp_measure: None,
             grasp_filter: None,
             places: Arc::default(),
+            frictions: Arc::default(),
             validity,
         }
         .checked()
@@ -168,6 +174,62 @@ impl Problem {
         self.grasp_filter.as_ref()
     }
 
+    /// The same problem where bodies, by index, have these coefficients of friction against the pads: by them grasps are
+    /// measured of what is picked besides the target.
+    #[must_use]
+    pub fn with_frictions(self, frictions: &[Option<f64>]) -> Self {
+        Self { frictions: frictions.into(), ..self }
+    }
+
+    /// The same problem from another start.
+    ///
+    /// # Errors
+    /// [`PlanError::JointCount`] or [`PlanError::NotFinite`] for a start that does not fit the robot.
+    pub(crate) fn with_start(&self, start: &[f64]) -> Result<Self, PlanError> {
+        if self.start == start {
+            return Ok(self.clone());
+        }
+        Self { start: start.to_vec(), ..self.clone() }.checked()
+    }
+
+    /// The problem of grasping a body from a configuration in a cell, in which bodies may stand elsewhere: with the same
+    /// grasps for the target, in its own frame, and for another body with grasps of the planner's own.
+    ///
+    /// # Errors
+    /// As [`Self::without_grasp_set`].
+    pub(crate) fn picking(&self, cell: Arc<Cell>, body: usize, start: &[f64]) -> Result<Self, PlanError> {
+        let is_same = self.cell().is_some_and(|own| Arc::ptr_eq(own, &cell));
+        if is_same && self.target == Some(body) && self.start == start {
+            return Ok(self.clone());
+        }
+        let is_target = self.target == Some(body);
+        let grasps = match self.grasps().filter(|_| is_target) {
+            Some(grasps) => {
+                let first =
+                    |cell: &Cell| cell.world().bodies()[body].parts.first().map(|part| part.world_from_solid);
+                let moved = self.cell().and_then(|own| Some(first(&cell)? * first(own)?.inverse()));
+                moved.map_or_else(|| grasps.clone(), |moved| grasps.moved(&moved))
+            }
+            None => GraspSet::default(),
+        };
+        let friction = match &self.grasp_measure {
+            Some(measure) if is_target => Some(measure.friction()),
+            _ => self.frictions.get(body).copied().flatten(),
+        };
+        let is_measured = !is_target || self.grasp_measure.is_some();
+        let (validity, goal) = (Validity::Exact(cell), Goal::Grasps(grasps));
+        let picking = Self {
+            target: Some(body),
+            start: start.to_vec(),
+            goal,
+            grasp_measure: None,
+            validity,
+            ..self.clone()
+        };
+        let picking = picking.checked()?;
+        if is_measured { picking.without_grasp_set(friction.unwrap_or_default()) } else { Ok(picking) }
+    }
+
     /// The same problem whose target can be put down there.
     #[must_use]
     pub fn with_places(self, places: &[PlaceGoal]) -> Self {
@@ -177,6 +239,20 @@ impl Problem {
     /// Where the target can be put down.
     pub fn places(&self) -> &[PlaceGoal] {
         &self.places
+    }
+
+    /// True if the hand alone can be at one of the given grasps, or there are none given: else no path leads to any.
+    pub fn may_be_grasped(&self) -> bool {
+        let (Some(cell), Some(grasps)) =
+            (self.cell(), self.grasps().filter(|_| self.grasp_measure.is_none()))
+        else {
+            return true;
+        };
+        let mut scratch = cell.scratch();
+        grasps.grasps().iter().any(|grasp| {
+            FailureReason::of_width(cell.robot(), grasp).is_none()
+                && grasp_poses::poses(grasp).iter().any(|pose| cell.hand_is_free(pose, &mut scratch))
+        })
     }
 
     /// The place of that name.

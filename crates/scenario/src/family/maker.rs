@@ -1,8 +1,10 @@
+use std::collections::BTreeMap;
+
 use cranny_collision::{Body, World};
 use cranny_grasp::{
     COVERAGE_THRESHOLD, Grasp, GraspSet, Hand, SampledGrasp, SamplerSettings, covering_subset, sample_grasps,
 };
-use cranny_plan::{APPROACH_M, AfterPlacing, HandFilter, PlaceGoal, PlaceSpot, robot_hand};
+use cranny_plan::{APPROACH_M, HandFilter, Pick, PlaceGoal, PlaceSpot, Stage, robot_hand};
 use cranny_robot::RobotError;
 use cranny_shape::{Solid, Surface};
 use cranny_spatial::{Pose, Stream, Vector};
@@ -10,8 +12,8 @@ use cranny_spatial::{Pose, Stream, Vector};
 use crate::family::kind::Resting;
 use crate::robot::short_arm::{self, ALL_POSES_DOF};
 use crate::{
-    DEFAULT_FRICTION, Family, Placement, Recipe, RecipeBody, RecipeRobot, ScenarioError, SceneScale, Step,
-    TargetPhysics,
+    DEFAULT_FRICTION, Family, NamedTask, Placement, Recipe, RecipeBody, RecipeRobot, STEPS, ScenarioError,
+    SceneScale, TargetPhysics,
 };
 
 /// Makes scenarios of one family: its object at rest, and grasps of the object sampled once for all.
@@ -156,18 +158,18 @@ impl FamilyMaker {
         let recipe = self.scenario(parameter_m, &placement, columns, GraspChoice::Covering)?;
         let outside = recipe.places.clone().into_iter();
         let places = outside.chain([self.scale.place(self.family.other_side())]).collect();
-        let to = |pick: &RecipeBody, place: &str, mass_kg: Option<f64>| Step {
-            pick: pick.name.clone(),
-            place: place.to_owned(),
-            then: AfterPlacing::Home,
-            physics: TargetPhysics { mass_kg, friction: None },
+        let to = |pick: &RecipeBody, place: &str| {
+            let object = Some(pick.name.clone());
+            [Stage::Pick(Pick { object, ..Pick::default() }), Stage::place(place), Stage::home()]
         };
         let names: Vec<String> = self.family.columns().into_iter().map(|column| column.name).collect();
-        let columns = recipe.obstacles.iter().filter(|body| names.contains(&body.name));
-        let aside = columns.map(|column| to(column, Family::OTHER_SIDE, Some(COLUMN_KG)));
-        let taken = recipe.target.iter().map(|target| to(target, Family::OUTSIDE, None));
-        let steps = aside.chain(taken).collect();
-        Ok(Recipe { places, steps, ..recipe })
+        let columns = || recipe.obstacles.iter().filter(|body| names.contains(&body.name));
+        let aside = columns().flat_map(|column| to(column, Family::OTHER_SIDE));
+        let taken = recipe.target.iter().flat_map(|target| to(target, Family::OUTSIDE));
+        let tasks = vec![NamedTask { name: STEPS.to_owned(), stages: aside.chain(taken).collect() }];
+        let light = TargetPhysics { mass_kg: Some(COLUMN_KG), friction: None };
+        let physics = columns().map(|column| (column.name.clone(), light)).collect();
+        Ok(Recipe { places, tasks, physics, ..recipe })
     }
 
     /// The scenario at a value of the dial (m), with the object at `placement` and `clutter` about. It has as
@@ -255,7 +257,8 @@ impl FamilyMaker {
             start: self.robot.start(),
             robot: self.robot.clone(),
             places: vec![self.scale.place(family.outside())],
-            steps: Vec::new(),
+            tasks: Vec::new(),
+            physics: BTreeMap::new(),
             grasps: GraspSet::default(),
             ik: Vec::new(),
         })

@@ -156,15 +156,14 @@ impl Legible {
             let is_target = file.target.as_ref().is_some_and(|target| std::ptr::eq(target, entry));
             let mesh = if is_target { Solid::mesh } else { Solid::mesh_with_small_holes };
             faults.extend(layout.body_faults(entry, mesh));
-            faults.extend(layout.physics_fault(entry, is_target));
+            faults.extend(layout.physics(entry.mass_kg.as_ref(), entry.friction.as_ref()).err());
         }
         let mut names = HashSet::new();
         for entry in &file.places {
             faults.extend(layout.place(entry, file, &Pose::identity(), &mut names).err());
         }
-        for entry in &file.steps {
-            faults.extend(layout.step(entry, file).err());
-        }
+        faults.extend(layout.tasks(file).err());
+        faults.extend(layout.physics_of_obstacles(file).err().filter(|_| !file.steps.is_empty()));
         robot.filter(|_| was_there("robot"))
     }
 }

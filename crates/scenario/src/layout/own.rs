@@ -15,12 +15,12 @@ use crate::files::number_table;
 use crate::files::sizes;
 use crate::files::yaml;
 use crate::layout::own_file::{
-    BodyEntry, MeshEntry, PlaceEntry, PoseEntry, ScenarioFile, ShapeEntry, StartEntry, StepEntry,
+    BodyEntry, MeshEntry, PlaceEntry, PoseEntry, ScenarioFile, ShapeEntry, StartEntry,
 };
 use crate::robot::file;
 use crate::{
     BuiltinRobot, OBJECT_FILE, ObjectSource, ObjectType, OpenOptions, RobotSource, Scenario, ScenarioError,
-    Step, TargetPhysics, scenario,
+    TargetPhysics, scenario,
 };
 
 /// The file that makes a folder a scenario of Cranny's own layout.
@@ -83,7 +83,6 @@ pub(crate) fn open_texts(
     let mut names = HashSet::new();
     for entry in &file.obstacles {
         layout.check_name(entry, &mut names)?;
-        layout.check_fixed(entry)?;
         bodies.push(layout.body(entry, &planning_from_scene, Solid::mesh_with_small_holes)?.0);
     }
     let (mut target_source, mut given_physics) = (None, TargetPhysics::default());
@@ -128,7 +127,8 @@ pub(crate) fn open_texts(
         has_grasp_set: texts.grasps.is_some(),
         ik,
         places,
-        steps: file.steps.iter().map(|step| layout.step(step, &file)).collect::<Result<_, _>>()?,
+        tasks: layout.tasks(&file)?,
+        physics: layout.physics_of_obstacles(&file)?,
         export: None,
     }
     .on_its_ground(options)?
@@ -324,31 +324,6 @@ impl Layout<'_> {
         Ok(PlaceGoal { name: name.value.clone(), spot })
     }
 
-    /// A step of a task.
-    pub fn step(&self, entry: &Spanned<StepEntry>, file: &ScenarioFile) -> Result<Step, ScenarioError> {
-        let Spanned { value: StepEntry { pick, place, then, mass_kg, friction }, referenced, .. } = entry;
-        let refuse = |problem: String| ScenarioError::Place { at: self.at(*referenced), problem };
-        let bodies = file.obstacles.iter().chain(&file.target).map(|body| body.name.value.as_str());
-        let places = file.places.iter().map(|place| place.value.name.value.as_str());
-        for (what, name, known) in
-            [("body", pick, bodies.collect::<Vec<_>>()), ("place", place, places.collect())]
-        {
-            if !known.contains(&name.as_str()) {
-                let meant = did_you_mean(name, known.iter().copied());
-                let known = known.join(", ");
-                return Err(refuse(format!(
-                    "there is no {what} '{name}' for this step (there are: {known}){meant}"
-                )));
-            }
-        }
-        let physics = self.physics(mass_kg.as_ref(), friction.as_ref())?;
-        let is_target = file.target.as_ref().is_some_and(|target| target.name.value == *pick);
-        if is_target && physics != TargetPhysics::default() {
-            return Err(refuse(format!("mass_kg and friction of the target '{pick}' stand beneath target")));
-        }
-        Ok(Step { pick: pick.clone(), place: place.clone(), then: *then, physics })
-    }
-
     /// What an entry says of mass and friction.
     pub fn physics(
         &self,
@@ -359,23 +334,6 @@ impl Layout<'_> {
             number.map(|n| yaml::positive(self.path, what, n.value, n.referenced)).transpose()
         };
         Ok(TargetPhysics { mass_kg: number("mass", mass_kg)?, friction: number("friction", friction)? })
-    }
-
-    /// That an obstacle is not said to weigh or to slide.
-    fn check_fixed(&self, entry: &BodyEntry) -> Result<(), ScenarioError> {
-        let hint = "obstacles do not move: the target has a mass and a friction, and a step says those of what it picks";
-        let refused = |what: &'static str, number: &Option<Spanned<f64>>| match number {
-            Some(number) => Err(ScenarioError::Unsupported { at: self.at(number.referenced), what, hint }),
-            None => Ok(()),
-        };
-        refused("mass_kg of an obstacle", &entry.mass_kg)?;
-        refused("friction of an obstacle", &entry.friction)
-    }
-
-    /// What is first wrong with what an entry says, or should not say, of mass and friction.
-    pub fn physics_fault(&self, entry: &BodyEntry, is_target: bool) -> Option<ScenarioError> {
-        let physics = || self.physics(entry.mass_kg.as_ref(), entry.friction.as_ref());
-        if is_target { physics().err() } else { self.check_fixed(entry).err() }
     }
 
     /// Everything that is wrong with a body but its name.

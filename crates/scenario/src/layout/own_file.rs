@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::path::PathBuf;
 
-use cranny_plan::{AfterPlacing, Criterion};
+use cranny_plan::{AfterPlacing, Criterion, Stage};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
@@ -46,7 +46,6 @@ pub(crate) struct ScenarioFile {
     pub floor: Option<Spanned<f64>>,
     #[serde(default)]
     pub obstacles: Vec<BodyEntry>,
-    #[schemars(with = "Option<TargetEntry>")]
     pub target: Option<BodyEntry>,
     /// Where the target can be put down.
     #[serde(default)]
@@ -56,6 +55,9 @@ pub(crate) struct ScenarioFile {
     #[serde(default)]
     #[schemars(with = "Vec<StepEntry>")]
     pub steps: Vec<Spanned<StepEntry>>,
+    /// Tasks of several stages (`cranny plan --task NAME`).
+    #[serde(default)]
+    pub tasks: Vec<TaskEntry>,
     #[schemars(with = "Option<CriterionName>")]
     pub criterion: Option<Criterion>,
 }
@@ -99,26 +101,12 @@ pub(crate) struct BodyEntry {
     pub pose: Option<Spanned<PoseEntry>>,
     #[schemars(with = "Vec<ShapeEntry>")]
     pub shapes: Vec<Spanned<ShapeEntry>>,
-    /// Of the target alone.
-    #[schemars(skip)]
+    /// Mass (kg), before that of its object; positive.
+    #[schemars(with = "Option<f64>")]
     pub mass_kg: Option<Spanned<f64>>,
-    /// Of the target alone.
-    #[schemars(skip)]
+    /// Coefficient of friction between it and the pads of a gripper, before that of its object; positive.
+    #[schemars(with = "Option<f64>")]
     pub friction: Option<Spanned<f64>>,
-}
-
-/// What is to be grasped.
-#[derive(JsonSchema)]
-#[serde(deny_unknown_fields)]
-#[allow(dead_code, reason = "nobody makes one: it is read as the entry of an obstacle is, which has no mass")]
-pub(crate) struct TargetEntry {
-    pub name: String,
-    pub pose: Option<PoseEntry>,
-    pub shapes: Vec<ShapeEntry>,
-    /// What it weighs (kg), before what its object says; positive.
-    pub mass_kg: Option<f64>,
-    /// The coefficient of friction between it and the pads of a gripper, before what its object says; positive.
-    pub friction: Option<f64>,
 }
 
 /// A place where the target can be put down: a rectangle that lies on something, or a pose of the target.
@@ -139,7 +127,17 @@ pub(crate) struct PlaceEntry {
     pub target_pose: Option<Spanned<PoseEntry>>,
 }
 
-/// A step of a task.
+/// A task: stages in order.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct TaskEntry {
+    #[schemars(with = "String")]
+    pub name: Spanned<String>,
+    #[schemars(with = "Vec<Stage>")]
+    pub stages: Vec<Spanned<Stage>>,
+}
+
+/// A step: a pick and a place.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct StepEntry {
@@ -151,7 +149,7 @@ pub(crate) struct StepEntry {
     #[serde(default)]
     #[schemars(with = "Option<ThenName>")]
     pub then: AfterPlacing,
-    /// What an obstacle that is picked weighs (`cranny simulate plan`).
+    /// Mass (kg) of an obstacle that is picked, before that of its own entry (`cranny simulate plan`).
     #[schemars(with = "Option<f64>")]
     pub mass_kg: Option<Spanned<f64>>,
     /// The coefficient of friction between it and the pads of a gripper.

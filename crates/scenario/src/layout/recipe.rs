@@ -1,3 +1,5 @@
+use std::collections::BTreeMap;
+
 use cranny_collision::{Body, Part, World};
 use cranny_grasp::GraspSet;
 use cranny_plan::PlaceGoal;
@@ -5,7 +7,7 @@ use cranny_shape::{Outline, ShapeError, Solid, TriangleSoup};
 use cranny_spatial::{Pose, Vector};
 
 use crate::{
-    ObjectSource, OpenOptions, RecipeRobot, RobotSource, Scenario, ScenarioError, Step, TargetPhysics,
+    NamedTask, ObjectSource, OpenOptions, RecipeRobot, RobotSource, Scenario, ScenarioError, TargetPhysics,
 };
 
 /// A scenario in the making: what its files will say. Poses are in the scene, whose floor is z = 0; grasps are in the
@@ -30,8 +32,10 @@ pub struct Recipe {
     pub ik: Vec<Vec<f64>>,
     /// Where the target can be put down, in the scene.
     pub places: Vec<PlaceGoal>,
-    /// What is to be picked and put down, in order.
-    pub steps: Vec<Step>,
+    /// Tasks of several stages.
+    pub tasks: Vec<NamedTask>,
+    /// Mass and friction of obstacles, by name.
+    pub physics: BTreeMap<String, TargetPhysics>,
 }
 
 /// A body of a [`Recipe`].
@@ -98,7 +102,8 @@ impl Recipe {
             start: scenario.start.clone(),
             grasps: scenario.grasps.clone(),
             ik: scenario.ik.clone(),
-            steps: scenario.steps.clone(),
+            tasks: scenario.tasks.clone(),
+            physics: scenario.physics.clone(),
             places: scenario.places.iter().map(|place| place.seen_from(&scene_from_planning)).collect(),
         })
     }
@@ -125,7 +130,8 @@ impl Recipe {
             start: self.start.clone(),
             grasps: self.grasps.clone(),
             has_grasp_set: true,
-            steps: self.steps.clone(),
+            tasks: self.tasks.clone(),
+            physics: self.physics.clone(),
             places: {
                 let planning_from_scene = self.robot.planning_from_scene();
                 self.places.iter().map(|place| place.seen_from(&planning_from_scene)).collect()

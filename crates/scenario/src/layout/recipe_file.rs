@@ -11,7 +11,7 @@ use crate::files::atomic_file::write_into;
 use crate::layout::own;
 use crate::layout::recipe::{Recipe, RecipeBody, RecipeShape};
 use crate::robot::in_folder::{ROBOT, write_robot};
-use crate::{ScenarioError, Step};
+use crate::{NamedTask, ScenarioError, TargetPhysics};
 
 /// The folder of a scenario's meshes.
 const MESHES: &str = "meshes";
@@ -72,17 +72,13 @@ impl Recipe {
         }
         for body in &self.obstacles {
             body.write(&mut text, "  - ", "    ");
+            let physics = self.physics.get(&body.name).copied().unwrap_or_default();
+            write_physics(&mut text, "    ", physics);
         }
         if let Some(target) = &self.target {
             text.push_str("target:\n");
             target.write(&mut text, "  ", "  ");
-            for (key, number) in
-                [("mass_kg", self.given_physics.mass_kg), ("friction", self.given_physics.friction)]
-            {
-                if let Some(number) = number {
-                    let _ = writeln!(text, "  {key}: {number}");
-                }
-            }
+            write_physics(&mut text, "  ", self.given_physics);
         }
         if !self.places.is_empty() {
             text.push_str("places:\n");
@@ -90,16 +86,17 @@ impl Recipe {
         for place in &self.places {
             self.write_place(place, &mut text);
         }
-        if !self.steps.is_empty() {
-            text.push_str("steps:\n");
+        if !self.tasks.is_empty() {
+            text.push_str("tasks:\n");
         }
-        for Step { pick, place, then, physics } in &self.steps {
-            let [pick, place] = [pick, place].map(|name| serde_json::Value::from(name.as_str()));
-            let _ = write!(text, "  - {{pick: {pick}, place: {place}, then: {}", then.name());
-            for (key, value) in [("mass_kg", physics.mass_kg), ("friction", physics.friction)] {
-                let _ = value.map(|value| write!(text, ", {key}: {value}"));
+        for NamedTask { name, stages } in &self.tasks {
+            let _ = writeln!(text, "  - name: {}\n    stages:", serde_json::Value::from(name.as_str()));
+            for stage in stages {
+                let row = serde_json::to_value(stage).unwrap_or_default();
+                let keys =
+                    row.as_object().into_iter().flatten().map(|(key, value)| format!("{key}: {value}"));
+                let _ = writeln!(text, "      - {{{}}}", keys.collect::<Vec<_>>().join(", "));
             }
-            text.push_str("}\n");
         }
         text
     }
@@ -207,4 +204,10 @@ const LEAST_TURN_RAD: f64 = 1e-12;
 pub(crate) fn file_name(name: &str) -> String {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "_-.".contains(c);
     name.chars().map(|c| if is_plain(c) { c } else { '_' }).collect()
+}
+
+fn write_physics(text: &mut String, indent: &str, physics: TargetPhysics) {
+    for (key, number) in [("mass_kg", physics.mass_kg), ("friction", physics.friction)] {
+        let _ = number.map(|number| writeln!(text, "{indent}{key}: {number}"));
+    }
 }

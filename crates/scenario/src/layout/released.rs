@@ -1,3 +1,4 @@
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -91,7 +92,8 @@ pub(crate) fn open_with(
         grasps: grasps(folder)?,
         has_grasp_set: true,
         places: Vec::new(),
-        steps: Vec::new(),
+        tasks: Vec::new(),
+        physics: BTreeMap::new(),
         ik,
         export: exported.map(|exported| exported.surface),
     }

@@ -4,16 +4,15 @@ use std::time::Duration;
 use cranny_collision::Margins;
 use cranny_grasp::ScoreKind;
 use cranny_plan::{
-    AuditSettings, Budget, CarryEnd, Clearances, Criterion, GraspFailure, NoGrasp, NotChecked, Outcome,
-    OwnGrasp, PlanError, Problem, Statistics, path_length,
+    Audit, AuditSettings, Budget, Clearances, Criterion, GraspFailure, NoGrasp, NotChecked, Outcome,
+    OwnGrasp, PickAudit, Segment, Stage, Statistics, path_length,
 };
-use cranny_solve::{Answer, Carry, Request, Robustness};
+use cranny_solve::{Answer, Request, Robustness};
 use serde::{Deserialize, Serialize};
 
 use crate::plan::betterment::{PlanOptimisation, PlanShortening};
-use crate::plan::place::PlanPlace;
 use crate::plan::timing::PlanTiming;
-use crate::{Geometry, GivenGrasps, PlanSegment, ScenarioError, write_whole_file};
+use crate::{Geometry, GivenGrasps, NamedTask, ScenarioError, write_whole_file};
 
 /// An answer, with all that is needed to judge it and to find it again: what a `*.plan.json` holds.
 ///
@@ -22,11 +21,16 @@ use crate::{Geometry, GivenGrasps, PlanSegment, ScenarioError, write_whole_file}
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlanFile {
-    /// [`PlanFile::FORMAT`]; `None` in files that were written before there was one.
-    #[serde(default)]
-    pub format: Option<String>,
+    /// [`PlanFile::FORMAT`].
+    pub format: String,
     /// Id of the scenario: a built-in id, or the name of its folder.
     pub scenario: String,
+    /// Name of the task, if it is one of those of the scenario.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub task_name: Option<String>,
+    /// The stages of the task; empty where the goal of the scenario is all.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub task: Vec<Stage>,
     /// The URDF that was given instead of the scenario's robot.
     pub robot: Option<String>,
     /// The geometry of a released scenario, where it was asked for.
@@ -63,7 +67,7 @@ pub struct PlanFile {
     pub budget: PlanBudget,
     /// Names of the joints, in the order of every way point.
     pub joint_names: Vec<String>,
-    /// Index of the grasp that the path ends at.
+    /// Index of the grasp that the path, or that of the first pick, ends at.
     pub grasp: Option<usize>,
     /// How far the gripper ends from it, in metres.
     pub translation_error_m: Option<f64>,
@@ -72,6 +76,9 @@ pub struct PlanFile {
     /// The grasp that the path ends at, where no set was given and the planner made it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub own_grasp: Option<OwnGrasp>,
+    /// The grasps of the picks that follow the first.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub picks: Vec<PlanPick>,
     /// The least clearance along the whole path, proven, in metres.
     pub clearance_m: Option<f64>,
     /// The same for each edge of the path, in metres; `None` where nothing is near, empty without a proof.
@@ -83,7 +90,7 @@ pub struct PlanFile {
     pub path_length: f64,
     /// The path, piece by piece: `waypoints` and `clearances_per_edge_m` are those of all pieces.
     #[serde(default)]
-    pub segments: Vec<PlanSegment>,
+    pub segments: Vec<Segment>,
     /// The path: one value per joint each (m, rad), straight lines between.
     pub waypoints: Vec<Vec<f64>>,
     /// When they are passed; `None` for a robot without limits of acceleration.
@@ -106,19 +113,47 @@ pub struct PlanFile {
     /// Why no grasp was taken at all, after a search in which the arm came to none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub no_grasp: Option<NoGrasp>,
-    /// Where the object was to be carried: to any of these configurations; `None` for a plan that ends at the grasp.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub carry_to: Option<Vec<Vec<f64>>>,
-    /// The object was to be carried anywhere it is so far from all bodies but floors, in metres; `None` where it was not.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub carry_clear_m: Option<f64>,
     /// How far things may be from where the path has them, each kind of error by itself; `None` where that was not asked, or
     /// there is no proof.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub robustness: Option<Robustness>,
-    /// Where the object was to be put down; `None` where it was not.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub place: Option<PlanPlace>,
+}
+
+/// Grasp of a pick, as [`PlanFile`] states that of the first.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PlanPick {
+    /// Index of the stage.
+    pub stage: usize,
+    /// Index of the grasp.
+    #[serde(default)]
+    pub grasp: Option<usize>,
+    /// Distance of the gripper from it, in metres.
+    #[serde(default)]
+    pub translation_error_m: Option<f64>,
+    /// Angle between the two, in radians.
+    #[serde(default)]
+    pub rotation_error_rad: Option<f64>,
+    /// The grasp, where the planner made it.
+    #[serde(default)]
+    pub own_grasp: Option<OwnGrasp>,
+}
+
+impl PlanPick {
+    fn of(pick: &PickAudit) -> Self {
+        Self {
+            stage: pick.stage,
+            grasp: pick.goal.map(|goal| goal.grasp),
+            translation_error_m: pick.goal.map(|goal| goal.translation_error_m),
+            rotation_error_rad: pick.goal.map(|goal| goal.rotation_error_rad),
+            own_grasp: pick.own_grasp,
+        }
+    }
+
+    /// The grasps of the picks that follow the first.
+    pub(crate) fn all_of(audit: &Audit) -> Vec<Self> {
+        audit.picks.iter().skip(1).map(Self::of).collect()
+    }
 }
 
 /// What a plan is of: what an [`Answer`] does not know.
@@ -134,6 +169,8 @@ pub struct PlanSource {
     pub grasps: GivenGrasps,
     /// The clearance that was demanded.
     pub margins: Margins,
+    /// The task of the scenario that was planned, if it has a name.
+    pub task: Option<NamedTask>,
 }
 
 /// What a search was allowed to spend.
@@ -159,7 +196,7 @@ impl PlanBudget {
 
 impl PlanFile {
     /// The format that this program writes.
-    pub const FORMAT: &'static str = "cranny-plan/1";
+    pub const FORMAT: &'static str = "cranny-plan/2";
 
     /// The version that this program writes into its plans.
     pub const VERSION: &'static str = env!("CARGO_PKG_VERSION");
@@ -171,8 +208,10 @@ impl PlanFile {
         let clearances_m: Vec<Option<f64>> =
             answer.segments.iter().flat_map(|segment| segment.clearances_m.iter().copied()).collect();
         Self {
-            format: Some(Self::FORMAT.to_owned()),
+            format: Self::FORMAT.to_owned(),
             scenario: source.scenario.clone(),
+            task_name: source.task.as_ref().map(|task| task.name.clone()),
+            task: answer.stages.clone(),
             robot: source.robot.as_ref().map(|file| file.display().to_string()),
             geometry: source.geometry.map(|geometry| geometry.name().to_owned()),
             grasps: source.grasps.text(),
@@ -193,10 +232,11 @@ impl PlanFile {
             translation_error_m: goal.map(|goal| goal.translation_error_m),
             rotation_error_rad: goal.map(|goal| goal.rotation_error_rad),
             own_grasp: answer.audit.as_ref().and_then(|audit| audit.own_grasp),
+            picks: answer.audit.as_ref().map(PlanPick::all_of).unwrap_or_default(),
             clearance_m: answer.audit.as_ref().and_then(|audit| audit.clearance_m),
             not_checked: answer.not_checked.clone(),
             path_length: path_length(&waypoints),
-            segments: answer.segments.iter().map(PlanSegment::of).collect(),
+            segments: answer.segments.clone(),
             clearances_per_edge_m: clearances_m,
             waypoints,
             timing: answer.timed.as_ref().map(|timed| PlanTiming::of(&timed.trajectory)),
@@ -210,29 +250,14 @@ impl PlanFile {
                 .map(|faults| faults.iter().map(ToString::to_string).collect())
                 .collect(),
             no_grasp: answer.no_grasp.clone(),
-            carry_to: match &answer.carry_to {
-                Some(CarryEnd::Configurations(ends)) => Some(ends.clone()),
-                _ => None,
-            },
-            carry_clear_m: match &answer.carry_to {
-                Some(CarryEnd::Out { clear_m }) => Some(*clear_m),
-                _ => None,
-            },
             robustness: answer.robustness,
-            place: match &answer.carry_to {
-                Some(CarryEnd::Place(place)) => Some(PlanPlace::of(place)),
-                _ => None,
-            },
         }
     }
 
     /// The request that a plan was made by, where iterations alone end it: the time that a search took says nothing of
     /// this machine.
-    ///
-    /// # Errors
-    /// As [`Self::carry_end`].
-    pub fn request(&self, problem: &Problem) -> Result<Request, PlanError> {
-        Ok(Request {
+    pub fn request(&self) -> Request {
+        Request {
             planner: Some(self.planner.clone()),
             settings: self.settings.as_object().cloned().unwrap_or_default(),
             budget: Budget { iterations: self.statistics.iterations, time: Duration::MAX },
@@ -241,11 +266,11 @@ impl PlanFile {
             min_score: self.min_score,
             goal_threshold: self.goal_threshold,
             keep_path: self.shortening.is_none(),
-            carry: self.carry_end(problem)?.map(|end| Carry { end, ..Carry::default() }),
+            stages: self.task.clone(),
             // How far the same path is from everything stands in the plan.
             audit: AuditSettings { clearances: Clearances::None, ..AuditSettings::default() },
             ..Request::default()
-        })
+        }
     }
 
     /// The grasps that were given.
@@ -256,18 +281,6 @@ impl PlanFile {
     /// The geometry of a released scenario, where it was asked for.
     pub fn given_geometry(&self) -> Option<Geometry> {
         self.geometry.as_deref()?.parse().ok()
-    }
-
-    /// Where the object was to be carried, if it was.
-    ///
-    /// # Errors
-    /// [`PlanError::UnknownPlace`] where it was to be put down in a place that the problem does not have.
-    pub fn carry_end(&self, problem: &Problem) -> Result<Option<CarryEnd>, PlanError> {
-        if let Some(place) = &self.place {
-            return Ok(Some(CarryEnd::Place(place.settings(problem)?)));
-        }
-        let out = self.carry_clear_m.map(|clear_m| CarryEnd::Out { clear_m });
-        Ok(out.or_else(|| self.carry_to.clone().map(CarryEnd::Configurations)))
     }
 
     /// Writes the plan, as a whole or not at all.
@@ -292,14 +305,15 @@ mod tests {
 
     use super::*;
     use crate::PlanFileError;
-    use crate::plan::segment::segments_of;
 
     fn plan() -> PlanFile {
         let waypoints = vec![vec![-0.0, 1.0 / 3.0], vec![f64::MAX, 1e-17]];
         let clearances_m = vec![Some(5e-324), None];
         PlanFile {
-            format: Some(PlanFile::FORMAT.into()),
+            format: PlanFile::FORMAT.into(),
             scenario: "021".into(),
+            task_name: None,
+            task: Vec::new(),
             robot: None,
             geometry: None,
             grasps: None,
@@ -325,8 +339,9 @@ mod tests {
                 score: 1e-17,
                 uneven_m: Some(0.1 / 7.0),
             }),
+            picks: Vec::new(),
             clearance_m: None,
-            segments: segments_of(&waypoints, &clearances_m),
+            segments: vec![Segment::reach(waypoints.clone(), clearances_m.clone())],
             clearances_per_edge_m: clearances_m,
             path_length: std::f64::consts::SQRT_2,
             waypoints,
@@ -335,8 +350,7 @@ mod tests {
                 blended: false,
                 duration_s: 0.1 + 0.7,
                 waypoint_times_s: vec![0.0, 0.1 + 0.7],
-                closing_s: Some([0.1, 0.1 + 0.2]),
-                opening_s: None,
+                hand_s: vec![[0.1, 0.1 + 0.2]],
             }),
             statistics: Statistics { iterations: 12, planning_time_s: 0.3, ..Statistics::default() },
             shortening: Some(PlanShortening { attempts: 100, searches: 2 }),
@@ -362,10 +376,7 @@ mod tests {
             }],
             goal_faults: Vec::new(),
             no_grasp: None,
-            carry_to: None,
-            carry_clear_m: None,
             robustness: None,
-            place: None,
         }
     }
 
@@ -417,13 +428,14 @@ mod tests {
         plan().write(&path).unwrap();
         let sound: serde_json::Value = serde_json::from_slice(&fs::read(&path).unwrap()).unwrap();
         for (pointer, value, says) in [
-            ("/format", "cranny-plan/2".into(), "'cranny-plan/2', but this version reads 'cranny-plan/1'"),
-            ("/segments/0/kind", "spline".into(), "segment 0 is of kind 'spline'"),
-            ("/segments/0", serde_json::json!({"kind": "arc"}), "segment 0 is of kind 'arc'"),
-            ("/segments/0/mode", "place".into(), "segment 0 is of mode 'place'"),
-            ("/segments/0/mode", "carry".into(), "its segments are neither a reach nor"),
-            ("/segments/0/attached", "ball".into(), "segment 0 carries 'ball'"),
-            ("/segments/0/opening_m", 0.04.into(), "segment 0 opens the hand by 0.04 m"),
+            ("/format", "cranny-plan/3".into(), "'cranny-plan/3', but this version reads 'cranny-plan/2'"),
+            ("/segments/0/kind", "spline".into(), "a segment is of kind 'spline'"),
+            ("/segments/0", serde_json::json!({"kind": "arc"}), "a segment is of kind 'arc'"),
+            ("/segments/0/mode", "place".into(), "a segment is of mode 'place'"),
+            ("/segments/0/mode", "carry".into(), "segment 0, 'carry', holds an object that was not picked"),
+            ("/segments/0/attached", "ball".into(), "segment 0, 'reach', states what is in the hand"),
+            ("/segments/0/opening_m", 0.04.into(), "segment 0, 'reach', states what is in the hand"),
+            ("/segments/0/stage", 1.into(), "segment 0, 'reach', is of a stage that the task does not have"),
             ("/segments/0/waypoints/0/0", 0.5.into(), "its segments are not its way points"),
             ("/segments", serde_json::json!([]), "its segments are not its way points"),
         ] {
@@ -431,10 +443,10 @@ mod tests {
             *other.pointer_mut(pointer).unwrap() = value;
             fs::write(&path, other.to_string()).unwrap();
             let fault = PlanFile::read(&path).unwrap_err().to_string();
-            assert!(fault.contains("021.plan.json: ") && fault.contains(says), "{fault}");
+            assert!(fault.contains("021.plan.json:") && fault.contains(says), "{fault}");
         }
-        fs::write(&path, r#"{"format": "cranny-plan/2", "anything": {}}"#).unwrap();
-        assert!(PlanFile::read(&path).unwrap_err().to_string().contains("'cranny-plan/2'"));
+        fs::write(&path, r#"{"format": "cranny-plan/3", "anything": {}}"#).unwrap();
+        assert!(PlanFile::read(&path).unwrap_err().to_string().contains("'cranny-plan/3'"));
     }
 
     #[test]
@@ -472,7 +484,10 @@ mod tests {
         };
         assert!(fault("").contains("x.plan.json: the file is empty"));
         assert!(fault("{\n\"scenario\": \"021\",\n").contains("x.plan.json:3: the file ends too early"));
-        assert!(fault("{\n\"scenario\": 21}").contains("x.plan.json:2: invalid type"));
+        assert!(
+            fault("{\"format\": \"cranny-plan/2\",\n\"scenario\": 21}")
+                .contains("x.plan.json:2: invalid type")
+        );
         plan().write(&path).unwrap();
         let text = fs::read_to_string(&path).unwrap();
         assert!(

@@ -1,13 +1,14 @@
 use cranny_collision::Margins;
 use cranny_plan::{
-    Audit, AuditSettings, Carrier, Clearances, NotChecked, Outcome, PlanError, Problem, path_length,
+    Audit, AuditSettings, Clearances, NotChecked, Outcome, PlanError, Problem, Segment, Stage, StatesAlong,
+    give_clearances, path_length,
 };
-use cranny_solve::{Robustness, Segment, TaskTrajectory};
+use cranny_solve::{Robustness, TaskTrajectory};
 use serde::Serialize;
 use serde_json::Value;
 
 use crate::plan::statement::{NOT_CHECKED, Statement, differences};
-use crate::{PlanFile, PlanPlace, PlanSegment, PlanSource, PlanTiming};
+use crate::{NamedTask, PlanFile, PlanPick, PlanSource, PlanTiming};
 
 /// Verdict on a plan file: on its path, and on everything else that it states.
 #[derive(Clone, Debug, Serialize)]
@@ -38,15 +39,9 @@ pub struct Judgement {
 pub struct Demanded {
     /// The clearance of every proof.
     pub margins: Margins,
-    /// As [`PlanFile::carry_to`].
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub carry_to: Option<Vec<Vec<f64>>>,
-    /// As [`PlanFile::carry_clear_m`].
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub carry_clear_m: Option<f64>,
-    /// As [`PlanFile::place`].
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub place: Option<PlanPlace>,
+    /// As [`PlanFile::task`].
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub task: Vec<Stage>,
 }
 
 /// Keys that state for which task a plan was made: where one differs, no figure is of the task that it is judged in.
@@ -56,10 +51,13 @@ const TASK: [&str; 5] = ["scenario", "robot", "geometry", "criterion", "margins"
 const GRASPS: &str = "grasps";
 
 /// Figures that depend on the set of grasps: no other does, for it moves nothing.
-const OF_GRASPS: [&str; 4] = ["grasp", "translation_error_m", "rotation_error_rad", "own_grasp"];
+const OF_GRASPS: [&str; 5] = ["grasp", "translation_error_m", "rotation_error_rad", "own_grasp", "picks"];
 
 /// Keys whose values are measured again.
-const MEASURED: [&str; 14] = [
+const MEASURED: [&str; 17] = [
+    "task_name",
+    "task",
+    "picks",
     "goal_threshold",
     NOT_CHECKED,
     "outcome",
@@ -105,7 +103,7 @@ impl PlanFile {
     /// not name them and holds with them: it was planned so.
     ///
     /// # Errors
-    /// As [`audit_segments`](cranny_solve::audit_segments).
+    /// As [`audit_task`](cranny_plan::audit_task).
     pub fn judge(
         &self,
         task: &PlanSource,
@@ -129,16 +127,7 @@ impl PlanFile {
     /// Compares what a plan without a path states with the task. Its outcome, and why there is no path, are as stated: no
     /// search is repeated. Nothing else is there to be stated.
     pub fn judge_without_path(&self, task: &PlanSource, problem: &Problem) -> Judgement {
-        let audit = Audit {
-            valid: false,
-            violations: Vec::new(),
-            goal: None,
-            own_grasp: None,
-            clearance_m: None,
-            clearance_limit: None,
-            clearances_per_edge_m: Vec::new(),
-            not_checked: Vec::new(),
-        };
+        let audit = Audit::of_nothing();
         let measured = Self {
             scenario: task.scenario.clone(),
             robot: task.robot.as_ref().map(|file| file.display().to_string()),
@@ -152,6 +141,7 @@ impl PlanFile {
             translation_error_m: None,
             rotation_error_rad: None,
             own_grasp: None,
+            picks: Vec::new(),
             clearance_m: None,
             clearances_per_edge_m: Vec::new(),
             path_length: 0.0,
@@ -178,16 +168,16 @@ impl PlanFile {
         problem: &Problem,
         settings: AuditSettings,
     ) -> Result<Option<Judgement>, PlanError> {
-        let carrier = self.carrier(problem)?;
-        let carrier = carrier.as_ref();
+        let along = self.states(problem)?;
+        let along = along.as_ref();
         // The radii take as long as the verdict.
         let (audit, robustness) = rayon::join(
-            || self.audit_by(carrier, problem, settings),
-            || self.measured_robustness(carrier, problem),
+            || self.audit_along(along, problem, settings),
+            || self.measured_robustness(along, problem),
         );
         let Some(audit) = audit? else { return Ok(None) };
         let robustness = robustness?.filter(|_| audit.valid);
-        let measured = Self { robustness, ..self.measured(task, (carrier, problem), &audit, settings)? };
+        let measured = Self { robustness, ..self.measured(task, (along, problem), &audit, settings)? };
         let (stated, found) = (figures(self), figures(&measured));
         let is_stated = |key: &&str| is_stated(&stated[*key]);
         let mut judgement = self.judgement(task, audit, measured);
@@ -201,7 +191,9 @@ impl PlanFile {
         let holds = judgement.audit.valid;
         // No pairs are a statement too: that all were compared.
         let is_promise = |key: &&str| is_stated(key) || *key == NOT_CHECKED && self::is_stated(&found[*key]);
-        let measured_keys: Vec<_> = MEASURED.into_iter().filter(is_promise).collect();
+        // A task without a name is demanded, and not stated.
+        let is_named = |key: &&str| self.task_name.is_some() || !key.starts_with("task");
+        let measured_keys: Vec<_> = MEASURED.into_iter().filter(is_promise).filter(is_named).collect();
         if holds {
             for statement in differences(&measured_keys, &stated, &found) {
                 let key = statement.key.split(['.', '[']).next().unwrap_or_default();
@@ -228,12 +220,7 @@ impl PlanFile {
     fn judgement(&self, task: &PlanSource, audit: Audit, measured: Self) -> Judgement {
         Judgement {
             audit,
-            demanded: Demanded {
-                margins: task.margins,
-                carry_to: self.carry_to.clone(),
-                carry_clear_m: self.carry_clear_m,
-                place: self.place.clone(),
-            },
+            demanded: Demanded { margins: task.margins, task: self.task.clone() },
             differs: Vec::new(),
             compared: Vec::new(),
             not_compared: Vec::new(),
@@ -245,29 +232,34 @@ impl PlanFile {
     /// The radii where the file states some.
     fn measured_robustness(
         &self,
-        carrier: Option<&Carrier>,
+        along: Option<&StatesAlong>,
         problem: &Problem,
     ) -> Result<Option<Robustness>, PlanError> {
-        let is_path = self.waypoints.iter().all(|q| q.len() == problem.robot().dof());
-        if self.robustness.is_none() || self.waypoints.is_empty() || !is_path {
+        let Some(along) = along.filter(|_| self.robustness.is_some() && !self.waypoints.is_empty()) else {
             return Ok(None);
-        }
-        let segments = self.solved_segments()?;
+        };
         let cell = problem.cell().filter(|_| self.is_blended()).map(AsRef::as_ref);
         let trajectory = cell.map(|cell| self.trajectory(problem.robot(), Some(cell))).transpose()?.flatten();
         let corners = trajectory.as_ref().map_or(&[][..], TaskTrajectory::cut_corners);
-        Ok(Robustness::of(problem, self.task_cells_by(carrier, problem)?.as_ref(), &segments, corners))
+        Ok(Robustness::of(along, &self.segments, corners))
+    }
+
+    /// The task of this name as its scenario has it, where the two differ in more than the distances that are demanded.
+    fn own_task<'a>(&self, source: &'a PlanSource) -> Option<&'a NamedTask> {
+        let named = source.task.as_ref()?;
+        let is_same = named.stages.len() == self.task.len()
+            && named.stages.iter().zip(&self.task).all(|(a, b)| a.is_like(b));
+        (!is_same).then_some(named)
     }
 
     /// The plan with every figure but its radii as it is measured: no field is left out, so that a new one needs a decision.
     fn measured(
         &self,
         task: &PlanSource,
-        (carrier, problem): (Option<&Carrier>, &Problem),
+        (along, problem): (Option<&StatesAlong>, &Problem),
         audit: &Audit,
         settings: AuditSettings,
     ) -> Result<Self, PlanError> {
-        let segments = self.solved_segments()?;
         let cell = problem.cell().map(AsRef::as_ref);
         let timing = match &self.timing {
             Some(_) if audit.valid => self.trajectory(problem.robot(), cell)?.as_ref().map(PlanTiming::of),
@@ -285,6 +277,8 @@ impl PlanFile {
         Ok(Self {
             format: self.format.clone(),
             scenario: task.scenario.clone(),
+            task_name: task.task.as_ref().map(|task| task.name.clone()),
+            task: self.own_task(task).map_or_else(|| self.task.clone(), |task| task.stages.clone()),
             robot: task.robot.as_ref().map(|file| file.display().to_string()),
             geometry: task.geometry.map(|geometry| geometry.name().to_owned()),
             grasps: task.grasps.text(),
@@ -303,10 +297,11 @@ impl PlanFile {
             translation_error_m: goal.map(|goal| goal.translation_error_m),
             rotation_error_rad: goal.map(|goal| goal.rotation_error_rad),
             own_grasp: audit.own_grasp,
+            picks: PlanPick::all_of(audit),
             clearance_m,
             not_checked: audit.not_checked.clone(),
             path_length: path_length(&self.waypoints),
-            segments: self.measured_segments(carrier, segments, &clearances_per_edge_m),
+            segments: self.measured_segments(along, &clearances_per_edge_m),
             clearances_per_edge_m,
             waypoints: self.waypoints.clone(),
             timing,
@@ -318,43 +313,32 @@ impl PlanFile {
             no_grasp: self.no_grasp.clone(),
             min_score: self.min_score,
             below_min_score: self.below_min_score,
-            carry_to: self.carry_to.clone(),
-            carry_clear_m: self.carry_clear_m,
             robustness: None,
-            place: self.place.clone(),
         })
     }
 
     /// The segments with their clearances, and what the hand holds where it is closed.
     fn measured_segments(
         &self,
-        carrier: Option<&Carrier>,
-        mut segments: Vec<Segment>,
+        along: Option<&StatesAlong>,
         clearances_per_edge_m: &[Option<f64>],
-    ) -> Vec<PlanSegment> {
-        let reach = self.reach();
-        let held = carrier.zip(reach.last()).and_then(|(carrier, grasp)| {
-            let grip = carrier.close(grasp).ok()?;
-            Some((carrier.object().to_owned(), grip))
-        });
-        let mut clearances_m = clearances_per_edge_m.iter();
-        for segment in &mut segments {
-            let edges = segment.waypoints.len().max(2) - 1;
-            segment.clearances_m = clearances_m.by_ref().take(edges).copied().collect();
-            if let Some((object, grip)) = held.as_ref().filter(|_| segment.mode.holds()) {
-                segment.attached = Some(object.clone());
+    ) -> Vec<Segment> {
+        let mut segments = self.segments.clone();
+        give_clearances(&mut segments, clearances_per_edge_m);
+        for (segment, state) in segments.iter_mut().zip(along.into_iter().flat_map(|along| &along.states)) {
+            if let Some((carrier, grip)) = state.held() {
+                segment.attached = Some(carrier.object().to_owned());
                 segment.opening_m = Some(grip.opening_m);
                 segment.uneven_m = Some(grip.uneven_m);
             }
         }
-        segments.iter().map(PlanSegment::of).collect()
+        segments
     }
 }
 
 /// All values of a plan but its way points, which are judged themselves.
 fn figures(plan: &PlanFile) -> Value {
-    let segments =
-        plan.segments.iter().map(|segment| PlanSegment { waypoints: Vec::new(), ..segment.clone() });
+    let segments = plan.segments.iter().map(|segment| Segment { waypoints: Vec::new(), ..segment.clone() });
     let without = PlanFile { waypoints: Vec::new(), segments: segments.collect(), ..plan.clone() };
     serde_json::to_value(without).unwrap_or_default()
 }

@@ -1,72 +1,39 @@
 use std::path::Path;
 
-use cranny_plan::Statistics;
-use cranny_solve::FARTHEST_CLEAR_M;
+use cranny_plan::{Move, Stage, Statistics, check_segments, joined};
 use serde::Deserialize;
+use serde_json::{Map, Value};
 
 use crate::PlanFileError;
 use crate::error::ScenarioError;
 use crate::plan::file::PlanFile;
-use crate::plan::segment::{PlanSegment, segments_of};
+use crate::plan::old_formats;
 
-/// Whether a file is of a format that this version knows: its own, or none, as before there was any.
+/// Checks the stages and segments of a plan that was read: they belong together, and the segments are its way points.
 ///
 /// # Errors
-/// [`ScenarioError::Content`] for another.
-pub(crate) fn check_format(path: &Path, format: Option<&str>) -> Result<(), ScenarioError> {
-    let Some(other) = format.filter(|format| *format != PlanFile::FORMAT) else { return Ok(()) };
-    let hint = if other.starts_with("cranny-sequence/") {
-        "; a plan of several steps is for `verify`, `view`, `render` and `simulate plan`"
-    } else {
-        ""
-    };
-    Err(fault(path, format!("its format is '{other}', but this version reads '{}'{hint}", PlanFile::FORMAT)))
-}
-
-/// Checks the segments of a plan that was read, or makes that of one written before there were any.
-///
-/// # Errors
-/// [`ScenarioError::Content`] for a segment that this version does not know, or segments that say something else than
-/// the plan's own way points.
-pub(crate) fn check_segments(path: &Path, plan: &mut PlanFile) -> Result<(), ScenarioError> {
-    let of_waypoints = segments_of(&plan.waypoints, &plan.clearances_per_edge_m);
-    if plan.format.is_none() && plan.segments.is_empty() {
-        plan.segments = of_waypoints;
-        plan.format = Some(PlanFile::FORMAT.to_owned());
-        return Ok(());
-    }
-    if plan.format.is_none() {
-        let problem = format!("it has segments, but no 'format' ('{}')", PlanFile::FORMAT);
-        return Err(fault(path, problem));
-    }
-    let joined = PlanSegment::joined(&plan.segments).map_err(|problem| fault(path, problem))?;
+/// [`ScenarioError::Content`] for what does not hold together.
+fn check_task(path: &Path, plan: &PlanFile) -> Result<(), ScenarioError> {
+    let own = [Stage::pick()];
+    let stages = if plan.task.is_empty() { &own[..] } else { &plan.task };
     let clearances_m: Vec<Option<f64>> =
         plan.segments.iter().flat_map(|segment| segment.clearances_m.iter().copied()).collect();
-    if joined != plan.waypoints || clearances_m != plan.clearances_per_edge_m {
-        return Err(fault(path, "its segments are not its way points and clearances".to_owned()));
-    }
-    Ok(())
-}
-
-/// Checks that a plan states a known geometry, and one end for what it carries, which a path can have.
-///
-/// # Errors
-/// [`ScenarioError::Content`] for one that it cannot, or for corners that are cut while something is held.
-fn check_task(path: &Path, plan: &PlanFile) -> Result<(), ScenarioError> {
-    let joints = plan.joint_names.len();
-    let ends = [plan.carry_to.is_some(), plan.carry_clear_m.is_some(), plan.place.is_some()];
     let unknown = plan.geometry.as_ref().filter(|_| plan.given_geometry().is_none());
+    let joints = plan.joint_names.len();
+    let ends = plan.task.iter().filter_map(|stage| match stage {
+        Stage::Move(Move::Configurations(ends)) => Some(ends),
+        _ => None,
+    });
+    let mut ends = ends;
     let problem = if let Some(geometry) = unknown {
         format!("its 'geometry' is '{geometry}', but there are 'scene' and 'export'")
-    } else if ends.into_iter().filter(|is_stated| *is_stated).count() > 1 {
-        "of 'carry_to', 'carry_clear_m' and 'place' it states more than one".to_owned()
-    } else if plan.carry_to.as_ref().is_some_and(Vec::is_empty) {
-        "its 'carry_to' names no configuration that the object is carried to".to_owned()
-    } else if plan.carry_to.iter().flatten().any(|end| end.len() != joints) {
-        format!("its 'carry_to' has a configuration without {joints} values")
-    } else if let Some(clear_m) = plan.carry_clear_m.filter(|m| !(0.0..=FARTHEST_CLEAR_M).contains(m)) {
-        format!("its 'carry_clear_m', {clear_m}, is no clearance")
-    } else if plan.is_task() && plan.timing.as_ref().is_some_and(|timing| timing.blended) {
+    } else if let Err(problem) = check_segments(stages, &plan.segments) {
+        problem
+    } else if joined(&plan.segments) != plan.waypoints || clearances_m != plan.clearances_per_edge_m {
+        "its segments are not its way points and clearances".to_owned()
+    } else if ends.any(|ends| ends.is_empty() || ends.iter().any(|end| end.len() != joints)) {
+        format!("its 'task' moves to no configuration of {joints} values")
+    } else if !plan.task.is_empty() && plan.timing.as_ref().is_some_and(|timing| timing.blended) {
         "its 'timing' is 'blended', but corners are not cut where an object is carried".to_owned()
     } else {
         return Ok(());
@@ -95,20 +62,33 @@ impl PlanFile {
         let malformed = |reason| ScenarioError::Json { path: path.to_owned(), reason };
         // What another format holds is not known.
         let Head { format } = cranny_file::json(&text).map_err(malformed)?;
-        check_format(path, format.as_deref())?;
-        let mut plan: Self = cranny_file::json(&text).map_err(malformed)?;
+        let plan: Self = match format.as_deref() {
+            Some(Self::FORMAT) => cranny_file::json(&text).map_err(malformed)?,
+            None | Some(old_formats::FIRST) => {
+                let mut plan = cranny_file::json(&text).map_err(malformed)?;
+                old_formats::of_first(&mut plan).map_err(|problem| fault(path, problem))?;
+                Self::of_value(path, plan)?
+            }
+            Some(old_formats::SEQUENCE) => {
+                let plans = cranny_file::json(&text).map_err(malformed)?;
+                let plan = old_formats::of_sequence(plans).map_err(|problem| fault(path, problem))?;
+                Self::of_value(path, plan)?
+            }
+            Some(other) => {
+                let problem = format!(
+                    "its format is '{other}', but this version reads '{}' and those before it",
+                    Self::FORMAT
+                );
+                return Err(fault(path, problem));
+            }
+        };
         plan.check_waypoints(path, plan.joint_names.len())?;
-        check_segments(path, &mut plan)?;
         check_task(path, &plan)?;
         Ok(plan)
     }
 
-    /// Whether a plan that was read with others from `path` holds together.
-    pub(crate) fn check(&self, path: &Path) -> Result<(), ScenarioError> {
-        check_format(path, self.format.as_deref())?;
-        self.check_waypoints(path, self.joint_names.len())?;
-        check_segments(path, &mut self.clone())?;
-        check_task(path, self)
+    fn of_value(path: &Path, plan: Map<String, Value>) -> Result<Self, ScenarioError> {
+        serde_json::from_value(plan.into()).map_err(|problem| fault(path, problem.to_string()))
     }
 
     /// Whether JSON can hold all of its numbers.
@@ -153,12 +133,10 @@ impl PlanFile {
         let Statistics { planning_time_s, ik_time_s, collision_time_s, proof_time_s, nearest_time_s, .. } =
             self.statistics;
         let times = [planning_time_s, ik_time_s, collision_time_s, proof_time_s, nearest_time_s];
-        let timing = self.timing.iter().flat_map(|t| {
-            t.waypoint_times_s
-                .iter()
-                .chain([&t.duration_s])
-                .chain(t.closing_s.iter().chain(&t.opening_s).flatten())
-        });
+        let timing = self
+            .timing
+            .iter()
+            .flat_map(|t| t.waypoint_times_s.iter().chain([&t.duration_s]).chain(t.hand_s.iter().flatten()));
         let optimisation = self.optimisation.iter().flat_map(|o| {
             let improvements = o.improvements.iter().flat_map(|i| [i.time_s, i.cost]);
             improvements.chain([o.time_limit_s, o.score_weight, o.time_s])
@@ -167,11 +145,9 @@ impl PlanFile {
             let pose = grasp.world_from_gripper.iter().flatten().copied();
             pose.chain([grasp.opening_m, grasp.score]).chain(grasp.uneven_m)
         });
-        let fields: [(&'static str, Vec<f64>); 15] = [
+        let fields: [(&'static str, Vec<f64>); 13] = [
             ("own_grasp", own_grasp.collect()),
             ("waypoints", self.waypoints.concat()),
-            ("carry_to", self.carry_to.iter().flatten().flatten().copied().collect()),
-            ("carry_clear_m", self.carry_clear_m.into_iter().collect()),
             ("clearances_per_edge_m", self.clearances_per_edge_m.iter().copied().flatten().collect()),
             ("goal_threshold", self.goal_threshold.into_iter().collect()),
             ("clearance_m", self.clearance_m.into_iter().collect()),

@@ -15,12 +15,9 @@ pub struct PlanTiming {
     pub duration_s: f64,
     /// When each way point is passed, or its cut corner half passed, in seconds.
     pub waypoint_times_s: Vec<f64>,
-    /// From when to when the hand closes at the grasp, in seconds, where the target is carried on.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub closing_s: Option<[f64; 2]>,
-    /// From when to when it opens again where the target is put down, in seconds, where it is.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub opening_s: Option<[f64; 2]>,
+    /// From when to when the hand closes or opens, in seconds, each time.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub hand_s: Vec<[f64; 2]>,
 }
 
 impl PlanTiming {
@@ -31,8 +28,7 @@ impl PlanTiming {
             blended: trajectory.is_blended(),
             duration_s: trajectory.duration_s(),
             waypoint_times_s: trajectory.waypoint_times_s(),
-            closing_s: trajectory.closing_s(),
-            opening_s: trajectory.opening_s(),
+            hand_s: trajectory.hand_motions().iter().map(|motion| [motion.from_s, motion.until_s]).collect(),
         }
     }
 }

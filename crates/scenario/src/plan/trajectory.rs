@@ -1,14 +1,14 @@
 use std::path::Path;
-use std::str::FromStr as _;
 
 use cranny_collision::Cell;
 use cranny_plan::{
-    Audit, AuditSettings, Carrier, LiftOffSettings, PlanError, Problem, audit_cut_corners, audit_with,
+    Audit, AuditSettings, PlanError, Problem, Segment, Stage, StatesAlong, audit_along, audit_cut_corners,
+    audit_task, joined, legs,
 };
 use cranny_robot::Robot;
-use cranny_solve::{Mode, Segment, TaskCells, TaskTrajectory, Timing, audit_segments};
+use cranny_solve::{TaskTrajectory, Timing};
 
-use crate::{PlanFile, PlanSegment, ScenarioError};
+use crate::{PlanFile, ScenarioError};
 
 impl PlanFile {
     /// When to be where on the path, computed anew from the limits of the robot: as the plan's timing says; where it
@@ -22,42 +22,32 @@ impl PlanFile {
         robot: &Robot,
         cell: Option<&Cell>,
     ) -> Result<Option<TaskTrajectory>, PlanError> {
+        self.trajectory_of(robot, cell, &self.segments)
+    }
+
+    /// The same of some of its segments.
+    ///
+    /// # Errors
+    /// As [`Self::trajectory`].
+    pub fn trajectory_of(
+        &self,
+        robot: &Robot,
+        cell: Option<&Cell>,
+        segments: &[Segment],
+    ) -> Result<Option<TaskTrajectory>, PlanError> {
         // What the plan's own margins allow is what was executed, whatever others are demanded of it now.
         let cell = cell.map(|cell| cell.with_margins(self.margins)).transpose()?;
-        TaskTrajectory::of(self.timing_asked(), robot, cell.as_ref(), &self.solved_segments()?)
+        TaskTrajectory::of(self.timing_asked(), robot, cell.as_ref(), segments)
     }
 
-    /// The segments as [`solve`](cranny_solve::solve) has them.
-    pub(crate) fn solved_segments(&self) -> Result<Vec<Segment>, PlanError> {
-        let segments: Result<Vec<Segment>, String> = self.segments.iter().map(PlanSegment::segment).collect();
-        segments.map_err(|_| PlanError::Segments)
+    /// The stages of the task in a problem.
+    pub fn stages(&self, problem: &Problem) -> Vec<Stage> {
+        if self.task.is_empty() { Stage::of_goal(problem) } else { self.task.clone() }
     }
 
-    /// The legs of the path, between which the hand closes or opens: the way to the grasp; the way on with the object, if it
-    /// is carried away; the way off the object, if it is put down.
-    pub fn legs(&self) -> Vec<Vec<Vec<f64>>> {
-        let holds = |segment: &PlanSegment| Mode::from_str(&segment.mode).is_ok_and(Mode::holds);
-        let legs = self.segments.chunk_by(|a, b| holds(a) == holds(b));
-        let joined = legs.map(|leg| {
-            let mut way: Vec<Vec<f64>> = Vec::new();
-            for segment in leg {
-                way.pop();
-                way.extend_from_slice(&segment.waypoints);
-            }
-            way
-        });
-        joined.collect()
-    }
-
-    /// The way to the grasp.
+    /// The path of the first pick, or of all where nothing is picked.
     pub(crate) fn reach(&self) -> Vec<Vec<f64>> {
-        self.legs().into_iter().next().unwrap_or_default()
-    }
-
-    /// Whether the target was to be carried on, or is.
-    pub fn is_task(&self) -> bool {
-        let is_asked = self.carry_to.is_some() || self.carry_clear_m.is_some() || self.place.is_some();
-        is_asked || self.segments.len() > 1
+        legs(&self.segments).next().map(joined).unwrap_or_default()
     }
 
     /// Whether its time is that of cut corners.
@@ -65,31 +55,12 @@ impl PlanFile {
         self.timing_asked().blend
     }
 
-    /// In what the object is in the hand, as it closes where the way to the grasp ends, and what follows; `None` for a plan
-    /// that does not carry it, or where the hand does not close on it.
+    /// The state along each segment; `None` under `paper`.
     ///
     /// # Errors
-    /// As [`Carrier::new`] and [`Self::carry_end`].
-    pub fn task_cells(&self, problem: &Problem) -> Result<Option<TaskCells>, PlanError> {
-        let carrier = if self.segments.len() > 1 { self.carrier(problem)? } else { None };
-        self.task_cells_by(carrier.as_ref(), problem)
-    }
-
-    pub(crate) fn task_cells_by(
-        &self,
-        carrier: Option<&Carrier>,
-        problem: &Problem,
-    ) -> Result<Option<TaskCells>, PlanError> {
-        let segments: Result<Vec<Segment>, String> = self.segments.iter().map(PlanSegment::segment).collect();
-        match segments.ok().filter(|segments| segments.len() > 1).zip(carrier) {
-            Some((segments, carrier)) => TaskCells::of(carrier, &segments, self.carry_end(problem)?.as_ref()),
-            None => Ok(None),
-        }
-    }
-
-    /// The target in the closing hand, where it is carried: some 20 ms for a mesh.
-    pub(crate) fn carrier(&self, problem: &Problem) -> Result<Option<Carrier>, PlanError> {
-        self.is_task().then(|| Carrier::new(problem, LiftOffSettings::default())).transpose()
+    /// As [`StatesAlong::of`].
+    pub fn states(&self, problem: &Problem) -> Result<Option<StatesAlong>, PlanError> {
+        StatesAlong::of(problem, &self.stages(problem), &self.segments)
     }
 
     fn timing_asked(&self) -> Timing {
@@ -100,38 +71,34 @@ impl PlanFile {
         })
     }
 
-    /// The verdict on the path alone, on all that it does, and on the grasp that it is stated to end at where no set is
+    /// The verdict on the path alone, on all that it does, and on the grasps that it is stated to take where no set is
     /// given; `None` for a plan without a path. [`Self::judge`] compares everything else that the file states.
     ///
     /// # Errors
-    /// As [`audit_segments`].
+    /// As [`audit_task`].
     pub fn audit(&self, problem: &Problem, settings: AuditSettings) -> Result<Option<Audit>, PlanError> {
-        self.audit_by(self.carrier(problem)?.as_ref(), problem, settings)
+        self.audit_along(self.states(problem)?.as_ref(), problem, settings)
     }
 
-    pub(crate) fn audit_by(
+    pub(crate) fn audit_along(
         &self,
-        carrier: Option<&Carrier>,
+        along: Option<&StatesAlong>,
         problem: &Problem,
         settings: AuditSettings,
     ) -> Result<Option<Audit>, PlanError> {
-        let carries = carrier.is_some();
-        let segments: Result<Vec<Segment>, String> = self.segments.iter().map(PlanSegment::segment).collect();
-        let audit = match (self.waypoints.is_empty(), segments) {
-            (true, _) => return Ok(None),
-            // Whoever says that the target is carried on must carry it on.
-            (false, Ok(segments)) if carries && segments.len() == 1 => return Err(PlanError::Segments),
-            (false, Ok(segments)) if carries => {
-                let end = self.carry_end(problem)?;
-                audit_segments(problem, carrier, &segments, end.as_ref(), settings)?
-            }
-            _ => audit_with(problem, &self.waypoints, settings)?,
+        if self.waypoints.is_empty() {
+            return Ok(None);
+        }
+        let stages = self.stages(problem);
+        let audit = match along {
+            Some(along) => audit_along(problem, &stages, (&self.segments, along), settings)?,
+            None => audit_task(problem, &stages, &self.segments, settings)?,
         };
         let audit = if self.is_blended() { self.with_cut_corners(problem, audit, settings)? } else { audit };
-        Ok(Some(match self.own_grasp {
-            Some(said) => audit.with_said_grasp(said, self.reach().len().saturating_sub(1)),
-            None => audit,
-        }))
+        let first = audit.picks.first().map(|pick| pick.stage).zip(self.own_grasp);
+        let others = self.picks.iter().filter_map(|pick| Some((pick.stage, pick.own_grasp?)));
+        let said: Vec<_> = first.into_iter().chain(others).collect();
+        Ok(Some(audit.with_said_grasps(&said)))
     }
 
     /// The audit of the edges, extended by that of the corners that the trajectory cuts.
@@ -164,17 +131,16 @@ impl PlanFile {
 #[cfg(test)]
 mod tests {
     use cranny_collision::Margins;
-    use cranny_plan::{TimingMethod, Trajectory};
+    use cranny_plan::{Mode, TimingMethod, Trajectory};
 
     use super::*;
-    use crate::plan::segment::segments_of;
     use crate::{OpenOptions, PlanTiming, Scenario};
 
     fn plan(scenario: &Scenario) -> PlanFile {
         let mut end = scenario.start.clone();
         end[0] += 0.1;
         let plan = serde_json::json!({
-            "scenario": "021", "robot": null, "geometry": null, "planner": "x", "settings": {}, "criterion": "exact",
+            "format": PlanFile::FORMAT, "scenario": "021", "robot": null, "geometry": null, "planner": "x", "settings": {}, "criterion": "exact",
             "goal_threshold": null, "seed": 0, "version": "0", "outcome": "solved", "margins": Margins::default(),
             "budget": {"iterations": null, "time_limit_s": null}, "joint_names": scenario.robot.joint_names(),
             "grasp": null, "translation_error_m": null, "rotation_error_rad": null, "clearance_m": null,
@@ -182,7 +148,7 @@ mod tests {
             "statistics": cranny_plan::Statistics::default(),
         });
         let plan: PlanFile = serde_json::from_value(plan).unwrap();
-        PlanFile { segments: segments_of(&plan.waypoints, &[]), ..plan }
+        PlanFile { segments: vec![Segment::reach(plan.waypoints.clone(), Vec::new())], ..plan }
     }
 
     #[test]
@@ -197,8 +163,7 @@ mod tests {
             blended: false,
             duration_s: 1.0,
             waypoint_times_s: Vec::new(),
-            closing_s: None,
-            opening_s: None,
+            hand_s: Vec::new(),
         };
         let smooth = PlanFile { timing: Some(timing), ..plan.clone() };
         assert_eq!(smooth.trajectory(robot, None).unwrap().unwrap().method(), method);
@@ -217,14 +182,14 @@ mod tests {
         let [start, end] = [plan.waypoints[0].clone(), plan.waypoints[1].clone()];
         let segment = |mode, ends: [&Vec<f64>; 2]| {
             let waypoints = ends.map(Clone::clone).to_vec();
-            PlanSegment::of(&Segment { mode, ..Segment::reach(waypoints, Vec::new()) })
+            Segment::empty(0, mode, waypoints)
         };
-        let there = [segment(Mode::Reach, [&start, &end]), segment(Mode::Reach, [&end, &start])];
-        let back = [segment(Mode::LiftOff, [&start, &end]), segment(Mode::Carry, [&end, &start])];
+        let there = [segment(Mode::REACH, [&start, &end]), segment(Mode::REACH, [&end, &start])];
+        let back = [segment(Mode::LIFT_OFF, [&start, &end]), segment(Mode::CARRY, [&end, &start])];
         let reaching = PlanFile { segments: there.to_vec(), ..plan };
-        assert_eq!(reaching.legs(), [[start.clone(), end.clone(), start.clone()]]);
+        assert_eq!(reaching.reach(), [start.clone(), end.clone(), start.clone()]);
         let carrying = PlanFile { segments: [there, back].concat(), ..reaching.clone() };
-        assert_eq!(carrying.legs()[1], [start.clone(), end, start]);
+        assert_eq!(carrying.reach(), reaching.reach());
         assert!(!carrying.is_blended());
         let durations = |plan: &PlanFile| {
             let timed = plan.trajectory(&scenario.robot, None).unwrap().unwrap();
@@ -232,8 +197,6 @@ mod tests {
         };
         let (reach_s, none) = durations(&reaching);
         assert_eq!((none, durations(&carrying)), (None, (reach_s, Some(reach_s))));
-        let problem = scenario.problem(Margins::default()).unwrap();
-        assert!(reaching.task_cells(&problem).unwrap().is_none());
     }
 
     #[test]

@@ -57,6 +57,7 @@ fn field(name: &str) -> String {
 mod tests {
     use cranny_plan::{MotionLimits, TimingMethod, Trajectory};
     use cranny_robot::{JointLimits, JointUnit};
+    use cranny_solve::HandMotion;
 
     use super::*;
 
@@ -89,7 +90,7 @@ mod tests {
         let text = std::fs::read_to_string(&path).unwrap();
         let (header, rows) = text.split_once('\n').unwrap();
         assert!(header.ends_with(",opening_m"), "{header}");
-        let [begin_s, end_s] = task.closing_s().unwrap();
+        let HandMotion { from_s: begin_s, until_s: end_s, .. } = task.hand_motions()[0];
         let mut seen = [false; 3];
         for row in rows.lines() {
             let values: Vec<f64> = row.split(',').map(|x| x.parse().unwrap()).collect();

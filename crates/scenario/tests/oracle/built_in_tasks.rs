@@ -2,11 +2,9 @@
 //! looking at them is the oracle's own.
 
 use cranny_collision::{Body, Margins, Part};
-use cranny_plan::{AfterPlacing, CarryEnd, PlaceSettings, Unobserved};
-use cranny_scenario::{
-    OpenOptions, PlanSource, Scenario, SequencePlan, StepDemand, StepTask, insertions, sequences,
-};
-use cranny_solve::{Carry, Request, solve};
+use cranny_plan::{Stage, StatesAlong, Unobserved, picks_apart};
+use cranny_scenario::{OpenOptions, STEPS, Scenario, insertions, sequences};
+use cranny_solve::{Request, solve};
 
 use crate::cases::for_each;
 use crate::judge::Oracle;
@@ -53,10 +51,8 @@ fn nothing_that_is_brought_in_touches_anything() {
     let faults = for_each(&ids, |id| {
         let scenario = Scenario::open(id, &OpenOptions::default()).unwrap();
         let problem = scenario.problem(Margins::default()).unwrap();
-        let goal = problem.place("inside").unwrap().clone();
-        let place = PlaceSettings { goal, clear_m: PlaceSettings::CLEAR_M, then: AfterPlacing::Home };
-        let carry = Some(Carry { end: CarryEnd::Place(place), ..Carry::default() });
-        let answer = solve(&problem, &Request { carry, ..Request::default() }, &mut Unobserved).unwrap();
+        let stages = vec![Stage::pick(), Stage::place("inside"), Stage::home()];
+        let answer = solve(&problem, &Request { stages, ..Request::default() }, &mut Unobserved).unwrap();
         assert!(answer.is_solved(), "{id}");
         let pieces = answer.segments.into_iter().map(|segment| segment.waypoints).collect();
         // Where the paper has it, it rests on something, within 1 mm of its pose.
@@ -71,23 +67,20 @@ fn no_step_of_several_touches_anything() {
     assert!(!ids.is_empty());
     let faults = for_each(&ids, |id| {
         let scenario = Scenario::open(id, &OpenOptions::default()).unwrap();
-        let source = PlanSource { scenario: (*id).to_owned(), ..PlanSource::default() };
-        let solved = SequencePlan::solve(
-            &scenario,
-            (&source, StepDemand::default()),
-            &Request::default(),
-            &mut Unobserved,
-        )
-        .unwrap();
-        assert!(solved.1, "{id}");
-        let mut faults = Vec::new();
-        let watched =
-            solved.0.walk(&scenario, SequencePlan::own_problem, |StepTask { plan, scenario, .. }| {
-                let pieces = plan.segments.iter().map(|segment| segment.waypoints.clone()).collect();
-                faults.extend(judged(id, &oracle(scenario), pieces, 0.0));
-                Ok::<_, cranny_scenario::ScenarioError>(true)
-            });
-        watched.unwrap();
+        let problem = scenario.problem(Margins::default()).unwrap();
+        let stages = scenario.task(STEPS).unwrap().stages.clone();
+        let request = Request { stages: stages.clone(), ..Request::default() };
+        let answer = solve(&problem, &request, &mut Unobserved).unwrap();
+        assert!(answer.is_solved(), "{id}");
+        let along = StatesAlong::of(&problem, &stages, &answer.segments).unwrap().unwrap();
+        let (mut faults, mut first) = (Vec::new(), 0);
+        for (segments, pick) in picks_apart(&stages, &answer.segments).into_iter().zip(&along.picks) {
+            let now = along.states[first].empty_cell().world();
+            first += segments.len();
+            let pieces = segments.iter().map(|segment| segment.waypoints.clone()).collect();
+            let there = Scenario { world: now.clone(), target: pick.target(), ..scenario.clone() };
+            faults.extend(judged(id, &oracle(&there), pieces, 0.0));
+        }
         faults
     });
     assert!(faults.iter().all(Vec::is_empty), "{ids:?}: {faults:?}");

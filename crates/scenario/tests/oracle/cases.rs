@@ -9,11 +9,10 @@ use std::time::Duration;
 
 use cranny_collision::{Cell, Margins};
 use cranny_plan::{
-    AfterPlacing, Budget, CarryEnd, Criterion, Outcome, PlaceSettings, PlaceSpot, Problem, Registry,
-    ShortcutSettings, Unobserved, shortcut,
+    Budget, Criterion, Outcome, PlaceSpot, Problem, Registry, ShortcutSettings, Stage, Unobserved, shortcut,
 };
 use cranny_scenario::{OpenOptions, Scenario};
-use cranny_solve::{Carry, Request, solve};
+use cranny_solve::{Request, solve};
 
 use crate::judge::Oracle;
 
@@ -83,9 +82,9 @@ fn placed(scenario: &Scenario, problem: &Problem) -> Option<Vec<Vec<Vec<f64>>>> 
         let known = bodies.iter().find(|body| body.name.contains(on.as_str()));
         *on = known.unwrap_or_else(|| panic!("{}: no {on}", scenario.id)).name.clone();
     }
-    let place = PlaceSettings { goal, clear_m: PlaceSettings::CLEAR_M, then: AfterPlacing::Home };
-    let carry = Some(Carry { end: CarryEnd::Place(place), ..Carry::default() });
-    let answer = solve(problem, &Request { carry, ..Request::default() }, &mut Unobserved).unwrap();
+    let stages = vec![Stage::pick(), Stage::place(&goal.name), Stage::home()];
+    let problem = problem.clone().with_places(&[goal]);
+    let answer = solve(&problem, &Request { stages, ..Request::default() }, &mut Unobserved).unwrap();
     assert!(answer.segments.is_empty() || answer.is_solved(), "{:?}", answer.audit);
     let pieces: Vec<_> = answer.segments.into_iter().map(|segment| segment.waypoints).collect();
     (!pieces.is_empty()).then_some(pieces)
@@ -93,7 +92,7 @@ fn placed(scenario: &Scenario, problem: &Problem) -> Option<Vec<Vec<Vec<f64>>>> 
 
 /// Lift-off and carry of a task that takes the target home.
 fn carried(problem: &Problem) -> Option<[Vec<Vec<f64>>; 2]> {
-    let request = Request { carry: Some(Carry::default()), ..Request::default() };
+    let request = Request { stages: vec![Stage::pick(), Stage::home()], ..Request::default() };
     let answer = solve(problem, &request, &mut Unobserved).unwrap();
     assert!(answer.segments.is_empty() || answer.is_solved(), "{:?}", answer.audit);
     let [_, lift_off, carry] = &answer.segments[..] else { return None };

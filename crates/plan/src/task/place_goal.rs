@@ -1,6 +1,4 @@
 use cranny_spatial::Pose;
-use serde::{Deserialize, Serialize};
-use strum::{EnumString, IntoStaticStr};
 
 /// Where an object can be put down.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,39 +37,4 @@ impl PlaceGoal {
         };
         Self { name: self.name.clone(), spot }
     }
-}
-
-/// How an object is put down.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PlaceSettings {
-    /// Where.
-    pub goal: PlaceGoal,
-    /// How far the hand is from the object when it has left it, in metres.
-    pub clear_m: f64,
-    /// Where the robot goes then.
-    pub then: AfterPlacing,
-}
-
-/// What a robot does once its hand has left an object.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, EnumString, IntoStaticStr, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-#[strum(serialize_all = "kebab-case")]
-pub enum AfterPlacing {
-    /// It goes to where it started from.
-    #[default]
-    Home,
-    /// It stays there.
-    Stay,
-}
-
-impl AfterPlacing {
-    /// What files and flags call it.
-    pub fn name(self) -> &'static str {
-        self.into()
-    }
-}
-
-impl PlaceSettings {
-    /// How far a hand goes from what it has put down, unless more is asked, in metres.
-    pub const CLEAR_M: f64 = 0.05;
 }

@@ -1,0 +1,95 @@
+use std::collections::BTreeMap;
+
+use cranny_file::did_you_mean;
+use cranny_plan::{AfterPlacing, Pick, PlaceAt, Stage};
+use serde_saphyr::Spanned;
+
+use crate::layout::own::Layout;
+use crate::layout::own_file::{BodyEntry, ScenarioFile, StepEntry, TaskEntry};
+use crate::{NamedTask, STEPS, ScenarioError, TargetPhysics};
+
+impl Layout<'_> {
+    /// The tasks of a file, its steps being one.
+    pub fn tasks(&self, file: &ScenarioFile) -> Result<Vec<NamedTask>, ScenarioError> {
+        let mut tasks = Vec::new();
+        let mut stages = Vec::new();
+        for Spanned { value: StepEntry { pick, place, then, .. }, referenced, .. } in &file.steps {
+            let of_step =
+                [Stage::Pick(Pick { object: Some(pick.clone()), ..Pick::default() }), Stage::place(place)];
+            for stage in &of_step {
+                self.check_stage(stage, *referenced, file)?;
+            }
+            stages.extend(of_step.into_iter().chain((*then == AfterPlacing::Home).then(Stage::home)));
+        }
+        if !stages.is_empty() {
+            tasks.push(NamedTask { name: STEPS.to_owned(), stages });
+        }
+        for TaskEntry { name, stages } in &file.tasks {
+            let refuse = |problem| Err(ScenarioError::Place { at: self.at(name.referenced), problem });
+            if tasks.iter().any(|task| task.name == name.value) {
+                return refuse(format!("there is a task '{}' already", name.value));
+            }
+            if stages.is_empty() {
+                return refuse(format!("task '{}' has no stages", name.value));
+            }
+            for Spanned { value, referenced, .. } in stages {
+                self.check_stage(value, *referenced, file)?;
+            }
+            let stages = stages.iter().map(|stage| stage.value.clone()).collect();
+            tasks.push(NamedTask { name: name.value.clone(), stages });
+        }
+        Ok(tasks)
+    }
+
+    /// Checks that a stage names what there is.
+    fn check_stage(
+        &self,
+        stage: &Stage,
+        at: serde_saphyr::Location,
+        file: &ScenarioFile,
+    ) -> Result<(), ScenarioError> {
+        let (what, name, known): (_, _, Vec<&str>) = match stage {
+            Stage::Pick(Pick { object: Some(object), .. }) => {
+                let bodies = file.obstacles.iter().chain(&file.target);
+                ("body", object, bodies.map(|body| body.name.value.as_str()).collect())
+            }
+            Stage::Place(PlaceAt { place, .. }) => {
+                ("place", place, file.places.iter().map(|place| place.value.name.value.as_str()).collect())
+            }
+            Stage::Pick(_) | Stage::Move(_) => return Ok(()),
+        };
+        if known.contains(&name.as_str()) {
+            return Ok(());
+        }
+        let meant = did_you_mean(name, known.iter().copied());
+        let known = known.join(", ");
+        let problem = format!("there is no {what} '{name}' for this step (there are: {known}){meant}");
+        Err(ScenarioError::Place { at: self.at(at), problem })
+    }
+
+    /// Mass and friction of bodies besides the target, as obstacles and steps give them.
+    pub fn physics_of_obstacles(
+        &self,
+        file: &ScenarioFile,
+    ) -> Result<BTreeMap<String, TargetPhysics>, ScenarioError> {
+        let mut all = BTreeMap::new();
+        let given = |mass_kg: &Option<Spanned<f64>>, friction: &Option<Spanned<f64>>| {
+            self.physics(mass_kg.as_ref(), friction.as_ref())
+        };
+        for BodyEntry { name, mass_kg, friction, .. } in &file.obstacles {
+            all.insert(name.value.clone(), given(mass_kg, friction)?);
+        }
+        for Spanned { value: StepEntry { pick, mass_kg, friction, .. }, referenced, .. } in &file.steps {
+            let physics = given(mass_kg, friction)?;
+            let is_target = file.target.as_ref().is_some_and(|target| target.name.value == *pick);
+            if is_target && physics != TargetPhysics::default() {
+                let problem = format!("mass_kg and friction of the target '{pick}' stand beneath target");
+                return Err(ScenarioError::Place { at: self.at(*referenced), problem });
+            }
+            let known = all.entry(pick.clone()).or_default();
+            *known = physics.or(*known);
+        }
+        all.retain(|_, physics| *physics != TargetPhysics::default());
+        Ok(all)
+    }
+}

@@ -1,0 +1,121 @@
+//! Tasks of several stages: their plans, what files state of them, and plans of earlier formats.
+
+use cranny_collision::Margins;
+use cranny_plan::{AuditSettings, Outcome, Pick, Stage, Unobserved, Violation};
+use cranny_scenario::{
+    Ask, Judgement, OpenOptions, PlanFile, PlanSource, STEPS, Scenario, TaskWord, sequences,
+};
+use cranny_solve::{PoseRadius, solve};
+
+fn solved(id: &str, ask: &Ask) -> (Scenario, PlanFile) {
+    let scenario = Scenario::open(id, &OpenOptions::default()).unwrap();
+    let margins = scenario.margins_forgiving(Margins::default(), ask.robust).unwrap();
+    let problem = scenario.problem(margins).unwrap();
+    let (request, task) = ask.request(&problem, Some(&scenario)).unwrap();
+    let answer = solve(&problem, &request, &mut Unobserved).unwrap();
+    assert!(answer.is_solved(), "{id}: {:?} {:?}", answer.outcome, answer.audit);
+    let source = PlanSource { scenario: id.to_owned(), margins, task, ..PlanSource::default() };
+    let plan = PlanFile::of(&answer, &source);
+    (scenario, plan)
+}
+
+fn steps() -> Ask {
+    Ask { task: Some(TaskWord::Named(STEPS.to_owned())), ..Ask::default() }
+}
+
+fn judged(scenario: &Scenario, plan: &PlanFile) -> Judgement {
+    let source = PlanSource {
+        scenario: scenario.id.clone(),
+        margins: plan.margins,
+        grasps: plan.given_grasps(),
+        ..PlanSource::default()
+    };
+    let problem = scenario.problem(plan.margins).unwrap();
+    let source = scenario.source_of(plan, &source);
+    plan.judge(&source, &problem, AuditSettings::default()).unwrap().unwrap()
+}
+
+#[test]
+fn what_stands_in_the_way_is_put_aside_and_then_the_object() {
+    for entry in sequences() {
+        let (scenario, plan) = solved(entry.id, &steps());
+        assert_eq!(plan.outcome, Outcome::Solved, "{}", entry.id);
+        assert_eq!(plan.task, scenario.task(STEPS).unwrap().stages);
+        let timing = plan.timing.as_ref().unwrap();
+        let picks = plan.task.len() / 3;
+        assert!(timing.duration_s > 10.0 && timing.hand_s.len() == 2 * picks);
+        let judgement = judged(&scenario, &plan);
+        assert!(judgement.audit.valid && judgement.differs.is_empty(), "{}: {:?}", entry.id, judgement);
+        // What it moved stands where it was put, and the robot is home.
+        let after = scenario.after(&plan, &scenario.problem(Margins::default()).unwrap()).unwrap();
+        assert_eq!(after.start, scenario.start);
+        let moved = scenario.world.bodies().iter().zip(after.world.bodies());
+        let moved = moved.filter(|(a, b)| a.parts[0].world_from_solid != b.parts[0].world_from_solid);
+        assert_eq!(moved.count(), picks, "{}", entry.id);
+    }
+}
+
+#[test]
+fn a_file_of_several_stages_is_read_and_judged_and_lies_are_seen() {
+    let (scenario, plan) = solved("213", &steps());
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("213.plan.json");
+    plan.write(&file).unwrap();
+    assert_eq!(PlanFile::read(&file).unwrap(), plan);
+    let kinds = |plan: &PlanFile| -> Vec<&str> {
+        judged(&scenario, plan).audit.violations.iter().map(Violation::kind).collect()
+    };
+    assert!(kinds(&plan).is_empty());
+    // The columns alone: the path ends before the task does.
+    let mut short = plan.clone();
+    short.segments.retain(|segment| segment.stage < 6);
+    assert_eq!(kinds(&short), ["goal"]);
+    // Other stages than those of the task that it names: the columns in the other order, or another place.
+    let mut swapped = plan.clone();
+    swapped.task.swap(0, 3);
+    assert!(kinds(&swapped).contains(&"grip"), "the hand closes on another column");
+    let mut elsewhere = plan.clone();
+    elsewhere.task[1] = Stage::place("outside");
+    assert!(kinds(&elsewhere).contains(&"goal"));
+    let mut fewer = plan.clone();
+    fewer.task.truncate(6);
+    fewer.segments.retain(|segment| segment.stage < 6);
+    let lies = kinds(&fewer);
+    assert!(!lies.is_empty() && lies.iter().all(|kind| *kind == "statement"), "{lies:?}");
+    fewer.task_name = None;
+    let open = kinds(&fewer);
+    assert!(!open.contains(&"goal"), "without a name its stages are what is demanded: {open:?}");
+    // A grasp of a later pick, and the times of the hand.
+    let mut better = plan.clone();
+    better.picks[0].own_grasp.as_mut().unwrap().score = 1.0;
+    assert_eq!(kinds(&better), ["grip"]);
+    let mut faster = plan.clone();
+    faster.timing.as_mut().unwrap().hand_s[3][1] -= 0.1;
+    assert_eq!(kinds(&faster), ["statement"]);
+}
+
+#[test]
+fn an_error_that_is_to_be_forgiven_is_demanded_of_every_pick() {
+    let radius = PoseRadius { translation_m: 0.0005, rotation_rad: 0.001 };
+    let (scenario, plan) = solved("235", &Ask { robust: Some(radius), ..steps() });
+    let margins = plan.task.iter().filter_map(|stage| match stage {
+        Stage::Pick(Pick { object_margin_m, .. }) => *object_margin_m,
+        _ => None,
+    });
+    let margins: Vec<f64> = margins.collect();
+    assert!(margins.len() == 3 && margins.iter().all(|margin_m| *margin_m > radius.translation_m));
+    assert!(judged(&scenario, &plan).audit.valid);
+}
+
+#[test]
+fn another_body_becomes_the_target() {
+    let scenario = Scenario::open("213", &OpenOptions::default()).unwrap();
+    let own = scenario.with_target("screwdriver").unwrap();
+    assert!(own.has_grasp_set && own.target == scenario.target);
+    let column = scenario.with_target("column 1").unwrap();
+    assert!(!column.has_grasp_set && column.grasps.is_empty());
+    assert_eq!(column.world.bodies()[column.target.unwrap()].name, "column 1");
+    assert_eq!(column.target_physics().mass_kg, Some(0.15));
+    assert!(scenario.with_target("vase").unwrap_err().to_string().contains("vase"));
+    assert!(scenario.task("tidy").unwrap_err().to_string().contains("'steps'"));
+}

@@ -1,0 +1,428 @@
+use std::sync::Arc;
+use std::time::Instant;
+
+use cranny_plan::{
+    Budget, Carrier, FailureReason, Goal, GraspFailure, GraspFilter, LiftOffSettings, Mode, Move, Observer,
+    Outcome, Pick, PlaceAt, PlanError, PlanReport, Planner, Problem, Segment, Stage, State, begin_search,
+};
+use cranny_spatial::Pose;
+
+use crate::effort::{Effort, Stop};
+use crate::onward::{Towards, Way, onward};
+use crate::place_search::{PlaceSearch, PutDowns, Spoiled};
+use crate::{Request, SolveError};
+
+/// A segment, and the problem that it solves where it can be shortened.
+pub(crate) type Piece = (Segment, Option<Problem>);
+
+/// Pieces through all stages from one on, or why there are none.
+type Through = Result<Vec<Piece>, FailureReason>;
+
+/// Ends of a motion that are tried before the stage is given up.
+const MOST_ENDS: usize = 4;
+
+/// The search for a way through the stages of a task: depth first, with backtracking over all stages.
+///
+/// 1. The planner searches for a way to the goal of the first stage, with the whole budget. Each path that it finds is a
+///    candidate.
+/// 2. From the end of a candidate each next stage is asked for one candidate after another: a grasp and the path to it; a path;
+///    a path to a place, down, and off the object. Searches after the first stage have short budgets that grow with the number
+///    of those that found nothing ([`Effort`]).
+/// 3. A candidate after which the next stage has none is rejected, and the next one is asked for. A placement after which a
+///    later pick failed is tried last from then on.
+/// 4. Where several objects are picked, the search begins anew from another seed while there is time.
+pub(crate) struct Chain<'a> {
+    problem: &'a Problem,
+    stages: &'a [Stage],
+    request: &'a Request,
+    effort: Effort,
+    failures: Vec<GraspFailure>,
+    /// By stage.
+    spoiled: Vec<Spoiled>,
+    /// Searches that were begun for picks, by stage.
+    begun: Vec<u64>,
+    outcome: Outcome,
+}
+
+/// The object in the hand from the lift-off on.
+struct Held<'a> {
+    carrier: &'a Arc<Carrier>,
+    /// Where it is put down, if it is.
+    places: Option<Arc<PlaceSearch>>,
+    /// The path that led to the grasp; empty if the arm has moved since.
+    led: &'a [Vec<f64>],
+}
+
+impl<'a> Chain<'a> {
+    pub fn new(problem: &'a Problem, stages: &'a [Stage], request: &'a Request) -> Self {
+        let places = stages.iter().any(|stage| matches!(stage, Stage::Place(_)));
+        let effort = Effort::new((request.seed, request.budget.time), places);
+        let (spoiled, begun) = (vec![Spoiled::new(); stages.len()], vec![0; stages.len()]);
+        let (failures, outcome) = (Vec::new(), Outcome::BudgetExhausted);
+        Self { problem, stages, request, effort, failures, spoiled, begun, outcome }
+    }
+
+    /// The report of all searches together, and the pieces of a way, if there is one.
+    pub fn search(
+        mut self,
+        planner: &dyn Planner,
+        observer: &mut dyn Observer,
+    ) -> Result<(PlanReport, Vec<Piece>), SolveError> {
+        let begin = Instant::now();
+        let start =
+            State::start(self.problem).ok_or(PlanError::NothingToCarry { needs: "the exact criterion" })?;
+        let picks = self.stages.iter().filter(|stage| matches!(stage, Stage::Pick(_))).count();
+        let found = loop {
+            let found = self.first(planner, &start, observer)?;
+            let spent = self.effort.spent.iterations;
+            let is_over = self.outcome == Outcome::Cancelled
+                || self.effort.left().is_zero()
+                || spent >= self.request.budget.iterations;
+            let is_later = |failure: &GraspFailure| matches!(failure.reason, FailureReason::Later { .. });
+            let may_find = self.outcome == Outcome::BudgetExhausted || self.failures.iter().any(is_later);
+            if found.is_some() || picks < 2 || is_over || !may_find {
+                break found;
+            }
+        };
+        let outcome = if found.is_some() { Outcome::Solved } else { self.outcome };
+        let pieces = found.unwrap_or_default();
+        let mut statistics = self.effort.spent;
+        statistics.planning_time_s = begin.elapsed().as_secs_f64();
+        let path = pieces.first().map(|(segment, _)| segment.waypoints.clone()).unwrap_or_default();
+        let failures = if outcome == Outcome::Solved { Vec::new() } else { self.failures };
+        Ok((PlanReport { outcome, path, statistics, failures }, pieces))
+    }
+
+    /// The first stage, and from there all others.
+    fn first(
+        &mut self,
+        planner: &dyn Planner,
+        start: &State,
+        observer: &mut dyn Observer,
+    ) -> Result<Option<Vec<Piece>>, SolveError> {
+        let budget = Budget { time: self.effort.left(), ..self.request.budget };
+        let through = match &self.stages[0] {
+            Stage::Pick(pick) => self.pick((0, pick), (planner, budget), start, observer)?,
+            Stage::Move(goal) => self.first_move(goal, (planner, budget), start, observer)?,
+            Stage::Place(_) => return Ok(None),
+        };
+        Ok(through.ok())
+    }
+
+    /// The stages from one on.
+    fn through(
+        &mut self,
+        index: usize,
+        state: &State,
+        held: Option<&Held<'_>>,
+        observer: &mut dyn Observer,
+    ) -> Result<Through, SolveError> {
+        match (self.stages.get(index), held) {
+            (None, _) => Ok(Ok(Vec::new())),
+            (Some(Stage::Move(goal)), _) => self.move_on((index, goal), state, held, observer),
+            (Some(Stage::Place(place)), Some(held)) => self.place((index, place), state, held, observer),
+            (Some(Stage::Place(_)), None) => Ok(Err(FailureReason::NoPlace)),
+            (Some(Stage::Pick(pick)), _) => {
+                let planner = self.request.planner_for(&state.picking(self.problem, pick)?)?;
+                let budget = self.effort.next_budget();
+                let picked =
+                    self.pick((index, pick), (planner.as_ref(), budget), state, &mut Stop(observer))?;
+                Ok(picked.map_err(|because| match because {
+                    FailureReason::Later { .. } => because,
+                    because => FailureReason::Later { stage: index, because: Box::new(because) },
+                }))
+            }
+        }
+    }
+
+    /// A pick, and from there all stages that follow.
+    fn pick(
+        &mut self,
+        (index, pick): (usize, &Pick),
+        (planner, budget): (&dyn Planner, Budget),
+        state: &State,
+        observer: &mut dyn Observer,
+    ) -> Result<Through, SolveError> {
+        let picking = state.picking(self.problem, pick)?;
+        let before = state.before_picking(&picking);
+        let is_last = index + 1 == self.stages.len();
+        let carrier = (!is_last).then(|| Carrier::new(&picking, LiftOffSettings::default()));
+        let carrier = carrier.transpose()?.map(Arc::new);
+        let places = match &carrier {
+            Some(carrier) => self.places_after(index, carrier)?,
+            None => None,
+        };
+        let asked = match &carrier {
+            Some(carrier) => {
+                picking.clone().with_grasp_filter(self.grasp_filter(index, carrier, places.as_ref()))
+            }
+            None => picking.clone(),
+        };
+        let seed = self.next_seed(index);
+        let mut search = begin_search(planner, &asked, &budget, seed)?;
+        let mut failed: Vec<(Pose, FailureReason)> = Vec::new();
+        loop {
+            let report = search.next(observer)?;
+            if report.outcome != Outcome::Solved {
+                self.effort
+                    .count(&report.statistics, if index > 0 { report.outcome } else { Outcome::Solved });
+                return Ok(Err(self.not_picked(index, &picking, report, failed)));
+            }
+            let reached = before.at(report.path.last().map_or(&[], |q| &q[..]));
+            let onward = match &carrier {
+                Some(carrier) => {
+                    let held = Held { carrier, places: places.clone(), led: &report.path };
+                    self.lift_off(index, &reached, &held, observer)?
+                }
+                None => Ok(Vec::new()),
+            };
+            match onward {
+                Ok(onward) => {
+                    self.effort.count(&report.statistics, Outcome::Solved);
+                    let to_end = Goal::Configurations(vec![reached.q.clone()]);
+                    let problem = picking.with_goal(to_end)?;
+                    let reach = (Segment::empty(index, Mode::REACH, report.path), Some(problem));
+                    return Ok(Ok([vec![reach], onward].concat()));
+                }
+                Err(reason) => {
+                    let robot = self.problem.robot();
+                    failed.push((*robot.frames_at(&reached.q).link(robot.tip()), reason));
+                    search.reject();
+                }
+            }
+        }
+    }
+
+    /// Takes note of why no candidate of a pick led on, and returns the commonest reason.
+    fn not_picked(
+        &mut self,
+        index: usize,
+        picking: &Problem,
+        report: PlanReport,
+        failed: Vec<(Pose, FailureReason)>,
+    ) -> FailureReason {
+        let PlanReport { outcome, mut failures, .. } = report;
+        if let Some(grasps) = picking.grasps() {
+            for (gripper, reason) in &failed {
+                let Some((grasp, _)) = grasps.nearest(gripper) else { continue };
+                match failures.iter_mut().find(|failure| failure.grasp == grasp) {
+                    Some(failure) => failure.reason = reason.clone(),
+                    None => failures.push(GraspFailure { grasp, reason: reason.clone(), attempts: 0 }),
+                }
+            }
+        }
+        let commonest = GraspFailure::commonest(&failures).cloned();
+        if index == 0 {
+            (self.outcome, self.failures) = (outcome, failures);
+        }
+        let last = failed.into_iter().next_back().map(|(_, reason)| reason);
+        last.or(commonest).unwrap_or(FailureReason::NotTried)
+    }
+
+    /// The hand closed where it has reached a grasp, the object off what carries it, and all stages that follow.
+    fn lift_off(
+        &mut self,
+        index: usize,
+        reached: &State,
+        held: &Held<'_>,
+        observer: &mut dyn Observer,
+    ) -> Result<Through, SolveError> {
+        let lifted = || -> Result<(State, Vec<Vec<f64>>), FailureReason> {
+            let closed = reached.closed_on(held.carrier)?;
+            let Some((carrier, grip)) = closed.held() else { return Err(FailureReason::ClosesOnNothing) };
+            let path = carrier.lift_off(grip, &reached.q)?;
+            let off = path.last().map_or_else(|| closed.clone(), |last| closed.at(last));
+            Ok((off, path))
+        };
+        let (off, path) = match lifted() {
+            Ok(lifted) => lifted,
+            Err(reason) => return Ok(Err(reason)),
+        };
+        let lift_off = (in_hand(&off, index, Mode::LIFT_OFF, path), None);
+        let onward = self.through(index + 1, &off, Some(held), observer)?;
+        Ok(onward.map(|onward| [vec![lift_off], onward].concat()))
+    }
+
+    /// A move as the first stage, and from there all others: by the planner.
+    fn first_move(
+        &mut self,
+        goal: &Move,
+        (planner, budget): (&dyn Planner, Budget),
+        state: &State,
+        observer: &mut dyn Observer,
+    ) -> Result<Through, SolveError> {
+        let Some(ends) = goal.ends(self.problem) else {
+            return self.move_on((0, goal), state, None, observer);
+        };
+        let problem = state.moving(ends)?;
+        let seed = self.next_seed(0);
+        let mut search = begin_search(planner, &problem, &budget, seed)?;
+        loop {
+            let report = search.next(observer)?;
+            if report.outcome != Outcome::Solved {
+                self.effort.count(&report.statistics, Outcome::Solved);
+                self.outcome = report.outcome;
+                return Ok(Err(FailureReason::NotMoved));
+            }
+            let there = state.at(report.path.last().map_or(&[], |q| &q[..]));
+            match self.through(1, &there, None, observer)? {
+                Ok(onward) => {
+                    self.effort.count(&report.statistics, Outcome::Solved);
+                    let moved =
+                        (Segment::empty(0, Mode::REACH, report.path), Some(state.moving(vec![there.q])?));
+                    return Ok(Ok([vec![moved], onward].concat()));
+                }
+                Err(_) => search.reject(),
+            }
+        }
+    }
+
+    /// A move with what is in the hand, and all stages that follow.
+    fn move_on(
+        &mut self,
+        (index, goal): (usize, &Move),
+        state: &State,
+        held: Option<&Held<'_>>,
+        observer: &mut dyn Observer,
+    ) -> Result<Through, SolveError> {
+        let mode = match (held, state.let_go()) {
+            (Some(_), _) => Mode::CARRY,
+            (None, Some(_)) => Mode::RETURN,
+            (None, None) => Mode::REACH,
+        };
+        let led = held.map_or(&[][..], |held| held.led);
+        let mut ends = goal.ends(self.problem);
+        let mut reason = FailureReason::NotMoved;
+        for _ in 0..MOST_ENDS {
+            let towards = match (&ends, goal) {
+                (Some(ends), _) if ends.is_empty() => break,
+                (Some(ends), _) => Towards::Ends(ends),
+                (None, Move::Clear { clear_m }) => Towards::Clear(*clear_m),
+                (None, _) => break,
+            };
+            let (path, problem): Way = match onward(&mut self.effort, state, led, &towards, observer) {
+                Ok(way) => way,
+                Err(_) if mode == Mode::RETURN => return Ok(Err(FailureReason::NotReturned)),
+                Err(reason) => return Ok(Err(reason)),
+            };
+            let there = state.at(path.last().map_or(&[], |q| &q[..]));
+            let held = held.map(|held| Held { places: held.places.clone(), led: &[], ..*held });
+            match self.through(index + 1, &there, held.as_ref(), observer)? {
+                Ok(onward) => {
+                    let segment = if mode.holds {
+                        in_hand(state, index, mode, path)
+                    } else {
+                        Segment::empty(index, mode, path)
+                    };
+                    return Ok(Ok([vec![(segment, Some(problem))], onward].concat()));
+                }
+                Err(met) => reason = met,
+            }
+            if let Some(ends) = &mut ends {
+                ends.retain(|end| *end != there.q);
+            }
+        }
+        Ok(Err(reason))
+    }
+
+    /// The object in the hand put down, and all stages that follow.
+    fn place(
+        &mut self,
+        (index, place): (usize, &PlaceAt),
+        state: &State,
+        held: &Held<'_>,
+        observer: &mut dyn Observer,
+    ) -> Result<Through, SolveError> {
+        let places = match &held.places {
+            Some(places) => places.clone(),
+            None => Arc::new(PlaceSearch::new(
+                self.problem,
+                held.carrier,
+                (place, &self.stages[index + 1..]),
+                self.effort.seed,
+            )?),
+        };
+        let mut put_downs = PutDowns::new(&places, state, held.led);
+        loop {
+            let put_down = match put_downs.next(&mut self.effort, &self.spoiled[index], observer) {
+                Ok(put_down) => put_down,
+                Err(reason) => return Ok(Err(reason)),
+            };
+            match self.through(index + 1, &put_down.after, None, observer)? {
+                Ok(onward) => {
+                    let (transfer, problem) = put_down.transfer;
+                    let pieces = vec![
+                        (in_hand(state, index, Mode::CARRY, transfer), Some(problem)),
+                        (in_hand(state, index, Mode::SET_DOWN, put_down.set_down), None),
+                        (Segment::empty(index, Mode::RETREAT, put_down.retreat), None),
+                    ];
+                    return Ok(Ok([pieces, onward].concat()));
+                }
+                Err(reason) => {
+                    let is_spoiled = matches!(reason, FailureReason::Later { .. });
+                    if is_spoiled {
+                        *self.spoiled[index].entry(put_down.placement).or_default() += 1;
+                    }
+                    put_downs.reject(put_down.placement, reason, is_spoiled);
+                }
+            }
+        }
+    }
+
+    /// The places of the stage that puts down what is picked in a stage, if one does.
+    fn places_after(
+        &self,
+        index: usize,
+        carrier: &Arc<Carrier>,
+    ) -> Result<Option<Arc<PlaceSearch>>, PlanError> {
+        let next = (index + 1..self.stages.len()).find(|next| !matches!(self.stages[*next], Stage::Move(_)));
+        let Some((next, Stage::Place(place))) = next.map(|next| (next, &self.stages[next])) else {
+            return Ok(None);
+        };
+        let after = &self.stages[next + 1..];
+        Ok(Some(Arc::new(PlaceSearch::new(self.problem, carrier, (place, after), self.effort.seed)?)))
+    }
+
+    /// The filter of grasps with which the object cannot be where it is to go.
+    fn grasp_filter(
+        &self,
+        index: usize,
+        carrier: &Arc<Carrier>,
+        places: Option<&Arc<PlaceSearch>>,
+    ) -> GraspFilter {
+        let (carrier, places) = (carrier.clone(), places.cloned());
+        let moves = self.stages[index + 1..].iter().map_while(|stage| match stage {
+            Stage::Move(goal) => Some(goal.ends(self.problem)),
+            Stage::Pick(_) | Stage::Place(_) => None,
+        });
+        let ends: Vec<Vec<Vec<f64>>> = moves.flatten().collect();
+        GraspFilter::new(move |world_from_tip| {
+            places.as_ref().and_then(|places| places.blocked_at(world_from_tip)).or_else(|| {
+                let [first, second] =
+                    ends.iter().find_map(|ends| carrier.blocked_at(world_from_tip, ends))?;
+                Some(FailureReason::EndBlocked { first, second })
+            })
+        })
+    }
+
+    /// The seed of the next search of a stage.
+    fn next_seed(&mut self, index: usize) -> u64 {
+        let number = self.begun[index];
+        self.begun[index] += 1;
+        self.effort.seed_of(number)
+    }
+}
+
+/// A segment of a stage with what is in the hand in a state.
+fn in_hand(state: &State, stage: usize, mode: Mode, waypoints: Vec<Vec<f64>>) -> Segment {
+    let segment = Segment::empty(stage, mode, waypoints);
+    match state.held() {
+        Some((carrier, grip)) => Segment {
+            attached: Some(carrier.object().to_owned()),
+            opening_m: Some(grip.opening_m),
+            uneven_m: Some(grip.uneven_m),
+            ..segment
+        },
+        None => segment,
+    }
+}

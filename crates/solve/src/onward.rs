@@ -1,0 +1,123 @@
+use cranny_plan::{FailureReason, Observer, PlanError, Problem, State};
+use cranny_robot::{between, distance};
+use cranny_spatial::Stream;
+
+use crate::effort::Effort;
+
+/// Maximum number of random configurations that are drawn for some at which the hand is clear …
+const MOST_DRAWS: u32 = 2000;
+/// … and the number of them after which drawing stops.
+const ENOUGH_CLEAR: usize = 8;
+/// Distance of each joint of the first draws from where it is (m, rad) …
+const NEAREST_DRAW: f64 = 0.1;
+/// … and of the last.
+const FARTHEST_DRAW: f64 = 3.0;
+/// Step in joint space (m, rad) at which a path is tested for being clear.
+const LOOK_EVERY: f64 = 0.05;
+
+/// A path and the problem that it solves.
+pub(crate) type Way = (Vec<Vec<f64>>, Problem);
+
+/// Goal of a motion on from a state.
+pub(crate) enum Towards<'a> {
+    /// Any of these configurations.
+    Ends(&'a [Vec<f64>]),
+    /// Anywhere what is in the hand is so far from everything, in metres.
+    Clear(f64),
+    /// Where the path that led here began.
+    Begin,
+}
+
+/// A path on from a state, with what is in the hand. It may join the path `led` that led to the grasp (empty if the arm has
+/// moved since) from wherever that is proven to be free with the object in the hand too: often what is left to find is the
+/// way out of the narrow.
+pub(crate) fn onward(
+    effort: &mut Effort,
+    state: &State,
+    led: &[Vec<f64>],
+    towards: &Towards<'_>,
+    observer: &dyn Observer,
+) -> Result<Way, FailureReason> {
+    let failed = if state.held().is_some() { FailureReason::NotCarried } else { FailureReason::NotMoved };
+    let not_moved = |_: PlanError| failed.clone();
+    let (back, others) = match towards {
+        Towards::Clear(clear_m) => clear_goals(effort, state, led, *clear_m),
+        Towards::Begin => (state.free_along(led), Vec::new()),
+        Towards::Ends(ends) if led.first().is_some_and(|begin| ends.contains(begin)) => {
+            (state.free_along(led), ends.to_vec())
+        }
+        Towards::Ends(ends) => (Vec::new(), ends.to_vec()),
+    };
+    // The nearest to the grasp first.
+    let joints: Vec<Vec<f64>> = back.iter().rev().chain(&others).cloned().collect();
+    let narrow = state.moving(joints).map_err(not_moved)?;
+    let mut path = effort.search(&narrow, observer).map_err(not_moved)?.ok_or_else(|| failed.clone())?;
+    let joined = back.iter().position(|q| path.last() == Some(q)).unwrap_or(0);
+    path.extend(back[..joined].iter().rev().cloned());
+    let ends = match towards {
+        Towards::Clear(clear_m) => {
+            until_clear(state, &mut path, *clear_m);
+            path[path.len() - 1..].to_vec()
+        }
+        Towards::Begin => path[path.len() - 1..].to_vec(),
+        Towards::Ends(ends) => ends.to_vec(),
+    };
+    Ok((path, state.moving(ends).map_err(not_moved)?))
+}
+
+/// The path that led here, from where the hand is clear on it; where it nowhere is, random configurations at which it is.
+fn clear_goals(
+    effort: &Effort,
+    state: &State,
+    led: &[Vec<f64>],
+    clear_m: f64,
+) -> (Vec<Vec<f64>>, Vec<Vec<f64>>) {
+    let cell = state.cell();
+    let mut scratch = cell.scratch();
+    let is_clear = |q: &[f64], scratch: &mut _| state.clearance_m(q, clear_m, scratch) >= clear_m;
+    let mut back = state.free_along(led);
+    if let Some(clear) = back.iter().rposition(|q| is_clear(q, &mut scratch)) {
+        return (back.split_off(clear), Vec::new());
+    }
+    let mut random = Stream::new(effort.seed, u64::from(effort.exhausted()));
+    let limits = cell.robot().limits();
+    let mut found = Vec::new();
+    for draw in 0..MOST_DRAWS {
+        let share = f64::from(draw) / f64::from(MOST_DRAWS);
+        let wide = NEAREST_DRAW + share * (FARTHEST_DRAW - NEAREST_DRAW);
+        let joints = state.q.iter().zip(limits);
+        let q: Vec<f64> = joints
+            .map(|(value, limits)| {
+                random.uniform_between(limits.lower.max(value - wide), limits.upper.min(value + wide))
+            })
+            .collect();
+        if cell.is_free(&q, &mut scratch) && is_clear(&q, &mut scratch) {
+            found.push(q);
+            if found.len() == ENOUGH_CLEAR {
+                break;
+            }
+        }
+    }
+    (Vec::new(), found)
+}
+
+/// Ends a path where the hand is clear for the first time.
+fn until_clear(state: &State, path: &mut Vec<Vec<f64>>, clear_m: f64) {
+    let mut scratch = state.cell().scratch();
+    for edge in 1..path.len() {
+        let [a, b] = [&path[edge - 1], &path[edge]];
+        let pieces = (distance(a, b) / LOOK_EVERY).ceil().max(1.0);
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "A path of so many metres or radians is none"
+        )]
+        let places = (1..=pieces.min(1e6) as u32).map(|piece| (f64::from(piece) / pieces).min(1.0));
+        let mut looks = places.map(|at| between(a, b, at).collect::<Vec<f64>>());
+        if let Some(clear) = looks.find(|q| state.clearance_m(q, clear_m, &mut scratch) >= clear_m) {
+            path.truncate(edge);
+            path.push(clear);
+            return;
+        }
+    }
+}

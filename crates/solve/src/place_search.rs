@@ -1,0 +1,292 @@
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use cranny_plan::{
+    Carrier, FailureReason, Grip, Observer, PlaceAt, Placement, Placer, PlanError, Problem, Stage, State,
+};
+use cranny_robot::{IkSearch, IkSearchSettings, IkSettings};
+use cranny_spatial::{Pose, Stream};
+
+use crate::effort::Effort;
+use crate::look_ahead::LookAhead;
+use crate::onward::{Towards, Way, onward};
+
+/// Random starts of inverse kinematics at a placement.
+const ATTEMPTS: usize = 32;
+/// Maximum number of configurations that are tried at one placement.
+const CONFIGURATIONS: usize = 2;
+/// Number of descents after which the transfer search starts.
+const ENOUGH_ENDS: usize = 4;
+/// Number of descents from which nothing led on after which the grasp is rejected.
+const MOST_DEAD_ENDS: usize = 4;
+/// Maximum number of places that are looked at where another object is picked after the present one is put down.
+const MOST_DRAWS_AHEAD: u32 = 20_000;
+/// What tells the random starts from other draws of the same seed.
+const STARTS_STREAM: u64 = 0x91ac_e001;
+
+/// The places of an object in the hand that is to be put down, whichever grasp holds it.
+pub(crate) struct PlaceSearch {
+    carrier: Arc<Carrier>,
+    placer: Placer,
+    look_ahead: Option<LookAhead>,
+    home: Vec<f64>,
+    seed: u64,
+}
+
+/// Numbers of placements after which a later stage failed, and how often.
+pub(crate) type Spoiled = BTreeMap<usize, u32>;
+
+/// A path down, from where it begins, at whose end the hand can open; and the number of its placement.
+struct Descent {
+    path: Vec<Vec<f64>>,
+    placement: usize,
+}
+
+/// A way to put an object down.
+pub(crate) struct PutDown {
+    /// To where it is set down from.
+    pub transfer: Way,
+    pub set_down: Vec<Vec<f64>>,
+    pub retreat: Vec<Vec<f64>>,
+    /// The state at the end of the retreat.
+    pub after: State,
+    /// Number of the placement.
+    pub placement: usize,
+}
+
+impl PlaceSearch {
+    /// The places of the object of a carrier, before the stages `after`.
+    pub fn new(
+        problem: &Problem,
+        carrier: &Arc<Carrier>,
+        (place, after): (&PlaceAt, &[Stage]),
+        seed: u64,
+    ) -> Result<Self, PlanError> {
+        let placer = Placer::new(carrier, problem.place(&place.place)?, place.clear_m)?;
+        let look_ahead = LookAhead::of(problem, after, carrier, seed)?;
+        let placer = match &look_ahead {
+            Some(_) => placer.with_draws(seed, MOST_DRAWS_AHEAD),
+            None => placer.with_placements(seed),
+        };
+        Ok(Self { carrier: carrier.clone(), placer, look_ahead, home: problem.start().to_vec(), seed })
+    }
+
+    /// Why an object that is gripped with the tip at a pose can be let go nowhere.
+    pub fn blocked_at(&self, world_from_tip: &Pose) -> Option<FailureReason> {
+        self.placer.blocked_at(world_from_tip)
+    }
+
+    /// Descents to placements where the arm can set the object down and open its hand: to the first that are `enough`, those
+    /// after which a later stage failed coming last.
+    fn descents(
+        &self,
+        effort: &Effort,
+        (grip, off): (&Grip, &[f64]),
+        spoiled: &Spoiled,
+        observer: &dyn Observer,
+    ) -> Result<Vec<Descent>, FailureReason> {
+        let mut random = Stream::new(self.seed, STARTS_STREAM);
+        let (mut descents, mut reason) = (Vec::new(), FailureReason::NoPlace);
+        let is_hopeful = self.look_ahead.as_ref().map(|ahead| |placement: &_| ahead.is_hopeful(placement));
+        let is_hopeful = is_hopeful.as_ref().map(|is_hopeful| is_hopeful as &dyn Fn(&Placement) -> bool);
+        let times = |number: &usize| spoiled.get(number).copied().unwrap_or(0);
+        let mut sorted = Vec::new();
+        if !spoiled.is_empty() {
+            sorted.extend(self.placer.placements(is_hopeful));
+            sorted.sort_by_key(|(number, _)| times(number));
+        }
+        let unsorted = self.placer.placements(is_hopeful).filter(|_| spoiled.is_empty());
+        for (number, placement) in sorted.into_iter().chain(unsorted) {
+            match self.descents_to(placement, grip, off, &mut random) {
+                Ok(found) => {
+                    descents.extend(found.into_iter().map(|path| Descent { path, placement: number }));
+                }
+                Err(met) if is_later(&met, &reason) => reason = met,
+                Err(_) => {}
+            }
+            if descents.len() >= ENOUGH_ENDS || observer.should_stop() || effort.left().is_zero() {
+                break;
+            }
+        }
+        if descents.is_empty() { Err(reason) } else { Ok(descents) }
+    }
+
+    fn descents_to(
+        &self,
+        placement: &Placement,
+        grip: &Grip,
+        off: &[f64],
+        random: &mut Stream,
+    ) -> Result<Vec<Vec<Vec<f64>>>, FailureReason> {
+        let world_from_tip = self.placer.tip_at(grip, placement)?;
+        let near = placement.grip_near(grip).map_err(|_| FailureReason::NoPlace)?;
+        let [near, _] = near.cells();
+        let ik = IkSettings {
+            translation_tolerance_m: 1e-6,
+            rotation_tolerance_rad: 1e-5,
+            ..IkSettings::default()
+        };
+        let mut search = IkSearch::new(
+            near.robot(),
+            &world_from_tip,
+            IkSearchSettings { ik, ..IkSearchSettings::default() },
+        );
+        let mut scratch = near.scratch();
+        let mut blocked = None;
+        let mut accept = |q: &[f64]| {
+            if near.is_free(q, &mut scratch) {
+                return true;
+            }
+            blocked = near.first_contact(q, &mut scratch).or(blocked.take());
+            false
+        };
+        for start in [off, &self.home] {
+            search.next_from(start, &mut accept);
+        }
+        while search.solutions().len() < CONFIGURATIONS
+            && search.attempts() < ATTEMPTS
+            && search.next_solution(random, ATTEMPTS, &mut accept).is_some()
+        {}
+        let mut reason = match &blocked {
+            Some(contact) => {
+                let [first, second] = contact.names(near);
+                FailureReason::SetDownBlocked { first, second }
+            }
+            None => FailureReason::PlaceOutOfReach,
+        };
+        let mut descents = Vec::new();
+        for solution in search.solutions() {
+            let opens = self.carrier.opens(grip, &solution.q);
+            match opens.and_then(|()| self.carrier.set_down(grip, placement, &solution.q)) {
+                Ok(descent) => descents.push(descent),
+                Err(met) => reason = met,
+            }
+        }
+        if descents.is_empty() { Err(reason) } else { Ok(descents) }
+    }
+
+    /// The hand opened where the object was set down, and off it.
+    fn leave(&self, state: &State, set_down: &[Vec<f64>]) -> Result<(Vec<Vec<f64>>, State), FailureReason> {
+        let down = set_down.last().ok_or(FailureReason::NotBroughtThere)?;
+        let open = state.at(down).opened()?;
+        let retreat = open.retreat(self.placer.clear_m())?;
+        let after = retreat.last().map_or_else(|| open.clone(), |last| open.at(last));
+        Ok((retreat, after))
+    }
+}
+
+/// Ways to put down the object that one grasp holds, one after the other.
+pub(crate) struct PutDowns<'a> {
+    search: &'a PlaceSearch,
+    /// The object off what it rested on.
+    state: &'a State,
+    led: &'a [Vec<f64>],
+    descents: Vec<Descent>,
+    dead_ends: usize,
+    reason: FailureReason,
+}
+
+impl<'a> PutDowns<'a> {
+    /// Ways from a state, to which the path `led` led, as [`onward`] has it.
+    pub fn new(search: &'a PlaceSearch, state: &'a State, led: &'a [Vec<f64>]) -> Self {
+        Self {
+            search,
+            state,
+            led,
+            descents: Vec::new(),
+            dead_ends: 0,
+            reason: FailureReason::NotBroughtThere,
+        }
+    }
+
+    /// The next way.
+    ///
+    /// 1. Placements where the arm can set the object down and open its hand.
+    /// 2. A path to where one of the descents begins: by where the robot started from, along the path that led to the grasp as
+    ///    far as it is free; where that fails, directly.
+    /// 3. A path off the object for the open hand.
+    pub fn next(
+        &mut self,
+        effort: &mut Effort,
+        spoiled: &Spoiled,
+        observer: &dyn Observer,
+    ) -> Result<PutDown, FailureReason> {
+        let Some((_, grip)) = self.state.held() else { return Err(FailureReason::ClosesOnNothing) };
+        while self.dead_ends < MOST_DEAD_ENDS && !(self.dead_ends > 0 && effort.left().is_zero()) {
+            // 1.
+            if self.descents.is_empty() {
+                if self.dead_ends > 0 && spoiled.is_empty() {
+                    break;
+                }
+                self.descents = self.search.descents(effort, (grip, &self.state.q), spoiled, observer)?;
+            }
+            // 2.
+            let transfer = transfer(effort, self.state, self.led, &self.descents, observer)?;
+            let at = self.descents.iter().position(|descent| descent.path.first() == transfer.0.last());
+            let Descent { path: set_down, placement } =
+                self.descents.swap_remove(at.ok_or(FailureReason::NotBroughtThere)?);
+            self.dead_ends += 1;
+            // 3.
+            match self.search.leave(self.state, &set_down) {
+                Ok((retreat, after)) => return Ok(PutDown { transfer, set_down, retreat, after, placement }),
+                Err(met) => self.reason = met,
+            }
+        }
+        Err(self.reason.clone())
+    }
+
+    /// Takes note that nothing led on from a placement, for a reason; where that is a later stage's, other ways to the same
+    /// placement are left out.
+    pub fn reject(&mut self, placement: usize, reason: FailureReason, is_spoiled: bool) {
+        self.reason = reason;
+        if is_spoiled {
+            self.descents.retain(|descent| descent.placement != placement);
+        }
+    }
+}
+
+/// A path to where one of the descents begins, and the problem that it solves.
+fn transfer(
+    effort: &mut Effort,
+    state: &State,
+    led: &[Vec<f64>],
+    descents: &[Descent],
+    observer: &dyn Observer,
+) -> Result<Way, FailureReason> {
+    let not_there = |_: PlanError| FailureReason::NotBroughtThere;
+    let ends: Vec<Vec<f64>> = descents.iter().filter_map(|descent| descent.path.first()).cloned().collect();
+    let mut path = None;
+    if !led.is_empty() {
+        match onward(effort, state, led, &Towards::Begin, observer) {
+            Ok((mut out, _)) => {
+                let from = out.pop().ok_or(FailureReason::NotCarried)?;
+                let problem = state.at(&from).moving(ends.clone()).map_err(not_there)?;
+                let on = effort.search(&problem, observer).map_err(not_there)?;
+                path = on.map(|on| [out, on].concat());
+            }
+            Err(FailureReason::NotCarried) => {}
+            Err(reason) => return Err(reason),
+        }
+    }
+    let path = if let Some(path) = path {
+        path
+    } else {
+        let problem = state.moving(ends).map_err(not_there)?;
+        effort.search(&problem, observer).map_err(not_there)?.ok_or(FailureReason::NotBroughtThere)?
+    };
+    let end = path[path.len() - 1..].to_vec();
+    Ok((path, state.moving(end).map_err(not_there)?))
+}
+
+/// True if one reason is met later on the way than another.
+fn is_later(reason: &FailureReason, than: &FailureReason) -> bool {
+    let stage = |reason: &FailureReason| match reason {
+        FailureReason::NoPlace => 0,
+        FailureReason::PlaceBlocked { .. } => 1,
+        FailureReason::PlaceOutOfReach => 2,
+        FailureReason::SetDownBlocked { .. } | FailureReason::SetDownOutOfReach => 3,
+        FailureReason::OpeningCollides { .. } => 4,
+        _ => 5,
+    };
+    stage(reason) > stage(than)
+}
