@@ -50,7 +50,7 @@ def test_stages_can_be_given_in_the_call(scenario: cranny.Scenario) -> None:
         ([column, {"pick": "column 2"}], "stage 2: the hand already holds"),
         ([{"pick": "moon"}], "moon"),
         ([{"pick": "box", "place": "outside"}], "a stage has one of"),
-        ([{"move": "up"}], "'home', 'clear' or configurations"),
+        ([{"move": "up"}], "'home', 'clear', configurations or a region"),
         (3, "task"),
     ]:
         with pytest.raises((ValueError, TypeError), match=says):

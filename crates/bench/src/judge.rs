@@ -1,6 +1,8 @@
 use std::fmt::Write as _;
 
-use cranny_plan::{Audit, AuditSettings, Clearances, PlanError, Problem, Violation, audit_with, path_length};
+use cranny_plan::{
+    Audit, AuditSettings, Cause, Clearances, PlanError, Problem, Violation, audit_with, path_length,
+};
 
 use crate::{TrialOutcome, TrialRecord};
 
@@ -51,8 +53,8 @@ pub fn also_meets(problem: &Problem, path: &[Vec<f64>]) -> Result<bool, PlanErro
             &path,
             AuditSettings { clearances: Clearances::None, ..AuditSettings::default() },
         )?;
-        let step = |violation: &Violation| match violation {
-            Violation::Step { edge, .. } => Some(*edge),
+        let step = |violation: &Violation| match violation.cause {
+            Cause::Step { .. } => Some(violation.at.edge),
             _ => None,
         };
         let steps: Vec<usize> = verification.violations.iter().filter_map(step).collect();

@@ -17,6 +17,7 @@ pub(crate) mod place_goal;
 pub(crate) mod placed;
 pub(crate) mod placement;
 pub(crate) mod problem;
+pub(crate) mod region;
 pub(crate) mod rests;
 pub(crate) mod segment;
 pub(crate) mod stage;

@@ -120,7 +120,7 @@ fn where_there_is_nothing_to_touch_there_is_no_clearance() {
 fn a_path_that_begins_elsewhere_is_told() {
     let verification = judged(Vec::new(), &[[-0.5, 0.1, 0.0], TO]);
     let violation = only(&verification);
-    assert_eq!((violation.kind(), violation.edge(), word(violation, "first").as_str()), ("start", 0, "y"));
+    assert_eq!((violation.kind(), violation.at.edge, word(violation, "first").as_str()), ("start", 0, "y"));
     assert!((number(violation, "off") - 0.1).abs() < 1e-12);
     assert_eq!(violation.to_string(), "y is 0.100000 m off the start");
     // Way points written with six digits still begin at the start.
@@ -131,7 +131,7 @@ fn a_path_that_begins_elsewhere_is_told() {
 fn a_path_that_ends_elsewhere_is_told() {
     let verification = judged(Vec::new(), &[FROM, [0.0, 0.0, 0.0], [0.5, -0.2, 0.0]]);
     let violation = only(&verification);
-    assert_eq!((violation.kind(), violation.edge(), word(violation, "first").as_str()), ("goal", 2, "y"));
+    assert_eq!((violation.kind(), violation.at.edge, word(violation, "first").as_str()), ("goal", 2, "y"));
     assert!((number(violation, "off") - 0.2).abs() < 1e-12);
 }
 
@@ -146,7 +146,7 @@ fn the_end_is_measured_at_the_nearest_grasp_or_its_twin() {
     let problem = exact(&ball(), Vec::new(), &FROM, grasps(vec![ball_grasp([0.0, 0.5, 0.0], 0.9), near]));
     let verification = verify_path(&problem, &[FROM, TO]);
     let violation = only(&verification);
-    assert_eq!((violation.kind(), violation.edge()), ("goal", 1));
+    assert_eq!((violation.kind(), violation.at.edge), ("goal", 1));
     let goal = verification.goal.expect("the nearest grasp");
     assert_eq!(goal.grasp, 1);
     for off_m in [number(violation, "translation_error_m"), goal.translation_error_m] {
@@ -188,7 +188,7 @@ fn a_way_point_outside_the_limits_does_not_hide_what_its_edges_touch() {
     let wall = block("wall", [0.0, 0.0, 0.0], [0.02, 0.4, 0.4]);
     let verification = judged(vec![wall], &[FROM, [0.0, 1.2, 0.0], TO]);
     let limit = &verification.violations[0];
-    assert_eq!((limit.kind(), limit.edge(), word(limit, "first").as_str()), ("joint-limit", 1, "y"));
+    assert_eq!((limit.kind(), limit.at.edge, word(limit, "first").as_str()), ("joint-limit", 1, "y"));
     assert!((number(limit, "off") - 0.2).abs() < 1e-12);
     assert_eq!(word(limit, "unit"), "m");
     assert_eq!(verification.violations.len(), 1, "round the wall there is no contact");
@@ -204,7 +204,7 @@ fn a_contact_is_told_with_its_depth_and_place() {
     // The ball passes 0.08 m above the middle of a block 0.1 m high: 0.07 m deep.
     let verification = judged(vec![block("block", [0.0, 0.0, -0.08], [0.3, 0.3, 0.1])], &[FROM, TO]);
     let violation = only(&verification);
-    assert_eq!((violation.kind(), violation.edge()), ("contact", 0));
+    assert_eq!((violation.kind(), violation.at.edge), ("contact", 0));
     assert_eq!(["first", "second"].map(|key| word(violation, key)), ["ball", "block"]);
     assert!((number(violation, "depth_m") - 0.07).abs() < 1e-6, "{violation:?}");
     // The edge is 1 m long, and the ball over the block from 0.15 to 0.85 of it.
@@ -220,7 +220,7 @@ fn everything_that_an_edge_touches_is_listed_and_the_others_keep_their_clearance
         Body::floor(-0.5),
     ];
     let verification = judged(bodies, &[FROM, [0.5, 0.0, 0.0], [0.5, 0.5, 0.0], TO]);
-    let touched: Vec<_> = verification.violations.iter().map(|v| (v.edge(), word(v, "second"))).collect();
+    let touched: Vec<_> = verification.violations.iter().map(|v| (v.at.edge, word(v, "second"))).collect();
     assert_eq!(touched, [(0, "second".to_owned()), (0, "first".to_owned())]);
     assert_eq!(verification.clearance_m, Some(0.0));
     assert_eq!(verification.clearances_per_edge_m[0], Some(0.0));
@@ -238,7 +238,7 @@ fn the_edges_of_a_long_path_are_judged_as_each_is_alone() {
         let alone = judged(bodies(), &path[edge..edge + 2]);
         assert_eq!(alone.clearances_per_edge_m[0], whole.clearances_per_edge_m[edge], "edge {edge}");
         let contacts = |v: &Audit, edge: usize| {
-            let of_edge = |v: &&Violation| v.edge() == edge && v.kind() == "contact";
+            let of_edge = |v: &&Violation| v.at.edge == edge && v.kind() == "contact";
             v.violations
                 .iter()
                 .filter(of_edge)
@@ -256,7 +256,7 @@ fn after_a_thousand_edges_with_faults_each_further_one_has_one() {
     let path: Vec<[f64; 3]> = (0..5000).map(|i| [f64::from(i % 2) * 0.01, 0.0, 0.0]).collect();
     let verification = judged(bodies, &path);
     let count = |edge: usize| {
-        verification.violations.iter().filter(|v| v.edge() == edge && v.kind() == "contact").count()
+        verification.violations.iter().filter(|v| v.at.edge == edge && v.kind() == "contact").count()
     };
     assert_eq!((count(0), count(999), count(4998)), (2, 2, 1));
 }
@@ -303,7 +303,7 @@ fn a_path_of_one_way_point_is_judged_like_any_other() {
     assert_eq!(only(&sunk).kind(), "contact");
     assert!((number(only(&sunk), "depth_m") - 0.03).abs() < 1e-9);
     let elsewhere = judged(Vec::new(), &[FROM]);
-    assert_eq!((only(&elsewhere).kind(), only(&elsewhere).edge()), ("goal", 0));
+    assert_eq!((only(&elsewhere).kind(), only(&elsewhere).at.edge), ("goal", 0));
 }
 
 /// `FROM` to `TO`, 1 m apart, in so many steps.
@@ -320,7 +320,7 @@ fn under_paper_only_way_points_between_start_and_goal_are_checked() {
     // A plate that the fourth way point touches with its surface.
     let plate = || block("plate", [-0.2, 0.0, 0.0], [0.001, 0.2, 0.2]);
     let verification = judge(vec![plate()], &in_steps(10));
-    assert_eq!((only(&verification).kind(), only(&verification).edge()), ("contact", 3));
+    assert_eq!((only(&verification).kind(), only(&verification).at.edge), ("contact", 3));
     // At start and goal it does not matter.
     for x in [-0.5, 0.5] {
         assert!(judge(vec![block("plate", [x, 0.0, 0.0], [0.001, 0.02, 0.02])], &in_steps(10)).valid);
@@ -333,7 +333,7 @@ fn under_paper_a_step_beyond_the_released_one_is_told() {
     let mut path = in_steps(10);
     path.remove(4);
     let verification = verify_path(&problem, &path);
-    assert_eq!((only(&verification).kind(), only(&verification).edge()), ("step", 3));
+    assert_eq!((only(&verification).kind(), only(&verification).at.edge), ("step", 3));
     assert_eq!(kinds(&verify_path(&problem, &in_steps(8))), ["step"; 8]);
 }
 

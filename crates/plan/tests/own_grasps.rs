@@ -3,7 +3,8 @@
 use cranny_collision::PairGroup;
 use cranny_grasp::GraspSet;
 use cranny_plan::{
-    Audit, Budget, FailureReason, Goal, OwnGrasp, PlanError, Problem, Registry, Unobserved, Violation, audit,
+    Audit, Budget, Cause, FailureReason, Goal, OwnGrasp, PlanError, Problem, Registry, Unobserved, Violation,
+    audit,
 };
 use cranny_robot::Hold;
 use cranny_spatial::Pose;
@@ -61,7 +62,9 @@ fn pads_that_meet_a_rib_each_hold_nothing_unless_the_ribs_are_opposite() {
     assert!(opposite.valid, "{:?}", opposite.violations);
     assert!(opposite.own_grasp.is_some_and(|grasp| grasp.score > 1.0 - 1e-9));
     let apart = standing_at(ribbed([0.012, -0.012]), &q);
-    let [Violation::WeakGrasp { score, .. }] = apart.violations[..] else { panic!("{apart:?}") };
+    let [Violation { cause: Cause::WeakGrasp { score, .. }, .. }] = apart.violations[..] else {
+        panic!("{apart:?}")
+    };
     assert!(score <= 0.0, "{score}");
 }
 
@@ -96,18 +99,18 @@ fn the_clearance_of_a_closing_hand_is_that_of_its_whole_sweep() {
 fn a_grasp_that_is_none_is_a_violation() {
     let first = |audit: Audit| audit.violations.into_iter().next().expect("a violation");
     let weak = standing_at(still_life(), &at_object(0.2, [0.0; 3]));
-    assert!(matches!(first(weak), Violation::WeakGrasp { score, .. } if (0.1..0.2).contains(&score)));
+    assert!(matches!(first(weak).cause, Cause::WeakGrasp { score, .. } if (0.1..0.2).contains(&score)));
     // The ends of the pads hold it, whatever their middles meet.
     assert!(standing_at(still_life(), &at_object(0.0, [-0.03, 0.0, 0.0])).valid);
     let beside = standing_at(still_life(), &at_object(0.0, [-0.045, 0.0, 0.0]));
     let nothing = FailureReason::ClosesOnNothing;
-    assert!(matches!(first(beside), Violation::Grip { reason, .. } if reason == nothing));
+    assert!(matches!(first(beside).cause, Cause::Grip { reason } if reason == nothing));
     // What a finger meets between where it stands open and the object.
     let [x, y, z] = OBJECT;
     let mut bodies = still_life();
     bodies.push(block("peg", [x + 0.02, y + 0.027, z + 0.005], [0.003, 0.002, 0.003]));
     let blocked = first(standing_at(bodies, &at_object(0.0, [0.0; 3])));
-    let Violation::Grip { reason: FailureReason::ClosingCollides { second, .. }, .. } = blocked else {
+    let Cause::Grip { reason: FailureReason::ClosingCollides { second, .. } } = blocked.cause else {
         panic!("{blocked:?}");
     };
     assert_eq!(second, "peg");
@@ -127,7 +130,7 @@ fn each_finger_is_proven_up_to_where_it_touches() {
     let mut bodies = still_life();
     bodies.push(block("peg", [x + 0.02, y + 0.02, z + 0.005], [0.003, 0.002, 0.003]));
     let blocked = standing_at(bodies, &q);
-    let [Violation::Grip { reason: FailureReason::ClosingCollides { second, .. }, .. }] =
+    let [Violation { cause: Cause::Grip { reason: FailureReason::ClosingCollides { second, .. } }, .. }] =
         &blocked.violations[..]
     else {
         panic!("{blocked:?}");
@@ -156,7 +159,11 @@ fn what_is_said_of_a_grasp_must_be_so() {
         OwnGrasp { world_from_gripper: nowhere, ..truth },
     ] {
         let audit = judged.clone().with_said_grasps(&[(0, lie)]);
-        assert!(!audit.valid && matches!(audit.violations[..], [Violation::SaidGrasp { .. }]), "{lie:?}");
+        assert!(
+            !audit.valid
+                && matches!(audit.violations[..], [Violation { cause: Cause::SaidGrasp { .. }, .. }]),
+            "{lie:?}"
+        );
         assert!(audit.violations[0].to_string().contains("said"), "{lie:?}");
     }
 }

@@ -1,4 +1,5 @@
 use cranny_plan::Stage;
+use cranny_spatial::Pose;
 
 /// A task of a scenario that has a name.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -7,4 +8,13 @@ pub struct NamedTask {
     pub name: String,
     /// The stages.
     pub stages: Vec<Stage>,
+}
+
+impl NamedTask {
+    /// The same in a frame in which the one that it is in has this pose.
+    #[must_use]
+    pub fn seen_from(&self, new_from_old: &Pose) -> Self {
+        let stages = self.stages.iter().map(|stage| stage.seen_from(new_from_old)).collect();
+        Self { name: self.name.clone(), stages }
+    }
 }

@@ -2,7 +2,7 @@
 
 use cranny_collision::Margins;
 use cranny_plan::{
-    Audit, AuditSettings, Clearances, FailureReason, Mode, Move, Outcome, Problem, Stage, Unobserved,
+    Audit, AuditSettings, Cause, Clearances, FailureReason, Mode, Move, Outcome, Problem, Stage, Unobserved,
     Violation,
 };
 use cranny_scenario::{OpenOptions, PlanFile, PlanSource, Scenario};
@@ -114,7 +114,7 @@ fn a_plan_file_of_a_task_is_read_and_judged_and_lies_are_seen() {
     missed.segments[1].waypoints[0] = above;
     let violations = audit_of(&missed, &problem).violations;
     let nothing = |violation: &Violation| {
-        matches!(violation, Violation::Grip { reason: FailureReason::ClosesOnNothing, .. })
+        matches!(violation.cause, Cause::Grip { reason: FailureReason::ClosesOnNothing })
     };
     assert!(violations.iter().any(nothing), "{violations:?}");
 }

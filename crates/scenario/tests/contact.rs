@@ -209,7 +209,7 @@ fn a_rectangle_is_level_in_the_scene_however_the_robot_stands() {
         Scenario::open(folder.path().to_str().unwrap(), &OpenOptions::default()).map(|scenario| {
             let carrier = Carrier::new(&problem(&scenario, 0.0), LiftOffSettings::default()).unwrap();
             let goal = scenario.places[0].clone();
-            Placer::new(&carrier, &goal, CLEAR_M).unwrap().with_placements(0).placements(None).count()
+            Placer::new(&carrier, &goal, CLEAR_M).unwrap().with_placements(0).placements().count()
         })
     };
     assert!(places("[0, 0, 20]").unwrap() > 0);

@@ -1,6 +1,6 @@
 //! Statements of a plan file besides its path are measured; one that differs is false, or is named.
 
-use cranny_plan::{AuditSettings, Problem, Segment, Stage, Unobserved, Violation};
+use cranny_plan::{AuditSettings, Cause, Problem, Segment, Stage, Unobserved, Violation};
 use cranny_scenario::{Judgement, OpenOptions, PlanFile, PlanSource, Scenario, ScenarioError};
 use cranny_solve::{Request, Timing, solve};
 use serde_json::{Value, json};
@@ -84,9 +84,9 @@ fn what_is_left_out_makes_no_other_statement_true() {
         read(plan).unwrap().judge(&source, &problem, AuditSettings::default()).unwrap().unwrap()
     };
     let keys = |found: &Judgement| -> Vec<String> {
-        let keys = |violation: &Violation| match violation {
-            Violation::Statement { key, .. } => key.clone(),
-            other => panic!("{other}"),
+        let keys = |violation: &Violation| match &violation.cause {
+            Cause::Statement { key, .. } => key.clone(),
+            other => panic!("{other:?}"),
         };
         found.audit.violations.iter().map(keys).collect()
     };
@@ -210,7 +210,7 @@ fn ends_and_times_that_no_path_can_have_are_refused() {
     refused(changed(&plan, "/task/1/move", json!([[0.0]])), "moves to no configuration");
     refused(
         changed(&plan, "/task/1", json!({"move": "away"})),
-        "'move' is 'home', 'clear' or configurations",
+        "'move' is 'home', 'clear', configurations or a region",
     );
     refused(changed(&plan, "/task/1", json!({"move": "home", "place": "x"})), "a stage has one of");
     refused(

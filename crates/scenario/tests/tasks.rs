@@ -1,11 +1,12 @@
 //! Tasks of several stages: their plans, what files state of them, and plans of earlier formats.
 
 use cranny_collision::Margins;
-use cranny_plan::{AuditSettings, Outcome, Pick, Stage, Unobserved, Violation};
+use cranny_plan::{AuditSettings, Move, Outcome, Pick, Region, Stage, Unobserved, Violation};
 use cranny_scenario::{
     Ask, Judgement, OpenOptions, PlanFile, PlanSource, STEPS, Scenario, TaskWord, sequences,
 };
 use cranny_solve::{PoseRadius, solve};
+use cranny_spatial::{Pose, Vector};
 
 fn solved(id: &str, ask: &Ask) -> (Scenario, PlanFile) {
     let scenario = Scenario::open(id, &OpenOptions::default()).unwrap();
@@ -25,7 +26,7 @@ fn steps() -> Ask {
 
 fn judged(scenario: &Scenario, plan: &PlanFile) -> Judgement {
     let source = PlanSource {
-        scenario: scenario.id.clone(),
+        scenario: plan.scenario.clone(),
         margins: plan.margins,
         grasps: plan.given_grasps(),
         ..PlanSource::default()
@@ -118,4 +119,63 @@ fn another_body_becomes_the_target() {
     assert_eq!(column.target_physics().mass_kg, Some(0.15));
     assert!(scenario.with_target("vase").unwrap_err().to_string().contains("vase"));
     assert!(scenario.task("tidy").unwrap_err().to_string().contains("'steps'"));
+}
+
+/// A scenario of `examples/tasks`.
+fn example(name: &str) -> String {
+    format!("{}/../../examples/tasks/{name}", env!("CARGO_MANIFEST_DIR"))
+}
+
+#[test]
+fn objects_are_put_so_that_there_is_room_for_the_later_ones() {
+    for name in ["ledge", "row", "tray"] {
+        let (scenario, plan) = solved(&example(name), &steps());
+        assert!(judged(&scenario, &plan).audit.valid, "{name}");
+    }
+}
+
+#[test]
+fn an_object_is_brought_into_a_region_of_poses() {
+    let ask = Ask { task: Some(TaskWord::Named("sort".to_owned())), ..Ask::default() };
+    let (scenario, mut plan) = solved(&example("sort"), &ask);
+    assert!(judged(&scenario, &plan).audit.valid);
+    let Stage::Move(Move::Region(region)) = &plan.task[5] else { panic!("{:?}", plan.task) };
+    // The scene turns the robot by 90°.
+    let middle = region.pose.translation.vector;
+    assert!((middle.x - 0.5).abs() < 1e-9 && middle.y.abs() < 1e-9, "{middle}");
+    let up = Region { pose: Pose::translation(0.0, 0.0, 0.3) * region.pose, ..region.clone() };
+    plan.task[5] = Stage::Move(Move::Region(up));
+    plan.task_name = None;
+    let judged = judged(&scenario, &plan);
+    assert!(judged.audit.violations.iter().any(|violation| violation.kind() == "goal"), "{judged:?}");
+}
+
+#[test]
+fn the_hand_is_moved_to_a_pose_and_to_none_that_is_no_pose() {
+    let scenario = Scenario::open("021", &OpenOptions::default()).unwrap();
+    let to = |row: &str| serde_json::from_str::<Stage>(&format!("{{\"move\": {row}}}"));
+    let stage = to(r#"{"hand": {"position": [0.4, 0.2, 0.6], "quaternion_xyzw": [1, 0, 0, 0]}}"#).unwrap();
+    let ask = Ask { task: Some(TaskWord::Stages(vec![stage, Stage::home()])), ..Ask::default() };
+    let problem = scenario.problem(Margins::default()).unwrap();
+    let (request, _) = ask.request(&problem, Some(&scenario)).unwrap();
+    let answer = solve(&problem, &request, &mut Unobserved).unwrap();
+    assert!(answer.is_solved(), "{:?}", answer.outcome);
+    let robot = problem.robot();
+    let there = answer.segments[0].waypoints.last().unwrap();
+    let tip = *robot.frames_at(there).link(robot.tip());
+    assert!((tip.translation.vector - Vector::new(0.4, 0.2, 0.6)).norm() < 1e-4, "{tip}");
+    for (row, why) in [
+        (r#"{"hand": {"quaternion_xyzw": [0, 0, 0, 0]}}"#, "no rotation"),
+        (r#"{"hand": {}, "object": {}}"#, "either"),
+        (r#"{"hand": {}, "within_deg": 200}"#, "within_deg"),
+        (r#"{"hand": {}, "within_m": [-1, 0, 0]}"#, "within_m"),
+        ("\"away\"", "'away'"),
+    ] {
+        let error = to(row).unwrap_err().to_string();
+        assert!(error.contains(why), "{row}: {error}");
+    }
+    let held = to(r#"{"object": {"position": [0.4, 0.2, 0.6]}}"#).unwrap();
+    let ask = Ask { task: Some(TaskWord::Stages(vec![held])), ..Ask::default() };
+    let error = ask.request(&problem, Some(&scenario)).unwrap_err().to_string();
+    assert!(error.contains("nothing is in the hand"), "{error}");
 }

@@ -1,4 +1,5 @@
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::time::Instant;
 
 use cranny_plan::{
@@ -8,6 +9,7 @@ use cranny_plan::{
 use cranny_spatial::Pose;
 
 use crate::effort::{Effort, Stop};
+use crate::look_ahead::LookAhead;
 use crate::onward::{Towards, Way, onward};
 use crate::place_search::{PlaceSearch, PutDowns, Spoiled};
 use crate::{Request, SolveError};
@@ -20,6 +22,9 @@ type Through = Result<Vec<Piece>, FailureReason>;
 
 /// Ends of a motion that are tried before the stage is given up.
 const MOST_ENDS: usize = 4;
+
+/// Number of grasps after whose refusal, one and all, a later object is given up: another placement before it may allow some.
+const MOST_REFUSED: u32 = 24;
 
 /// The search for a way through the stages of a task: depth first, with backtracking over all stages.
 ///
@@ -35,7 +40,9 @@ pub(crate) struct Chain<'a> {
     problem: &'a Problem,
     stages: &'a [Stage],
     request: &'a Request,
+    start: State,
     effort: Effort,
+    ahead: LookAhead,
     failures: Vec<GraspFailure>,
     /// By stage.
     spoiled: Vec<Spoiled>,
@@ -54,12 +61,17 @@ struct Held<'a> {
 }
 
 impl<'a> Chain<'a> {
-    pub fn new(problem: &'a Problem, stages: &'a [Stage], request: &'a Request) -> Self {
+    /// # Errors
+    /// [`PlanError::NothingToCarry`] under `paper`, and those of [`LookAhead::new`].
+    pub fn new(problem: &'a Problem, stages: &'a [Stage], request: &'a Request) -> Result<Self, PlanError> {
+        let start =
+            State::start(problem).ok_or(PlanError::NothingToCarry { needs: "the exact criterion" })?;
         let places = stages.iter().any(|stage| matches!(stage, Stage::Place(_)));
         let effort = Effort::new((request.seed, request.budget.time), places);
         let (spoiled, begun) = (vec![Spoiled::new(); stages.len()], vec![0; stages.len()]);
         let (failures, outcome) = (Vec::new(), Outcome::BudgetExhausted);
-        Self { problem, stages, request, effort, failures, spoiled, begun, outcome }
+        let ahead = LookAhead::new(problem, stages, &start, request.seed)?;
+        Ok(Self { problem, stages, request, start, effort, ahead, failures, spoiled, begun, outcome })
     }
 
     /// The report of all searches together, and the pieces of a way, if there is one.
@@ -69,8 +81,7 @@ impl<'a> Chain<'a> {
         observer: &mut dyn Observer,
     ) -> Result<(PlanReport, Vec<Piece>), SolveError> {
         let begin = Instant::now();
-        let start =
-            State::start(self.problem).ok_or(PlanError::NothingToCarry { needs: "the exact criterion" })?;
+        let start = self.start.clone();
         let picks = self.stages.iter().filter(|stage| matches!(stage, Stage::Pick(_))).count();
         let found = loop {
             let found = self.first(planner, &start, observer)?;
@@ -119,14 +130,14 @@ impl<'a> Chain<'a> {
     ) -> Result<Through, SolveError> {
         match (self.stages.get(index), held) {
             (None, _) => Ok(Ok(Vec::new())),
+            (Some(_), _) if self.effort.left().is_zero() => Ok(Err(FailureReason::NotTried)),
             (Some(Stage::Move(goal)), _) => self.move_on((index, goal), state, held, observer),
             (Some(Stage::Place(place)), Some(held)) => self.place((index, place), state, held, observer),
             (Some(Stage::Place(_)), None) => Ok(Err(FailureReason::NoPlace)),
             (Some(Stage::Pick(pick)), _) => {
                 let planner = self.request.planner_for(&state.picking(self.problem, pick)?)?;
-                let budget = self.effort.next_budget();
-                let picked =
-                    self.pick((index, pick), (planner.as_ref(), budget), state, &mut Stop(observer))?;
+                let budget = self.effort.next_pick_budget();
+                let picked = self.pick((index, pick), (planner.as_ref(), budget), state, observer)?;
                 Ok(picked.map_err(|because| match because {
                     FailureReason::Later { .. } => because,
                     because => FailureReason::Later { stage: index, because: Box::new(because) },
@@ -152,17 +163,30 @@ impl<'a> Chain<'a> {
             Some(carrier) => self.places_after(index, carrier)?,
             None => None,
         };
+        let refusals = Arc::new(Refusals::default());
         let asked = match &carrier {
             Some(carrier) => {
-                picking.clone().with_grasp_filter(self.grasp_filter(index, carrier, places.as_ref()))
+                let filter = self.grasp_filter(index, carrier, places.as_ref());
+                let refusals = refusals.clone();
+                picking.clone().with_grasp_filter(GraspFilter::new(move |tip| refusals.counted(filter(tip))))
             }
             None => picking.clone(),
         };
+        let patience = if index == 0 { usize::MAX } else { self.effort.patience() };
         let seed = self.next_seed(index);
+        let budget = Budget { time: self.effort.left(), ..budget };
         let mut search = begin_search(planner, &asked, &budget, seed)?;
         let mut failed: Vec<(Pose, FailureReason)> = Vec::new();
         loop {
-            let report = search.next(observer)?;
+            let mut report = if index == 0 {
+                search.next(observer)?
+            } else {
+                let mut stop = Stop { observer, is_hopeless: &|| refusals.are_all() };
+                search.next(&mut stop)?
+            };
+            if refusals.are_all() && report.outcome == Outcome::Cancelled {
+                report.outcome = Outcome::BudgetExhausted;
+            }
             if report.outcome != Outcome::Solved {
                 self.effort
                     .count(&report.statistics, if index > 0 { report.outcome } else { Outcome::Solved });
@@ -187,6 +211,10 @@ impl<'a> Chain<'a> {
                 Err(reason) => {
                     let robot = self.problem.robot();
                     failed.push((*robot.frames_at(&reached.q).link(robot.tip()), reason));
+                    if failed.len() >= patience {
+                        self.effort.count(&report.statistics, Outcome::BudgetExhausted);
+                        return Ok(Err(self.not_picked(index, &picking, report, failed)));
+                    }
                     search.reject();
                 }
             }
@@ -251,8 +279,9 @@ impl<'a> Chain<'a> {
         state: &State,
         observer: &mut dyn Observer,
     ) -> Result<Through, SolveError> {
-        let Some(ends) = goal.ends(self.problem) else {
-            return self.move_on((0, goal), state, None, observer);
+        let ends = match (goal.ends(self.problem), Towards::of(goal, None)) {
+            (None, Some(towards)) => towards.goals(&self.effort, state),
+            (ends, _) => ends.unwrap_or_default(),
         };
         let problem = state.moving(ends)?;
         let seed = self.next_seed(0);
@@ -294,12 +323,7 @@ impl<'a> Chain<'a> {
         let mut ends = goal.ends(self.problem);
         let mut reason = FailureReason::NotMoved;
         for _ in 0..MOST_ENDS {
-            let towards = match (&ends, goal) {
-                (Some(ends), _) if ends.is_empty() => break,
-                (Some(ends), _) => Towards::Ends(ends),
-                (None, Move::Clear { clear_m }) => Towards::Clear(*clear_m),
-                (None, _) => break,
-            };
+            let Some(towards) = Towards::of(goal, ends.as_deref()) else { break };
             let (path, problem): Way = match onward(&mut self.effort, state, led, &towards, observer) {
                 Ok(way) => way,
                 Err(_) if mode == Mode::RETURN => return Ok(Err(FailureReason::NotReturned)),
@@ -335,12 +359,7 @@ impl<'a> Chain<'a> {
     ) -> Result<Through, SolveError> {
         let places = match &held.places {
             Some(places) => places.clone(),
-            None => Arc::new(PlaceSearch::new(
-                self.problem,
-                held.carrier,
-                (place, &self.stages[index + 1..]),
-                self.effort.seed,
-            )?),
+            None => Arc::new(self.places_of(index, place, held.carrier)?),
         };
         let mut put_downs = PutDowns::new(&places, state, held.led);
         loop {
@@ -379,8 +398,16 @@ impl<'a> Chain<'a> {
         let Some((next, Stage::Place(place))) = next.map(|next| (next, &self.stages[next])) else {
             return Ok(None);
         };
-        let after = &self.stages[next + 1..];
-        Ok(Some(Arc::new(PlaceSearch::new(self.problem, carrier, (place, after), self.effort.seed)?)))
+        Ok(Some(Arc::new(self.places_of(next, place, carrier)?)))
+    }
+
+    fn places_of(
+        &self,
+        index: usize,
+        place: &PlaceAt,
+        carrier: &Arc<Carrier>,
+    ) -> Result<PlaceSearch, PlanError> {
+        PlaceSearch::new(self.problem, carrier, (index, place), &self.ahead, &self.effort)
     }
 
     /// The filter of grasps with which the object cannot be where it is to go.
@@ -389,20 +416,20 @@ impl<'a> Chain<'a> {
         index: usize,
         carrier: &Arc<Carrier>,
         places: Option<&Arc<PlaceSearch>>,
-    ) -> GraspFilter {
+    ) -> impl Fn(&Pose) -> Option<FailureReason> + Send + Sync + use<> {
         let (carrier, places) = (carrier.clone(), places.cloned());
         let moves = self.stages[index + 1..].iter().map_while(|stage| match stage {
             Stage::Move(goal) => Some(goal.ends(self.problem)),
             Stage::Pick(_) | Stage::Place(_) => None,
         });
         let ends: Vec<Vec<Vec<f64>>> = moves.flatten().collect();
-        GraspFilter::new(move |world_from_tip| {
+        move |world_from_tip| {
             places.as_ref().and_then(|places| places.blocked_at(world_from_tip)).or_else(|| {
                 let [first, second] =
                     ends.iter().find_map(|ends| carrier.blocked_at(world_from_tip, ends))?;
                 Some(FailureReason::EndBlocked { first, second })
             })
-        })
+        }
     }
 
     /// The seed of the next search of a stage.
@@ -410,6 +437,28 @@ impl<'a> Chain<'a> {
         let number = self.begun[index];
         self.begun[index] += 1;
         self.effort.seed_of(number)
+    }
+}
+
+/// Verdicts on the grasps of a pick, counted.
+#[derive(Default)]
+struct Refusals {
+    refused: AtomicU32,
+    is_any_left: AtomicBool,
+}
+
+impl Refusals {
+    fn counted(&self, fault: Option<FailureReason>) -> Option<FailureReason> {
+        match &fault {
+            Some(_) => _ = self.refused.fetch_add(1, Ordering::Relaxed),
+            None => self.is_any_left.store(true, Ordering::Relaxed),
+        }
+        fault
+    }
+
+    /// True if many were refused, and none was not.
+    fn are_all(&self) -> bool {
+        self.refused.load(Ordering::Relaxed) >= MOST_REFUSED && !self.is_any_left.load(Ordering::Relaxed)
     }
 }
 

@@ -11,6 +11,11 @@ const SEARCHES_PER_DOUBLING: u32 = 8;
 /// found soon: to look long from few is worse than to look shortly from many.
 const PLACE_ITERATIONS: u64 = 500;
 
+/// Length of the searches for a later object, as a multiple of those for a way on from a grasp.
+const PICK_SHARE: u64 = 8;
+/// Grasps of a later object from which nothing leads on after which the shortest searches give it up.
+const MOST_GRASPS: u64 = 2;
+
 /// Budget and account of the searches of a task after its first stage.
 pub(crate) struct Effort {
     pub seed: u64,
@@ -50,6 +55,17 @@ impl Effort {
         Budget { iterations, time: self.left() }
     }
 
+    /// Budget of the next search for a later object.
+    pub fn next_pick_budget(&self) -> Budget {
+        let budget = self.next_budget();
+        Budget { iterations: budget.iterations.saturating_mul(PICK_SHARE), ..budget }
+    }
+
+    /// Number of grasps of a later object from which nothing may lead on before it is given up.
+    pub fn patience(&self) -> usize {
+        usize::try_from(MOST_GRASPS * luby(self.exhausted + 1)).unwrap_or(usize::MAX)
+    }
+
     /// Adds the cost of a search to the account.
     pub fn count(&mut self, statistics: &Statistics, outcome: Outcome) {
         self.spent = self.spent.with(statistics);
@@ -63,7 +79,8 @@ impl Effort {
         observer: &dyn Observer,
     ) -> Result<Option<Vec<Vec<f64>>>, PlanError> {
         let planner = default_planner(problem);
-        let report = search(planner.as_ref(), problem, &self.next_budget(), self.seed, &mut Stop(observer))?;
+        let mut stop = Stop { observer, is_hopeless: &|| false };
+        let report = search(planner.as_ref(), problem, &self.next_budget(), self.seed, &mut stop)?;
         self.count(&report.statistics, report.outcome);
         Ok((report.outcome == Outcome::Solved).then_some(report.path))
     }
@@ -74,12 +91,15 @@ impl Effort {
     }
 }
 
-/// Passes on nothing but that the search should stop.
-pub(crate) struct Stop<'a>(pub &'a dyn Observer);
+/// Passes on nothing but that the search should stop, which it also should where it has become hopeless.
+pub(crate) struct Stop<'a> {
+    pub observer: &'a dyn Observer,
+    pub is_hopeless: &'a dyn Fn() -> bool,
+}
 
 impl Observer for Stop<'_> {
     fn should_stop(&self) -> bool {
-        self.0.should_stop()
+        self.observer.should_stop() || (self.is_hopeless)()
     }
 }
 

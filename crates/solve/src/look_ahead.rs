@@ -1,66 +1,103 @@
 use std::sync::Arc;
 
-use cranny_plan::{
-    Carrier, LiftOffSettings, Pick, PlaceAt, Placement, Placer, PlanError, Problem, Stage, State,
-};
+use cranny_collision::Cell;
+use cranny_plan::{Carrier, LiftOffSettings, Pick, Placement, Placer, PlanError, Problem, Stage, State};
 use cranny_spatial::Pose;
 
-/// Draws of the next place that are looked at for one where its object can be.
-const MOST_DRAWS: usize = 64;
+/// Draws of the place of each later object that are looked at.
+const DRAWS: u32 = 64;
+/// Placements of later objects that are looked at for one placement.
+const MOST_LOOKS: u32 = 400;
 
-/// Conditions under which the next pick after a place, and the place of that object, may be possible once an object stands
-/// at a placement: no configuration is looked for.
+/// Conditions under which the picks and places that are still to come may be possible: no configuration is looked for.
 pub(crate) struct LookAhead {
     problem: Problem,
-    carrier: Arc<Carrier>,
+    /// In the order of the task, from the second pick on.
+    nexts: Vec<Next>,
+}
+
+/// A later pick.
+struct Next {
+    /// Its index among the stages.
+    stage: usize,
     pick: Pick,
-    /// The next object in the hand, and where it is put down.
-    next: Option<(Carrier, Option<Placer>)>,
+    body: usize,
+    /// True if one of the given grasps has to be free.
+    has_grasps: bool,
+    /// The object in the hand, as it is at the start, and where it is put down, if it is.
+    carrier: Carrier,
+    placer: Option<Placer>,
 }
 
 impl LookAhead {
-    /// Of the stages after a place of what a carrier carries; `None` where nothing is picked after it.
-    pub fn of(
-        problem: &Problem,
-        after: &[Stage],
-        carrier: &Arc<Carrier>,
-        seed: u64,
-    ) -> Result<Option<Self>, PlanError> {
-        let mut after = after.iter().filter(|stage| !matches!(stage, Stage::Move(_)));
-        let Some(Stage::Pick(pick)) = after.next() else { return Ok(None) };
-        let then = match after.next() {
-            Some(Stage::Place(place)) => Some(place),
-            _ => None,
-        };
-        let (problem, carrier, pick) = (problem.clone(), carrier.clone(), pick.clone());
-        let ahead = Self { problem, carrier, pick, next: None };
-        // What is the same in every world is made in the present one.
-        let now = ahead.picking(&ahead.carrier.world_from_object())?;
-        let next = Carrier::new(&now, LiftOffSettings::default()).ok();
-        let with_place = |next: Carrier| -> Result<(Carrier, Option<Placer>), PlanError> {
-            let Some(PlaceAt { place, clear_m }) = then else { return Ok((next, None)) };
-            let placer = Placer::new(&next, ahead.problem.place(place)?, *clear_m)?.with_placements(seed);
-            Ok((next, Some(placer)))
-        };
-        let next = next.map(with_place).transpose()?;
-        Ok(Some(Self { next, ..ahead }))
+    /// Of the stages of a task; what is the same in every world is made here.
+    ///
+    /// # Errors
+    /// Those of [`State::picking`] and [`Placer::new`].
+    pub fn new(problem: &Problem, stages: &[Stage], start: &State, seed: u64) -> Result<Self, PlanError> {
+        let mut picks = stages.iter().enumerate().filter(|(_, stage)| !matches!(stage, Stage::Move(_)));
+        let mut nexts = Vec::new();
+        picks.find(|(_, stage)| matches!(stage, Stage::Pick(_)));
+        while let Some((stage, of)) = picks.next() {
+            let Stage::Pick(pick) = of else { continue };
+            let picking = start.picking(problem, pick)?;
+            let Ok(carrier) = Carrier::new(&picking, LiftOffSettings::default()) else { break };
+            let placer = match picks.clone().next() {
+                Some((_, Stage::Place(place))) => {
+                    let placer = Placer::new(&carrier, problem.place(&place.place)?, place.clear_m)?;
+                    Some(placer.with_aligned_draws(seed, DRAWS))
+                }
+                _ => None,
+            };
+            let (pick, body) = (pick.clone(), pick.body(problem)?);
+            let has_grasps = problem.target() == Some(body) && problem.grasps().is_some();
+            nexts.push(Next { stage, pick, body, has_grasps, carrier, placer });
+        }
+        Ok(Self { problem: problem.clone(), nexts })
     }
 
-    /// True unless the next pick, or its place, is known to be impossible.
-    pub fn is_hopeful(&self, placement: &Placement) -> bool {
-        let Ok(picking) = self.picking(&placement.world_from_held) else { return false };
-        if !picking.may_be_grasped() {
-            return false;
+    /// True if an object is picked after a stage.
+    pub fn is_needed_after(&self, stage: usize) -> bool {
+        self.nexts.last().is_some_and(|next| next.stage > stage)
+    }
+
+    /// True unless the later picks, and the places of their objects, are found to be impossible once the object of a carrier
+    /// stands at a placement of a stage.
+    pub fn is_hopeful(
+        &self,
+        (stage, carrier): (usize, &Carrier),
+        placement: &Placement,
+        looks: &mut u32,
+    ) -> bool {
+        let after = self.nexts.partition_point(|next| next.stage <= stage);
+        let mut own = MOST_LOOKS.min(*looks);
+        *looks -= own;
+        let fits = own > 0 && self.fits(&self.nexts[after..], carrier, &placement.world_from_held, &mut own);
+        *looks += own;
+        fits
+    }
+
+    /// True if there are placements of all these objects after that of a carrier is let go at a pose of its first solid.
+    fn fits(&self, nexts: &[Next], carrier: &Carrier, world_from_held: &Pose, looks: &mut u32) -> bool {
+        let Some((next, later)) = nexts.split_first() else { return true };
+        let start = self.problem.start();
+        let Ok(placed) = State::after_letting_go(carrier, world_from_held, start) else { return false };
+        if next.has_grasps {
+            let picking = placed.picking(&self.problem, &next.pick);
+            if !picking.is_ok_and(|picking| picking.may_be_grasped()) {
+                return false;
+            }
         }
-        let (Some((next, placer)), Some(cell)) = (&self.next, picking.cell()) else { return true };
-        next.amid(cell).is_ok_and(|next| {
-            placer.as_ref().is_none_or(|placer| placer.amid(&next).has_placement(MOST_DRAWS))
+        let Some(placer) = &next.placer else { return true };
+        let Ok(carrier) = next.carrier.amid(&to_grasp(placed.empty_cell(), next.body)) else { return false };
+        let placer = placer.amid(&carrier);
+        placer.placements().any(|(_, placement)| {
+            *looks = looks.saturating_sub(1);
+            *looks > 0 && self.fits(later, &carrier, &placement.world_from_held, looks)
         })
     }
+}
 
-    /// The problem of the next pick with the object at a pose of its first solid.
-    fn picking(&self, world_from_held: &Pose) -> Result<Problem, PlanError> {
-        let placed = State::after_letting_go(&self.carrier, world_from_held, self.problem.start())?;
-        placed.picking(&self.problem, &self.pick)
-    }
+fn to_grasp(cell: &Arc<Cell>, body: usize) -> Arc<Cell> {
+    cell.to_grasp(body, cell.margins()).ok().flatten().map_or_else(|| cell.clone(), Arc::new)
 }

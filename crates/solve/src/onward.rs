@@ -1,6 +1,7 @@
-use cranny_plan::{FailureReason, Observer, PlanError, Problem, State};
-use cranny_robot::{between, distance};
-use cranny_spatial::Stream;
+use cranny_collision::Cell;
+use cranny_plan::{FailureReason, Move, Observer, PlanError, Problem, Region, State};
+use cranny_robot::{IkSearch, IkSearchSettings, IkSettings, between, distance};
+use cranny_spatial::{Pose, Stream};
 
 use crate::effort::Effort;
 
@@ -15,6 +16,13 @@ const FARTHEST_DRAW: f64 = 3.0;
 /// Step in joint space (m, rad) at which a path is tested for being clear.
 const LOOK_EVERY: f64 = 0.05;
 
+/// Random starts of inverse kinematics at a pose.
+const ATTEMPTS: usize = 32;
+/// Maximum number of configurations that are tried at one pose.
+const CONFIGURATIONS: usize = 2;
+/// Poses of a region that are tried.
+const MOST_POSES: usize = 64;
+
 /// A path and the problem that it solves.
 pub(crate) type Way = (Vec<Vec<f64>>, Problem);
 
@@ -24,8 +32,34 @@ pub(crate) enum Towards<'a> {
     Ends(&'a [Vec<f64>]),
     /// Anywhere what is in the hand is so far from everything, in metres.
     Clear(f64),
+    /// To any pose of a region.
+    Region(&'a Region),
     /// Where the path that led here began.
     Begin,
+}
+
+impl<'a> Towards<'a> {
+    /// The goal of a move, of whose `ends` these are left if they are counted; `None` where none is left.
+    pub fn of(goal: &'a Move, ends: Option<&'a [Vec<f64>]>) -> Option<Self> {
+        match (ends, goal) {
+            (Some(ends), _) => (!ends.is_empty()).then_some(Self::Ends(ends)),
+            (None, Move::Clear { clear_m }) => Some(Self::Clear(*clear_m)),
+            (None, Move::Region(region)) => Some(Self::Region(region)),
+            (None, Move::Home | Move::Configurations(_)) => None,
+        }
+    }
+}
+
+impl Towards<'_> {
+    /// Configurations that are drawn for it, on from a state to which no path led.
+    pub fn goals(&self, effort: &Effort, state: &State) -> Vec<Vec<f64>> {
+        match self {
+            Self::Ends(ends) => ends.to_vec(),
+            Self::Clear(clear_m) => clear_goals(effort, state, &[], *clear_m).1,
+            Self::Region(region) => region_goals(effort, state, region),
+            Self::Begin => Vec::new(),
+        }
+    }
 }
 
 /// A path on from a state, with what is in the hand. It may join the path `led` that led to the grasp (empty if the arm has
@@ -42,6 +76,7 @@ pub(crate) fn onward(
     let not_moved = |_: PlanError| failed.clone();
     let (back, others) = match towards {
         Towards::Clear(clear_m) => clear_goals(effort, state, led, *clear_m),
+        Towards::Region(region) => (Vec::new(), region_goals(effort, state, region)),
         Towards::Begin => (state.free_along(led), Vec::new()),
         Towards::Ends(ends) if led.first().is_some_and(|begin| ends.contains(begin)) => {
             (state.free_along(led), ends.to_vec())
@@ -59,7 +94,7 @@ pub(crate) fn onward(
             until_clear(state, &mut path, *clear_m);
             path[path.len() - 1..].to_vec()
         }
-        Towards::Begin => path[path.len() - 1..].to_vec(),
+        Towards::Begin | Towards::Region(_) => path[path.len() - 1..].to_vec(),
         Towards::Ends(ends) => ends.to_vec(),
     };
     Ok((path, state.moving(ends).map_err(not_moved)?))
@@ -99,6 +134,46 @@ fn clear_goals(
         }
     }
     (Vec::new(), found)
+}
+
+/// Configurations at which what is to be moved is in a region.
+fn region_goals(effort: &Effort, state: &State, region: &Region) -> Vec<Vec<f64>> {
+    let stream = |of: u64| Stream::new(effort.seed_of(of), u64::from(effort.exhausted()));
+    let (cell, mut random) = (state.cell(), stream(1));
+    let mut scratch = cell.scratch();
+    let mut found = Vec::new();
+    for pose in region.draws(stream(0)).take(MOST_POSES) {
+        let Some(world_from_tip) = state.world_from_tip(region.moved, &pose) else { break };
+        let mut is_free = |q: &[f64]| cell.is_free(q, &mut scratch);
+        let search = ik_solutions(cell, &world_from_tip, &[&state.q], &mut random, &mut is_free);
+        found.extend(search.solutions().iter().map(|solution| solution.q.clone()));
+        if found.len() >= ENOUGH_CLEAR {
+            break;
+        }
+    }
+    found
+}
+
+/// Configurations at which the tip has a pose, and that are accepted: at most [`CONFIGURATIONS`], those from `starts` first.
+pub(crate) fn ik_solutions<'a>(
+    cell: &'a Cell,
+    world_from_tip: &Pose,
+    starts: &[&[f64]],
+    random: &mut Stream,
+    accept: &mut dyn FnMut(&[f64]) -> bool,
+) -> IkSearch<'a> {
+    let ik =
+        IkSettings { translation_tolerance_m: 1e-6, rotation_tolerance_rad: 1e-5, ..IkSettings::default() };
+    let settings = IkSearchSettings { ik, ..IkSearchSettings::default() };
+    let mut search = IkSearch::new(cell.robot(), world_from_tip, settings);
+    for start in starts {
+        search.next_from(start, &mut *accept);
+    }
+    while search.solutions().len() < CONFIGURATIONS
+        && search.attempts() < ATTEMPTS
+        && search.next_solution(random, ATTEMPTS, &mut *accept).is_some()
+    {}
+    search
 }
 
 /// Ends a path where the hand is clear for the first time.

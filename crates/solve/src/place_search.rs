@@ -2,25 +2,24 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use cranny_plan::{
-    Carrier, FailureReason, Grip, Observer, PlaceAt, Placement, Placer, PlanError, Problem, Stage, State,
+    Carrier, FailureReason, Grip, Observer, PlaceAt, Placement, Placer, PlanError, Problem, State,
 };
-use cranny_robot::{IkSearch, IkSearchSettings, IkSettings};
 use cranny_spatial::{Pose, Stream};
 
 use crate::effort::Effort;
 use crate::look_ahead::LookAhead;
-use crate::onward::{Towards, Way, onward};
+use crate::onward::{Towards, Way, ik_solutions, onward};
 
-/// Random starts of inverse kinematics at a placement.
-const ATTEMPTS: usize = 32;
-/// Maximum number of configurations that are tried at one placement.
-const CONFIGURATIONS: usize = 2;
 /// Number of descents after which the transfer search starts.
 const ENOUGH_ENDS: usize = 4;
 /// Number of descents from which nothing led on after which the grasp is rejected.
 const MOST_DEAD_ENDS: usize = 4;
-/// Maximum number of places that are looked at where another object is picked after the present one is put down.
-const MOST_DRAWS_AHEAD: u32 = 20_000;
+/// Maximum number of places that are looked at where another object is picked after the present one is put down …
+const MOST_DRAWS_AHEAD: u32 = 2000;
+/// … the number of looks ahead from them …
+const MOST_LOOKS: u32 = 20_000;
+/// … and the number of them after which the task may go on that are enough.
+const ENOUGH_HOPES: usize = 12;
 /// What tells the random starts from other draws of the same seed.
 const STARTS_STREAM: u64 = 0x91ac_e001;
 
@@ -28,7 +27,6 @@ const STARTS_STREAM: u64 = 0x91ac_e001;
 pub(crate) struct PlaceSearch {
     carrier: Arc<Carrier>,
     placer: Placer,
-    look_ahead: Option<LookAhead>,
     home: Vec<f64>,
     seed: u64,
 }
@@ -55,20 +53,28 @@ pub(crate) struct PutDown {
 }
 
 impl PlaceSearch {
-    /// The places of the object of a carrier, before the stages `after`.
+    /// The places of the object of a carrier in a stage.
     pub fn new(
         problem: &Problem,
         carrier: &Arc<Carrier>,
-        (place, after): (&PlaceAt, &[Stage]),
-        seed: u64,
+        (stage, place): (usize, &PlaceAt),
+        ahead: &LookAhead,
+        effort: &Effort,
     ) -> Result<Self, PlanError> {
         let placer = Placer::new(carrier, problem.place(&place.place)?, place.clear_m)?;
-        let look_ahead = LookAhead::of(problem, after, carrier, seed)?;
-        let placer = match &look_ahead {
-            Some(_) => placer.with_draws(seed, MOST_DRAWS_AHEAD),
-            None => placer.with_placements(seed),
+        let placer = if ahead.is_needed_after(stage) {
+            let placer = placer.with_aligned_draws(effort.seed, MOST_DRAWS_AHEAD);
+            let mut looks = MOST_LOOKS;
+            placer.with_first(ENOUGH_HOPES, |placement| {
+                !effort.left().is_zero() && ahead.is_hopeful((stage, carrier), placement, &mut looks)
+            })
+        } else if ahead.is_needed_after(0) {
+            placer.with_aligned_draws(effort.seed, MOST_DRAWS_AHEAD)
+        } else {
+            placer.with_placements(effort.seed)
         };
-        Ok(Self { carrier: carrier.clone(), placer, look_ahead, home: problem.start().to_vec(), seed })
+        let (home, seed) = (problem.start().to_vec(), effort.seed);
+        Ok(Self { carrier: carrier.clone(), placer, home, seed })
     }
 
     /// Why an object that is gripped with the tip at a pose can be let go nowhere.
@@ -87,15 +93,13 @@ impl PlaceSearch {
     ) -> Result<Vec<Descent>, FailureReason> {
         let mut random = Stream::new(self.seed, STARTS_STREAM);
         let (mut descents, mut reason) = (Vec::new(), FailureReason::NoPlace);
-        let is_hopeful = self.look_ahead.as_ref().map(|ahead| |placement: &_| ahead.is_hopeful(placement));
-        let is_hopeful = is_hopeful.as_ref().map(|is_hopeful| is_hopeful as &dyn Fn(&Placement) -> bool);
         let times = |number: &usize| spoiled.get(number).copied().unwrap_or(0);
         let mut sorted = Vec::new();
         if !spoiled.is_empty() {
-            sorted.extend(self.placer.placements(is_hopeful));
+            sorted.extend(self.placer.placements());
             sorted.sort_by_key(|(number, _)| times(number));
         }
-        let unsorted = self.placer.placements(is_hopeful).filter(|_| spoiled.is_empty());
+        let unsorted = self.placer.placements().filter(|_| spoiled.is_empty());
         for (number, placement) in sorted.into_iter().chain(unsorted) {
             match self.descents_to(placement, grip, off, &mut random) {
                 Ok(found) => {
@@ -121,16 +125,6 @@ impl PlaceSearch {
         let world_from_tip = self.placer.tip_at(grip, placement)?;
         let near = placement.grip_near(grip).map_err(|_| FailureReason::NoPlace)?;
         let [near, _] = near.cells();
-        let ik = IkSettings {
-            translation_tolerance_m: 1e-6,
-            rotation_tolerance_rad: 1e-5,
-            ..IkSettings::default()
-        };
-        let mut search = IkSearch::new(
-            near.robot(),
-            &world_from_tip,
-            IkSearchSettings { ik, ..IkSearchSettings::default() },
-        );
         let mut scratch = near.scratch();
         let mut blocked = None;
         let mut accept = |q: &[f64]| {
@@ -140,13 +134,7 @@ impl PlaceSearch {
             blocked = near.first_contact(q, &mut scratch).or(blocked.take());
             false
         };
-        for start in [off, &self.home] {
-            search.next_from(start, &mut accept);
-        }
-        while search.solutions().len() < CONFIGURATIONS
-            && search.attempts() < ATTEMPTS
-            && search.next_solution(random, ATTEMPTS, &mut accept).is_some()
-        {}
+        let search = ik_solutions(near, &world_from_tip, &[off, &self.home], random, &mut accept);
         let mut reason = match &blocked {
             Some(contact) => {
                 let [first, second] = contact.names(near);

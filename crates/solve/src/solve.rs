@@ -209,7 +209,7 @@ fn found_in_stages(
     (stages, request): (&[Stage], &Request),
     observer: &mut dyn Observer,
 ) -> Result<Found, SolveError> {
-    let (report, pieces) = Chain::new(problem, stages, request).search(planner, observer)?;
+    let (report, pieces) = Chain::new(problem, stages, request)?.search(planner, observer)?;
     observer.search_ended();
     let begin = Instant::now();
     let is_found = !pieces.is_empty();

@@ -2,6 +2,7 @@
 
 mod difference;
 mod lanes;
+mod quaternion;
 mod random;
 mod tolerance;
 mod trigonometry;
@@ -11,6 +12,7 @@ pub use lanes::{
     LANES, LaneArray, LaneVector, MOST_TURN_IN_LANES_RAD, SINE_ERROR_IN_LANES, simd_level, simd_level_name,
     simd_levels, sin_cos_lanes,
 };
+pub use quaternion::rotation_from_xyzw;
 pub use random::{Stream, other_seed};
 pub use tolerance::{CONTACT_M, EXACT_ROTATION_RAD, EXACT_TRANSLATION_M, FARTHEST_M, ROUNDING_M};
 pub use trigonometry::sin_cos;

@@ -3,7 +3,7 @@ use std::ops::Range;
 use cranny_collision::{Cell, Collider, Contact, Measuring, Motion, NearestPair, Scratch};
 use cranny_grasp::GraspSet;
 use cranny_robot::{between, distance};
-use cranny_spatial::{CONTACT_M, PoseDifference};
+use cranny_spatial::PoseDifference;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -12,7 +12,8 @@ use crate::path::grasp_judge::GraspJudge;
 use crate::path::step::{RELEASED_STEP_M, Stepper};
 use crate::task::problem::Validity;
 use crate::{
-    Goal, GoalError, JointOffset, NotChecked, OwnGrasp, PickAudit, Place, PlanError, Problem, Violation,
+    Cause, Goal, GoalError, JointOffset, Location, NotChecked, OwnGrasp, PickAudit, PlanError, Problem,
+    Violation,
 };
 
 /// What a judge found in a path.
@@ -80,7 +81,8 @@ impl Audit {
             let way_point = pick.way_point;
             if let Some(measured) = pick.own_grasp.filter(|measured| !measured.is_as_said(said)) {
                 let said_and_measured = Box::new([*said, measured]);
-                self.violations.push(Violation::SaidGrasp { way_point, said_and_measured });
+                let cause = Cause::SaidGrasp { said_and_measured };
+                self.violations.push(Violation::at_way_point(way_point, cause));
                 self.valid = false;
             }
         }
@@ -167,7 +169,7 @@ pub fn audit_with(problem: &Problem, path: &[Vec<f64>], settings: AuditSettings)
     for (joint, (a, b)) in first.iter().zip(problem.start()).enumerate() {
         let off = (a - b).abs();
         if off > START_TOLERANCE {
-            violations.push(Violation::Start(offset(joint, off)));
+            violations.push(Violation::at_way_point(0, Cause::Start(offset(joint, off))));
         }
     }
     // 2.
@@ -175,7 +177,8 @@ pub fn audit_with(problem: &Problem, path: &[Vec<f64>], settings: AuditSettings)
         for (joint, (value, limits)) in q.iter().zip(limits).enumerate() {
             let excess = (limits.lower - value).max(value - limits.upper);
             if excess > 0.0 {
-                violations.push(Violation::JointLimit { way_point, excess: offset(joint, excess) });
+                let cause = Cause::JointLimit(offset(joint, excess));
+                violations.push(Violation::at_way_point(way_point, cause));
             }
         }
     }
@@ -187,7 +190,8 @@ pub fn audit_with(problem: &Problem, path: &[Vec<f64>], settings: AuditSettings)
             not_checked = NotChecked::of(cell);
             violations.extend(cell.standing_contact().map(|contact| {
                 let Contact { clearance_m, required_m, .. } = contact;
-                Violation::Clearance { place: place(cell, 0, 0.0, &contact), clearance_m, required_m }
+                let at = Location::of_contact(cell, 0, 0.0, &contact);
+                Violation { at, cause: Cause::Clearance { clearance_m, required_m } }
             }));
             // A path of one way point is an edge of no length.
             let single = [first.clone(), first.clone()];
@@ -224,12 +228,12 @@ pub fn audit_with(problem: &Problem, path: &[Vec<f64>], settings: AuditSettings)
                 let moved_m = stepper.displacement_between(problem.robot(), &pair[0], &pair[1]);
                 if moved_m > RELEASED_STEP_M * (1.0 + 1e-9) {
                     let excess_m = moved_m - RELEASED_STEP_M;
-                    violations.push(Violation::Step { edge, excess_m });
+                    violations.push(Violation::at_way_point(edge, Cause::Step { excess_m }));
                 }
             }
             for (way_point, q) in path.iter().enumerate().take(path.len() - 1).skip(1) {
                 if problem.robot().within_limits(q) && !check.is_free(q, &mut scratch) {
-                    violations.push(Violation::NotFree { way_point });
+                    violations.push(Violation::at_way_point(way_point, Cause::NotFree));
                 }
             }
         }
@@ -270,9 +274,10 @@ fn judge_end(
     let mut own_grasp = None;
     let goal = match (problem.goal(), problem.grasp_measure()) {
         (_, Some(measure)) => {
-            match GraspJudge::new(measure).grasp_at(last, way_point) {
+            match GraspJudge::new(measure).grasp_at(last) {
                 Ok(grasp) => own_grasp = Some(grasp),
-                Err(violation) => violations.extend(Some(violation).filter(|_| must_arrive)),
+                Err(cause) if must_arrive => violations.push(Violation::at_way_point(way_point, cause)),
+                Err(_) => {}
             }
             None
         }
@@ -285,7 +290,7 @@ fn judge_end(
             });
             let has_arrived = end.is_some_and(|(_, difference)| problem.is_arrival(&difference));
             if must_arrive && !has_arrived {
-                violations.push(Violation::Grasp { way_point, nearest });
+                violations.push(Violation::at_way_point(way_point, Cause::Grasp { nearest }));
             }
             nearest
         }
@@ -298,7 +303,8 @@ fn judge_end(
             };
             let nearest = goals.iter().filter_map(worst).min_by(|a, b| a.1.total_cmp(&b.1));
             if let Some((joint, off)) = nearest.filter(|(_, off)| must_arrive && *off > START_TOLERANCE) {
-                violations.push(Violation::Configuration { way_point, farthest: offset(joint, off) });
+                let cause = Cause::Configuration { farthest: offset(joint, off) };
+                violations.push(Violation::at_way_point(way_point, cause));
             }
             None
         }
@@ -309,7 +315,7 @@ fn judge_end(
 /// The score of the grasp at which a path ends that ends at one.
 pub(crate) fn end_score(problem: &Problem, q: &[f64]) -> Option<f64> {
     if let Some(measure) = problem.grasp_measure() {
-        return GraspJudge::new(measure).grasp_at(q, 0).ok().map(|grasp| grasp.score);
+        return GraspJudge::new(measure).grasp_at(q).ok().map(|grasp| grasp.score);
     }
     let grasps = problem.grasps()?;
     grasps.grasps()[end_at_grasp(problem, grasps, q)?.0].score
@@ -387,7 +393,9 @@ fn judge_edges(
         }
         let measured = cell.measure_motion([a, b], Measuring::default(), scratch);
         match measured.contradiction {
-            Some((at, contact)) => (Err(vec![unresolved(cell, edge, at, &contact)]), Some((0.0, None))),
+            Some((at, contact)) => {
+                (Err(vec![Violation::unresolved(cell, edge, at, &contact)]), Some((0.0, None)))
+            }
             None => (found, Some((measured.least_m, measured.nearest))),
         }
     };
@@ -406,15 +414,7 @@ fn judge_edge(
     detail: Detail,
     scratch: &mut Scratch,
 ) -> Result<(), Vec<Violation>> {
-    let of_contact = |(at, contact): &(f64, Contact)| {
-        let place = place(cell, edge, *at, contact);
-        let Contact { clearance_m, required_m, depth_m, .. } = *contact;
-        if clearance_m < CONTACT_M {
-            Violation::Contact { place, depth_m }
-        } else {
-            Violation::Clearance { place, clearance_m, required_m }
-        }
-    };
+    let of_contact = |(along, contact): &(f64, Contact)| Violation::of_contact(cell, edge, *along, contact);
     if detail == Detail::FirstPair {
         // Where the ends or the middle touch something, a proof would only look for the first such place.
         let found = deepest_contacts(cell, [a, b], None, 2, scratch);
@@ -425,7 +425,7 @@ fn judge_edge(
     let seed = match cell.motion_is_free(a, b, scratch) {
         Motion::Proven => return Ok(()),
         Motion::Unresolved { at, contact } => {
-            return Err(vec![unresolved(cell, edge, at, &contact)]);
+            return Err(vec![Violation::unresolved(cell, edge, at, &contact)]);
         }
         Motion::Contact { at, contact } => Some((at, contact)),
         // The limits are judged at the way points; what touches on the way counts all the same.
@@ -437,15 +437,6 @@ fn judge_edge(
         seed => deepest_contacts(cell, [a, b], seed, SAMPLES, scratch),
     };
     Err(contacts.iter().map(of_contact).collect())
-}
-
-fn place(cell: &Cell, edge: usize, at: f64, contact: &Contact) -> Place {
-    let [first, second] = contact.names(cell);
-    Place { edge, at, first, second }
-}
-
-fn unresolved(cell: &Cell, edge: usize, at: f64, contact: &Contact) -> Violation {
-    Violation::Unresolved { place: place(cell, edge, at, contact), clearance_m: contact.clearance_m }
 }
 
 /// How many pieces an edge is cut into to find what it touches.

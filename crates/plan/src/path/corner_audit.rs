@@ -1,7 +1,6 @@
 use cranny_collision::{Cell, Contact, Measuring, Motion, Scratch};
-use cranny_spatial::CONTACT_M;
 
-use crate::{Audit, AuditSettings, Clearances, CutCorner, Place, Problem, Violation};
+use crate::{Audit, AuditSettings, Clearances, CutCorner, Problem, Violation};
 
 /// Judges the corners that a trajectory along a path cuts, and adds that to what was found of its edges: a verdict, and
 /// clearances, that hold for the edges and for the curve that is executed. Under `paper` there is nothing to judge.
@@ -25,7 +24,8 @@ pub fn audit_cut_corners(
         };
         let (clearance_m, contradiction) = match clearance_m {
             Ok(clearance_m) => (clearance_m, None),
-            Err(contact) => (Some(0.0), Some(violation(cell, corner, &contact))),
+            // The corner lies where its first edge ends.
+            Err(contact) => (Some(0.0), Some(Violation::of_contact(cell, corner.edges[0], 1.0, &contact))),
         };
         audit.violations.extend(fault.or(contradiction));
         let lower = |known: &mut Option<f64>| {
@@ -50,23 +50,9 @@ pub fn audit_cut_corners(
 fn fault_of(cell: &Cell, chord: &[Vec<f64>], corner: &CutCorner, scratch: &mut Scratch) -> Option<Violation> {
     match cell.motion_beyond(corner.deviation_m, &chord[0], &chord[1], scratch) {
         Motion::Contact { contact, .. } | Motion::Unresolved { contact, .. } => {
-            Some(violation(cell, corner, &contact))
+            Some(Violation::of_contact(cell, corner.edges[0], 1.0, &contact))
         }
         Motion::Proven | Motion::OutOfLimits { .. } => None,
-    }
-}
-
-fn violation(cell: &Cell, corner: &CutCorner, contact: &Contact) -> Violation {
-    let [first, second] = contact.names(cell);
-    // The corner lies where its first edge ends.
-    let place = Place { edge: corner.edges[0], at: 1.0, first, second };
-    let Contact { clearance_m, required_m, depth_m, .. } = *contact;
-    if clearance_m < CONTACT_M {
-        Violation::Contact { place, depth_m }
-    } else if clearance_m < required_m {
-        Violation::Clearance { place, clearance_m, required_m }
-    } else {
-        Violation::Unresolved { place, clearance_m }
     }
 }
 

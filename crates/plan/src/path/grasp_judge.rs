@@ -2,7 +2,7 @@ use cranny_collision::Scratch;
 use cranny_grasp::rows_of_pose;
 
 use crate::task::closing_hand::ClosedHand;
-use crate::{FailureReason, GraspMeasure, OwnGrasp, Violation};
+use crate::{Cause, FailureReason, GraspMeasure, OwnGrasp};
 
 /// Says of a configuration whether the hand holds the target there: the one judge, whom planners ask too.
 #[derive(Debug)]
@@ -24,12 +24,12 @@ impl<'a> GraspJudge<'a> {
     ///    [`GraspMeasure::LEAST_SCORE`] or more.
     ///
     /// # Errors
-    /// What is wrong with it.
+    /// The fault of it.
     ///
     /// # Panics
     /// If `q` has not one value per joint.
-    pub fn grasp_at(&mut self, q: &[f64], way_point: usize) -> Result<OwnGrasp, Violation> {
-        let grip = |reason| Violation::Grip { way_point, reason };
+    pub fn grasp_at(&mut self, q: &[f64]) -> Result<OwnGrasp, Cause> {
+        let grip = |reason| Cause::Grip { reason };
         // 1.
         let robot = self.measure.hand().holding().robot();
         let world_from_gripper = *robot.frames_at(q).link(robot.tip());
@@ -41,7 +41,7 @@ impl<'a> GraspJudge<'a> {
             .pad_score(&world_from_gripper, &touching)
             .ok_or_else(|| grip(FailureReason::ClosesOnNothing))?;
         if score < GraspMeasure::LEAST_SCORE {
-            return Err(Violation::WeakGrasp { way_point, score, required: GraspMeasure::LEAST_SCORE });
+            return Err(Cause::WeakGrasp { score, required: GraspMeasure::LEAST_SCORE });
         }
         let rows = rows_of_pose(&world_from_gripper);
         let row = |row: usize| std::array::from_fn(|column| rows[4 * row + column]);

@@ -5,8 +5,8 @@ use crate::task::stage::{Move, Stage};
 use crate::task::stage_segments::{are_complete, check_segments};
 use crate::task::state::{State, StatesAlong};
 use crate::{
-    Audit, AuditSettings, Carrier, ContactSegment, Grip, PickAudit, Place, Placed, Placer, PlanError,
-    Problem, Violation, audit_with,
+    Audit, AuditSettings, Carrier, Cause, ContactSegment, Grip, Location, PickAudit, Placed, Placer,
+    PlanError, Problem, Violation, audit_with,
 };
 
 /// Tolerance on the finger opening that is stated, in metres.
@@ -71,11 +71,12 @@ pub fn audit_along(
     }
     match &along.stopped {
         Some(reason) => {
-            audit.violations.push(Violation::Grip { way_point: before, reason: reason.clone() });
+            audit.violations.push(Violation::at_way_point(before, Cause::Grip { reason: reason.clone() }));
         }
         None if settings.at_goal && !are_complete(stages, segments) => {
             let stage = segments.last().map_or(0, |last| last.stage);
-            audit.violations.push(Violation::Unfinished { way_point: before, stage, stages: stages.len() });
+            let cause = Cause::Unfinished { stage, stages: stages.len() };
+            audit.violations.push(Violation::at_way_point(before, cause));
         }
         None => {}
     }
@@ -151,7 +152,8 @@ impl TaskJudge<'_> {
                     let (way_point, required_m) = (run.last(), place.clear_m);
                     let clearance_m = placed.clearance_m(run.end(), required_m, &mut placed.scratch());
                     if clearance_m < required_m {
-                        audit.violations.push(Violation::NotClear { way_point, clearance_m, required_m });
+                        let cause = Cause::NotClear { clearance_m, required_m };
+                        audit.violations.push(Violation::at_way_point(way_point, cause));
                     }
                 }
                 Ok(())
@@ -168,13 +170,13 @@ impl TaskJudge<'_> {
     /// Judges the last motion of a move, with what is in the hand, and where it ends.
     fn moved(&self, audit: &mut Audit, state: &State, goal: &Move, run: &Run<'_>) -> Result<(), PlanError> {
         let ends = goal.ends(self.problem).filter(|_| self.settings.at_goal);
-        let Some(ends) = ends else { return self.moved_clear(audit, state, goal, run) };
+        let Some(ends) = ends else { return self.moved_anywhere(audit, state, goal, run) };
         let judged = audit_with(&state.moving(ends)?, run.path(), self.settings)?;
         append(audit, judged, run.before);
         Ok(())
     }
 
-    fn moved_clear(
+    fn moved_anywhere(
         &self,
         audit: &mut Audit,
         state: &State,
@@ -182,11 +184,20 @@ impl TaskJudge<'_> {
         run: &Run<'_>,
     ) -> Result<(), PlanError> {
         append(audit, self.anywhere(state, run)?, run.before);
-        if let (Move::Clear { clear_m }, true) = (goal, self.settings.at_goal) {
+        if !self.settings.at_goal {
+            return Ok(());
+        }
+        if let Move::Region(region) = goal {
+            let fault = state.pose_of(region.moved, run.end()).and_then(|pose| region.fault_at(&pose));
+            let violation = |fault| Violation::at_way_point(run.last(), Cause::NotThere { fault });
+            audit.violations.extend(fault.map(violation));
+        }
+        if let Move::Clear { clear_m } = goal {
             let clearance_m = state.clearance_m(run.end(), *clear_m, &mut state.cell().scratch());
             if clearance_m < *clear_m {
                 let (way_point, required_m) = (run.last(), *clear_m);
-                audit.violations.push(Violation::NotOut { way_point, clearance_m, required_m });
+                let cause = Cause::NotOut { clearance_m, required_m };
+                audit.violations.push(Violation::at_way_point(way_point, cause));
             }
         }
         Ok(())
@@ -205,7 +216,7 @@ impl TaskJudge<'_> {
         if let (Stage::Place(place), true) = (stage, is_let_go) {
             let placer = Placer::new(carrier, self.problem.place(&place.place)?, place.clear_m)?;
             if let Some(fault) = placer.fault_at(&carrier.held_at(grip, run.end())) {
-                audit.violations.push(Violation::NotPlaced { way_point: run.last(), fault });
+                audit.violations.push(Violation::at_way_point(run.last(), Cause::NotPlaced { fault }));
             }
         }
         match (state.resting().zip(run.segment.mode.rests_at), stage) {
@@ -229,7 +240,8 @@ fn check_hold(audit: &mut Audit, carrier: &Carrier, grip: &Grip, segment: &Segme
     let off_m = (opening_m - grip.opening_m).abs();
     if name != carrier.object() || off_m.is_nan() || off_m > OPENING_TOLERANCE_M {
         let held = (carrier.object().to_owned(), grip.opening_m);
-        audit.violations.push(Violation::Hold { way_point, said: (name.clone(), opening_m), held });
+        let cause = Cause::Hold { said: (name.clone(), opening_m), held };
+        audit.violations.push(Violation::at_way_point(way_point, cause));
     }
 }
 
@@ -258,29 +270,31 @@ impl Near<'_> {
         let mut scratch = cell.scratch();
         for (edge, ends) in run.path().windows(2).enumerate() {
             let ends = [&ends[0][..], &ends[1]];
-            if let Some((at, body)) = carrier.stays_off(cell, resting, ends, &mut scratch) {
-                let (first, second) = (carrier.object().to_owned(), carrier.body_name(body));
-                let place = Place { edge: run.before + edge, at, first, second };
-                audit.violations.push(match self.end {
-                    MotionEnd::First => Violation::LiftOff { place },
-                    MotionEnd::Last => Violation::SetDown { place },
-                });
+            if let Some((along, body)) = carrier.stays_off(cell, resting, ends, &mut scratch) {
+                let pair = Some([carrier.object().to_owned(), carrier.body_name(body)]);
+                let at = Location { edge: run.before + edge, along, pair };
+                let cause = match self.end {
+                    MotionEnd::First => Cause::LiftOff,
+                    MotionEnd::Last => Cause::SetDown,
+                };
+                audit.violations.push(Violation { at, cause });
             }
         }
         let (way_point, most_m) = (run.last(), carrier.settings().most_m);
         let length_m = carrier.length_m(grip, run.path());
         if length_m > most_m + LENGTH_TOLERANCE_M {
-            audit.violations.push(match self.end {
-                MotionEnd::First => Violation::LongLiftOff { way_point, length_m, most_m },
-                MotionEnd::Last => Violation::LongSetDown { way_point, length_m, most_m },
-            });
+            let cause = match self.end {
+                MotionEnd::First => Cause::LongLiftOff { length_m, most_m },
+                MotionEnd::Last => Cause::LongSetDown { length_m, most_m },
+            };
+            audit.violations.push(Violation::at_way_point(way_point, cause));
         }
         if !carrier.is_off(grip, resting, off_at, &mut grip.carrying_scratch()) {
-            let way_point = off_way_point;
-            audit.violations.push(match self.end {
-                MotionEnd::First => Violation::NotOff { way_point },
-                MotionEnd::Last => Violation::NotAbove { way_point },
-            });
+            let cause = match self.end {
+                MotionEnd::First => Cause::NotOff,
+                MotionEnd::Last => Cause::NotAbove,
+            };
+            audit.violations.push(Violation::at_way_point(off_way_point, cause));
         }
     }
 }

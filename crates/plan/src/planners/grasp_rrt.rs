@@ -274,7 +274,7 @@ impl Approaches<'_> {
 
     /// The path to a node, if the hand holds the target there.
     fn grasp_at(&mut self, node: usize) -> Option<Path> {
-        self.judge.grasp_at(self.tree.q(node), 0).ok()?;
+        self.judge.grasp_at(self.tree.q(node)).ok()?;
         Some(self.tree.path_to(node))
     }
 }

@@ -90,6 +90,6 @@ impl<'a> GraspSource<'a> {
 
     /// Whether the hand holds the target at a configuration.
     pub fn holds(&mut self, q: &[f64]) -> bool {
-        self.judge.grasp_at(q, 0).is_ok()
+        self.judge.grasp_at(q).is_ok()
     }
 }

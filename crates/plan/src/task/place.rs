@@ -1,4 +1,4 @@
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::OnceLock;
 
 use cranny_collision::{CONTACT_ALLOWANCE_M, Collider, Extent, Part, Resting};
@@ -23,8 +23,10 @@ const OVERHANG_M: f64 = 1e-6;
 /// Places that are looked at for some where the object can be, and how many of these are enough.
 const MOST_DRAWS: u32 = 2000;
 const ENOUGH_PLACES: usize = 96;
-/// Number of placements that are looked at for some after which the task may go on.
-const MOST_HOPES: usize = 4000;
+/// Ways to draw a place along the sides of a surface.
+const PATTERNS: usize = 9;
+/// Share of the way between the edges of a surface that is at an end of it, but for rounding.
+const END: f64 = 1e-3;
 /// A hand that can be at none of so many places is not tried at others: what it touches is mostly what carries the object.
 const ENOUGH_TO_REFUSE: usize = 16;
 /// The normal of a floor is no farther from the vertical, as a chord: rounding.
@@ -42,21 +44,42 @@ pub struct Placer {
     /// is up; none where it can in any.
     rests: Vec<Rotation>,
     draws: Vec<Draw>,
+    /// Bounds of the parts of bodies on the surface along both of its sides, in metres, where draws need them.
+    neighbours: Vec<[[f64; 2]; 2]>,
+}
+
+/// Place of a draw along a side of a surface.
+#[derive(Clone, Copy, Debug)]
+enum At {
+    /// By its share of the way between the ends, in [0, 1].
+    Share(f64),
+    /// Beside a body on the surface, if there is any; else by a share.
+    Beside(f64),
+}
+
+impl At {
+    fn share(self) -> f64 {
+        let (Self::Share(share) | Self::Beside(share)) = self;
+        share
+    }
+
+    fn end(share: f64) -> Self {
+        Self::Share(if share < 0.5 { END } else { 1.0 - END })
+    }
 }
 
 /// A place that may be looked at.
 #[derive(Clone, Debug)]
 struct Draw {
+    number: usize,
     /// Which way to rest.
     rest: usize,
     /// The turn about the vertical, in radians.
     turn_rad: f64,
-    /// Where between the edges of the surface, in [0, 1].
-    shares: [f64; 2],
+    /// Along both sides of the surface.
+    at: [At; 2],
     /// What was found there, once it was looked at.
     placement: OnceLock<Option<Placement>>,
-    /// Whether what follows in the task may be done then, once that was looked at.
-    is_hopeful: OnceLock<bool>,
 }
 
 impl Placer {
@@ -73,8 +96,15 @@ impl Placer {
             PlaceSpot::Target(_) => stable_rests(body, &extent, &level_from_world, 0.0).unwrap_or_default(),
             PlaceSpot::Surface { .. } => rests(body, &extent, &level_from_world),
         };
-        let placer =
-            Self { carrier: carrier.clone(), goal: goal.clone(), clear_m, extent, rests, draws: Vec::new() };
+        let placer = Self {
+            carrier: carrier.clone(),
+            goal: goal.clone(),
+            clear_m,
+            extent,
+            rests,
+            draws: Vec::new(),
+            neighbours: Vec::new(),
+        };
         placer.check()?;
         Ok(placer)
     }
@@ -85,40 +115,103 @@ impl Placer {
         self.with_draws(seed, MOST_DRAWS)
     }
 
-    /// The same with at most so many places that are looked at: the first ones are those of [`Self::with_placements`].
-    #[must_use]
-    pub fn with_draws(self, seed: u64, most: u32) -> Self {
+    fn with_draws(self, seed: u64, most: u32) -> Self {
         let mut random = Stream::new(seed, PLACES_STREAM);
         let count = match &self.goal.spot {
             PlaceSpot::Target(_) => 1,
             PlaceSpot::Surface { .. } => most,
         };
         let draw = |draw: u32| Draw {
+            number: draw as usize,
             // Every other time as it can rest best.
             rest: if draw.is_multiple_of(2) { 0 } else { random.index(self.rests.len().max(1)) },
             turn_rad: random.uniform_between(-PI, PI),
-            shares: [random.uniform(), random.uniform()],
+            at: [At::Share(random.uniform()), At::Share(random.uniform())],
             placement: OnceLock::new(),
-            is_hopeful: OnceLock::new(),
         };
         Self { draws: (0..count).map(draw).collect(), ..self }
+    }
+
+    /// The same with at most so many places, most of which have the object along the sides of the surface, at an end of it, or
+    /// beside a body that stands on it, so that other objects fit beside it.
+    #[must_use]
+    pub fn with_aligned_draws(self, seed: u64, most: u32) -> Self {
+        let mut placer = self.with_draws(seed, most).with_neighbours();
+        let PlaceSpot::Surface { pose, .. } = &placer.goal.spot else { return placer };
+        let x = placer.carrier.hand().holding().world().world_from_level().inverse()
+            * (pose.rotation * Vector::x());
+        let along_rad = libm::atan2(x.y, x.x);
+        for draw in &mut placer.draws {
+            let [x, y] = draw.at.map(At::share);
+            draw.at = match draw.number % PATTERNS {
+                0 => continue,
+                1 => [At::Share(x), At::Share(y)],
+                2 => [At::end(x), At::Share(y)],
+                3 => [At::Share(x), At::end(y)],
+                4 => [At::end(x), At::end(y)],
+                5 => [At::Beside(x), At::Share(y)],
+                6 => [At::Share(x), At::Beside(y)],
+                7 => [At::Beside(x), At::end(y)],
+                _ => [At::end(x), At::Beside(y)],
+            };
+            draw.turn_rad = along_rad + (draw.turn_rad / FRAC_PI_2).round() * FRAC_PI_2;
+        }
+        placer
+    }
+
+    /// The same with the bodies that stand on the surface in the carrier's world.
+    fn with_neighbours(self) -> Self {
+        let PlaceSpot::Surface { on, pose, size_m } = &self.goal.spot else { return self };
+        let surface_from_world = pose.inverse();
+        let world = self.carrier.hand().holding().world();
+        let others = world.bodies().iter().enumerate();
+        let others = others.filter(|(body, other)| *body != self.target() && other.name != *on);
+        let parts = others.flat_map(|(_, other)| &other.parts).filter(|part| !part.solid.is_half_space());
+        let neighbours = parts.filter_map(|part| {
+            let aabb = part.solid.aabb().transformed(&(surface_from_world * part.world_from_solid));
+            let bounds = |axis: usize| {
+                let (middle, half) = (aabb.center[axis], aabb.half_extents[axis]);
+                [middle - half, middle + half]
+            };
+            let is_over =
+                |axis: usize| bounds(axis)[0] < 0.5 * size_m[axis] && bounds(axis)[1] > -0.5 * size_m[axis];
+            (is_over(0) && is_over(1) && bounds(2)[1] > MOST_ABOVE_M).then(|| [bounds(0), bounds(1)])
+        });
+        Self { neighbours: neighbours.collect(), ..self }
+    }
+
+    /// The same with those draws first, in their order, that `is_hopeful` approves of: at most so many.
+    #[must_use]
+    pub fn with_first(self, most: usize, mut is_hopeful: impl FnMut(&Placement) -> bool) -> Self {
+        let mut count = 0;
+        let mut hopes = |draw: &Draw| {
+            let is_first = count < most && self.look_at(draw).is_some_and(&mut is_hopeful);
+            count += usize::from(is_first);
+            is_first
+        };
+        let hopeful: Vec<bool> = self.draws.iter().map(&mut hopes).collect();
+        let of = |wanted: bool| {
+            let chosen = self.draws.iter().zip(&hopeful).filter(move |(_, is_first)| **is_first == wanted);
+            chosen.map(|(draw, _)| draw.clone())
+        };
+        Self { draws: of(true).chain(of(false)).collect(), ..self }
     }
 
     /// The same places of the same object in the surroundings of another carrier, none of them looked at yet.
     #[must_use]
     pub fn amid(&self, carrier: &Carrier) -> Self {
-        let draws = self.draws.iter().map(|draw| Draw {
-            placement: OnceLock::new(),
-            is_hopeful: OnceLock::new(),
-            ..*draw
-        });
+        let draws = self.draws.iter().map(|draw| Draw { placement: OnceLock::new(), ..*draw });
         let (goal, extent, rests) = (self.goal.clone(), self.extent.clone(), self.rests.clone());
-        Self { carrier: carrier.clone(), goal, extent, rests, draws: draws.collect(), ..*self }
-    }
-
-    /// True if the object can be at one of the first draws.
-    pub fn has_placement(&self, most_draws: usize) -> bool {
-        self.draws.iter().take(most_draws).any(|draw| self.look_at(draw).is_some())
+        let moved = Self {
+            carrier: carrier.clone(),
+            goal,
+            extent,
+            rests,
+            draws: draws.collect(),
+            neighbours: Vec::new(),
+            ..*self
+        };
+        moved.with_neighbours()
     }
 
     fn check(&self) -> Result<(), PlanError> {
@@ -167,28 +260,23 @@ impl Placer {
         let [x, y] = [0, 1].map(|axis| {
             let ([low_m, high_m], half_m) = (extent_m(axis), 0.5 * size_m[axis]);
             let [first, last] = [-half_m - low_m, half_m - high_m];
-            first + draw.shares[axis] * (last - first)
+            match draw.at[axis] {
+                At::Beside(_) if !self.neighbours.is_empty() => {
+                    let chosen = draw.number / PATTERNS % (2 * self.neighbours.len());
+                    let [low, high] = self.neighbours[chosen / 2][axis];
+                    if chosen.is_multiple_of(2) { high + GAP_M - low_m } else { low - GAP_M - high_m }
+                }
+                At::Share(share) | At::Beside(share) => first + share * (last - first),
+            }
         });
         let place = world_from_surface * Point::new(x, y, GAP_M - extent_m(2)[0]);
         Pose::from_parts(place.coords.into(), turned.rotation)
     }
 
     /// Where the object can be put down, as far as it alone is concerned, each with the number of its draw: of a place that
-    /// is a pose that one, if it can. Those that `is_hopeful` approves of come first, up to the last that it is asked about.
-    pub fn placements<'a>(
-        &'a self,
-        is_hopeful: Option<&'a dyn Fn(&Placement) -> bool>,
-    ) -> impl Iterator<Item = (usize, &'a Placement)> {
-        let looked_at = |(number, draw): (usize, &'a Draw)| Some((number, draw, self.look_at(draw)?));
-        let all = move || self.draws.iter().enumerate().filter_map(looked_at);
-        let hopes = move |draw: &Draw, placement: &Placement| {
-            is_hopeful.is_some_and(|is_hopeful| *draw.is_hopeful.get_or_init(|| is_hopeful(placement)))
-        };
-        let first = all().take_while(move |_| is_hopeful.is_some()).take(MOST_HOPES);
-        let first = first.filter(move |(_, draw, placement)| hopes(draw, placement));
-        // Without hope a few are enough.
-        let others = all().filter(|(_, draw, _)| draw.is_hopeful.get() != Some(&true));
-        first.chain(others).map(|(number, _, placement)| (number, placement)).take(ENOUGH_PLACES)
+    /// is a pose that one, if it can.
+    pub fn placements(&self) -> impl Iterator<Item = (usize, &Placement)> {
+        self.draws.iter().filter_map(|draw| Some((draw.number, self.look_at(draw)?))).take(ENOUGH_PLACES)
     }
 
     /// Where the object is by a draw, if it can be there.

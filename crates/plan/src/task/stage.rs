@@ -6,7 +6,10 @@ use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::{Deserialize, Serialize};
 use strum::{EnumString, IntoStaticStr};
 
-use crate::{Goal, PlanError, Problem};
+use cranny_spatial::Pose;
+
+use crate::task::region::RegionRow;
+use crate::{Goal, Moved, PlanError, Problem, Region};
 
 /// A stage of a task, in the user's terms. A task is a list of them, each from where the one before ends: to reach for an
 /// object is `[Pick]`, to carry it off `[Pick, Move]`, to put it down `[Pick, Place, Move]`.
@@ -44,6 +47,8 @@ pub enum Move {
         /// The distance.
         clear_m: f64,
     },
+    /// Any configuration at which the hand, or the object in it, has one of these poses, within 1 mm and 1°.
+    Region(Region),
 }
 
 /// Place where the object in the hand is put down.
@@ -117,7 +122,17 @@ impl Stage {
             (Self::Pick(a), Self::Pick(b)) => a.object == b.object,
             (Self::Place(a), Self::Place(b)) => a.place == b.place,
             (Self::Move(Move::Clear { .. }), Self::Move(Move::Clear { .. })) => true,
+            (Self::Move(Move::Region(a)), Self::Move(Move::Region(b))) => a.is_like(b),
             (a, b) => a == b,
+        }
+    }
+
+    /// The same in a frame in which the one that it is in has this pose.
+    #[must_use]
+    pub fn seen_from(&self, new_from_old: &Pose) -> Self {
+        match self {
+            Self::Move(Move::Region(region)) => Self::Move(Move::Region(region.seen_from(new_from_old))),
+            other => other.clone(),
         }
     }
 
@@ -140,10 +155,12 @@ impl Stage {
                     }
                     is_held = true;
                 }
-                Self::Move(goal) => goal.check(index, problem)?,
-                Self::Place(_) if !is_held => {
+                Self::Place(_) | Self::Move(Move::Region(Region { moved: Moved::Object, .. }))
+                    if !is_held =>
+                {
                     return refuse("nothing is in the hand; a pick has to come before it".to_owned());
                 }
+                Self::Move(goal) => goal.check(index, problem)?,
                 Self::Place(place) => {
                     problem.place(&place.place)?;
                     is_held = false;
@@ -163,6 +180,7 @@ impl fmt::Display for Stage {
             Self::Move(Move::Configurations(ends)) => {
                 write!(f, "move to one of {}", counted(ends.len(), "configuration"))
             }
+            Self::Move(Move::Region(region)) => write!(f, "move {region}"),
             Self::Move(Move::Clear { clear_m }) => write!(f, "move until {} mm clear", mm(clear_m)),
             Self::Place(PlaceAt { place, clear_m }) => {
                 write!(f, "put down in '{place}', the hand {} mm off it", mm(clear_m))
@@ -190,6 +208,7 @@ impl Move {
         let refuse = |problem: String| Err(PlanError::Stage { stage, problem });
         match self {
             Self::Home => Ok(()),
+            Self::Region(region) => region.fault().map_or(Ok(()), |fault| refuse(fault.to_owned())),
             Self::Clear { clear_m } if (0.0..=FARTHEST_CLEAR_M).contains(clear_m) => Ok(()),
             Self::Clear { clear_m } => {
                 refuse(format!("{clear_m} m is no clearance; give 0 to {FARTHEST_CLEAR_M} m"))
@@ -220,7 +239,7 @@ impl Move {
         match self {
             Self::Home => Some(vec![problem.start().to_vec()]),
             Self::Configurations(ends) => Some(ends.clone()),
-            Self::Clear { .. } => None,
+            Self::Clear { .. } | Self::Region(_) => None,
         }
     }
 }
@@ -235,7 +254,7 @@ pub(crate) struct StageRow {
     /// Object that is grasped: a body of the scenario, or `target`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pick: Option<String>,
-    /// Goal of a motion: `home`, `clear`, or configurations (m, rad).
+    /// Goal of a motion: `home`, `clear`, configurations (m, rad), or a region of poses.
     #[serde(default, rename = "move", skip_serializing_if = "Option::is_none")]
     move_to: Option<MoveRow>,
     /// Place where the object in the hand is put down.
@@ -255,6 +274,7 @@ pub(crate) struct StageRow {
 enum MoveRow {
     Word(String),
     Configurations(Vec<Vec<f64>>),
+    Region(RegionRow),
 }
 
 impl JsonSchema for Stage {
@@ -287,9 +307,14 @@ impl TryFrom<StageRow> for Stage {
                     only("object_margin_m", "'pick'", object_margin_m)?;
                     return Ok(Self::Move(Move::Clear { clear_m: clear_m.unwrap_or(CLEAR_M) }));
                 }
-                _ => return Err(format!("'move' is 'home', 'clear' or configurations, not '{word}'")),
+                _ => {
+                    return Err(format!(
+                        "'move' is 'home', 'clear', configurations or a region, not '{word}'"
+                    ));
+                }
             },
             (None, Some(MoveRow::Configurations(ends)), None) => Self::Move(Move::Configurations(ends)),
+            (None, Some(MoveRow::Region(row)), None) => Self::Move(Move::Region(row.try_into()?)),
             (None, None, Some(place)) => {
                 only("object_margin_m", "'pick'", object_margin_m)?;
                 return Ok(Self::Place(PlaceAt { place, clear_m: clear_m.unwrap_or(CLEAR_M) }));
@@ -312,6 +337,9 @@ impl From<Stage> for StageRow {
             Stage::Move(Move::Home) => Self { move_to: Some(MoveRow::Word("home".to_owned())), ..row },
             Stage::Move(Move::Clear { clear_m }) => {
                 Self { move_to: Some(MoveRow::Word("clear".to_owned())), clear_m: Some(clear_m), ..row }
+            }
+            Stage::Move(Move::Region(region)) => {
+                Self { move_to: Some(MoveRow::Region(region.into())), ..row }
             }
             Stage::Move(Move::Configurations(ends)) => {
                 Self { move_to: Some(MoveRow::Configurations(ends)), ..row }

@@ -6,7 +6,7 @@ use cranny_spatial::Pose;
 
 use crate::task::placed::Placed;
 use crate::task::segment::{MotionEnd, Segment};
-use crate::{Carrier, FailureReason, Goal, Grip, LiftOffSettings, Pick, PlanError, Problem, Stage};
+use crate::{Carrier, FailureReason, Goal, Grip, LiftOffSettings, Moved, Pick, PlanError, Problem, Stage};
 
 /// Between two configurations on the way back, in the metric of the joints (m, rad).
 const PIECE: f64 = 0.25;
@@ -106,6 +106,30 @@ impl State {
         let bodies = cell.world().bodies().iter().enumerate().filter(|(_, body)| !is_floor(body));
         bodies
             .fold(beyond_m, |least_m, (body, _)| cell.hand_clearance(q, body, least_m, scratch).min(least_m))
+    }
+
+    /// Pose of the gripper frame, or of the first solid of the object in the hand, with the arm at `q`; `None` for the object
+    /// of an empty hand.
+    ///
+    /// # Panics
+    /// If `q` has not one value per joint.
+    pub fn pose_of(&self, moved: Moved, q: &[f64]) -> Option<Pose> {
+        let robot = self.empty.robot();
+        let world_from_tip = *robot.frames_at(q).link(robot.tip());
+        Some(world_from_tip * self.tip_from(moved)?)
+    }
+
+    /// Pose of the gripper frame at which it, or the first solid of the object in the hand, has a pose; `None` for the object
+    /// of an empty hand.
+    pub fn world_from_tip(&self, moved: Moved, world_from_moved: &Pose) -> Option<Pose> {
+        Some(world_from_moved * self.tip_from(moved)?.inverse())
+    }
+
+    fn tip_from(&self, moved: Moved) -> Option<Pose> {
+        match moved {
+            Moved::Hand => Some(Pose::identity()),
+            Moved::Object => self.held.as_ref().map(|held| held.grip.hold.tip_from_held),
+        }
     }
 
     /// The problem of grasping an object from here, in the world as it is now: with the grasps of `problem` if it is its

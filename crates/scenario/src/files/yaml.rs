@@ -2,8 +2,8 @@ use std::path::Path;
 
 use cranny_file::{Readable, TEXT};
 use cranny_robot::Location;
-use cranny_spatial::Rotation;
-use cranny_spatial::nalgebra::Quaternion;
+use cranny_spatial::{Rotation, rotation_from_xyzw};
+
 use serde::de::DeserializeOwned;
 
 use crate::ScenarioError;
@@ -70,13 +70,8 @@ pub(crate) fn rotation(
 }
 
 /// The rotation of a quaternion (x, y, z, w) of unit length that stands at `at`.
-pub(crate) fn rotation_at(at: Location, [x, y, z, w]: [f64; 4]) -> Result<Rotation, ScenarioError> {
-    /// How far the length may be from 1: that of one printed with four digits is closer.
-    const TOLERANCE: f64 = 1e-3;
-    let quaternion = Quaternion::new(w, x, y, z);
-    let norm = quaternion.norm();
-    let is_unit = (norm - 1.0).abs() <= TOLERANCE;
-    is_unit.then(|| Rotation::from_quaternion(quaternion)).ok_or(ScenarioError::Quaternion { at, norm })
+pub(crate) fn rotation_at(at: Location, quaternion: [f64; 4]) -> Result<Rotation, ScenarioError> {
+    rotation_from_xyzw(quaternion).map_err(|norm| ScenarioError::Quaternion { at, norm })
 }
 
 /// A line of a file, from 1, as errors name it.

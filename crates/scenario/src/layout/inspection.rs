@@ -162,7 +162,7 @@ impl Legible {
         for entry in &file.places {
             faults.extend(layout.place(entry, file, &Pose::identity(), &mut names).err());
         }
-        faults.extend(layout.tasks(file).err());
+        faults.extend(layout.tasks(file, &Pose::identity()).err());
         faults.extend(layout.physics_of_obstacles(file).err().filter(|_| !file.steps.is_empty()));
         robot.filter(|_| was_there("robot"))
     }

@@ -127,7 +127,7 @@ pub(crate) fn open_texts(
         has_grasp_set: texts.grasps.is_some(),
         ik,
         places,
-        tasks: layout.tasks(&file)?,
+        tasks: layout.tasks(&file, &planning_from_scene)?,
         physics: layout.physics_of_obstacles(&file)?,
         export: None,
     }

@@ -2,6 +2,7 @@ use std::collections::BTreeMap;
 
 use cranny_file::did_you_mean;
 use cranny_plan::{AfterPlacing, Pick, PlaceAt, Stage};
+use cranny_spatial::Pose;
 use serde_saphyr::Spanned;
 
 use crate::layout::own::Layout;
@@ -10,7 +11,11 @@ use crate::{NamedTask, STEPS, ScenarioError, TargetPhysics};
 
 impl Layout<'_> {
     /// The tasks of a file, its steps being one.
-    pub fn tasks(&self, file: &ScenarioFile) -> Result<Vec<NamedTask>, ScenarioError> {
+    pub fn tasks(
+        &self,
+        file: &ScenarioFile,
+        planning_from_scene: &Pose,
+    ) -> Result<Vec<NamedTask>, ScenarioError> {
         let mut tasks = Vec::new();
         let mut stages = Vec::new();
         for Spanned { value: StepEntry { pick, place, then, .. }, referenced, .. } in &file.steps {
@@ -35,7 +40,7 @@ impl Layout<'_> {
             for Spanned { value, referenced, .. } in stages {
                 self.check_stage(value, *referenced, file)?;
             }
-            let stages = stages.iter().map(|stage| stage.value.clone()).collect();
+            let stages = stages.iter().map(|stage| stage.value.seen_from(planning_from_scene)).collect();
             tasks.push(NamedTask { name: name.value.clone(), stages });
         }
         Ok(tasks)

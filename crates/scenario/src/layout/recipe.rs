@@ -102,7 +102,7 @@ impl Recipe {
             start: scenario.start.clone(),
             grasps: scenario.grasps.clone(),
             ik: scenario.ik.clone(),
-            tasks: scenario.tasks.clone(),
+            tasks: scenario.tasks.iter().map(|task| task.seen_from(&scene_from_planning)).collect(),
             physics: scenario.physics.clone(),
             places: scenario.places.iter().map(|place| place.seen_from(&scene_from_planning)).collect(),
         })
@@ -118,6 +118,7 @@ impl Recipe {
             let options = OpenOptions { robot: None, ..options.clone() };
             return self.for_robot(robot).scenario(id, &options);
         }
+        let planning_from_scene = self.robot.planning_from_scene();
         Scenario {
             id: id.to_owned(),
             criterion: options.criterion.unwrap_or_default(),
@@ -130,12 +131,9 @@ impl Recipe {
             start: self.start.clone(),
             grasps: self.grasps.clone(),
             has_grasp_set: true,
-            tasks: self.tasks.clone(),
+            tasks: self.tasks.iter().map(|task| task.seen_from(&planning_from_scene)).collect(),
             physics: self.physics.clone(),
-            places: {
-                let planning_from_scene = self.robot.planning_from_scene();
-                self.places.iter().map(|place| place.seen_from(&planning_from_scene)).collect()
-            },
+            places: self.places.iter().map(|place| place.seen_from(&planning_from_scene)).collect(),
             ik: self.ik.clone(),
             export: None,
         }

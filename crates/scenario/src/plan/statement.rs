@@ -1,7 +1,7 @@
 use std::fmt;
 
 use cranny_file::excerpt;
-use cranny_plan::Violation;
+use cranny_plan::{Cause, Violation};
 use serde::Serialize;
 use serde_json::Value;
 
@@ -42,7 +42,7 @@ impl Statement {
     /// The statement as something that is wrong with the plan.
     pub(crate) fn violation(self) -> Violation {
         let [stated, measured] = self.in_words();
-        Violation::Statement { key: self.key, stated, measured }
+        Violation::at_way_point(0, Cause::Statement { key: self.key, stated, measured })
     }
 
     fn number(&self, value: f64, digits: usize) -> String {
