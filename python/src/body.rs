@@ -8,17 +8,10 @@ use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict as _, PyDict, PyTuple};
 
-use crate::array::{copied, matrices, pose_or_translation, triangles, vector};
-use crate::fault::{bad_value, fault};
-use crate::pickled::{Made, Reduced, partial};
-
-/// A thing in the world under one name, made of solids. Poses are in the planning frame, the root frame of the
-/// robot: (4, 4), or (3,) for a translation in metres; without one, the thing stands at the origin. Immutable.
-#[pyclass(name = "Body", module = "cranny", frozen)]
-pub struct PyBody {
-    pub body: Body,
-    made: Made,
-}
+use crate::classes::PyBody;
+use crate::handover::array::{copied, matrices, pose_or_translation, triangles, vector};
+use crate::handover::fault::{bad_value, fault};
+use crate::handover::pickled::{Made, Reduced, partial};
 
 /// A name that two of the bodies have, if there is one.
 pub fn named_twice(bodies: &[Body]) -> Option<&str> {
@@ -207,7 +200,10 @@ fn arrays<'py>(py: Python<'py>, soup: &TriangleSoup) -> PyResult<Triangles<'py>>
     let vertices: Vec<f64> = soup.vertices.iter().flat_map(|v| [v.x, v.y, v.z]).collect();
     let faces: Vec<i64> = soup.triangles.iter().flatten().map(|corner| i64::from(*corner)).collect();
     let (v, f) = (soup.vertices.len(), soup.triangles.len());
-    Ok((crate::array::shaped(py, vertices, &[v, 3])?, crate::array::shaped(py, faces, &[f, 3])?))
+    Ok((
+        crate::handover::array::shaped(py, vertices, &[v, 3])?,
+        crate::handover::array::shaped(py, faces, &[f, 3])?,
+    ))
 }
 
 fn kind(solid: &Solid) -> &'static str {

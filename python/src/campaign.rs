@@ -18,11 +18,11 @@ use cranny_solve::PoseRadius;
 use pyo3::prelude::*;
 use strum::VariantArray;
 
-use crate::fault::{bad_type, bad_value, fault};
-use crate::json::settings_of;
+use crate::handover::fault::{bad_type, bad_value, fault};
+use crate::handover::json::settings_of;
+use crate::handover::whole;
 use crate::planning::seconds;
 use crate::scenario::criterion_of;
-use crate::whole;
 
 /// How often the interpreter is asked for signals, and told how far the campaign is.
 const LOOK_EVERY: Duration = Duration::from_millis(50);

@@ -7,25 +7,14 @@ use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict as _, PyBool, PyTuple};
 
-use crate::array::{Configurations, shaped};
-use crate::body::{PyBody, named_twice};
-use crate::contact::{PyContact, PyMotion};
-use crate::fault::{bad_value, fault};
-use crate::pickled::{Made, Reduced, partial};
-use crate::robot::PyRobot;
-use crate::rows::computed;
-use crate::whole;
-
-/// A robot in a world: is a configuration, is a whole motion free, and by how much?
-///
-/// Links and bodies are solids; what is nearer than 10 µm, or than a demanded margin, counts as contact. The same
-/// answers as in Rust, bit for bit. Wherever `q` of shape (dof,) is taken, so is a batch (N, dof); `threads`: how
-/// many cores share it, None: all. Immutable.
-#[pyclass(name = "Cell", module = "cranny", frozen)]
-pub struct PyCell {
-    pub cell: Arc<Cell>,
-    pub made: Made,
-}
+use crate::body::named_twice;
+use crate::classes::{PyBody, PyCell, PyRobot};
+use crate::grasping::contact::{PyContact, PyMotion};
+use crate::handover::array::{Configurations, shaped};
+use crate::handover::fault::{bad_value, fault};
+use crate::handover::pickled::{Made, Reduced, partial};
+use crate::handover::rows::computed;
+use crate::handover::whole;
 
 /// Rows of one piece of work of vector lanes: some milliseconds.
 const LANE_BLOCK: usize = 8192;
@@ -134,7 +123,7 @@ impl PyCell {
 
     /// Every pair that is closer at `q`, (dof,), than it may be, once each.
     fn contacts(&self, q: &Bound<'_, PyAny>) -> PyResult<Vec<PyContact>> {
-        let q = crate::array::configuration(q, "q", self.cell.robot())?;
+        let q = crate::handover::array::configuration(q, "q", self.cell.robot())?;
         let contacts = self.cell.contacts(&q, &mut self.cell.scratch());
         Ok(contacts.iter().map(|contact| PyContact::of(&self.cell, contact)).collect())
     }
@@ -174,8 +163,8 @@ impl PyCell {
     /// The least distance in metres over all pairs along the straight motion from `a` to `b`, (dof,) each: a
     /// certified lower bound, at most 10 µm too low; 0 if there is contact. Joint limits do not enter.
     fn least_clearance(&self, py: Python<'_>, a: &Bound<'_, PyAny>, b: &Bound<'_, PyAny>) -> PyResult<f64> {
-        let a = crate::array::configuration(a, "a", self.cell.robot())?;
-        let b = crate::array::configuration(b, "b", self.cell.robot())?;
+        let a = crate::handover::array::configuration(a, "a", self.cell.robot())?;
+        let b = crate::handover::array::configuration(b, "b", self.cell.robot())?;
         Ok(py.detach(|| self.cell.least_clearance(&a, &b, &mut self.cell.scratch())))
     }
 

@@ -17,32 +17,24 @@
     reason = "what Python hands over is a value, whatever becomes of it"
 )]
 
-mod array;
 mod body;
 mod campaign;
 mod cell;
-mod contact;
-mod fault;
-mod file_limits;
-mod grasp_sampling;
-mod grasp_set;
-mod interrupt;
-mod json;
+mod classes;
+mod fingerprint;
+mod grasping;
+mod handover;
 mod live_page;
 mod moveit_problem;
-mod pickled;
 mod picture;
 mod plan;
 mod planning;
 mod results;
 mod robot;
-mod rows;
 mod scenario;
-mod simulation;
 mod task;
 mod trajectory;
 mod verification;
-mod whole;
 
 /// The licences of Cranny and of all that this package is made of.
 #[pyo3::pyfunction]
@@ -56,41 +48,35 @@ mod _cranny {
     #[pymodule_export]
     use super::licences;
     #[pymodule_export]
-    use crate::body::PyBody;
-    #[pymodule_export]
     use crate::campaign::{run_campaign, serve_trials};
     #[pymodule_export]
-    use crate::cell::PyCell;
+    use crate::classes::{PyBody, PyCell, PyMoveItProblem, PyPlan, PyRobot, PyScenario};
     #[pymodule_export]
-    use crate::contact::{PyContact, PyMotion, restored_contact, restored_motion};
+    use crate::fingerprint::restored;
     #[pymodule_export]
-    use crate::fault::CrannyError;
+    use crate::grasping::contact::{PyContact, PyMotion, restored_contact, restored_motion};
     #[pymodule_export]
-    use crate::file_limits::lift_file_limits;
+    use crate::grasping::grasp_sampling::sample_grasps;
     #[pymodule_export]
-    use crate::grasp_sampling::sample_grasps;
+    use crate::grasping::grasp_set::{PyGrasps, restored_grasps};
     #[pymodule_export]
-    use crate::grasp_set::{PyGrasps, restored_grasps};
+    use crate::grasping::simulation::{grasp_experiment, simulate_grasps, simulate_plan};
+    #[pymodule_export]
+    use crate::handover::fault::CrannyError;
+    #[pymodule_export]
+    use crate::handover::file_limits::lift_file_limits;
     #[pymodule_export]
     use crate::live_page::PyLivePage;
     #[pymodule_export]
-    use crate::moveit_problem::PyMoveItProblem;
-    #[pymodule_export]
-    use crate::pickled::restored;
-    #[pymodule_export]
     use crate::picture::{moving_picture, page, picture};
     #[pymodule_export]
-    use crate::plan::{PyPlan, restored_plan};
+    use crate::plan::restored_plan;
     #[pymodule_export]
     use crate::planning::{plan, planner_names, verify_path};
     #[pymodule_export]
     use crate::results::PyResultsFile;
     #[pymodule_export]
-    use crate::robot::PyRobot;
-    #[pymodule_export]
-    use crate::scenario::{PyScenario, scenario_ids};
-    #[pymodule_export]
-    use crate::simulation::{grasp_experiment, simulate_grasps, simulate_plan};
+    use crate::scenario::scenario_ids;
     #[pymodule_export]
     use crate::trajectory::{PySamples, restored_samples};
     #[pymodule_export]

@@ -7,12 +7,10 @@ use cranny_view::{PageFeed, PageLimits, PageServer, TreeRecording, ViewError, Wa
 use pyo3::prelude::*;
 use tokio::sync::oneshot;
 
-use crate::array::configuration;
-use crate::fault::{bad_value, fault};
+use crate::classes::{PyPlan, PyScenario, Task};
+use crate::handover::array::configuration;
+use crate::handover::fault::{bad_value, fault};
 use crate::picture::page_of;
-use crate::plan::PyPlan;
-use crate::scenario::PyScenario;
-use crate::task::Task;
 
 /// The viewer's page of a scenario, served to this machine until it is closed (`close`, `with`, or when it is forgotten).
 /// Who has opened `url` sees at once what `pose` and `plan` are told.

@@ -10,23 +10,10 @@ use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::array::{rows, shaped};
-use crate::body::PyBody;
-use crate::cell::PyCell;
-use crate::fault::{bad_value, fault};
-use crate::pickled::{Made, Reduced, absolute};
-use crate::robot::PyRobot;
-
-/// A problem in MoveIt's YAML, as MotionBenchMaker publishes them: a planning scene and a motion plan request with
-/// goals in joint space. `robot` and `srdf`: files; by default those beside the scene. `plan` takes it like a
-/// scenario.
-#[pyclass(name = "MoveItProblem", module = "cranny", frozen)]
-pub struct PyMoveItProblem {
-    pub problem: Arc<MoveItProblem>,
-    /// The URDF that was given instead of the scene's.
-    pub robot_file: Option<PathBuf>,
-    made: Made,
-}
+use crate::classes::{PyBody, PyCell, PyMoveItProblem, PyRobot};
+use crate::handover::array::{rows, shaped};
+use crate::handover::fault::{bad_value, fault};
+use crate::handover::pickled::{Made, Reduced, absolute};
 
 #[pymethods]
 impl PyMoveItProblem {

@@ -14,11 +14,10 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use strum::VariantArray as _;
 
-use crate::fault::{bad_value, fault};
-use crate::interrupt::Interrupt;
-use crate::plan::PyPlan;
-use crate::scenario::PyScenario;
-use crate::whole;
+use crate::classes::{PyPlan, PyScenario};
+use crate::handover::fault::{bad_value, fault};
+use crate::handover::interrupt::Interrupt;
+use crate::handover::whole;
 
 /// Instants a second of a path that only one is shown of.
 const STILL_RATE_HZ: f64 = 20.0;

@@ -4,36 +4,19 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use cranny_plan::{AuditSettings, Outcome, PlanError, Segment, robot_hand};
-use cranny_scenario::{GivenGrasps, Judgement, PlanFile, Statement, write_trajectory_csv};
+use cranny_scenario::{GivenGrasps, Judgement, PlanFile, write_trajectory_csv};
 use cranny_solve::TaskTrajectory;
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict as _, PyDict};
 
-use crate::array::{Numbers, rows, shaped};
-use crate::fault::{bad_value, fault};
-use crate::json::python_of;
-use crate::pickled::{Reduced, restored_by};
-use crate::scenario::PyScenario;
-use crate::task::Task;
+use crate::classes::{PyPlan, PyScenario, Task};
+use crate::handover::array::{Numbers, rows, shaped};
+use crate::handover::fault::{bad_value, fault};
+use crate::handover::json::python_of;
+use crate::handover::pickled::{Reduced, restored_by};
 use crate::trajectory::PySamples;
 use crate::verification::PyVerification;
-
-/// An answer: a path, its time, its proof and what the search cost. True if there is a path and it is valid.
-#[pyclass(name = "Plan", module = "cranny", frozen)]
-pub struct PyPlan {
-    pub task: Task,
-    /// As it was planned or read.
-    pub file: PlanFile,
-    /// The same with every figure as it was measured, which is all that its properties show.
-    pub measured: PlanFile,
-    /// Statements of its file that differ, and change nothing of the verdict.
-    pub differs: Vec<Statement>,
-    /// Keys of its file that are as stated.
-    pub unjudged: Vec<&'static str>,
-    pub trajectory: Option<Arc<TaskTrajectory>>,
-    pub is_valid: bool,
-}
 
 #[pymethods]
 impl PyPlan {

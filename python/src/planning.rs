@@ -11,16 +11,14 @@ use cranny_solve::{PoseRadius, solve};
 use cranny_view::WatchedSearch;
 use pyo3::prelude::*;
 
-use crate::array::Configurations;
-use crate::fault::{bad_value, fault};
-use crate::interrupt::InterruptObserver;
-use crate::json::{settings_of, value_of};
+use crate::classes::{PyPlan, PyScenario, Task};
+use crate::handover::array::Configurations;
+use crate::handover::fault::{bad_value, fault};
+use crate::handover::interrupt::InterruptObserver;
+use crate::handover::json::{settings_of, value_of};
+use crate::handover::whole;
 use crate::live_page::PyLivePage;
-use crate::plan::PyPlan;
-use crate::scenario::PyScenario;
-use crate::task::Task;
 use crate::verification::PyVerification;
-use crate::whole;
 
 /// Where an object is to be carried.
 fn carry_of(value: &Bound<'_, PyAny>, robot: &Robot) -> PyResult<CarryWord> {

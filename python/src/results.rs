@@ -9,11 +9,11 @@ use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::array::rows;
-use crate::fault::{bad_value, fault};
-use crate::json::python_of;
-use crate::pickled::{Made, Reduced};
-use crate::whole;
+use crate::handover::array::rows;
+use crate::handover::fault::{bad_value, fault};
+use crate::handover::json::python_of;
+use crate::handover::pickled::{Made, Reduced};
+use crate::handover::whole;
 
 /// The results of campaigns: one SQLite file, open until `close`. What `bench.Results` reads from.
 #[pyclass(name = "ResultsFile", module = "cranny", frozen)]

@@ -16,23 +16,12 @@ use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
-use crate::array::{self, Configurations, shaped};
-use crate::cell::PyCell;
-use crate::fault::{bad_type, bad_value, fault};
-use crate::pickled::{Made, Reduced, absolute};
-use crate::rows::computed;
-use crate::whole;
-
-/// A robot: links and the group of joints that moves them. Immutable.
-///
-/// `q` holds one value for each joint of the group, in the order of `joint_names`: metres for a joint that
-/// slides, radians for one that turns. Poses are `root_from_link`, (4, 4) homogeneous matrices in metres.
-/// Wherever `q` of shape (dof,) is taken, so is a batch (N, dof); answers then have N rows.
-#[pyclass(name = "Robot", module = "cranny", frozen)]
-pub struct PyRobot {
-    pub robot: Arc<Robot>,
-    pub made: Made,
-}
+use crate::classes::{PyCell, PyRobot};
+use crate::handover::array::{self, Configurations, shaped};
+use crate::handover::fault::{bad_type, bad_value, fault};
+use crate::handover::pickled::{Made, Reduced, absolute};
+use crate::handover::rows::computed;
+use crate::handover::whole;
 
 /// Rows of one piece of work: a few hundred microseconds.
 const BLOCK: usize = 256;

@@ -15,38 +15,15 @@ use pyo3::call::PyCallArgs;
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict as _, PyBytes, PyDict};
 
-use crate::array::{Configurations, configuration, copied, pose_or_translation, rows, shaped};
-use crate::body::{PyBody, named_twice};
-use crate::cell::PyCell;
-use crate::fault::{bad_value, fault};
-use crate::grasp_set::PyGrasps;
-use crate::json::python_of;
-use crate::pickled::{Made, Reduced, absolute};
+use crate::body::named_twice;
+use crate::classes::{PyBody, PyCell, PyPlan, PyRobot, PyScenario};
+use crate::grasping::grasp_set::PyGrasps;
+use crate::handover::array::{Configurations, configuration, copied, pose_or_translation, rows, shaped};
+use crate::handover::fault::{bad_value, fault};
+use crate::handover::json::python_of;
+use crate::handover::pickled::{Made, Reduced, absolute};
+use crate::handover::whole;
 use crate::picture::picture;
-use crate::plan::PyPlan;
-use crate::robot::PyRobot;
-use crate::whole;
-
-/// A task: a robot, what stands around it, what it should grasp and how it may.
-///
-/// `Scenario("011")` is a built-in one; else `what` is a folder in Cranny's own layout or in the paper's released
-/// one, or a packed `.zip`. `criterion`: "exact" or "paper" (by default what the scenario says, else "exact").
-/// `robot`: the URDF of another robot. `geometry`: "scene" or "export", of a released scenario. `grasps`: a file of other
-/// grasps, or "none", as `without_grasps`. Poses are in the planning frame, the root frame of the robot, in metres.
-/// Immutable: what alters it gives another one.
-#[pyclass(name = "Scenario", module = "cranny", frozen)]
-pub struct PyScenario {
-    pub scenario: Arc<Scenario>,
-    /// The URDF that was given instead of the scenario's robot.
-    pub robot_file: Option<PathBuf>,
-    /// The geometry that was asked for.
-    pub geometry: Option<Geometry>,
-    /// The grasps that were asked for.
-    pub given_grasps: GivenGrasps,
-    /// The configurations to reach, any of them, in place of the grasps.
-    goals: Option<Vec<Vec<f64>>>,
-    made: Made,
-}
 
 #[pymethods]
 impl PyScenario {

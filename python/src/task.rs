@@ -1,26 +1,11 @@
 //! What is planned, judged and shown: a scenario, or a problem in other people's files.
 
-use std::sync::Arc;
-
 use cranny_collision::Margins;
-use cranny_plan::Problem;
-use cranny_scenario::{GivenGrasps, PlanSource, Scenario};
+use cranny_scenario::{GivenGrasps, PlanSource};
 use pyo3::prelude::*;
 
-use crate::fault::bad_type;
-use crate::moveit_problem::PyMoveItProblem;
-use crate::scenario::PyScenario;
-
-/// A task as one of the classes gave it.
-pub struct Task {
-    /// What a plan says that it is of.
-    pub source: PlanSource,
-    pub problem: Problem,
-    /// What pictures are made of; a problem of others has none.
-    pub scenario: Option<Arc<Scenario>>,
-    /// The scenario or problem as it was given.
-    pub given: Py<PyAny>,
-}
+use crate::classes::{PyMoveItProblem, PyScenario, Task};
+use crate::handover::fault::bad_type;
 
 impl Task {
     pub fn of(value: &Bound<'_, PyAny>, margins: Margins) -> PyResult<Self> {

@@ -5,8 +5,8 @@ use cranny_solve::TaskTrajectory;
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 
-use crate::array::{Numbers, shaped};
-use crate::pickled::{Reduced, restored_by};
+use crate::handover::array::{Numbers, shaped};
+use crate::handover::pickled::{Reduced, restored_by};
 
 /// A trajectory at T instants: arrays (T, dof) in the order of `joint_names`.
 #[pyclass(name = "Samples", module = "cranny", frozen)]

@@ -3,8 +3,8 @@
 use cranny_plan::{Audit, NotChecked};
 use pyo3::prelude::*;
 
-use crate::json::python_of;
-use crate::pickled::{Made, Reduced};
+use crate::handover::json::python_of;
+use crate::handover::pickled::{Made, Reduced};
 
 /// What a judge found in a path. True if the path meets the criterion.
 #[pyclass(name = "Verification", module = "cranny", frozen)]

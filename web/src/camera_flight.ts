@@ -1,6 +1,6 @@
 import { Vector3 } from "three";
 import type { Stage } from "./stage.ts";
-import type { Eye, View } from "./view_state.ts";
+import type { Eye, View } from "./data/view_state.ts";
 
 /** Long enough to see from where to where. */
 const FLIGHT_S = 0.45;

@@ -1,4 +1,4 @@
-import type { Mode } from "./page_data.ts";
+import type { Mode } from "./data/page_data.ts";
 
 /** `#rrggbb` as numbers from 0 to 1, as a screen takes them. */
 export type Screen = [number, number, number];

@@ -1,6 +1,6 @@
-import type { Player } from "./player.ts";
+import type { Player } from "./motion/player.ts";
 import type { Stage } from "./stage.ts";
-import type { View } from "./view_state.ts";
+import type { View } from "./data/view_state.ts";
 
 /** What browsers record, the best first. */
 const KINDS = ["video/mp4;codecs=avc1.640028", "video/webm;codecs=vp9", "video/webm;codecs=vp8", "video/webm"];

@@ -1,5 +1,5 @@
-import type { Point } from "./page_data.ts";
-import type { Eye } from "./view_state.ts";
+import type { Point } from "./data/page_data.ts";
+import type { Eye } from "./data/view_state.ts";
 
 /** The height of the picture in angle: a portrait lens, which neither bulges nor flattens. */
 export const HEIGHT_RAD = 0.42;

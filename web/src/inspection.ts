@@ -1,8 +1,8 @@
-import type { LiveVerdict, Standing } from "./live_verdict.ts";
-import type { Pose } from "./page_data.ts";
-import type { SceneView } from "./scene_view.ts";
+import type { LiveVerdict, Standing } from "./data/live_verdict.ts";
+import type { Pose } from "./data/page_data.ts";
+import type { SceneView } from "./views/scene_view.ts";
 import type { Stage } from "./stage.ts";
-import type { View } from "./view_state.ts";
+import type { View } from "./data/view_state.ts";
 
 /**
  * `window.cranny`: what the page shows, as figures, for tests and for who is curious. It can be looked at and not

@@ -1,7 +1,7 @@
 import "./style.css";
-import { element } from "./element.ts";
-import { openPage } from "./page.ts";
-import { loadPageData } from "./page_source.ts";
+import { element } from "./panels/element.ts";
+import { openPage } from "./data/page.ts";
+import { loadPageData } from "./data/page_source.ts";
 
 const host = document.getElementById("page") ?? document.body;
 try {

@@ -1,10 +1,10 @@
-import type { Kinematics } from "./kinematics.ts";
-import type { NodeView } from "./node_view.ts";
-import type { Node, Point, Pose } from "./page_data.ts";
-import { transformed } from "./pose.ts";
-import { type Movers, postureAlong, postureOf } from "./posture.ts";
-import type { ShownPlan } from "./trajectory.ts";
-import { INITIAL, type ViewState } from "./view_state.ts";
+import type { Kinematics } from "./motion/kinematics.ts";
+import type { NodeView } from "./views/node_view.ts";
+import type { Node, Point, Pose } from "./data/page_data.ts";
+import { transformed } from "./motion/pose.ts";
+import { type Movers, postureAlong, postureOf } from "./motion/posture.ts";
+import type { ShownPlan } from "./motion/trajectory.ts";
+import { INITIAL, type ViewState } from "./data/view_state.ts";
 
 /** Obstacles farther away from robot and target than this, in metres, may lie outside the picture. */
 const NEAR_M = 0.3;

@@ -1,7 +1,7 @@
 import { Color, PerspectiveCamera, Scene, WebGLRenderer } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { HEIGHT_RAD } from "./framing.ts";
-import type { Point } from "./page_data.ts";
+import type { Point } from "./data/page_data.ts";
 
 /** Space at the edges of the canvas that panels lie over, in points. */
 export interface Insets {

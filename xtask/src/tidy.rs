@@ -7,6 +7,7 @@ mod crate_table;
 mod file_length;
 mod file_opening;
 mod floors;
+mod folder_size;
 mod foreign_data;
 mod machine_paths;
 mod module_circles;
@@ -72,6 +73,7 @@ fn problems_of(members: &[Member], files: &[SourceFile]) -> Vec<Problem> {
         module_names::check(files),
         file_length::check(files),
         file_opening::check(files),
+        folder_size::check(files),
         system_calls::check(files),
         unsafe_code::check(members, files),
         machine_paths::check(files),

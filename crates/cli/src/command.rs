@@ -1,18 +1,18 @@
 use clap::{Parser, Subcommand};
 
 use crate::arguments::{IkArguments, Output, PlanArguments, TaskArguments, VerifyArguments};
-use crate::bench::BenchArguments;
-use crate::completions::CompletionsArguments;
-use crate::grasps::GraspsArguments;
-use crate::manual::ManualArguments;
-use crate::object::ObjectArguments;
-use crate::render::RenderArguments;
-use crate::roadmap::RoadmapArguments;
-use crate::robot::RobotArguments;
-use crate::scenario::ScenarioArguments;
-use crate::simulate::SimulateArguments;
-use crate::version;
-use crate::view::ViewArguments;
+use crate::campaigns::bench::BenchArguments;
+use crate::content::grasps::GraspsArguments;
+use crate::content::object::ObjectArguments;
+use crate::content::robot::RobotArguments;
+use crate::content::scenario::ScenarioArguments;
+use crate::physics::simulate::SimulateArguments;
+use crate::pictures::render::RenderArguments;
+use crate::pictures::view::ViewArguments;
+use crate::planning::roadmap::RoadmapArguments;
+use crate::program::completions::CompletionsArguments;
+use crate::program::manual::ManualArguments;
+use crate::program::version;
 
 /// Plans how a mobile manipulator reaches into a confined space and grasps an object.
 ///

@@ -1,67 +1,22 @@
 #![doc = include_str!("../README.md")]
 
 mod arguments;
-mod bench;
-mod bench_export;
-mod bench_merge;
-mod bench_problem;
-mod bench_replay;
-mod bench_report;
-mod bench_run;
-mod bench_slurm;
-mod bench_status;
-mod bench_worker;
-mod cluster_folder;
+mod campaigns;
 mod command;
-mod completions;
-mod doctor;
+mod content;
 mod failure;
 mod file_kind;
-mod grasp_choice;
-mod grasp_subject;
-mod grasps;
-mod grasps_import;
-mod help;
-mod ik;
-mod info;
-mod licences;
-mod list;
-mod manual;
 mod number_argument;
-mod object;
 mod output_file;
-mod page_task;
-mod plan;
-mod plan_page;
-mod plan_task;
+mod physics;
+mod pictures;
+mod planning;
+mod program;
 mod progress;
-mod recording;
-mod render;
-mod render_format;
-mod render_sheet;
-mod report_paths;
-mod report_pictures;
-mod roadmap;
-mod robot;
-mod robot_picture;
-mod scenario;
-mod search_replay;
-mod simulate;
-mod simulate_export;
-mod simulate_grasps;
-mod simulate_plan;
-mod simulate_results;
-mod simulate_settle;
-mod simulate_subject;
-mod slurm;
 mod start;
 mod statements;
-mod task;
 mod text;
 mod unfinished;
-mod verify;
-mod version;
-mod view;
 
 use std::io::Write;
 use std::process::ExitCode;
@@ -89,25 +44,25 @@ pub fn main(registry: &Registry) -> ExitCode {
         cranny_file::lift_limits();
     }
     let answer = match &cli.command {
-        Chosen::List => list::run(registry, cli.output),
-        Chosen::Info(arguments) => info::run(arguments, cli.output),
-        Chosen::Plan(arguments) => plan::run(arguments, registry, cli.output),
-        Chosen::Verify(arguments) => verify::run(arguments, cli.output),
-        Chosen::Ik(arguments) => ik::run(arguments, cli.output),
-        Chosen::Scenario(arguments) => scenario::run(arguments, cli.output),
-        Chosen::Grasps(arguments) => grasps::run(arguments, cli.output),
-        Chosen::Object(arguments) => object::run(arguments, cli.output),
-        Chosen::Simulate(arguments) => simulate::run(arguments, cli.output),
-        Chosen::Bench(arguments) => bench::run(arguments, registry, cli.output),
-        Chosen::Robot(arguments) => robot::run(arguments, cli.output),
-        Chosen::Roadmap(arguments) => roadmap::run(arguments, cli.output),
-        Chosen::Render(arguments) if arguments.all => render_sheet::run(arguments, cli.output),
-        Chosen::Render(arguments) => render::run(arguments, registry, cli.output),
-        Chosen::View(arguments) => view::run(arguments, registry, cli.output),
-        Chosen::Doctor => doctor::run(cli.output),
-        Chosen::Completions(arguments) => completions::run(*arguments, whole_command(), cli.output),
-        Chosen::Man(arguments) => manual::run(arguments, whole_command(), cli.output),
-        Chosen::Licences => licences::run(cli.output),
+        Chosen::List => content::list::run(registry, cli.output),
+        Chosen::Info(arguments) => content::info::run(arguments, cli.output),
+        Chosen::Plan(arguments) => planning::plan::run(arguments, registry, cli.output),
+        Chosen::Verify(arguments) => planning::verify::run(arguments, cli.output),
+        Chosen::Ik(arguments) => planning::ik::run(arguments, cli.output),
+        Chosen::Scenario(arguments) => content::scenario::run(arguments, cli.output),
+        Chosen::Grasps(arguments) => content::grasps::run(arguments, cli.output),
+        Chosen::Object(arguments) => content::object::run(arguments, cli.output),
+        Chosen::Simulate(arguments) => physics::simulate::run(arguments, cli.output),
+        Chosen::Bench(arguments) => campaigns::bench::run(arguments, registry, cli.output),
+        Chosen::Robot(arguments) => content::robot::run(arguments, cli.output),
+        Chosen::Roadmap(arguments) => planning::roadmap::run(arguments, cli.output),
+        Chosen::Render(arguments) if arguments.all => pictures::render_sheet::run(arguments, cli.output),
+        Chosen::Render(arguments) => pictures::render::run(arguments, registry, cli.output),
+        Chosen::View(arguments) => pictures::view::run(arguments, registry, cli.output),
+        Chosen::Doctor => program::doctor::run(cli.output),
+        Chosen::Completions(arguments) => program::completions::run(*arguments, whole_command(), cli.output),
+        Chosen::Man(arguments) => program::manual::run(arguments, whole_command(), cli.output),
+        Chosen::Licences => program::licences::run(cli.output),
     };
     match answer {
         Ok(Answer::Done) => ExitCode::SUCCESS,
@@ -121,7 +76,7 @@ pub fn main(registry: &Registry) -> ExitCode {
 }
 
 fn whole_command() -> Command {
-    help::laid_out(with_negative_numbers(Cli::command()))
+    program::help::laid_out(with_negative_numbers(Cli::command()))
 }
 
 /// With every flag taking a negative number for what it is, so that `--count -1` hears of its range and not that

@@ -6,7 +6,7 @@ use cranny_scenario::{Demanded, Geometry, GivenGrasps, Judgement};
 use serde::Serialize;
 
 use crate::arguments::VerifyArguments;
-use crate::task::Demand;
+use crate::planning::task::Demand;
 use crate::text::at_least_mm;
 
 /// Files that a plan brings along in place of the scenario's own, for which nothing but the plan vouches. Flags go before

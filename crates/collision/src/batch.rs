@@ -3,8 +3,8 @@ use cranny_spatial::{LANES, simd_level};
 use fearless_simd::Level;
 
 use crate::cell::{Cell, Scratch};
-use crate::lane_bits::{first_lanes, lanes_of};
-use crate::lanes::Interest;
+use crate::lane::lane_bits::{first_lanes, lanes_of};
+use crate::lane::lanes::Interest;
 
 impl Cell {
     /// Whether `q` (m, rad; one per joint) is within the joint limits and every pair keeps its distance: the verdict of

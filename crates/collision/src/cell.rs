@@ -4,18 +4,18 @@ use cranny_robot::{LinkFrames, Robot};
 use cranny_shape::{Separation, Solid, overlap};
 use cranny_spatial::{CONTACT_M, Pose};
 
-use crate::cell_parts::{CellParts, Surroundings};
-use crate::contact::{Collider, Contact};
-use crate::held_body::HeldBody;
-use crate::lane_scratch::{LaneScratch, as_index};
-use crate::lanes::Lanes;
-use crate::link_body::{LinkBody, group_reaches, group_separation};
-use crate::pairs::{Held, Other, Pair, Pairs, PartPairs};
-use crate::robot_body::RobotBody;
-use crate::travel::Travel;
-use crate::unchecked::Unchecked;
-use crate::work_list::WorkList;
-use crate::world::{Part, World};
+use crate::body::cell_parts::{CellParts, Surroundings};
+use crate::body::held_body::HeldBody;
+use crate::body::link_body::{LinkBody, group_reaches, group_separation};
+use crate::body::robot_body::RobotBody;
+use crate::body::world::{Part, World};
+use crate::lane::lane_scratch::{LaneScratch, as_index};
+use crate::lane::lanes::Lanes;
+use crate::pair::pairs::{Held, Other, Pair, Pairs, PartPairs};
+use crate::pair::unchecked::Unchecked;
+use crate::proof::travel::Travel;
+use crate::proof::work_list::WorkList;
+use crate::touch::contact::{Collider, Contact};
 use crate::{CollisionError, Margins};
 
 /// A robot in a world: immutable, shared by all who ask; each asker brings a [`Scratch`].

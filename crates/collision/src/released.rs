@@ -4,7 +4,7 @@ use cranny_robot::{LinkFrames, Robot};
 use cranny_shape::Surface;
 use cranny_spatial::Pose;
 
-use crate::link_body::LinkBody;
+use crate::body::link_body::LinkBody;
 use crate::{CollisionError, World};
 
 /// The collision check of the released planners, for comparison only (README, "What solved means").

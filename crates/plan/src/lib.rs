@@ -1,15 +1,18 @@
 #![doc = include_str!("../README.md")]
 
 mod error;
+mod neighbours;
 mod optimise;
 mod path;
 mod planners;
 mod search;
+mod stages;
 mod task;
 mod timing;
 mod wall_clock;
 
 pub use error::PlanError;
+pub use neighbours::nearest::{EXACT_BELOW, FARTHER_BY, NearestNeighbours};
 pub use optimise::{Improvement, OptimiseSettings, Optimised, better, optimise};
 pub use path::audit::{Audit, AuditSettings, Clearances, audit, audit_with, path_length};
 pub use path::clearance_limit::{AppliedMargin, ClearanceLimit};
@@ -38,7 +41,6 @@ pub use search::connector::{Connector, Path, connect};
 pub use search::forest::Forest;
 pub use search::goal_pool::GoalPool;
 pub use search::jacobian_search::GraspChoice;
-pub use search::nearest::{EXACT_BELOW, FARTHER_BY, NearestNeighbours};
 pub use search::no_grasp::{NoGrasp, ReachMiss};
 pub use search::path_search::{begin_search, search};
 pub use search::planner::{
@@ -47,6 +49,11 @@ pub use search::planner::{
 pub use search::ranges::Ranges;
 pub use search::roadmap::{Roadmap, RoadmapFile};
 pub use search::search_state::Search;
+pub use stages::region::{Moved, Region};
+pub use stages::segment::{Mode, MotionEnd, Segment, give_clearances, joined, legs};
+pub use stages::stage::{AfterPlacing, CLEAR_M, FARTHEST_CLEAR_M, Move, Pick, PlaceAt, Stage};
+pub use stages::stage_segments::{are_complete, check_segments, number_stages, picks_apart};
+pub use stages::state::{State, StatesAlong};
 pub use task::carry::{Carrier, Grip, LiftOffSettings};
 pub use task::configuration_fault::ConfigurationFault;
 pub use task::grasp_failure::{FailureReason, GraspFailure};
@@ -63,11 +70,6 @@ pub use task::place_goal::{PlaceGoal, PlaceSpot};
 pub use task::placed::Placed;
 pub use task::placement::Placement;
 pub use task::problem::{Criterion, Goal, PAPER_THRESHOLD, Problem};
-pub use task::region::{Moved, Region};
-pub use task::segment::{Mode, MotionEnd, Segment, give_clearances, joined, legs};
-pub use task::stage::{AfterPlacing, CLEAR_M, FARTHEST_CLEAR_M, Move, Pick, PlaceAt, Stage};
-pub use task::stage_segments::{are_complete, check_segments, number_stages, picks_apart};
-pub use task::state::{State, StatesAlong};
 pub use timing::corner_blend::CutCorner;
 pub use timing::motion_limits::{MotionLimits, TimingMethod};
 pub use timing::trajectory::{MAX_SAMPLE_RATE_HZ, Trajectory, TrajectorySample, sample_times};

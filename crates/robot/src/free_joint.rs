@@ -2,8 +2,10 @@ use std::f64::consts::PI;
 
 use cranny_spatial::{Pose, Rotation, Vector};
 
-use crate::urdf_model::{Urdf, UrdfJoint, UrdfJointKind, UrdfLimits, UrdfLink, UrdfMotion, parse_limits};
-use crate::xml::Element;
+use crate::description::urdf_model::{
+    Urdf, UrdfJoint, UrdfJointKind, UrdfLimits, UrdfLink, UrdfMotion, parse_limits,
+};
+use crate::description::xml::Element;
 use crate::{FREE_JOINT_LIMIT_M, RobotError};
 
 /// A degree of freedom of a joint that has several: what is put behind the joint's name, how it moves, and about or

@@ -1,8 +1,8 @@
 use cranny_shape::{Solid, TriangleSoup};
 use cranny_spatial::{Pose, Vector};
 
-use crate::inertial::Inertial;
-use crate::visual::LinkVisual;
+use crate::description::inertial::Inertial;
+use crate::description::visual::LinkVisual;
 
 /// A rigid part of a robot.
 #[derive(Clone, Debug)]

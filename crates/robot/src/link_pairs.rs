@@ -1,8 +1,8 @@
 use std::collections::BTreeMap;
 
-use crate::joint_group::unknown_link;
+use crate::chain::joint_group::unknown_link;
+use crate::description::urdf_model::Urdf;
 use crate::tree::Tree;
-use crate::urdf_model::Urdf;
 use crate::{Link, Location, Mover, RobotError, RobotOptions, Srdf};
 
 /// Two links with geometry are adjacent if the way between them through the tree meets no third one, and at most one joint

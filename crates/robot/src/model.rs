@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use cranny_spatial::Pose;
 
-use crate::derived::Derived;
-use crate::joint_group::JointValue;
-use crate::joint_step::Step;
+use crate::chain::derived::Derived;
+use crate::chain::joint_group::JointValue;
+use crate::chain::joint_step::Step;
+use crate::gripper::loose_links::LooseLinks;
 use crate::link::{GroupJoint, Link, Mover};
-use crate::loose_links::LooseLinks;
 use crate::{JointLimits, LimitViolation, RobotHand, VirtualJoint};
 
 /// A robot: a tree of links, and a group of joints that moves them. Immutable; share it by reference or in

@@ -2,7 +2,7 @@ use std::collections::HashMap;
 
 use cranny_file::nearest_names;
 
-use crate::urdf_model::Urdf;
+use crate::description::urdf_model::Urdf;
 use crate::{Location, RobotError};
 
 /// The links of a URDF as a tree, parents before children, each link's children in the order of the file.

@@ -1,11 +1,11 @@
 use cranny_spatial::{Point, Vector};
 
-use crate::convex::{Convex, Core};
-use crate::disjoint_sets::DisjointSets;
-use crate::enclosure::{Enclosure, Inside};
-use crate::small_holes::{Closed, closed};
-use crate::triangle_tree::TriangleTree;
-use crate::{Aabb, Ball, Bounds, MeshRepairs, ShapeError, TriangleSoup, parry};
+use crate::distance::convex::{Convex, Core};
+use crate::distance::triangle_tree::TriangleTree;
+use crate::inside::disjoint_sets::DisjointSets;
+use crate::inside::enclosure::{Enclosure, Inside};
+use crate::inside::small_holes::{Closed, closed};
+use crate::{Aabb, Ball, Bounds, MeshRepairs, ShapeError, TriangleSoup, distance::parry};
 
 /// A closed triangle mesh and the volume that it encloses.
 #[derive(Clone, Debug)]

@@ -3,10 +3,10 @@ use std::sync::Arc;
 use cranny_spatial::{Point, Pose, Vector};
 use parry3d_f64::shape::SupportMap;
 
-use crate::convex::{Convex, Core};
+use crate::distance::convex::{Convex, Core};
 use crate::error::positive;
 use crate::mesh::Mesh;
-use crate::{Aabb, Ball, Bounds, MeshRepairs, ShapeError, TriangleSoup, parry};
+use crate::{Aabb, Ball, Bounds, MeshRepairs, ShapeError, TriangleSoup, distance::parry};
 
 /// A full body in its own frame. Cheap to clone.
 #[derive(Clone, Debug)]

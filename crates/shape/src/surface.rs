@@ -1,7 +1,7 @@
 use cranny_spatial::{Point, Pose, Vector};
 
-use crate::closed_mesh::check_indices;
-use crate::triangle_tree::TriangleTree;
+use crate::distance::triangle_tree::TriangleTree;
+use crate::inside::closed_mesh::check_indices;
 use crate::{Aabb, ShapeError, TriangleSoup};
 
 /// Triangles without an inside: two surfaces touch only where a triangle of one meets a triangle of the

@@ -101,7 +101,7 @@ mod tests {
     /// circle.
     fn volume_is(solid: &Solid, expected_m3: f64) {
         let soup = solid.tessellation().unwrap();
-        crate::closed_mesh::check_indices(&soup).unwrap();
+        crate::inside::closed_mesh::check_indices(&soup).unwrap();
         let volume_m3 = soup.signed_volume_m3();
         assert!(volume_m3 <= expected_m3 * (1.0 + 1e-9), "{volume_m3} > {expected_m3}");
         assert!(volume_m3 > 0.985 * expected_m3, "{volume_m3} < {expected_m3}");
@@ -128,7 +128,7 @@ mod tests {
             let merged = TriangleSoup::from_corners(
                 soup.triangles.iter().flatten().map(|&vertex| soup.vertices[vertex as usize]),
             );
-            crate::closed_mesh::check_closed(&merged.unwrap()).unwrap();
+            crate::inside::closed_mesh::check_closed(&merged.unwrap()).unwrap();
         }
     }
 }

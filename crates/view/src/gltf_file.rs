@@ -12,8 +12,8 @@ use gltf_json::scene::UnitQuaternion;
 use gltf_json::validation::Checked;
 use gltf_json::{Asset, Extras, Index, Root};
 
+use crate::drawing::picture_file::write_whole;
 use crate::gltf_buffer::GltfBuffer;
-use crate::picture_file::write_whole;
 use crate::{Colour, Material, MeshPiece, Scene, ViewError};
 
 /// Half the side of the floor in a glTF file, in metres: wider than any built-in scenario.

@@ -4,12 +4,12 @@ use cranny_scenario::{ObjectType, Scenario};
 use cranny_shape::TriangleSoup;
 use cranny_spatial::{Point, Pose, Vector};
 
-use crate::colour::of_score;
-use crate::paint::painted;
+use crate::course::stance::{Placed, Stance};
+use crate::look::colour::of_score;
+use crate::look::paint::painted;
+use crate::look::stroke::{small_gripper, tube};
 use crate::scene::{Node, Role, SceneMotion, Track};
-use crate::stance::{Placed, Stance};
-use crate::stroke::{small_gripper, tube};
-use crate::{Colour, Material, MeshPiece, Scene, ShownMode, ShownPath, ViewError, robot_look};
+use crate::{Colour, Material, MeshPiece, Scene, ShownMode, ShownPath, ViewError, look::robot_look};
 
 /// What is shown of a task besides robot and bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

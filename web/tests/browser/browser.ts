@@ -6,7 +6,7 @@ import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { type Browser, type BrowserContextOptions, chromium, type Page } from "playwright-core";
 import type { Inspection } from "../../src/inspection.ts";
-import type { PageData, Verdict } from "../../src/page_data.ts";
+import type { PageData, Verdict } from "../../src/data/page_data.ts";
 
 /** The folder `web`. */
 export const WEB = join(dirname(fileURLToPath(import.meta.url)), "..", "..", "..");

@@ -1,8 +1,8 @@
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import type { Browser } from "playwright-core";
-import type { PageData } from "../../src/page_data.ts";
-import { angleBetween, compose, distanceBetween, inverse } from "../../src/pose.ts";
+import type { PageData } from "../../src/data/page_data.ts";
+import { angleBetween, compose, distanceBetween, inverse } from "../../src/motion/pose.ts";
 import { CLOSED_S, CLOSES_S, ENDS_S, LIFTED_S, carriedPage, recordedPage } from "../fixtures/carried_page.ts";
 import { twoJointPage } from "../fixtures/two_joint_page.ts";
 import { launch, look, type Opened, open, picture, rest, serve } from "./browser.ts";

@@ -6,8 +6,8 @@ import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { pathToFileURL } from "node:url";
 import type { Browser } from "playwright-core";
-import type { PageData, Verdict } from "../../src/page_data.ts";
-import { angleBetween, distanceBetween } from "../../src/pose.ts";
+import type { PageData, Verdict } from "../../src/data/page_data.ts";
+import { angleBetween, distanceBetween } from "../../src/motion/pose.ts";
 import { CRANNY, launch, look, type Opened, open, picture, rest, view } from "./browser.ts";
 import { difference } from "./pixels.ts";
 

@@ -5,8 +5,8 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import type { Browser } from "playwright-core";
-import type { PageData } from "../../src/page_data.ts";
-import { compose, distanceBetween, inverse } from "../../src/pose.ts";
+import type { PageData } from "../../src/data/page_data.ts";
+import { compose, distanceBetween, inverse } from "../../src/motion/pose.ts";
 import { CRANNY, launch, look, type Opened, open, picture, rest, view } from "./browser.ts";
 
 /** Against the program itself. */

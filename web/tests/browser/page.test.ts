@@ -1,9 +1,9 @@
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import type { Browser } from "playwright-core";
-import { Kinematics } from "../../src/kinematics.ts";
-import type { PageData, Verdict } from "../../src/page_data.ts";
-import { angleBetween, distanceBetween } from "../../src/pose.ts";
+import { Kinematics } from "../../src/motion/kinematics.ts";
+import type { PageData, Verdict } from "../../src/data/page_data.ts";
+import { angleBetween, distanceBetween } from "../../src/motion/pose.ts";
 import { ROBOT, twoJointPage } from "../fixtures/two_joint_page.ts";
 import { launch, look, type Opened, open, picture, rest, serve } from "./browser.ts";
 import { difference } from "./pixels.ts";

@@ -2,9 +2,9 @@ import assert from "node:assert/strict";
 import { statSync } from "node:fs";
 import { after, before, test } from "node:test";
 import type { Browser } from "playwright-core";
-import type { PageData, Pose, Verdict } from "../../src/page_data.ts";
-import { base64, floats32, unsigned32 } from "../../src/numbers.ts";
-import { distanceBetween } from "../../src/pose.ts";
+import type { PageData, Pose, Verdict } from "../../src/data/page_data.ts";
+import { base64, floats32, unsigned32 } from "../../src/data/numbers.ts";
+import { distanceBetween } from "../../src/motion/pose.ts";
 import { searchTree, twoJointPage } from "../fixtures/two_joint_page.ts";
 import { launch, look, open, picture, rest, serve } from "./browser.ts";
 

@@ -5,7 +5,7 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { test } from "node:test";
 import type { Browser, Page } from "playwright-core";
-import type { PageData } from "../../src/page_data.ts";
+import type { PageData } from "../../src/data/page_data.ts";
 import { searchTree, twoJointPage } from "../fixtures/two_joint_page.ts";
 import { CRANNY, launch, look, open, picture, rest, serve, view } from "./browser.ts";
 

@@ -1,13 +1,13 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { Carrying } from "../../src/carrying.ts";
-import { Kinematics } from "../../src/kinematics.ts";
-import type { Carry, Pose } from "../../src/page_data.ts";
-import { angleBetween, compose, distanceBetween, inverse } from "../../src/pose.ts";
-import { postureAlong, postureOf } from "../../src/posture.ts";
-import { Recording } from "../../src/recording.ts";
-import { type ShownPlan, Trajectory } from "../../src/trajectory.ts";
-import { INITIAL } from "../../src/view_state.ts";
+import { Carrying } from "../../src/motion/carrying.ts";
+import { Kinematics } from "../../src/motion/kinematics.ts";
+import type { Carry, Pose } from "../../src/data/page_data.ts";
+import { angleBetween, compose, distanceBetween, inverse } from "../../src/motion/pose.ts";
+import { postureAlong, postureOf } from "../../src/motion/posture.ts";
+import { Recording } from "../../src/data/recording.ts";
+import { type ShownPlan, Trajectory } from "../../src/motion/trajectory.ts";
+import { INITIAL } from "../../src/data/view_state.ts";
 import { CLOSED_S, CLOSES_S, ENDS_S, GRIPPING, LIFTED_S, RISING, carriedPage } from "../fixtures/carried_page.ts";
 
 const page = carriedPage();

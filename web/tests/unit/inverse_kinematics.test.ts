@@ -1,8 +1,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { broughtTo } from "../../src/inverse_kinematics.ts";
-import { Kinematics } from "../../src/kinematics.ts";
-import { angleBetween, compose, distanceBetween } from "../../src/pose.ts";
+import { broughtTo } from "../../src/motion/inverse_kinematics.ts";
+import { Kinematics } from "../../src/motion/kinematics.ts";
+import { angleBetween, compose, distanceBetween } from "../../src/motion/pose.ts";
 import { ROBOT } from "../fixtures/two_joint_page.ts";
 
 const kinematics = new Kinematics(ROBOT);

@@ -1,8 +1,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { Kinematics } from "../../src/kinematics.ts";
-import type { Pose } from "../../src/page_data.ts";
-import { angleBetween, compose, distanceBetween, inverse, rotation, transformed } from "../../src/pose.ts";
+import { Kinematics } from "../../src/motion/kinematics.ts";
+import type { Pose } from "../../src/data/page_data.ts";
+import { angleBetween, compose, distanceBetween, inverse, rotation, transformed } from "../../src/motion/pose.ts";
 import { LOWER_M, ROBOT, UPPER_M } from "../fixtures/two_joint_page.ts";
 
 const kinematics = new Kinematics(ROBOT);

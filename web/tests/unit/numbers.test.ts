@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { base64, floats32, floats64, unsigned32 } from "../../src/numbers.ts";
+import { base64, floats32, floats64, unsigned32 } from "../../src/data/numbers.ts";
 
 test("numbers come back from base64 bit by bit", () => {
   const row = Float64Array.of(0, -0, 1 / 3, Number.MAX_VALUE, Number.MIN_VALUE, -Math.PI);

@@ -1,8 +1,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { HEIGHT_RAD, STANDARD_VIEWS, framing } from "../../src/framing.ts";
-import type { Point } from "../../src/page_data.ts";
-import { isCrossed } from "../../src/see_through.ts";
+import type { Point } from "../../src/data/page_data.ts";
+import { isCrossed } from "../../src/views/see_through.ts";
 
 const UNIT_BOX: { low: Point; high: Point } = { low: [0, 0, 0], high: [1, 1, 1] };
 

@@ -1,8 +1,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { ghostInstants } from "../../src/ghost_view.ts";
-import { Kinematics } from "../../src/kinematics.ts";
-import { ClearanceCurve, type ShownPlan, Trajectory, indexAt } from "../../src/trajectory.ts";
+import { ghostInstants } from "../../src/views/ghost_view.ts";
+import { Kinematics } from "../../src/motion/kinematics.ts";
+import { ClearanceCurve, type ShownPlan, Trajectory, indexAt } from "../../src/motion/trajectory.ts";
 import { ROBOT, twoJointPage } from "../fixtures/two_joint_page.ts";
 
 const [plan] = twoJointPage().plans;

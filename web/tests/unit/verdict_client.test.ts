@@ -1,8 +1,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { setTimeout as wait } from "node:timers/promises";
-import type { Verdict } from "../../src/page_data.ts";
-import { VerdictClient } from "../../src/verdict_client.ts";
+import type { Verdict } from "../../src/data/page_data.ts";
+import { VerdictClient } from "../../src/data/verdict_client.ts";
 
 const FREE: Verdict = { is_free: true, clearance_m: 0.1, contacts: [], world_from_gripper: [0, 0, 0, 0, 0, 0, 1] };
 

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { fromHash, toHash } from "../../src/view_link.ts";
-import { INITIAL, type ViewState } from "../../src/view_state.ts";
+import { fromHash, toHash } from "../../src/data/view_link.ts";
+import { INITIAL, type ViewState } from "../../src/data/view_state.ts";
 
 test("the first view needs no words", () => {
   assert.equal(toHash(INITIAL), "");

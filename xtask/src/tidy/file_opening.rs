@@ -47,7 +47,7 @@ mod tests {
         for opener in OPENERS {
             let text = format!("//! Robots.\nlet text = {opener}path)?;\n");
             let file = |path| [SourceFile::of_text(path, &text)];
-            assert_eq!(check(&file("crates/robot/src/urdf.rs")).len(), 1, "{opener}");
+            assert_eq!(check(&file("crates/robot/src/description/urdf.rs")).len(), 1, "{opener}");
             assert_eq!(check(&file("crates/file/src/opener.rs")), [], "{opener}");
             assert_eq!(check(&file("crates/robot/tests/urdf.rs")), [], "{opener}");
         }

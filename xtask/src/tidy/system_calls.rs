@@ -62,7 +62,7 @@ mod tests {
         for name in NAMES.into_iter().chain([PROC]) {
             let text = format!("//! Robots.\nlet text = {name}();\n");
             let file = |path| [SourceFile::of_text(path, &text)];
-            assert_eq!(check(&file("crates/view/src/page.rs")).len(), 1, "{name}");
+            assert_eq!(check(&file("crates/view/src/viewer/page.rs")).len(), 1, "{name}");
             assert_eq!(check(&file("python/src/page.rs")).len(), 1, "{name}");
             assert_eq!(check(&file("crates/file/src/system/process.rs")), [], "{name}");
             assert_eq!(check(&file("crates/view/tests/page.rs")), [], "{name}");
@@ -72,6 +72,6 @@ mod tests {
     #[test]
     fn tests_may_name_one() {
         let text = format!("fn a() {{}}\n#[cfg(all(test, x))]\nmod tests {{ {} }}\n", NAMES[0]);
-        assert_eq!(check(&[SourceFile::of_text("crates/view/src/page.rs", &text)]), []);
+        assert_eq!(check(&[SourceFile::of_text("crates/view/src/viewer/page.rs", &text)]), []);
     }
 }

@@ -4,11 +4,11 @@ use serde::Serialize;
 
 use crate::report::comparison::{Comparison, comparisons};
 use crate::report::configuration::{Configuration, Names};
+use crate::report::drawn::success_curve::{SuccessCurve, success_curves};
 use crate::report::machine::{Machine, machines};
 use crate::report::overall::{Overall, overall, pools};
 use crate::report::row::{GoalRow, Group, Row};
 use crate::report::split_row::{SplitRow, split_rows};
-use crate::report::success_curve::{SuccessCurve, success_curves};
 use crate::report::warning::{few_runs, warnings};
 use crate::report::worst_trial::{WorstTrial, worst_trials};
 use crate::{BenchError, Results, Run, ScenarioSource, StoredTrial};

@@ -1,9 +1,9 @@
 use cranny_collision::Resting;
 
-use crate::task::segment::{MotionEnd, Segment, joined};
-use crate::task::stage::{Move, Stage};
-use crate::task::stage_segments::{are_complete, check_segments};
-use crate::task::state::{State, StatesAlong};
+use crate::stages::segment::{MotionEnd, Segment, joined};
+use crate::stages::stage::{Move, Stage};
+use crate::stages::stage_segments::{are_complete, check_segments};
+use crate::stages::state::{State, StatesAlong};
 use crate::{
     Audit, AuditSettings, Carrier, Cause, ContactSegment, Grip, Location, PickAudit, Placed, Placer,
     PlanError, Problem, Violation, audit_with,

@@ -1,11 +1,11 @@
 use cranny_robot::distance;
 use serde::{Deserialize, Serialize};
 
+use crate::neighbours::near_set::NearSet;
 use crate::path::step::RELEASED_STEP_M;
 use crate::planners::rrt::KnownGoals;
 use crate::search::connector::{Connector, Path, connect};
 use crate::search::growth::{Grower, Growth};
-use crate::search::near_set::NearSet;
 use crate::search::search_state::Search;
 use crate::wall_clock::now;
 use crate::{Budget, NearestNeighbours, Observer, PlanError, PlanReport, Planner, Problem, Ranges, Rrt};

@@ -9,7 +9,7 @@ use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::PlanError;
-use crate::search::near_set::NearSet;
+use crate::neighbours::near_set::NearSet;
 
 /// A graph of configurations, kept in a file for any number of questions (multi-query).
 ///

@@ -1,0 +1,415 @@
+use std::collections::HashSet;
+use std::time::Duration;
+
+use cranny_grasp::ScoreKind;
+use cranny_plan::{Budget, Carrier, Criterion, Goal, LiftOffSettings, Problem, Registry, Stage, Unobserved};
+use cranny_scenario::Recipe;
+
+use crate::asked::scenario_choice::{choose_scenarios, matches};
+use crate::running::opened_scenario::OpenedScenario;
+use crate::{BenchError, PathDemand, PlannerCall, Question, ScenarioSource, Trial, TrialOutcome};
+
+/// A campaign has no more trials: each takes about a kilobyte of memory before the first of them runs.
+pub const MOST_TRIALS: u64 = 1_000_000;
+
+/// No trial takes longer, in seconds (116 days); no clock overflows before.
+pub const MOST_TIME_LIMIT_S: f64 = 1e7;
+
+/// No search takes more memory, in MB (16 TiB): more than any machine has, and its bytes can still be counted.
+pub const MOST_MEMORY_MB: u64 = 1 << 24;
+
+/// A campaign: every scenario by every planner under every criterion with every seed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Campaign {
+    /// What [`choose_scenarios`] takes.
+    pub scenarios: Vec<String>,
+    /// The planners.
+    pub planners: Vec<CampaignPlanner>,
+    /// What counts as solved. Default: `exact` alone.
+    pub criteria: Vec<Criterion>,
+    /// How many seeds. Default 100, the paper's.
+    pub runs: u64,
+    /// The first seed; each further run has the next. Default 0.
+    pub first_seed: u64,
+    /// At most so many seconds for a trial. Default 120, the paper's.
+    pub time_limit_s: f64,
+    /// At most so many iterations for a trial. Default: none, only time counts.
+    pub iteration_limit: Option<u64>,
+    /// At most so much memory for a search, beyond what the scenario takes, in bytes. Default 4 GiB.
+    pub memory_limit_bytes: u64,
+    /// Whether each path is judged under the criterion that it was not made for, too. Default: no.
+    pub judge_both: bool,
+    /// Whether the least clearance along each path is measured, at most a tenth too low: some milliseconds beside the
+    /// trial's own
+    /// time. Default: yes.
+    pub measure_clearance: bool,
+    /// What is asked of each path beyond its criterion. Default: nothing.
+    pub demand: PathDemand,
+    /// Where other limits hold.
+    pub exceptions: Vec<Exception>,
+}
+
+/// A planner of a campaign.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CampaignPlanner {
+    /// What reports call it.
+    pub name: String,
+    /// How it is called.
+    pub call: PlannerCall,
+    /// Whether it aims at each goal configuration of a scenario by itself, in trials of their own, instead of at
+    /// all grasps together.
+    pub each_goal: bool,
+    /// How many seeds, where they are not as many as the campaign's.
+    pub runs: Option<u64>,
+    /// Its own time limit, in seconds.
+    pub time_limit_s: Option<f64>,
+}
+
+/// A time limit for one planner in some scenarios; goes before all others.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Exception {
+    /// An id, or a pattern of ids.
+    pub scenario: String,
+    /// The planner's name.
+    pub planner: String,
+    /// The limit, in seconds.
+    pub time_limit_s: f64,
+}
+
+impl Default for Campaign {
+    fn default() -> Self {
+        Self {
+            scenarios: Vec::new(),
+            planners: Vec::new(),
+            criteria: vec![Criterion::Exact],
+            runs: 100,
+            first_seed: 0,
+            time_limit_s: 120.0,
+            iteration_limit: None,
+            memory_limit_bytes: 4 << 30,
+            judge_both: false,
+            measure_clearance: true,
+            demand: PathDemand::default(),
+            exceptions: Vec::new(),
+        }
+    }
+}
+
+/// A campaign, spelled out.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Schedule {
+    /// Every trial, seed by seed: a campaign that is cut short has asked everybody equally often.
+    pub questions: Vec<Question>,
+    /// Where the scenarios are.
+    pub scenarios: Vec<ScenarioSource>,
+    /// What a person should know before the first trial: whose end is certain already.
+    pub notes: Vec<String>,
+}
+
+impl CampaignPlanner {
+    /// A planner as it comes, for all grasps together.
+    pub fn new(call: PlannerCall) -> Self {
+        Self { name: call.name(), call, each_goal: false, runs: None, time_limit_s: None }
+    }
+}
+
+impl Campaign {
+    /// The paper's Table I: J⁺-RRT for all grasps, IK-RRT for each goal configuration by itself, 100 runs of 120 s
+    /// (900 s for J⁺-RRT in 045) under the `paper` criterion, in the twenty built-in scenarios.
+    ///
+    /// A search of IK-RRT goes on with its one goal until the time is spent.
+    ///
+    /// # Errors
+    /// None on a sound build: [`BenchError::Plan`] would mean that a planner is gone.
+    pub fn paper() -> Result<Self, BenchError> {
+        let call = |planner: &str, settings: serde_json::Value| {
+            let settings = settings.as_object().cloned().unwrap_or_default();
+            PlannerCall::BuiltIn {
+                planner: planner.to_owned(),
+                settings,
+                score: ScoreKind::default(),
+                min_score: None,
+            }
+            .checked(&Registry::default())
+        };
+        let j_plus_rrt = CampaignPlanner::new(call("j-plus-rrt", serde_json::json!({}))?);
+        /// More than any time limit allows.
+        const ENDLESS: u64 = 1_000_000_000_000;
+        let ik_rrt = CampaignPlanner {
+            each_goal: true,
+            ..CampaignPlanner::new(call("ik-rrt", serde_json::json!({"goal_iterations": ENDLESS}))?)
+        };
+        let longer =
+            Exception { scenario: "045".into(), planner: j_plus_rrt.name.clone(), time_limit_s: 900.0 };
+        Ok(Self {
+            scenarios: vec!["all".into()],
+            planners: vec![j_plus_rrt, ik_rrt],
+            criteria: vec![Criterion::Paper],
+            exceptions: vec![longer],
+            ..Self::default()
+        })
+    }
+
+    /// Every trial of the campaign, each once. The scenarios are opened for it and the planners asked whether they
+    /// take them, so that what would end the campaign at a later trial is said before the first.
+    ///
+    /// # Errors
+    /// [`BenchError`] for scenarios that do not open, planners of one name, a planner that does not take a scenario,
+    /// nothing to do, and numbers that are none.
+    pub fn schedule(&self, registry: &Registry) -> Result<Schedule, BenchError> {
+        self.check()?;
+        let criteria = self.distinct_criteria();
+        let chosen = choose_scenarios(&self.scenarios)?;
+        // Before many are opened in vain; where each goal is aimed at, their number comes later.
+        self.check_size(&chosen.iter().map(|_| 1))?;
+        let (mut scenarios, mut notes) = (Vec::new(), Vec::new());
+        for chosen in chosen {
+            let mut source = ScenarioSource {
+                scenario: chosen.identity.id,
+                scenario_hash: chosen.identity.sha256,
+                source: chosen.source,
+                goals: None,
+            };
+            for criterion in &criteria {
+                let opened = OpenedScenario::open(&source.source, *criterion, &self.demand)?;
+                if source.goals.is_none() && self.planners.iter().any(|planner| planner.each_goal) {
+                    source.goals = Some(opened.goals()?.len());
+                }
+                notes.extend(self.try_out(&opened, registry)?);
+            }
+            scenarios.push(source);
+        }
+        self.check_size(&scenarios.iter().map(|scenario| scenario.goals.unwrap_or(0) as u64))?;
+        for Exception { scenario, planner, .. } in &self.exceptions {
+            if !scenarios.iter().any(|source| matches(scenario, &source.scenario)) {
+                notes.push(format!(
+                    "the exception of planner '{planner}' in '{scenario}' is of no scenario here"
+                ));
+            }
+        }
+        // Whoever made the calls: a trial is known by all settings of its planner, the defaults included.
+        let settings_of = |planner: &CampaignPlanner| {
+            Ok(self.demand.among(planner.call.clone().checked(registry)?.settings()))
+        };
+        let settings: Vec<String> =
+            self.planners.iter().map(settings_of).collect::<Result<_, BenchError>>()?;
+        let most_runs =
+            self.planners.iter().map(|planner| planner.runs.unwrap_or(self.runs)).max().unwrap_or(0);
+        let mut questions = Vec::new();
+        for run in 0..most_runs {
+            for scenario in &scenarios {
+                for (planner, settings) in self.planners.iter().zip(&settings) {
+                    if run >= planner.runs.unwrap_or(self.runs) {
+                        continue;
+                    }
+                    let goals: Vec<Option<usize>> = if planner.each_goal {
+                        (0..scenario.goals.unwrap_or(0)).map(Some).collect()
+                    } else {
+                        vec![None]
+                    };
+                    for (criterion, goal) in
+                        criteria.iter().flat_map(|c| goals.iter().map(move |goal| (*c, *goal)))
+                    {
+                        let trial = Trial {
+                            scenario: scenario.scenario.clone(),
+                            scenario_hash: scenario.scenario_hash.clone(),
+                            planner: planner.name.clone(),
+                            settings: settings.clone(),
+                            criterion,
+                            seed: self.first_seed + run,
+                            time_limit_s: self.time_limit(scenario, planner),
+                            iteration_limit: self.iteration_limit,
+                            goal,
+                        };
+                        questions.push(Question {
+                            trial,
+                            source: scenario.source.clone(),
+                            call: planner.call.clone(),
+                            judge_both: self.judge_both,
+                            measure_clearance: self.measure_clearance,
+                        });
+                    }
+                }
+            }
+        }
+        if questions.is_empty() {
+            return Err(BenchError::Empty { what: "trials (no scenario has a goal configuration)" });
+        }
+        Ok(Schedule { questions, scenarios, notes })
+    }
+
+    fn time_limit(&self, scenario: &ScenarioSource, planner: &CampaignPlanner) -> f64 {
+        let holds = |exception: &&Exception| {
+            exception.planner == planner.name && matches(&exception.scenario, &scenario.scenario)
+        };
+        let exception = self.exceptions.iter().find(holds).map(|exception| exception.time_limit_s);
+        exception.or(planner.time_limit_s).unwrap_or(self.time_limit_s)
+    }
+
+    /// Asks every planner whether it takes a scenario; a note where the start is not free, so that all trials end
+    /// there.
+    fn try_out(&self, opened: &OpenedScenario, registry: &Registry) -> Result<Option<String>, BenchError> {
+        let (scenario, problem) = (&opened.scenario, &opened.problem);
+        for planner in &self.planners {
+            self.ask(planner, opened, registry).map_err(|reason| BenchError::Refused {
+                scenario: scenario.id.clone(),
+                planner: planner.name.clone(),
+                reason: reason.to_string(),
+            })?;
+        }
+        let is_free = problem.start_is_free();
+        let (criterion, outcome) = (problem.criterion().name(), TrialOutcome::StartInvalid.name());
+        Ok((!is_free).then(|| {
+            let id = &scenario.id;
+            format!(
+                "the start of {id} is not free under {criterion}: every trial there will end as {outcome}"
+            )
+        }))
+    }
+
+    /// Asks a planner for a search of no iterations: what it has against a scenario it says at once.
+    fn ask(
+        &self,
+        planner: &CampaignPlanner,
+        opened: &OpenedScenario,
+        registry: &Registry,
+    ) -> Result<(), BenchError> {
+        let PlannerCall::BuiltIn { planner: name, settings, score, min_score } = &planner.call else {
+            // It is given the scenario as files.
+            return Ok(Recipe::of_scenario(&opened.scenario).map(drop)?);
+        };
+        let aimed: Problem;
+        let problem = if planner.each_goal {
+            // Where there is no goal there is no trial.
+            let Some(goal) = opened.goals()?.first() else { return Ok(()) };
+            aimed = opened.problem.with_goal(Goal::Configurations(vec![goal.clone()]))?;
+            &aimed
+        } else {
+            &opened.problem
+        };
+        let stages = self.demand.stages_in(&opened.scenario)?;
+        let asked = cranny_solve::Request {
+            registry: registry.clone(),
+            planner: Some(name.clone()),
+            score: *score,
+            min_score: *min_score,
+            stages: stages.clone(),
+            ..cranny_solve::Request::default()
+        };
+        asked.check(problem)?;
+        if stages.len() > 1 && stages[0] == Stage::pick() {
+            Carrier::new(problem, LiftOffSettings::default())?;
+        }
+        let nothing = Budget { iterations: 0, time: Duration::ZERO };
+        let planner = registry.planner_with(name, settings)?;
+        Ok(planner.plan(problem, &nothing, self.first_seed, &mut Unobserved).map(drop)?)
+    }
+
+    /// Each of them once, however often it is named.
+    fn distinct_criteria(&self) -> Vec<Criterion> {
+        let mut distinct = Vec::new();
+        for criterion in &self.criteria {
+            if !distinct.contains(criterion) {
+                distinct.push(*criterion);
+            }
+        }
+        distinct
+    }
+
+    /// Refuses a campaign with too many trials, `goals` being the number of goals of each scenario.
+    fn check_size(&self, goals: &(impl Iterator<Item = u64> + Clone)) -> Result<(), BenchError> {
+        let of_planner = |planner: &CampaignPlanner| {
+            let per_run: u64 = goals.clone().map(|goals| if planner.each_goal { goals } else { 1 }).sum();
+            planner.runs.unwrap_or(self.runs).saturating_mul(per_run)
+        };
+        let trials = self.planners.iter().map(of_planner).fold(0, u64::saturating_add);
+        let trials = trials.saturating_mul(self.distinct_criteria().len() as u64);
+        if trials > MOST_TRIALS {
+            Err(BenchError::TooManyTrials { trials, most: MOST_TRIALS })
+        } else {
+            Ok(())
+        }
+    }
+
+    fn check(&self) -> Result<(), BenchError> {
+        for (what, is_empty) in
+            [("planners", self.planners.is_empty()), ("criteria", self.criteria.is_empty())]
+        {
+            if is_empty {
+                return Err(BenchError::Empty { what });
+            }
+        }
+        if self.demand.without_grasp_set {
+            let needing = [
+                ("each_goal", self.planners.iter().any(|planner| planner.each_goal)),
+                ("judge_both", self.judge_both),
+                ("criterion paper", self.criteria.contains(&Criterion::Paper)),
+            ];
+            if let Some((what, _)) = needing.into_iter().find(|(_, is_asked)| *is_asked) {
+                return Err(BenchError::NeedsGraspSet { what });
+            }
+        }
+        let mut names = HashSet::new();
+        if let Some(planner) = self.planners.iter().find(|planner| !names.insert(&planner.name)) {
+            return Err(BenchError::PlannerName { name: planner.name.clone() });
+        }
+        let own = self.planners.iter().filter_map(|planner| planner.time_limit_s);
+        let exceptions = self.exceptions.iter().map(|exception| exception.time_limit_s);
+        for value in std::iter::once(self.time_limit_s).chain(own).chain(exceptions) {
+            checked_time_limit(value)?;
+        }
+        let most_runs = self.planners.iter().map(|planner| planner.runs.unwrap_or(self.runs)).max();
+        if most_runs == Some(0) {
+            return Err(BenchError::Range { what: "the number of runs", value: 0.0, range: "at least 1" });
+        }
+        for value in [self.demand.margins.margin_m, self.demand.margins.grasp_margin_m] {
+            checked_margin(value)?;
+        }
+        if let Some(error) = self.demand.robust {
+            checked_margin(error.translation_m)?;
+            checked_turn(error.rotation_rad)?;
+        }
+        // What a file of results can hold.
+        let last_seed = self.first_seed.checked_add(most_runs.unwrap_or(0));
+        if last_seed.is_none_or(|seed| i64::try_from(seed).is_err()) {
+            let value = self.first_seed as f64 + most_runs.unwrap_or(0) as f64;
+            return Err(BenchError::Range { what: "the last seed", value, range: "below 2^63" });
+        }
+        if let Some(limit) = self.iteration_limit.filter(|limit| i64::try_from(*limit).is_err()) {
+            let range = "below 2^63";
+            return Err(BenchError::Range { what: "the iteration limit", value: limit as f64, range });
+        }
+        let memory_mb = self.memory_limit_bytes >> 20;
+        if !(1..=MOST_MEMORY_MB).contains(&memory_mb) {
+            let range = "at least 1 and at most 16777216 MB";
+            return Err(BenchError::Range { what: "the memory limit", value: memory_mb as f64, range });
+        }
+        Ok(())
+    }
+}
+
+/// A time limit in seconds, if it can be one.
+pub(crate) fn checked_time_limit(value: f64) -> Result<f64, BenchError> {
+    if value > 0.0 && value <= MOST_TIME_LIMIT_S {
+        return Ok(value);
+    }
+    Err(BenchError::Range { what: "a time limit", value, range: "above 0 and at most 10000000 s" })
+}
+
+/// How far something may be turned, in radians, if it can be.
+pub(crate) fn checked_turn(value: f64) -> Result<f64, BenchError> {
+    if (0.0..=std::f64::consts::PI).contains(&value) {
+        return Ok(value);
+    }
+    Err(BenchError::Range { what: "a turn", value, range: "from 0 to π" })
+}
+
+/// A clearance that is demanded, in metres, if it can be one.
+pub(crate) fn checked_margin(value: f64) -> Result<f64, BenchError> {
+    /// Nothing in a cell is as far from all others.
+    const MOST_M: f64 = 1.0;
+    if (0.0..=MOST_M).contains(&value) {
+        return Ok(value);
+    }
+    Err(BenchError::Range { what: "a margin", value, range: "from 0 to 1 m" })
+}

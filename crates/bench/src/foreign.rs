@@ -1,0 +1,8 @@
+//! Programs of others: their files, processes, walls and answers.
+
+pub(crate) mod foreign_answer;
+pub(crate) mod foreign_planner;
+pub(crate) mod foreign_process;
+pub(crate) mod problem_folder;
+pub(crate) mod process_group;
+pub(crate) mod sandbox;

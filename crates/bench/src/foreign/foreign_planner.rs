@@ -1,0 +1,362 @@
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::Duration;
+
+use cranny_collision::Margins;
+use cranny_file::system::{self, FileStamp};
+use cranny_grasp::rows_of_pose;
+use cranny_plan::{AfterPlacing, Criterion, LiftOffSettings, PlaceSpot, Problem, Segment, Stage, Statistics};
+use cranny_scenario::{Recipe, ScenarioError};
+
+use serde_json::json;
+use tempfile::TempDir;
+
+use crate::foreign::foreign_answer::{self, ForeignAnswer};
+use crate::foreign::foreign_process::{self, Ending, Limits, MOST_OUTPUT_BYTES, Ran};
+use crate::foreign::process_group::Leash;
+use crate::running::opened_scenario::OpenedScenario;
+use crate::running::worker_message::Request;
+use crate::{BenchError, CarryTo, PathDemand, PlannerCall, TrialOutcome, TrialRecord};
+
+/// The program of others, with the files of one scenario.
+pub struct ForeignPlanner {
+    command: Vec<String>,
+    is_released: bool,
+    files: ForeignFiles,
+}
+
+/// Where a program finds what it wants to read.
+pub struct ForeignFiles {
+    /// The folder in the released layout.
+    released: PathBuf,
+    /// The folder in Cranny's layout.
+    cranny: PathBuf,
+    /// The robot.
+    urdf: PathBuf,
+    /// Under which each trial has a folder of its own for what the program writes.
+    scratch: PathBuf,
+    /// What was written for the program, to be seen if it changes anything of it.
+    written: Vec<(PathBuf, Option<FileStamp>)>,
+}
+
+/// One trial of such a program.
+pub struct ForeignTask<'a> {
+    pub request: &'a Request,
+    pub opened: &'a OpenedScenario,
+    /// The goal configuration that is aimed at.
+    pub goal: Option<&'a [f64]>,
+    /// Where the target is to be carried, if it is.
+    pub carry: Option<CarryTo>,
+    /// The stages of the task; empty where the path ends at the goal.
+    pub stages: &'a [Stage],
+}
+
+/// How long a program may go on after its time limit before it counts as hung: enough to notice, to tidy up and
+/// to print.
+const GRACE: Duration = Duration::from_secs(1);
+
+/// What the system says to who writes where they may not.
+const DENIALS: [&str; 2] = ["ermission denied", "Errno 13"];
+
+/// The command line of the released program with its authors' settings, as its own scripts give them; `-max_iters`
+/// is beyond what a time limit of minutes allows.
+const RELEASED_COMMAND: &str = "test -grasp {grasps} -urdf {urdf} -obstacle {obstacles} -start_config {start} \
+    -target_configs {ik} -ik_index {goal} -max_iters {iterations} -d_crit 0.1 -delta_q 3.1415 -epsilon_q 0.1 \
+    -num_spikes 7 -p_close_enough 50.0 -prob_steer 0.01 -q_resolution 0.1 -use_rot 100 -rot_ratio 0.5 \
+    -groundLevel 0.0 -minColSegIdx 6 -render 0 -seed {seed} -target_prefix {prefix}";
+
+impl ForeignPlanner {
+    /// Writes the files of the scenario, unless they are there already.
+    pub fn new(request: &Request, opened: &OpenedScenario) -> Result<Self, BenchError> {
+        let call = &request.question.call;
+        let (command, is_released) = match call {
+            PlannerCall::BuiltIn { .. } => return Err(BenchError::Program { program: call.name() }),
+            PlannerCall::Exec { command } => (command.clone(), false),
+            PlannerCall::Released { program, arguments } => {
+                let usual = RELEASED_COMMAND.split_whitespace().map(str::to_owned);
+                (
+                    std::iter::once(program.clone()).chain(usual).chain(arguments.iter().cloned()).collect(),
+                    true,
+                )
+            }
+        };
+        // Of one content there is one export.
+        let hash = &request.question.trial.scenario_hash;
+        // Who is given no set of grasps finds none beside it either.
+        let kind = if opened.scenario.has_grasp_set { "" } else { "-no-grasps" };
+        let folder = request.exports.join(format!("{hash}{kind}"));
+        let files = ForeignFiles::write(&folder, &request.question.source, opened)?;
+        Ok(Self { command, is_released, files })
+    }
+
+    /// What the program makes of a trial, and its path, piece by piece, not yet judged.
+    pub fn plan(&self, task: &ForeignTask, leash: &Leash) -> Result<(TrialRecord, Vec<Segment>), BenchError> {
+        let trial = &task.request.question.trial;
+        let time = Duration::try_from_secs_f64(trial.time_limit_s).unwrap_or(Duration::MAX);
+        // New for each trial: nothing that one leaves behind is there for the next.
+        let scratch = TempDir::new_in(&self.files.scratch);
+        let scratch = scratch
+            .map_err(|reason| ScenarioError::Unwritable { path: self.files.scratch.clone(), reason })?;
+        let limits = Limits {
+            time: time.saturating_add(GRACE),
+            memory_bytes: task.request.memory_limit_bytes,
+            scratch: scratch.path(),
+            walls: task.request.walls,
+        };
+        let (scratch, prefix) = (scratch.path(), scratch.path().join("trial"));
+        let words = self.command.iter().map(|word| self.filled(word, task, scratch)).collect::<Vec<_>>();
+        let missing = || BenchError::Program { program: String::new() };
+        let (program, arguments) = words.split_first().ok_or_else(missing)?;
+        let mut command = Command::new(program);
+        command.args(arguments).current_dir(scratch).env("TMPDIR", scratch);
+        let input = self.files.problem(task, scratch).to_string() + "\n";
+        let Ran { ending, elapsed_s, memory_bytes } =
+            foreign_process::run(&mut command, input, limits, leash).map_err(|reason| {
+                BenchError::NotRunnable { program: program.clone(), reason: reason.to_string() }
+            })?;
+        let statistics = Statistics { planning_time_s: elapsed_s, ..Statistics::default() };
+        let without =
+            |outcome, detail| (TrialRecord::without_path(trial, outcome, detail, statistics), Vec::new());
+        let answer = match ending {
+            Ending::Hung => without(TrialOutcome::Hung, Some(format!("ended after {elapsed_s:.1} s"))),
+            Ending::OutOfMemory(bytes) => {
+                without(TrialOutcome::OutOfMemory, Some(format!("held {} MiB", bytes >> 20)))
+            }
+            Ending::Flood => {
+                let detail = format!("printed more than {} MiB", MOST_OUTPUT_BYTES >> 20);
+                without(TrialOutcome::Garbled, Some(detail))
+            }
+            Ending::Exited { status, complaint, .. } if !status.success() => {
+                let mut detail = system::ending(status);
+                if !complaint.is_empty() {
+                    detail = format!("{detail}: {complaint}");
+                }
+                if limits.walls.landlock && DENIALS.iter().any(|denial| complaint.contains(denial)) {
+                    detail =
+                        format!("{detail} (it may write in its scratch folder alone; --sandbox off lets it)");
+                }
+                without(TrialOutcome::Crashed, Some(detail))
+            }
+            Ending::Exited { output, .. } => {
+                let joints = task.opened.problem.robot().dof();
+                let read = if self.is_released {
+                    foreign_answer::read_released(&prefix, joints)
+                } else {
+                    foreign_answer::read_output(&output, joints, task.stages)
+                };
+                match read {
+                    Ok(ForeignAnswer { outcome, segments, statistics }) => {
+                        let statistics = Statistics { planning_time_s: elapsed_s, ..statistics };
+                        (TrialRecord::without_path(trial, outcome, None, statistics), segments)
+                    }
+                    Err(fault) => without(TrialOutcome::Garbled, Some(fault)),
+                }
+            }
+        };
+        let (record, segments) = match self.files.first_changed() {
+            None => answer,
+            Some(file) => {
+                let detail = format!("it changed a file that it was given: {}", file.display());
+                // The next trial gets them anew.
+                self.files.discard();
+                without(TrialOutcome::Garbled, Some(detail))
+            }
+        };
+        Ok((TrialRecord { memory_bytes, ..record }, segments))
+    }
+
+    /// A word of the command with its placeholders filled in.
+    fn filled(&self, word: &str, task: &ForeignTask, scratch: &Path) -> String {
+        /// Where only time counts: beyond what any planner does in hours, and within 32 bits.
+        const ENDLESS: u64 = 2_000_000_000;
+        let trial = &task.request.question.trial;
+        let path = |path: &Path| path.display().to_string();
+        let export = |name: &str| path(&self.files.released.join("export").join(name));
+        let placeholders: [(&str, String); 15] = [
+            ("{scenario}", trial.scenario.clone()),
+            ("{criterion}", trial.criterion.name().to_owned()),
+            ("{seed}", trial.seed.to_string()),
+            ("{time_limit_s}", trial.time_limit_s.to_string()),
+            ("{iterations}", trial.iteration_limit.unwrap_or(ENDLESS).to_string()),
+            ("{goal}", trial.goal.unwrap_or(0).to_string()),
+            ("{released}", path(&self.files.released)),
+            ("{cranny}", path(&self.files.cranny)),
+            ("{urdf}", path(&self.files.urdf)),
+            ("{obstacles}", export("obstacles.obj")),
+            ("{grasps}", export("grasps.csv")),
+            ("{start}", export("robot_start_conf.csv")),
+            ("{ik}", export("grasp_IK_solutions.csv")),
+            ("{scratch}", path(scratch)),
+            ("{prefix}", path(&scratch.join("trial"))),
+        ];
+        placeholders.iter().fold(word.to_owned(), |word, (name, value)| word.replace(name, value))
+    }
+}
+
+/// Written last of all, so that a folder that has it is whole.
+pub fn mark_of_the_whole(folder: &Path, criterion: Criterion) -> PathBuf {
+    folder.join(format!("{}.whole", criterion.name()))
+}
+
+impl ForeignFiles {
+    /// What the program reads on its standard input.
+    pub fn problem(&self, task: &ForeignTask, scratch: &Path) -> serde_json::Value {
+        let (trial, problem) = (&task.request.question.trial, &task.opened.problem);
+        let robot = problem.robot();
+        let named = robot.joint_names().iter().zip(robot.limits());
+        let joints: Vec<_> = named
+            .map(|(name, limits)| json!({"name": name, "lower": limits.lower, "upper": limits.upper}))
+            .collect();
+        let grasp = |grasp: &cranny_grasp::Grasp| json!({"pose": rows_of_pose(&grasp.world_from_gripper), "score": grasp.score});
+        let export = self.released.join("export");
+        let margins = problem.cell().map(|cell| cell.margins());
+        let Margins { margin_m, grasp_margin_m, object_margin_m } =
+            margins.unwrap_or(PathDemand::of_settings(&trial.settings).margins);
+        json!({
+            "protocol": 1,
+            "protocols": [1, 2],
+            "scenario": trial.scenario,
+            "criterion": trial.criterion.name(),
+            "seed": trial.seed,
+            "time_limit_s": trial.time_limit_s,
+            "iteration_limit": trial.iteration_limit,
+            "joints": joints,
+            "start": problem.start(),
+            "grasps": task.opened.scenario.grasps.grasps().iter().map(grasp).collect::<Vec<_>>(),
+            "tip": robot.links()[robot.tip()].name,
+            "goal_configuration": task.goal,
+            "target": problem.target().and_then(|target| Some(&problem.cell()?.world().bodies()[target].name)),
+            "carry": task.carry.map(|carry| asked_to_carry(carry, task.stages, problem)),
+            "task": task.stages.iter().map(|stage| asked_stage(stage, problem)).collect::<Vec<_>>(),
+            "margin_m": margin_m,
+            "grasp_margin_m": grasp_margin_m,
+            "object_margin_m": object_margin_m,
+            "files": {
+                "released": self.released,
+                "cranny": self.cranny,
+                "urdf": self.urdf,
+                "obstacles": export.join("obstacles.obj"),
+                "grasps": export.join("grasps.csv"),
+                "start": export.join("robot_start_conf.csv"),
+                "ik": export.join("grasp_IK_solutions.csv"),
+                "scratch": scratch,
+            },
+        })
+    }
+
+    /// Writes all of them into a folder, which may be there.
+    pub fn write(folder: &Path, source: &str, opened: &OpenedScenario) -> Result<Self, BenchError> {
+        let unwritable = |path: &Path, reason| ScenarioError::Unwritable { path: path.to_owned(), reason };
+        let scratch = folder.join("scratch");
+        std::fs::create_dir_all(&scratch).map_err(|reason| unwritable(&scratch, reason))?;
+        let recipe = Recipe::of_scenario(&opened.scenario)?;
+        let mut files = Self {
+            released: folder.join("released"),
+            cranny: folder.join("cranny").join(&opened.scenario.id),
+            urdf: folder.join("robot").join(recipe.robot.urdf_name()),
+            scratch,
+            written: Vec::new(),
+        };
+        let mark = mark_of_the_whole(folder, opened.problem.criterion());
+        let is_whole = mark.is_file();
+        if !is_whole {
+            recipe.robot.write(&folder.join("robot"))?;
+            let ik = if opened.scenario.has_grasp_set { opened.goals()?.to_vec() } else { Vec::new() };
+            let recipe = Recipe { ik, ..recipe };
+            recipe.write_folder(&files.cranny)?;
+            recipe.write_released(&files.released)?;
+            std::fs::write(&mark, "").map_err(|reason| unwritable(&mark, reason))?;
+        }
+        for written in ["robot", "cranny", "released"] {
+            files.note_written(&folder.join(written));
+        }
+        // A released scenario is given as it is, with its own robot.
+        let source = Path::new(source);
+        if opened.scenario.has_grasp_set
+            && source.join("scene.yaml").is_file()
+            && source.join("export/obstacles.obj").is_file()
+        {
+            source.clone_into(&mut files.released);
+            let robot = source.join("../../robots/franka_panda/mobile_panda_fingersSmallMesh.urdf");
+            if robot.is_file() {
+                files.urdf = robot;
+            }
+        }
+        Ok(files)
+    }
+
+    /// Notes all files below a folder, and lets nobody write them by accident.
+    fn note_written(&mut self, folder: &Path) {
+        let Ok(entries) = std::fs::read_dir(folder) else { return };
+        let mut paths: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
+        paths.sort();
+        for path in paths {
+            if path.is_dir() {
+                self.note_written(&path);
+                continue;
+            }
+            if let Ok(mut permissions) = std::fs::metadata(&path).map(|facts| facts.permissions()) {
+                permissions.set_readonly(true);
+                // Where that cannot be said, a change is seen all the same.
+                let _ = std::fs::set_permissions(&path, permissions);
+            }
+            let stamp = FileStamp::of(&path);
+            self.written.push((path, stamp));
+        }
+    }
+
+    /// The first file that is not as it was written.
+    fn first_changed(&self) -> Option<&Path> {
+        let mut changed = self.written.iter().filter(|(path, stamp)| FileStamp::of(path) != *stamp);
+        changed.next().map(|(path, _)| path.as_path())
+    }
+
+    /// Takes the marks away by which files count as whole, so that they are written anew.
+    fn discard(&self) {
+        let folder = self.scratch.parent().unwrap_or(&self.scratch);
+        let Ok(entries) = std::fs::read_dir(folder) else { return };
+        for path in entries.filter_map(|entry| Some(entry.ok()?.path())) {
+            let removed =
+                if path.is_dir() { std::fs::remove_dir_all(&path) } else { std::fs::remove_file(&path) };
+            // What stays will be found changed again.
+            let _ = removed;
+        }
+    }
+}
+
+/// The form of protocol 2 for a target that is carried on: the only pick of its task, and one stage after it.
+fn asked_to_carry(carry: CarryTo, stages: &[Stage], problem: &Problem) -> serde_json::Value {
+    let LiftOffSettings { most_m, clear_m, slack_m } = LiftOffSettings::default();
+    let mut asked = json!({
+        "to": carry.name(),
+        "clear_m": null,
+        "lift_off": {"most_m": most_m, "clear_m": clear_m, "slack_m": slack_m},
+    });
+    for stage in stages {
+        let mut keys = asked_stage(stage, problem);
+        if !keys["clear_m"].is_null() {
+            asked["clear_m"] = keys["clear_m"].take();
+        }
+        if keys["place"].is_object() {
+            asked["place"] = keys["place"].take();
+            asked["place"]["then"] = AfterPlacing::Home.name().into();
+        }
+    }
+    asked
+}
+
+/// A stage as a plan file has it, with its place in full: name, support, pose in the planning frame (m, row by row), and
+/// size (m).
+fn asked_stage(stage: &Stage, problem: &Problem) -> serde_json::Value {
+    let mut asked = json!(stage);
+    if let Stage::Place(place) = stage
+        && let Ok(goal) = problem.place(&place.place)
+    {
+        let (on, pose, size_m) = match &goal.spot {
+            PlaceSpot::Surface { on, pose, size_m } => (Some(on), pose, Some(size_m)),
+            PlaceSpot::Target(pose) => (None, pose, None),
+        };
+        asked["place"] = json!({"name": goal.name, "on": on, "pose": rows_of_pose(pose), "size_m": size_m});
+    }
+    asked
+}

@@ -1,0 +1,41 @@
+use std::path::{Path, PathBuf};
+
+use cranny_scenario::{ScenarioError, check_free_folder, write_whole_file};
+
+use crate::foreign::foreign_planner::{ForeignFiles, ForeignTask, mark_of_the_whole};
+use crate::foreign::sandbox::Walls;
+use crate::running::opened_scenario::OpenedScenario;
+use crate::running::worker_message::Request;
+use crate::{BenchError, PathDemand, Question};
+
+/// Writes what a program of others is given for a trial into a new folder: `problem.json`, what it reads on its standard
+/// input, and the files that the document names. Returns where the document is.
+///
+/// # Errors
+/// [`ScenarioError::Exists`] for a folder with something in it, those of opening the scenario, and of writing.
+pub fn write_problem(question: &Question, folder: &Path) -> Result<PathBuf, BenchError> {
+    check_free_folder(folder)?;
+    let unwritable = |reason| ScenarioError::Unwritable { path: folder.to_owned(), reason };
+    // The document names its files wherever the program is started.
+    let folder = std::path::absolute(folder).map_err(unwritable)?;
+    let trial = &question.trial;
+    let demand = PathDemand::of_settings(&trial.settings);
+    let opened = OpenedScenario::open(&question.source, trial.criterion, &demand)?;
+    let stages = demand.stages_in(&opened.scenario)?;
+    let files = ForeignFiles::write(&folder, &question.source, &opened)?;
+    // It tells a worker what it has written before; here nobody asks.
+    let _ = std::fs::remove_file(mark_of_the_whole(&folder, opened.problem.criterion()));
+    let request = Request {
+        question: question.clone(),
+        exports: folder.clone(),
+        memory_limit_bytes: 0,
+        walls: Walls::default(),
+    };
+    let task =
+        ForeignTask { request: &request, opened: &opened, goal: None, carry: demand.carry, stages: &stages };
+    let problem = files.problem(&task, &folder.join("scratch"));
+    let text = serde_json::to_string_pretty(&problem).map_err(|reason| BenchError::message(&reason))? + "\n";
+    let document = folder.join("problem.json");
+    write_whole_file(&document, text.as_bytes())?;
+    Ok(document)
+}

@@ -1,0 +1,56 @@
+//! How often each planner is within a factor of the fastest: performance profiles (Dolan & Moré 2002).
+
+use crate::report::drawn::axis::Axis;
+use crate::report::drawn::drawing::{Dash, Ink, Mark, Point};
+use crate::report::drawn::frame::{Entry, Frame};
+use crate::report::drawn::plot::{Plot, Scope};
+use crate::report::number_text::percent;
+use crate::report::{Overall, Summary};
+
+/// The profiles of all planners of a criterion; none of a single one, which is always the fastest.
+pub fn plot(scope: Scope) -> Option<Plot> {
+    let profiles = profiles(scope.summary, scope.criterion);
+    let count = profiles.first()?.scenarios;
+    if profiles.len() < 2 {
+        return None;
+    }
+    let series =
+        |name: &str| scope.planners().iter().find(|(_, own)| *own == name).map_or(0, |(series, _)| *series);
+    let entry = |profile: &&Overall| Entry {
+        name: format!("{} (fastest on {} %)", profile.planner_name, percent(profile.best)),
+        series: series(&profile.planner_name),
+    };
+    let legend: Vec<Entry> = profiles.iter().map(entry).collect();
+    let greatest =
+        profiles.iter().filter_map(|profile| profile.profile_at.last()).copied().fold(1.0, f64::max);
+    // Beyond the greatest ratio nothing changes, which must be seen.
+    let x =
+        Axis::decades("median time over that of the fastest planner", Some(1.0), (2.0 * greatest).max(10.0));
+    let title = format!("Performance profile over {count} scenarios");
+    let mut frame = Frame::new(&title, x, Axis::share("scenarios, %"), &legend);
+    for (profile, entry) in profiles.iter().zip(&legend) {
+        let points = staircase(&frame, profile);
+        let (ink, dash) = (Ink::Series(entry.series), Dash::of_series(entry.series));
+        frame.draw(Mark::Line { points, ink, width: 2.0, dash });
+    }
+    Some(scope.plot(title, &["profile"], frame.finish()))
+}
+
+fn profiles<'a>(summary: &'a Summary, criterion: &str) -> Vec<&'a Overall> {
+    summary.overall.iter().filter(|overall| overall.criterion == criterion).collect()
+}
+
+/// The corners of a profile, from the ratio 1 to the end of the axis.
+fn staircase(frame: &Frame, profile: &Overall) -> Vec<Point> {
+    let mut share = 0.0;
+    let mut points = Vec::new();
+    for (&at, &next) in profile.profile_at.iter().zip(&profile.profile_share) {
+        points.extend([frame.place(at, share), frame.place(at, next)]);
+        share = next;
+    }
+    if points.is_empty() {
+        points.push(frame.place(1.0, 0.0));
+    }
+    points.push(frame.place(f64::INFINITY, share));
+    points
+}

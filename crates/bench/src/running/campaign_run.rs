@@ -1,0 +1,222 @@
+use std::collections::{HashMap, HashSet};
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::mpsc;
+use std::thread;
+
+use crate::foreign::sandbox::Walls;
+use crate::running::worker_message::{Request, TrialRun};
+use crate::running::worker_process::{Served, WorkerProcess};
+use crate::store::exports::Exports;
+use crate::{
+    BenchError, PlannerCall, Question, Results, RunInformation, Sandbox, Schedule, TrialOutcome, TrialRecord,
+    WorkerProgram,
+};
+
+/// How a campaign is run.
+#[derive(Clone, Debug)]
+pub struct CampaignSettings {
+    /// What serves the trials.
+    pub worker: WorkerProgram,
+    /// How many workers at once; with more than one they take each other's time.
+    pub workers: usize,
+    /// At most so much memory for a search, in bytes.
+    pub memory_limit_bytes: u64,
+    /// What is stored with the run.
+    pub information: RunInformation,
+    /// Whether the programs of others run within walls. Default: within those that the machine has.
+    pub sandbox: Sandbox,
+    /// Trials that ended so are run again, and take the place of those before. Default: none.
+    pub again: Vec<TrialOutcome>,
+}
+
+/// What a run did.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RunSummary {
+    /// Trials that the campaign has.
+    pub trials: usize,
+    /// Trials that were there before.
+    pub known: usize,
+    /// Trials that were run now.
+    pub run: usize,
+    /// Those of them that were solved.
+    pub solved: usize,
+    /// Whether it was stopped before the end.
+    pub is_stopped: bool,
+}
+
+/// Hears how a campaign goes.
+pub trait CampaignObserver {
+    /// So many trials are to be run, and these are there already.
+    fn begins(&mut self, _to_run: usize, _known: &[TrialRecord]) {}
+
+    /// A trial ended, and is stored.
+    fn trial_ended(&mut self, _record: &TrialRecord) {}
+}
+
+/// Hears nothing.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Unheard;
+
+impl CampaignObserver for Unheard {}
+
+/// Runs what is not in `results` yet of a campaign, and stores every trial as it ends.
+///
+/// 1. Trials that are known are left out.
+/// 2. Each worker takes the next trial; one that is lost with its trial is replaced, and the trial has the outcome
+///    that it earned.
+/// 3. Each answer is stored before the next is looked at.
+///
+/// `stop` ends the campaign; the trials under way are then not stored.
+///
+/// # Errors
+/// [`BenchError::InUse`] where another campaign writes the same results, [`BenchError::Refused`] where a trial cannot be
+/// run at all, [`BenchError::NotRunnable`] where no worker starts, [`BenchError::NoSandbox`], and what [`Results`] say;
+/// trials that are stored stay so.
+pub fn run_campaign(
+    schedule: &Schedule,
+    settings: &CampaignSettings,
+    results: &mut Results,
+    observer: &mut dyn CampaignObserver,
+    stop: &AtomicBool,
+) -> Result<RunSummary, BenchError> {
+    // 1.
+    results.claim()?;
+    let stays = |record: &TrialRecord| !settings.again.contains(&record.outcome);
+    let stored = results.records()?.into_iter().filter(stays);
+    let mut stored: HashMap<String, TrialRecord> =
+        stored.map(|record| (record.trial.key(), record)).collect();
+    let (mut known, mut open) = (Vec::new(), Vec::new());
+    for question in &schedule.questions {
+        match stored.remove(&question.trial.key()) {
+            Some(record) => known.push(record),
+            None => open.push(question),
+        }
+    }
+    drop(stored);
+    let mut summary =
+        RunSummary { trials: schedule.questions.len(), known: known.len(), ..RunSummary::default() };
+    observer.begins(open.len(), &known);
+    drop(known);
+    if open.is_empty() {
+        return Ok(summary);
+    }
+    let walls = walls(open.iter().copied(), settings.sandbox)?;
+    let information = RunInformation {
+        memory_limit_bytes: Some(settings.memory_limit_bytes),
+        sandbox: walls.text(),
+        ..settings.information.clone()
+    };
+    let run = results.begin_run(&information)?;
+    for source in &schedule.scenarios {
+        results.note_scenario(source)?;
+    }
+    let mut noted = HashSet::new();
+    for Question { trial, call, .. } in &open {
+        if noted.insert((&trial.planner, &trial.settings)) {
+            let source = serde_json::to_string(call).map_err(|reason| BenchError::message(&reason))?;
+            results.note_planner(&trial.planner, &trial.settings, &source)?;
+        }
+    }
+    let exports = Exports::new()?;
+    let (next, is_over) = (AtomicUsize::new(0), AtomicBool::new(false));
+    let is_stopped = || stop.load(Ordering::Relaxed) || is_over.load(Ordering::Relaxed);
+    thread::scope(|scope| {
+        let (sender, answers) = mpsc::channel();
+        for _ in 0..settings.workers.max(1) {
+            let (sender, open, next, exports) = (sender.clone(), &open, &next, exports.path());
+            let is_stopped = &is_stopped;
+            scope.spawn(move || {
+                let mut worker = None;
+                while !is_stopped() {
+                    let index = next.fetch_add(1, Ordering::Relaxed);
+                    let Some(question) = open.get(index) else { return };
+                    // 2.
+                    let asked = ask(&mut worker, question, settings, walls, exports, stop);
+                    let is_end = !matches!(asked, Ok(Some(_)));
+                    if sender.send(asked).is_err() || is_end {
+                        return;
+                    }
+                }
+            });
+        }
+        drop(sender);
+        // 3.
+        let mut store = || -> Result<(), BenchError> {
+            for asked in &answers {
+                let Some((record, path)) = asked? else { continue };
+                // What is there already was to be run again.
+                results.replace(run, &record, &path)?;
+                summary.run += 1;
+                summary.solved += usize::from(record.is_solved());
+                observer.trial_ended(&record);
+            }
+            Ok(())
+        };
+        let stored = store();
+        is_over.store(true, Ordering::Relaxed);
+        stored
+    })?;
+    summary.is_stopped = stop.load(Ordering::Relaxed);
+    results.end_run(run)?;
+    Ok(summary)
+}
+
+/// Asks `worker`, or a new one where there is none, how a trial goes and for its path; nothing where somebody stopped
+/// the campaign.
+fn ask(
+    worker: &mut Option<WorkerProcess>,
+    question: &Question,
+    settings: &CampaignSettings,
+    walls: Walls,
+    exports: &Path,
+    stop: &AtomicBool,
+) -> Result<Option<TrialRun>, BenchError> {
+    // One that ended between two trials takes none with it.
+    if !worker.as_mut().is_some_and(WorkerProcess::is_alive) {
+        *worker = Some(WorkerProcess::start(&settings.worker, walls, settings.memory_limit_bytes, exports)?);
+    }
+    let Some(serving) = worker else { return Ok(None) };
+    let request = Request {
+        question: question.clone(),
+        exports: serving.exports().to_owned(),
+        memory_limit_bytes: settings.memory_limit_bytes,
+        walls,
+    };
+    match serving.serve(&request, stop) {
+        Served::Answered(record, path) => Ok(Some((record, path))),
+        Served::Refused(reason) => Err(BenchError::Refused {
+            scenario: question.trial.scenario.clone(),
+            planner: question.trial.planner.clone(),
+            reason,
+        }),
+        Served::Lost(record) => {
+            *worker = None;
+            Ok(Some((record, Vec::new())))
+        }
+        Served::Stopped => Ok(None),
+    }
+}
+
+/// Asks one question of a worker of its own.
+///
+/// # Errors
+/// As [`run_campaign`].
+pub(crate) fn ask_once(
+    question: &Question,
+    settings: &CampaignSettings,
+    stop: &AtomicBool,
+) -> Result<Option<TrialRun>, BenchError> {
+    let exports = Exports::new()?;
+    let walls = walls(std::iter::once(question), settings.sandbox)?;
+    ask(&mut None, question, settings, walls, exports.path(), stop)
+}
+
+/// The walls around trials: there is nothing to wall in where all planners are Cranny's own.
+fn walls<'a>(
+    mut questions: impl Iterator<Item = &'a Question>,
+    sandbox: Sandbox,
+) -> Result<Walls, BenchError> {
+    let is_foreign = |question: &Question| !matches!(question.call, PlannerCall::BuiltIn { .. });
+    if questions.any(is_foreign) { Walls::of(sandbox) } else { Ok(Walls::default()) }
+}

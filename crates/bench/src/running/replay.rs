@@ -1,0 +1,108 @@
+use std::sync::atomic::AtomicBool;
+
+use cranny_scenario::Identity;
+
+use crate::running::campaign_run::ask_once;
+use crate::{BenchError, CampaignSettings, PlannerCall, Question, Results, StoredTrial, Trial, TrialRecord};
+
+/// A trial that was run again.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Replay {
+    /// The trial as it stands in the results.
+    pub stored: StoredTrial,
+    /// How it went this time.
+    pub record: TrialRecord,
+    /// The path of this time.
+    pub path: Vec<Vec<f64>>,
+    /// Whether the path is the stored one, bit by bit; both may be without.
+    pub is_same_path: bool,
+    /// Whether the search did as many iterations, and made as many nodes, as the stored one.
+    pub is_same_search: bool,
+}
+
+impl Replay {
+    /// Whether the trial did again what it had done.
+    pub fn is_same(&self) -> bool {
+        self.is_same_path && self.is_same_search
+    }
+}
+
+/// How much longer than its time limit a replay may take: its iterations are its budget, and this machine may be
+/// slower.
+const TIME_FACTOR: f64 = 20.0;
+
+/// Runs a trial again. Of a built-in planner the stored number of iterations is the budget, so that a trial which
+/// time cut short ends at the same node; the program of others is asked as it was. `source` is where the scenario
+/// is to be found, if it is not where it was. Nothing where `stop` ended it.
+///
+/// # Errors
+/// [`BenchError::NoTrial`]; [`BenchError::OtherScenario`] where the scenario is not what it was;
+/// [`BenchError::UnknownCall`]; [`BenchError::ForeignCommand`] unless `allow_exec`: results of somebody else may name any
+/// command; and as [`run_campaign`](crate::run_campaign), which refuses a program that is not the trial's.
+pub fn replay(
+    results: &Results,
+    id: u64,
+    source: Option<&str>,
+    allow_exec: bool,
+    settings: &CampaignSettings,
+    stop: &AtomicBool,
+) -> Result<Option<Replay>, BenchError> {
+    let stored = results.trial(id)?;
+    let stored_path = results.path_of(id)?;
+    let trial = &stored.record.trial;
+    let source = source_of(results, &trial.scenario, &trial.scenario_hash, source)?;
+    let unknown = || BenchError::UnknownCall { planner: trial.planner.clone() };
+    let call = results.planner_source(&trial.planner, &trial.settings)?.ok_or_else(unknown)?;
+    let call: PlannerCall = serde_json::from_str(&call).map_err(|_| unknown())?;
+    let is_built_in = matches!(call, PlannerCall::BuiltIn { .. });
+    if !is_built_in && !allow_exec {
+        return Err(BenchError::ForeignCommand { id, command: call.command() });
+    }
+    let iterations = stored.record.statistics.iterations;
+    let asked = if is_built_in && !is_lost(&stored) {
+        let time_limit_s = trial.time_limit_s * TIME_FACTOR;
+        Trial { iteration_limit: Some(iterations), time_limit_s, ..trial.clone() }
+    } else {
+        trial.clone()
+    };
+    let question = Question { trial: asked, source, call, judge_both: false, measure_clearance: false };
+    let Some((mut record, path)) = ask_once(&question, settings, stop)? else { return Ok(None) };
+    record.trial = trial.clone();
+    let bits = |path: &[Vec<f64>]| -> Vec<Vec<u64>> {
+        path.iter().map(|q| q.iter().map(|value| value.to_bits()).collect()).collect()
+    };
+    let is_same_path = bits(&path) == bits(&stored_path);
+    let work = |record: &TrialRecord| (record.statistics.iterations, record.statistics.nodes);
+    let is_same_search = work(&record) == work(&stored.record);
+    Ok(Some(Replay { stored, record, path, is_same_path, is_same_search }))
+}
+
+/// Whether the trial took its worker with it: then nobody counted its iterations.
+fn is_lost(stored: &StoredTrial) -> bool {
+    use crate::TrialOutcome::{Crashed, Hung, Killed, OutOfMemory};
+    matches!(stored.record.outcome, Crashed | Hung | OutOfMemory | Killed)
+}
+
+/// What a scenario of the results, told by its id and its hash, is opened by, its content checked: `given`, else where the
+/// results say that it was, else its id.
+///
+/// # Errors
+/// [`BenchError::OtherScenario`] where the scenario is not what it was; [`BenchError::Database`].
+pub fn source_of(
+    results: &Results,
+    scenario: &str,
+    scenario_hash: &str,
+    given: Option<&str>,
+) -> Result<String, BenchError> {
+    let is_it = |source: &str| Identity::of(source).is_ok_and(|identity| identity.sha256 == scenario_hash);
+    let noted = results
+        .scenarios()?
+        .into_iter()
+        .find(|known| known.scenario == scenario && known.scenario_hash == scenario_hash);
+    let source = given.map(str::to_owned).or(noted.map(|known| known.source));
+    let source = source.unwrap_or_else(|| scenario.to_owned());
+    if is_it(&source) {
+        return Ok(source);
+    }
+    Err(BenchError::OtherScenario { scenario: scenario.to_owned(), source_name: source })
+}

@@ -1,0 +1,162 @@
+use std::time::Duration;
+
+use cranny_file::system;
+use cranny_plan::{
+    AuditSettings, Budget, Clearances, Criterion, Goal, Observer, Registry, Stage, audit_task, joined,
+};
+use cranny_solve::solve;
+
+use crate::foreign::foreign_planner::{ForeignPlanner, ForeignTask};
+use crate::foreign::process_group::Leash;
+use crate::running::opened_scenario::{OpenedScenario, OpenedScenarios};
+use crate::running::worker_message::{Message, Request, TrialRun};
+use crate::{BenchError, PathDemand, PlannerCall, TrialOutcome, TrialRecord, running::judge};
+
+/// Runs one trial, and returns how it went and the planner's own path.
+///
+/// 1. Open the scenario, unless that was done before.
+/// 2. Let the planner look for a path.
+/// 3. Judge the path; under the other criterion too, where that is asked.
+///
+/// # Errors
+/// [`BenchError`] where the question is wrong, so that there is no trial to run.
+pub fn run(
+    registry: &Registry,
+    request: &Request,
+    scenarios: &mut OpenedScenarios,
+    leash: &Leash,
+    tell: &mut dyn FnMut(&Message) -> Result<(), BenchError>,
+) -> Result<TrialRun, BenchError> {
+    let question = &request.question;
+    let trial = &question.trial;
+    // 1.
+    let opened = scenarios.get(trial, &question.source, trial.criterion)?;
+    let goal = trial.goal.map(|index| goal_of(&opened, index)).transpose()?;
+    let other = match trial.criterion {
+        Criterion::Exact => Criterion::Paper,
+        Criterion::Paper => Criterion::Exact,
+    };
+    let other = if question.judge_both { Some(scenarios.get(trial, &question.source, other)?) } else { None };
+    let foreign = match &question.call {
+        PlannerCall::BuiltIn { .. } => None,
+        call => {
+            call.check_unchanged(trial)?;
+            Some(ForeignPlanner::new(request, &opened)?)
+        }
+    };
+    tell(&Message::Opened)?;
+    // 2.
+    let clearances = if question.measure_clearance { Clearances::OfPath } else { Clearances::None };
+    let settings = AuditSettings { clearances, ..AuditSettings::default() };
+    let demand = PathDemand::of_settings(&trial.settings);
+    let stages = demand.stages_in(&opened.scenario)?;
+    let (mut record, segments, audit) = match (&question.call, &foreign) {
+        (_, Some(foreign)) => {
+            let task = ForeignTask {
+                request,
+                opened: &opened,
+                goal: goal.as_deref(),
+                carry: demand.carry,
+                stages: &stages,
+            };
+            let (record, segments) = foreign.plan(&task, leash)?;
+            tell(&Message::Planned)?;
+            (record, segments, None)
+        }
+        (PlannerCall::BuiltIn { planner, settings: planner_settings, score, min_score }, None) => {
+            // A path to one goal is judged as one to any grasp.
+            let aimed =
+                goal.map(|goal| opened.problem.with_goal(Goal::Configurations(vec![goal]))).transpose()?;
+            let asked = cranny_solve::Request {
+                registry: registry.clone(),
+                planner: Some(planner.clone()),
+                settings: planner_settings.clone(),
+                score: *score,
+                min_score: *min_score,
+                budget: Budget {
+                    iterations: trial.iteration_limit.unwrap_or(u64::MAX),
+                    time: Duration::try_from_secs_f64(trial.time_limit_s).unwrap_or(Duration::MAX),
+                },
+                seed: trial.seed,
+                keep_path: true,
+                stages: stages.clone(),
+                // A path to one goal is judged below.
+                audit: if aimed.is_some() {
+                    AuditSettings { clearances: Clearances::None, ..settings }
+                } else {
+                    settings
+                },
+                ..cranny_solve::Request::default()
+            };
+            let mut end = EndOfSearch { tell, told: Ok(()) };
+            let answer = solve(aimed.as_ref().unwrap_or(&opened.problem), &asked, &mut end)?;
+            end.told?;
+            let outcome = TrialOutcome::without_path(answer.outcome);
+            let record = TrialRecord {
+                memory_bytes: system::memory(std::process::id()).map(|memory| memory.resident_bytes),
+                ..TrialRecord::without_path(trial, outcome, None, answer.statistics)
+            };
+            (record, answer.segments, answer.audit.filter(|_| aimed.is_none()))
+        }
+        (_, None) => return Err(BenchError::Program { program: question.call.name() }),
+    };
+    // 3.
+    let mut path = joined(&segments);
+    if path.is_empty() {
+        return Ok((given_up(record), path));
+    }
+    let judged = || {
+        let own = Stage::of_goal(&opened.problem);
+        let stages = if stages.is_empty() { &own } else { &stages };
+        audit_task(&opened.problem, stages, &segments, settings)
+    };
+    let word = audit.map_or_else(judged, Ok);
+    judge::decide(&mut record, &mut path, &opened.problem, word);
+    if let (Some(other), Some(reach), false) = (other, segments.first(), path.is_empty()) {
+        record.also_solved = judge::also_meets(&other.problem, &reach.waypoints).ok();
+    }
+    let late_s = record.statistics.planning_time_s - trial.time_limit_s;
+    if record.is_solved() && late_s > 0.0 {
+        record.outcome = TrialOutcome::BudgetExhausted;
+        record.detail = Some(format!("a path came {late_s:.3} s after the limit"));
+    }
+    Ok((record, path))
+}
+
+/// Tells that the search is over: judging has a time limit of its own.
+struct EndOfSearch<'a> {
+    tell: &'a mut dyn FnMut(&Message) -> Result<(), BenchError>,
+    told: Result<(), BenchError>,
+}
+
+impl Observer for EndOfSearch<'_> {
+    fn search_ended(&mut self) {
+        self.told = (self.tell)(&Message::Planned);
+    }
+}
+
+fn goal_of(opened: &OpenedScenario, index: usize) -> Result<Vec<f64>, BenchError> {
+    let goals = opened.goals()?;
+    let missing =
+        || BenchError::Goal { scenario: opened.scenario.id.clone(), goal: index, known: goals.len() };
+    goals.get(index).cloned().ok_or_else(missing)
+}
+
+/// A planner that stops at its limit may look at its clock so much before it, as a share of the limit.
+const EARLY: f64 = 0.05;
+
+/// Says of a trial without a path that its planner gave up, if it claims a budget that is not spent: it would else
+/// count as one that might have found a path later.
+fn given_up(record: TrialRecord) -> TrialRecord {
+    let TrialRecord { trial, outcome, statistics, .. } = &record;
+    let time_s = statistics.planning_time_s;
+    let iterations = statistics.iterations;
+    // A program need not tell its iterations.
+    let has_iterations_left = trial.iteration_limit.is_none_or(|limit| iterations > 0 && iterations < limit);
+    let has_time_left = time_s < (1.0 - EARLY) * trial.time_limit_s;
+    if *outcome != TrialOutcome::BudgetExhausted || !has_time_left || !has_iterations_left {
+        return record;
+    }
+    let detail = format!("it ended without a path after {time_s:.3} of {} s", trial.time_limit_s);
+    TrialRecord { outcome: TrialOutcome::GaveUp, detail: record.detail.or(Some(detail)), ..record }
+}

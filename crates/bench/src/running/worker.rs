@@ -1,0 +1,56 @@
+use std::io::{BufRead, Write};
+use std::sync::mpsc;
+use std::thread;
+
+use cranny_file::system;
+use cranny_plan::Registry;
+
+use crate::foreign::process_group::{self, Leash};
+use crate::running::opened_scenario::OpenedScenarios;
+use crate::running::worker_message::{Message, Request};
+use crate::{BenchError, running::trial_run};
+
+/// Serves the trials of a campaign by the planners of a registry, one line of `input` each, until `input` ends; then it
+/// ends the process at
+/// once, with whatever program of others is running: a campaign that is gone wants no answer.
+///
+/// # Errors
+/// [`BenchError::Message`] for a line that is no request, or where nobody listens to the answers.
+pub fn serve(
+    registry: &Registry,
+    input: impl BufRead + Send + 'static,
+    output: &mut impl Write,
+) -> Result<(), BenchError> {
+    system::close_to_others();
+    process_group::adopt();
+    let leash = Leash::default();
+    let (sender, requests) = mpsc::channel();
+    let last_will = leash.clone();
+    thread::spawn(move || {
+        for line in input.lines().map_while(Result::ok) {
+            if sender.send(line).is_err() {
+                return;
+            }
+        }
+        last_will.kill();
+        std::process::exit(0);
+    });
+    let mut scenarios = OpenedScenarios::default();
+    let mut tell = |message: &Message| -> Result<(), BenchError> {
+        let mut line = serde_json::to_string(message).map_err(|reason| BenchError::message(&reason))?;
+        line.push('\n');
+        output
+            .write_all(line.as_bytes())
+            .and_then(|()| output.flush())
+            .map_err(|reason| BenchError::message(&reason))
+    };
+    for line in requests {
+        let request: Request = serde_json::from_str(&line).map_err(|reason| BenchError::message(&reason))?;
+        let message = match trial_run::run(registry, &request, &mut scenarios, &leash, &mut tell) {
+            Ok((record, path)) => Message::Answered(Box::new(record), path),
+            Err(fault) => Message::Refused(fault.to_string()),
+        };
+        tell(&message)?;
+    }
+    Ok(())
+}

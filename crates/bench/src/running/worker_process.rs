@@ -1,0 +1,242 @@
+use std::io::{BufRead as _, BufReader, Write as _};
+use std::path::Path;
+use std::process::{Child, ChildStdin, Stdio};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+
+use cranny_file::system;
+use cranny_plan::Statistics;
+use tempfile::TempDir;
+
+use crate::foreign::foreign_process::LOOK_EVERY;
+use crate::foreign::process_group::Family;
+use crate::foreign::sandbox::Walls;
+use crate::running::worker_message::{Message, Request};
+use crate::running::worker_program::WorkerProgram;
+use crate::{BenchError, Trial, TrialOutcome, TrialRecord};
+
+/// A process that serves trials one after the other, and may end at any of them.
+pub struct WorkerProcess {
+    child: Child,
+    walls: Walls,
+    /// What it started, as far as it was seen.
+    family: Family,
+    requests: Option<ChildStdin>,
+    lines: Receiver<String>,
+    complaint: Arc<Mutex<String>>,
+    /// Reads the complaint until the worker's end.
+    listener: Option<JoinHandle<()>>,
+    /// Folder that it exports scenarios to for external planners, used by no other worker. Process ids do not
+    /// distinguish the workers: each may be process 1 of its namespace.
+    exports: TempDir,
+}
+
+/// What became of a request.
+pub enum Served {
+    /// The worker answered, and serves on: how the trial went, and the planner's path.
+    Answered(TrialRecord, Vec<Vec<f64>>),
+    /// The question is wrong; the worker serves on.
+    Refused(String),
+    /// The worker is gone, with the trial.
+    Lost(TrialRecord),
+    /// Somebody stopped the campaign; the worker is gone.
+    Stopped,
+}
+
+/// Opening a scenario and judging a path take no longer than so.
+const PATIENCE: Duration = Duration::from_mins(5);
+
+/// A search that goes on past its limit by more than so has hung. A built-in planner looks at the clock every few
+/// iterations, between which it may look for a hundred solutions of inverse kinematics, for seconds on a busy
+/// machine; the program of others is ended by the worker itself, earlier than this.
+const GRACE: Duration = Duration::from_secs(10);
+
+/// A worker that is told to go may take so long, in which it ends what it started.
+const FAREWELL: Duration = Duration::from_millis(500);
+
+/// How often it is looked for whether it is gone.
+const LOOK_OUT_EVERY: Duration = Duration::from_millis(5);
+
+impl WorkerProcess {
+    /// Starts a worker, with a new folder of its own within `exports`.
+    pub fn start(
+        worker: &WorkerProgram,
+        walls: Walls,
+        memory_limit_bytes: u64,
+        exports: &Path,
+    ) -> Result<Self, BenchError> {
+        let fault = |reason: std::io::Error| BenchError::NotRunnable {
+            program: worker.program.display().to_string(),
+            reason: reason.to_string(),
+        };
+        let exports = tempfile::Builder::new().prefix("worker-").tempdir_in(exports).map_err(fault)?;
+        let mut command = walls.worker(worker, memory_limit_bytes);
+        command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let mut child = system::lead_group(&mut command).spawn().map_err(fault)?;
+        let (sender, lines) = mpsc::channel();
+        if let Some(stdout) = child.stdout.take() {
+            thread::spawn(move || {
+                for line in BufReader::new(stdout).split(b'\n').map_while(Result::ok) {
+                    if sender.send(String::from_utf8_lossy(&line).into_owned()).is_err() {
+                        return;
+                    }
+                }
+            });
+        }
+        let complaint = Arc::new(Mutex::new(String::new()));
+        let listener = child.stderr.take().map(|stderr| {
+            let complaint = complaint.clone();
+            thread::spawn(move || {
+                // Of a panic the first line says most, of other ends the last.
+                for line in BufReader::new(stderr).split(b'\n').map_while(Result::ok) {
+                    let line = String::from_utf8_lossy(&line).trim().to_owned();
+                    let mut kept = complaint.lock().unwrap_or_else(PoisonError::into_inner);
+                    if !line.is_empty() && !line.starts_with("note:") {
+                        *kept = if kept.contains("panicked at") { format!("{kept} {line}") } else { line };
+                    }
+                }
+            })
+        });
+        let requests = child.stdin.take();
+        let family = Family::of(child.id());
+        Ok(Self { child, walls, family, requests, lines, complaint, listener, exports })
+    }
+
+    /// Asks for a trial and waits for the answer, at most as long as the trial may take.
+    pub fn serve(&mut self, request: &Request, stop: &AtomicBool) -> Served {
+        let asked = serde_json::to_string(request).map_err(std::io::Error::other).and_then(|line| {
+            let requests = self.requests.as_mut().ok_or(std::io::ErrorKind::BrokenPipe)?;
+            requests.write_all(line.as_bytes())?;
+            requests.write_all(b"\n")?;
+            requests.flush()
+        });
+        let trial = &request.question.trial;
+        if asked.is_err() {
+            return self.lost(trial, Instant::now());
+        }
+        let limit = Duration::try_from_secs_f64(trial.time_limit_s).unwrap_or(Duration::MAX);
+        let mut begin = Instant::now();
+        let mut deadline = begin.checked_add(PATIENCE);
+        // What the worker holds before the search is not the planner's.
+        let mut memory_bytes = None;
+        loop {
+            match self.lines.recv_timeout(LOOK_EVERY) {
+                Ok(line) => match serde_json::from_str(&line) {
+                    Ok(Message::Opened) => {
+                        begin = Instant::now();
+                        deadline = begin.checked_add(limit.saturating_add(GRACE));
+                        let held = self.resident_bytes();
+                        memory_bytes = held.map(|held| held + request.memory_limit_bytes);
+                    }
+                    Ok(Message::Planned) => deadline = Instant::now().checked_add(PATIENCE),
+                    Ok(Message::Answered(record, path)) => return Served::Answered(*record, path),
+                    Ok(Message::Refused(reason)) => return Served::Refused(reason),
+                    Err(reason) => {
+                        let detail = format!("the worker's answer is none: {reason}");
+                        return self.ended(trial, TrialOutcome::Garbled, detail, begin);
+                    }
+                },
+                Err(RecvTimeoutError::Disconnected) => return self.lost(trial, begin),
+                Err(RecvTimeoutError::Timeout) => {
+                    if stop.load(Ordering::Relaxed) {
+                        self.end();
+                        return Served::Stopped;
+                    }
+                    if deadline.is_some_and(|deadline| Instant::now() >= deadline) {
+                        let detail = format!("ended after {:.1} s", begin.elapsed().as_secs_f64());
+                        return self.ended(trial, TrialOutcome::Hung, detail, begin);
+                    }
+                    self.family.look(Walls::default());
+                    let held = self.resident_bytes();
+                    if let (Some(held), Some(most)) = (held, memory_bytes)
+                        && held > most
+                    {
+                        let detail = format!("held {} MiB", held >> 20);
+                        return self.ended(trial, TrialOutcome::OutOfMemory, detail, begin);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Ends the worker for what it does; the trial has that outcome.
+    fn ended(&mut self, trial: &Trial, outcome: TrialOutcome, detail: String, begin: Instant) -> Served {
+        let record = lost(trial, outcome, detail, begin);
+        self.end();
+        Served::Lost(record)
+    }
+
+    /// The trial of a worker that ended by itself.
+    fn lost(&mut self, trial: &Trial, begin: Instant) -> Served {
+        let status = self.end();
+        // What it started, in whatever group.
+        self.family.end();
+        let outcome = match status {
+            Some(status) if system::is_killed(status) => TrialOutcome::Killed,
+            _ => TrialOutcome::Crashed,
+        };
+        let mut detail = status.map_or_else(|| "ended".to_owned(), system::ending);
+        // Its last words may still be on their way; what it started may hold the line open.
+        let gone = Instant::now();
+        while self.listener.as_ref().is_some_and(|listener| !listener.is_finished())
+            && gone.elapsed() < FAREWELL
+        {
+            thread::sleep(LOOK_OUT_EVERY);
+        }
+        let complaint = self.complaint.lock().unwrap_or_else(PoisonError::into_inner);
+        if !complaint.is_empty() {
+            detail = format!("{detail}: {complaint}");
+        }
+        Served::Lost(lost(trial, outcome, detail, begin))
+    }
+
+    /// Ends the worker, and what it started: told so first, then by force. How it ended by itself.
+    fn end(&mut self) -> Option<std::process::ExitStatus> {
+        self.requests = None;
+        let begin = Instant::now();
+        while begin.elapsed() < FAREWELL {
+            if let Ok(Some(status)) = self.child.try_wait() {
+                return Some(status);
+            }
+            thread::sleep(LOOK_OUT_EVERY);
+        }
+        system::kill_group(self.child.id());
+        // Where there are no groups, the worker alone; that it is gone already is what is wanted.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+        self.family.end();
+        None
+    }
+
+    /// The memory that it holds itself.
+    fn resident_bytes(&self) -> Option<u64> {
+        // What makes the namespaces waits outside of them.
+        let inner =
+            if self.walls.namespaces { system::children(self.child.id()).first().copied() } else { None };
+        system::memory(inner.unwrap_or(self.child.id())).map(|memory| memory.resident_bytes)
+    }
+
+    /// Folder that it exports scenarios to.
+    pub fn exports(&self) -> &Path {
+        self.exports.path()
+    }
+
+    /// Whether it can be asked.
+    pub fn is_alive(&mut self) -> bool {
+        matches!(self.child.try_wait(), Ok(None))
+    }
+}
+
+impl Drop for WorkerProcess {
+    fn drop(&mut self) {
+        self.end();
+    }
+}
+
+fn lost(trial: &Trial, outcome: TrialOutcome, detail: String, begin: Instant) -> TrialRecord {
+    let statistics = Statistics { planning_time_s: begin.elapsed().as_secs_f64(), ..Statistics::default() };
+    TrialRecord::without_path(trial, outcome, Some(detail), statistics)
+}

@@ -1,0 +1,13 @@
+//! Results: rows, files, parts of a campaign, exports.
+
+pub(crate) mod exports;
+pub(crate) mod manifest;
+pub(crate) mod ompl_log;
+pub(crate) mod results;
+pub(crate) mod results_file;
+pub(crate) mod results_row;
+pub(crate) mod run_information;
+pub(crate) mod shard;
+pub(crate) mod simulated_grasp;
+pub(crate) mod standing;
+pub(crate) mod stored_trial;

@@ -1,0 +1,435 @@
+use std::collections::BTreeMap;
+use std::fs::{File, TryLockError};
+use std::path::{Path, PathBuf};
+
+use rusqlite::{Connection, OptionalExtension as _, params};
+use tempfile::TempDir;
+
+use crate::store::results_row::{self, Present};
+use crate::store::stored_trial::StoredTrial;
+use crate::{BenchError, RunInformation, Tally, TrialRecord, store::results_file};
+
+/// The results of campaigns: one `SQLite` file, one row a trial.
+///
+/// Every trial is written as it ends, in a transaction of its own, to a write-ahead log: whatever ends the
+/// program, at most the trial under way is lost. A [`Trial`](crate::Trial) can be there but once.
+#[derive(Debug)]
+pub struct Results {
+    pub(crate) connection: Connection,
+    pub(crate) path: PathBuf,
+    /// Held while a campaign writes; the system lets go of it however the campaign ends.
+    claim: Option<File>,
+    /// A copy that is read in place of results on a medium that cannot be written.
+    copy: Option<TempDir>,
+}
+
+/// A run of a campaign, as the results keep it: the same campaign begun again is another run.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Run {
+    /// Its number in these results, from 1.
+    pub id: u64,
+    /// On what, by what and how.
+    pub information: RunInformation,
+    /// When it began: UTC, ISO 8601.
+    pub began: String,
+    /// When it ended; `None` where it was killed.
+    pub ended: Option<String>,
+}
+
+/// Where a scenario was found: what its id and hash alone do not tell.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ScenarioSource {
+    /// Its id.
+    pub scenario: String,
+    /// Its content, as [`Trial::scenario_hash`](crate::Trial::scenario_hash).
+    pub scenario_hash: String,
+    /// What it was opened by: an id, or a path on the machine of the run.
+    pub source: String,
+    /// How many goal configurations are known for it (`|G_IK|`), where somebody asked.
+    pub goals: Option<usize>,
+}
+
+/// What joining results did.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Merged {
+    /// Trials that were new.
+    pub added: u64,
+    /// Trials that were there already, and stayed as they were.
+    pub known: u64,
+}
+
+impl Results {
+    /// Opens the results at `path` to add to them; begins new ones where there are none, or an empty file.
+    ///
+    /// # Errors
+    /// [`BenchError::NotResults`], [`BenchError::ResultsVersion`], [`BenchError::OtherTable`],
+    /// [`BenchError::Damaged`], [`BenchError::Database`]; what stood there before is untouched.
+    pub fn create(path: &Path) -> Result<Self, BenchError> {
+        results_file::begin(path)?;
+        let mut results = Self::new(results_file::open(path)?, path);
+        results_file::bring_up_to_date(path, &mut results.connection)?;
+        Ok(results)
+    }
+
+    fn new(connection: Connection, path: &Path) -> Self {
+        Self { connection, path: path.to_owned(), claim: None, copy: None }
+    }
+
+    /// Claims the results for one campaign, until they are closed: two that write the same would do all work twice.
+    ///
+    /// # Errors
+    /// [`BenchError::InUse`].
+    pub fn claim(&mut self) -> Result<(), BenchError> {
+        if self.claim.is_some() {
+            return Ok(());
+        }
+        let file = File::options()
+            .read(true)
+            .open(&self.path)
+            .map_err(|reason| BenchError::Unwritable { path: self.path.clone(), reason })?;
+        match file.try_lock() {
+            Err(TryLockError::WouldBlock) => return Err(BenchError::InUse { path: self.path.clone() }),
+            // A file system without locks.
+            Err(TryLockError::Error(_)) => {}
+            Ok(()) => self.claim = Some(file),
+        }
+        Ok(())
+    }
+
+    /// Opens the results at `path` to read them.
+    ///
+    /// # Errors
+    /// As [`Self::create`], and [`BenchError::NoResults`] where there are none.
+    pub fn open(path: &Path) -> Result<Self, BenchError> {
+        if !path.exists() {
+            return Err(BenchError::NoResults { path: path.to_owned() });
+        }
+        let mut results = if results_file::is_writable(path) {
+            Self::new(results_file::open(path)?, path)
+        } else {
+            // Reading, too, may write a log back.
+            let (copy, file) = results_file::copied(path)?;
+            Self { copy: Some(copy), ..Self::new(results_file::open(&file)?, path) }
+        };
+        path.clone_into(&mut results.path);
+        results.done(results.connection.pragma_update(None, "query_only", true))?;
+        Ok(results)
+    }
+
+    /// How many trials of each planner ended in the results at `path`, and how many were solved: a glance that takes no
+    /// time, and does not look whether the file is whole.
+    ///
+    /// # Errors
+    /// As [`Self::open`], but [`BenchError::Damaged`].
+    pub fn glance(path: &Path) -> Result<BTreeMap<String, Tally>, BenchError> {
+        if !path.exists() {
+            return Err(BenchError::NoResults { path: path.to_owned() });
+        }
+        let results = Self::new(results_file::open_unseen(path)?, path);
+        let sql = "SELECT planner, count(*), sum(outcome = 'solved') FROM trials GROUP BY planner";
+        let mut statement = results.done(results.connection.prepare(sql))?;
+        let tallies = statement
+            .query_map([], |row| Ok((row.get(0)?, Tally { ended: row.get(1)?, solved: row.get(2)? })))
+            .and_then(Iterator::collect);
+        results.done(tallies)
+    }
+
+    /// How many trials there are.
+    ///
+    /// # Errors
+    /// [`BenchError::Database`].
+    pub fn count(&self) -> Result<usize, BenchError> {
+        self.done(self.connection.query_row("SELECT count(*) FROM trials", [], |row| row.get(0)))
+    }
+
+    /// The file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Begins a run, and returns its number.
+    ///
+    /// # Errors
+    /// [`BenchError::Database`].
+    pub fn begin_run(&mut self, information: &RunInformation) -> Result<u64, BenchError> {
+        let RunInformation {
+            machine, processor, cpu_features, cores, version, commit, command, workers, ..
+        } = information;
+        let (limit, sandbox) = (information.memory_limit_bytes, &information.sandbox);
+        let features = cpu_features.join(" ");
+        self.done(self.connection.execute(
+            "INSERT INTO runs (machine, processor, cpu_features, cores, version, commit_hash, command, workers,
+                               memory_limit_bytes, sandbox)
+             VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)",
+            params![machine, processor, features, cores, version, commit, command, workers, limit, sandbox],
+        ))?;
+        Ok(self.connection.last_insert_rowid().cast_unsigned())
+    }
+
+    /// Notes that a run ended by itself.
+    ///
+    /// # Errors
+    /// [`BenchError::Database`].
+    pub fn end_run(&mut self, run: u64) -> Result<(), BenchError> {
+        let sql = "UPDATE runs SET ended = strftime('%Y-%m-%dT%H:%M:%SZ', 'now') WHERE id = ?1";
+        self.done(self.connection.execute(sql, [run])).map(drop)
+    }
+
+    /// Adds a trial, in the place of the same one where it is there already.
+    ///
+    /// # Errors
+    /// [`BenchError::Database`].
+    pub fn replace(&mut self, run: u64, record: &TrialRecord, path: &[Vec<f64>]) -> Result<(), BenchError> {
+        self.done(results_row::insert(&self.connection, Present::IsReplaced, run, record, path)).map(drop)
+    }
+
+    /// Adds a trial with the path that its planner gave, and returns whether it was new: one that is there
+    /// already stays as it is.
+    ///
+    /// # Errors
+    /// [`BenchError::Database`].
+    pub fn append(&mut self, run: u64, record: &TrialRecord, path: &[Vec<f64>]) -> Result<bool, BenchError> {
+        let added = results_row::insert(&self.connection, Present::Stays, run, record, path);
+        Ok(self.done(added)? == 1)
+    }
+
+    /// Notes where a scenario was found.
+    ///
+    /// # Errors
+    /// [`BenchError::Database`].
+    pub fn note_scenario(&mut self, source: &ScenarioSource) -> Result<(), BenchError> {
+        let ScenarioSource { scenario, scenario_hash, source, goals } = source;
+        self.done(self.connection.execute(
+            "INSERT INTO scenarios (scenario, scenario_hash, source, goals) VALUES (?1, ?2, ?3, ?4)
+             ON CONFLICT DO UPDATE SET source = excluded.source, goals = COALESCE(excluded.goals, goals)",
+            params![scenario, scenario_hash, source, goals],
+        ))
+        .map(drop)
+    }
+
+    /// Notes how a planner is called, as JSON: what its name and settings do not tell.
+    ///
+    /// # Errors
+    /// [`BenchError::Database`].
+    pub fn note_planner(&mut self, planner: &str, settings: &str, source: &str) -> Result<(), BenchError> {
+        self.done(self.connection.execute(
+            "INSERT INTO planners (planner, settings, source) VALUES (?1, ?2, ?3)
+             ON CONFLICT DO UPDATE SET source = excluded.source",
+            params![planner, settings, source],
+        ))
+        .map(drop)
+    }
+
+    /// All trials, in the order in which they ended.
+    ///
+    /// # Errors
+    /// [`BenchError::Row`], [`BenchError::Database`].
+    pub fn trials(&self) -> Result<Vec<StoredTrial>, BenchError> {
+        self.select("ORDER BY id", [])
+    }
+
+    /// All records, in the order in which the trials ended.
+    ///
+    /// # Errors
+    /// As [`Self::trials`].
+    pub fn records(&self) -> Result<Vec<TrialRecord>, BenchError> {
+        Ok(self.trials()?.into_iter().map(|trial| trial.record).collect())
+    }
+
+    /// One trial.
+    ///
+    /// # Errors
+    /// [`BenchError::NoTrial`], and as [`Self::trials`].
+    pub fn trial(&self, id: u64) -> Result<StoredTrial, BenchError> {
+        let found = self.select("WHERE id = ?1", [id])?;
+        if let Some(trial) = found.into_iter().next() {
+            return Ok(trial);
+        }
+        let last = "SELECT COALESCE(max(id), 0) FROM trials";
+        let last = self.done(self.connection.query_row(last, [], |row| row.get(0)))?;
+        Err(BenchError::NoTrial { path: self.path.clone(), id, last })
+    }
+
+    /// The path that the planner of a trial gave, bit by bit; empty where it gave none.
+    ///
+    /// # Errors
+    /// [`BenchError::NoTrial`], [`BenchError::Database`].
+    pub fn path_of(&self, id: u64) -> Result<Vec<Vec<f64>>, BenchError> {
+        self.trial(id)?;
+        let bytes: Option<Vec<u8>> =
+            self.done(
+                self.connection.query_row("SELECT path FROM trials WHERE id = ?1", [id], |row| row.get(0)),
+            )?;
+        Ok(bytes.map(|bytes| results_row::path_of_bytes(&bytes)).unwrap_or_default())
+    }
+
+    /// All runs.
+    ///
+    /// # Errors
+    /// [`BenchError::Database`].
+    pub fn runs(&self) -> Result<Vec<Run>, BenchError> {
+        let added = added_to_runs(self.is_older()?);
+        let sql = format!(
+            "SELECT id, machine, processor, cpu_features, cores, version, commit_hash, command, workers,
+                   began, ended, {added} FROM runs ORDER BY id"
+        );
+        let mut statement = self.done(self.connection.prepare(&sql))?;
+        let rows = statement.query_map([], |row| {
+            let features: String = row.get(3)?;
+            let information = RunInformation {
+                machine: row.get(1)?,
+                processor: row.get(2)?,
+                cpu_features: features.split_whitespace().map(str::to_owned).collect(),
+                cores: row.get(4)?,
+                version: row.get(5)?,
+                commit: row.get(6)?,
+                command: row.get(7)?,
+                workers: row.get(8)?,
+                memory_limit_bytes: row.get(11)?,
+                sandbox: row.get(12)?,
+            };
+            Ok(Run { id: row.get(0)?, information, began: row.get(9)?, ended: row.get(10)? })
+        });
+        self.done(rows.and_then(Iterator::collect))
+    }
+
+    /// Where the scenarios were found.
+    ///
+    /// # Errors
+    /// [`BenchError::Database`].
+    pub fn scenarios(&self) -> Result<Vec<ScenarioSource>, BenchError> {
+        let sql =
+            "SELECT scenario, scenario_hash, source, goals FROM scenarios ORDER BY scenario, scenario_hash";
+        let mut statement = self.done(self.connection.prepare(sql))?;
+        let rows = statement.query_map([], |row| {
+            Ok(ScenarioSource {
+                scenario: row.get(0)?,
+                scenario_hash: row.get(1)?,
+                source: row.get(2)?,
+                goals: row.get(3)?,
+            })
+        });
+        self.done(rows.and_then(Iterator::collect))
+    }
+
+    /// How a planner is called, if that was noted.
+    ///
+    /// # Errors
+    /// [`BenchError::Database`].
+    pub fn planner_source(&self, planner: &str, settings: &str) -> Result<Option<String>, BenchError> {
+        let sql = "SELECT source FROM planners WHERE planner = ?1 AND settings = ?2";
+        self.done(self.connection.query_row(sql, [planner, settings], |row| row.get(0)).optional())
+    }
+
+    /// Takes up the runs and trials of other results; a trial that is there already stays as it is. All or
+    /// nothing.
+    ///
+    /// # Errors
+    /// As [`Self::open`] of the others, [`BenchError::Database`]; [`BenchError::Overlap`] where a trial that is there
+    /// already went differently in the others, as everything does that runs again, unless `keep_first`.
+    pub fn merge(&mut self, others: &Path, keep_first: bool) -> Result<Merged, BenchError> {
+        // Opened by itself first, for its log and its faults; a copy of it is there as long as this.
+        let opened = Self::open(others)?;
+        let copy = opened.copy.as_ref().map(|copy| copy.path().join(results_file::COPY));
+        let others = copy.unwrap_or_else(|| others.to_owned());
+        let others = others.to_string_lossy();
+        self.done(self.connection.execute("ATTACH DATABASE ?1 AS others", [&others]))?;
+        let is_older = opened.is_older()?;
+        let overlap = if keep_first { Ok(None) } else { self.overlap_with_others() };
+        let merged = match overlap {
+            Ok(None) => self.take_up_others(is_older),
+            Ok(Some((count, first))) => {
+                let (path, into) = (opened.path.clone(), self.path.clone());
+                Err(BenchError::Overlap { path, into, count, first })
+            }
+            Err(fault) => Err(fault),
+        };
+        let detached = self.done(self.connection.execute_batch("DETACH DATABASE others"));
+        let merged = merged?;
+        detached.map(|()| merged)
+    }
+
+    /// Joins results in the file `into`, which may hold some already, and returns it with what each of `others` gave.
+    /// A new file appears with all of them or not at all.
+    ///
+    /// # Errors
+    /// As [`Self::create`] and [`Self::merge`], and [`BenchError::Unwritable`].
+    pub fn merged(
+        into: &Path,
+        others: &[PathBuf],
+        keep_first: bool,
+    ) -> Result<(Self, Vec<Merged>), BenchError> {
+        let take_up = |results: &mut Self| -> Result<Vec<Merged>, BenchError> {
+            others.iter().map(|other| results.merge(other, keep_first)).collect()
+        };
+        if into.exists() {
+            let mut results = Self::create(into)?;
+            let merged = take_up(&mut results)?;
+            return Ok((results, merged));
+        }
+        let beside = results_file::folder_beside(into)?;
+        let partial = beside.path().join("results.db");
+        results_file::begin(&partial)?;
+        let mut results = Self::new(results_file::open(&partial)?, into);
+        let merged = take_up(&mut results)?;
+        // With its log written back, which the last to close it does.
+        drop(results);
+        results_file::settle(&partial, into)?;
+        Ok((Self::create(into)?, merged))
+    }
+
+    /// How many trials are here and in the attached others, and went differently; and one of them.
+    fn overlap_with_others(&self) -> Result<Option<(u64, String)>, BenchError> {
+        let row = |row: &rusqlite::Row| Ok((row.get(0)?, row.get::<_, Option<String>>(1)?));
+        let (count, first) = self.done(self.connection.query_row(&results_row::overlap(), [], row))?;
+        Ok(first.map(|first| (count, first)))
+    }
+
+    fn take_up_others(&mut self, is_older: bool) -> Result<Merged, BenchError> {
+        let path = self.path.clone();
+        let take_up = |connection: &mut Connection| {
+            let transaction = connection.transaction()?;
+            transaction.execute_batch(&take_up_runs(is_older))?;
+            let added = transaction.execute(&results_row::take_up_trials(is_older), [])?;
+            let all: u64 =
+                transaction.query_row("SELECT count(*) FROM others.trials", [], |row| row.get(0))?;
+            transaction.commit()?;
+            Ok(Merged { added: added as u64, known: all - added as u64 })
+        };
+        take_up(&mut self.connection).map_err(|reason| BenchError::Database { path, reason })
+    }
+
+    /// Trials, `which` of them and in what order.
+    fn select(&self, which: &str, parameters: impl rusqlite::Params) -> Result<Vec<StoredTrial>, BenchError> {
+        let sql = format!("{} {which}", results_row::selection(self.is_older()?));
+        let mut statement = self.done(self.connection.prepare(&sql))?;
+        let rows = self.done(statement.query(parameters))?;
+        results_row::read(rows, &self.path)
+    }
+
+    fn is_older(&self) -> Result<bool, BenchError> {
+        self.done(results_file::is_older(&self.connection))
+    }
+
+    pub(crate) fn done<T>(&self, result: rusqlite::Result<T>) -> Result<T, BenchError> {
+        result.map_err(|reason| BenchError::Database { path: self.path.clone(), reason })
+    }
+}
+
+/// The columns of runs that older results lack.
+fn added_to_runs(is_older: bool) -> &'static str {
+    if is_older { "NULL, NULL" } else { "memory_limit_bytes, sandbox" }
+}
+
+fn take_up_runs(is_older: bool) -> String {
+    let added = added_to_runs(is_older);
+    format!(
+        "INSERT OR IGNORE INTO runs (identity, machine, processor, cpu_features, cores, version, commit_hash, command,
+             workers, began, ended, memory_limit_bytes, sandbox)
+         SELECT identity, machine, processor, cpu_features, cores, version, commit_hash, command, workers, began,
+             ended, {added}
+         FROM others.runs ORDER BY id;
+         INSERT OR IGNORE INTO scenarios SELECT * FROM others.scenarios;
+         INSERT OR IGNORE INTO planners SELECT * FROM others.planners;"
+    )
+}

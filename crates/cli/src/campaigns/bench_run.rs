@@ -1,0 +1,375 @@
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use clap::{Args, ValueEnum};
+use cranny_bench::{
+    Campaign, CampaignObserver, CampaignPlanner, CampaignSettings, CarryTo, MOST_MEMORY_MB, MOST_TRIALS,
+    Manifest, PlannerCall, Results, RunInformation, RunSummary, Sandbox, Shard, StandingFile, TrialOutcome,
+    TrialRecord, run_campaign,
+};
+use cranny_file::counted;
+use cranny_plan::{Criterion, Registry};
+use cranny_solve::PoseRadius;
+use indicatif::ProgressBar;
+use serde::Serialize;
+use strum::VariantArray as _;
+
+use crate::Answer;
+use crate::arguments::{CriterionArgument, MarginArguments, Output};
+use crate::campaigns::bench_worker;
+use crate::campaigns::cluster_folder::ClusterCampaign;
+use crate::failure::Failure;
+use crate::number_argument::{MOST_ITERATIONS, pose_error, seconds, whole};
+use crate::output_file;
+use crate::program::version::COMMIT;
+use crate::progress::{bar, spinner, stop_on_interrupt};
+use crate::text;
+
+#[derive(Clone, Debug, Args)]
+#[command(after_help = "Examples:
+  cranny bench run --scenarios 01x,045 --planners j-plus-rrt,ik-rrt,reach \\
+      --runs 100 -o results.db
+  cranny bench run --scenarios all --planners reach --time-limit 10 \\
+      --planner \"exec:python3 plain_rrt.py\"
+  cranny bench run campaign.yaml -o results.db
+  cranny bench run --preset paper --runs 20 --time-limit 30 -o table.db
+  cranny bench run --scenarios all --planners reach --carry home
+  cranny bench run --scenarios all --planners grasp-reach,grasp-rrt \\
+      --grasps none
+  cranny bench run campaign.yaml -o results.db --again killed,crashed     once more what was lost
+  cranny bench run --scenarios 021 --criterion paper \\
+      --planner \"released:./burs_of_free_space -planner 0\"
+
+The same command again goes on where it was stopped, whatever stopped it; no trial is counted twice.
+Exit 0: every trial is in the results, however it ended; exit 1: stopped before.
+Flags go before what the campaign file or the preset says. How a planner of your own is called:
+docs/exec_protocol.md.")]
+pub struct RunArguments {
+    /// A campaign file (YAML)
+    #[arg(value_name = "CAMPAIGN", conflicts_with = "preset")]
+    campaign: Option<PathBuf>,
+    /// A campaign that comes along: `paper` is the paper's Table I
+    #[arg(long, value_enum)]
+    preset: Option<PresetArgument>,
+    /// Built-in ids (x stands for any digit: 01x), `all`, folders, archives; comma-separated
+    #[arg(long, value_name = "IDS", value_delimiter = ',', num_args = 1..)]
+    scenarios: Vec<String>,
+    /// Built-in planners, comma-separated; of a file or a preset, only those of its planners
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    planners: Vec<String>,
+    /// A planner, built in or anybody's: `exec:PROGRAM ARGUMENT…`, `released:PROGRAM ARGUMENT…`, with `NAME=`
+    /// before it for a name of its own; may be given several times
+    #[arg(long, value_name = "PLANNER")]
+    planner: Vec<String>,
+    /// What counts as solved, comma-separated [default: exact]
+    #[arg(long, value_enum, value_delimiter = ',')]
+    criterion: Vec<CriterionArgument>,
+    /// Seeds for each planner in each scenario [default: 100]
+    #[arg(long, value_name = "N", value_parser = whole(1..=MOST_TRIALS))]
+    runs: Option<u64>,
+    /// The first of the seeds [default: 0]
+    #[arg(long, value_name = "N", value_parser = whole(0..=MOST_ITERATIONS))]
+    first_seed: Option<u64>,
+    /// Seconds after which a search ends [default: 120]
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    time_limit: Option<Duration>,
+    /// Iterations after which a search ends [default: no limit]
+    #[arg(long, value_name = "N", value_parser = whole(0..=MOST_ITERATIONS))]
+    iterations: Option<u64>,
+    /// Memory that a search may take, in MB [default: 4096]
+    #[arg(long, value_name = "MB", value_parser = whole(1..=MOST_MEMORY_MB))]
+    memory_limit: Option<u64>,
+    /// Aim at each known goal configuration of a scenario by itself, as the paper's table of IK-RRT does
+    #[arg(long)]
+    each_goal: bool,
+    /// Judge every path under the other criterion too
+    #[arg(long)]
+    judge_both: bool,
+    /// Do not measure the least clearance along every path, which takes some milliseconds beside the trial's own time
+    #[arg(long)]
+    no_clearance: bool,
+    /// Carry the target on once it is grasped: `home`, to where the robot started, or `out`, to where it is 50 mm clear of
+    /// everything but the floor; or `place`, to the first place of its scenario, where it is put down
+    #[arg(long, value_name = "home|out|place", value_parser = carry_to)]
+    carry: Option<CarryTo>,
+    /// Do the task of this name in each scenario (`tasks` of its scenario.yaml)
+    #[arg(long, value_name = "NAME", conflicts_with = "carry")]
+    task: Option<String>,
+    /// Demand that the target may be so far from where it is thought to be, as `plan --robust` does
+    #[arg(long, value_name = "MM,DEG", value_parser = pose_error)]
+    robust: Option<PoseRadius>,
+    /// Give no set of grasps: `none`. Planners then make grasps of their own, which the judge measures on the target's mesh
+    #[arg(long, value_name = "none", value_parser = ["none"])]
+    grasps: Option<String>,
+    #[command(flatten)]
+    margins: MarginArguments,
+    /// Walls around the programs of others: those that this machine has (auto), none (off), or all of them or nothing is
+    /// run (require)
+    #[arg(long, value_name = "WALLS", default_value = "auto", value_parser = bench_worker::sandbox)]
+    sandbox: Sandbox,
+    /// Trials at once; with more than one, times are not those of a machine at rest, and the results say so
+    #[arg(long, value_name = "N", default_value = "1", value_parser = whole::<usize>(1..=1024))]
+    workers: usize,
+    /// Run trials again that ended so, and put them in the place of those before: killed, crashed, hung, …; comma-separated
+    #[arg(long, value_name = "OUTCOMES", value_delimiter = ',', value_parser = outcome)]
+    again: Vec<TrialOutcome>,
+    /// Only the trials of one of several parts: 3/8 is the third of eight; all parts together are the whole
+    #[arg(long, value_name = "I/N")]
+    shard: Option<Shard>,
+    /// Refuse to run unless program, scenarios, planners and trials are those of this file, which `bench slurm` wrote
+    #[arg(long, value_name = "FILE")]
+    manifest: Option<PathBuf>,
+    /// Keep a file here that says how far the campaign is, for `bench status` [default with --shard: the results with .json]
+    #[arg(long, value_name = "FILE")]
+    standing: Option<PathBuf>,
+    /// Where the results are, or shall be
+    #[arg(long, short, value_name = "FILE", default_value = "results.db")]
+    output: PathBuf,
+}
+
+fn outcome(text: &str) -> Result<TrialOutcome, String> {
+    let known = || TrialOutcome::VARIANTS.iter().map(|outcome| outcome.name()).collect::<Vec<_>>().join(", ");
+    text.parse().map_err(|_| format!("no outcome; known are {}", known()))
+}
+
+fn carry_to(text: &str) -> Result<CarryTo, String> {
+    text.parse().map_err(|_| "give `home`, `out` or `place`".to_owned())
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum PresetArgument {
+    /// J⁺-RRT and IK-RRT in the twenty scenarios under the paper criterion, 100 runs of 120 s
+    Paper,
+}
+
+/// What `bench run --json` prints.
+#[derive(Serialize)]
+struct Answered<'a> {
+    file: &'a Path,
+    trials: usize,
+    known: usize,
+    run: usize,
+    solved: usize,
+    stopped: bool,
+    /// What came to no honest end now, by planner and outcome.
+    lost: Vec<Lost>,
+}
+
+/// Trials of one planner that ended in one of the ways that no planner should end.
+#[derive(Serialize)]
+struct Lost {
+    planner: String,
+    outcome: &'static str,
+    trials: usize,
+    /// What the first of them had to say.
+    first: String,
+}
+
+pub fn run(arguments: &RunArguments, registry: &Registry, output: Output) -> Result<Answer, Failure> {
+    cranny_file::system::close_to_others();
+    let campaign = campaign(arguments, registry)?;
+    // Better now than after the opening of many scenarios.
+    output_file::check_folder(&arguments.output)?;
+    if std::fs::metadata(&arguments.output).is_ok_and(|found| !found.is_file() || found.len() > 0) {
+        Results::open(&arguments.output)?;
+    }
+    let stop = stop_on_interrupt()?;
+    let spinner = spinner("opening the scenarios", output.quiet);
+    let schedule = campaign.schedule(registry);
+    spinner.finish_and_clear();
+    let mut schedule = schedule?;
+    if let Some(file) = &arguments.manifest {
+        let here = Manifest::of(&schedule, &std::env::current_exe()?);
+        here.check(&ClusterCampaign::read(file)?.manifest)?;
+    }
+    if !output.quiet {
+        for note in &schedule.notes {
+            writeln!(std::io::stderr(), "note: {note}")?;
+        }
+    }
+    let mut results = Results::create(&arguments.output)?;
+    if let Some(shard) = arguments.shard {
+        shard.check(&schedule, &results)?;
+        schedule = shard.of(schedule);
+    }
+    let command = std::env::args().collect::<Vec<_>>().join(" ");
+    let workers = arguments.workers;
+    let settings = CampaignSettings {
+        worker: bench_worker::worker()?,
+        workers,
+        memory_limit_bytes: campaign.memory_limit_bytes,
+        information: RunInformation::here(COMMIT, &command, workers),
+        sandbox: arguments.sandbox,
+        again: arguments.again.clone(),
+    };
+    let mut progress = CampaignProgress::new(output.quiet);
+    let beside = arguments.shard.map(|_| arguments.output.with_extension("json"));
+    let ended = match arguments.standing.clone().or(beside) {
+        None => run_campaign(&schedule, &settings, &mut results, &mut progress, &stop),
+        Some(file) => {
+            let machine = settings.information.machine.clone();
+            let mut standing = StandingFile::new(&file, workers, &machine, &mut progress);
+            let ended = run_campaign(&schedule, &settings, &mut results, &mut standing, &stop);
+            standing.write();
+            ended
+        }
+    };
+    progress.finish();
+    let RunSummary { trials, known, run, solved, is_stopped: stopped } = ended?;
+    let (file, lost) = (&arguments.output, progress.lost);
+    let answered = Answered { file, trials, known, run, solved, stopped, lost };
+    text::answer(&answered, || answered.page(), output)?;
+    Ok(if stopped { Answer::No } else { Answer::Done })
+}
+
+impl Answered<'_> {
+    fn page(&self) -> String {
+        let Self { file, trials, known, run, solved, stopped, lost } = self;
+        let mut page = format!("{}: {} of {}", file.display(), known + run, counted(*trials, "trial"));
+        if *run > 0 {
+            let _ = write!(page, ", {run} run now, {solved} of those solved");
+        }
+        page.push('\n');
+        for Lost { planner, outcome, trials, first } in lost {
+            let _ = writeln!(page, "  {planner}: {trials} {outcome}; the first: {first}");
+        }
+        if *stopped {
+            page.push_str("stopped; the same command goes on from here\n");
+        }
+        page
+    }
+}
+
+/// What file, preset and flags say together.
+fn campaign(arguments: &RunArguments, registry: &Registry) -> Result<Campaign, Failure> {
+    let mut campaign = match (&arguments.campaign, arguments.preset) {
+        (Some(file), _) => Campaign::read(file, registry)?,
+        (None, Some(PresetArgument::Paper)) => Campaign::paper()?,
+        (None, None) => Campaign::default(),
+    };
+    if !arguments.scenarios.is_empty() {
+        campaign.scenarios.clone_from(&arguments.scenarios);
+    }
+    choose_planners(&mut campaign, arguments, registry)?;
+    if !arguments.criterion.is_empty() {
+        campaign.criteria = arguments.criterion.iter().map(|criterion| Criterion::from(*criterion)).collect();
+    }
+    for planner in &mut campaign.planners {
+        planner.each_goal |= arguments.each_goal;
+        planner.runs = planner.runs.filter(|_| arguments.runs.is_none());
+        planner.time_limit_s = planner.time_limit_s.filter(|_| arguments.time_limit.is_none());
+    }
+    if let Some(runs) = arguments.runs {
+        campaign.runs = runs;
+    }
+    if let Some(limit) = arguments.time_limit {
+        campaign.time_limit_s = limit.as_secs_f64();
+        campaign.exceptions.clear();
+    }
+    campaign.first_seed = arguments.first_seed.unwrap_or(campaign.first_seed);
+    campaign.iteration_limit = arguments.iterations.or(campaign.iteration_limit);
+    if let Some(limit) = arguments.memory_limit {
+        campaign.memory_limit_bytes = limit << 20;
+    }
+    campaign.judge_both |= arguments.judge_both;
+    campaign.demand.carry = arguments.carry.or(campaign.demand.carry);
+    campaign.demand.task = arguments.task.clone().or(campaign.demand.task.take());
+    campaign.demand.robust = arguments.robust.or(campaign.demand.robust);
+    campaign.demand.without_grasp_set |= arguments.grasps.is_some();
+    campaign.demand.margins = arguments.margins.or(campaign.demand.margins);
+    campaign.measure_clearance &= !arguments.no_clearance;
+    if campaign.scenarios.is_empty() {
+        let problem =
+            "say which, or give a campaign file or a --preset (`--scenarios all`: all built-in ones)";
+        return Err(Failure::Flag { flag: "scenarios", problem: problem.to_owned() });
+    }
+    if campaign.planners.is_empty() {
+        let problem = format!("say which (built in: {})", registry.names().join(", "));
+        return Err(Failure::Flag { flag: "planners", problem });
+    }
+    Ok(campaign)
+}
+
+/// Of the planners of a file or a preset those that flags name; others are added.
+fn choose_planners(
+    campaign: &mut Campaign,
+    arguments: &RunArguments,
+    registry: &Registry,
+) -> Result<(), Failure> {
+    if arguments.planners.is_empty() && arguments.planner.is_empty() {
+        return Ok(());
+    }
+    let known = std::mem::take(&mut campaign.planners);
+    for word in arguments.planners.iter().chain(&arguments.planner) {
+        let planner = match known.iter().find(|planner| planner.name == *word) {
+            Some(planner) => planner.clone(),
+            None => planner_of(word, registry)?,
+        };
+        campaign.planners.push(planner);
+    }
+    Ok(())
+}
+
+/// `reach`, `exec:…`, `released:…`, or one of them after `NAME=`.
+fn planner_of(word: &str, registry: &Registry) -> Result<CampaignPlanner, Failure> {
+    let (name, call) = match word.split_once('=') {
+        Some((name, call)) if !name.contains([':', ' ']) && !name.is_empty() => (Some(name), call),
+        _ => (None, word),
+    };
+    let planner = CampaignPlanner::new(PlannerCall::parse(call, registry)?);
+    Ok(CampaignPlanner { name: name.map_or(planner.name.clone(), str::to_owned), ..planner })
+}
+
+/// A bar with the running success rate.
+struct CampaignProgress {
+    bar: ProgressBar,
+    quiet: bool,
+    ended: usize,
+    solved: usize,
+    lost: Vec<Lost>,
+}
+
+impl CampaignProgress {
+    fn new(quiet: bool) -> Self {
+        Self { bar: ProgressBar::hidden(), quiet, ended: 0, solved: 0, lost: Vec::new() }
+    }
+
+    fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+
+    /// Counts what says more of a planner, or of how it was called, than of its search.
+    fn note_loss(&mut self, record: &TrialRecord) {
+        use TrialOutcome::{Crashed, Garbled, Hung, Killed, OutOfMemory, Rejected};
+        if !matches!(record.outcome, Crashed | Garbled | Hung | Killed | OutOfMemory | Rejected) {
+            return;
+        }
+        let (planner, outcome) = (&record.trial.planner, record.outcome.name());
+        match self.lost.iter_mut().find(|lost| lost.planner == *planner && lost.outcome == outcome) {
+            Some(lost) => lost.trials += 1,
+            None => self.lost.push(Lost {
+                planner: planner.clone(),
+                outcome,
+                trials: 1,
+                first: record.detail.clone().unwrap_or_default(),
+            }),
+        }
+    }
+}
+
+impl CampaignObserver for CampaignProgress {
+    fn begins(&mut self, to_run: usize, _known: &[TrialRecord]) {
+        self.bar = bar(to_run as u64, self.quiet);
+    }
+
+    fn trial_ended(&mut self, record: &TrialRecord) {
+        self.ended += 1;
+        self.solved += usize::from(record.is_solved());
+        let percent = 100.0 * self.solved as f64 / self.ended as f64;
+        self.note_loss(record);
+        self.bar.set_message(format!("{percent:.0} % solved"));
+        self.bar.inc(1);
+    }
+}

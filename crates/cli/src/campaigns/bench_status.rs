@@ -1,0 +1,224 @@
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use cranny_bench::{Results, Standing, Tally};
+use cranny_file::counted;
+use serde::Serialize;
+
+use crate::Answer;
+use crate::arguments::Output;
+use crate::campaigns::cluster_folder::{ClusterCampaign, ClusterFolder};
+use crate::campaigns::slurm::{self, TaskState};
+use crate::failure::Failure;
+use crate::text;
+
+#[derive(Clone, Debug, Args)]
+#[command(after_help = "Examples:
+  cranny bench status campaign          the folder of `bench slurm`
+  cranny bench status part-*.db         parts of a campaign, run with --shard
+  cranny bench status part-*.db --json
+
+Each task keeps a small file that says how far it is, so that results are not opened while another machine writes them;
+where there is none the results are asked, which do not say how many trials there are to be. Exit 0: every trial has
+ended; exit 1: not yet, or nobody knows.")]
+pub struct StatusArguments {
+    /// The folder of `bench slurm`, or files of results
+    #[arg(value_name = "FOLDER|RESULTS", required = true, num_args = 1..)]
+    places: Vec<PathBuf>,
+}
+
+/// How a task is doing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+enum State {
+    Done,
+    Running,
+    Waiting,
+    /// Not done, and Slurm does not know it.
+    Lost,
+    /// Not done, and there is no Slurm to ask.
+    Open,
+    /// Nobody says how many trials there are to be.
+    Unknown,
+}
+
+/// What `bench status --json` prints.
+#[derive(Serialize)]
+struct Answered {
+    /// How many trials all tasks have together, where that is known.
+    trials: Option<usize>,
+    ended: usize,
+    solved: usize,
+    /// How long the rest takes, in seconds, if as many tasks go on as run now.
+    left_s: Option<f64>,
+    planners: BTreeMap<String, Tally>,
+    tasks: Vec<TaskLine>,
+    /// How what was lost is submitted again.
+    resume: Option<String>,
+}
+
+#[derive(Serialize)]
+struct TaskLine {
+    task: String,
+    state: State,
+    #[serde(flatten)]
+    standing: Standing,
+}
+
+pub fn run(arguments: &StatusArguments, output: Output) -> Result<Answer, Failure> {
+    let mut answered = match &arguments.places[..] {
+        [folder] if folder.is_dir() => of_folder(&ClusterFolder { path: folder.clone() })?,
+        files => of_files(files)?,
+    };
+    answered.add_up();
+    text::answer(&answered, || answered.page(), output)?;
+    let is_done = answered.tasks.iter().all(|task| task.state == State::Done);
+    Ok(if is_done { Answer::Done } else { Answer::No })
+}
+
+fn of_folder(folder: &ClusterFolder) -> Result<Answered, Failure> {
+    let campaign: ClusterCampaign = folder.campaign()?;
+    let active = slurm::active_tasks(&campaign.jobs)?;
+    let state = |number: u64, standing: &Standing| match active.get(&number) {
+        _ if standing.is_done() => State::Done,
+        Some(TaskState::Running) => State::Running,
+        Some(TaskState::Waiting) => State::Waiting,
+        None if campaign.jobs.is_empty() => State::Open,
+        None => State::Lost,
+    };
+    let tasks = folder.tasks(&campaign).into_iter().map(|task| {
+        let (name, mut standing) = (task.number.to_string(), task.standing);
+        let state = state(task.number, &standing);
+        if state == State::Lost {
+            // What it stored after it last wrote how it stood.
+            standing.planners = Results::glance(&folder.results(&name)).unwrap_or(standing.planners);
+        }
+        TaskLine { task: name, state, standing }
+    });
+    let tasks: Vec<TaskLine> = tasks.collect();
+    let is_lost = tasks.iter().any(|task| task.state == State::Lost);
+    let resume = is_lost.then(|| format!("cranny bench slurm --resume {}", folder.path.display()));
+    Ok(Answered { trials: Some(campaign.manifest.trials), resume, ..Answered::of(tasks) })
+}
+
+fn of_files(files: &[PathBuf]) -> Result<Answered, Failure> {
+    let task = |file: &PathBuf| -> Result<TaskLine, Failure> {
+        let standing = match Standing::read(&file.with_extension("json")) {
+            Some(standing) => standing,
+            None => Standing::of_results(file)?,
+        };
+        let state = match standing.trials {
+            None => State::Unknown,
+            Some(_) if standing.is_done() => State::Done,
+            Some(_) => State::Open,
+        };
+        let name = file.file_name().map_or(file.as_path(), Path::new);
+        Ok(TaskLine { task: name.display().to_string(), state, standing })
+    };
+    let tasks = files.iter().map(task).collect::<Result<Vec<_>, _>>()?;
+    let trials = tasks.iter().map(|task| task.standing.trials).sum();
+    Ok(Answered { trials, ..Answered::of(tasks) })
+}
+
+impl Answered {
+    fn of(tasks: Vec<TaskLine>) -> Self {
+        Self {
+            trials: None,
+            ended: 0,
+            solved: 0,
+            left_s: None,
+            planners: BTreeMap::new(),
+            tasks,
+            resume: None,
+        }
+    }
+
+    /// What all tasks have together.
+    fn add_up(&mut self) {
+        for TaskLine { standing, .. } in &self.tasks {
+            for (planner, tally) in &standing.planners {
+                let all = self.planners.entry(planner.clone()).or_default();
+                *all = all.plus(*tally);
+            }
+        }
+        let all = self.planners.values().copied().fold(Tally::default(), Tally::plus);
+        (self.ended, self.solved) = (all.ended, all.solved);
+        let running =
+            self.tasks.iter().filter(|task| matches!(task.state, State::Running | State::Open)).count();
+        // The time of each trial, as far as any ended, for all that are left.
+        let (run, elapsed_s) = self.tasks.iter().fold((0, 0.0), |(run, elapsed_s), task| {
+            (run + task.standing.run, elapsed_s + task.standing.elapsed_s)
+        });
+        let left = self.trials.map(|trials| trials.saturating_sub(self.ended));
+        self.left_s = left
+            .filter(|left| *left > 0 && run > 0 && running > 0)
+            .map(|left| elapsed_s / run as f64 * left as f64 / running as f64);
+    }
+
+    fn page(&self) -> String {
+        let Self { trials, ended, solved, left_s, planners, tasks, resume } = self;
+        let share = |part: usize, whole: usize| 100.0 * part as f64 / whole.max(1) as f64;
+        let mut page = match trials {
+            Some(trials) => format!("{ended} of {}", counted(*trials, "trial")),
+            None => format!("{} ended", counted(*ended, "trial")),
+        };
+        let _ = write!(page, ", {solved} of them solved ({:.1} %)", share(*solved, *ended));
+        if let Some(left_s) = left_s {
+            let _ = write!(page, ", about {} left", duration(*left_s));
+        }
+        page.push('\n');
+        let states = [
+            (State::Done, "done"),
+            (State::Running, "running"),
+            (State::Waiting, "waiting"),
+            (State::Lost, "lost"),
+            (State::Open, "not done"),
+            (State::Unknown, "unknown"),
+        ];
+        for (state, name) in states {
+            let of_state: Vec<&TaskLine> = tasks.iter().filter(|task| task.state == state).collect();
+            if of_state.is_empty() {
+                continue;
+            }
+            let _ = write!(page, "  {name:<10} {} of {} tasks", of_state.len(), tasks.len());
+            if state != State::Done {
+                /// More are told by `--json`.
+                const MOST: usize = 8;
+                let told = of_state.iter().take(MOST).map(|task| {
+                    let tally = task.standing.tally();
+                    let of = task.standing.trials.map_or_else(String::new, |trials| format!("/{trials}"));
+                    format!("{} ({}{of})", task.task, tally.ended)
+                });
+                let more = if of_state.len() > MOST { ", …" } else { "" };
+                let _ = write!(page, ": {}{more}", told.collect::<Vec<_>>().join(", "));
+            }
+            page.push('\n');
+        }
+        for (planner, Tally { ended, solved }) in planners {
+            let _ =
+                writeln!(page, "  {planner}: {solved} of {ended} solved ({:.1} %)", share(*solved, *ended));
+        }
+        if tasks.iter().any(|task| task.state == State::Unknown) {
+            page.push_str(
+                "  how many trials there are to be stands in no file: the command that ran them, given again, runs what is \
+                 left, if anything is\n",
+            );
+        }
+        if let Some(resume) = resume {
+            let _ = writeln!(page, "  to submit what was lost: {resume}");
+        }
+        page
+    }
+}
+
+/// A time that nobody needs to the second.
+fn duration(seconds: f64) -> String {
+    match seconds {
+        s if s < 120.0 => format!("{s:.0} s"),
+        s if s < 7200.0 => format!("{:.0} min", s / 60.0),
+        s if s < 172_800.0 => format!("{:.0} h", s / 3600.0),
+        s => format!("{:.0} days", s / 86400.0),
+    }
+}

@@ -1,0 +1,11 @@
+//! `cranny scenario`, `object`, `robot`, `grasps`, `info` and `list`: what is planned with.
+
+pub(crate) mod grasp_choice;
+pub(crate) mod grasp_subject;
+pub(crate) mod grasps;
+pub(crate) mod grasps_import;
+pub(crate) mod info;
+pub(crate) mod list;
+pub(crate) mod object;
+pub(crate) mod robot;
+pub(crate) mod scenario;

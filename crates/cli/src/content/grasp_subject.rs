@@ -1,0 +1,205 @@
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use cranny_collision::{Body, World};
+use cranny_grasp::{FirstApproach, Hand, SamplerSettings};
+use cranny_plan::{APPROACH_M, HandFilter, robot_hand};
+use cranny_scenario::{
+    DEFAULT_FRICTION, ObjectType, OpenOptions, Scenario, ScenarioError, filter_around_object, is_scenario,
+    panda_hand, read_gripper,
+};
+use cranny_shape::{Solid, Surface, TriangleSoup};
+use cranny_spatial::{Pose, Vector};
+
+use crate::content::grasp_choice::GraspChoice;
+use crate::content::object;
+use crate::failure::Failure;
+use crate::number_argument::{positive, whole};
+
+#[derive(Clone, Debug, Args)]
+#[command(after_help = "Examples:
+  cranny grasps sample banana
+  cranny grasps sample sugar_box --pose 2 --choose farthest -o box.csv
+  cranny grasps sample scan.obj --friction 0.4 --bare --json
+  cranny grasps sample flat_screwdriver --gripper wide.yaml --depth -10 5
+  cranny grasps sample 021 -o ball.csv          what the hand can take in a scenario
+  cranny grasps sample my_shelf -o my_shelf/grasps.csv
+
+Poses are written in the frame of the object, those of a scenario in its planning frame, as its grasps.csv has
+them: the 16 numbers of each row by row, score, width (and robust score with the number of its trials, where
+`cranny simulate grasps -o` wrote them). The score is 1 for contacts that need no friction and 0
+for those that need all there is. In a scenario, a grasp is kept if the hand is free of everything there, at
+the grasp and on the way.")]
+pub struct SampleArguments {
+    /// Built-in object, the folder of an object, a mesh file (normals outwards; holes are allowed), or a
+    /// scenario: built-in, a folder or packed
+    #[arg(value_name = "OBJECT|ID")]
+    pub object: String,
+    /// Where to write the grasps
+    #[arg(long, short, value_name = "FILE", default_value = "grasps.csv")]
+    pub output: PathBuf,
+    /// How many grasps to write
+    #[arg(long, value_name = "N", default_value = "200", value_parser = whole::<usize>(1..=100_000))]
+    pub count: usize,
+    /// How many to sample, from which those are chosen [default: ten times as many]
+    #[arg(long, value_name = "N", value_parser = whole::<usize>(1..=1_000_000))]
+    pub candidates: Option<usize>,
+    /// How to choose
+    #[arg(long, value_enum, default_value = "covering")]
+    pub choose: GraspChoice,
+    /// Coefficient of friction [default: the object's own, 0.24 for a mesh]
+    #[arg(long, value_name = "MU")]
+    pub friction: Option<f64>,
+    /// Gripper, as YAML [default: the hand of the scenario's robot; for an object the built-in robot's]
+    #[arg(long, value_name = "FILE")]
+    pub gripper: Option<PathBuf>,
+    /// Approach directions about each closing axis
+    #[arg(long, value_name = "N", default_value_t = SamplerSettings::default().approaches,
+          value_parser = whole::<usize>(1..=3600))]
+    pub approaches: usize,
+    /// Turn the approach directions of each closing axis at random, instead of from level on
+    #[arg(long)]
+    pub random_approaches: bool,
+    /// The object rests on the ground in this one of its stable poses (see `cranny object show`): grasp it
+    /// from the side or from above, hand above the ground
+    #[arg(long, value_name = "K")]
+    pub pose: Option<usize>,
+    /// Between which depths the gripper stands, in millimetres along the approach from the middle between
+    /// the contacts
+    #[arg(long, num_args = 2, value_names = ["MM", "MM"], default_values_t = [0.0, 0.0])]
+    pub depth: Vec<f64>,
+    /// Length of the straight approach that must be free, in millimetres
+    #[arg(long, value_name = "MM", default_value_t = APPROACH_M * 1000.0)]
+    pub approach: f64,
+    /// Do not ask whether the hand collides with the object or the ground
+    #[arg(long)]
+    pub bare: bool,
+    /// What to multiply the coordinates of a mesh file by
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = positive)]
+    pub scale: f64,
+    /// Seed of all randomness: the same seed gives the same grasps
+    #[arg(long, value_name = "N", default_value = "0", value_parser = whole(0..=u64::MAX))]
+    pub seed: u64,
+}
+
+/// What is grasped, and with what.
+#[derive(Debug)]
+pub struct Subject {
+    pub name: String,
+    /// In the frame that grasps are written in.
+    pub mesh: TriangleSoup,
+    friction: f64,
+    place: Place,
+    hand: Hand,
+}
+
+/// What is around the object.
+#[derive(Debug)]
+enum Place {
+    /// Nothing.
+    Nowhere,
+    /// The ground that it rests on.
+    Ground {
+        ground_from_object: Pose,
+    },
+    Scene(World),
+}
+
+impl Subject {
+    pub fn open(arguments: &SampleArguments) -> Result<Self, Failure> {
+        let path = Path::new(&arguments.object);
+        let given = arguments.gripper.as_deref().map(read_gripper).transpose()?;
+        if is_scenario(&arguments.object) {
+            return Self::of_scenario(arguments, given);
+        }
+        let hand = given.map_or_else(|| panda_hand().map_err(ScenarioError::from), Ok)?;
+        if path.is_file() {
+            if arguments.pose.is_some() {
+                let problem = "a bare mesh has no stable poses (make it an object: cranny object add)".into();
+                return Err(Failure::Flag { flag: "pose", problem });
+            }
+            let scale = Vector::repeat(arguments.scale);
+            let mesh = TriangleSoup::load(path, scale).map_err(ScenarioError::from)?;
+            let (name, friction) = (arguments.object.clone(), DEFAULT_FRICTION);
+            return Ok(Self { name, mesh, friction, place: Place::Nowhere, hand });
+        }
+        let ObjectType { name, mesh, friction, stable_poses, .. } = object::open(&arguments.object)?;
+        let place = match arguments.pose {
+            None => Place::Nowhere,
+            Some(index) => {
+                let stable = stable_poses.get(index).ok_or_else(|| Failure::Flag {
+                    flag: "pose",
+                    problem: format!("{name} has {} stable poses, counted from 0", stable_poses.len()),
+                })?;
+                Place::Ground { ground_from_object: stable.ground_from_body }
+            }
+        };
+        Ok(Self { name, mesh, friction, place, hand })
+    }
+
+    /// The target where it stands, with everything around it and the hand of the scenario's robot.
+    fn of_scenario(arguments: &SampleArguments, given: Option<Hand>) -> Result<Self, Failure> {
+        if arguments.pose.is_some() {
+            let problem = "the object stands where the scenario has it".into();
+            return Err(Failure::Flag { flag: "pose", problem });
+        }
+        let scenario = Scenario::open(&arguments.object, &OpenOptions::default())?;
+        let Some(mesh) = scenario.target_mesh()? else {
+            return Err(Failure::NoTarget { id: scenario.id });
+        };
+        let hand = match given {
+            Some(given) => given,
+            None if scenario.robot.hand().is_some() => robot_hand(&scenario.robot),
+            None => {
+                let problem = format!(
+                    "how far the gripper of {} opens stands in no file of the scenario: give it as YAML, or write a \
+                     robot.yaml beside the URDF",
+                    scenario.robot.name()
+                );
+                return Err(Failure::Flag { flag: "gripper", problem });
+            }
+        };
+        let (name, place) = (scenario.id, Place::Scene(scenario.world));
+        Ok(Self { name, mesh, friction: DEFAULT_FRICTION, place, hand })
+    }
+
+    /// The filter of the hand against the object and what is around it; an object with holes is only a surface.
+    pub fn filter(&self, surface: &Surface, approach_m: f64) -> Result<HandFilter, Failure> {
+        let mut bodies = Vec::new();
+        match &self.place {
+            Place::Scene(world) => {
+                let filter = HandFilter::new(&self.hand, world.clone(), approach_m);
+                return Ok(filter.map_err(ScenarioError::from)?);
+            }
+            Place::Ground { ground_from_object } => {
+                bodies.push(Body::new("floor", ground_from_object.inverse(), Solid::half_space()));
+            }
+            Place::Nowhere => {}
+        }
+        Ok(filter_around_object(&self.hand, &self.mesh, surface, bodies, approach_m)?)
+    }
+
+    pub fn settings(&self, arguments: &SampleArguments) -> SamplerSettings {
+        let mut settings = SamplerSettings {
+            count: arguments.candidates.unwrap_or(10 * arguments.count).max(arguments.count),
+            friction: arguments.friction.unwrap_or(self.friction),
+            opening_m: self.hand.opening_m,
+            approaches: arguments.approaches,
+            depth_m: [arguments.depth[0] / 1000.0, arguments.depth[1] / 1000.0],
+            // What the filter of the hand would refuse anyway, sooner.
+            finger_depth_m: Some(self.hand.finger_depth_m)
+                .filter(|depth_m| !arguments.bare && *depth_m > 0.0),
+            seed: arguments.seed,
+            ..SamplerSettings::default()
+        };
+        if arguments.random_approaches {
+            settings.first_approach = FirstApproach::Random;
+        }
+        if let Place::Ground { ground_from_object } = &self.place {
+            settings.up = ground_from_object.rotation.inverse() * Vector::z();
+            settings.steepest_rise_rad = 0.0;
+            settings.ground_m = Some(-ground_from_object.translation.z);
+        }
+        settings
+    }
+}

@@ -1,0 +1,210 @@
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use cranny_grasp::Hand;
+use cranny_plan::{Segment, robot_hand};
+use cranny_scenario::{OpenOptions, PlanFile, TargetPhysics, read_waypoints};
+use cranny_sim::{
+    ExecutedPlan, PickPath, PlacedError, PlanContact, PlanExecution, PlanRow, Released, SimError,
+    TrackingError,
+};
+use cranny_solve::{TaskTrajectory, Timing};
+
+use crate::arguments::Output;
+use crate::failure::Failure;
+use crate::file_kind::FileKind;
+use crate::number_argument::positive;
+use crate::planning::plan_task::{check_plan, read_plan};
+use crate::planning::task::open_scenario;
+use crate::text::{self, degrees, millimetres};
+use crate::{Answer, number_argument, output_file, physics::recording, progress};
+
+/// What goes before what files say of object and hand.
+#[derive(Clone, Debug, Args)]
+pub struct InsteadArguments {
+    /// Mass of the object (of several steps of each), in kilograms [default: its own]
+    #[arg(long, value_name = "KG", value_parser = positive)]
+    mass: Option<f64>,
+    /// Coefficient of friction between the object and all that touches it [default: its own]
+    #[arg(long, value_name = "MU", value_parser = positive)]
+    friction: Option<f64>,
+    /// With what the fingers press, in newtons [default: the hand's own]
+    #[arg(long, value_name = "N", value_parser = positive)]
+    closing_force: Option<f64>,
+}
+
+impl InsteadArguments {
+    pub fn of_target(&self) -> TargetPhysics {
+        TargetPhysics { mass_kg: self.mass, friction: self.friction }
+    }
+
+    pub fn of_hand(&self, hand: Hand) -> Hand {
+        Hand { closing_force_n: self.closing_force.unwrap_or(hand.closing_force_n), ..hand }
+    }
+}
+
+#[derive(Clone, Debug, Args)]
+#[command(after_help = "Examples:
+  cranny simulate plan 021 021.plan.json
+  cranny simulate plan 035 035.plan.json --record run.glb     or .gif, to be looked at
+  cranny simulate plan 021 021.plan.json --lift 50 --json
+  cranny simulate plan 213 213.plan.json                     of several steps
+
+The arm follows the timed path by servos of 50 Hz within the effort limits of its URDF, under gravity; the object lies
+where it stands. Then the hand closes, and the arm lifts straight up, or follows the rest of a plan that carries the
+object on (`plan --carry`) or puts it down (`plan --place`). Of several steps (`plan --steps`) each begins where the one
+before has left things. The answer is how far the arm was from the plan, what it touched, and what became of the
+object: as for `simulate grasps`, or where the hand let it go, `placed` where it was to be put down or `misplaced`;
+where it was released, where it is in the end, and whether it is in the hand.")]
+pub struct SimulatePlanArguments {
+    /// Built-in scenario, or the folder of one
+    #[arg(value_name = "ID")]
+    pub id: String,
+    /// A plan file (.plan.json) or way points (.csv, .try)
+    #[arg(value_name = "PLAN")]
+    pub plan: PathBuf,
+    /// How far up the object is lifted, in millimetres, where the plan ends at the grasp
+    #[arg(long, value_name = "MM", default_value = "30", value_parser = number_argument::millimetres)]
+    pub lift: f64,
+    #[command(flatten)]
+    pub instead: InsteadArguments,
+    /// Another robot instead of the plan's or the scenario's: a built-in one, the folder of one, or a URDF with limits.yaml
+    /// and robot.yaml beside it
+    #[arg(long, value_name = "FILE")]
+    pub robot: Option<PathBuf>,
+    /// Write what moved where: .glb, .gif, or .json for `cranny render`
+    #[arg(long, value_name = "FILE")]
+    pub record: Option<PathBuf>,
+}
+
+impl SimulatePlanArguments {
+    /// Where a recording goes, if one is wanted and it can go there.
+    pub fn recorded(&self, output: Output) -> Result<Option<(&Path, FileKind)>, Failure> {
+        let Some(file) = self.record.as_deref() else { return Ok(None) };
+        let kind = recording::kind_of(file)?;
+        output_file::check(file, kind, output)?;
+        Ok(Some((file, kind)))
+    }
+}
+
+pub fn run(arguments: &SimulatePlanArguments, output: Output) -> Result<Answer, Failure> {
+    let recorded = arguments.recorded(output)?;
+    let file = &arguments.plan;
+    let plan = read_plan(file)?;
+    let of_plan = || plan.as_ref().and_then(|plan| plan.robot.clone()).map(PathBuf::from);
+    let options = OpenOptions {
+        criterion: plan.as_ref().map(|plan| plan.criterion),
+        robot: arguments.robot.clone().or_else(of_plan),
+        geometry: plan.as_ref().and_then(PlanFile::given_geometry),
+        grasps: plan.as_ref().map(PlanFile::given_grasps).unwrap_or_default(),
+    };
+    let scenario = open_scenario(&arguments.id, &options, output)?;
+    let refused = |problem: String| Failure::File { path: file.clone(), problem };
+    let picks = if let Some(plan) = &plan {
+        check_plan(file, plan, &scenario.robot, &scenario.id, "executed in")?;
+        if plan.waypoints.is_empty() {
+            let ended = plan.outcome.sentence();
+            return Err(refused(format!("the plan has no path, so there is nothing to execute: {ended}")));
+        }
+        scenario.check_task(plan)?;
+        PickPath::all_of(plan, &scenario.problem(plan.margins)?)
+    } else {
+        let reach = Segment::reach(read_waypoints(file, scenario.robot.dof())?, Vec::new());
+        let end = reach.waypoints.last().cloned().unwrap_or_default();
+        let timed = TaskTrajectory::of(Timing::default(), &scenario.robot, None, &[reach])?;
+        timed.map(|timed| vec![PickPath { object: None, timed, end }]).ok_or(SimError::NoTimes)
+    };
+    let picks = picks.map_err(|fault| match fault {
+        SimError::NoTimes => refused(fault.to_string()),
+        fault => fault.into(),
+    })?;
+    let execution = PlanExecution {
+        scenario: &scenario,
+        hand: arguments.instead.of_hand(robot_hand(&scenario.robot)),
+        instead: arguments.instead.of_target(),
+        lift_m: arguments.lift,
+        is_recorded: recorded.is_some(),
+    };
+    let count = picks.len();
+    if let Some(PickPath { object: Some(object), .. }) = execution.massless(&picks)?.filter(|_| count > 1) {
+        return Err(refused(format!(
+            "the mass of '{object}' is not known (write mass_kg in its entry of scenario.yaml, or give --mass)"
+        )));
+    }
+    let bar = progress::bar(count as u64, output.quiet);
+    bar.set_message("picks");
+    let mut runs = execution.run(&picks, || bar.inc(1))?;
+    bar.finish_and_clear();
+    if let Some((file, kind)) = recorded {
+        recording::write(&recording::of_picks(&scenario, &mut runs), file, kind, output)?;
+    }
+    let nothing = || Failure::NoTarget { id: scenario.id.clone() };
+    let executed = ExecutedPlan::of(&scenario.id, count, &runs).ok_or_else(nothing)?;
+    text::answer(&executed, || page(&executed, count), output)?;
+    Ok(if executed.is_as_planned() { Answer::Done } else { Answer::No })
+}
+
+fn page(executed: &ExecutedPlan, count: usize) -> String {
+    let (scenario, steps) = match executed {
+        ExecutedPlan::One { scenario, row } => return page_of(scenario, row),
+        ExecutedPlan::Several { scenario, steps, .. } => (scenario, steps),
+    };
+    let there = steps.iter().filter(|step| step.row.is_as_planned()).count();
+    let mut page = format!("{scenario}: {there} of {count} steps as planned\n");
+    for (index, step) in steps.iter().enumerate() {
+        let _ = write!(page, "step {}, {}", index + 1, page_of(&step.object, &step.row));
+    }
+    if steps.len() < count {
+        let _ = writeln!(page, "what follows was not executed: the object was not let go");
+    }
+    page
+}
+
+/// What came of a plan of this name.
+fn page_of(name: &str, row: &PlanRow) -> String {
+    let off = |error: &TrackingError| {
+        format!("{}, {}", millimetres(error.translation_m), degrees(error.rotation_rad))
+    };
+    let mut page = format!(
+        "{}: {} after a way of {:.1} s{}\n  the hand was off by {} at worst, by {} at the grasp\n",
+        name,
+        row.outcome.name(),
+        row.reach_s,
+        if row.lift_m > 0.0 { format!(" and a lift of {}", millimetres(row.lift_m)) } else { String::new() },
+        off(&row.tracking_on_the_way),
+        off(&row.tracking_at_the_end),
+    );
+    for contact in &row.contacts {
+        let phase = if contact.is_lifting { "after closing" } else { "before closing" };
+        let PlanContact { time_s, link, body, depth_m, .. } = contact;
+        let depth = millimetres(*depth_m);
+        let _ = writeln!(page, "  {phase}: {link} touched {body} at {time_s:.2} s, {depth} deep");
+    }
+    if !row.contacts.iter().any(|contact| !contact.is_lifting) {
+        page.push_str("  nothing was touched before the hand closed\n");
+    }
+    let _ = writeln!(
+        page,
+        "  the object was pushed by {} before, rose by {}, and moved in the hand by {}, {}",
+        millimetres(row.pushed_m),
+        millimetres(row.rose_m),
+        millimetres(row.translation_error_m),
+        degrees(row.rotation_error_rad),
+    );
+    let off = |error: &PlacedError| {
+        format!("{}, {} off", millimetres(error.translation_m), degrees(error.rotation_rad))
+    };
+    if let Some(Released { position_m: [x, y, z], off: at, .. }) = &row.released {
+        let _ = writeln!(page, "  it was released at ({x:.3}, {y:.3}, {z:.3}) m, {}", off(at));
+    }
+    if let Some(placed) = &row.placed {
+        let stands = if placed.is_there { "stands where" } else { "does NOT stand where" };
+        let [x, y, z] = row.position_m;
+        let at = format!("({x:.3}, {y:.3}, {z:.3}) m, {}", off(placed));
+        let _ = writeln!(page, "  in the end it {stands} it was to be put down: it is at {at}");
+    }
+    let is_in = if row.is_in_hand { "is" } else { "is not" };
+    let _ = writeln!(page, "  at the end it {is_in} in the hand");
+    page
+}

@@ -1,0 +1,9 @@
+//! `cranny render` and `cranny view`: pictures and pages.
+
+pub(crate) mod page_task;
+pub(crate) mod render;
+pub(crate) mod render_format;
+pub(crate) mod render_sheet;
+pub(crate) mod robot_picture;
+pub(crate) mod search_replay;
+pub(crate) mod view;

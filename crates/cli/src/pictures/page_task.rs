@@ -1,0 +1,169 @@
+use std::path::{Path, PathBuf};
+
+use cranny_collision::Margins;
+use cranny_plan::{Audit, AuditSettings, Criterion, PlanError, Problem, Registry, audit};
+use cranny_scenario::{
+    Geometry, GivenGrasps, Judgement, OpenOptions, PlanFile, PlanSource, Scenario, ScenarioError,
+    read_waypoints,
+};
+use cranny_solve::{Timing, ik_statuses};
+use cranny_view::{PageCells, PageData, PagePlan, PageSettings};
+
+use crate::arguments::{GeometryArgument, Output};
+use crate::failure::Failure;
+use crate::planning::plan_task::{check_plan, read_plan};
+use crate::planning::task::open_scenario;
+use crate::progress::{self, stop_on_interrupt};
+use crate::{physics::recording, pictures::search_replay, text};
+
+/// What a page is to show.
+pub struct PageRequest<'a> {
+    /// The scenario, or the file of a recording.
+    pub id: &'a str,
+    /// Plan files or way points.
+    pub plans: &'a [PathBuf],
+    pub robot: Option<&'a Path>,
+    pub geometry: Option<GeometryArgument>,
+    /// What bare way points are judged by, if not by the scenario's own criterion.
+    pub criterion: Option<Criterion>,
+    /// Which grasps the path may end at, if not those that the plans name.
+    pub grasps: GivenGrasps,
+    /// The planners by which the searches are run again, if their trees are to be shown.
+    pub search_trees: Option<&'a Registry>,
+}
+
+/// A page, and what postures are judged in where it has a robot.
+pub struct PageTask {
+    pub page: PageData,
+    pub cells: Option<PageCells>,
+}
+
+impl PageTask {
+    pub fn open(request: &PageRequest, output: Output) -> Result<Self, Failure> {
+        if let Some(file) = recording::file_of(request.id) {
+            let recording = recording::read(
+                file,
+                &[
+                    ("--robot", request.robot.is_some()),
+                    ("--geometry", request.geometry.is_some()),
+                    ("--search-tree", request.search_trees.is_some()),
+                    ("the plan", !request.plans.is_empty()),
+                ],
+            )?;
+            return Ok(Self { page: PageData::of_recording(&recording), cells: None });
+        }
+        let files =
+            request.plans.iter().map(|file| read_plan(file)).collect::<Result<Vec<_>, ScenarioError>>()?;
+        let read = || files.iter().flatten();
+        let robot_of = |plan: &PlanFile| plan.robot.clone().map(PathBuf::from);
+        let options = OpenOptions {
+            criterion: request.criterion,
+            robot: request.robot.map(Path::to_owned).or_else(|| read().find_map(robot_of)),
+            geometry: request
+                .geometry
+                .map(Geometry::from)
+                .or_else(|| read().find_map(PlanFile::given_geometry)),
+            grasps: read().map(PlanFile::given_grasps).fold(request.grasps.clone(), GivenGrasps::or),
+        };
+        let OpenOptions { robot, geometry, grasps, .. } = options.clone();
+        let mut source = PlanSource { robot, geometry, grasps, ..PlanSource::default() };
+        let mut tasks = Tasks { id: request.id, options, opened: Vec::new(), problems: Vec::new(), output };
+        let own = tasks.open(None)?;
+        let shown = tasks.open(Some(Criterion::Exact))?;
+        source.scenario.clone_from(&shown.id);
+        let exact = tasks.problem(Criterion::Exact, Margins::default(), None)?;
+        let cell = exact.cell().ok_or(PlanError::Annotation)?;
+        let trees = match request.search_trees {
+            Some(registry) => Some((registry, stop_on_interrupt()?)),
+            None => None,
+        };
+        let mut plans = Vec::new();
+        for (file, read) in request.plans.iter().zip(&files) {
+            let name = file.file_name().unwrap_or(file.as_os_str()).to_string_lossy().into_owned();
+            let robot = &shown.robot;
+            let Some(plan) = read else {
+                let waypoints = read_waypoints(file, robot.dof())?;
+                let problem = tasks.problem(own.criterion, Margins::default(), None)?;
+                let trajectory = Timing::default().along(robot, None, &waypoints)?;
+                let verification = Some(audit(&problem, &waypoints)?);
+                let path =
+                    PagePlan::of_waypoints(name, &waypoints, robot, trajectory.as_ref(), verification)?;
+                plans.push(path);
+                continue;
+            };
+            check_plan(file, plan, &shown.robot, &shown.id, "shown in")?;
+            let problem = tasks.problem(plan.criterion, plan.margins, plan.goal_threshold)?;
+            let timed = plan.trajectory(robot, problem.cell().map(AsRef::as_ref))?;
+            let task = shown.source_of(plan, &PlanSource { margins: plan.margins, ..source.clone() });
+            let verification = verdict(file, plan.judge(&task, &problem, AuditSettings::default())?)?;
+            let along = if plan.task.len() > 1 { plan.states(&problem)? } else { None };
+            let states = along.map_or_else(Vec::new, |along| along.states);
+            let mut shown_plan = PagePlan::of_file(name, plan, robot, timed.as_ref(), verification, states)?;
+            if let Some((registry, stop)) = &trees {
+                let tree = search_replay::replay(file, plan, &problem, registry, stop, output)?;
+                shown_plan.search_tree = Some(tree);
+            }
+            plans.push(shown_plan);
+        }
+        let spinner = progress::spinner("measuring clearance and inverse kinematics", output.quiet);
+        let statuses = ik_statuses(&exact, &shown.ik)?;
+        let page = PageData::of(&shown, &plans, cell, &statuses, PageSettings::default())?;
+        spinner.finish_and_clear();
+        Ok(Self { page, cells: Some(PageCells::of(cell.clone(), &plans)) })
+    }
+}
+
+/// The verdict on a plan; the user is warned of what its file states otherwise than it was measured.
+fn verdict(file: &Path, judgement: Option<Judgement>) -> Result<Option<Audit>, Failure> {
+    for statement in judgement.iter().flat_map(|judgement| &judgement.differs) {
+        text::note(&format!("{}: {statement}", file.display()))?;
+    }
+    Ok(judgement.map(|judgement| judgement.audit))
+}
+
+/// The scenario and its problems, each made once.
+struct Tasks<'a> {
+    id: &'a str,
+    options: OpenOptions,
+    opened: Vec<Scenario>,
+    problems: Vec<((Criterion, Margins), Problem)>,
+    output: Output,
+}
+
+impl Tasks<'_> {
+    /// The scenario under a criterion; the first one that was opened, if that is its own.
+    fn open(&mut self, criterion: Option<Criterion>) -> Result<Scenario, Failure> {
+        let is_it = |scenario: &&Scenario| criterion.is_none_or(|criterion| scenario.criterion == criterion);
+        if let Some(known) = self.opened.iter().find(is_it) {
+            return Ok(known.clone());
+        }
+        let options = OpenOptions { criterion, ..self.options.clone() };
+        // What is to be said of a scenario is said once.
+        let scenario = match self.opened.first() {
+            Some(_) => Scenario::open(self.id, &options)?,
+            None => open_scenario(self.id, &options, self.output)?,
+        };
+        self.opened.push(scenario.clone());
+        Ok(scenario)
+    }
+
+    fn problem(
+        &mut self,
+        criterion: Criterion,
+        margins: Margins,
+        goal_threshold: Option<f64>,
+    ) -> Result<Problem, Failure> {
+        let known = self.problems.iter().find(|(key, _)| *key == (criterion, margins));
+        let mut problem = if let Some((_, problem)) = known {
+            problem.clone()
+        } else {
+            let problem = self.open(Some(criterion))?.problem(margins)?;
+            self.problems.push(((criterion, margins), problem.clone()));
+            problem
+        };
+        if let Some(threshold) = goal_threshold {
+            problem = problem.with_goal_threshold(threshold);
+        }
+        Ok(problem)
+    }
+}

@@ -1,0 +1,448 @@
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use cranny_plan::{Problem, Registry};
+use cranny_scenario::{GivenGrasps, OpenOptions, PlanFile, Scenario, read_waypoints};
+use cranny_solve::Timing;
+use cranny_view::{
+    Animation, Camera, PageServer, Picture, PictureSettings, Scene, SceneSettings, SeeThrough, ShownPath,
+    StandardView,
+};
+use serde::Serialize;
+use strum::VariantArray as _;
+
+use crate::Answer;
+use crate::arguments::{GeometryArgument, Output};
+use crate::failure::Failure;
+use crate::file_kind::FileKind;
+use crate::output_file::{self, NamedFile};
+use crate::physics::recording;
+use crate::pictures::page_task::{PageRequest, PageTask};
+use crate::pictures::render_format::Format;
+use crate::planning::plan_task::{check_plan, read_plan};
+use crate::planning::task::open_scenario;
+use crate::{progress, text};
+
+#[derive(Clone, Debug, Args)]
+#[command(after_help = "Examples:
+  cranny render 021 -o 021.png                               the scenario, the robot at its start
+  cranny render 021 021.plan.json -o 021.png                 the end of a plan, with the way to it
+  cranny render 021 021.plan.json --view all -o views.png    from four sides
+  cranny render 021 021.plan.json -o 021.gif                 a moving picture, also .apng
+  cranny render 021 021.plan.json -o frames/                 its pictures one by one
+  cranny render 021 021.plan.json -o 021.glb                 animated glTF, for three.js or Blender
+  cranny render 021 021.plan.json -o 021.html                what `cranny view` shows, in one file to send
+  cranny render --all -o sheet.png                           all built-in scenarios on one sheet
+  cranny render run.json -o run.gif                          a recording of `cranny simulate … --record`
+
+What is written is said by the ending of FILE. No graphics card is needed, and the same command writes
+the same bytes on any machine.")]
+pub struct RenderArguments {
+    /// Built-in scenario, or the folder of one; or a recording (.json)
+    #[arg(value_name = "ID|RECORDING", required_unless_present = "all")]
+    pub id: Option<String>,
+    /// A plan file (.plan.json) or way points (.csv, .try), for .html several; with --all a folder of plan files
+    /// ID.plan.json
+    #[arg(value_name = "PLAN")]
+    pub plans: Vec<PathBuf>,
+    /// Where to write, and what: .png, .gif, .apng, .glb, .html, or a folder (with a / at its end) for single
+    /// pictures
+    #[arg(long, short, value_name = "FILE")]
+    pub output: PathBuf,
+    /// A sheet of all built-in scenarios
+    #[arg(long)]
+    pub all: bool,
+    /// Points across and down, 16 to 8192 each, for each of --all up to 2048
+    /// [default: 1280x960; 640x480 for moving pictures, 400x300 for each of --all]
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub size: Option<(usize, usize)>,
+    /// From where
+    #[arg(long, value_enum, default_value_t = ViewArgument::ThreeQuarter)]
+    pub view: ViewArgument,
+    /// From where instead: degrees turned to the left from straight ahead, and above the ground
+    #[arg(long, value_name = "TURN,RISE", value_parser = direction, conflicts_with = "view",
+          allow_hyphen_values = true)]
+    pub camera: Option<(f64, f64)>,
+    /// Translucent poses along the way, at most 100 [default: 3; 0 for moving pictures]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(..=MOST_GHOSTS),
+          allow_negative_numbers = true)]
+    pub ghosts: Option<u8>,
+    /// Grasps shown beside the one that was taken, spread over the scores
+    #[arg(long, value_name = "N", default_value_t = SceneSettings::default().grasps)]
+    pub grasps: usize,
+    /// Show the robot at so many seconds of a plan's motion instead of its end, in a .png
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
+    pub time: Option<f64>,
+    /// Pictures a second of a moving picture, 1 to 50
+    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u16).range(1..=50))]
+    pub rate: u16,
+    /// Samples a point against jagged edges
+    #[arg(long, value_name = "N", default_value = "4", value_parser = ["1", "4", "8"])]
+    pub samples: String,
+    /// Run each plan's search again, as its file says, and show its trees in .html
+    #[arg(long)]
+    pub search_tree: bool,
+    /// Leave obstacles solid that hide the robot or the target
+    #[arg(long)]
+    pub solid: bool,
+    /// Another robot's URDF instead of the scenario's
+    #[arg(long, value_name = "FILE")]
+    pub robot: Option<PathBuf>,
+    /// Obstacles of a released scenario: the true boxes, or the inflated mesh its planners used
+    #[arg(long, value_enum)]
+    pub geometry: Option<GeometryArgument>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ViewArgument {
+    /// From the right, somewhat ahead and above
+    ThreeQuarter,
+    /// From behind the robot: what it sees
+    Front,
+    /// From the right of the robot, level
+    Side,
+    /// From above, ahead is up
+    Top,
+    /// All four in one picture
+    All,
+}
+
+impl ViewArgument {
+    pub fn views(self) -> Vec<StandardView> {
+        match self {
+            Self::ThreeQuarter => vec![StandardView::ThreeQuarter],
+            Self::Front => vec![StandardView::Front],
+            Self::Side => vec![StandardView::Side],
+            Self::Top => vec![StandardView::Top],
+            Self::All => StandardView::VARIANTS.to_vec(),
+        }
+    }
+}
+
+/// What is printed with `--json`.
+#[derive(Default, Serialize)]
+pub struct Rendered {
+    pub files: Vec<PathBuf>,
+    pub pictures: usize,
+    pub width: usize,
+    pub height: usize,
+    pub triangles: usize,
+    /// Obstacles that the pictures show as glass, because they hide what matters.
+    pub seen_through: Vec<String>,
+}
+
+/// Instants a second of an animated glTF, which interpolates between them.
+pub const GLTF_RATE_HZ: f64 = 30.0;
+
+/// More poses than this hide the way that they show.
+const MOST_GHOSTS: i64 = 100;
+
+/// Pictures of the longest motion that is drawn: some minutes at the highest rate.
+const MOST_PICTURES: usize = 10_000;
+
+/// Points of all pictures of a motion in one file, which are held in memory: 1.5 GB.
+const MOST_MOVING_POINTS: usize = 500_000_000;
+
+pub fn run(arguments: &RenderArguments, registry: &Registry, output: Output) -> Result<Answer, Failure> {
+    let format = Format::of(&arguments.output)?;
+    // So that nobody waits for a picture that cannot be written; places in a folder are looked at when their
+    // names are known.
+    if let Some(kind) = format.kind() {
+        output_file::check(&arguments.output, kind, output)?;
+    }
+    let rendered = match (&arguments.id, format) {
+        (Some(_), _) if arguments.search_tree && format != Format::Html => {
+            return Err(flag("search-tree", "trees are shown in a page: give -o a name that ends in .html"));
+        }
+        (Some(_), _) if arguments.plans.len() > 1 && format != Format::Html => {
+            return Err(flag("output", "several plans are shown in a page: give a name that ends in .html"));
+        }
+        (Some(_), _) if arguments.time.is_some() && format != Format::Png => {
+            return Err(flag(
+                "time",
+                "one moment is shown in a still picture: give -o a name that ends in .png",
+            ));
+        }
+        (Some(id), _) => one(id, arguments, format, registry, output)?,
+        (None, _) => return Err(flag("all", "give the ID of a scenario, or --all")),
+    };
+    rendered.answer(output)
+}
+
+impl Rendered {
+    /// Prints what was written.
+    pub fn answer(&self, output: Output) -> Result<Answer, Failure> {
+        text::answer(self, || self.page(), output)?;
+        Ok(Answer::Done)
+    }
+
+    fn page(&self) -> String {
+        let mut page = String::new();
+        for file in &self.files {
+            let _ = writeln!(page, "{}", file.display());
+        }
+        if !self.seen_through.is_empty() {
+            let names = self.seen_through.join(", ");
+            let _ = writeln!(
+                page,
+                "  seen through, because they hide robot, way or target: {names} (--solid: nothing)"
+            );
+        }
+        page
+    }
+}
+
+fn one(
+    id: &str,
+    arguments: &RenderArguments,
+    format: Format,
+    registry: &Registry,
+    output: Output,
+) -> Result<Rendered, Failure> {
+    let is_moving = format.is_moving();
+    let rate_hz = if is_moving { f64::from(arguments.rate) } else { GLTF_RATE_HZ };
+    let plan = arguments.plans.first().map(PathBuf::as_path);
+    let scene = match recording::file_of(id) {
+        Some(file) => recorded(file, arguments, is_moving.then_some(rate_hz))?,
+        None => scene(id, plan, arguments, rate_hz, output)?,
+    };
+    let (width, height) = arguments.size.unwrap_or(if is_moving { (640, 480) } else { (1280, 960) });
+    let settings = settings(&scene, arguments, (width, height), if is_moving { 0 } else { 3 })?;
+    let seen_through = scene.seen_through(&arguments.view.views(), &settings);
+    let mut rendered = Rendered { triangles: scene.triangle_count(), seen_through, ..Rendered::default() };
+    let file = &arguments.output;
+    match format {
+        Format::Glb => {
+            scene.write_glb(file)?;
+            rendered.seen_through.clear();
+            rendered.files.push(file.clone());
+        }
+        Format::Png => {
+            let picture = views(&scene, arguments, &settings)?;
+            picture.write_png(file)?;
+            rendered = Rendered { pictures: 1, width: picture.width(), height: picture.height(), ..rendered };
+            rendered.files.push(file.clone());
+        }
+        Format::Gif | Format::Apng | Format::Folder => {
+            let count = moving(&scene, arguments, format, &settings, output)?;
+            rendered = Rendered { pictures: count, width, height, ..rendered };
+            rendered.files.push(file.clone());
+        }
+        Format::Html => return page(id, arguments, registry, output),
+    }
+    Ok(rendered)
+}
+
+/// The viewer's page with all its data, in one file.
+fn page(
+    id: &str,
+    arguments: &RenderArguments,
+    registry: &Registry,
+    output: Output,
+) -> Result<Rendered, Failure> {
+    // Better now than after a search.
+    PageServer::check_page()?;
+    let request = PageRequest {
+        id,
+        plans: &arguments.plans,
+        robot: arguments.robot.as_deref(),
+        geometry: arguments.geometry,
+        criterion: None,
+        grasps: GivenGrasps::Own,
+        search_trees: arguments.search_tree.then_some(registry),
+    };
+    PageTask::open(&request, output)?.page.write_html(&arguments.output)?;
+    Ok(Rendered { files: vec![arguments.output.clone()], ..Rendered::default() })
+}
+
+/// One view, or four of half the size.
+fn views(scene: &Scene, arguments: &RenderArguments, settings: &PictureSettings) -> Result<Picture, Failure> {
+    let views = arguments.view.views();
+    if let [view] = views[..] {
+        return Ok(Picture::of(scene, view, settings)?);
+    }
+    let quarter =
+        PictureSettings { width: settings.width / 2, height: settings.height / 2, ..settings.clone() };
+    let draw = |view: StandardView| Ok((String::new(), Picture::of(scene, view, &quarter)?));
+    let pictures = views.into_iter().map(draw).collect::<Result<Vec<_>, Failure>>()?;
+    Ok(Picture::sheet(&pictures, 2))
+}
+
+/// Draws the motion and returns of how many pictures.
+fn moving(
+    scene: &Scene,
+    arguments: &RenderArguments,
+    format: Format,
+    settings: &PictureSettings,
+    output: Output,
+) -> Result<usize, Failure> {
+    let [view] = arguments.view.views()[..] else {
+        return Err(flag("view", "a moving picture has one view; 'all' is for .png"));
+    };
+    let Some(last) = scene.last_frame() else {
+        return Err(flag("output", "nothing moves without a plan: name a plan file, or write .png or .glb"));
+    };
+    let frames: Vec<usize> = (0..=last).collect();
+    check_length(frames.len(), format, settings)?;
+    let bar = progress::bar(frames.len() as u64, output.quiet);
+    bar.set_message("pictures");
+    let file = &arguments.output;
+    if format == Format::Folder {
+        let pictures = Animation::draw(scene, view, settings, &frames, |place, picture| {
+            bar.inc(1);
+            let name = format!("{place:04}.png");
+            let content = picture.png(&file.join(&name))?;
+            Ok(NamedFile { name, kind: FileKind::Png, content })
+        })?;
+        output_file::write_all(file, &pictures, output)?;
+    } else {
+        let pictures = Animation::draw(scene, view, settings, &frames, |_, picture| {
+            bar.inc(1);
+            Ok(picture)
+        })?;
+        let animation = Animation { pictures, rate_hz: arguments.rate };
+        if format == Format::Gif { animation.write_gif(file) } else { animation.write_apng(file) }?;
+    }
+    bar.finish_and_clear();
+    Ok(frames.len())
+}
+
+/// What is seen of a recording, with as many instants a second as pictures.
+fn recorded(file: &Path, arguments: &RenderArguments, rate_hz: Option<f64>) -> Result<Scene, Failure> {
+    let recording = recording::read(
+        file,
+        &[
+            ("--robot", arguments.robot.is_some()),
+            ("--geometry", arguments.geometry.is_some()),
+            ("the plan", !arguments.plans.is_empty()),
+        ],
+    )?;
+    let recording = rate_hz.map_or_else(|| recording.clone(), |rate_hz| recording.thinned(rate_hz));
+    Ok(Scene::of_moving_bodies(&recording))
+}
+
+pub fn scene(
+    id: &str,
+    plan: Option<&Path>,
+    arguments: &RenderArguments,
+    rate_hz: f64,
+    output: Output,
+) -> Result<Scene, Failure> {
+    let read = plan.map(read_plan).transpose()?.flatten();
+    let of_plan = |file: fn(&PlanFile) -> &Option<String>| {
+        read.as_ref().and_then(|plan| file(plan).as_ref()).map(PathBuf::from)
+    };
+    let options = OpenOptions {
+        criterion: None,
+        robot: arguments.robot.clone().or(of_plan(|plan| &plan.robot)),
+        geometry: arguments.geometry.map(Into::into).or(read.as_ref().and_then(PlanFile::given_geometry)),
+        grasps: read.as_ref().map(PlanFile::given_grasps).unwrap_or_default(),
+    };
+    let scenario = open_scenario(id, &options, output)?;
+    let path = match (read, plan) {
+        (Some(plan), Some(file)) => {
+            check_plan(file, &plan, &scenario.robot, &scenario.id, "shown in")?;
+            scenario.check_task(&plan)?;
+            // Time alone needs no cell, but where corners are to be cut.
+            let planned = Scenario { criterion: plan.criterion, ..scenario.clone() };
+            let problem = plan.is_blended().then(|| planned.problem(plan.margins)).transpose()?;
+            let cell = problem.as_ref().and_then(Problem::cell).map(AsRef::as_ref);
+            let timed = plan.trajectory(&scenario.robot, cell)?;
+            ShownPath::of_plan(&scenario.robot, &plan, timed.as_ref(), rate_hz)?
+        }
+        (None, Some(file)) => {
+            let waypoints = read_waypoints(file, scenario.robot.dof())?;
+            let trajectory = Timing::default().along(&scenario.robot, None, &waypoints)?;
+            ShownPath::of(&scenario.robot, &waypoints, trajectory.as_ref(), rate_hz)?
+        }
+        (_, None) => None,
+    };
+    Ok(Scene::of_task(&scenario, path.as_ref(), &SceneSettings { grasps: arguments.grasps })?)
+}
+
+pub fn settings(
+    scene: &Scene,
+    arguments: &RenderArguments,
+    (width, height): (usize, usize),
+    ghosts: usize,
+) -> Result<PictureSettings, Failure> {
+    let aspect = width as f64 / height.max(1) as f64;
+    let camera: Option<Camera> = arguments.camera.map(|direction| scene.camera_from(direction, aspect));
+    let frame = arguments.time.map(|time_s| frame_at(scene, time_s)).transpose()?;
+    Ok(PictureSettings {
+        width,
+        height,
+        samples: arguments.samples.parse().unwrap_or(4),
+        frame,
+        ghosts: arguments.ghosts.map_or(ghosts, usize::from),
+        camera,
+        see_through: if arguments.solid { SeeThrough::Nothing } else { SeeThrough::WhatHides },
+    })
+}
+
+/// The first instant of the motion that is not before a time.
+fn frame_at(scene: &Scene, time_s: f64) -> Result<usize, Failure> {
+    /// Durations are printed in whole milliseconds, and so may be asked for.
+    const ROUNDED_S: f64 = 0.0005;
+    let name = &scene.name;
+    let times_s = scene.motion.as_ref().map_or(&[][..], |motion| &motion.times_s);
+    let Some(&last_s) = times_s.last() else {
+        let problem = format!("nothing moves in {name} without the path of a plan: name its file");
+        return Err(Failure::Flag { flag: "time", problem });
+    };
+    if time_s > last_s + ROUNDED_S {
+        let problem = format!("{time_s} s is after the end of the motion in {name}; give 0 to {last_s:.3}");
+        return Err(Failure::Flag { flag: "time", problem });
+    }
+    Ok(times_s.partition_point(|&instant| instant < time_s).min(times_s.len() - 1))
+}
+
+/// Refuses a motion of more pictures than can be drawn, or held until they are written.
+fn check_length(count: usize, format: Format, settings: &PictureSettings) -> Result<(), Failure> {
+    let points = count.saturating_mul(settings.width * settings.height);
+    if count > MOST_PICTURES {
+        let problem =
+            format!("the motion has {count} pictures, but at most {MOST_PICTURES} are drawn: lower it");
+        return Err(Failure::Flag { flag: "rate", problem });
+    }
+    if format != Format::Folder && points > MOST_MOVING_POINTS {
+        let problem = format!(
+            "{count} pictures of {} × {} points are too large for one file, which holds {MOST_MOVING_POINTS} points \
+             at most: lower it or --rate, or write a folder",
+            settings.width, settings.height
+        );
+        return Err(Failure::Flag { flag: "size", problem });
+    }
+    Ok(())
+}
+
+pub fn flag(flag: &'static str, problem: &str) -> Failure {
+    Failure::Flag { flag, problem: problem.to_owned() }
+}
+
+fn size(text: &str) -> Result<(usize, usize), String> {
+    let numbers = text.split_once(['x', '×']).and_then(|(w, h)| w.parse().ok().zip(h.parse().ok()));
+    let (width, height) = numbers.ok_or_else(|| format!("'{text}' is no size; write it as 1280x960"))?;
+    let sides = Picture::SIDES;
+    if sides.contains(&width) && sides.contains(&height) {
+        return Ok((width, height));
+    }
+    Err(format!("each side of a picture is {} to {} points long", sides.start(), sides.end()))
+}
+
+fn direction(text: &str) -> Result<(f64, f64), String> {
+    let numbers = text.split_once(',').and_then(|(turn, rise)| {
+        let turn: Option<f64> = turn.trim().parse().ok();
+        turn.zip(rise.trim().parse().ok())
+    });
+    let is_direction = |(turn, rise): &(f64, f64)| turn.abs() <= 360.0 && (-90.0..=90.0).contains(rise);
+    numbers
+        .filter(is_direction)
+        .ok_or_else(|| format!("'{text}' is no direction; write two numbers of degrees, such as -75,22"))
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    let seconds: Option<f64> = text.parse().ok();
+    seconds.filter(|s| *s >= 0.0).ok_or_else(|| format!("'{text}' is no number of seconds"))
+}

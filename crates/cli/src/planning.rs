@@ -1,0 +1,9 @@
+//! `cranny plan`, `verify`, `ik` and `roadmap`.
+
+pub(crate) mod ik;
+pub(crate) mod plan;
+pub(crate) mod plan_page;
+pub(crate) mod plan_task;
+pub(crate) mod roadmap;
+pub(crate) mod task;
+pub(crate) mod verify;

@@ -1,0 +1,157 @@
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use cranny_file::counted;
+use cranny_plan::Registry;
+use cranny_scenario::{
+    Ask, CarryWord, PlanFile, PlanSource, STEPS, TaskWord, read_waypoints, write_trajectory_csv,
+};
+use cranny_solve::solve;
+
+use crate::Answer;
+use crate::arguments::{Output, PlanArguments};
+use crate::failure::Failure;
+use crate::file_kind::FileKind;
+use crate::output_file;
+use crate::planning::ik;
+use crate::planning::plan_page::{self, Answered};
+use crate::planning::plan_task::PlanTask;
+use crate::planning::task::Demand;
+use crate::progress::{SearchProgress, stop_on_interrupt};
+use crate::start;
+use crate::text;
+
+pub fn run(arguments: &PlanArguments, registry: &Registry, output: Output) -> Result<Answer, Failure> {
+    let begin = Instant::now();
+    let demand = Demand { robust: arguments.robust, ..Demand::default() };
+    let PlanTask { source, grasps, problem, deviations, scenario } =
+        PlanTask::open(&arguments.task, &arguments.moveit, demand, output)?;
+    let preparation_time_s = begin.elapsed().as_secs_f64();
+    let ask = Ask { registry: registry.clone(), ..ask(arguments, problem.robot().dof())? };
+    let (request, task) = ask.request(&problem, scenario.as_ref())?;
+    let source = PlanSource { task, ..source };
+    // Better now than after the search.
+    let file = destination(arguments, &source.scenario, output)?;
+
+    let mut progress = SearchProgress::new(output.quiet, stop_on_interrupt()?);
+    let answer = solve(&problem, &request, &mut progress)?;
+    progress.finish();
+
+    let plan = PlanFile::of(&answer, &source);
+    let solved = answer.is_solved();
+    let trajectory_file = match (&answer.timed, arguments.rate) {
+        (Some(timed), Some(rate_hz)) => {
+            let beside = trajectory_file(&file);
+            output_file::check(&beside, FileKind::Trajectory, output)?;
+            write_trajectory_csv(&beside, &timed.trajectory, rate_hz)?;
+            Some(beside)
+        }
+        _ => None,
+    };
+    // A failed search is worth a look too, but never in the place of a plan that nobody named.
+    let is_written = solved || arguments.output.is_some();
+    if is_written {
+        output_file::check(&file, FileKind::Plan, output)?;
+        plan.write(&file)?;
+    }
+    let answered = Answered {
+        planning_time_s: answer.statistics.planning_time_s,
+        shortcut_time_s: answer.shortening.map(|shortening| shortening.time_s),
+        preparation_time_s,
+        iterations: answer.statistics.iterations,
+        valid: answer.is_valid(),
+        start_faults: start::faults(&problem),
+        deviations,
+        plan_file: is_written.then_some(file.as_path()),
+        duration_s: answer.timed.as_ref().map(|timed| timed.trajectory.duration_s()),
+        timing_time_s: answer.timed.as_ref().map(|timed| timed.time_s),
+        trajectory_file: trajectory_file.as_deref(),
+        clearance_limit: answer.audit.as_ref().and_then(|audit| audit.clearance_limit.as_ref()),
+        untimed: answer.untimed.clone(),
+        plan: &plan,
+    };
+    if !solved && !output.quiet {
+        ik::filled_hand(&problem)?;
+    }
+    text::answer(&answered, || plan_page::page(&answered, &grasps), output)?;
+    Ok(if solved { Answer::Done } else { Answer::No })
+}
+
+/// Where `--carry` leads.
+fn carry(given: &str, joints: usize) -> Result<CarryWord, Failure> {
+    match given {
+        "home" => return Ok(CarryWord::Home),
+        "out" => return Ok(CarryWord::Out),
+        _ => {}
+    }
+    let values: Option<Vec<f64>> = given.split(',').map(|value| value.trim().parse().ok()).collect();
+    let ends = match values {
+        Some(values) if values.len() == joints => vec![values],
+        Some(values) => {
+            let problem =
+                format!("{}, but the robot has {}", counted(values.len(), "value"), counted(joints, "joint"));
+            return Err(Failure::Flag { flag: "carry", problem });
+        }
+        None if !Path::new(given).exists() => {
+            let problem = format!(
+                "'{given}' is neither `home` nor `out`, nor {} with commas, nor a file",
+                counted(joints, "value")
+            );
+            return Err(Failure::Flag { flag: "carry", problem });
+        }
+        None => read_waypoints(Path::new(given), joints)?,
+    };
+    Ok(CarryWord::Configurations(ends))
+}
+
+/// What the flags ask for, of a robot with so many joints.
+fn ask(arguments: &PlanArguments, joints: usize) -> Result<Ask, Failure> {
+    Ok(Ask {
+        planner: arguments.planner.clone(),
+        settings: arguments.set.iter().cloned().collect(),
+        seed: arguments.seed,
+        time_limit: arguments.time_limit,
+        iterations: arguments.iterations,
+        score: arguments.score.into(),
+        min_score: arguments.min_score,
+        goal_threshold: arguments.goal_threshold,
+        keep_path: arguments.no_shortcut,
+        optimise: arguments.optimise,
+        cost: arguments.cost.into(),
+        score_weight: arguments.score_weight,
+        jerk_limited: arguments.jerk_limited,
+        blend: arguments.blend,
+        is_timing_demanded: arguments.rate.is_some(),
+        carry: arguments.carry.as_deref().map(|given| carry(given, joints)).transpose()?,
+        place: arguments.place.clone(),
+        task: {
+            let steps = arguments.steps.then(|| STEPS.to_owned());
+            steps.or_else(|| arguments.named_task.clone()).map(TaskWord::Named)
+        },
+        then: arguments.then.map(Into::into),
+        clear_m: arguments.clear.map(|clear_mm| clear_mm / 1e3),
+        robust: arguments.robust,
+        ..Ask::default()
+    })
+}
+
+fn destination(arguments: &PlanArguments, id: &str, output: Output) -> Result<PathBuf, Failure> {
+    let file = arguments.output.clone().unwrap_or_else(|| PathBuf::from(format!("{id}.plan.json")));
+    output_file::check(&file, FileKind::Plan, output)?;
+    if file.extension().is_none_or(|extension| extension != "json") {
+        let problem = "a plan file ends in .json, by which `verify` and the others know it".to_owned();
+        return Err(Failure::File { path: file, problem });
+    }
+    if arguments.rate.is_some() {
+        output_file::check(&trajectory_file(&file), FileKind::Trajectory, output)?;
+    }
+    Ok(file)
+}
+
+/// Where the samples of a plan go: `021.plan.json` → `021.trajectory.csv`.
+fn trajectory_file(plan_file: &Path) -> PathBuf {
+    let name = plan_file.file_name().unwrap_or_default().to_string_lossy();
+    let stem = name.strip_suffix(".json").unwrap_or(&name);
+    let stem = stem.strip_suffix(".plan").unwrap_or(stem);
+    plan_file.with_file_name(format!("{stem}.trajectory.csv"))
+}

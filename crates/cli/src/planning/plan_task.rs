@@ -1,0 +1,96 @@
+use std::path::{Path, PathBuf};
+
+use cranny_collision::Margins;
+use cranny_grasp::GraspSet;
+use cranny_plan::Problem;
+use cranny_robot::Robot;
+use cranny_scenario::{
+    MoveItOptions, MoveItProblem, PlanFile, PlanSource, Scenario, ScenarioError, brief_model_notes,
+};
+
+use crate::arguments::{Output, TaskArguments};
+use crate::failure::Failure;
+use crate::planning::task::{Demand, Task, note_all};
+use crate::text;
+
+/// What is planned or judged: a scenario, or a problem in other people's files.
+pub struct PlanTask {
+    pub source: PlanSource,
+    /// What can be grasped; nothing where the goal is a configuration.
+    pub grasps: GraspSet,
+    pub problem: Problem,
+    /// Points at which the problem differs from its files, in sentences.
+    pub deviations: Vec<String>,
+    /// The scenario; none for a problem in other people's files.
+    pub scenario: Option<Scenario>,
+}
+
+/// The plan of a file; `None` for a file of bare way points.
+pub fn read_plan(file: &Path) -> Result<Option<PlanFile>, ScenarioError> {
+    let is_plan = file.extension().is_some_and(|extension| extension == "json");
+    is_plan.then(|| PlanFile::read(file)).transpose()
+}
+
+impl PlanTask {
+    /// What the flags say, `moveit` being a scene and a request or nothing; where they are silent what is demanded
+    /// otherwise.
+    pub fn open(
+        arguments: &TaskArguments,
+        moveit: &[PathBuf],
+        otherwise: Demand,
+        output: Output,
+    ) -> Result<Self, Failure> {
+        if let [scene, request] = moveit {
+            return Self::open_moveit([scene, request], arguments, otherwise.margins, output);
+        }
+        let Task { scenario, problem, source } = Task::open(arguments, otherwise, output)?;
+        let (grasps, scenario) = (scenario.grasps.clone(), Some(scenario));
+        Ok(Self { source, grasps, problem, deviations: Vec::new(), scenario })
+    }
+
+    fn open_moveit(
+        [scene, request]: [&PathBuf; 2],
+        arguments: &TaskArguments,
+        margins: Margins,
+        output: Output,
+    ) -> Result<Self, Failure> {
+        let options = MoveItOptions { robot: arguments.robot.clone(), ..MoveItOptions::default() };
+        let opened = MoveItProblem::open(scene, request, &options)?;
+        // They stand in the answer too; one for a person has them alone.
+        let deviations: Vec<String> = opened.deviations.iter().map(ToString::to_string).collect();
+        if output.json {
+            note_all(&deviations, output)?;
+        }
+        note_all(&brief_model_notes(&opened.robot, &opened.world), output)?;
+        let margins = Margins { grasp_margin_m: 0.0, ..arguments.margins.or(margins) };
+        let mut problem = opened.problem(margins)?;
+        if arguments.strict_pairs {
+            problem = problem.checking_all_pairs();
+        }
+        let source = PlanSource {
+            scenario: opened.id,
+            robot: arguments.robot.clone(),
+            margins,
+            ..PlanSource::default()
+        };
+        Ok(Self { source, grasps: GraspSet::default(), problem, deviations, scenario: None })
+    }
+}
+
+/// Refuses a plan of a robot with other joints, and says if it is of another scenario than the one that it is now
+/// "judged against" or "shown in".
+pub fn check_plan(
+    file: &Path,
+    plan: &PlanFile,
+    robot: &Robot,
+    scenario: &str,
+    used: &str,
+) -> Result<(), Failure> {
+    plan.check_joints(file, robot)?;
+    let planned = &plan.scenario;
+    if planned == scenario {
+        return Ok(());
+    }
+    let file = file.display();
+    text::note(&format!("{file}: the plan was made for scenario '{planned}', and is {used} '{scenario}'"))
+}

@@ -1,0 +1,10 @@
+//! Bodies: links of the robot, parts of the world, an object in the hand.
+
+pub(crate) mod cell_parts;
+pub(crate) mod extent;
+pub(crate) mod held_body;
+pub(crate) mod link_balls;
+pub(crate) mod link_body;
+pub(crate) mod part_tree;
+pub(crate) mod robot_body;
+pub(crate) mod world;

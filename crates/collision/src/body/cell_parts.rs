@@ -1,0 +1,100 @@
+use std::sync::Arc;
+
+use cranny_robot::Robot;
+use cranny_spatial::Pose;
+
+use crate::body::held_body::HeldBody;
+use crate::body::part_tree::PartTree;
+use crate::body::robot_body::RobotBody;
+use crate::body::world::{Body, Part, World};
+use crate::lane::lane_part::LanePart;
+use crate::{CollisionError, Margins};
+
+/// What a cell is made of.
+pub(crate) struct CellParts {
+    pub robot: Arc<Robot>,
+    pub body: Arc<RobotBody>,
+    pub around: Arc<Surroundings>,
+    pub margins: Margins,
+    pub grasp_bodies: Arc<[usize]>,
+    /// Pairs of links that are checked though nothing new can come of it.
+    pub asked_for: Arc<[(usize, usize)]>,
+    pub held: Option<HeldBody>,
+}
+
+impl CellParts {
+    /// Of an empty hand; the bodies to be grasped, and those that carry them, are given by index.
+    ///
+    /// # Errors
+    /// [`CollisionError::Margin`] for a negative or infinite margin.
+    pub fn new(
+        robot: Arc<Robot>,
+        world: World,
+        margins: Margins,
+        grasp_bodies: Vec<usize>,
+    ) -> Result<Self, CollisionError> {
+        margins.check()?;
+        Ok(Self {
+            body: RobotBody::of(&robot),
+            robot,
+            around: Arc::new(Surroundings::new(world)),
+            margins,
+            grasp_bodies: grasp_bodies.into(),
+            asked_for: Arc::default(),
+            held: None,
+        })
+    }
+}
+
+/// A world, and what every check needs of it, whatever robot stands in it.
+#[derive(Debug)]
+pub(crate) struct Surroundings {
+    pub world: World,
+    pub parts: Vec<(usize, Part)>,
+    pub lanes: Arc<[LanePart]>,
+    pub tree: PartTree,
+}
+
+impl Surroundings {
+    fn new(world: World) -> Self {
+        let of_body = |(body, b): (usize, &Body)| {
+            b.parts.iter().map(move |part| (body, part.clone())).collect::<Vec<_>>()
+        };
+        let parts: Vec<(usize, Part)> = world.bodies().iter().enumerate().flat_map(of_body).collect();
+        let tree = PartTree::new(parts.iter().map(|(_, part)| part));
+        let lanes = parts.iter().map(|(_, part)| LanePart::of(part)).collect();
+        Self { world, parts, lanes, tree }
+    }
+
+    /// The same with a body moved.
+    ///
+    /// # Errors
+    /// As [`World::new`].
+    pub fn with_body_moved(&self, moved: usize, to: &Pose) -> Result<Self, CollisionError> {
+        let mut bodies = self.world.bodies().to_vec();
+        for part in &mut bodies[moved].parts {
+            part.world_from_solid = to * part.world_from_solid;
+        }
+        let mut own = bodies[moved].parts.clone().into_iter();
+        let (mut parts, mut lanes) = (self.parts.clone(), self.lanes.to_vec());
+        for ((body, part), lane) in parts.iter_mut().zip(&mut lanes) {
+            if *body == moved
+                && let Some(new) = own.next()
+            {
+                *lane = lane.moved(&new);
+                *part = new;
+            }
+        }
+        let tree = PartTree::new(parts.iter().map(|(_, part)| part));
+        Ok(Self { world: self.world.with_bodies(bodies)?, parts, lanes: lanes.into(), tree })
+    }
+
+    /// The same with further parts of its bodies, numbered after all others.
+    pub fn with_parts(&self, further: &[(usize, Part)]) -> Self {
+        let lanes = self.lanes.iter().cloned().chain(further.iter().map(|(_, part)| LanePart::of(part)));
+        let lanes = lanes.collect();
+        let parts = [&self.parts[..], further].concat();
+        let tree = PartTree::new(parts.iter().map(|(_, part)| part));
+        Self { world: self.world.clone(), parts, lanes, tree }
+    }
+}

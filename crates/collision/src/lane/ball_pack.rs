@@ -1,0 +1,93 @@
+use cranny_spatial::{LANES, LaneArray, LaneVector};
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16};
+
+use crate::lane::lane_ball::LaneBall;
+use crate::lane::lane_solid::LaneSolid;
+use crate::lane::lane_vector::shorter;
+use crate::lane::single_frame::SingleFrame;
+
+/// Balls of a link side by side: where one configuration is checked by itself, its balls are the lanes.
+#[derive(Clone, Debug)]
+pub(crate) struct BallPack {
+    center: [LaneArray; 3],
+    radius: LaneArray,
+    count: usize,
+}
+
+impl BallPack {
+    /// All of `balls`, in order; the last is repeated to fill the last pack.
+    pub fn all(balls: &[LaneBall]) -> Vec<Self> {
+        let pack = |balls: &[LaneBall]| {
+            let ball = |lane: usize| balls[lane.min(balls.len() - 1)];
+            Self {
+                center: std::array::from_fn(|axis| std::array::from_fn(|lane| ball(lane).center[axis])),
+                radius: std::array::from_fn(|lane| ball(lane).radius),
+                count: balls.len(),
+            }
+        };
+        balls.chunks(LANES).map(pack).collect()
+    }
+
+    /// Whether any of `packs` is not certainly `reach_m` or farther from a solid.
+    pub fn any_closer<S: Simd>(
+        simd: S,
+        packs: &[Self],
+        frame: &SingleFrame,
+        solid: &LaneSolid,
+        reach_m: f32,
+    ) -> bool {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                // Loops, not closures: those would not have the instructions of the function around them.
+                for pack in packs {
+                    let reaches = pack.radii(simd) + reach_m;
+                    if solid.within_reach(simd, pack.centers(simd, frame), reaches) != 0 {
+                        return true;
+                    }
+                }
+                false
+            },
+        )
+    }
+
+    /// Whether any ball of `packs` is not certainly `reach_m` or farther from any of another link.
+    pub fn any_meet<S: Simd>(
+        simd: S,
+        [packs, others]: [&[Self]; 2],
+        [frame, other_frame]: [&SingleFrame; 2],
+        reach_m: f32,
+    ) -> bool {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                for other in others {
+                    let (centers, reaches) = (other.centers(simd, other_frame), other.radii(simd) + reach_m);
+                    for pack in packs {
+                        let [x, y, z] = &pack.center;
+                        for ball in 0..pack.count {
+                            let center = frame.point([x[ball], y[ball], z[ball]]);
+                            let way = centers.minus(LaneVector::splat(simd, center));
+                            if shorter(way.norm_squared(), reaches + pack.radius[ball]) != 0 {
+                                return true;
+                            }
+                        }
+                    }
+                }
+                false
+            },
+        )
+    }
+
+    #[inline(always)]
+    fn radii<S: Simd>(&self, simd: S) -> f32x16<S> {
+        f32x16::from_slice(simd, &self.radius)
+    }
+
+    /// The middles of the balls in root coordinates.
+    #[inline(always)]
+    fn centers<S: Simd>(&self, simd: S, frame: &SingleFrame) -> LaneVector<S> {
+        frame.points(LaneVector::load(simd, &self.center))
+    }
+}

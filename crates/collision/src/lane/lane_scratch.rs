@@ -1,0 +1,181 @@
+use cranny_robot::{LaneFrame, LanePlace, LaneTwist};
+use cranny_spatial::{LANES, LaneArray, LaneVector};
+use fearless_simd::Simd;
+
+use crate::lane::lane_vector::BoxLanes;
+
+/// How far things may be from the configurations that are checked: all 0 for these alone, more for all
+/// that a motion passes between them.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct LaneTravel {
+    /// Per link body, against the world, in metres; of a motion, written by the check itself.
+    pub bodies: Vec<LaneArray>,
+    /// The straight motion that all lanes lie on.
+    pub motion: LaneMotion,
+    /// Per pair of links, against each other, in metres.
+    pub link_pairs: Vec<f32>,
+    /// Per joint, in metres or radians.
+    pub joints: Vec<f32>,
+}
+
+/// A straight motion, of which each lane stands for the interval about its configuration: how far a body can move within
+/// that follows from its velocity there (see [`Travel`](crate::proof::travel::Travel)).
+#[derive(Clone, Debug, Default)]
+pub(crate) struct LaneMotion {
+    /// Half the width of the intervals, as a share of the motion; 0 where there is none.
+    pub half_width: f32,
+    /// Per joint, in metres or radians along the whole of the motion.
+    pub rates: Vec<f32>,
+    /// Per link body.
+    pub paces: Vec<LanePace>,
+}
+
+/// What is known of how a body moves within all intervals, in metres.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct LanePace {
+    /// No point of it moves farther.
+    pub most_m: f32,
+    /// What is to be added to how far it would move at the velocity in the middle.
+    pub beside_m: f32,
+}
+
+/// What one asker needs to compute with.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct LaneScratch {
+    pub travel: LaneTravel,
+    /// How the frames move, where there is a motion.
+    pub twists: Vec<LaneTwist>,
+    /// Per joint.
+    pub q: Vec<LaneArray>,
+    /// Where loose links stand on the tip.
+    pub places: Vec<LanePlace>,
+    pub frames: Vec<LaneFrame>,
+    /// Per body a box around it along the axes of the root.
+    pub boxes: Vec<LaneBox>,
+    pub stack: Vec<Descent>,
+    pub near: Vec<Near>,
+    /// Pairs in doubt, and in which lanes, as bits.
+    pub doubts: Vec<(u32, u32)>,
+    /// Pairs that are asked about, in order, and in which lanes: for [`Lanes::check_again`].
+    ///
+    /// [`Lanes::check_again`]: crate::lane::lanes::Lanes::check_again
+    pub wanted: Vec<(u32, u32)>,
+}
+
+/// A box along the axes of the root frame, for every lane.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LaneBox {
+    pub middle: [LaneArray; 3],
+    pub half_extents: [LaneArray; 3],
+}
+
+/// A node of a body's tree that is still to be compared with a range of the `near` list.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Descent {
+    pub node: u32,
+    pub begin: u32,
+    pub end: u32,
+}
+
+/// A part that is near to a node in some lanes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Near {
+    /// Index into the body's part pairs.
+    pub index: u32,
+    pub lanes: u32,
+}
+
+impl LaneTravel {
+    /// Nothing beyond the configurations themselves.
+    pub fn clear(&mut self) {
+        self.bodies.fill([0.0; LANES]);
+        self.motion.half_width = 0.0;
+        self.link_pairs.fill(0.0);
+        self.joints.fill(0.0);
+    }
+}
+
+impl LaneScratch {
+    /// Room for robots of so many joints, frames, link bodies and pairs of links.
+    pub fn new(dof: usize, frames: usize, bodies: usize, link_pairs: usize) -> Self {
+        let nowhere = LaneBox { middle: [[0.0; LANES]; 3], half_extents: [[0.0; LANES]; 3] };
+        Self {
+            q: vec![[0.0; LANES]; dof],
+            frames: vec![LaneFrame::IDENTITY; frames],
+            twists: vec![LaneTwist::STILL; frames],
+            boxes: vec![nowhere; bodies],
+            travel: LaneTravel {
+                bodies: vec![[0.0; LANES]; bodies],
+                motion: LaneMotion::default(),
+                link_pairs: vec![0.0; link_pairs],
+                joints: vec![0.0; dof],
+            },
+            ..Self::default()
+        }
+    }
+
+    /// Takes over the configuration of a lane.
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "lanes are `f32` by design; the slack of every comparison covers it"
+    )]
+    pub fn set_lane(&mut self, lane: usize, q: &[f64]) {
+        for (lanes, value) in self.q.iter_mut().zip(q) {
+            lanes[lane] = *value as f32;
+        }
+    }
+
+    /// Takes over configurations on the straight way from `a` (at 0) to `b` (at 1), the first at the first of
+    /// `places`. Lanes beyond these are at `a`.
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "lanes are `f32` by design; the slack of every comparison covers it"
+    )]
+    pub fn set_lanes_along(&mut self, a: &[f64], b: &[f64], places: impl Iterator<Item = f64>) {
+        let mut all = [0.0; LANES];
+        all.iter_mut().zip(places).for_each(|(known, place)| *known = place);
+        for (lanes, (a, b)) in self.q.iter_mut().zip(a.iter().zip(b)) {
+            *lanes = all.map(|place| (a + (b - a) * place) as f32);
+        }
+    }
+
+    /// Asks about a pair in one more lane.
+    pub fn want(&mut self, pair: u32, lane: usize) {
+        match self.wanted.iter_mut().find(|(known, _)| *known == pair) {
+            Some((_, lanes)) => *lanes |= 1 << lane,
+            None => self.wanted.push((pair, 1 << lane)),
+        }
+    }
+
+    pub fn push_children(&mut self, children: [u32; 2], begin: usize, end: usize) {
+        if children != [0; 2] {
+            let (begin, end) = (as_index(begin), as_index(end));
+            self.stack.extend(children.map(|node| Descent { node, begin, end }));
+        }
+    }
+
+    /// The lanes in which the pair is in doubt already; the pair's body began with doubt number `first`.
+    pub fn doubt(&self, first: usize, pair: u32) -> u32 {
+        self.doubts[first..].iter().find(|(doubtful, _)| *doubtful == pair).map_or(0, |(_, lanes)| *lanes)
+    }
+
+    pub fn add_doubt(&mut self, first: usize, pair: u32, lanes: u32) {
+        match self.doubts[first..].iter_mut().find(|(doubtful, _)| *doubtful == pair) {
+            Some((_, known)) => *known |= lanes,
+            None => self.doubts.push((pair, lanes)),
+        }
+    }
+}
+
+impl LaneBox {
+    #[inline(always)]
+    pub fn load<S: Simd>(&self, simd: S) -> BoxLanes<S> {
+        let half_extents = LaneVector::load(simd, &self.half_extents);
+        BoxLanes { middle: LaneVector::load(simd, &self.middle), half_extents }
+    }
+}
+
+/// Indices in the lanes are short: there are far fewer links, parts and balls than they can tell apart.
+pub(crate) fn as_index(index: usize) -> u32 {
+    u32::try_from(index).unwrap_or(u32::MAX)
+}

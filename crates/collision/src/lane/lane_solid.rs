@@ -1,0 +1,220 @@
+use std::cmp::Ordering;
+
+use cranny_shape::{Outline, Solid};
+use cranny_spatial::nalgebra::Matrix3;
+use cranny_spatial::{LaneVector, Pose, Vector};
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16};
+
+use crate::lane::lane_bits::bits;
+use crate::lane::lane_vector::{RELATIVE_ROUNDING, dot, is_shorter, lanes, minus, shorter};
+
+/// A solid whose distance to a point is a short formula, in the planning frame or a link's.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LaneSolid {
+    /// Rows of the rotation from that frame to the solid's own.
+    rows: [[f32; 3]; 3],
+    /// Its origin in that frame, in metres.
+    origin: [f32; 3],
+    kind: LaneKind,
+}
+
+impl LaneSolid {
+    /// A solid at this pose; a box around it if its own distance is no short formula.
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "lanes are `f32` by design; the slack of every comparison covers it"
+    )]
+    pub fn of(frame_from_solid: &Pose, solid: &Solid) -> Self {
+        let rotation = frame_from_solid.rotation.to_rotation_matrix().into_inner();
+        let cuboid = |half_extents: &Vector| match aligned(&rotation, half_extents) {
+            Some(half_extents) => LaneKind::AlignedCuboid { half_extents: lanes(&half_extents) },
+            None => LaneKind::Cuboid { half_extents: lanes(half_extents) },
+        };
+        let kind = match solid.outline() {
+            Outline::Cuboid { half_extents } => cuboid(&half_extents),
+            Outline::Segment { half_length_m, radius_m } => {
+                LaneKind::Segment { half_length: half_length_m as f32, radius: radius_m as f32 }
+            }
+            Outline::Cylinder { half_length_m, radius_m } => {
+                LaneKind::Cylinder { half_length: half_length_m as f32, radius: radius_m as f32 }
+            }
+            Outline::HalfSpace => LaneKind::HalfSpace,
+            Outline::Other => cuboid(&solid.aabb().half_extents),
+        };
+        let origin = if solid.is_half_space() {
+            frame_from_solid.translation.vector
+        } else {
+            (frame_from_solid * solid.aabb().center).coords
+        };
+        let turned = std::array::from_fn(|row| lanes(&rotation.column(row).into_owned()));
+        let is_aligned = matches!(kind, LaneKind::AlignedCuboid { .. });
+        let rows = if is_aligned { STRAIGHT_ROWS } else { turned };
+        Self { rows, origin: lanes(&origin), kind }
+    }
+
+    /// The same solid in the planning frame, from that of a link.
+    pub fn placed(
+        &self,
+        direction: impl Fn([f32; 3]) -> [f32; 3],
+        point: impl Fn([f32; 3]) -> [f32; 3],
+    ) -> Self {
+        let kind = match self.kind {
+            LaneKind::AlignedCuboid { half_extents } => LaneKind::Cuboid { half_extents },
+            kind => kind,
+        };
+        Self { rows: self.rows.map(direction), origin: point(self.origin), kind }
+    }
+
+    /// The distance of this box to another one along the axes of the frame, in metres, negative for how deep
+    /// it is in it; `None` if this is no box along these axes, or the other is not.
+    pub fn aligned_gap_m(&self, other: &Self) -> Option<f32> {
+        /// Less than one rounding of a rotation.
+        const STRAIGHT: f32 = 1e-7;
+        let (LaneKind::Cuboid { half_extents }, LaneKind::AlignedCuboid { half_extents: others }) =
+            (self.kind, other.kind)
+        else {
+            return None;
+        };
+        let is_straight = |entry: &f32| entry.abs() < STRAIGHT || entry.abs() > 1.0 - STRAIGHT;
+        if !self.rows.iter().flatten().all(is_straight) {
+            return None;
+        }
+        let gap = |axis: usize| {
+            let [x, y, z] = self.rows.map(|row| row[axis].abs());
+            let own = x * half_extents[0] + y * half_extents[1] + z * half_extents[2];
+            (self.origin[axis] - other.origin[axis]).abs() - own - others[axis]
+        };
+        let gaps = [gap(0), gap(1), gap(2)];
+        let deepest = gaps[0].max(gaps[1]).max(gaps[2]);
+        let [x, y, z] = gaps.map(|gap| gap.max(0.0));
+        Some(if deepest > 0.0 { (x * x + y * y + z * z).sqrt() } else { deepest })
+    }
+
+    /// The corner of a box farthest along a direction; `None` for other solids.
+    pub fn farthest_corner(&self, direction: [f32; 3]) -> Option<[f32; 3]> {
+        let (LaneKind::Cuboid { half_extents } | LaneKind::AlignedCuboid { half_extents }) = self.kind else {
+            return None;
+        };
+        let [x, y, z]: [f32; 3] =
+            std::array::from_fn(|side| half_extents[side].copysign(dot(self.rows[side], direction)));
+        let [row_x, row_y, row_z] = &self.rows;
+        Some(std::array::from_fn(|axis| {
+            self.origin[axis] + row_x[axis] * x + row_y[axis] * y + row_z[axis] * z
+        }))
+    }
+
+    /// Bits of the lanes in which a point is not certainly `reach` (m) or farther from the solid. Below the
+    /// plane of a half-space the distance counts as negative, elsewhere as 0 within.
+    #[inline(always)]
+    pub fn within_reach<S: Simd>(&self, simd: S, point: LaneVector<S>, reach: f32x16<S>) -> u32 {
+        let zero = f32x16::splat(simd, 0.0);
+        let offset = point.minus(LaneVector::splat(simd, self.origin));
+        match self.kind {
+            LaneKind::AlignedCuboid { half_extents: [half_x, half_y, half_z] } => {
+                let x = (offset.x.abs() - half_x).max(zero);
+                let y = (offset.y.abs() - half_y).max(zero);
+                let z = (offset.z.abs() - half_z).max(zero);
+                shorter(x * x + y * y + z * z, reach)
+            }
+            LaneKind::Cuboid { half_extents: [half_x, half_y, half_z] } => {
+                let x = (offset.dot(self.rows[0]).abs() - half_x).max(zero);
+                let y = (offset.dot(self.rows[1]).abs() - half_y).max(zero);
+                let z = (offset.dot(self.rows[2]).abs() - half_z).max(zero);
+                shorter(x * x + y * y + z * z, reach)
+            }
+            LaneKind::Segment { half_length, radius } => {
+                let (x, y) = (offset.dot(self.rows[0]), offset.dot(self.rows[1]));
+                let z = (offset.dot(self.rows[2]).abs() - half_length).max(zero);
+                shorter(x * x + y * y + z * z, reach + radius)
+            }
+            LaneKind::Cylinder { half_length, radius } => {
+                let (x, y) = (offset.dot(self.rows[0]), offset.dot(self.rows[1]));
+                let across = ((x * x + y * y).sqrt() - radius).max(zero);
+                let along = (offset.dot(self.rows[2]).abs() - half_length).max(zero);
+                shorter(across * across + along * along, reach)
+            }
+            LaneKind::HalfSpace => bits(!offset.dot(self.rows[2]).simd_ge(reach)),
+        }
+    }
+
+    /// The way to a point from the solid, or from its middle if the point lies in it; exact for boxes.
+    pub fn apart(&self, point: [f32; 3]) -> [f32; 3] {
+        let offset = minus(point, self.origin);
+        let (LaneKind::Cuboid { half_extents } | LaneKind::AlignedCuboid { half_extents }) = self.kind else {
+            return offset;
+        };
+        let own = self.rows.map(|row| dot(offset, row));
+        let beyond: [f32; 3] =
+            std::array::from_fn(|axis| own[axis] - own[axis].clamp(-half_extents[axis], half_extents[axis]));
+        if beyond.iter().all(|part| part.abs() <= 0.0) {
+            return offset;
+        }
+        std::array::from_fn(|axis| (0..3).map(|row| self.rows[row][axis] * beyond[row]).sum())
+    }
+
+    /// [`Self::within_reach`] for a point by itself.
+    pub fn is_closer(&self, point: [f32; 3], reach_m: f32) -> bool {
+        let offset = minus(point, self.origin);
+        let [x, y, z] = self.rows.map(|row| dot(offset, row));
+        match self.kind {
+            LaneKind::AlignedCuboid { half_extents } | LaneKind::Cuboid { half_extents } => {
+                let beyond = |value: f32, axis: usize| (value.abs() - half_extents[axis]).max(0.0);
+                let [x, y, z] = [beyond(x, 0), beyond(y, 1), beyond(z, 2)];
+                is_shorter(x * x + y * y + z * z, reach_m)
+            }
+            LaneKind::Segment { half_length, radius } => {
+                let z = (z.abs() - half_length).max(0.0);
+                is_shorter(x * x + y * y + z * z, reach_m + radius)
+            }
+            LaneKind::Cylinder { half_length, radius } => {
+                let across = ((x * x + y * y).sqrt() - radius).max(0.0);
+                let along = (z.abs() - half_length).max(0.0);
+                is_shorter(across * across + along * along, reach_m)
+            }
+            // What is not a number is not farther.
+            LaneKind::HalfSpace => {
+                !matches!(z.partial_cmp(&reach_m), Some(Ordering::Greater | Ordering::Equal))
+            }
+        }
+    }
+}
+
+/// A box along the axes of its frame.
+const STRAIGHT_ROWS: [[f32; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
+/// The rotation's columns as half extents along the planning frame's axes, if its axes are these.
+fn aligned(rotation: &Matrix3<f64>, half_extents: &Vector) -> Option<Vector> {
+    /// Turned by less than this the box moves by less than the slack of any comparison.
+    const STRAIGHT: f64 = 1e-9;
+    let turned = rotation.abs();
+    let is_straight = turned.iter().all(|entry| *entry < STRAIGHT || *entry > 1.0 - STRAIGHT);
+    is_straight.then(|| turned.map(f64::round) * half_extents)
+}
+
+/// What the place and the size of a part add to the rounding of distances to it, in metres.
+pub(crate) fn rounding_m(world_from_solid: &Pose, solid: &Solid) -> f64 {
+    let size = if solid.is_half_space() { 0.0 } else { solid.ball().radius_m };
+    RELATIVE_ROUNDING * (world_from_solid.translation.vector.norm() + size)
+}
+
+#[derive(Clone, Copy, Debug)]
+enum LaneKind {
+    /// Along the axes of the planning frame.
+    AlignedCuboid {
+        half_extents: [f32; 3],
+    },
+    Cuboid {
+        half_extents: [f32; 3],
+    },
+    /// A ball, or a capsule along z; the radius comes off the distance.
+    Segment {
+        half_length: f32,
+        radius: f32,
+    },
+    Cylinder {
+        half_length: f32,
+        radius: f32,
+    },
+    HalfSpace,
+}

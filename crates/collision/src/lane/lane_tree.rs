@@ -1,0 +1,30 @@
+use cranny_spatial::Vector;
+
+use crate::body::part_tree::PartNode;
+use crate::lane::lane_part::LaneAabb;
+
+/// A node of the [`PartTree`](crate::body::part_tree::PartTree) as the lanes see it.
+#[derive(Clone, Debug)]
+pub(crate) struct LaneBranch {
+    /// A box around all its parts; none where it would not help.
+    pub around: Option<LaneAabb>,
+    /// The places of its parts; no place for a node that is not a leaf.
+    pub begin: u32,
+    pub end: u32,
+    /// The node that follows if this one is passed over.
+    pub next: usize,
+}
+
+impl LaneBranch {
+    pub fn of(node: &PartNode) -> Self {
+        /// More than rounding to `f32` can move a face of the box, relative to how far away it is.
+        const OVERHANG: f64 = 2e-6;
+        let around = node.aabb.as_ref().map(|aabb| {
+            let farthest_m = aabb.center.coords.abs() + aabb.half_extents;
+            let grown = aabb.half_extents + (farthest_m + Vector::repeat(1.0)) * OVERHANG;
+            LaneAabb::new(&aabb.center.coords, &grown)
+        });
+        let [begin, end] = [node.places.start, node.places.end].map(|p| u32::try_from(p).unwrap_or(u32::MAX));
+        Self { around, begin, end, next: node.next }
+    }
+}

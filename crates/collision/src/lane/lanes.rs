@@ -1,0 +1,451 @@
+use std::sync::Arc;
+
+use cranny_robot::{Hold, LaneFrame, LaneKinematics, Robot};
+use cranny_spatial::LANES;
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, Simd, dispatch, f32x16, i32x16};
+
+use crate::body::part_tree::PartTree;
+use crate::body::robot_body::RobotBody;
+use crate::lane::lane_bits::lanes_of;
+use crate::lane::lane_body::LaneBody;
+use crate::lane::lane_part::{LaneAround, LanePart};
+use crate::lane::lane_scratch::{LaneMotion, LanePace, LaneScratch, as_index};
+use crate::lane::lane_tree::LaneBranch;
+use crate::lane::lane_vector::RELATIVE_ROUNDING;
+use crate::pair::pairs::{Other, Pair, Pairs};
+use crate::proof::joint_table::{self, JointTable};
+
+/// What [`LANES`] configurations are asked at once, in `f32`, with the error bounded: each pair of things is
+/// certainly far enough apart, certainly too close, or in doubt.
+///
+/// A link lies within the balls of its tree and contains its inner balls. What keeps off an outer ball keeps
+/// off that piece of the link; what meets an inner ball meets the link. What neither decides in some lanes,
+/// and what is near in few lanes from the start, the hulls decide one by one. What is in doubt then, the exact
+/// check decides.
+#[derive(Clone, Debug)]
+pub(crate) struct Lanes {
+    kinematics: Arc<LaneKinematics>,
+    pub(crate) bodies: Arc<[LaneBody]>,
+    pub(crate) parts: Arc<[LanePart]>,
+    /// What leads to the parts that are near.
+    pub(crate) branches: Vec<LaneBranch>,
+    /// Per link body the parts that it is checked against: all or none, in the order of the branches.
+    pub(crate) part_pairs: Vec<Vec<LanePair>>,
+    /// What is around each part, in the order of the branches.
+    pub(crate) arounds: Vec<LaneAround>,
+    /// Per link body the greatest `free_m` of its part pairs, in metres.
+    pub(crate) farthest_free_m: Vec<f32>,
+    /// Pairs of links that are looked up.
+    tables: Vec<JointTable>,
+    /// All pairs of link bodies, those of the tables last.
+    pub(crate) link_pairs: Vec<LanePair>,
+    /// Body of the first link of each of `link_pairs`.
+    pub(crate) link_firsts: Vec<u32>,
+    /// Where those of the tables begin.
+    first_tabled: usize,
+    /// Where each pair of links stands in `link_pairs`, in the order of [`crate::Cell`]'s list.
+    link_slots: Vec<usize>,
+}
+
+/// Up to so many lanes are checked one by one: a step of all lanes takes as long as a few of one lane.
+pub(crate) const FEW_LANES: u32 = 4;
+
+/// Two things that are checked against each other.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LanePair {
+    /// The index in [`crate::Cell`]'s list.
+    pub pair: u32,
+    /// The other thing: a part or a link body.
+    pub other: u32,
+    /// At this distance, or farther, the pair is certainly far enough apart; negative infinity if the two can
+    /// never be near each other.
+    pub free_m: f32,
+    /// Below this distance it is certainly too close.
+    pub contact_m: f32,
+}
+
+/// Which lanes still matter once some are in contact.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Interest {
+    /// Each for itself.
+    Each,
+    /// Only those before the first in contact.
+    UpToContact,
+    /// None.
+    AllOrNothing,
+}
+
+/// A check as far as it has come.
+struct LaneCheck {
+    asked: u32,
+    interest: Interest,
+    /// The lanes that are not certainly in contact, and of interest.
+    open: u32,
+}
+
+impl LaneCheck {
+    fn is_open(&self) -> bool {
+        self.open != 0
+    }
+
+    /// After every step.
+    #[inline(always)]
+    fn narrow(&mut self) {
+        match (self.interest, self.contact()) {
+            (_, 0) | (Interest::Each, _) => {}
+            (Interest::UpToContact, contact) => self.open &= (1 << contact.trailing_zeros()) - 1,
+            (Interest::AllOrNothing, contact) => (self.asked, self.open) = (contact, 0),
+        }
+    }
+
+    /// The lanes that are in contact, or of no more interest.
+    #[inline(always)]
+    fn contact(&self) -> u32 {
+        self.asked & !self.open
+    }
+}
+
+impl Lanes {
+    pub fn new(
+        robot: &Robot,
+        body: &RobotBody,
+        lane_parts: Arc<[LanePart]>,
+        tree: &PartTree,
+        pairs: &Pairs,
+    ) -> Self {
+        let lane_bodies = body.lanes.clone();
+        let mut part_pairs = vec![Vec::new(); lane_bodies.len()];
+        let (of_links, first_of_links) = pairs.of_links();
+        let tables: Vec<JointTable> = body
+            .tables(robot, of_links)
+            .iter()
+            .filter(|table| table.asked_pairs().next().is_some())
+            .map(|table| table.counted_from(as_index(first_of_links)))
+            .collect();
+        let (mut untabled, mut tabled) = (Vec::new(), Vec::new());
+        for (index, pair) in pairs.iter().enumerate() {
+            let slack_m = lane_bodies[pair.first].slack_m;
+            match pair.second {
+                Other::Part(part) => {
+                    let slack_m = slack_m + lane_parts[part].slack_m;
+                    part_pairs[pair.first].push(LanePair::new(index, part, pair.required_m, slack_m));
+                }
+                Other::Link { body, .. } => {
+                    let slack_m = slack_m + lane_bodies[body].slack_m;
+                    let is_tabled = tables
+                        .iter()
+                        .any(|table| table.asked_pairs().any(|(_, pair)| pair == as_index(index)));
+                    let link_pair = LanePair::new(index, body, pair.required_m, slack_m);
+                    let pairs = if is_tabled { &mut tabled } else { &mut untabled };
+                    pairs.push((link_pair, as_index(pair.first)));
+                }
+            }
+        }
+        let first_tabled = untabled.len();
+        let (link_pairs, link_firsts): (Vec<LanePair>, Vec<u32>) = untabled.into_iter().chain(tabled).unzip();
+        let mut link_slots: Vec<usize> = (0..link_pairs.len()).collect();
+        link_slots.sort_unstable_by_key(|slot| link_pairs[*slot].pair);
+        for (sweep, pairs) in std::iter::zip(&body.swept, &mut part_pairs) {
+            let Some(sweep) = sweep else { continue };
+            for LanePair { other, free_m, .. } in pairs {
+                if !lane_parts[*other as usize].is_near(sweep, *free_m) {
+                    *free_m = f32::NEG_INFINITY;
+                }
+            }
+        }
+        let farthest =
+            |pairs: &Vec<LanePair>| pairs.iter().map(|pair| pair.free_m).fold(f32::NEG_INFINITY, f32::max);
+        Self {
+            kinematics: body.kinematics.clone(),
+            farthest_free_m: part_pairs.iter().map(farthest).collect(),
+            arounds: tree.parts().iter().map(|part| lane_parts[*part].around).collect(),
+            bodies: lane_bodies,
+            parts: lane_parts,
+            branches: tree.nodes().iter().map(LaneBranch::of).collect(),
+            part_pairs,
+            tables,
+            link_pairs,
+            link_firsts,
+            first_tabled,
+            link_slots,
+        }
+    }
+
+    /// Tables of pairs of links.
+    pub fn tables(&self) -> &[JointTable] {
+        &self.tables
+    }
+
+    /// The pairs of links that are in none of them, by index in [`crate::Cell`]'s list.
+    pub fn untabled(&self) -> impl Iterator<Item = u32> {
+        self.link_pairs[..self.first_tabled].iter().map(|pair| pair.pair)
+    }
+
+    /// Takes the slack off every comparison, to see that the law of the lanes notices.
+    #[cfg(test)]
+    pub fn forget_slack(&mut self) {
+        for pair in self.part_pairs.iter_mut().flatten().chain(&mut self.link_pairs) {
+            let middle = 0.5 * (pair.free_m + pair.contact_m);
+            (pair.free_m, pair.contact_m) = (middle, middle);
+        }
+    }
+
+    /// The pairs of links: their index in the list of all pairs.
+    pub fn link_pairs(&self) -> impl Iterator<Item = u32> {
+        self.link_pairs.iter().map(|pair| pair.pair)
+    }
+
+    /// How much closer a pair can seem than it is, in metres: below that the lanes cannot tell.
+    pub fn blur_m(&self, pair: &Pair) -> f64 {
+        let LaneBody { blur_m, ref hulls, .. } = self.bodies[pair.first];
+        blur_m
+            + match pair.second {
+                Other::Part(part) => self.parts[part].blur_m(!hulls.is_empty()),
+                Other::Link { body, .. } => self.bodies[body].blur_m,
+            }
+    }
+
+    pub fn scratch(&self, robot: &Robot, hold: Option<&Hold>) -> LaneScratch {
+        let (frames, bodies) = (self.kinematics.frame_count(), self.bodies.len());
+        let mut scratch = LaneScratch::new(robot.dof(), frames, bodies, self.link_pairs.len());
+        if let Some(hold) = hold {
+            self.kinematics.place_held(robot, hold, &mut scratch.places);
+        }
+        scratch
+    }
+
+    /// Looks at the configurations in `scratch.q` whose bits are set in `asked`. Returns the lanes that are
+    /// certainly in contact; with [`Interest::UpToContact`] also those behind the first of them. What is in
+    /// doubt in the others is in `scratch.doubts` then, and a lane that is in neither is certainly free, unless
+    /// contact ended the check. "Free" and "in doubt" hold for everything that is no farther away than
+    /// `scratch.travel` says.
+    ///
+    /// 1. Pairs of links that are in a table are looked up.
+    /// 2. Every link against the world: box and ball around it against every part. What is near in few lanes is
+    ///    checked one by one; else inner balls against the parts that are near, and down its tree of balls
+    ///    against those that are still near, until a leaf leaves the pair in doubt; what is left one by one.
+    /// 3. The other pairs of links in the same way, and those that their table leaves in doubt one by one.
+    pub fn check(&self, level: Level, scratch: &mut LaneScratch, asked: u32, interest: Interest) -> u32 {
+        dispatch!(level, simd => self.check_with(simd, scratch, asked, interest))
+    }
+
+    /// [`Self::check`] at nothing but the pairs of `scratch.wanted`, each in the lanes that it is wanted in.
+    pub fn check_again(
+        &self,
+        level: Level,
+        scratch: &mut LaneScratch,
+        asked: u32,
+        interest: Interest,
+    ) -> u32 {
+        scratch.wanted.sort_unstable();
+        dispatch!(level, simd => self.look_again_with(simd, scratch, asked, interest))
+    }
+
+    #[inline(always)]
+    fn check_with<S: Simd>(&self, simd: S, scratch: &mut LaneScratch, asked: u32, interest: Interest) -> u32 {
+        scratch.doubts.clear();
+        let mut check = LaneCheck { asked, interest, open: asked };
+        for table in &self.tables {
+            if check.is_open() {
+                look_up(simd, table, scratch, u32::MAX, &mut check.open);
+                check.narrow();
+            }
+        }
+        let tabled = scratch.doubts.len();
+        let mut frames = std::mem::take(&mut scratch.frames);
+        if check.is_open() {
+            self.place(simd, &mut frames, scratch);
+        }
+        for body in (0..self.bodies.len()).rev() {
+            if check.is_open() {
+                self.body_against_world(simd, body, None, &frames, scratch, &mut check.open);
+                check.narrow();
+            }
+        }
+        for index in 0..self.first_tabled {
+            if check.is_open() {
+                self.links(simd, index, u32::MAX, &frames, scratch, &mut check.open);
+                check.narrow();
+            }
+        }
+        self.settle_tabled(simd, tabled, &frames, scratch, &mut check);
+        scratch.frames = frames;
+        check.contact()
+    }
+
+    #[inline(always)]
+    fn look_again_with<S: Simd>(
+        &self,
+        simd: S,
+        scratch: &mut LaneScratch,
+        asked: u32,
+        interest: Interest,
+    ) -> u32 {
+        scratch.doubts.clear();
+        let mut check = LaneCheck { asked, interest, open: asked };
+        let mut frames = std::mem::take(&mut scratch.frames);
+        let wanted = std::mem::take(&mut scratch.wanted);
+        let place = |pair: u32| wanted.partition_point(|(known, _)| *known < pair);
+        let lanes_of_pair = |pair: u32| match wanted.get(place(pair)) {
+            Some((known, lanes)) if *known == pair => *lanes,
+            _ => 0,
+        };
+        for table in &self.tables {
+            let lanes = table.asked_pairs().fold(0, |all, (_, pair)| all | lanes_of_pair(pair));
+            if lanes != 0 && check.is_open() {
+                look_up(simd, table, scratch, lanes, &mut check.open);
+                check.narrow();
+            }
+        }
+        scratch.doubts.iter_mut().for_each(|(pair, lanes)| *lanes &= lanes_of_pair(*pair));
+        let tabled = scratch.doubts.len();
+        if check.is_open() {
+            self.place(simd, &mut frames, scratch);
+        }
+        for body in (0..self.bodies.len()).rev() {
+            let Some(LanePair { pair, .. }) = self.part_pairs[body].first() else { continue };
+            let wanted = &wanted[place(*pair)..place(pair + as_index(self.parts.len()))];
+            if !wanted.is_empty() && check.is_open() {
+                self.body_against_world(simd, body, Some(wanted), &frames, scratch, &mut check.open);
+                check.narrow();
+            }
+        }
+        let first_link_pair = self.first_link_pair();
+        for (pair, lanes) in &wanted[place(first_link_pair)..] {
+            let index = self.link_slots[(pair - first_link_pair) as usize];
+            if index < self.first_tabled && check.is_open() {
+                self.links(simd, index, *lanes, &frames, scratch, &mut check.open);
+                check.narrow();
+            }
+        }
+        self.settle_tabled(simd, tabled, &frames, scratch, &mut check);
+        (scratch.frames, scratch.wanted) = (frames, wanted);
+        check.contact()
+    }
+
+    /// Where every link is in every lane, and the boxes around them.
+    #[inline(always)]
+    fn place<S: Simd>(&self, simd: S, frames: &mut [LaneFrame], scratch: &mut LaneScratch) {
+        self.kinematics.forward(simd, &scratch.q, &scratch.places, frames);
+        if scratch.travel.motion.half_width > 0.0 {
+            self.kinematics.twists(simd, &scratch.travel.motion.rates, frames, &mut scratch.twists);
+        }
+        for (body, lanes) in self.bodies.iter().zip(&mut scratch.boxes) {
+            frames[body.frame].point(simd, body.middle).store(&mut lanes.middle);
+            frames[body.frame].box_around(simd, body.half_extents).store(&mut lanes.half_extents);
+        }
+    }
+
+    /// How far a body can move within the interval of each lane.
+    #[inline(always)]
+    pub fn travel_of<S: Simd>(
+        &self,
+        simd: S,
+        body: usize,
+        frame: &LaneFrame,
+        scratch: &mut LaneScratch,
+    ) -> f32x16<S> {
+        let travels = &mut scratch.travel.bodies[body];
+        let LaneMotion { half_width, paces, .. } = &scratch.travel.motion;
+        if *half_width > 0.0 {
+            let LaneBody { frame: number, outer, .. } = &self.bodies[body];
+            let ball = &outer[0].ball;
+            let center = frame.point(simd, ball.center);
+            let (turn, velocity) = scratch.twists[*number].at(simd, frame, center);
+            let fastest = velocity.norm_squared().sqrt() + turn.norm_squared().sqrt() * ball.radius;
+            let LanePace { most_m, beside_m } = paces[body];
+            let travel = (fastest * *half_width + beside_m).min(f32x16::splat(simd, most_m));
+            travel.store_slice(travels);
+        }
+        f32x16::from_slice(simd, travels)
+    }
+
+    /// Step 3 of [`Self::check`] for one pair, in the lanes that it is asked about in.
+    #[inline(always)]
+    fn links<S: Simd>(
+        &self,
+        simd: S,
+        index: usize,
+        lanes: u32,
+        frames: &[LaneFrame],
+        scratch: &mut LaneScratch,
+        open: &mut u32,
+    ) {
+        let lanes = self.link_boxes_near(simd, index, scratch) & lanes & *open;
+        if lanes != 0 {
+            self.link_against_link(simd, index, lanes, frames, scratch, open);
+        }
+    }
+
+    /// What the tables left in doubt, the first `tabled` of `scratch.doubts`, one by one.
+    #[inline(always)]
+    fn settle_tabled<S: Simd>(
+        &self,
+        simd: S,
+        tabled: usize,
+        frames: &[LaneFrame],
+        scratch: &mut LaneScratch,
+        check: &mut LaneCheck,
+    ) {
+        for doubt in 0..tabled {
+            let (pair, lanes) = scratch.doubts[doubt];
+            let index = self.link_slots[(pair - self.first_link_pair()) as usize];
+            let lanes = lanes & check.open;
+            scratch.doubts[doubt].1 =
+                self.links_one_by_one(simd, index, lanes, frames, scratch, &mut check.open);
+            check.narrow();
+        }
+    }
+
+    /// Pairs of links follow those with parts.
+    fn first_link_pair(&self) -> u32 {
+        as_index(self.part_pairs.iter().map(Vec::len).sum())
+    }
+}
+
+impl LanePair {
+    /// An infinite slack leaves every configuration in doubt.
+    #[allow(clippy::cast_possible_truncation, reason = "lanes are `f32` by design; the slack covers it")]
+    fn new(pair: usize, other: usize, required_m: f64, slack_m: f64) -> Self {
+        let slack_m = slack_m + RELATIVE_ROUNDING * required_m;
+        Self {
+            pair: as_index(pair),
+            other: as_index(other),
+            free_m: (required_m + slack_m) as f32,
+            contact_m: (required_m - slack_m) as f32,
+        }
+    }
+}
+
+/// Step 1 for one table.
+#[inline(always)]
+fn look_up<S: Simd>(simd: S, table: &JointTable, scratch: &mut LaneScratch, lanes: u32, open: &mut u32) {
+    let mut low = [[0; LANES]; 2];
+    let mut high = [[0; LANES]; 2];
+    for (axis, (low, high)) in low.iter_mut().zip(&mut high).enumerate() {
+        let joint = table.joints[axis];
+        let value = f32x16::from_slice(simd, &scratch.q[joint]) - table.lower[axis];
+        let travel = scratch.travel.joints[joint];
+        let cell = (value - travel) * table.per_unit[axis];
+        i32x16::truncate_from(cell.floor()).store_slice(low);
+        let cell = (value + travel) * table.per_unit[axis];
+        i32x16::truncate_from(cell.floor()).store_slice(high);
+    }
+    let first_doubt = scratch.doubts.len();
+    if table.joints.iter().any(|joint| scratch.travel.joints[*joint].is_infinite()) {
+        scratch.doubts.extend(table.asked_pairs().map(|(_, pair)| (pair, *open & lanes)));
+        return;
+    }
+    for lane in lanes_of(*open & lanes) {
+        match table.look_up([low[0][lane], low[1][lane]], [high[0][lane], high[1][lane]]) {
+            0 => {}
+            found if found & joint_table::CONTACT != 0 => *open &= !(1 << lane),
+            doubtful => {
+                for (_, pair) in table.asked_pairs().filter(|(bit, _)| doubtful & bit != 0) {
+                    scratch.add_doubt(first_doubt, pair, 1 << lane);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,9 @@
+//! Pairs of things: which are compared, which are not, and which is the nearest.
+
+pub(crate) mod closest;
+pub(crate) mod pair_choice;
+pub(crate) mod pair_group;
+pub(crate) mod pair_range;
+pub(crate) mod pairs;
+pub(crate) mod self_pairs;
+pub(crate) mod unchecked;

@@ -1,0 +1,210 @@
+use cranny_robot::Robot;
+
+use crate::Margins;
+use crate::body::held_body::Spared;
+use crate::body::link_body::LinkBody;
+use crate::body::part_tree::PartTree;
+use crate::body::world::Part;
+use crate::proof::travel::shared_joints;
+
+/// Two things that are checked against each other.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pair {
+    /// Index into the link bodies.
+    pub first: usize,
+    pub second: Other,
+    /// The least distance that counts as free, in metres.
+    pub required_m: f64,
+}
+
+/// Whatever the distance, it is enough.
+const NOTHING_M: f64 = f64::NEG_INFINITY;
+
+impl Pair {
+    /// Whether the two may be in each other.
+    pub fn is_exempt(&self) -> bool {
+        self.required_m <= NOTHING_M
+    }
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Other {
+    /// Index into the link bodies, and how many joints move both links alike.
+    Link { body: usize, shared_joints: usize },
+    /// Index into the parts of all bodies of the world.
+    Part(usize),
+}
+
+/// All that is checked against each other, by index: every link that moves with every part, in the order of the tree;
+/// then links with links. The former are counted, not listed: ten links among 10⁵ boxes make a million.
+#[derive(Clone, Debug)]
+pub(crate) struct Pairs {
+    moving: Vec<Moving>,
+    /// The parts in the order of the tree, and what is demanded of them.
+    parts: Vec<(usize, PartRule)>,
+    links: Vec<Pair>,
+    margins: Margins,
+    /// The greatest distance that is demanded between any part and a link, and a link of the hand, in metres.
+    greatest_m: [f64; 2],
+}
+
+/// A link that moves.
+#[derive(Clone, Copy, Debug)]
+struct Moving {
+    /// Index into the link bodies.
+    body: usize,
+    is_of_hand: bool,
+    is_held: bool,
+}
+
+/// What is demanded of a part of the world.
+#[derive(Clone, Copy, Debug)]
+struct PartRule {
+    /// Of what is to be grasped, or carries that: the hand may come as near as its margin says.
+    grasped: Option<Grasped>,
+    /// Nothing: it is no obstacle, but what is held.
+    is_held: bool,
+    /// Nothing of what is held.
+    is_spared: bool,
+}
+
+/// What a part of the world has to do with the grasp.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Grasped {
+    /// It is what is to be grasped.
+    Target,
+    /// It carries that.
+    Support,
+}
+
+/// What is held, and what it may touch.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Held<'a> {
+    /// Its link.
+    pub link: usize,
+    /// The body of the world that it was.
+    pub body: usize,
+    /// Parts of the world that it is not checked against.
+    pub spared: &'a [Spared],
+}
+
+/// The pairs of a link with every part.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PartPairs {
+    /// Index into the link bodies.
+    pub body: usize,
+    /// The first of them.
+    pub begin: usize,
+    /// The greatest distance that any of them demands, in metres.
+    pub required_m: f64,
+    /// Whether the link belongs to the hand.
+    pub is_of_hand: bool,
+}
+
+impl Pairs {
+    /// `link_pairs` are those of link bodies that are checked, `grasp_bodies` the bodies that get the grasp margin.
+    pub fn new(
+        robot: &Robot,
+        bodies: &[LinkBody],
+        link_pairs: impl IntoIterator<Item = (usize, usize)>,
+        (parts, tree): (&[(usize, Part)], &PartTree),
+        grasp_bodies: &[usize],
+        held: Option<Held<'_>>,
+        margins: Margins,
+    ) -> Self {
+        // Hand and wrist first: they are what touches first.
+        let moving = (0..bodies.len()).rev().filter(|&body| !robot.ancestors(bodies[body].link).is_empty());
+        let is_of_hand = |body: usize| robot.hand_links().contains(&bodies[body].link);
+        let is_held = |body: usize| held.is_some_and(|held| held.link == bodies[body].link);
+        let rule = |part: usize| {
+            let body = parts[part].0;
+            PartRule {
+                grasped: match grasp_bodies.iter().rposition(|grasped| *grasped == body) {
+                    Some(last) if last + 1 == grasp_bodies.len() => Some(Grasped::Target),
+                    other => other.map(|_| Grasped::Support),
+                },
+                is_held: held.is_some_and(|held| held.body == body),
+                is_spared: held.is_some_and(|held| held.spared.iter().any(|spared| spared.part == part)),
+            }
+        };
+        let link_pair = |(first, second): (usize, usize)| {
+            let shared_joints = shared_joints(robot, bodies[first].link, bodies[second].link);
+            let second = Other::Link { body: second, shared_joints };
+            let is_of_held = |index: usize| held.is_some_and(|held| held.link == bodies[index].link);
+            let is_object =
+                is_of_held(first) || matches!(second, Other::Link { body, .. } if is_of_held(body));
+            let required_m = if is_object { margins.of_held_m() } else { margins.required_m(false) };
+            Pair { first, second, required_m }
+        };
+        let mut pairs = Self {
+            moving: moving
+                .map(|body| Moving { body, is_of_hand: is_of_hand(body), is_held: is_held(body) })
+                .collect(),
+            parts: tree.parts().iter().map(|&part| (part, rule(part))).collect(),
+            links: link_pairs.into_iter().map(link_pair).collect(),
+            margins,
+            greatest_m: [0.0; 2],
+        };
+        pairs.greatest_m = [false, true].map(|is_of_hand| {
+            let required =
+                pairs.parts.iter().map(|(_, rule)| margins.required_m(is_of_hand && rule.grasped.is_some()));
+            required.fold(0.0, f64::max) + margins.object_margin_m
+        });
+        pairs
+    }
+
+    pub fn len(&self) -> usize {
+        self.first_of_links() + self.links.len()
+    }
+
+    /// # Panics
+    /// If there is no pair of that index.
+    pub fn get(&self, index: u32) -> Pair {
+        let index = index as usize;
+        match index.checked_sub(self.first_of_links()) {
+            Some(index) => self.links[index],
+            None => self.with_part(self.moving[index / self.parts.len()], index % self.parts.len()),
+        }
+    }
+
+    pub fn iter(&self) -> impl Iterator<Item = Pair> {
+        let places = 0..self.parts.len();
+        let with_parts = move |moving: &Moving| {
+            let moving = *moving;
+            places.clone().map(move |place| self.with_part(moving, place))
+        };
+        self.moving.iter().flat_map(with_parts).chain(self.links.iter().copied())
+    }
+
+    /// The pairs of links, and the index of the first.
+    pub fn of_links(&self) -> (&[Pair], usize) {
+        (&self.links, self.first_of_links())
+    }
+
+    /// Of each link that moves its pairs with parts, in order.
+    pub fn with_parts(&self) -> impl Iterator<Item = PartPairs> {
+        self.moving.iter().enumerate().map(|(index, &Moving { body, is_of_hand, .. })| {
+            let required_m = self.greatest_m[usize::from(is_of_hand)];
+            PartPairs { body, begin: index * self.parts.len(), required_m, is_of_hand }
+        })
+    }
+
+    fn first_of_links(&self) -> usize {
+        self.moving.len() * self.parts.len()
+    }
+
+    fn with_part(&self, Moving { body, is_of_hand, is_held }: Moving, place: usize) -> Pair {
+        let (part, rule) = self.parts[place];
+        let required_m = if rule.is_held || (rule.is_spared && is_held) {
+            NOTHING_M
+        } else {
+            let object_m = if rule.grasped == Some(Grasped::Target) || is_held {
+                self.margins.object_margin_m
+            } else {
+                0.0
+            };
+            self.margins.required_m(is_of_hand && rule.grasped.is_some()) + object_m
+        };
+        Pair { first: body, second: Other::Part(part), required_m }
+    }
+}

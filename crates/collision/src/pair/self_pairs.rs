@@ -1,0 +1,96 @@
+use cranny_robot::Robot;
+
+use crate::body::link_body::LinkBody;
+use crate::pair::pair_range::{PairRange, PairRanges, Question};
+use crate::pair::unchecked::{Exempt, ExemptPair, UncheckedReason};
+
+/// Pairs of links that can be compared, as indices into the link bodies, each with the reason if it is exempt.
+///
+/// A pair is left out if the SRDF or the caller declares it, if no joint moves one link against the other, or if it is
+/// proven over the whole range of the joints between them that comparing them shows nothing new. All others are
+/// compared, whatever samples show. Adjacent links are left out too if nothing can be proven of them, or if they were
+/// proven to touch only near their joint: every answer names them.
+#[derive(Clone, Debug)]
+pub(crate) struct SelfPairs(Vec<((usize, usize), Option<Exempt>)>);
+
+impl SelfPairs {
+    /// All pairs but those that the robot's SRDF or its options disable, and those that never move against each other.
+    pub fn of(robot: &Robot, bodies: &[LinkBody]) -> Self {
+        let moves_relatively = |(a, b): (usize, usize)| {
+            let joints = |link: usize| robot.ancestors(link).iter().map(|j| j.child_link).collect::<Vec<_>>();
+            joints(a) != joints(b)
+        };
+        let mut ranges = PairRanges::new(robot, bodies);
+        let mut pairs = Vec::new();
+        for second in 0..bodies.len() {
+            for first in 0..second {
+                let links = links_of(bodies, (first, second));
+                if robot.disabled_pairs().binary_search(&links).is_ok() || !moves_relatively(links) {
+                    continue;
+                }
+                let is_adjacent = robot.adjacent_pairs().binary_search(&links).is_ok();
+                pairs.push(((first, second), exempt(&mut ranges, (first, second), is_adjacent)));
+            }
+        }
+        Self(pairs)
+    }
+
+    /// The same with the held body, the last of `bodies`, against all links that move against it. A proof about an open
+    /// hand does not hold for fingers that have closed.
+    pub fn with_held(&self, robot: &Robot, bodies: &[LinkBody]) -> Self {
+        let held = bodies.len() - 1;
+        let moves = |other: &usize| {
+            let joints =
+                |body: usize| robot.ancestors(bodies[body].link).iter().map(|mover| mover.child_link);
+            !joints(*other).eq(joints(held))
+        };
+        let own = self.0.iter().map(|&(pair, exempt)| {
+            let is_loose = [pair.0, pair.1].iter().any(|&body| robot.is_loose(bodies[body].link));
+            let still = exempt.filter(|exempt| !is_loose || exempt.reason != UncheckedReason::AdjacentFree);
+            (pair, still)
+        });
+        let with_held = (0..held).filter(moves).map(|other| ((other, held), None));
+        Self(own.chain(with_held).collect())
+    }
+
+    /// Those that are checked, and those that are not, though not if they stand in `asked_for` (by link index, the lower
+    /// first).
+    pub fn split(
+        &self,
+        bodies: &[LinkBody],
+        asked_for: &[(usize, usize)],
+    ) -> (Vec<(usize, usize)>, Vec<ExemptPair>) {
+        let (mut checked, mut left_out) = (Vec::new(), Vec::new());
+        for &(pair, exempt) in &self.0 {
+            match exempt.filter(|_| !asked_for.contains(&links_of(bodies, pair))) {
+                Some(exempt) => left_out.push((pair, exempt)),
+                None => checked.push(pair),
+            }
+        }
+        (checked, left_out)
+    }
+}
+
+/// The links of two link bodies, the lower index first.
+fn links_of(bodies: &[LinkBody], (first, second): (usize, usize)) -> (usize, usize) {
+    let (a, b) = (bodies[first].link, bodies[second].link);
+    (a.min(b), a.max(b))
+}
+
+/// Exemption of a pair, with its reason and least depth (m), if there is one.
+fn exempt(ranges: &mut PairRanges<'_>, pair: (usize, usize), is_adjacent: bool) -> Option<Exempt> {
+    let of = |reason, depth_m| Some(Exempt { reason, depth_m });
+    if !is_adjacent {
+        return match ranges.of(pair, Question::AlwaysTouching) {
+            PairRange::AlwaysTouching { depth_m } => of(UncheckedReason::AlwaysTouching, depth_m),
+            _ => None,
+        };
+    }
+    match ranges.of(pair, Question::AlwaysAlike) {
+        PairRange::AlwaysTouching { depth_m } => of(UncheckedReason::AdjacentTouching, depth_m),
+        PairRange::NeverTouching => of(UncheckedReason::AdjacentFree, 0.0),
+        PairRange::Unproven { depth_m } => of(UncheckedReason::AdjacentUnproven, depth_m),
+        PairRange::Both { is_at_joint: true, depth_m } => of(UncheckedReason::AdjacentAtJoint, depth_m),
+        PairRange::Both { is_at_joint: false, .. } | PairRange::Refuted => None,
+    }
+}

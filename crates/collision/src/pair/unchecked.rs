@@ -1,0 +1,124 @@
+use cranny_robot::Robot;
+use cranny_shape::overlap;
+use cranny_spatial::CONTACT_M;
+
+use crate::body::held_body::Spared;
+use crate::body::link_body::{LinkBody, group_separation};
+use crate::body::world::Part;
+use crate::touch::contact::Collider;
+
+/// Two things that no check and no proof compares, or only as far as an allowance: each answer names them.
+///
+/// Pairs that are exempt by declaration (in an SRDF, or by the caller) are not among them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Unchecked {
+    /// A link.
+    pub first: Collider,
+    /// Another link, or a body of the world.
+    pub second: Collider,
+    /// How deep they are in each other: the least that was seen, in metres.
+    pub depth_m: f64,
+    /// Why they are not compared.
+    pub reason: UncheckedReason,
+}
+
+/// Why two things are not compared. Links are adjacent if no third one with geometry is between them, and one joint moves
+/// them against each other ([`Robot::adjacent_pairs`]).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum UncheckedReason {
+    /// Two links, proven to touch at every value of the joints between them: no motion changes that.
+    AlwaysTouching,
+    /// Two adjacent links, proven to touch at every value of their joint.
+    AdjacentTouching,
+    /// Two adjacent links of which nothing is proven: they touch, or nearly do, at all sampled values.
+    AdjacentUnproven,
+    /// Two adjacent links that are free at some values of their joint, and touch at others: proven only near its axis.
+    AdjacentAtJoint,
+    /// Two adjacent links, proven to touch at no value of their joint. Their distance counts for no margin and no clearance.
+    AdjacentFree,
+    /// A link that no joint moves, on what it stands on.
+    NeverMoves,
+    /// The held body, on a face of a body that it rests on before it is lifted off, or once it is set down: no deeper
+    /// in it than [`CONTACT_ALLOWANCE_M`](crate::CONTACT_ALLOWANCE_M). The depth is that at rest.
+    Resting,
+}
+
+/// Why a pair is not compared, and the least depth that was seen (m).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Exempt {
+    pub reason: UncheckedReason,
+    pub depth_m: f64,
+}
+
+/// A pair that is not compared, by link body, and why.
+pub(crate) type ExemptPair = ((usize, usize), Exempt);
+
+impl UncheckedReason {
+    /// Returns whether the pair was found free at no value of its joint: comparing it would leave no free
+    /// configuration.
+    pub(crate) fn is_never_free(self) -> bool {
+        matches!(self, Self::AdjacentTouching | Self::AdjacentUnproven)
+    }
+}
+
+impl Unchecked {
+    pub(crate) fn of_links(bodies: &[LinkBody], pairs: &[ExemptPair]) -> Vec<Self> {
+        let of_pair = |&((first, second), exempt): &ExemptPair| Self {
+            first: Collider::Link(bodies[first].link),
+            second: Collider::Link(bodies[second].link),
+            depth_m: exempt.depth_m,
+            reason: exempt.reason,
+        };
+        pairs.iter().map(of_pair).collect()
+    }
+
+    /// Links that no joint moves, in contact with bodies of the world.
+    pub(crate) fn still_in_contact(robot: &Robot, bodies: &[LinkBody], parts: &[(usize, Part)]) -> Vec<Self> {
+        let frames = robot.frames();
+        let mut found: Vec<Self> = Vec::new();
+        for still in bodies.iter().filter(|body| robot.ancestors(body.link).is_empty()) {
+            for (body, part) in parts {
+                if still.quick_bound_to(frames.link(still.link), part, CONTACT_M) > CONTACT_M {
+                    continue;
+                }
+                let placed = std::iter::once((part.world_from_solid, &part.solid));
+                if group_separation(still.placed(&frames), &placed, CONTACT_M).lower_m >= CONTACT_M {
+                    continue;
+                }
+                let depths = still.placed(&frames).filter_map(|(pose, solid)| {
+                    overlap(solid, &pose, &part.solid, &part.world_from_solid).map(|overlap| overlap.depth_m)
+                });
+                let depth_m = depths.fold(0.0, f64::max);
+                let (first, second) = (Collider::Link(still.link), Collider::Body(*body));
+                match found.iter_mut().find(|known| (known.first, known.second) == (first, second)) {
+                    Some(known) => known.depth_m = known.depth_m.max(depth_m),
+                    None => {
+                        found.push(Self { first, second, depth_m, reason: UncheckedReason::NeverMoves });
+                    }
+                }
+            }
+        }
+        found
+    }
+
+    /// The held body, paired with the bodies that it may rest on.
+    pub(crate) fn resting(held_link: usize, spared: &[Spared], parts: &[(usize, Part)]) -> Vec<Self> {
+        let mut found: Vec<Self> = Vec::new();
+        for &Spared { part, depth_m } in spared {
+            let (first, second) = (Collider::Link(held_link), Collider::Body(parts[part].0));
+            match found.iter_mut().find(|known| known.second == second) {
+                Some(known) => known.depth_m = known.depth_m.max(depth_m),
+                None => found.push(Self { first, second, depth_m, reason: UncheckedReason::Resting }),
+            }
+        }
+        found
+    }
+
+    /// The two links, the lower index first, if this is a pair of links that may yet be checked.
+    pub(crate) fn links(&self) -> Option<(usize, usize)> {
+        match (self.first, self.second) {
+            (Collider::Link(a), Collider::Link(b)) => Some((a.min(b), a.max(b))),
+            _ => None,
+        }
+    }
+}

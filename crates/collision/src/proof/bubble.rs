@@ -1,0 +1,189 @@
+use cranny_robot::{JointKind, LinkFrames, between};
+use cranny_spatial::{ROUNDING_M, Vector};
+
+use crate::cell::{Cell, Scratch};
+use crate::lane::lane_scratch::as_index;
+use crate::pair::pairs::{Other, Pair};
+
+/// A free configuration with how far everything is apart there, beyond what is demanded: from it alone follows how far the
+/// straight motions that begin there are free, in any number of directions, without another check of a shape.
+///
+/// Sources: bubbles of free configurations (Quinlan 1994); that they are asked along rays, whose ends make a bur: Lačević,
+/// Osmanković & Ademović 2016, "Burs of free C-space" (ICRA, §III). Differs in that each link, and each pair of links, has
+/// its own distance, where they take the least of all, and in that how far a link has moved is measured at configurations
+/// on the ray, and bounded between them.
+#[derive(Clone, Debug)]
+pub struct Bubble {
+    q: Vec<f64>,
+    frames: LinkFrames,
+    /// Of each link body the least gap to the world, in metres.
+    to_world_m: Vec<f64>,
+    /// Of every pair of links whose pose against each other is in no table, in metres.
+    between_links_m: Vec<(Pair, f64)>,
+}
+
+/// Nothing is measured beyond so much, in metres: gaps count as no greater.
+const MEASURED_UP_TO_M: f64 = 0.5;
+
+/// Looks along one ray.
+const MOST_LOOKS: usize = 12;
+
+/// A check that finds less than this share of the whole way to be free is the last.
+const LEAST_GAIN: f64 = 0.01;
+
+/// The first check asks about this share of the way, and each further one about so many times what the one before had found
+/// to be free: bounds are the sharper the shorter the way.
+const FIRST_TRY: f64 = 0.1;
+const NEXT_TRY: f64 = 2.0;
+
+impl Cell {
+    /// The bubble about `q`; none where a link that moves is closer to the world than `critical_m` (at least 0) beyond what
+    /// is demanded, or where links are closer to each other than they may be, but for those on either side of a joint or two,
+    /// which are always close: of them tables tell. Joint limits do not enter.
+    ///
+    /// # Panics
+    /// If `q` has not one value per joint.
+    pub fn bubble(&self, q: &[f64], critical_m: f64, scratch: &mut Scratch) -> Option<Bubble> {
+        // What is no number is nowhere.
+        if !q.iter().all(|value| value.is_finite()) {
+            return None;
+        }
+        self.robot().forward_kinematics(q, &mut scratch.frames);
+        let frames = &scratch.frames;
+        let near = |beyond_m: f64| {
+            let pairs = self.pairs.with_parts().flat_map(move |pairs| {
+                self.near_parts(pairs, frames.link(self.bodies[pairs.body].link), beyond_m)
+            });
+            pairs.map(|index| self.pairs.get(as_index(index))).filter(|pair| !pair.is_exempt())
+        };
+        // To see that something is near takes a fraction of what it takes to measure.
+        let is_far = |pair: Pair| {
+            let critical_m = if self.is_constant(&pair, frames) { 0.0 } else { critical_m };
+            self.is_beyond(&pair, frames, pair.required_m + critical_m + ROUNDING_M)
+        };
+        if !near(critical_m + ROUNDING_M).all(is_far) {
+            return None;
+        }
+        let gap_m = |pair: &Pair, up_to_m: f64| {
+            let enough_m = pair.required_m + up_to_m + ROUNDING_M;
+            let quick_m = self.quick_bound(pair, frames, enough_m);
+            let distance_m =
+                if quick_m >= enough_m { quick_m } else { self.distance(pair, frames, enough_m).lower_m };
+            distance_m - pair.required_m - ROUNDING_M
+        };
+        let mut to_world_m = vec![MEASURED_UP_TO_M; self.bodies.len()];
+        for pair in near(MEASURED_UP_TO_M).filter(|pair| !self.is_constant(pair, frames)) {
+            let least_m = &mut to_world_m[pair.first];
+            *least_m = least_m.min(gap_m(&pair, *least_m));
+        }
+        let of_links = self.lanes.untabled().map(|index| self.pairs.get(index));
+        let between_links_m: Vec<(Pair, f64)> = of_links
+            .filter(|pair| !pair.is_exempt())
+            .map(|pair| (pair, gap_m(&pair, MEASURED_UP_TO_M)))
+            .collect();
+        let is_apart = |gap_m: &f64| *gap_m > 0.0;
+        let mut gaps_m = to_world_m.iter().chain(between_links_m.iter().map(|(_, gap_m)| gap_m));
+        if !gaps_m.all(is_apart) {
+            return None;
+        }
+        Some(Bubble { q: q.to_vec(), frames: scratch.frames.clone(), to_world_m, between_links_m })
+    }
+
+    /// Whether no joint changes how far a link is above a plane: the base of a mobile robot, which stands close to the floor.
+    pub(crate) fn is_constant(&self, pair: &Pair, frames: &LinkFrames) -> bool {
+        /// Of a unit vector, what rounding leaves.
+        const NOTHING: f64 = 1e-12;
+        let Other::Part(index) = pair.second else { return false };
+        let part = &self.parts()[index].1;
+        let normal = part.world_from_solid.rotation * Vector::z_axis();
+        let ancestors = self.robot().ancestors(self.bodies[pair.first].link);
+        part.solid.is_half_space()
+            && ancestors.iter().all(|ancestor| {
+                let axis = frames.link(ancestor.child_link).rotation * ancestor.axis_in_child;
+                match ancestor.kind {
+                    JointKind::Prismatic => axis.dot(&normal).abs() < NOTHING,
+                    JointKind::Revolute => axis.cross(&normal).norm() < NOTHING,
+                }
+            })
+    }
+
+    /// How much of the straight motion from the middle of `bubble` to `target` is free for certain, as a share from 0 to 1,
+    /// joint limits aside: so far nothing can have moved by more than keeps it apart.
+    ///
+    /// 1. At a place on the way that is free, measure how far everything has moved, and what is left of each gap.
+    /// 2. Beyond it everything moves at most as far as joints and levers allow: so much of the way is free too.
+    ///
+    /// # Panics
+    /// If `target` has not one value per joint.
+    pub fn free_share(&self, bubble: &Bubble, target: &[f64], scratch: &mut Scratch) -> f64 {
+        for (slope, (a, b)) in scratch.slope.iter_mut().zip(bubble.q.iter().zip(target)) {
+            *slope = b - a;
+        }
+        if !scratch.slope.iter().all(|slope| slope.is_finite()) {
+            return 0.0;
+        }
+        let mut free = 0.0;
+        let mut ahead = FIRST_TRY;
+        for _ in 0..MOST_LOOKS {
+            // 1.
+            scratch.q.iter_mut().zip(between(&bubble.q, target, free)).for_each(|(q, at)| *q = at);
+            self.robot().forward_kinematics(&scratch.q, &mut scratch.frames);
+            // 2.
+            let Scratch { travel, slope, frames, .. } = &mut *scratch;
+            travel.update(self.robot(), &self.bodies, frames, slope, ahead, 1.0);
+            let ease = self.ease(bubble, scratch);
+            // Travel grows no slower than in proportion, so that a share in proportion is free.
+            let gain = if ease >= 1.0 { ahead } else { ease * ahead * SAFE };
+            let gain = gain * self.tabled_share(&bubble.q, target, free, gain);
+            free += gain;
+            if free >= 1.0 || gain < LEAST_GAIN {
+                break;
+            }
+            ahead = (NEXT_TRY * gain).min(1.0 - free);
+        }
+        free
+    }
+
+    /// Which share of the way from `free` to `free + gain` tables certify.
+    fn tabled_share(&self, a: &[f64], b: &[f64], free: f64, gain: f64) -> f64 {
+        let at = |joint: usize, share: f64| a[joint] + (b[joint] - a[joint]) * share;
+        let limits = self.robot().limits();
+        self.lanes.tables().iter().fold(1.0, |share, table| {
+            let ends = [free, free + gain * share].map(|share| table.joints.map(|joint| at(joint, share)));
+            share * table.free_share(table.joints.map(|joint| &limits[joint]), ends)
+        })
+    }
+
+    /// The least ratio, over all that must stay apart, of what is left of its gap at the frames of `scratch` to its travel;
+    /// above 1 it is of no interest.
+    fn ease(&self, bubble: &Bubble, scratch: &mut Scratch) -> f64 {
+        let Scratch { travel, frames, moved_m, .. } = scratch;
+        let ease = |gap_m: f64, moved_m: f64, travel_m: f64| {
+            let left_m = (gap_m - moved_m - ROUNDING_M).max(0.0);
+            // What does not move at all stays where it is.
+            if travel_m > 0.0 { left_m / travel_m } else { f64::INFINITY }
+        };
+        let mut least = 1.0_f64;
+        moved_m.clear();
+        for (index, (body, gap_m)) in self.bodies.iter().zip(&bubble.to_world_m).enumerate() {
+            let moved = body.moved_m(bubble.frames.link(body.link), frames.link(body.link));
+            least = least.min(ease(*gap_m, moved, travel.of(index)));
+            moved_m.push(moved);
+        }
+        for (pair, gap_m) in &bubble.between_links_m {
+            let Other::Link { body, shared_joints } = pair.second else { continue };
+            let travel_m = travel.between(pair.first, body, shared_joints);
+            // Two bounds that both hold: how far each has moved, and the dearer one, how far one has moved as the other sees it.
+            if ease(*gap_m, moved_m[pair.first] + moved_m[body], travel_m) >= least {
+                continue;
+            }
+            let [first, second] = [pair.first, body].map(|body| &self.bodies[body]);
+            let seen = |frames: &LinkFrames| frames.link(second.link).inv_mul(frames.link(first.link));
+            least = least.min(ease(*gap_m, first.moved_m(&seen(&bubble.frames), &seen(frames)), travel_m));
+        }
+        least
+    }
+}
+
+/// What rounding may take from a proportion.
+const SAFE: f64 = 1.0 - 1e-9;

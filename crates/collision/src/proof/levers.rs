@@ -1,0 +1,106 @@
+use cranny_robot::JointKind;
+
+use crate::cell::{Cell, Scratch};
+use crate::pair::pairs::Other;
+
+/// How far errors of the joints, and of where the robot stands, can move what is checked along a path.
+///
+/// With every joint that turns off by at most θ, a point of a link moves at most by θ times its levers: for each such joint
+/// the way from its origin to the point over the origins of the joints beyond, which bounds the distance from the axis
+/// wherever the joints stand. Sliding joints make that way longer or shorter: along a straight edge it is a convex function
+/// of the place, so that it is greatest at a way point.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Levers {
+    /// Of all joints that turn together, against the world, and between two links, in metres per radian.
+    pub turning_m: [f64; 2],
+    /// Of all joints that slide together, in metres per metre.
+    pub sliding: [f64; 2],
+    /// No point is ever farther from the origin of the root, in metres.
+    pub from_root_m: f64,
+}
+
+/// Pieces of an edge for which it is said how far anything is from the root.
+const PIECES: u32 = 16;
+
+impl Cell {
+    /// The levers along a path.
+    ///
+    /// # Panics
+    /// If a way point has not one value per joint.
+    pub fn levers(&self, path: &[Vec<f64>], scratch: &mut Scratch) -> Levers {
+        self.levers_with(path, &|_| 0.0, scratch)
+    }
+
+    /// The levers at a configuration while the hand closes from open, or opens.
+    ///
+    /// # Panics
+    /// If `q` has not one value per joint.
+    pub fn closing_levers(&self, q: &[f64], scratch: &mut Scratch) -> Levers {
+        let standing = [q.to_vec(), q.to_vec()];
+        self.levers_with(&standing, &|body| self.closing_way_m(&self.bodies[body]), scratch)
+    }
+
+    /// The levers along a path where every point of a body may be so much farther away, in metres.
+    fn levers_with(
+        &self,
+        path: &[Vec<f64>],
+        farther_m: &dyn Fn(usize) -> f64,
+        scratch: &mut Scratch,
+    ) -> Levers {
+        let mut levers = Levers::default();
+        for q in path {
+            self.robot.forward_kinematics(q, &mut scratch.frames);
+            let sums: Vec<Vec<[f64; 2]>> =
+                (0..self.bodies.len()).map(|body| self.sums(body, farther_m(body), scratch)).collect();
+            let greater = |lever: &mut f64, other: f64| *lever = lever.max(other);
+            for sums in &sums {
+                greater(&mut levers.turning_m[0], sums[0][0]);
+                greater(&mut levers.sliding[0], sums[0][1]);
+            }
+            for pair in self.pairs.of_links().0 {
+                let Other::Link { body, shared_joints } = pair.second else { continue };
+                let [first, second] = [&sums[pair.first], &sums[body]].map(|sums| sums[shared_joints]);
+                greater(&mut levers.turning_m[1], first[0] + second[0]);
+                greater(&mut levers.sliding[1], first[1] + second[1]);
+            }
+        }
+        for edge in path.windows(2) {
+            let [a, b] = [&edge[0], &edge[1]];
+            for (slope, (a, b)) in scratch.slope.iter_mut().zip(a.iter().zip(b)) {
+                *slope = b - a;
+            }
+            let half_width = 0.5 / f64::from(PIECES);
+            for piece in 0..PIECES {
+                self.check_at(a, b, (2.0 * f64::from(piece) + 1.0) * half_width, half_width, scratch, 1.0);
+                for (index, body) in self.bodies.iter().enumerate() {
+                    let center = scratch.frames.link(body.link) * body.bounds.ball.center;
+                    let ball_m = body.bounds.ball.radius_m + farther_m(index);
+                    let far_m = center.coords.norm() + ball_m + scratch.travel.of(index);
+                    levers.from_root_m = levers.from_root_m.max(far_m);
+                }
+            }
+        }
+        levers
+    }
+
+    /// For a link body the levers of its joints from the k-th on, of those that turn and of those that slide.
+    fn sums(&self, body: usize, farther_m: f64, scratch: &Scratch) -> Vec<[f64; 2]> {
+        let body = &self.bodies[body];
+        let mut beyond = (scratch.frames.link(body.link) * body.bounds.ball.center).coords;
+        let mut way_m = body.bounds.ball.radius_m + farther_m;
+        let ancestors = self.robot.ancestors(body.link);
+        let mut sums = vec![[0.0; 2]; ancestors.len() + 1];
+        for (k, ancestor) in ancestors.iter().enumerate().rev() {
+            let origin = scratch.frames.link(ancestor.child_link).translation.vector;
+            way_m += (beyond - origin).norm();
+            beyond = origin;
+            let [turning_m, sliding] = sums[k + 1];
+            let rate = ancestor.multiplier.abs();
+            sums[k] = match ancestor.kind {
+                JointKind::Revolute => [turning_m + rate * way_m, sliding],
+                JointKind::Prismatic => [turning_m, sliding + rate],
+            };
+        }
+        sums
+    }
+}

@@ -1,0 +1,62 @@
+use crate::cell::{Cell, Scratch};
+use crate::pair::pair_group::PairGroup;
+use crate::proof::motion::Demand;
+use crate::{Measuring, Motion};
+
+/// What is measured lies so much lower than the truth, in metres, where its share is less.
+const TOLERANCE_M: f64 = 1e-5;
+
+impl Cell {
+    /// The least distance over all pairs along a path whose edges are proven, in metres: a proven lower bound, at most
+    /// `share` of the truth, from 0 to below 1, and 10 µm too low; infinite if there is nothing to touch, 0 if an edge
+    /// cannot be proven after all. Many times faster than [`Self::least_clearance`] of every edge.
+    ///
+    /// 1. The least distance at the way points bounds it from above.
+    /// 2. Each edge is proven to keep a little less, from the last, where the hand is at its target, to the first.
+    /// 3. Where it does not, what is seen there is the new bound.
+    ///
+    /// # Panics
+    /// If a way point has not one value per joint.
+    pub fn path_clearance(&self, path: &[Vec<f64>], share: f64, scratch: &mut Scratch) -> f64 {
+        // 1.
+        let mut least_m = path.iter().map(|q| self.clearance(q, scratch)).fold(f64::INFINITY, f64::min);
+        if least_m.is_infinite() {
+            return least_m;
+        }
+        let kept_m = |least_m: f64| least_m * (1.0 - share) - TOLERANCE_M;
+        let margins = self.margins();
+        let required_m = margins.required_m(false).min(margins.required_m(true));
+        for edge in path.windows(2).rev() {
+            let beyond_m = kept_m(least_m) - required_m;
+            let demand = Demand { beyond_m, ..Demand::default() };
+            // 2.
+            if beyond_m <= 0.0 || self.prove(&edge[0], &edge[1], scratch, demand) != Motion::Proven {
+                // 3.
+                let ends = [&edge[0][..], &edge[1]];
+                least_m = self
+                    .measure_motion(ends, Measuring { below_m: least_m, share, group: None }, scratch)
+                    .seen_m;
+            }
+        }
+        kept_m(least_m).max(0.0)
+    }
+
+    /// The same over a group of pairs alone: slower, and infinite where it has none.
+    ///
+    /// # Panics
+    /// If a way point has not one value per joint.
+    pub fn group_clearance(
+        &self,
+        path: &[Vec<f64>],
+        group: PairGroup,
+        share: f64,
+        scratch: &mut Scratch,
+    ) -> f64 {
+        let mut below_m = f64::INFINITY;
+        for edge in path.windows(2).rev() {
+            let measuring = Measuring { below_m, share, group: Some(group) };
+            below_m = self.measure_motion([&edge[0], &edge[1]], measuring, scratch).seen_m;
+        }
+        if below_m.is_finite() { (below_m * (1.0 - share) - TOLERANCE_M).max(0.0) } else { below_m }
+    }
+}

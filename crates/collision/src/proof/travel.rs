@@ -1,0 +1,172 @@
+use cranny_robot::{JointKind, LinkFrames, Robot};
+use cranny_spatial::Vector;
+
+use crate::body::link_body::LinkBody;
+
+/// How far the links can move while the configuration runs along a straight edge.
+///
+/// Let the edge be `q(t)`, with slope `Δq`, and let `h` be how far `t` strays from the configuration whose
+/// frames are given. Two bounds hold, and the smaller one counts.
+///
+/// 1. By levers: a point of a link moves at most at `Σ_j a_j` per unit of `t`, `a_j = |Δq_j| · r_j`, with `r_j` its
+///    distance from the axis of joint j (1 for a prismatic joint). That distance changes only by joints beyond j,
+///    `r_j ≤ r_j(now) + h · Σ_{k beyond j} a_k`, and is never more than the way to the point over the origins of the
+///    joints beyond j (after Schwarzer, Saha & Latombe 2005, §3, with the reach taken at the configuration instead of
+///    over all of them).
+/// 2. By velocity: what joints do to a point largely cancels out. With `v` and `ω` the velocity of the middle of the
+///    ball around the link now and its angular velocity, `ρ` the ball's radius, and accelerations never greater than
+///    `α = Σ_j |Δq_j| · (a_j + 2 · Σ_{k beyond j} a_k)` over the joints that turn, no point moves farther than
+///    `h · (|v| + |ω| · ρ) + ½ h² · α` (a Taylor model of first order, as in Zhang, Redon, Lee & Kim 2007).
+///
+/// The acceleration of a point `p` beyond joints with axes `z_j` through `o_j` is the sum over j of
+/// `Δq_j · (ω_{j-1} × (z_j × (p − o_j)) + z_j × Σ_{k ≥ j} Δq_k · z_k × (p − o_k))`: that is where α comes from.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Travel {
+    /// For each link body the sums of the first bound over the joints from the k-th on, each already times `h`; one
+    /// longer than the link has joints.
+    sums: Vec<Vec<f64>>,
+    /// Per link body.
+    paces: Vec<Pace>,
+    travels_m: Vec<f64>,
+    /// Whether these have been worked out since [`Self::forget`].
+    is_known: Vec<bool>,
+    /// Per link what moves it against the one before, if that is known.
+    axes: Vec<Option<Axis>>,
+}
+
+/// Where the axis of a joint is.
+#[derive(Clone, Copy, Debug)]
+struct Axis {
+    direction: Vector,
+    origin: Vector,
+}
+
+/// How a link body moves, per unit of `t`, in metres.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Pace {
+    /// No point of it is ever faster within the interval.
+    pub most: f64,
+    /// No point of it is faster at the configuration itself.
+    pub now: f64,
+    /// What no acceleration exceeds within the interval.
+    pub acceleration: f64,
+}
+
+impl Pace {
+    /// How far a point can be from where it is now, for `t` up to `half_width` away.
+    fn travel_m(&self, half_width: f64) -> f64 {
+        half_width * self.most.min(self.now + 0.5 * half_width * self.acceleration)
+    }
+}
+
+impl Travel {
+    pub fn new(robot: &Robot, bodies: &[LinkBody]) -> Self {
+        Self {
+            sums: bodies.iter().map(|b| vec![0.0; robot.ancestors(b.link).len() + 1]).collect(),
+            paces: vec![Pace::default(); bodies.len()],
+            travels_m: vec![0.0; bodies.len()],
+            is_known: vec![false; bodies.len()],
+            axes: vec![None; robot.links().len()],
+        }
+    }
+
+    /// Bounds the motion of every link within `half_width` (of `t`) of the configuration of `frames`.
+    /// `factor` is 1; the tests set it lower to see that a wrong bound is caught.
+    pub fn update(
+        &mut self,
+        robot: &Robot,
+        bodies: &[LinkBody],
+        frames: &LinkFrames,
+        slope: &[f64],
+        half_width: f64,
+        factor: f64,
+    ) {
+        self.forget();
+        for index in 0..bodies.len() {
+            self.know(robot, bodies, index, frames, slope, half_width * factor);
+        }
+    }
+
+    /// What is known holds no more: other frames, or another interval.
+    pub fn forget(&mut self) {
+        self.is_known.fill(false);
+        self.axes.fill(None);
+    }
+
+    /// Bounds the motion of one link body, unless that is known.
+    pub fn know(
+        &mut self,
+        robot: &Robot,
+        bodies: &[LinkBody],
+        index: usize,
+        frames: &LinkFrames,
+        slope: &[f64],
+        half_width: f64,
+    ) {
+        if std::mem::replace(&mut self.is_known[index], true) {
+            return;
+        }
+        let (body, sums) = (&bodies[index], &mut self.sums[index]);
+        let center = (frames.link(body.link) * body.bounds.ball.center).coords;
+        let radius_m = body.bounds.ball.radius_m;
+        let (mut velocity, mut turn, mut pace) = (Vector::zeros(), Vector::zeros(), Pace::default());
+        // The origin of the joint beyond, and how far any point of the link can be from the one at hand by way of those.
+        let (mut beyond, mut way_m) = (center, radius_m);
+        for (k, ancestor) in robot.ancestors(body.link).iter().enumerate().rev() {
+            let rate = slope[ancestor.joint] * ancestor.multiplier;
+            let speed = rate.abs();
+            if speed > 0.0 {
+                let known = &mut self.axes[ancestor.child_link];
+                let Axis { direction: axis, origin } = *known.get_or_insert_with(|| {
+                    let joint = frames.link(ancestor.child_link);
+                    let direction = joint.rotation * ancestor.axis_in_child;
+                    Axis { direction, origin: joint.translation.vector }
+                });
+                way_m += (beyond - origin).norm();
+                beyond = origin;
+                pace.most += speed
+                    * match ancestor.kind {
+                        JointKind::Prismatic => {
+                            way_m += half_width * speed;
+                            velocity += axis * rate;
+                            1.0
+                        }
+                        JointKind::Revolute => {
+                            let arm = axis.cross(&(center - origin));
+                            let reach = (arm.norm() + radius_m + half_width * pace.most).min(way_m);
+                            velocity += arm * rate;
+                            turn += axis * rate;
+                            pace.acceleration += speed * (speed * reach + 2.0 * pace.most);
+                            reach
+                        }
+                    };
+            }
+            sums[k] = half_width * pace.most;
+        }
+        pace.now = velocity.norm() + turn.norm() * radius_m;
+        self.paces[index] = pace;
+        self.travels_m[index] = pace.travel_m(half_width);
+    }
+
+    /// How a link moves against the world.
+    pub fn pace(&self, body: usize) -> Pace {
+        self.paces[body]
+    }
+
+    /// How far any point of the link can move against the world, in metres.
+    pub fn of(&self, body: usize) -> f64 {
+        self.travels_m[body]
+    }
+
+    /// How far any point of one link can move against the other, in metres, when their first
+    /// `shared_joints` joints are the same.
+    pub fn between(&self, first: usize, second: usize, shared_joints: usize) -> f64 {
+        self.sums[first][shared_joints] + self.sums[second][shared_joints]
+    }
+}
+
+/// How many joints, from the root on, move both links alike.
+pub(crate) fn shared_joints(robot: &Robot, first: usize, second: usize) -> usize {
+    let (a, b) = (robot.ancestors(first), robot.ancestors(second));
+    a.iter().zip(b).take_while(|(x, y)| x.child_link == y.child_link).count()
+}

@@ -1,0 +1,222 @@
+use std::collections::VecDeque;
+
+use cranny_robot::Hold;
+use cranny_spatial::{Pose, ROUNDING_M};
+
+use crate::body::link_body::{LinkBody, group_separation};
+use crate::cell::{Cell, Scratch};
+use crate::pair::pair_group::PairGroup;
+use crate::pair::pairs::{Other, Pair};
+use crate::touch::contact::Contact;
+
+/// How the fingers of a hand meet what is between them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Closing {
+    /// How far the hand has closed when the first finger touches, from 0, open, to 1.
+    pub closing: f64,
+    /// How much farther the finger that touches last would have to go, in metres of its own way.
+    pub uneven_m: f64,
+    /// Share of its travel, from 0, open, to 1, at which each finger touches, by the number of the finger.
+    pub touching: Vec<f64>,
+}
+
+/// Fingers that are nearer touch, in metres.
+const TOUCHING_M: f64 = 1e-5;
+
+/// Steps of a finger towards what it meets: each is as long as the distance left.
+const MOST_STEPS: usize = 1000;
+
+impl Cell {
+    /// Closes the fingers, from open, on what the hand holds: each until it touches; `None` if one of them touches
+    /// nothing, or there is no finger, or nothing in the hand. How far the hand of the cell is closed does not enter.
+    pub fn close_on_held(&self) -> Option<Closing> {
+        let held = self.held.as_ref()?;
+        let thing = self.bodies.iter().rfind(|body| Some(body.link) == self.robot().held_link())?;
+        let tip_from_held = held.hold.tip_from_held;
+        let things: Vec<_> = thing.shapes.iter().map(|(pose, solid)| (tip_from_held * pose, solid)).collect();
+        let mut touches: Vec<(f64, f64)> = Vec::new();
+        let fingers = self.robot().hand()?.fingers;
+        for finger in 0..fingers {
+            let own = |body: &&LinkBody| self.robot().finger_of(body.link) == Some(finger);
+            let bodies: Vec<&LinkBody> = self.bodies.iter().filter(own).collect();
+            let way_m = self.finger_way_m(finger);
+            let mut closing = 0.0;
+            for _ in 0..MOST_STEPS {
+                let hold = Hold { closing, ..held.hold };
+                let mut gap_m = f64::INFINITY;
+                let tip_from_loose = self.robot().tip_from_loose(&hold);
+                for body in &bodies {
+                    let tip_from_link = self.tip_from_finger_link(body.link, &tip_from_loose)?;
+                    let placed = body.shapes.iter().map(|(pose, solid)| (tip_from_link * pose, solid));
+                    gap_m = gap_m.min(group_separation(placed, &things.iter().copied(), way_m).lower_m);
+                }
+                if gap_m < TOUCHING_M {
+                    touches.push((closing, way_m));
+                    break;
+                }
+                closing += gap_m / way_m;
+                if closing > 1.0 {
+                    return None;
+                }
+            }
+        }
+        let first = touches.iter().map(|(closing, _)| *closing).fold(f64::INFINITY, f64::min);
+        let uneven_m = touches.iter().map(|(closing, way_m)| (closing - first) * way_m).fold(0.0, f64::max);
+        let touching = touches.iter().map(|(closing, _)| *closing).collect();
+        let is_whole = touches.len() == fingers && !touches.is_empty();
+        is_whole.then_some(Closing { closing: first, uneven_m, touching })
+    }
+
+    /// The links of a finger that have geometry, by index, and where they stand in the frame of the tip when the hand has closed
+    /// by a share of its way; none of a robot that holds nothing.
+    pub fn finger_at(&self, finger: usize, closing: f64) -> Vec<(usize, Pose)> {
+        let Some(held) = &self.held else { return Vec::new() };
+        let tip_from_loose = self.robot().tip_from_loose(&Hold { closing, ..held.hold });
+        let links = self.bodies.iter().map(|body| body.link);
+        let own = links.filter(|link| self.robot().finger_of(*link) == Some(finger));
+        own.filter_map(|link| Some((link, self.tip_from_finger_link(link, &tip_from_loose)?))).collect()
+    }
+
+    /// A bound on how far any point of a finger moves while the hand closes from open, in metres.
+    pub fn finger_way_m(&self, finger: usize) -> f64 {
+        let own = self.bodies.iter().filter(|body| self.robot().finger_of(body.link) == Some(finger));
+        own.map(|body| self.closing_way_m(body)).fold(0.0, f64::max)
+    }
+
+    /// What the fingers meet, other than what the hand holds, while it closes from open to where the cell has it, the arm
+    /// at `q`; `None` if that is proven to be nothing. What cannot be decided counts as met.
+    ///
+    /// # Panics
+    /// If `q` has not one value per joint.
+    pub fn closing_contact(&self, q: &[f64], scratch: &mut Scratch) -> Option<Contact> {
+        let closing = self.held.as_ref()?.hold.closing;
+        let fingers = self.robot().hand().map_or(0, |hand| hand.fingers);
+        self.closing_contact_each(q, &vec![closing; fingers], scratch)
+    }
+
+    /// The same while every finger closes from open by its own share of its travel, all at one rate, and stands there while
+    /// others go on: a finger that stops moves no farther than one that does not.
+    ///
+    /// # Panics
+    /// If `q` has not one value per joint, or a finger has no share.
+    pub fn closing_contact_each(
+        &self,
+        q: &[f64],
+        touching: &[f64],
+        scratch: &mut Scratch,
+    ) -> Option<Contact> {
+        let held = self.held.as_ref()?;
+        let pairs = self.swept_pairs().collect();
+        let half = 0.5 * touching.iter().copied().fold(0.0, f64::max);
+        let mut open = vec![(half, half, pairs)];
+        while let Some((middle, half_width, pairs)) = open.pop() {
+            let closings: Vec<f64> = touching.iter().map(|touching| middle.min(*touching)).collect();
+            self.robot().place_fingers(held.hold.tip_from_held, &closings, &mut scratch.frames);
+            self.robot().forward_kinematics(q, &mut scratch.frames);
+            let mut doubtful = Vec::new();
+            for pair in pairs {
+                let travel_m = self.swept_m(&pair, half_width);
+                let needed_m = pair.required_m + travel_m;
+                if self.quick_bound(&pair, &scratch.frames, needed_m) > needed_m {
+                    continue;
+                }
+                let gap = self.distance(&pair, &scratch.frames, needed_m);
+                if gap.lower_m >= needed_m {
+                    continue;
+                }
+                if gap.upper_m <= pair.required_m || travel_m < RESOLUTION_M {
+                    let contact = self.describe(&pair, &scratch.frames);
+                    self.robot().place_held(&held.hold, &mut scratch.frames);
+                    return Some(contact);
+                }
+                doubtful.push(pair);
+            }
+            if !doubtful.is_empty() {
+                let half_width = 0.5 * half_width;
+                open.push((middle + half_width, half_width, doubtful.clone()));
+                open.push((middle - half_width, half_width, doubtful));
+            }
+        }
+        self.robot().place_held(&held.hold, &mut scratch.frames);
+        None
+    }
+
+    /// The least distance of the pairs of a group, fingers against what they do not hold, while the hand closes from open to
+    /// where the cell has it, or opens from there, the arm at `q`: in metres, certified from below, at most 10 µm too low;
+    /// infinite if there is none.
+    ///
+    /// # Panics
+    /// If `q` has not one value per joint.
+    pub fn closing_clearance(&self, q: &[f64], group: PairGroup, scratch: &mut Scratch) -> f64 {
+        let Some(held) = &self.held else { return f64::INFINITY };
+        let pairs: Vec<Pair> = self.swept_pairs().filter(|pair| self.group_of(pair) == group).collect();
+        let mut least_m = f64::INFINITY;
+        let half = 0.5 * held.hold.closing;
+        let mut open = VecDeque::from([(half, half, pairs)]);
+        while let Some((middle, half_width, pairs)) = open.pop_front().filter(|_| least_m > 0.0) {
+            self.robot().place_held(&Hold { closing: middle, ..held.hold }, &mut scratch.frames);
+            self.robot().forward_kinematics(q, &mut scratch.frames);
+            let mut doubtful = Vec::new();
+            for pair in pairs {
+                // Nearer than this somewhere in the interval, or not of interest.
+                let bar_m = |least_m: f64| least_m - SWEEP_TOLERANCE_M + self.swept_m(&pair, half_width);
+                if self.quick_bound(&pair, &scratch.frames, bar_m(least_m)) >= bar_m(least_m) {
+                    continue;
+                }
+                let gap = self.distance(&pair, &scratch.frames, least_m.max(bar_m(least_m)));
+                least_m = least_m.min(gap.lower_m);
+                if gap.lower_m < bar_m(least_m) {
+                    doubtful.push(pair);
+                }
+            }
+            if !doubtful.is_empty() && half_width > f64::EPSILON {
+                let half_width = 0.5 * half_width;
+                open.push_back((middle - half_width, half_width, doubtful.clone()));
+                open.push_back((middle + half_width, half_width, doubtful));
+            }
+        }
+        self.robot().place_held(&held.hold, &mut scratch.frames);
+        (least_m - SWEEP_TOLERANCE_M).max(0.0)
+    }
+
+    /// The pairs that a finger is part of, but for what the hand holds and what it may touch.
+    fn swept_pairs(&self) -> impl Iterator<Item = Pair> {
+        let is_of_finger = |body: usize| self.robot().is_of_finger(self.bodies[body].link);
+        self.pairs.iter().filter(move |pair| {
+            let is_second = matches!(pair.second, Other::Link { body, .. } if is_of_finger(body));
+            !pair.is_exempt() && (is_of_finger(pair.first) || is_second)
+        })
+    }
+
+    /// A bound on how much nearer two things come while the hand closes by a share of its way, in metres.
+    fn swept_m(&self, pair: &Pair, share: f64) -> f64 {
+        let of_body = |body: usize| self.closing_way_m(&self.bodies[body]) * share;
+        let second = match pair.second {
+            Other::Link { body, .. } => of_body(body),
+            Other::Part(_) => 0.0,
+        };
+        of_body(pair.first) + second + ROUNDING_M
+    }
+
+    /// A bound on how far any point of a body moves while the hand closes from open, in metres.
+    pub(crate) fn closing_way_m(&self, body: &LinkBody) -> f64 {
+        let ball = &body.bounds.ball;
+        self.robot().closing_way_m(body.link, (ball.center, ball.radius_m))
+    }
+
+    /// Where a link of a finger stands in the frame of the tip, the loose links where told.
+    fn tip_from_finger_link(&self, link: usize, tip_from_loose: &[Pose]) -> Option<Pose> {
+        let robot = self.robot();
+        let mut above = std::iter::successors(Some(link), |&link| robot.links()[link].parent);
+        let slot_of = |link: usize| robot.loose_links().position(|loose| loose == link);
+        let (slot, loose) = above.find_map(|link| Some((slot_of(link)?, link)))?;
+        let rest = robot.frames();
+        Some(tip_from_loose[slot] * rest.link(loose).inverse() * rest.link(link))
+    }
+}
+
+/// Greatest amount by which the measured clearance of a sweep may lie below the true one, in metres.
+const SWEEP_TOLERANCE_M: f64 = 1e-5;
+
+/// As in a proof of a motion, in metres.
+const RESOLUTION_M: f64 = 1e-6;

@@ -1,0 +1,80 @@
+use cranny_spatial::CONTACT_M;
+
+use crate::body::link_body::{LinkBody, group_separation};
+use crate::body::world::Part;
+use crate::cell::Cell;
+use crate::touch::contact::{Collider, Contact};
+
+#[cfg(doc)]
+use crate::UncheckedReason;
+
+/// Distances of the links that no joint moves from the world, in metres, certified from below; infinite where there is
+/// nothing. No motion of the robot changes them, so no proof of a motion compares these pairs; an error of where robot or
+/// object stand does change them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StandingClearance {
+    /// From all but what is to be grasped.
+    pub around_m: f64,
+    /// From what is to be grasped, as long as it is not held.
+    pub object_m: f64,
+}
+
+impl Cell {
+    /// The distances of the links that no joint moves from every part of the world but those that they touch: these are
+    /// named with every answer ([`UncheckedReason::NeverMoves`]).
+    pub fn standing_clearance(&self) -> StandingClearance {
+        let mut least = StandingClearance { around_m: f64::INFINITY, object_m: f64::INFINITY };
+        for (still, body, part) in self.standing_pairs() {
+            let known = if self.is_target(body) { &mut least.object_m } else { &mut least.around_m };
+            *known = self.standing_distance_m(still, part, *known).map_or(*known, |found| found.min(*known));
+        }
+        least
+    }
+
+    /// A link that no joint moves and that is closer to what is to be grasped than an error of that object allows
+    /// ([`Margins::object_margin_m`](crate::Margins::object_margin_m)); `None` where no such error is to be forgiven.
+    pub fn standing_contact(&self) -> Option<Contact> {
+        if self.margins.object_margin_m <= 0.0 {
+            return None;
+        }
+        let required_m = self.margins.of_held_m();
+        let mut of_target = self.standing_pairs().filter(|(_, body, _)| self.is_target(*body));
+        of_target.find_map(|(still, body, part)| {
+            let clearance_m = self.standing_distance_m(still, part, required_m)?;
+            (clearance_m < required_m).then_some(Contact {
+                first: Collider::Link(still.link),
+                second: Collider::Body(body),
+                clearance_m,
+                required_m,
+                depth_m: 0.0,
+                point: None,
+            })
+        })
+    }
+
+    /// Returns whether a body of the world is the one that is to be grasped, and is not held.
+    fn is_target(&self, body: usize) -> bool {
+        self.held.is_none() && self.grasp_bodies.last() == Some(&body)
+    }
+
+    /// Every link that no joint moves, with every part of the world that is not held, and the index of its body.
+    fn standing_pairs(&self) -> impl Iterator<Item = (&LinkBody, usize, &Part)> {
+        let held = self.held.as_ref().map(|held| held.body);
+        let still = self.bodies.iter().filter(|body| self.robot.ancestors(body.link).is_empty());
+        still.flat_map(move |still| {
+            let parts = self.parts().iter().filter(move |(body, _)| Some(*body) != held);
+            parts.map(move |(body, part)| (still, *body, part))
+        })
+    }
+
+    /// Their distance in metres, certified from below; `None` if they touch, or are surely farther apart than `beyond_m`.
+    fn standing_distance_m(&self, still: &LinkBody, part: &Part, beyond_m: f64) -> Option<f64> {
+        let frames = self.robot.frames();
+        if still.quick_bound_to(frames.link(still.link), part, beyond_m) >= beyond_m {
+            return None;
+        }
+        let placed = std::iter::once((part.world_from_solid, &part.solid));
+        let distance_m = group_separation(still.placed(&frames), &placed, beyond_m).lower_m;
+        (distance_m >= CONTACT_M).then_some(distance_m)
+    }
+}

@@ -1,0 +1,27 @@
+use crate::cell::{Cell, Scratch};
+use crate::lane::lane_scratch::as_index;
+
+impl Cell {
+    /// The least distance at `q` between what moves and the world, in metres, certified from below; `up_to_m` where that
+    /// is less. A floor above which a link always stays as high is passed over, and so are other links: those beside a
+    /// joint are always close.
+    ///
+    /// # Panics
+    /// If `q` has not one value per joint.
+    pub fn world_clearance(&self, q: &[f64], up_to_m: f64, scratch: &mut Scratch) -> f64 {
+        self.robot().forward_kinematics(q, &mut scratch.frames);
+        let frames = &scratch.frames;
+        let mut least_m = up_to_m;
+        for pairs in self.pairs.with_parts() {
+            for index in self.near_parts(pairs, frames.link(self.bodies[pairs.body].link), up_to_m) {
+                let pair = self.pairs.get(as_index(index));
+                let is_farther = self.quick_bound(&pair, frames, least_m) >= least_m;
+                // What is not a number is not farther.
+                if !is_farther && !pair.is_exempt() && !self.is_constant(&pair, frames) {
+                    least_m = least_m.min(self.distance(&pair, frames, least_m).lower_m);
+                }
+            }
+        }
+        least_m.max(0.0)
+    }
+}

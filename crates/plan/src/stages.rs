@@ -1,0 +1,7 @@
+//! Tasks: stages, the segments of their paths, and the states between.
+
+pub(crate) mod region;
+pub(crate) mod segment;
+pub(crate) mod stage;
+pub(crate) mod stage_segments;
+pub(crate) mod state;

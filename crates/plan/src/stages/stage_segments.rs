@@ -1,0 +1,104 @@
+use crate::stages::segment::{MotionEnd, Segment};
+use crate::stages::stage::Stage;
+
+/// Checks that segments are of stages: in their order; the hand closes in a pick that a stage follows, opens in a place, and
+/// nowhere else; and only an object that has just been grasped, or is let go next, may touch what carries it. Whether they
+/// come to the end of the last stage is for [`are_complete`].
+///
+/// # Errors
+/// A sentence that names the first segment that cannot follow.
+pub fn check_segments(stages: &[Stage], segments: &[Segment]) -> Result<(), String> {
+    let mut before: Option<&Segment> = None;
+    for (index, segment) in segments.iter().enumerate() {
+        if let Some(fault) = fault_of(stages, [before, segments.get(index + 1)], segment) {
+            return Err(format!("segment {index}, '{}', {fault}", segment.mode.name));
+        }
+        before = Some(segment);
+    }
+    Ok(())
+}
+
+/// Numbers the stages of segments that name none: a pick is over once its object is lifted off, a place once the hand has left
+/// the object, a move with its only segment.
+pub fn number_stages(stages: &[Stage], segments: &mut [Segment]) {
+    let mut stage = 0;
+    for index in 0..segments.len() {
+        segments[index].stage = stage;
+        let (mode, next) = (segments[index].mode, segments.get(index + 1));
+        let is_over = match stages.get(stage) {
+            Some(Stage::Pick(_)) => mode.rests_at == Some(MotionEnd::First),
+            Some(Stage::Place(_)) => !mode.holds && next.is_some_and(|next| next.mode != mode),
+            Some(Stage::Move(_)) => next.is_some(),
+            None => false,
+        };
+        stage += usize::from(is_over && stage + 1 < stages.len());
+    }
+}
+
+/// Segments in rows, each with one pick: what comes before the first belongs to that.
+pub fn picks_apart<'a>(stages: &[Stage], segments: &'a [Segment]) -> Vec<&'a [Segment]> {
+    let is_pick = |segment: &Segment| matches!(stages.get(segment.stage), Some(Stage::Pick(_)));
+    let first = segments.iter().position(is_pick).map_or(0, |first| segments[first].stage);
+    let begins = |a: &Segment, b: &Segment| a.stage != b.stage && is_pick(b) && b.stage > first;
+    segments.chunk_by(|a, b| !begins(a, b)).collect()
+}
+
+/// True if segments come to the end of the last stage.
+pub fn are_complete(stages: &[Stage], segments: &[Segment]) -> bool {
+    segments.last().is_some_and(|last| {
+        last.stage + 1 == stages.len() && last.mode.holds == holds_after(stages, last.stage)
+    })
+}
+
+/// True if the hand holds an object at the end of a stage.
+fn holds_after(stages: &[Stage], stage: usize) -> bool {
+    let of_stage = stages[..=stage].iter().enumerate().rev().find_map(|(index, stage)| match stage {
+        Stage::Pick(_) => Some(index + 1 < stages.len()),
+        Stage::Place(_) => Some(false),
+        Stage::Move(_) => None,
+    });
+    of_stage.unwrap_or(false)
+}
+
+fn fault_of(
+    stages: &[Stage],
+    [before, next]: [Option<&Segment>; 2],
+    segment: &Segment,
+) -> Option<&'static str> {
+    let Some(stage) = stages.get(segment.stage) else {
+        return Some("is of a stage that the task does not have");
+    };
+    let Some(first) = segment.waypoints.first() else { return Some("has no way points") };
+    if before.is_some_and(|before| before.waypoints.last() != Some(first)) {
+        return Some("does not begin where the segment before it ends");
+    }
+    let begins_stage = before.is_none_or(|before| before.stage + 1 == segment.stage);
+    let continues_stage = before.is_some_and(|before| before.stage == segment.stage);
+    if !(continues_stage || begins_stage && (before.is_some() || segment.stage == 0)) {
+        return Some("is neither of the stage of the segment before it nor of the next");
+    }
+    let holds = segment.mode.holds;
+    let was_held = before.is_some_and(|before| before.mode.holds);
+    let closes = holds && !was_held;
+    let opens = was_held && !holds;
+    let is_in_hand = segment.attached.is_some() || segment.opening_m.is_some();
+    if closes && (begins_stage || !matches!(stage, Stage::Pick(_)) || segment.stage + 1 == stages.len()) {
+        return Some("holds an object that was not picked");
+    }
+    if opens && (begins_stage || !matches!(stage, Stage::Place(_))) {
+        return Some("lets an object go where none is put down");
+    }
+    if is_in_hand && !holds {
+        return Some("states what is in the hand, which is open and empty");
+    }
+    let ends_stage = next.is_some_and(|next| next.stage != segment.stage);
+    if ends_stage && holds != holds_after(stages, segment.stage) {
+        return Some("ends its stage with the hand in the wrong state");
+    }
+    let may_rest = match segment.mode.rests_at {
+        None => true,
+        Some(MotionEnd::First) => closes,
+        Some(MotionEnd::Last) => next.is_some_and(|next| !next.mode.holds),
+    };
+    (!may_rest).then_some("may not touch what carries the object")
+}

@@ -1,0 +1,18 @@
+//! Joints in motion: forward kinematics, limits, bounds on errors and reach.
+
+pub(crate) mod coupled_limits;
+pub(crate) mod derived;
+pub(crate) mod frame_error;
+pub(crate) mod full_turn;
+pub(crate) mod jacobian;
+pub(crate) mod joint_group;
+pub(crate) mod joint_reach;
+pub(crate) mod joint_space;
+pub(crate) mod joint_step;
+pub(crate) mod kinematics;
+pub(crate) mod lane_chain;
+pub(crate) mod lane_kinematics;
+pub(crate) mod limits;
+pub(crate) mod moving_base;
+pub(crate) mod reach_bound;
+pub(crate) mod steadiness;

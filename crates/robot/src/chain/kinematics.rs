@@ -1,0 +1,89 @@
+use cranny_spatial::Pose;
+
+use crate::chain::joint_step::Step;
+use crate::{Hold, Robot};
+
+/// Where every link of a robot is: what [`Robot::forward_kinematics`] writes.
+#[derive(Clone, Debug)]
+pub struct LinkFrames {
+    pub(crate) root_from_link: Vec<Pose>,
+    /// Where the loose links stand on the tip ([`Robot::place_held`](crate::Robot::place_held)).
+    pub(crate) loose: Vec<Pose>,
+}
+
+impl LinkFrames {
+    /// The pose of the link with this index in the root frame, `root_from_link`.
+    ///
+    /// # Panics
+    /// If the robot that the frames were made for has no such link.
+    pub fn link(&self, index: usize) -> &Pose {
+        &self.root_from_link[index]
+    }
+
+    /// The poses of all links, in the order of [`Robot::links`].
+    pub fn all(&self) -> &[Pose] {
+        &self.root_from_link
+    }
+}
+
+impl Robot {
+    /// Frames for this robot, as at `q = 0` (which may lie outside its limits).
+    pub fn frames(&self) -> LinkFrames {
+        let mut frames = LinkFrames { root_from_link: self.rest.clone(), loose: Vec::new() };
+        if let Some(loose) = &self.loose {
+            frames.loose = vec![Pose::identity(); loose.len()];
+            self.place_held(&Hold { tip_from_held: Pose::identity(), closing: 0.0 }, &mut frames);
+        }
+        frames
+    }
+
+    /// The pose of every link at `q`. Whoever asks often uses [`Self::forward_kinematics`], which makes no new frames.
+    ///
+    /// # Panics
+    /// If `q` does not hold [`dof`](Self::dof) values.
+    pub fn frames_at(&self, q: &[f64]) -> LinkFrames {
+        let mut frames = self.frames();
+        self.forward_kinematics(q, &mut frames);
+        frames
+    }
+
+    /// Writes the pose of every link at `q` to `frames`. Every call starts afresh from `q`, so that errors
+    /// of rounding do not add up. Limits are not checked.
+    ///
+    /// # Panics
+    /// If `q` does not hold [`dof`](Self::dof) values, or `frames` come from another robot.
+    pub fn forward_kinematics(&self, q: &[f64], frames: &mut LinkFrames) {
+        assert_eq!(frames.root_from_link.len(), self.rest.len(), "frames of this robot");
+        self.follow(&self.steps, q, frames);
+    }
+
+    /// The same for the links from the root to the tip only; the other frames keep what they hold.
+    ///
+    /// # Panics
+    /// As [`Self::forward_kinematics`].
+    pub fn tip_kinematics(&self, q: &[f64], frames: &mut LinkFrames) {
+        self.follow(&self.tip_steps, q, frames);
+    }
+
+    /// [`Self::forward_kinematics`] where only these joints have another value than when `frames` was computed.
+    ///
+    /// # Panics
+    /// As [`Self::forward_kinematics`].
+    pub fn update_kinematics(&self, q: &[f64], joints: &[usize], frames: &mut LinkFrames) {
+        assert_eq!(q.len(), self.dof(), "one value for each joint of the group");
+        let is_moved =
+            |step: &&Step| self.movers[step.link].iter().any(|mover| joints.contains(&mover.joint));
+        for step in self.steps.iter().filter(is_moved) {
+            let LinkFrames { root_from_link, loose } = &mut *frames;
+            root_from_link[step.link] = step.root_from_link(&root_from_link[step.parent], loose, q);
+        }
+    }
+
+    fn follow(&self, steps: &[Step], q: &[f64], frames: &mut LinkFrames) {
+        assert_eq!(q.len(), self.dof(), "one value for each joint of the group");
+        let LinkFrames { root_from_link, loose } = frames;
+        for step in steps {
+            root_from_link[step.link] = step.root_from_link(&root_from_link[step.parent], loose, q);
+        }
+    }
+}

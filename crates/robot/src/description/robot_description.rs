@@ -1,0 +1,226 @@
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::chain::joint_group::{MIMIC_SLACK, admits, range, unknown_joint, unknown_link};
+use crate::description::rate_limits::parse_yaml;
+use crate::description::urdf_model::Urdf;
+use crate::gripper::hand_description::line_of;
+use crate::tree::Tree;
+use crate::{HandDescription, Hindrance, JointGroup, JointLimits, Location, RobotError, RobotOptions};
+
+/// What [`Robot::load`](crate::Robot::load) looks for beside a URDF.
+pub(crate) const LIMITS: &str = "limits.yaml";
+pub(crate) const DESCRIPTION: &str = "robot.yaml";
+
+/// What a URDF does not say of a robot: `robot.yaml` beside it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RobotDescription {
+    /// Its URDF, from the folder of this file; who opens the folder opens that.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub urdf: Option<PathBuf>,
+    /// The group of the SRDF whose joints move. Default: as of [`RobotOptions::group`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub group: Option<String>,
+    /// The link that grasps are reached with. Default: that of the hand, else as of [`RobotOptions::tip`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tip: Option<String>,
+    /// Joints outside the group, and where they stand (m, rad).
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub fixed: BTreeMap<String, f64>,
+    /// Links whose meshes stand for what they enclose, not for their convex hull: those that an object reaches into, such as
+    /// a palm that is one body with a jaw. Motions of the others are found faster.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub solid_meshes: Vec<String>,
+    /// Start if a scenario states none: the joints that move (m, rad); those left out are as near to 0 as they can be.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub start: BTreeMap<String, f64>,
+    /// Height of the ground that it stands on in its root frame, in metres: there a scene's floor is laid.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub floor_m: Option<f64>,
+    /// Its hand, if it has one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hand: Option<HandDescription>,
+    /// Location of `start`.
+    #[serde(skip)]
+    #[schemars(skip)]
+    pub(crate) start_at: Option<Location>,
+}
+
+impl RobotDescription {
+    /// Reads the text of a `robot.yaml`; `file` is the name for it in errors.
+    ///
+    /// # Errors
+    /// [`RobotError::Yaml`] or [`RobotError::Empty`] for a text that is none, [`RobotError::HandFigure`] for a figure
+    /// that cannot be.
+    pub fn parse(text: &str, file: &str) -> Result<Self, RobotError> {
+        let mut description: Self = parse_yaml(text, file)?;
+        if !description.start.is_empty() {
+            description.start_at = Some(line_of(text, file, "start"));
+        }
+        if let Some(hand) = &description.hand {
+            hand.check(text, file)?;
+        }
+        let numbers = description.start.iter().chain(&description.fixed);
+        let mut numbers = numbers.map(|(joint, value)| (joint.as_str(), *value)).collect::<Vec<_>>();
+        numbers.extend(description.floor_m.map(|height_m| ("floor_m", height_m)));
+        if let Some(&(key, value)) = numbers.iter().find(|(_, value)| !value.is_finite()) {
+            let (at, range) = (line_of(text, file, key), "a number".to_owned());
+            let element = format!("`{key}`");
+            return Err(RobotError::HandFigure { at, element, attribute: "the value", value, range });
+        }
+        Ok(description)
+    }
+
+    /// The URDF that `path` names: a URDF, or that of a folder with a `robot.yaml`.
+    ///
+    /// # Errors
+    /// [`RobotError::NoDescription`] for a folder without one, or one that names no URDF; as [`Self::parse`].
+    pub(crate) fn urdf_at(path: &Path) -> Result<PathBuf, RobotError> {
+        if !path.is_dir() {
+            return Ok(path.to_owned());
+        }
+        let file = path.join(DESCRIPTION);
+        let missing = || RobotError::NoDescription { folder: path.to_owned() };
+        if !file.is_file() {
+            return Err(missing());
+        }
+        let text = cranny_file::TEXT
+            .text(&file)
+            .map_err(|reason| RobotError::Unreadable { path: file.clone(), reason })?;
+        let description = Self::parse(&text, &file.display().to_string())?;
+        Ok(path.join(description.urdf.ok_or_else(missing)?))
+    }
+
+    /// Fills in what the options leave open.
+    pub(crate) fn complete(&self, options: &mut RobotOptions) {
+        if let (JointGroup::RootToTip, Some(group)) = (&options.group, &self.group) {
+            options.group = JointGroup::Srdf(group.clone());
+        }
+        options.tip = options.tip.take().or_else(|| self.tip.clone());
+        options.solid_meshes.extend_from_slice(&self.solid_meshes);
+        for (joint, value) in &self.fixed {
+            options.fixed.entry(joint.clone()).or_insert(*value);
+        }
+    }
+
+    /// Whether the robot has what it names, and joints can be held where it says; `text` is that of `file`, in which it
+    /// stands.
+    ///
+    /// # Errors
+    /// [`RobotError::UnknownName`], [`RobotError::NotFree`], [`RobotError::HeldOutsideLimits`], each with its line in
+    /// `file`.
+    pub(crate) fn check_names(
+        &self,
+        (text, file): (&str, &str),
+        urdf: &Urdf,
+        tree: &Tree,
+    ) -> Result<(), RobotError> {
+        let at = |section: &str, name: &str| line_within(text, file, section, name);
+        let hand = self.hand.as_ref();
+        let fingers = hand.into_iter().flat_map(|hand| hand.fingers.keys()).map(|name| ("fingers", name));
+        let held = self.fixed.keys().map(|name| ("fixed", name));
+        let started = self.start.keys().map(|name| ("start", name));
+        for (section, name) in fingers.chain(held).chain(started) {
+            if tree.joint(name).is_none() {
+                let place = format!("{}: {section}", at(section, name));
+                return Err(unknown_joint(urdf, place, name));
+            }
+        }
+        let of_hand = hand.and_then(|hand| hand.tip.as_ref());
+        let tips = self.tip.iter().chain(of_hand).map(|name| ("tip", name));
+        for (section, name) in tips.chain(self.solid_meshes.iter().map(|name| ("solid_meshes", name))) {
+            if tree.node(name).is_none() {
+                let place = format!("{}: {section}", at(section, name));
+                return Err(unknown_link(urdf, place, name));
+            }
+        }
+        for (finger, range) in hand.into_iter().flat_map(|hand| &hand.fingers) {
+            let mimic =
+                tree.joint(finger).and_then(|joint| urdf.joints[joint].motion.as_ref()?.mimic.as_ref());
+            let Some(mimic) = mimic else { continue };
+            let not_free = |hindrance| {
+                let (at, joint) = (at("fingers", finger), finger.clone());
+                Err(RobotError::NotFree { at, joint, wanted: "moved as a finger", hindrance })
+            };
+            let master = mimic.master.clone();
+            let Some(of_master) = hand.and_then(|hand| hand.fingers.get(&master)) else {
+                return not_free(Hindrance::Mimic { master });
+            };
+            for (own, of_master) in [(range.open, of_master.open), (range.closed, of_master.closed)] {
+                let value = of_master * mimic.multiplier + mimic.offset;
+                if (own - value).abs() > MIMIC_SLACK {
+                    return not_free(Hindrance::MimicValue { master, value });
+                }
+            }
+        }
+        for (name, &value) in &self.fixed {
+            let Some(index) = tree.joint(name) else { continue };
+            let (at, joint) = (at("fixed", name), name.clone());
+            let finger = hand.and_then(|hand| hand.fingers.get(name));
+            if let Some(open) =
+                finger.map(|range| range.open).filter(|&open| (open - value).abs() > MIMIC_SLACK)
+            {
+                let hindrance = Hindrance::Finger { open };
+                return Err(RobotError::NotFree { at, joint, wanted: "held at another value", hindrance });
+            }
+            let Some(motion) = &urdf.joints[index].motion else {
+                return Err(RobotError::NotFree {
+                    at,
+                    joint,
+                    wanted: "held at a value",
+                    hindrance: Hindrance::Fixed,
+                });
+            };
+            let (lower, upper) = range(motion);
+            if motion.mimic.is_none() && !admits(motion, value) {
+                return Err(RobotError::HeldOutsideLimits { at, joint, value, lower, upper });
+            }
+        }
+        Ok(())
+    }
+
+    /// The start of the group of these names and limits, joints without a value as near to 0 as they can be; `None` where it
+    /// names none of them.
+    ///
+    /// # Errors
+    /// [`RobotError::NotFree`] for a joint that does not belong to the group, where `is_own_group`: a caller may choose other
+    /// joints.
+    pub(crate) fn start_of(
+        &self,
+        joints: &[String],
+        limits: &[JointLimits],
+        is_own_group: bool,
+    ) -> Result<Option<Vec<f64>>, RobotError> {
+        let other = self.start.keys().find(|name| !joints.contains(name)).filter(|_| is_own_group);
+        if let Some((joint, at)) = other.zip(self.start_at.as_ref()) {
+            let (at, joint) = (at.clone(), joint.clone());
+            let (wanted, hindrance) = ("in the start", Hindrance::NotInGroup);
+            return Err(RobotError::NotFree { at, joint, wanted, hindrance });
+        }
+        let stated: Vec<_> = joints.iter().map(|joint| self.start.get(joint).copied()).collect();
+        let at = |(stated, limits): (&Option<f64>, &JointLimits)| stated.unwrap_or_else(|| limits.clamp(0.0));
+        Ok(stated.iter().any(Option::is_some).then(|| stated.iter().zip(limits).map(at).collect()))
+    }
+}
+
+/// The line in which a section names something: the first from one on that begins with `section:`, else the first of all.
+fn line_within(text: &str, file: &str, section: &str, name: &str) -> Location {
+    let lines: Vec<&str> = text.lines().collect();
+    let depth = |line: &str| line.len() - line.trim_start().len();
+    let begins =
+        |line: &str| line.trim_start().strip_prefix(section).is_some_and(|rest| rest.starts_with(':'));
+    // A section ends where a line stands as far left as its own, but for the points of a list.
+    let is_within = |first: usize, line: &str| {
+        line.trim().is_empty() || depth(line) > depth(lines[first]) || line.trim_start().starts_with('-')
+    };
+    let named = |first: usize| {
+        let end = (first + 1..lines.len()).find(|&next| !is_within(first, lines[next]));
+        (first..end.unwrap_or(lines.len())).find(|&line| lines[line].contains(name))
+    };
+    let line = (0..lines.len()).filter(|&line| begins(lines[line])).find_map(named).unwrap_or(0);
+    Location { file: file.to_owned(), line: u32::try_from(line + 1).unwrap_or(u32::MAX) }
+}

@@ -1,0 +1,138 @@
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use crate::description::robot_description::{DESCRIPTION, LIMITS};
+use crate::description::xml::{XmlText, known_prefixes};
+use crate::{RobotDescription, RobotError, description::mesh_path};
+
+/// A robot's files, brought together: URDF, SRDF, limits and meshes under names of one folder, in which the URDF
+/// finds its meshes without any package.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RobotFiles {
+    /// Content by name, with slashes.
+    pub contents: BTreeMap<String, Vec<u8>>,
+    /// The name of the URDF.
+    pub urdf: String,
+    /// The name of the SRDF, if there is one.
+    pub srdf: Option<String>,
+}
+
+/// The folder of the meshes.
+const MESHES: &str = "meshes";
+
+impl RobotFiles {
+    /// Reads the files of the robot at `robot`, a URDF or a folder with a `robot.yaml`: the SRDF given, or else the one beside it, `limits.yaml` and `robot.yaml`
+    /// beside it, and every mesh that it names, for collision or for looks; `package://` as in
+    /// [`RobotOptions::packages`](crate::RobotOptions::packages). A mesh for looks alone that is not there is
+    /// left out. What a mesh file itself refers to, such as textures, is not followed.
+    ///
+    /// # Errors
+    /// [`RobotError::Unreadable`], [`RobotError::MeshNotFound`], and what makes the text no URDF.
+    pub fn gather(robot: &Path, srdf: Option<&Path>, packages: &[PathBuf]) -> Result<Self, RobotError> {
+        let urdf = &RobotDescription::urdf_at(robot)?;
+        let text = cranny_file::TEXT
+            .text(urdf)
+            .map_err(|reason| RobotError::Unreadable { path: urdf.to_owned(), reason })?;
+        let mut files = Self::of_text(text, urdf, packages)?;
+        let name_of = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let beside = urdf.with_extension("srdf");
+        let srdf = srdf.map(Path::to_owned).or_else(|| beside.is_file().then_some(beside));
+        let others = [LIMITS, DESCRIPTION].map(|name| urdf.with_file_name(name)).into_iter();
+        for extra in srdf.iter().cloned().chain(others.filter(|path| path.is_file())) {
+            files.contents.insert(name_of(&extra), bytes_of(&extra)?);
+        }
+        files.srdf = srdf.as_deref().map(name_of);
+        Ok(files)
+    }
+
+    /// URDF and meshes alone; `text` is that of the URDF at `urdf`, or what became of it.
+    ///
+    /// # Errors
+    /// As [`Self::gather`].
+    pub fn of_text(mut text: String, urdf: &Path, packages: &[PathBuf]) -> Result<Self, RobotError> {
+        let mut contents = BTreeMap::new();
+        let mut names: BTreeMap<PathBuf, String> = BTreeMap::new();
+        // From the last to the first, so that the places of the others stay.
+        for mesh in mesh_names(&text, urdf)?.into_iter().rev() {
+            let tried = mesh_path::candidates(&mesh.file, urdf.parent(), packages);
+            let Some(path) = tried.iter().find(|path| mesh_path::is_file_like(path)) else {
+                if mesh.is_for_looks {
+                    continue;
+                }
+                return Err(mesh.not_found(tried));
+            };
+            if !names.contains_key(path) {
+                let name = free_name(path, &contents);
+                contents.insert(name.clone(), bytes_of(path)?);
+                names.insert(path.clone(), name);
+            }
+            text.replace_range(mesh.place.clone(), &names[path]);
+        }
+        let name = urdf.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        contents.insert(name.clone(), text.into_bytes());
+        Ok(Self { contents, urdf: name, srdf: None })
+    }
+}
+
+fn bytes_of(path: &Path) -> Result<Vec<u8>, RobotError> {
+    let unreadable = |reason| RobotError::Unreadable { path: path.to_owned(), reason };
+    cranny_file::MESH.bytes(path).map_err(unreadable)
+}
+
+impl RobotFiles {
+    /// Whether their folder names the robot by itself.
+    pub fn has_description(&self) -> bool {
+        self.contents.contains_key(DESCRIPTION)
+    }
+}
+
+/// A mesh as a URDF names it.
+pub(crate) struct MeshName {
+    pub(crate) file: String,
+    /// Where the name stands in the text.
+    pub(crate) place: Range<usize>,
+    link: String,
+    at: crate::Location,
+    is_for_looks: bool,
+}
+
+impl MeshName {
+    fn not_found(self, tried: Vec<PathBuf>) -> RobotError {
+        RobotError::MeshNotFound { at: self.at, link: self.link, mesh: self.file, tried }
+    }
+}
+
+/// The meshes that a URDF names, in the order of the text.
+pub(crate) fn mesh_names(text: &str, urdf: &Path) -> Result<Vec<MeshName>, RobotError> {
+    let file = urdf.display().to_string();
+    let text = known_prefixes(text);
+    let xml = XmlText::parse(&text, &file)?;
+    let mut names = Vec::new();
+    for link in xml.robot()?.all("link") {
+        for (tag, is_for_looks) in [("collision", false), ("visual", true)] {
+            let geometries = link.all(tag).filter_map(|body| body.first("geometry"));
+            for mesh in geometries.filter_map(|geometry| geometry.first("mesh")) {
+                let Some((file, place)) = mesh.text_and_place("filename") else { continue };
+                let link = link.optional_text("name").unwrap_or_default().to_owned();
+                names.push(MeshName { file: file.to_owned(), place, link, at: mesh.at(), is_for_looks });
+            }
+        }
+    }
+    names.sort_by_key(|name| name.place.start);
+    Ok(names)
+}
+
+/// A name for the mesh that no other has.
+fn free_name(path: &Path, taken: &BTreeMap<String, Vec<u8>>) -> String {
+    let part = |part: Option<&std::ffi::OsStr>| part.unwrap_or_default().to_string_lossy().into_owned();
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "_-.".contains(c);
+    let stem: String = part(path.file_stem()).chars().map(|c| if is_plain(c) { c } else { '_' }).collect();
+    let ending = part(path.extension());
+    let with = |suffix: String| format!("{MESHES}/{stem}{suffix}.{ending}");
+    let numbered = (2..).map(|number: u32| with(format!("-{number}")));
+    std::iter::once(with(String::new()))
+        .chain(numbered)
+        .find(|name| !taken.contains_key(name))
+        .unwrap_or_default()
+}

@@ -1,0 +1,377 @@
+use cranny_file::nearest_names;
+
+use crate::description::unread::Notes;
+use crate::description::xml::{Element, XmlText};
+use crate::tree::MAX_LINKS;
+use crate::{Location, RobotError};
+
+/// What an SRDF says about groups, states and pairs of links; names are checked against a robot when the
+/// two are put together.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Srdf {
+    /// Named sets of joints.
+    pub groups: Vec<SrdfGroup>,
+    /// Named values for the joints of a group.
+    pub group_states: Vec<GroupState>,
+    /// Hands and tools.
+    pub end_effectors: Vec<EndEffector>,
+    /// Pairs of links that are never tested against each other.
+    pub disabled_pairs: Vec<(String, String)>,
+    /// Links that are tested against no other link but those of `enabled_pairs`
+    /// (`disable_default_collisions`).
+    pub untested_links: Vec<String>,
+    /// Pairs of links that are tested unless `disabled_pairs` names them (`enable_collisions`).
+    pub enabled_pairs: Vec<(String, String)>,
+    /// Joints between the robot and what it stands on.
+    pub virtual_joints: Vec<VirtualJoint>,
+    /// Joints that no motor drives.
+    pub passive_joints: Vec<String>,
+    /// Locations of `disabled_pairs`, `untested_links`, `enabled_pairs` and `passive_joints` in the file.
+    pub(crate) places: Places,
+    /// Content that is not read, one line for each kind.
+    pub(crate) notes: Vec<String>,
+}
+
+/// Lines of an SRDF, by what stands in them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Places {
+    pub(crate) disabled: Vec<Location>,
+    pub(crate) untested: Vec<Location>,
+    pub(crate) enabled: Vec<Location>,
+    pub(crate) passive: Vec<Location>,
+}
+
+/// A joint between a robot and what it stands on.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct VirtualJoint {
+    /// Its name.
+    pub name: String,
+    /// Kind of motion.
+    pub kind: VirtualJointKind,
+    /// The frame that the robot stands in.
+    pub parent_frame: String,
+    /// The link that stands there.
+    pub child_link: String,
+}
+
+/// Kind of motion of a [`VirtualJoint`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, strum::EnumString, strum::IntoStaticStr)]
+#[strum(serialize_all = "lowercase")]
+pub enum VirtualJointKind {
+    /// Not at all.
+    Fixed,
+    /// In the plane x, y, and about z.
+    Planar,
+    /// Any way.
+    Floating,
+}
+
+/// A named set of joints: all those of its chains, links, joints and sub-groups.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SrdfGroup {
+    /// Its name.
+    pub name: String,
+    /// Base link and tip link of each chain.
+    pub chains: Vec<(String, String)>,
+    /// Joints named one by one.
+    pub joints: Vec<String>,
+    /// Links, each standing for the joint above it.
+    pub links: Vec<String>,
+    /// Names of groups that this one contains.
+    pub subgroups: Vec<String>,
+    /// Where it stands.
+    pub at: Location,
+}
+
+/// Named values for joints.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GroupState {
+    /// Its name.
+    pub name: String,
+    /// The group it is for.
+    pub group: String,
+    /// Joint and value, in metres or radians.
+    pub values: Vec<(String, f64)>,
+    /// Joints that have a pose, which is not read.
+    pub unread: Vec<String>,
+    /// Where it stands.
+    pub at: Location,
+}
+
+/// A hand or tool.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EndEffector {
+    /// Its name.
+    pub name: String,
+    /// The group of its own joints.
+    pub group: String,
+    /// The link that it is mounted on.
+    pub parent_link: String,
+    /// The group that moves it, if said.
+    pub parent_group: Option<String>,
+    /// Where it stands.
+    pub at: Location,
+}
+
+impl Srdf {
+    /// Reads an SRDF from `text`; `file` is the name for it in errors.
+    ///
+    /// # Errors
+    /// XML that is not well-formed, an attribute missing, a value that is no number; an attribute or element that is
+    /// unknown within a known element, or an element that may be a misspelt one. Other unknown elements are noted.
+    pub fn parse(text: &str, file: &str) -> Result<Self, RobotError> {
+        let xml = XmlText::parse(text, file)?;
+        let robot = xml.robot()?;
+        let mut srdf = Self::default();
+        let mut notes = Notes::default();
+        let pair = |element: Element<'_>| -> Result<(String, String), RobotError> {
+            known(element, &["link1", "link2", "reason"], &[])?;
+            Ok((element.text("link1")?.to_owned(), element.text("link2")?.to_owned()))
+        };
+        for element in robot.children() {
+            match &*element.tag() {
+                "group" => {
+                    srdf.groups.push(parse_group(element)?);
+                    element.all("passive_joint").try_for_each(|joint| srdf.add_passive_joint(joint))?;
+                }
+                "group_state" => srdf.group_states.push(parse_state(element)?),
+                "end_effector" => srdf.end_effectors.push(parse_end_effector(element)?),
+                "disable_collisions" => {
+                    srdf.disabled_pairs.push(pair(element)?);
+                    srdf.places.disabled.push(element.at());
+                }
+                "enable_collisions" => {
+                    srdf.enabled_pairs.push(pair(element)?);
+                    srdf.places.enabled.push(element.at());
+                }
+                "disable_default_collisions" => {
+                    known(element, &["link"], &[])?;
+                    srdf.untested_links.push(element.text("link")?.to_owned());
+                    srdf.places.untested.push(element.at());
+                }
+                "passive_joint" => srdf.add_passive_joint(element)?,
+                "virtual_joint" => srdf.virtual_joints.push(parse_virtual_joint(element)?),
+                // Approximations, hints and plugins of others, which change neither groups nor pairs.
+                "link_sphere_approximation"
+                | "joint_property"
+                | "group_tcps"
+                | "kinematics_plugin_config"
+                | "contact_managers_plugin_config"
+                | "calibration_config" => {}
+                tag if nearest_names(tag, ELEMENTS.iter().copied()).is_empty() => {
+                    notes.add(&format!("element <{tag}>"), robot, element);
+                }
+                tag => return Err(unknown(element, "element", tag, &ELEMENTS)),
+            }
+        }
+        srdf.notes = [notes.lines(), srdf.contradictions()].concat();
+        // Groups may hold groups, and are looked up by their name.
+        if let Some(extra) = srdf.groups.get(MAX_LINKS) {
+            let (at, actual) = (extra.at.clone(), srdf.groups.len());
+            return Err(RobotError::TooMany { at, what: "groups in one SRDF", most: MAX_LINKS, actual });
+        }
+        Ok(srdf)
+    }
+
+    /// Names that are given twice, or that nothing has, in sentences.
+    fn contradictions(&self) -> Vec<String> {
+        let mut found = Vec::new();
+        let is_group = |name: &String| self.group(name).is_some();
+        for (index, SrdfGroup { name, at, .. }) in self.groups.iter().enumerate() {
+            if self.groups[..index].iter().any(|earlier| earlier.name == *name) {
+                found.push(format!("{at}: group `{name}` is there before: the first counts"));
+            }
+        }
+        for (index, state) in self.group_states.iter().enumerate() {
+            let GroupState { name, group, values, at, .. } = state;
+            if !is_group(group) {
+                found.push(format!("{at}: state `{name}` is of group `{group}`, which is not there"));
+            }
+            let is_same = |other: &GroupState| other.name == *name && other.group == *group;
+            if self.group_states[..index].iter().any(is_same) {
+                found.push(format!(
+                    "{at}: state `{name}` of group `{group}` is there before: the first counts"
+                ));
+            }
+            for (index, (joint, _)) in values.iter().enumerate() {
+                if values[..index].iter().any(|(earlier, _)| earlier == joint) {
+                    found.push(format!("{at}: state `{name}` has joint `{joint}` twice: the last counts"));
+                }
+            }
+            for joint in &state.unread {
+                found.push(format!("{at}: state `{name}` has a pose of joint `{joint}`, which is not read"));
+            }
+        }
+        for EndEffector { name, group, at, .. } in
+            self.end_effectors.iter().filter(|end| !is_group(&end.group))
+        {
+            found.push(format!("{at}: end effector `{name}` is of group `{group}`, which is not there"));
+        }
+        found
+    }
+
+    fn add_passive_joint(&mut self, element: Element<'_>) -> Result<(), RobotError> {
+        known(element, &["name"], &[])?;
+        self.passive_joints.push(element.text("name")?.to_owned());
+        self.places.passive.push(element.at());
+        Ok(())
+    }
+
+    /// The group of that name.
+    pub fn group(&self, name: &str) -> Option<&SrdfGroup> {
+        self.groups.iter().find(|group| group.name == name)
+    }
+
+    /// Returns whether a group, or one within it, names that joint.
+    pub fn has_joint(&self, group: &str, joint: &str) -> bool {
+        self.any_group(group, |group| group.joints.iter().any(|name| name == joint))
+    }
+
+    /// Returns whether a chain of a group, or of one within it, begins at that frame or link.
+    pub fn has_chain_from(&self, group: &str, base: &str) -> bool {
+        self.any_group(group, |group| group.chains.iter().any(|(from, _)| from == base))
+    }
+
+    /// Returns whether a condition holds for a group, or for one within it.
+    fn any_group(&self, name: &str, holds: impl Fn(&SrdfGroup) -> bool) -> bool {
+        let mut names = vec![name];
+        // Groups within groups may be a loop.
+        for next in 0..=self.groups.len() {
+            let Some(group) = names.get(next).and_then(|name| self.group(name)) else { continue };
+            if holds(group) {
+                return true;
+            }
+            let new: Vec<&str> =
+                group.subgroups.iter().map(String::as_str).filter(|name| !names.contains(name)).collect();
+            names.extend(new);
+        }
+        false
+    }
+
+    /// The virtual joint of that name, or of which that is the name of a part (`NAME/x`).
+    pub(crate) fn virtual_joint(&self, name: &str) -> Option<&VirtualJoint> {
+        self.virtual_joints.iter().find(|joint| {
+            name.strip_prefix(&joint.name).is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
+        })
+    }
+}
+
+/// Elements that are read.
+const ELEMENTS: [&str; 8] = [
+    "group",
+    "group_state",
+    "end_effector",
+    "virtual_joint",
+    "passive_joint",
+    "disable_collisions",
+    "enable_collisions",
+    "disable_default_collisions",
+];
+
+/// Refuses an element with attributes or elements other than these.
+fn known(
+    element: Element<'_>,
+    attributes: &[&'static str],
+    elements: &[&'static str],
+) -> Result<(), RobotError> {
+    if let Some(name) = element.attribute_names().find(|name| !attributes.contains(name)) {
+        return Err(unknown(element, "attribute", name, attributes));
+    }
+    match element.children().find(|child| !elements.contains(&&*child.tag())) {
+        Some(child) => Err(unknown(child, "element", &child.tag(), elements)),
+        None => Ok(()),
+    }
+}
+
+fn unknown(element: Element<'_>, kind: &'static str, name: &str, known: &[&str]) -> RobotError {
+    let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
+    RobotError::UnknownInSrdf { at: element.at(), kind, name: name.to_owned(), known }
+}
+
+fn parse_virtual_joint(element: Element<'_>) -> Result<VirtualJoint, RobotError> {
+    known(element, &["name", "type", "parent_frame", "child_link"], &[])?;
+    let kind = element.text("type")?;
+    Ok(VirtualJoint {
+        name: element.text("name")?.to_owned(),
+        kind: kind
+            .parse()
+            .map_err(|_| unknown(element, "type of virtual joint", kind, &["fixed", "planar", "floating"]))?,
+        parent_frame: element.text("parent_frame")?.to_owned(),
+        child_link: element.text("child_link")?.to_owned(),
+    })
+}
+
+fn parse_group(element: Element<'_>) -> Result<SrdfGroup, RobotError> {
+    known(element, &["name"], &["chain", "joint", "link", "group", "passive_joint"])?;
+    for chain in element.all("chain") {
+        known(chain, &["base_link", "tip_link"], &[])?;
+    }
+    let names = |tag| -> Result<Vec<String>, RobotError> {
+        let name = |child: Element<'_>| {
+            known(child, &["name"], &[])?;
+            Ok(child.text("name")?.to_owned())
+        };
+        element.all(tag).map(name).collect()
+    };
+    Ok(SrdfGroup {
+        name: element.text("name")?.to_owned(),
+        chains: element
+            .all("chain")
+            .map(|chain| Ok((chain.text("base_link")?.to_owned(), chain.text("tip_link")?.to_owned())))
+            .collect::<Result<_, RobotError>>()?,
+        joints: names("joint")?,
+        links: names("link")?,
+        subgroups: names("group")?,
+        at: element.at(),
+    })
+}
+
+fn parse_state(element: Element<'_>) -> Result<GroupState, RobotError> {
+    known(element, &["name", "group"], &["joint"])?;
+    let is_pose =
+        |joint: &Element<'_>| joint.text("value").is_ok_and(|value| value.split_whitespace().count() == 7);
+    Ok(GroupState {
+        name: element.text("name")?.to_owned(),
+        group: element.text("group")?.to_owned(),
+        unread: element
+            .all("joint")
+            .filter(is_pose)
+            .map(|joint| Ok(joint.text("name")?.to_owned()))
+            .collect::<Result<_, RobotError>>()?,
+        values: element
+            .all("joint")
+            .map(parse_value)
+            .collect::<Result<Vec<_>, RobotError>>()?
+            .into_iter()
+            .flatten()
+            .collect(),
+        at: element.at(),
+    })
+}
+
+/// The value of a joint; of a planar one three, which stand for the three joints that it is here. Of a floating one
+/// `MoveIt` writes a pose: that is not read.
+fn parse_value(joint: Element<'_>) -> Result<Vec<(String, f64)>, RobotError> {
+    known(joint, &["name", "value"], &[])?;
+    let name = joint.text("name")?;
+    let named = |suffix: &str| format!("{name}/{suffix}");
+    Ok(match joint.text("value")?.split_whitespace().count() {
+        3 => {
+            let [x, y, theta] = joint.numbers("value")?.unwrap_or_default();
+            vec![(named("x"), x), (named("y"), y), (named("theta"), theta)]
+        }
+        7 => Vec::new(),
+        _ => vec![(name.to_owned(), joint.number("value")?)],
+    })
+}
+
+fn parse_end_effector(element: Element<'_>) -> Result<EndEffector, RobotError> {
+    known(element, &["name", "group", "parent_link", "parent_group"], &[])?;
+    Ok(EndEffector {
+        name: element.text("name")?.to_owned(),
+        group: element.text("group")?.to_owned(),
+        parent_link: element.text("parent_link")?.to_owned(),
+        parent_group: element.optional_text("parent_group").map(str::to_owned),
+        at: element.at(),
+    })
+}

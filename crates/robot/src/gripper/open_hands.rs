@@ -1,0 +1,49 @@
+use crate::chain::joint_group::{named_group, range};
+use crate::description::options::RobotOptions;
+use crate::description::robot_description::RobotDescription;
+use crate::description::srdf::Srdf;
+use crate::description::text_source::parsed;
+use crate::description::urdf_model::Urdf;
+use crate::error::RobotError;
+use crate::gripper::hand_description::HandDescription;
+use crate::tree::Tree;
+
+impl RobotOptions {
+    /// The same with the robot's own hand as the first of those that are known, fingers open, and the gripper frame as
+    /// the tip, as far as the robot has such joints and links and the options do not say otherwise.
+    pub(crate) fn with_open_hands(
+        &self,
+        urdf: &Urdf,
+        tree: &Tree,
+        srdf: Option<&Srdf>,
+    ) -> Result<(Self, Option<RobotDescription>), RobotError> {
+        let mut options = self.clone();
+        let motion = |finger: &str| urdf.joints[tree.joint(finger)?].motion.as_ref();
+        let limits = |finger: &str| motion(finger).map_or((f64::MIN, f64::MAX), range);
+        let own = parsed(self.description.as_ref(), |text, file| {
+            let own = RobotDescription::parse(text, file)?;
+            own.check_names((text, file), urdf, tree)?;
+            own.hand.iter().try_for_each(|hand| hand.check_fingers(text, file, limits))?;
+            Ok(own)
+        })?;
+        if let Some(own) = &own {
+            own.complete(&mut options);
+        }
+        if let Some(own) = own.as_ref().and_then(|own| own.hand.clone()) {
+            options.known_hands.insert(0, own);
+        }
+        // Who names a finger's joint one of the group wants it to move; one that mimics another follows it.
+        let group = named_group(urdf, tree, srdf, &options)?;
+        let is_held = |finger: &String| {
+            let mimics = motion(finger).is_some_and(|motion| motion.mimic.is_some());
+            tree.joint(finger).is_some_and(|joint| !group.contains(&joint)) && !mimics
+        };
+        for HandDescription { tip, fingers, .. } in &options.known_hands {
+            options.tip = options.tip.or_else(|| tip.clone().filter(|tip| tree.node(tip).is_some()));
+            for (finger, range) in fingers.iter().filter(|(finger, _)| is_held(finger)) {
+                options.fixed.entry(finger.clone()).or_insert(range.open);
+            }
+        }
+        Ok((options, own))
+    }
+}

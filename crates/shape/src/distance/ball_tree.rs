@@ -1,0 +1,273 @@
+use cranny_spatial::{Point, Pose};
+
+use crate::distance::convex::Core;
+use crate::hulls::coarse_hull::chosen;
+use crate::hulls::convex_hull::Plane;
+use crate::hulls::cut::{Cut, longest_side};
+use crate::solid::Kind;
+use crate::{Ball, CoarseHull, Solid, TriangleSoup};
+
+/// Balls whose union contains a solid, as a binary tree.
+///
+/// The balls of the leaves contain the solid together; the ball of an inner node contains all of the solid
+/// that the leaves below it stand for. So whatever keeps off a node's ball keeps off that piece.
+#[derive(Clone, Debug)]
+pub struct BallTree {
+    nodes: Vec<BallNode>,
+}
+
+/// A node of a [`BallTree`].
+#[derive(Clone, Copy, Debug)]
+pub struct BallNode {
+    /// Contains the node's piece of the solid; in the frame of the tree.
+    pub ball: Ball,
+    /// The two halves of the piece, by index, both after this node; `None` for a leaf.
+    pub children: Option<[usize; 2]>,
+}
+
+/// A piece cut off the solid is halved no more often than this.
+const DEEPEST: usize = 14;
+
+/// Added to every radius, in metres: a hundred times what each cut of a piece may lose to rounding
+/// ([`crate::hulls::cut`]), for at most [`DEEPEST`] cuts.
+const SLACK_M: f64 = 1e-7;
+
+/// Cutting a piece takes time with the square of its corners, so of a hull with more so many are chosen, and the
+/// balls grow by what the others stand out of their hull: some tenths of a millimetre.
+const MOST_CORNERS: usize = 64;
+
+impl BallTree {
+    /// The tree around a solid, in the solid's frame. A piece is halved until its ball stands out of the
+    /// faces of the solid by at most `bulge_m` (metres). A mesh counts as its convex hull. `None` for a half-space.
+    ///
+    /// Containment does not rest on a hull algorithm, whose faces may be wrong where a body is thin:
+    ///
+    /// 1. The corners of the solid's core, or some of them and a bound on how far the others stand out.
+    /// 2. Their convex hull is cut in half across the longest side of its box, again and again: exactly, from
+    ///    corners alone.
+    /// 3. Around the corners of each piece a small ball, grown by the radius that rounds the core. The faces of
+    ///    the hull only say which ball stands out least.
+    pub fn around(solid: &Solid, bulge_m: f64) -> Option<Self> {
+        if let Some(coarse) = CoarseHull::of(solid, MOST_CORNERS) {
+            return Some(Self::around_coarse(solid, &coarse, bulge_m));
+        }
+        // A mesh, or a hull whose corners cannot be told apart.
+        let (points, radius_m) = solid.bounding_points()?;
+        let whole = || Self { nodes: vec![BallNode { ball: enclosing(&points, radius_m), children: None }] };
+        let tree = chosen(&points, MOST_CORNERS).and_then(|(corners, standing_out_m)| {
+            Self::around_corners(&corners, radius_m + standing_out_m, bulge_m)
+        });
+        Some(tree.unwrap_or_else(whole))
+    }
+
+    /// [`Self::around`] a convex solid whose coarse hull is known.
+    pub fn around_coarse(solid: &Solid, coarse: &CoarseHull, bulge_m: f64) -> Self {
+        let around = |corners: &[Point], rounding_m: f64| {
+            Self::around_corners(corners, rounding_m, bulge_m).unwrap_or_else(|| {
+                let ball = enclosing(corners, rounding_m);
+                Self { nodes: vec![BallNode { ball, children: None }] }
+            })
+        };
+        match solid.kind() {
+            Kind::Convex(convex) => match convex.core {
+                Core::Segment { half_length } => Self::along_segment(half_length, convex.radius_m, bulge_m),
+                // The prism around it has fewer corners than the one in it.
+                Core::Cylinder { .. } => around(&convex.bounding_points(), convex.radius_m),
+                _ => around(&coarse.corners, coarse.radius_m + coarse.bulge_m),
+            },
+            Kind::Mesh(_) | Kind::HalfSpace => around(&coarse.corners, coarse.radius_m + coarse.bulge_m),
+        }
+    }
+
+    /// Around the hull of some points, rounded; `None` if all lie in one plane, or are one.
+    fn around_corners(corners: &[Point], rounding_m: f64, bulge_m: f64) -> Option<Self> {
+        let planes = TriangleSoup::convex_hull(corners).ok()?.planes();
+        let mut tree = Self { nodes: Vec::new() };
+        tree.cover(corners, &planes, rounding_m, bulge_m, 0);
+        Some(tree)
+    }
+
+    /// One tree over many, each placed by `target_from_tree`.
+    ///
+    /// # Panics
+    /// If there is none.
+    pub fn joined(trees: Vec<(Pose, Self)>) -> Self {
+        let placed: Vec<Self> = trees.into_iter().map(|(pose, tree)| tree.transformed(&pose)).collect();
+        let mut joined = Self { nodes: Vec::new() };
+        joined.join(placed);
+        joined
+    }
+
+    /// The nodes, the root first.
+    pub fn nodes(&self) -> &[BallNode] {
+        &self.nodes
+    }
+
+    fn transformed(mut self, target_from_tree: &Pose) -> Self {
+        for node in &mut self.nodes {
+            node.ball.center = target_from_tree * node.ball.center;
+        }
+        self
+    }
+
+    /// Steps 2 and 3 for the piece with these corners; returns its node.
+    fn cover(
+        &mut self,
+        corners: &[Point],
+        planes: &[Plane],
+        rounding_m: f64,
+        bulge_m: f64,
+        depth: usize,
+    ) -> usize {
+        let (ball, stands_out_m) = least_bulge(corners, planes, bulge_m);
+        let node = self.nodes.len();
+        let radius_m = ball.radius_m + rounding_m + SLACK_M;
+        self.nodes.push(BallNode { ball: Ball { radius_m, ..ball }, children: None });
+        if stands_out_m > bulge_m
+            && depth < DEEPEST
+            && let Some(Cut { low, high }) = Cut::across(corners)
+        {
+            let [low, high] =
+                [low, high].map(|half| self.cover(&half, planes, rounding_m, bulge_m, depth + 1));
+            self.nodes[node].children = Some([low, high]);
+        }
+        node
+    }
+
+    /// A capsule: balls along its axis that overlap so far that their seams lie on it, and one at each end.
+    fn along_segment(half_length: f64, radius_m: f64, bulge_m: f64) -> Self {
+        let spacing = 2.0 * (2.0 * radius_m * bulge_m + bulge_m * bulge_m).sqrt();
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "A capsule has far fewer pieces than a count can hold"
+        )]
+        let count = (2.0 * half_length / spacing).ceil().clamp(1.0, 4096.0) as usize;
+        let half = half_length / count as f64;
+        let ball = |z: f64, radius_m: f64| Self {
+            nodes: vec![BallNode {
+                ball: Ball { center: Point::new(0.0, 0.0, z), radius_m: radius_m + SLACK_M },
+                children: None,
+            }],
+        };
+        let mut balls = vec![ball(-half_length, radius_m)];
+        balls.extend((0..count).map(|index| {
+            ball(-half_length + (2 * index + 1) as f64 * half, (half * half + radius_m * radius_m).sqrt())
+        }));
+        balls.push(ball(half_length, radius_m));
+        let mut tree = Self { nodes: Vec::new() };
+        tree.join(balls);
+        tree
+    }
+
+    /// Appends a node over `trees` and what is below it; returns its index.
+    fn join(&mut self, mut trees: Vec<Self>) -> usize {
+        let node = self.nodes.len();
+        if trees.len() == 1 {
+            for inner in &trees[0].nodes {
+                let children = inner.children.map(|children| children.map(|child| child + node));
+                self.nodes.push(BallNode { children, ..*inner });
+            }
+            return node;
+        }
+        let balls: Vec<Ball> = trees.iter().flat_map(Self::leaves).collect();
+        let ball = around_balls(&balls);
+        self.nodes.push(BallNode { ball, children: None });
+        let centers: Vec<Point> = trees.iter().map(|tree| tree.nodes[0].ball.center).collect();
+        let axis = longest_side(&centers).0;
+        trees.sort_by(|a, b| a.nodes[0].ball.center[axis].total_cmp(&b.nodes[0].ball.center[axis]));
+        let high = trees.split_off(trees.len() / 2);
+        let children = [self.join(trees), self.join(high)];
+        self.nodes[node].children = Some(children);
+        node
+    }
+
+    fn leaves(&self) -> impl Iterator<Item = Ball> {
+        self.nodes.iter().filter(|node| node.children.is_none()).map(|node| node.ball)
+    }
+}
+
+/// The ball around the points that stands out least of the planes, about, and by how much (m). One that
+/// stands out by no more than `enough_m` will do.
+///
+/// Both the radius that is needed and the height above the highest plane are convex in the centre, so it
+/// goes down their sum by subgradients with ever smaller steps (Shor 1985).
+fn least_bulge(points: &[Point], planes: &[Plane], enough_m: f64) -> (Ball, f64) {
+    const STEPS: usize = 16;
+    /// After so many steps a ball that stands out so many times as far as it may never gets there.
+    const HOPEFUL_STEPS: usize = 4;
+    const HOPELESS: f64 = 3.0;
+    let start = start_ball(points);
+    // A plane that is farther below than the search can rise never is the highest.
+    let planes: Vec<&Plane> =
+        planes.iter().filter(|p| p.height(&start.center) > -4.0 * start.radius_m).collect();
+    let mut center = start.center;
+    let mut best = (start, f64::INFINITY);
+    for step in 0..STEPS {
+        let Some((squared, farthest)) = greatest(points.iter(), |point| (*point - center).norm_squared())
+        else {
+            break;
+        };
+        let highest = greatest(planes.iter().copied(), |plane| plane.height(&center));
+        let radius_m = squared.sqrt();
+        // No point of a ball is farther from the piece in it than this, whatever the planes of a thin hull are worth.
+        let across_m = 2.0 * radius_m;
+        let stands_out_m = highest.map_or(across_m, |(height_m, _)| across_m.min(height_m + radius_m));
+        if stands_out_m < best.1 {
+            best = (Ball { center, radius_m }, stands_out_m);
+            if stands_out_m <= enough_m {
+                break;
+            }
+        }
+        // Another centre will not make this one ball; it is cut anyway.
+        if step == HOPEFUL_STEPS && best.1 > HOPELESS * enough_m {
+            break;
+        }
+        let towards_farthest = (farthest - center).try_normalize(0.0).unwrap_or_default();
+        let inwards = highest.map_or_else(cranny_spatial::Vector::zeros, |(_, plane)| -plane.normal());
+        center += (towards_farthest + inwards) * (0.5 * start.radius_m / (step + 1) as f64);
+    }
+    best
+}
+
+/// What is greatest by a measure, with its measure; the last of equals.
+fn greatest<T: Copy>(all: impl Iterator<Item = T>, measure: impl Fn(T) -> f64) -> Option<(f64, T)> {
+    all.map(|one| (measure(one), one)).reduce(|best, next| if next.0 >= best.0 { next } else { best })
+}
+
+/// The ball around the middle of the points' box.
+fn start_ball(points: &[Point]) -> Ball {
+    let aabb = crate::Aabb::around(points, 0.0);
+    let radius_m = points.iter().map(|p| (p - aabb.center).norm_squared()).fold(0.0, f64::max).sqrt();
+    Ball { center: aabb.center, radius_m }
+}
+
+/// A small ball around the points, grown by `rounding_m`.
+fn enclosing(points: &[Point], rounding_m: f64) -> Ball {
+    let balls: Vec<Ball> = points.iter().map(|&center| Ball { center, radius_m: 0.0 }).collect();
+    let ball = around_balls(&balls);
+    Ball { radius_m: ball.radius_m + rounding_m + SLACK_M, ..ball }
+}
+
+/// A small ball around balls: the centre moves towards whatever lies farthest, by ever smaller steps
+/// (Bădoiu & Clarkson 2003); the radius is then what is needed.
+fn around_balls(balls: &[Ball]) -> Ball {
+    /// Leaves the radius within 2 % of the least.
+    const STEPS: usize = 50;
+    let reach = |center: &Point, ball: &Ball| (ball.center - center).norm() + ball.radius_m;
+    let farthest = |center: &Point| {
+        let found = greatest(balls.iter(), |ball| reach(center, ball));
+        found.map_or(Ball { center: *center, radius_m: 0.0 }, |(_, ball)| *ball)
+    };
+    let mut center = balls.first().map_or(Point::origin(), |ball| ball.center);
+    for step in 1..=STEPS {
+        let far = farthest(&center);
+        let offset = far.center - center;
+        if offset.norm() > 0.0 {
+            // Towards the far side of the far ball.
+            let target = far.center + offset.normalize() * far.radius_m;
+            center += (target - center) / (step + 1) as f64;
+        }
+    }
+    Ball { center, radius_m: reach(&center, &farthest(&center)) }
+}

@@ -1,0 +1,264 @@
+use cranny_spatial::{Point, Pose, Vector};
+use parry3d_f64::math::{Pose as ParryPose, Vector as ParryVector};
+use parry3d_f64::query::details::contact_support_map_support_map;
+use parry3d_f64::shape::SupportMap;
+
+use crate::distance::convex::Convex;
+use crate::distance::gjk::{core_distance, core_reaches};
+use crate::mesh::Mesh;
+use crate::solid::Kind;
+use crate::{Aabb, Solid, distance::parry};
+
+/// The distance of two solids, from both sides: `lower_m ≤ distance ≤ upper_m`.
+///
+/// The lower bound is certified by a plane between the two bodies, the upper one by a point of each, so both hold
+/// whatever the iteration that found them did. Unless the search stopped early they agree to better than 10⁻⁷ m
+/// (`both_bounds_meet_where_contact_is_decided`).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Separation {
+    /// Never above the true distance, in metres; 0 in contact.
+    pub lower_m: f64,
+    /// Never below the true distance, in metres; infinite where the search stopped early.
+    pub upper_m: f64,
+}
+
+impl Separation {
+    const CONTACT: Self = Self { lower_m: 0.0, upper_m: 0.0 };
+
+    fn least(self, other: Self) -> Self {
+        Self { lower_m: self.lower_m.min(other.lower_m), upper_m: self.upper_m.min(other.upper_m) }
+    }
+}
+
+/// How deep two solids overlap.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Overlap {
+    /// How far one must move to leave the other, in metres, ≥ 0. Exact for two convex bodies; for a mesh
+    /// the largest depth of any of its triangles.
+    pub depth_m: f64,
+    /// A point in the overlap, in the common frame.
+    pub point: Point,
+}
+
+/// The distance of two solids placed in a common frame.
+///
+/// The search may stop as soon as the distance is known to exceed `beyond_m`; then `upper_m` may be
+/// infinite. `lower_m ≥ beyond_m` exactly if the distance is certified to reach `beyond_m`. Solids are full:
+/// one inside the other is in contact.
+pub fn separation(
+    a: &Solid,
+    common_from_a: &Pose,
+    b: &Solid,
+    common_from_b: &Pose,
+    beyond_m: f64,
+) -> Separation {
+    match (a.kind(), b.kind()) {
+        (Kind::HalfSpace, Kind::HalfSpace) => Separation::CONTACT,
+        (Kind::HalfSpace, _) => above_plane(b, &common_from_a.inv_mul(common_from_b)),
+        (_, Kind::HalfSpace) => above_plane(a, &common_from_b.inv_mul(common_from_a)),
+        (Kind::Convex(one), Kind::Convex(other)) => {
+            convex_separation(one, other, &parry::pose(&common_from_a.inv_mul(common_from_b)), beyond_m)
+        }
+        (Kind::Mesh(mesh), Kind::Convex(convex)) => {
+            mesh_convex_separation(mesh, convex, b.aabb(), &common_from_a.inv_mul(common_from_b), beyond_m)
+        }
+        (Kind::Convex(convex), Kind::Mesh(mesh)) => {
+            mesh_convex_separation(mesh, convex, a.aabb(), &common_from_b.inv_mul(common_from_a), beyond_m)
+        }
+        (Kind::Mesh(one), Kind::Mesh(other)) => {
+            mesh_mesh_separation(one, other, &common_from_a.inv_mul(common_from_b), beyond_m)
+        }
+    }
+}
+
+/// Whether the distance of two solids placed in a common frame is certified to reach `distance_m`, above 0: what
+/// [`separation`] says with `lower_m ≥ distance_m`, in less time where it does not.
+pub fn reaches(a: &Solid, common_from_a: &Pose, b: &Solid, common_from_b: &Pose, distance_m: f64) -> bool {
+    match (a.kind(), b.kind()) {
+        (Kind::Convex(one), Kind::Convex(other)) => {
+            let relative = parry::pose(&common_from_a.inv_mul(common_from_b));
+            core_reaches(&one.core, &other.core, &relative, distance_m + (one.radius_m + other.radius_m))
+        }
+        _ => separation(a, common_from_a, b, common_from_b, distance_m).lower_m >= distance_m,
+    }
+}
+
+/// A lower bound of the distance (m) from balls and boxes alone, at the price of a few multiplications;
+/// may be negative. Where the balls show that it exceeds `enough_m`, the boxes are not asked.
+pub fn quick_lower_bound(
+    a: &Solid,
+    common_from_a: &Pose,
+    b: &Solid,
+    common_from_b: &Pose,
+    enough_m: f64,
+) -> f64 {
+    if a.is_half_space() {
+        return (common_from_a.inv_mul(common_from_b) * b.ball().center).z - b.ball().radius_m;
+    }
+    if b.is_half_space() {
+        return (common_from_b.inv_mul(common_from_a) * a.ball().center).z - a.ball().radius_m;
+    }
+    a.bounds().distance_bound(common_from_a, b.bounds(), common_from_b, enough_m)
+}
+
+/// How deep two solids overlap, and where; `None` if they do not.
+pub fn overlap(a: &Solid, common_from_a: &Pose, b: &Solid, common_from_b: &Pose) -> Option<Overlap> {
+    match (a.kind(), b.kind()) {
+        (Kind::HalfSpace, Kind::HalfSpace) => None,
+        (Kind::HalfSpace, _) => below_plane(b, common_from_a, common_from_b),
+        (_, Kind::HalfSpace) => below_plane(a, common_from_b, common_from_a),
+        (Kind::Convex(one), Kind::Convex(other)) => convex_overlap(one, common_from_a, other, common_from_b),
+        (Kind::Mesh(mesh), Kind::Convex(convex)) => {
+            mesh_overlap(mesh, common_from_a, &[convex.as_ref()], common_from_b)
+        }
+        (Kind::Convex(convex), Kind::Mesh(mesh)) => {
+            mesh_overlap(mesh, common_from_b, &[convex.as_ref()], common_from_a)
+        }
+        (Kind::Mesh(one), Kind::Mesh(other)) => {
+            let triangles: Vec<&Convex> = other.triangles().iter().collect();
+            mesh_overlap(one, common_from_a, &triangles, common_from_b).or_else(|| {
+                let triangles: Vec<&Convex> = one.triangles().iter().collect();
+                mesh_overlap(other, common_from_b, &triangles, common_from_a)
+            })
+        }
+    }
+}
+
+fn above_plane(solid: &Solid, plane_from_solid: &Pose) -> Separation {
+    let height = solid.lowest_z(plane_from_solid).max(0.0);
+    Separation { lower_m: height, upper_m: height }
+}
+
+fn below_plane(solid: &Solid, common_from_plane: &Pose, common_from_solid: &Pose) -> Option<Overlap> {
+    let plane_from_solid = common_from_plane.inv_mul(common_from_solid);
+    let depth_m = -solid.lowest_z(&plane_from_solid);
+    let mut foot = plane_from_solid * solid.ball().center;
+    foot.z = 0.0;
+    (depth_m >= 0.0).then(|| Overlap { depth_m, point: common_from_plane * foot })
+}
+
+fn convex_separation(a: &Convex, b: &Convex, a_from_b: &ParryPose, beyond_m: f64) -> Separation {
+    let radii = a.radius_m + b.radius_m;
+    let found = core_distance(&a.core, &b.core, a_from_b, beyond_m + radii);
+    Separation { lower_m: (found.lower_m - radii).max(0.0), upper_m: (found.upper_m - radii).max(0.0) }
+}
+
+fn mesh_convex_separation(
+    mesh: &Mesh,
+    convex: &Convex,
+    convex_box: &Aabb,
+    mesh_from_convex: &Pose,
+    beyond_m: f64,
+) -> Separation {
+    let box_in_mesh = convex_box.transformed(mesh_from_convex);
+    // 1. What is wholly inside touches no triangle.
+    if mesh.contains(&(mesh_from_convex * some_point(convex))) {
+        return Separation::CONTACT;
+    }
+    // 2. How far to look: no farther than any one triangle is.
+    let relative = parry::pose(mesh_from_convex);
+    let first = convex_separation(&mesh.triangles()[0], convex, &relative, beyond_m);
+    let reach = beyond_m.min(first.upper_m);
+    if !reach.is_finite() {
+        return Separation::CONTACT;
+    }
+    // 3. The nearest of the triangles within that reach.
+    let mut best = Separation { lower_m: reach, upper_m: first.upper_m };
+    for index in mesh.triangles_near(&box_in_mesh.grown(reach)) {
+        let (triangle, ball) = (&mesh.triangles()[index as usize], &mesh.balls()[index as usize]);
+        let reach = best.upper_m.min(beyond_m);
+        let center = mesh_from_convex.inverse_transform_point(&ball.center);
+        if convex_box.distance_to(&center) - ball.radius_m > reach {
+            continue;
+        }
+        best = best.least(convex_separation(triangle, convex, &relative, reach));
+        if best.upper_m <= 0.0 {
+            return Separation::CONTACT;
+        }
+    }
+    best
+}
+
+fn mesh_mesh_separation(a: &Mesh, b: &Mesh, a_from_b: &Pose, beyond_m: f64) -> Separation {
+    let b_from_a = a_from_b.inverse();
+    if b.witnesses().iter().any(|point| a.contains(&(a_from_b * point)))
+        || a.witnesses().iter().any(|point| b.contains(&(b_from_a * point)))
+    {
+        return Separation::CONTACT;
+    }
+    let relative = parry::pose(a_from_b);
+    let first = convex_separation(&a.triangles()[0], &b.triangles()[0], &relative, beyond_m);
+    let mut best = Separation { lower_m: beyond_m.min(first.upper_m), upper_m: first.upper_m };
+    for triangle_b in b.triangles() {
+        let reach = best.upper_m.min(beyond_m);
+        let region = Aabb::around(&triangle_b.bounding_points(), 0.0).transformed(a_from_b).grown(reach);
+        for index in a.triangles_near(&region) {
+            let pair = convex_separation(&a.triangles()[index as usize], triangle_b, &relative, reach);
+            best = best.least(pair);
+        }
+        if best.upper_m <= 0.0 {
+            return Separation::CONTACT;
+        }
+    }
+    best
+}
+
+fn convex_overlap(a: &Convex, common_from_a: &Pose, b: &Convex, common_from_b: &Pose) -> Option<Overlap> {
+    let radii = a.radius_m + b.radius_m;
+    let relative = parry::pose(&common_from_a.inv_mul(common_from_b));
+    // What lies apart has no depth, whatever the search for the deepest point would say of it.
+    if core_reaches(&a.core, &b.core, &relative, radii.next_up()) {
+        return None;
+    }
+    let contact = contact_support_map_support_map(&relative, &a.core, &b.core, radii)?;
+    // No deeper than along the normal that was found, read off both bodies: moved so far, they are apart.
+    let direction = contact.normal1;
+    let far_on_a = a.core.local_support_point(direction);
+    let near_on_b = relative.rotation * b.core.local_support_point(relative.rotation.inverse() * -direction)
+        + relative.translation;
+    let depth_m = radii + direction.dot(far_on_a - near_on_b).min(-contact.dist);
+    let normal = parry::to_vector(direction);
+    let on_a = parry::to_vector(contact.point1) + normal * a.radius_m;
+    let middle: Vector = on_a - normal * (0.5 * depth_m);
+    (depth_m >= 0.0).then(|| Overlap { depth_m, point: common_from_a * Point::from(middle) })
+}
+
+fn mesh_overlap(
+    mesh: &Mesh,
+    common_from_mesh: &Pose,
+    parts: &[&Convex],
+    common_from_parts: &Pose,
+) -> Option<Overlap> {
+    let mesh_from_parts = common_from_mesh.inv_mul(common_from_parts);
+    let mut deepest: Option<Overlap> = None;
+    for part in parts {
+        let region = Aabb::around(&part.bounding_points(), part.radius_m).transformed(&mesh_from_parts);
+        for index in mesh.triangles_near(&region) {
+            let triangle = &mesh.triangles()[index as usize];
+            let found = convex_overlap(triangle, common_from_mesh, part, common_from_parts);
+            if found.is_some_and(|f| deepest.is_none_or(|d| f.depth_m > d.depth_m)) {
+                deepest = found;
+            }
+        }
+        let point = mesh_from_parts * some_point(part);
+        if deepest.is_none() && mesh.contains(&point) {
+            // Wholly inside: at least as deep as that point is.
+            let depth_m = mesh
+                .triangles()
+                .iter()
+                .map(|triangle| {
+                    let probe = Convex::sharp(crate::distance::convex::Core::Point);
+                    let at = parry::pose(&Pose::translation(point.x, point.y, point.z));
+                    convex_separation(triangle, &probe, &at, f64::MAX).upper_m
+                })
+                .fold(f64::INFINITY, f64::min);
+            deepest = Some(Overlap { depth_m, point: common_from_mesh * point });
+        }
+    }
+    deepest
+}
+
+/// Any point of the body, in its frame.
+fn some_point(convex: &Convex) -> Point {
+    parry::to_vector(convex.core.local_support_point(ParryVector::X)).into()
+}

@@ -1,0 +1,55 @@
+use cranny_spatial::{Point, Vector};
+use parry3d_f64::bounding_volume::{Aabb as ParryAabb, BoundingVolume as _};
+use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhNode};
+use parry3d_f64::query::{Ray, RayCast as _};
+
+use crate::bound::Aabb;
+use crate::distance::parry;
+
+/// A bounding volume hierarchy over triangles.
+#[derive(Clone, Debug)]
+pub(crate) struct TriangleTree {
+    tree: Bvh,
+}
+
+impl TriangleTree {
+    pub fn new(corners: &[[Point; 3]]) -> Self {
+        let leaves: Vec<ParryAabb> = corners.iter().map(|t| parry_box(&Aabb::around(t, 0.0))).collect();
+        Self { tree: Bvh::from_leaves(BvhBuildStrategy::Binned, &leaves) }
+    }
+
+    /// Indices of the triangles whose boxes meet `region`, in a fixed order.
+    pub fn near(&self, region: &Aabb) -> impl Iterator<Item = u32> {
+        let region = BvhNode::leaf(parry_box(region), 0);
+        self.tree.leaves(move |node| node.intersects(&region))
+    }
+
+    /// The triangles whose boxes a segment meets, and perhaps some by whose boxes it passes within rounding.
+    pub fn along_segment(&self, from: &Point, to: &Point) -> impl Iterator<Item = u32> {
+        let ray = Ray::new(parry::point(from), parry::vector(&(to - from)));
+        let rounding_m = 1e-12 * from.coords.amax().max(to.coords.amax());
+        let grown = move |node: &BvhNode| node.aabb().loosened(rounding_m);
+        self.tree.leaves(move |node| grown(node).cast_local_ray(&ray, 1.0, true).is_some())
+    }
+
+    /// A distance from the point beyond which there is no triangle, in metres; `None` if none is as near as the box
+    /// around all.
+    pub fn reach_from(&self, point: &Point) -> Option<f64> {
+        let around = self.tree.root_aabb();
+        let size_m = (around.maxs - around.mins).length();
+        around.contains_local_point(parry::point(point)).then_some(2.0 * size_m)
+    }
+
+    /// Calls `visit` with each triangle whose box a ray meets within `reach_m`, in a fixed order.
+    pub fn along_ray(&self, origin: &Point, direction: &Vector, reach_m: f64, mut visit: impl FnMut(u32)) {
+        let ray = Ray::new(parry::point(origin), parry::vector(direction));
+        for triangle in self.tree.leaves(|node| node.cast_ray(&ray, reach_m) <= reach_m) {
+            visit(triangle);
+        }
+    }
+}
+
+fn parry_box(aabb: &Aabb) -> ParryAabb {
+    let vector = |v: Vector| parry::vector(&v);
+    ParryAabb { mins: vector(aabb.low().coords), maxs: vector(aabb.high().coords) }
+}

@@ -1,0 +1,243 @@
+use std::cell::OnceCell;
+use std::collections::HashSet;
+
+use cranny_spatial::Point;
+
+use crate::distance::triangle_tree::TriangleTree;
+use crate::inside::backwards::wound_backwards;
+use crate::inside::same_place::merged;
+use crate::inside::shell::{DEGENERATE, Facet, Shell, shells};
+use crate::inside::walls::Walls;
+use crate::{Aabb, MeshRepairs, ShapeError, Surface, TriangleSoup};
+
+/// A mesh whose inside is well defined, whatever its file said of it.
+pub(crate) struct Enclosure {
+    /// The triangles, normals outwards; of a mesh that needed no repair those of the file, in their order.
+    pub soup: TriangleSoup,
+    pub inside: Inside,
+    pub repairs: MeshRepairs,
+}
+
+/// What the triangles of a mesh enclose.
+#[derive(Clone, Debug)]
+pub(crate) struct Inside {
+    walls: Walls,
+    /// For each closed surface in which other it is the wall of a cavity.
+    cavity_of: Vec<Option<u32>>,
+}
+
+impl Enclosure {
+    /// What a soup encloses, each of its shells by itself, so that shells that overlap are all full.
+    ///
+    /// 1. The shells of the mesh; where it has holes, those with vertices closer than
+    ///    [`SAME_PLACE_M`](crate::SAME_PLACE_M) taken for one; where bodies that share edges cross, those of the
+    ///    bodies one after the other.
+    /// 2. A shell is a cavity if all its faces look inwards, and another whose faces do not contains it without
+    ///    touching it. Any other is full.
+    /// 3. Faces of other shells are turned outwards, and doubled ones left out.
+    ///
+    /// # Errors
+    /// [`ShapeError::Empty`], [`ShapeError::VertexIndex`], [`ShapeError::Open`], [`ShapeError::OneSided`],
+    /// [`ShapeError::WoundBackwards`].
+    pub fn of(soup: &TriangleSoup) -> Result<Self, ShapeError> {
+        crate::inside::closed_mesh::check_indices(soup)?;
+        // 1.
+        let (found, first, merged_vertices) = joined_shells(soup)?;
+        let mut is_turned = vec![false; soup.triangles.len()];
+        let mut is_left_out = vec![false; soup.triangles.len()];
+        let mut is_wall_inside = vec![true; soup.triangles.len()];
+        for shell in found.iter().filter(|shell| shell.is_alone) {
+            if let Some(p) = wound_backwards(soup, shell, &box_around(soup, &shell.facets)) {
+                return Err(ShapeError::WoundBackwards { x: p.x, y: p.y, z: p.z });
+            }
+        }
+        // 2.
+        let cavities = cavities(soup, &found);
+        // 3.
+        for (shell, cavity_of) in found.iter().zip(&cavities) {
+            // The outside of bodies that share faces looks at them from without.
+            let is_outside = shell.volume_m3 < 0.0;
+            if cavity_of.is_none() && (shell.is_alone || is_outside) {
+                for facet in &shell.facets {
+                    is_turned[facet.triangle as usize] = facet.is_inward != is_outside;
+                }
+            }
+            if shell.is_alone || is_outside {
+                for facet in &shell.facets {
+                    is_wall_inside[facet.triangle as usize] = false;
+                }
+            }
+        }
+        for (triangle, &first) in first.iter().enumerate().filter(|(_, first)| **first != DEGENERATE) {
+            is_left_out[triangle] = first as usize != triangle && !is_wall_inside[first as usize];
+        }
+        let count = |flags: &[bool]| flags.iter().filter(|flag| **flag).count();
+        let repairs = MeshRepairs {
+            triangles: soup.triangles.len(),
+            merged_vertices,
+            flipped_triangles: count(&is_turned),
+            doubled_triangles: count(&is_left_out),
+            closed_holes: 0,
+        };
+        let mut kept = TriangleSoup { vertices: soup.vertices.clone(), triangles: Vec::new() };
+        kept.triangles.reserve_exact(soup.triangles.len() - repairs.doubled_triangles);
+        let mut new_index = vec![0_u32; soup.triangles.len()];
+        for (triangle, &[a, b, c]) in soup.triangles.iter().enumerate() {
+            new_index[triangle] = u32::try_from(kept.triangles.len()).unwrap_or(u32::MAX);
+            if !is_left_out[triangle] {
+                kept.triangles.push(if is_turned[triangle] { [a, c, b] } else { [a, b, c] });
+            }
+        }
+        let facets = |shell: Shell| {
+            let moved = |facet: Facet| Facet {
+                triangle: new_index[facet.triangle as usize],
+                is_inward: facet.is_inward != is_turned[facet.triangle as usize],
+            };
+            shell.facets.into_iter().map(moved).collect::<Vec<_>>()
+        };
+        let facets: Vec<Vec<Facet>> = found.into_iter().map(facets).collect();
+        let walls = Walls::new(kept.triangles.len(), facets.iter().map(Vec::as_slice));
+        Ok(Self { soup: kept, inside: Inside { walls, cavity_of: cavities }, repairs })
+    }
+}
+
+impl Inside {
+    /// Whether a point is in one of the bodies, and in no cavity of it.
+    pub fn contains(&self, tree: &TriangleTree, corners: impl Fn(u32) -> [Point; 3], point: &Point) -> bool {
+        let around = self.walls.around(tree, corners, point, None);
+        let is_cavity_of =
+            |body: u32| around.iter().any(|shell| self.cavity_of[*shell as usize] == Some(body));
+        around.iter().any(|body| self.cavity_of[*body as usize].is_none() && !is_cavity_of(*body))
+    }
+}
+
+/// The shells, the first copy of each triangle, and how many vertices had to be merged to find them.
+fn joined_shells(soup: &TriangleSoup) -> Result<(Vec<Shell>, Vec<u32>, usize), ShapeError> {
+    let (found, first, merged_vertices) = match shells(soup) {
+        Ok((found, first)) => (found, first, 0),
+        Err(ShapeError::Open { edges }) => {
+            let (vertices, place) = merged(&soup.vertices);
+            let merged_vertices = soup.vertices.len() - vertices.len();
+            let triangles = soup.triangles.iter().map(|triangle| triangle.map(|v| place[v as usize]));
+            let joined = TriangleSoup { triangles: triangles.collect(), vertices };
+            match shells(&joined) {
+                Ok((found, first)) => (found, first, merged_vertices),
+                // The holes of the mesh as it was given.
+                Err(ShapeError::Open { .. }) => return Err(ShapeError::Open { edges }),
+                Err(fault) => return Err(fault),
+            }
+        }
+        Err(fault) => {
+            let (found, first) = shells_of_runs(soup).ok_or(fault)?;
+            (found, first, 0)
+        }
+    };
+    if found.is_empty() { Err(ShapeError::Empty) } else { Ok((found, first, merged_vertices)) }
+}
+
+/// The shells of bodies that stand one after the other in the file, each found without the others; `None` if
+/// that does not part it into closed bodies.
+fn shells_of_runs(soup: &TriangleSoup) -> Option<(Vec<Shell>, Vec<u32>)> {
+    let mut found = Vec::new();
+    let mut first_copies = Vec::with_capacity(soup.triangles.len());
+    // Edges with an odd number of faces, and the faces, of the body that is being looked at.
+    let (mut odd, mut known) = (HashSet::new(), HashSet::new());
+    let mut run = TriangleSoup { vertices: soup.vertices.clone(), triangles: Vec::new() };
+    for &[a, b, c] in &soup.triangles {
+        run.triangles.push([a, b, c]);
+        let mut face = [a, b, c];
+        face.sort_unstable();
+        if face[0] != face[1] && face[1] != face[2] && known.insert(face) {
+            for edge in [[face[0], face[1]], [face[1], face[2]], [face[0], face[2]]] {
+                if !odd.remove(&edge) {
+                    odd.insert(edge);
+                }
+            }
+        }
+        if odd.is_empty() {
+            let begin = u32::try_from(first_copies.len()).ok()?;
+            let (mut of_run, first_of_run) = shells(&run).ok()?;
+            // A flat piece in two ways is closed too: what it is a piece of would be taken for nothing.
+            if of_run.iter().any(|shell| is_flat(&run, shell)) {
+                return None;
+            }
+            for facet in of_run.iter_mut().flat_map(|shell| &mut shell.facets) {
+                facet.triangle += begin;
+            }
+            found.extend(of_run);
+            let shifted = |first: u32| if first == DEGENERATE { DEGENERATE } else { first + begin };
+            first_copies.extend(first_of_run.into_iter().map(shifted));
+            run.triangles.clear();
+            known.clear();
+        }
+    }
+    odd.is_empty().then_some((found, first_copies))
+}
+
+/// For each shell in which other it is a cavity, if in any.
+pub(crate) fn cavities(soup: &TriangleSoup, shells: &[Shell]) -> Vec<Option<u32>> {
+    let all = |shell: &Shell, is_inward: bool| {
+        shell.is_alone && shell.facets.iter().all(|facet| facet.is_inward == is_inward)
+    };
+    let is_outer: Vec<bool> = shells.iter().map(|shell| all(shell, false)).collect();
+    let mut cavity_of = vec![None; shells.len()];
+    if shells.len() < 2 || !shells.iter().any(|shell| all(shell, true)) {
+        return cavity_of;
+    }
+    let boxes: Vec<Aabb> = shells.iter().map(|shell| box_around(soup, &shell.facets)).collect();
+    let nest = Nest::new(soup, shells);
+    let built: Vec<OnceCell<Surface>> = vec![OnceCell::new(); shells.len()];
+    let surface = |shell: usize| {
+        let corners = |facet: &Facet| soup.corners(facet.triangle as usize);
+        built[shell].get_or_init(|| Surface::of_corners(shells[shell].facets.iter().map(corners).collect()))
+    };
+    for (inner, _) in shells.iter().enumerate().filter(|(_, shell)| all(shell, true)) {
+        let mut around = nest.around(inner);
+        around.sort_unstable();
+        let contains_box = |&outer: &u32| {
+            let outer = &boxes[outer as usize];
+            outer.contains(&boxes[inner].low()) && outer.contains(&boxes[inner].high())
+        };
+        let here = cranny_spatial::Pose::identity();
+        let mut around = around.into_iter().filter(|&outer| is_outer[outer as usize]).filter(contains_box);
+        cavity_of[inner] =
+            around.find(|&outer| !surface(outer as usize).touches(&here, surface(inner), &here));
+    }
+    cavity_of
+}
+
+/// Closed surfaces, each of which may be around others.
+pub(crate) struct Nest<'a> {
+    soup: &'a TriangleSoup,
+    shells: &'a [Shell],
+    tree: TriangleTree,
+    walls: Walls,
+}
+
+impl<'a> Nest<'a> {
+    pub fn new(soup: &'a TriangleSoup, shells: &'a [Shell]) -> Self {
+        let corners: Vec<[Point; 3]> = (0..soup.triangles.len()).map(|t| soup.corners(t)).collect();
+        let walls = Walls::new(soup.triangles.len(), shells.iter().map(|shell| shell.facets.as_slice()));
+        Self { soup, shells, tree: TriangleTree::new(&corners), walls }
+    }
+
+    /// The shells around a shell, by one of its corners.
+    pub fn around(&self, shell: usize) -> Vec<u32> {
+        let corners = |triangle: u32| self.soup.corners(triangle as usize);
+        let witness = corners(self.shells[shell].facets[0].triangle)[0];
+        self.walls.around(&self.tree, corners, &witness, u32::try_from(shell).ok())
+    }
+}
+
+/// Whether a shell encloses no more than a sheet does.
+fn is_flat(soup: &TriangleSoup, shell: &Shell) -> bool {
+    /// A square with sides a thousand million times its thickness.
+    const SHEET: f64 = 1e-9;
+    let size_m = 2.0 * box_around(soup, &shell.facets).half_extents.max();
+    shell.volume_m3.abs() <= SHEET * size_m * size_m * size_m
+}
+
+fn box_around(soup: &TriangleSoup, facets: &[Facet]) -> Aabb {
+    let corners = facets.iter().flat_map(|facet| soup.triangles[facet.triangle as usize]);
+    Aabb::around(corners.map(|vertex| &soup.vertices[vertex as usize]), 0.0)
+}

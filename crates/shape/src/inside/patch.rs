@@ -1,0 +1,215 @@
+use std::collections::BTreeMap;
+
+use cranny_spatial::{Point, Vector};
+
+use crate::distance::ray::triangle_normal;
+use crate::distance::triangle_tree::TriangleTree;
+use crate::inside::disjoint_sets::DisjointSets;
+use crate::inside::edge_use::{EdgeUse, join_around};
+use crate::surface::triangles_meet;
+use crate::{Aabb, TriangleSoup};
+
+/// Faces that hang together by edges of two faces. A patch is known by the lesser of its two sides.
+pub(crate) struct Patches {
+    /// What each side of a face belongs to: the one or the other side of a patch.
+    side_of: Vec<u32>,
+    /// Whether the patch is closed by itself.
+    is_closed: Vec<bool>,
+}
+
+impl Patches {
+    /// The patches whose sides are joined, with the edges of more than two faces.
+    pub fn of(sides: &mut DisjointSets, crowded: &[&[EdgeUse]]) -> Self {
+        let side_of: Vec<u32> = (0..sides.len()).map(|side| sides.root(side)).collect();
+        let mut patches = Self { is_closed: vec![true; side_of.len()], side_of };
+        for (patch, _) in patches.rims(crowded) {
+            patches.is_closed[patch as usize] = false;
+        }
+        patches
+    }
+
+    /// Makes the triangles of flat patches with the same rim copies of the first of them; returns whether there
+    /// were any.
+    pub fn leave_out_equal(
+        &self,
+        soup: &TriangleSoup,
+        crowded: &[&[EdgeUse]],
+        first_copies: &mut [u32],
+    ) -> bool {
+        let mut rims = self.rims(crowded);
+        rims.sort_unstable();
+        let mut by_rim: BTreeMap<Vec<u64>, Vec<u32>> = BTreeMap::new();
+        for rim in rims.chunk_by(|a, b| a.0 == b.0) {
+            by_rim.entry(rim.iter().map(|(_, edge)| *edge).collect()).or_default().push(rim[0].0);
+        }
+        by_rim.retain(|_, patches| patches.len() > 1);
+        if by_rim.is_empty() {
+            return false;
+        }
+        let mut members: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+        for triangle in self.open_faces(first_copies) {
+            members.entry(self.patch(2 * triangle)).or_default().push(triangle);
+        }
+        let mut is_any = false;
+        for equal in by_rim.values() {
+            let kept = members[&equal[0]][0];
+            let normal = triangle_normal(&soup.corners(kept as usize));
+            let is_flat = |patch: &u32| {
+                let mut normals = members[patch].iter().map(|t| triangle_normal(&soup.corners(*t as usize)));
+                normal.norm() > 0.0 && normals.all(|other| other.cross(&normal).norm() < ONE_PLANE_RAD)
+            };
+            if is_flat(&equal[0]) {
+                for triangle in equal[1..].iter().filter(|patch| is_flat(patch)).flat_map(|p| &members[p]) {
+                    first_copies[*triangle as usize] = kept;
+                    is_any = true;
+                }
+            }
+        }
+        for triangle in 0..first_copies.len() {
+            // Copies of what is a copy now itself.
+            if let Some(&first) = first_copies.get(first_copies[triangle] as usize) {
+                first_copies[triangle] = first;
+            }
+        }
+        is_any
+    }
+
+    /// Joins the sides at the edges of more than two faces; returns how many faces of patches that hang together
+    /// meet elsewhere, so that what is between them cannot be told.
+    pub fn join(
+        &self,
+        soup: &TriangleSoup,
+        crowded: &[&[EdgeUse]],
+        first_copies: &[u32],
+        sides: &mut DisjointSets,
+    ) -> usize {
+        let mut complexes = DisjointSets::new(self.side_of.len());
+        let mut crossing = 0;
+        for edge in crowded {
+            let mut uses = edge.to_vec();
+            uses.sort_by_key(|at| (self.group(*at), at.ahead));
+            for group in uses.chunk_by(|a, b| self.group(*a) == self.group(*b)) {
+                let mut by_angle = angles(soup, group);
+                by_angle.sort_by(|a, b| a.0.total_cmp(&b.0));
+                let ordered: Vec<EdgeUse> = by_angle.iter().map(|(_, at)| *at).collect();
+                join_around(sides, &ordered);
+                if self.group(group[0]) == OPEN {
+                    for at in group {
+                        complexes.join(self.patch(group[0].ahead), self.patch(at.ahead));
+                    }
+                    if group.len() > 2 {
+                        crossing += faces_in_one_plane(&by_angle);
+                    }
+                }
+            }
+        }
+        crossing + self.crossing_faces(soup, first_copies, &mut complexes)
+    }
+
+    /// The patch of a side.
+    fn patch(&self, side: u32) -> u32 {
+        self.side_of[side as usize].min(self.side_of[(side ^ 1) as usize])
+    }
+
+    /// The patch, if it is closed; one group for all that are not.
+    fn group(&self, at: EdgeUse) -> u32 {
+        let patch = self.patch(at.ahead);
+        if self.is_closed[patch as usize] { patch } else { OPEN }
+    }
+
+    fn open_faces(&self, first_copies: &[u32]) -> Vec<u32> {
+        let faces = (0..).zip(first_copies).filter(|(triangle, first)| triangle == *first);
+        let open = faces.filter(|(triangle, _)| !self.is_closed[self.patch(2 * triangle) as usize]);
+        open.map(|(triangle, _)| triangle).collect()
+    }
+
+    /// Patches and edges at which they end.
+    fn rims(&self, crowded: &[&[EdgeUse]]) -> Vec<(u32, u64)> {
+        let mut rims = Vec::new();
+        for edge in crowded {
+            let mut here: Vec<u32> = edge.iter().map(|at| self.patch(at.ahead)).collect();
+            here.sort_unstable();
+            let ends = here.chunk_by(|a, b| a == b).filter(|uses| uses.len() % 2 == 1);
+            rims.extend(ends.map(|uses| (uses[0], edge[0].edge)));
+        }
+        rims
+    }
+
+    /// How many faces of patches that are not closed meet others of the same complex but at their corners and
+    /// edges.
+    fn crossing_faces(
+        &self,
+        soup: &TriangleSoup,
+        first_copies: &[u32],
+        complexes: &mut DisjointSets,
+    ) -> usize {
+        let faces = self.open_faces(first_copies);
+        let corners: Vec<[Point; 3]> = faces.iter().map(|face| soup.corners(*face as usize)).collect();
+        let complex: Vec<u32> = faces.iter().map(|face| complexes.root(self.patch(2 * face))).collect();
+        if faces.is_empty() {
+            return 0;
+        }
+        let tree = TriangleTree::new(&corners);
+        let meets_another = |&face: &usize| {
+            tree.near(&Aabb::around(&corners[face], 0.0)).any(|other| {
+                let other = other as usize;
+                let [one, two] = [face, other].map(|index| soup.triangles[faces[index] as usize]);
+                other > face && complex[face] == complex[other] && {
+                    let shared: Vec<usize> = (0..3).filter(|&corner| two.contains(&one[corner])).collect();
+                    match shared[..] {
+                        [] => triangles_meet(&corners[face], &corners[other]),
+                        [corner] => {
+                            let same = two.iter().position(|v| *v == one[corner]).unwrap_or(0);
+                            triangles_meet(&without_corner(&corners[face], corner), &corners[other])
+                                || triangles_meet(&corners[face], &without_corner(&corners[other], same))
+                        }
+                        _ => false,
+                    }
+                }
+            })
+        };
+        (0..faces.len()).filter(meets_another).count()
+    }
+}
+
+/// The group of the patches that are not closed.
+const OPEN: u32 = u32::MAX;
+
+/// Faces at one edge whose angles differ by less are in one plane, in radians: flat sides read from a file in
+/// single precision differ by 1e-5.
+const ONE_PLANE_RAD: f64 = 1e-4;
+
+/// A triangle with one corner moved in by a thousandth of its height.
+fn without_corner(corners: &[Point; 3], corner: usize) -> [Point; 3] {
+    let mut cut = *corners;
+    let middle = (corners[(corner + 1) % 3].coords + corners[(corner + 2) % 3].coords) * 0.5;
+    cut[corner] += (middle - corners[corner].coords) * 1e-3;
+    cut
+}
+
+/// How many of the faces around an edge, in their order, lie on the one before.
+fn faces_in_one_plane(by_angle: &[(f64, EdgeUse)]) -> usize {
+    let before = |index: usize| by_angle[(index + by_angle.len() - 1) % by_angle.len()].0;
+    let gap = |index: usize| (by_angle[index].0 - before(index)).rem_euclid(std::f64::consts::TAU);
+    (0..by_angle.len()).filter(|index| gap(*index) < ONE_PLANE_RAD).count()
+}
+
+/// The angle of each face about the edge, from the first one, in radians.
+fn angles(soup: &TriangleSoup, group: &[EdgeUse]) -> Vec<(f64, EdgeUse)> {
+    let vertex = |index: u64| -> Point { soup.vertices[usize::try_from(index).unwrap_or(usize::MAX)] };
+    let (low, high) = (group[0].edge >> 32, group[0].edge & u64::from(u32::MAX));
+    let foot = vertex(low);
+    let axis = (vertex(high) - foot).try_normalize(0.0).unwrap_or_else(Vector::zeros);
+    let across = |at: &EdgeUse| {
+        let corners = soup.triangles[at.ahead as usize / 2].map(u64::from);
+        let opposite = corners.into_iter().find(|&corner| corner != low && corner != high).unwrap_or(low);
+        let towards = vertex(opposite) - foot;
+        towards - axis * axis.dot(&towards)
+    };
+    let zero = across(&group[0]);
+    let angle = |at: &EdgeUse| {
+        let towards = across(at);
+        libm::atan2(axis.dot(&zero.cross(&towards)), zero.dot(&towards))
+    };
+    group.iter().map(|at| (angle(at), *at)).collect()
+}

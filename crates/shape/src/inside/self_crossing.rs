@@ -1,0 +1,81 @@
+use cranny_spatial::Point;
+
+use crate::distance::triangle_tree::TriangleTree;
+use crate::{Aabb, ShapeError, TriangleSoup};
+
+/// How many pairs of triangles pass through each other by no more than the noise of a scan. Triangles that
+/// only touch, at a vertex, an edge or in one plane, do not count.
+///
+/// # Errors
+/// [`ShapeError::SelfCrossing`] if a pair does so more deeply, or too many do.
+pub(crate) fn shallow_crossings(soup: &TriangleSoup) -> Result<usize, ShapeError> {
+    let corners: Vec<[Point; 3]> = (0..soup.triangles.len()).map(|t| soup.corners(t)).collect();
+    let tree = TriangleTree::new(&corners);
+    let mut crossing = Vec::new();
+    for first in 0..corners.len() {
+        for second in tree.near(&Aabb::around(&corners[first], 0.0)) {
+            let second = second as usize;
+            let depth_m = if second > first { crossing_depth(soup, &corners, first, second) } else { 0.0 };
+            if depth_m > 0.0 {
+                crossing.push((depth_m, first, second));
+            }
+        }
+    }
+    let size_m = 2.0 * Aabb::around(corners.iter().flatten(), 0.0).half_extents.max();
+    let shallow_m = SHALLOW_SHARE * size_m;
+    let deepest = crossing.iter().max_by(|a, b| a.0.total_cmp(&b.0));
+    match deepest {
+        Some(&(depth_m, first, second))
+            if depth_m > shallow_m || crossing.len() * SHALLOW_TRIANGLES > corners.len() =>
+        {
+            let Point { coords } = corners[first][0];
+            let (x, y, z) = (coords.x, coords.y, coords.z);
+            Err(ShapeError::SelfCrossing { pairs: crossing.len(), first, second, depth_m, x, y, z })
+        }
+        _ => Ok(crossing.len()),
+    }
+}
+
+/// Folds no deeper than this share of the mesh's greatest extent are noise of a scan, if they are few: the
+/// scan of a sugar box of 0.175 m has 21 of up to 1.1 mm among its 20 000 triangles.
+pub(crate) const SHALLOW_SHARE: f64 = 0.01;
+
+/// One shallow crossing for so many triangles is noise; more are two bodies in one mesh.
+const SHALLOW_TRIANGLES: usize = 100;
+
+/// How deep an edge of one triangle goes through the inside of the other, in metres; 0 if none does.
+fn crossing_depth(soup: &TriangleSoup, corners: &[[Point; 3]], first: usize, second: usize) -> f64 {
+    let depth_of = |one: usize, other: usize| {
+        let (ends, face) = (soup.triangles[one], soup.triangles[other]);
+        let edges = (0..3).map(|i| (i, (i + 1) % 3));
+        edges
+            // An edge that ends at a corner of the face meets it there, and only there or in its plane.
+            .filter(|&(from, to)| !face.contains(&ends[from]) && !face.contains(&ends[to]))
+            .map(|(from, to)| depth_through(&corners[one][from], &corners[one][to], &corners[other]))
+            .fold(0.0, f64::max)
+    };
+    depth_of(first, second).max(depth_of(second, first))
+}
+
+/// How far the nearer end of the edge from `p` to `q` is behind a triangle through whose inside the edge
+/// goes, in metres; 0 if it does not. By the signs of tetrahedra.
+fn depth_through(p: &Point, q: &Point, [a, b, c]: &[Point; 3]) -> f64 {
+    let volume = |a: &Point, b: &Point, c: &Point, d: &Point| (b - a).cross(&(c - a)).dot(&(d - a));
+    let (above, below) = (volume(a, b, c, p), volume(a, b, c, q));
+    // Six times the volume of a tetrahedron from rounding alone.
+    let scale = (q - p).norm().max((b - a).norm()).max((c - a).norm());
+    let least = FLAT * scale * scale * scale;
+    if above.abs() <= least || below.abs() <= least || (above > 0.0) == (below > 0.0) {
+        return 0.0;
+    }
+    let sides = [volume(p, q, a, b), volume(p, q, b, c), volume(p, q, c, a)];
+    if sides.iter().all(|side| *side > least) || sides.iter().all(|side| *side < -least) {
+        above.abs().min(below.abs()) / (b - a).cross(&(c - a)).norm()
+    } else {
+        0.0
+    }
+}
+
+/// A tetrahedron whose volume is this share of its longest edge cubed is flat: the vertices of mesh files
+/// are rounded to single precision, 6e-8 of their size.
+const FLAT: f64 = 1e-6;

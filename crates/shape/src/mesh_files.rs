@@ -1,0 +1,11 @@
+//! Mesh files and their polygons.
+
+pub(crate) mod collada;
+pub(crate) mod corner_tree;
+pub(crate) mod mesh_file;
+pub(crate) mod obj;
+pub(crate) mod painted_mesh;
+pub(crate) mod ply;
+pub(crate) mod polygon;
+pub(crate) mod side_sweep;
+pub(crate) mod stl;

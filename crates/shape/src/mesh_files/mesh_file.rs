@@ -1,0 +1,106 @@
+use std::collections::HashMap;
+use std::fmt::Write as _;
+use std::io::{Error, ErrorKind};
+use std::path::Path;
+
+use cranny_spatial::{Point, Pose, Vector};
+
+use crate::error::{check_scale, usable};
+use crate::{ShapeError, mesh_files::collada, mesh_files::obj, mesh_files::ply, mesh_files::stl};
+
+/// Triangles as a file gives them: no promise of a closed or connected surface.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TriangleSoup {
+    /// Corner points, in metres; no two are equal.
+    pub vertices: Vec<Point>,
+    /// Three indices into `vertices` each, in the order of the file, normals outwards by the right hand.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+impl TriangleSoup {
+    /// The triangles of a mesh file (OBJ, STL, DAE, PLY), its coordinates multiplied by `scale`. Equal
+    /// vertices are merged, triangles keep the order of the file, polygons are cut into triangles that cover no more than
+    /// they do; a polygon that is not flat is cut as seen along the axis nearest to its normal. A scale that
+    /// mirrors turns the triangles round, so that they still face outwards.
+    ///
+    /// # Errors
+    /// [`ShapeError`] with the file's path (and line, where the format has lines) if it cannot be read, is
+    /// no mesh, holds numbers that are not finite, a polygon that crosses itself or something of its format that is not
+    /// read, or has no triangles; [`ShapeError::Scale`] for a factor of zero or one that is not finite.
+    pub fn load(path: &Path, scale: Vector) -> Result<Self, ShapeError> {
+        check_scale(&scale).map_err(|fault| fault.in_file(path))?;
+        let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+        let unreadable = |source| ShapeError::Read { path: path.to_owned(), source };
+        let broken = |message| unreadable(Error::new(ErrorKind::InvalidData, message));
+        let bytes = || cranny_file::MESH.bytes(path).map_err(unreadable);
+        let corners = match extension.as_str() {
+            "obj" => obj::corners(&bytes()?).map_err(broken)?,
+            "stl" => stl::corners(&bytes()?).map_err(broken)?,
+            "dae" => collada::corners(&cranny_file::MESH.text(path).map_err(unreadable)?).map_err(broken)?,
+            "ply" => ply::corners(&bytes()?).map_err(broken)?,
+            _ => return Err(ShapeError::Format { path: path.to_owned(), extension }),
+        };
+        let triangles = corners.len() / 3;
+        if triangles > MOST_TRIANGLES {
+            return Err(ShapeError::TooManyTriangles { triangles, most: MOST_TRIANGLES }.in_file(path));
+        }
+        let mut soup = Self::from_corners(corners.iter().map(|c| c.coords.component_mul(&scale).into()))
+            .and_then(|soup| if soup.triangles.is_empty() { Err(ShapeError::Empty) } else { Ok(soup) })
+            .map_err(|fault| fault.in_file(path))?;
+        if scale.product() < 0.0 {
+            soup.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+        }
+        Ok(soup)
+    }
+
+    /// The triangles as in an OBJ file, in metres, where the first vertex has the number `first`, 1 in a file of their
+    /// own; what is read back is rounded to single precision.
+    pub fn obj_text(&self, first: u32) -> String {
+        let mut text = String::new();
+        for v in &self.vertices {
+            let _ = writeln!(text, "v {} {} {}", v.x, v.y, v.z);
+        }
+        for [a, b, c] in &self.triangles {
+            let _ = writeln!(text, "f {} {} {}", a + first, b + first, c + first);
+        }
+        text
+    }
+
+    /// Adds the triangles of another mesh; equal vertices stay apart.
+    pub fn append(&mut self, other: &Self, own_from_other: &Pose) {
+        let first = u32::try_from(self.vertices.len()).unwrap_or(u32::MAX);
+        self.vertices.extend(other.vertices.iter().map(|vertex| own_from_other * vertex));
+        self.triangles.extend(other.triangles.iter().map(|triangle| triangle.map(|vertex| vertex + first)));
+    }
+
+    /// Triangles from their corners, three at a time; equal corners are merged.
+    ///
+    /// # Errors
+    /// [`ShapeError::NotFinite`] for a corner with a coordinate that is no finite number.
+    pub fn from_corners(corners: impl IntoIterator<Item = Point>) -> Result<Self, ShapeError> {
+        let mut soup = Self::default();
+        let mut known: HashMap<[u64; 3], u32> = HashMap::new();
+        let mut corner_indices = Vec::new();
+        for (vertex, corner) in corners.into_iter().enumerate() {
+            usable(vertex, &corner)?;
+            let c = corner.coords;
+            // Adding zero turns −0 into 0, so that the two compare equal.
+            let key = [c.x, c.y, c.z].map(|x| (x + 0.0).to_bits());
+            let index = *known.entry(key).or_insert_with(|| {
+                soup.vertices.push(corner);
+                u32::try_from(soup.vertices.len() - 1).unwrap_or(u32::MAX)
+            });
+            corner_indices.push(index);
+        }
+        soup.triangles = corner_indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
+        Ok(soup)
+    }
+
+    /// The three corners of triangle `index`.
+    pub fn corners(&self, index: usize) -> [Point; 3] {
+        self.triangles[index].map(|v| self.vertices[v as usize])
+    }
+}
+
+/// Each takes some 500 bytes as part of a solid: 4 GB for these.
+const MOST_TRIANGLES: usize = 8_000_000;

@@ -1,0 +1,109 @@
+use cranny_spatial::Point;
+
+use crate::mesh_files::polygon::triangulate;
+
+/// The corners of the triangles of a Wavefront OBJ file (version 3.0), three at a time; rounded to single precision, as
+/// the format is written. Lines may begin with blanks, end in any way and be continued by a backslash.
+///
+/// # Errors
+/// In words, with the line: a number or index that is none, a face of fewer than three corners or one that crosses
+/// itself, geometry of another kind than faces, a line that is none of the format's.
+pub(crate) fn corners(bytes: &[u8]) -> Result<Vec<Point>, String> {
+    let text = String::from_utf8_lossy(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes));
+    let mut vertices = Vec::new();
+    let mut corners = Vec::new();
+    for (line, content) in logical_lines(&text) {
+        let mut words = content.split_whitespace();
+        let Some(keyword) = words.next() else { continue };
+        let fault = |message: String| format!("line {line}: {message}");
+        match keyword {
+            "v" => vertices.push(vertex(words).map_err(fault)?),
+            "f" | "fo" => {
+                let face =
+                    words.map(|word| place(word, &vertices)).collect::<Result<Vec<_>, _>>().map_err(fault)?;
+                if face.len() < 3 {
+                    return Err(fault("a face has fewer than three corners".into()));
+                }
+                let triangles = triangulate(&face)
+                    .ok_or_else(|| fault(format!("the face of {} corners crosses itself", face.len())))?;
+                corners.extend(triangles.into_iter().flatten().map(|corner| face[corner]));
+            }
+            _ if keyword.starts_with('#') || IGNORED.contains(&keyword) => {}
+            _ => return Err(fault(format!("'{}' is not read here", cranny_file::excerpt(content.trim())))),
+        }
+    }
+    Ok(corners)
+}
+
+/// Normals, textures, groups, materials, display, and elements without area.
+const IGNORED: [&str; 21] = [
+    "vt",
+    "vn",
+    "vp",
+    "g",
+    "o",
+    "s",
+    "mg",
+    "usemtl",
+    "mtllib",
+    "usemap",
+    "maplib",
+    "p",
+    "l",
+    "lod",
+    "bevel",
+    "c_interp",
+    "d_interp",
+    "shadow_obj",
+    "trace_obj",
+    "cstype",
+    "deg",
+];
+
+/// The lines with their numbers, from 1; those that end in a backslash together with the next.
+fn logical_lines(text: &str) -> Vec<(usize, std::borrow::Cow<'_, str>)> {
+    let mut lines: Vec<(usize, std::borrow::Cow<'_, str>)> = Vec::new();
+    let mut is_continued = false;
+    let (mut rest, mut number) = (text, 0);
+    while !rest.is_empty() {
+        number += 1;
+        let end = rest.find(['\n', '\r']).unwrap_or(rest.len());
+        let (line, behind) = rest.split_at(end);
+        rest = behind.strip_prefix("\r\n").or(behind.get(1..)).unwrap_or_default();
+        // In a comment the backslash has no meaning.
+        let continues = line.trim_end().strip_suffix('\\').filter(|line| !line.trim_start().starts_with('#'));
+        let content = continues.unwrap_or(line);
+        match lines.last_mut() {
+            Some((_, before)) if is_continued => {
+                before.to_mut().push(' ');
+                before.to_mut().push_str(content);
+            }
+            _ => lines.push((number, content.into())),
+        }
+        is_continued = continues.is_some();
+    }
+    lines
+}
+
+/// A vertex: three numbers, and a weight or a colour, which are for curves and for looks.
+fn vertex<'a>(words: impl Iterator<Item = &'a str>) -> Result<Point, String> {
+    let number = |word: &str| {
+        word.parse::<f32>().map_err(|_| format!("'{}' is no number", cranny_file::excerpt(word)))
+    };
+    match words.map(number).collect::<Result<Vec<_>, _>>()?[..] {
+        [x, y, z] | [x, y, z, _] | [x, y, z, _, _, _] | [x, y, z, _, _, _, _] => {
+            Ok(Point::new(x.into(), y.into(), z.into()))
+        }
+        ref other => Err(format!("a vertex of {} numbers", other.len())),
+    }
+}
+
+/// The vertex that a corner of a face names, from 1 or backwards from the last; texture and normal stand behind slashes.
+fn place(word: &str, vertices: &[Point]) -> Result<Point, String> {
+    let index = word.split('/').next().unwrap_or_default();
+    let index: i64 = index.parse().map_err(|_| format!("'{}' is no vertex", cranny_file::excerpt(word)))?;
+    let count = i64::try_from(vertices.len()).unwrap_or(i64::MAX);
+    let from_zero = if index < 0 { count + index } else { index - 1 };
+    let found = usize::try_from(from_zero).ok().and_then(|index| vertices.get(index));
+    found.copied().ok_or_else(|| format!("vertex {index} is named, but there are {count} before it"))
+}

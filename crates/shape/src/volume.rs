@@ -1,0 +1,7 @@
+//! Volume and area: moments, poses at rest.
+
+pub(crate) mod area;
+pub(crate) mod moments;
+pub(crate) mod pose_symmetry;
+pub(crate) mod stable_pose;
+pub(crate) mod union_moments;

@@ -1,0 +1,169 @@
+use std::collections::HashMap;
+
+use cranny_spatial::nalgebra::Vector2;
+use cranny_spatial::{Point, Pose, Rotation, Vector};
+
+use crate::distance::ray::triangle_normal;
+use crate::mesh::signed_solid_angle;
+use crate::{ShapeError, TriangleSoup};
+
+/// A way in which a body comes to rest on level ground.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StablePose {
+    /// Where the body then is: ground at z = 0, centre of mass above the origin. Its turn about z is free;
+    /// this is the pose reached by the shortest rotation.
+    pub ground_from_body: Pose,
+    /// How likely it is that the body, dropped at a uniformly random rotation, ends on this face.
+    pub probability: f64,
+}
+
+/// The stable poses of a body with these `points` and that centre of mass, the likeliest first. Their
+/// probabilities sum to 1.
+///
+/// The quasi-static method (Goldberg et al. 1999; Boothroyd et al. 1972): a dropped body first meets the
+/// ground with the face of its convex hull through which the vertical from its centre of mass runs, so with
+/// a probability of that face's solid angle over 4π.
+/// 1. The faces of the hull: facets in one plane are one face.
+/// 2. The solid angle of each, seen from the centre of mass.
+/// 3. A face whose plane meets the vertical from the centre of mass outside of it does not hold the body: it
+///    rolls over the edge that the vertical is farthest beyond, and lies lower than before, until a face
+///    holds.
+///
+/// # Errors
+/// [`ShapeError::FlatHull`], [`ShapeError::NotFinite`], or [`ShapeError::CenterOutside`] for a centre of mass
+/// outside the hull.
+pub fn stable_poses(points: &[Point], center: &Point) -> Result<Vec<StablePose>, ShapeError> {
+    let hull = TriangleSoup::convex_hull(points)?;
+    // 1.
+    let faces = Faces::of(&hull);
+    let is_inside = faces.normals.iter().zip(&faces.heights).all(|(n, h)| n.dot(&center.coords) < *h);
+    if !is_inside {
+        return Err(ShapeError::CenterOutside { x: center.x, y: center.y, z: center.z });
+    }
+    // 2.
+    let mut share = vec![0.0; faces.normals.len()];
+    for (triangle, &face) in faces.of_triangle.iter().enumerate() {
+        share[face] += signed_solid_angle(&hull.corners(triangle), center) / (2.0 * std::f64::consts::TAU);
+    }
+    // 3.
+    let next: Vec<Option<usize>> = (0..share.len()).map(|face| faces.rolls_to(&hull, face, center)).collect();
+    let mut probability = vec![0.0; share.len()];
+    for (first, share) in share.iter().enumerate() {
+        let mut face = first;
+        // Each roll lowers the centre of mass, so none is done twice; rounding alone could go in a circle.
+        for _ in 0..next.len() {
+            match next[face] {
+                Some(lower) => face = lower,
+                None => break,
+            }
+        }
+        probability[face] += share;
+    }
+    let total: f64 = probability.iter().sum();
+    let mut poses: Vec<StablePose> = (0..probability.len())
+        .filter(|&face| probability[face] > 0.0)
+        .map(|face| StablePose {
+            ground_from_body: faces.resting(face, center),
+            probability: probability[face] / total,
+        })
+        .collect();
+    poses.sort_by(|a, b| b.probability.total_cmp(&a.probability));
+    Ok(poses)
+}
+
+/// The faces of a convex hull.
+struct Faces {
+    of_triangle: Vec<usize>,
+    /// Unit normals, outwards, and how far each plane is from the origin along them, in metres.
+    normals: Vec<Vector>,
+    heights: Vec<f64>,
+    /// The edges of each face, by corner indices, counterclockwise from outside, with the face beyond.
+    edges: Vec<Vec<([u32; 2], usize)>>,
+}
+
+/// Facets whose normals differ by less than this angle are one face, in radians: a flat side read from a file
+/// in single precision has facets that differ by 1e-5.
+const ONE_PLANE_RAD: f64 = 1e-4;
+
+impl Faces {
+    fn of(hull: &TriangleSoup) -> Self {
+        let count = hull.triangles.len();
+        let mut at_edge: HashMap<(u32, u32), usize> = HashMap::new();
+        for (index, &[a, b, c]) in hull.triangles.iter().enumerate() {
+            for edge in [(a, b), (b, c), (c, a)] {
+                at_edge.insert(edge, index);
+            }
+        }
+        let normal = |triangle: usize| triangle_normal(&hull.corners(triangle));
+        let area = |triangle: usize| {
+            let [a, b, c] = hull.corners(triangle);
+            (b - a).cross(&(c - a)).norm()
+        };
+        // From the largest facet down, so that the plane of a face is that of its best known facet.
+        let mut order: Vec<usize> = (0..count).collect();
+        order.sort_by(|&a, &b| area(b).total_cmp(&area(a)).then(a.cmp(&b)));
+        let mut faces =
+            Self { of_triangle: vec![usize::MAX; count], normals: vec![], heights: vec![], edges: vec![] };
+        for seed in order {
+            if faces.of_triangle[seed] != usize::MAX {
+                continue;
+            }
+            let plane = normal(seed);
+            let face = faces.normals.len();
+            faces.of_triangle[seed] = face;
+            let mut members = vec![seed];
+            let mut height = f64::NEG_INFINITY;
+            while let Some(triangle) = members.pop() {
+                let [a, b, c] = hull.triangles[triangle];
+                for corner in hull.corners(triangle) {
+                    height = height.max(plane.dot(&corner.coords));
+                }
+                for edge in [(b, a), (c, b), (a, c)] {
+                    let Some(&other) = at_edge.get(&edge) else { continue };
+                    let turn = plane.cross(&normal(other)).norm();
+                    let is_same = turn < ONE_PLANE_RAD && plane.dot(&normal(other)) >= 0.0;
+                    if faces.of_triangle[other] == usize::MAX && is_same {
+                        faces.of_triangle[other] = face;
+                        members.push(other);
+                    }
+                }
+            }
+            faces.normals.push(plane);
+            faces.heights.push(height);
+        }
+        faces.edges = vec![Vec::new(); faces.normals.len()];
+        for (triangle, &[a, b, c]) in hull.triangles.iter().enumerate() {
+            for (from, to) in [(a, b), (b, c), (c, a)] {
+                let Some(&other) = at_edge.get(&(to, from)) else { continue };
+                let (face, beyond) = (faces.of_triangle[triangle], faces.of_triangle[other]);
+                if face != beyond {
+                    faces.edges[face].push(([from, to], beyond));
+                }
+            }
+        }
+        faces
+    }
+
+    /// The face onto which a body that stands on `face` rolls; `None` if it stays.
+    fn rolls_to(&self, hull: &TriangleSoup, face: usize, center: &Point) -> Option<usize> {
+        let normal = self.normals[face];
+        let beyond = |ends: &[u32; 2]| {
+            let [from, to] = ends.map(|vertex| hull.vertices[vertex as usize]);
+            let outwards = (to - from).cross(&normal).try_normalize(0.0).unwrap_or_else(Vector::zeros);
+            (center - from).dot(&outwards)
+        };
+        let farthest = self.edges[face]
+            .iter()
+            .map(|(ends, other)| (beyond(ends), *other))
+            .max_by(|a, b| a.0.total_cmp(&b.0))?;
+        (farthest.0 > 0.0).then_some(farthest.1)
+    }
+
+    fn resting(&self, face: usize, center: &Point) -> Pose {
+        let down = -Vector::z();
+        let half_turn = || Rotation::from_axis_angle(&Vector::x_axis(), std::f64::consts::PI);
+        let rotation = Rotation::rotation_between(&self.normals[face], &down).unwrap_or_else(half_turn);
+        let across: Vector2<f64> = (rotation * center.coords).xy();
+        Pose::from_parts(Vector::new(-across.x, -across.y, self.heights[face]).into(), rotation)
+    }
+}

@@ -1,0 +1,353 @@
+use cranny_spatial::{FARTHEST_M, Pose, Vector};
+use rapier3d_f64::prelude::{Collider, PhysicsWorld, RigidBodyHandle};
+use rayon::prelude::*;
+
+use crate::grasping::grasp_test::{STILL_S, whole_steps};
+use crate::gripper::Gripper;
+use crate::object_model::STILL_M_PER_S;
+use crate::{Course, Disturbance, GraspOutcome, GraspRun, GraspTest, Piece, RecordedBody, Recording, engine};
+
+/// What the fingers get beyond the time that their stroke takes, in seconds: to push a heavy object along.
+pub(crate) const CLOSING_GRACE_S: f64 = 0.5;
+
+/// The share of its stroke before the end from which on a hand counts as closed on nothing.
+pub(crate) const CLOSED_SHARE: f64 = 1e-3;
+
+/// An object this far from where it was in the hand does not come back, in metres: fingers hold what they touch.
+pub(crate) const LOST_M: f64 = 0.15;
+
+/// An open hand that is deeper than this in the object, or with a finger in what stands around, is where none can be: no
+/// grasp begins there, in metres. What overlaps, engines drive apart, each in its own way.
+pub(crate) const BLOCKED_M: f64 = 0.001;
+
+/// Between two moments of a recording, in seconds.
+const RECORDED_EVERY_S: f64 = 0.02;
+
+/// What is done with a hand for so long, in seconds; `advance` hears of each step before it is made, with the time at its
+/// end.
+pub(crate) struct Move<'f, 'a> {
+    pub duration_s: f64,
+    pub advance: &'f mut dyn FnMut(&mut GraspTrial<'a>, f64),
+}
+
+/// A grasp under test.
+pub(crate) struct GraspTrial<'a> {
+    pub test: &'a GraspTest,
+    pub world: PhysicsWorld,
+    pub gripper: Gripper<'a>,
+    pub object: RigidBodyHandle,
+    steps: u32,
+    /// Of these, before the hand began to close.
+    steps_open: u32,
+    /// Once the hand opens again: after which step, and how far its fingers had closed, in metres.
+    opens_from: Option<(u32, f64)>,
+    /// Pose of the object at that time.
+    world_from_released: Option<Pose>,
+    recording: Option<Recording>,
+    /// What the recording has, besides object and hand.
+    recorded: Vec<RigidBodyHandle>,
+}
+
+impl<'a> GraspTrial<'a> {
+    /// The open hand at a grasp.
+    pub fn new(
+        test: &'a GraspTest,
+        world_from_hand: &Pose,
+        disturbance: &Disturbance,
+        is_recorded: bool,
+    ) -> Self {
+        let (mut world, object) = test.world(disturbance);
+        let force_n = test.hand.closing_force_n * disturbance.closing_force;
+        let gripper = Gripper::insert(&test.hand, &test.physics, force_n, world_from_hand, &mut world);
+        Self::with(test, world, gripper, object, is_recorded.then(Vec::new))
+    }
+
+    /// Of a hand and an object in a world. `recorded`: what else moves and is to be seen, if anything is recorded.
+    pub fn with(
+        test: &'a GraspTest,
+        world: PhysicsWorld,
+        gripper: Gripper<'a>,
+        object: RigidBodyHandle,
+        recorded: Option<Vec<(RecordedBody, RigidBodyHandle)>>,
+    ) -> Self {
+        let mut trial = Self {
+            test,
+            world,
+            gripper,
+            object,
+            steps: 0,
+            steps_open: 0,
+            opens_from: None,
+            world_from_released: None,
+            recording: None,
+            recorded: Vec::new(),
+        };
+        if let Some(others) = recorded {
+            let body = |name: &str, pieces: &[Piece]| RecordedBody::new(name, pieces);
+            let mut bodies =
+                vec![body(&test.object.name, &test.object.pieces), body("palm", &test.hand.palm)];
+            for (index, finger) in test.hand.fingers.iter().enumerate() {
+                bodies.push(body(&format!("finger {}", index + 1), &finger.pieces));
+            }
+            trial.recorded = vec![object, trial.gripper.palm];
+            trial.recorded.extend(&trial.gripper.fingers);
+            for (other, handle) in others {
+                bodies.push(other);
+                trial.recorded.push(handle);
+            }
+            trial.recording = Some(Recording { times_s: Vec::new(), bodies });
+            trial.record();
+        }
+        trial
+    }
+
+    /// Closes the hand and, if it holds anything, takes the course of the test.
+    pub fn run(self, world_from_hand: &Pose) -> GraspRun {
+        if world_from_hand.translation.vector.amax() > FARTHEST_M {
+            // Farther away than anything can be, and than the engine can count.
+            return self.ended(GraspOutcome::NeverClosed, (0.0, 0.0), 0.0, 0.0);
+        }
+        if let Some(outcome) = self.blocked() {
+            return self.ended(outcome, (0.0, 0.0), 0.0, 0.0);
+        }
+        let course = self.test.course;
+        let mut advance = |trial: &mut Self, time_s: f64| {
+            let next = course.world_from_hand(world_from_hand, time_s);
+            trial.world.bodies[trial.gripper.palm].set_next_kinematic_position(engine::pose(&next));
+        };
+        self.grasp(Move { duration_s: course.duration_s(), advance: &mut advance }, None)
+    }
+
+    /// How a grasp ends at which the open hand stands in something: it has pushed the object away on its way there, or
+    /// cannot close there.
+    fn blocked(&self) -> Option<GraspOutcome> {
+        let world = &self.world;
+        let of_body = |body: RigidBodyHandle| {
+            world.bodies[body].colliders().iter().map(|&collider| &world.colliders[collider])
+        };
+        let around =
+            || world.colliders.iter().map(|(_, other)| other).filter(|other| other.parent().is_none());
+        let is_in = |own: &Collider, other: &Collider| engine::depth_m(own, other) > BLOCKED_M;
+        let fingers = || self.gripper.fingers.iter().copied().flat_map(of_body);
+        let mut hand = of_body(self.gripper.palm).chain(fingers());
+        if hand.any(|own| of_body(self.object).any(|other| is_in(own, other))) {
+            return Some(GraspOutcome::KnockedAway);
+        }
+        fingers().any(|own| around().any(|other| is_in(own, other))).then_some(GraspOutcome::NeverClosed)
+    }
+
+    /// Closes the hand and, if it holds anything, has it moved; if it then holds it yet, it may open and move on.
+    pub fn grasp(mut self, held: Move<'_, 'a>, released: Option<Move<'_, 'a>>) -> GraspRun {
+        let gravity = self.world.gravity;
+        if !self.test.is_carried() {
+            self.world.gravity = engine::vector(&Vector::zeros());
+        }
+        self.steps_open = self.steps;
+        let world_from_resting = self.world_from_object();
+        let pressed_n = self.close();
+        self.world.gravity = gravity;
+        if let Some(contact_force_n) = pressed_n {
+            return self.carry(held, released, contact_force_n);
+        }
+        let error = self.error(&world_from_resting, &self.world_from_object());
+        let is_there = self.is_held(error);
+        let outcome = if is_there { GraspOutcome::NeverClosed } else { GraspOutcome::KnockedAway };
+        self.ended(outcome, error, 0.0, 0.0)
+    }
+
+    pub fn steps(&self) -> u32 {
+        self.steps
+    }
+
+    fn time_s(&self) -> f64 {
+        f64::from(self.steps) * self.test.physics.step_s
+    }
+
+    /// Since the hand began to close.
+    fn closing_s(&self) -> f64 {
+        f64::from(self.steps - self.steps_open) * self.test.physics.step_s
+    }
+
+    pub fn world_from_object(&self) -> Pose {
+        engine::to_pose(self.world.bodies[self.object].position())
+    }
+
+    fn hand_from_object(&self) -> Pose {
+        engine::to_pose(self.world.bodies[self.gripper.palm].position()).inverse() * self.world_from_object()
+    }
+
+    /// One step with the hand open.
+    pub fn step_open(&mut self) {
+        self.steps_open = self.steps;
+        self.step();
+        self.steps_open = self.steps;
+    }
+
+    fn step(&mut self) {
+        let speed = self.test.course.closing_speed;
+        let driven_m = match self.opens_from {
+            None => speed * self.closing_s(),
+            Some((step, closed_m)) => {
+                (closed_m - speed * f64::from(self.steps - step) * self.test.physics.step_s).max(0.0)
+            }
+        };
+        self.gripper.drive(&mut self.world, driven_m);
+        engine::step(&mut self.world);
+        self.steps += 1;
+        self.record();
+    }
+
+    /// Closes the hand. With what the fingers press while they are still, in newtons, the mean; `None` if not all of them
+    /// touch the object.
+    fn close(&mut self) -> Option<f64> {
+        let test = self.test;
+        let stroke_m = test.hand.fingers.iter().map(|finger| finger.stroke_m).fold(0.0, f64::max);
+        let lead_s = self.gripper.closing_force_n / test.physics.drive_stiffness / test.course.closing_speed;
+        let limit_s = stroke_m / test.course.closing_speed + lead_s + CLOSING_GRACE_S;
+        let [lead_steps, full_steps] =
+            [lead_s, STILL_S].map(|time_s| whole_steps(time_s, test.physics.step_s).max(1));
+        let (mut still_share, mut still_steps, mut pressed_n) = (0.0, 0_u32, 0.0);
+        for _ in 0..whole_steps(limit_s, test.physics.step_s) {
+            self.step();
+            let (share, _) = self.gripper.closed(&self.world);
+            if share > 1.0 - CLOSED_SHARE {
+                return None;
+            }
+            let pressures = self.gripper.pressures(&self.world, self.object);
+            // Full force, and no way any more. A contact that changes its corners from step to step makes the fingers
+            // tremble: faster than what is still, but within a few micrometres.
+            let has_moved = ((share - still_share) * stroke_m).abs() > STILL_M_PER_S * STILL_S;
+            let pressure_n: Option<f64> = pressures.iter().copied().sum();
+            let Some(sum_n) = pressure_n.filter(|_| !has_moved && self.closing_s() > lead_s) else {
+                (still_share, still_steps, pressed_n) = (share, 0, 0.0);
+                continue;
+            };
+            still_steps += 1;
+            // While its lead grows, the drive has not its whole force.
+            if still_steps > lead_steps {
+                pressed_n += sum_n / pressures.len() as f64;
+            }
+            if still_steps == lead_steps + full_steps {
+                return Some(pressed_n / f64::from(full_steps));
+            }
+        }
+        None
+    }
+
+    /// Moves the hand with what it has closed on.
+    fn carry(
+        mut self,
+        Move { duration_s, advance }: Move<'_, 'a>,
+        released: Option<Move<'_, 'a>>,
+        contact_force_n: f64,
+    ) -> GraspRun {
+        let closed_from_object = self.hand_from_object();
+        let mut held_s = None;
+        for step in 1..=whole_steps(duration_s, self.test.physics.step_s) {
+            let time_s = f64::from(step) * self.test.physics.step_s;
+            advance(&mut self, time_s);
+            self.step();
+            let error = self.error(&closed_from_object, &self.hand_from_object());
+            if held_s.is_none() && !self.is_held(error) {
+                held_s = Some(time_s);
+            }
+            if error.0 > LOST_M {
+                return self.ended(GraspOutcome::Dropped, error, held_s.unwrap_or(time_s), contact_force_n);
+            }
+        }
+        let error = self.error(&closed_from_object, &self.hand_from_object());
+        let outcome = if !self.is_touched() {
+            GraspOutcome::Dropped
+        } else if self.is_held(error) {
+            GraspOutcome::Held
+        } else {
+            GraspOutcome::Slipped
+        };
+        let held_s = held_s.unwrap_or(duration_s);
+        if let Some(released) = released.filter(|_| outcome == GraspOutcome::Held) {
+            self.release(released);
+        }
+        self.ended(outcome, error, held_s, contact_force_n)
+    }
+
+    /// Returns whether a finger touches the object.
+    fn is_touched(&self) -> bool {
+        self.gripper.pressures(&self.world, self.object).iter().any(Option::is_some)
+    }
+
+    /// Opens the hand, and moves it on meanwhile.
+    fn release(&mut self, Move { duration_s, advance }: Move<'_, 'a>) {
+        let stroke_m = self.test.hand.fingers.iter().map(|finger| finger.stroke_m).fold(0.0, f64::max);
+        self.world_from_released = Some(self.world_from_object());
+        self.opens_from = Some((self.steps, self.gripper.closed(&self.world).0 * stroke_m));
+        for step in 1..=whole_steps(duration_s, self.test.physics.step_s) {
+            advance(self, f64::from(step) * self.test.physics.step_s);
+            self.step();
+        }
+    }
+
+    /// How far the centre of mass is from where it should be, in metres, and how far the object is turned, in radians.
+    fn error(&self, expected: &Pose, actual: &Pose) -> (f64, f64) {
+        let center = self.test.object.center;
+        ((actual * center - expected * center).norm(), expected.rotation.angle_to(&actual.rotation))
+    }
+
+    fn is_held(&self, (translation_m, rotation_rad): (f64, f64)) -> bool {
+        let Course { slip_m, slip_rad, .. } = self.test.course;
+        translation_m <= slip_m && rotation_rad <= slip_rad
+    }
+
+    fn record(&mut self) {
+        let every = whole_steps(RECORDED_EVERY_S, self.test.physics.step_s).max(1);
+        let time_s = self.time_s();
+        let Some(recording) = self.recording.as_mut().filter(|_| self.steps.is_multiple_of(every)) else {
+            return;
+        };
+        recording.times_s.push(time_s);
+        for (body, handle) in recording.bodies.iter_mut().zip(&self.recorded) {
+            body.world_from_body.push(engine::to_pose(self.world.bodies[*handle].position()));
+        }
+    }
+
+    fn ended(self, outcome: GraspOutcome, error: (f64, f64), held_s: f64, contact_force_n: f64) -> GraspRun {
+        GraspRun {
+            outcome,
+            translation_error_m: error.0,
+            rotation_error_rad: error.1,
+            held_s,
+            contact_force_n,
+            world_from_object: self.world_from_object(),
+            is_in_hand: self.is_touched(),
+            world_from_released: self.world_from_released,
+            simulated_s: self.time_s(),
+            recording: self.recording,
+        }
+    }
+}
+
+impl GraspTest {
+    /// All of these grasps under their disturbances, each in a world of its own, on all cores; poses of the gripper in
+    /// the planning frame. `on_done` hears of each; once `stop` says so, no more are begun, and those are `None`.
+    pub fn run_all(
+        &self,
+        trials: &[(Pose, Disturbance)],
+        on_done: &(dyn Fn() + Sync),
+        stop: &(dyn Fn() -> bool + Sync),
+    ) -> Vec<Option<GraspRun>> {
+        let run = |(grasp, disturbance): &(Pose, Disturbance)| {
+            if stop() {
+                return None;
+            }
+            let run = self.run(grasp, disturbance, false);
+            on_done();
+            Some(run)
+        };
+        trials.par_iter().map(run).collect()
+    }
+
+    /// One grasp; the pose of the gripper in the planning frame.
+    pub fn run(&self, world_from_grasp: &Pose, disturbance: &Disturbance, is_recorded: bool) -> GraspRun {
+        let world_from_hand = world_from_grasp * disturbance.grasp_from_hand;
+        GraspTrial::new(self, &world_from_hand, disturbance, is_recorded).run(&world_from_hand)
+    }
+}

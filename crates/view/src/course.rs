@@ -1,0 +1,9 @@
+//! What moves: paths, objects in the hand, recordings.
+
+pub(crate) mod clearance_profile;
+pub(crate) mod moving_bodies;
+pub(crate) mod recording_file;
+pub(crate) mod shown_carry;
+pub(crate) mod shown_path;
+pub(crate) mod stance;
+pub(crate) mod tree_recording;

@@ -1,0 +1,168 @@
+use std::borrow::Cow;
+
+use cranny_collision::{Cell, Closest, Collider};
+use cranny_plan::State;
+use cranny_robot::Hold;
+use cranny_spatial::{Point, Vector};
+use rayon::prelude::*;
+use serde::Serialize;
+
+use crate::{ShownCarry, ShownPath, viewer::number_row};
+
+/// How far the robot is from everything along a path, and which pair is the closest.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ClearanceProfile {
+    /// The instants, in seconds.
+    pub times_s: Vec<f64>,
+    /// The closest pair at each of them, its distance negative for how deep it overlaps.
+    pub closest: Vec<Closest>,
+    /// Least distances at each of them between the robot, with what it holds, and the world, and between its own links, in
+    /// metres ([`Cell::clearances`]).
+    pub apart_m: Vec<[f64; 2]>,
+    /// The names of the pairs that occur, each once.
+    names: Vec<(String, String)>,
+    /// Per instant which of them.
+    name_indices: Vec<u32>,
+}
+
+impl ClearanceProfile {
+    /// At `most` instants of the path at most, evenly over its samples, the first and the last among them; by the
+    /// exact check of single configurations, so that nothing is said of what lies between. `None` where there is
+    /// nothing to touch.
+    ///
+    /// From when the hand begins to close on an object, that counts as part of the robot, in the `states` along the segments;
+    /// nothing is stated of the path after the last of these. What carries an object counts from the end of the lift-off on, and
+    /// until it is set down.
+    pub fn along(path: &ShownPath, cell: &Cell, states: &[State], most: usize) -> Option<Self> {
+        let mut modes = path.carries.iter().flat_map(|carry| &carry.modes);
+        let unknown = modes.find(|shown| shown.mode.holds && shown.segment >= states.len());
+        let shown = unknown.map_or(path.times_s.len(), |unknown| {
+            let until_s = modes_before(path, unknown.segment);
+            path.times_s.partition_point(|&time_s| time_s <= until_s)
+        });
+        let last = shown.checked_sub(1)?;
+        let count = shown.min(most.max(2));
+        // The same place twice only where there is but one.
+        let mut places: Vec<usize> = (0..count).map(|k| k * last / (count - 1).max(1)).collect();
+        places.dedup();
+        let (mut closest, mut names, mut name_indices) = (Vec::new(), Vec::new(), Vec::new());
+        let mut apart_m = Vec::new();
+        for Stretch { cell, places } in stretches(path, cell, states, &places) {
+            let nearest = places.par_iter().map_init(
+                || cell.scratch(),
+                |scratch, &place| {
+                    let q = &path.configurations[place];
+                    Some((cell.closest(q, scratch)?, cell.clearances(q, scratch)))
+                },
+            );
+            let nearest: Vec<(Closest, [f64; 2])> = nearest.collect::<Option<_>>()?;
+            let (nearest, apart): (Vec<Closest>, Vec<[f64; 2]>) = nearest.into_iter().unzip();
+            apart_m.extend(apart);
+            let name = |collider: Collider| cell.name(collider).to_owned();
+            for pair in nearest.iter().map(|pair| (name(pair.first), name(pair.second))) {
+                let known = names.iter().position(|other| *other == pair).unwrap_or_else(|| {
+                    names.push(pair);
+                    names.len() - 1
+                });
+                name_indices.push(number_row::index(known));
+            }
+            closest.extend(nearest);
+        }
+        let times_s = places.iter().map(|&place| path.times_s[place]).collect();
+        Some(Self { times_s, closest, apart_m, names, name_indices })
+    }
+
+    pub(crate) fn rows(&self) -> ClearanceRows {
+        let pair =
+            |(first, second): &(String, String)| PairNames { first: first.clone(), second: second.clone() };
+        // Without a place where they touch, no line is drawn.
+        let nowhere = [Point::from(Vector::repeat(f64::NAN)); 2];
+        let points = self.closest.iter().flat_map(|closest| closest.points.unwrap_or(nowhere));
+        let points = points.flat_map(|p| [p.x, p.y, p.z].map(number_row::single));
+        ClearanceRows {
+            times_s: number_row::floats64(self.times_s.iter().copied()),
+            distances_m: number_row::floats64(self.closest.iter().map(|closest| closest.distance_m)),
+            world_m: number_row::floats64(self.apart_m.iter().map(|[world_m, _]| *world_m)),
+            own_m: number_row::floats64(self.apart_m.iter().map(|[_, own_m]| *own_m)),
+            closest: number_row::unsigned32(self.name_indices.iter().copied()),
+            pairs: self.names.iter().map(pair).collect(),
+            points: number_row::floats32(points),
+        }
+    }
+}
+
+/// Instants of a path, and what is checked there.
+struct Stretch<'a, 'b> {
+    cell: Cow<'a, Cell>,
+    places: &'b [usize],
+}
+
+/// The instant at which the motion before a segment ends, in seconds.
+fn modes_before(path: &ShownPath, segment: usize) -> f64 {
+    let modes = path.carries.iter().flat_map(|carry| &carry.modes);
+    modes.take_while(|shown| shown.segment < segment).last().map_or(0.0, |before| before.until_s)
+}
+
+/// Each segment in its cell; while the hand closes or opens, at each instant another cell.
+fn stretches<'a, 'b>(
+    path: &'a ShownPath,
+    empty: &'a Cell,
+    states: &'a [State],
+    places: &'b [usize],
+) -> Vec<Stretch<'a, 'b>> {
+    let of_carry = |carry: &'a ShownCarry| carry.modes.iter().map(move |shown| (shown, carry));
+    let all = path.carries.iter().flat_map(of_carry);
+    let modes: Vec<_> =
+        all.filter_map(|(shown, carry)| Some((shown, carry, states.get(shown.segment)?))).collect();
+    let until = |from: usize, is_before: &dyn Fn(f64) -> bool| {
+        from + places[from..].partition_point(|&place| is_before(path.times_s[place]))
+    };
+    let mut stretches = Vec::new();
+    let mut begin = 0;
+    for (index, (now, carry, state)) in modes.iter().enumerate() {
+        let next = modes.get(index + 1);
+        let moves_hand = next.filter(|(next, ..)| next.mode.holds != now.mode.holds);
+        // Where the hand moves, the mode ends with its last instant; else the next begins with it.
+        let end = match (next, moves_hand) {
+            (None, _) => until(begin, &|_| true),
+            (Some((next, ..)), None) => until(begin, &|time_s| time_s < next.from_s),
+            (Some(_), Some(_)) => until(begin, &|time_s| time_s <= now.until_s),
+        };
+        stretches.push(Stretch { cell: Cow::Borrowed(state.cell()), places: &places[begin..end] });
+        begin = end;
+        let Some((next, _, next_state)) = moves_hand else { continue };
+        let goes_on = until(begin, &|time_s| time_s < next.from_s);
+        let held = if next.mode.holds { next_state } else { state };
+        for place in places[begin..goes_on].chunks(1) {
+            let closing = carry.closing_at(path.times_s[place[0]]);
+            // A hand that is less closed holds as well what the closed one holds.
+            let held_so = held.held().map(|(_, grip)| Hold { closing, ..grip.hold });
+            let cell = held_so.and_then(|hold| held.cell().with_hold(hold).ok());
+            stretches
+                .push(Stretch { cell: cell.map_or(Cow::Borrowed(held.cell()), Cow::Owned), places: place });
+        }
+        begin = goes_on;
+    }
+    // Of a path that carries nothing all, of another the way to what nobody knows how it is held.
+    stretches.push(Stretch { cell: Cow::Borrowed(empty), places: &places[begin..] });
+    stretches
+}
+
+/// The same as a page reads it.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct ClearanceRows {
+    times_s: String,
+    distances_m: String,
+    world_m: String,
+    own_m: String,
+    closest: String,
+    pairs: Vec<PairNames>,
+    points: String,
+}
+
+/// Two things that touch or are close.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub(crate) struct PairNames {
+    pub first: String,
+    pub second: String,
+}

@@ -1,0 +1,126 @@
+use cranny_collision::Body;
+use cranny_shape::TriangleSoup;
+use cranny_spatial::Pose;
+
+use crate::look::paint::painted;
+use crate::scene::{Node, Role, SceneMotion, Track};
+use crate::{Colour, Material, MeshPiece, Scene};
+
+/// Rigid bodies and where they go, whatever moved them: a recording, complete in itself.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct BodyRecording {
+    /// What it is of.
+    pub name: String,
+    /// When, in seconds, ascending from 0.
+    pub times_s: Vec<f64>,
+    /// The floor: the plane z = 0 of this frame.
+    pub world_from_floor: Option<Pose>,
+    /// All that is seen; names may recur.
+    pub bodies: Vec<MovingBody>,
+}
+
+/// A rigid body and where it goes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MovingBody {
+    /// What it is called.
+    pub name: String,
+    /// Its surface in its own frame.
+    pub surface: TriangleSoup,
+    /// Whether it is what is grasped.
+    pub is_grasped: bool,
+    /// Its pose in the planning frame at each instant, or the only one of a body that stands still.
+    pub world_from_body: Vec<Pose>,
+}
+
+impl BodyRecording {
+    /// Adds bodies that stand still, one for each of their parts; of those without an end the last is the floor.
+    pub fn add_still(&mut self, bodies: &[Body]) {
+        for (body, part) in bodies.iter().flat_map(|body| body.parts.iter().map(move |part| (body, part))) {
+            match part.solid.tessellation() {
+                Some(surface) => self.bodies.push(MovingBody {
+                    name: body.name.clone(),
+                    surface,
+                    is_grasped: false,
+                    world_from_body: vec![part.world_from_solid],
+                }),
+                None => self.world_from_floor = Some(part.world_from_solid),
+            }
+        }
+    }
+
+    /// The same with at most so many instants a second, from the first on.
+    #[must_use]
+    pub fn thinned(&self, rate_hz: f64) -> Self {
+        /// Times are sums of steps.
+        const ROUNDED_S: f64 = 1e-9;
+        let mut kept: Vec<usize> = Vec::new();
+        for (instant, time_s) in self.times_s.iter().enumerate() {
+            if time_s - self.times_s[0] + ROUNDED_S >= kept.len() as f64 / rate_hz {
+                kept.push(instant);
+            }
+        }
+        let bodies = self.bodies.iter().map(|body| {
+            let poses = &body.world_from_body;
+            let is_still = poses.len() == 1;
+            let world_from_body =
+                if is_still { poses.clone() } else { kept.iter().map(|&instant| poses[instant]).collect() };
+            MovingBody { world_from_body, ..body.clone() }
+        });
+        Self {
+            name: self.name.clone(),
+            times_s: kept.iter().map(|&instant| self.times_s[instant]).collect(),
+            world_from_floor: self.world_from_floor,
+            bodies: bodies.collect(),
+        }
+    }
+}
+
+impl Scene {
+    /// Bodies that move among others that stand still; each that moves has a pose for every instant. The first of those
+    /// that is not grasped counts as the gripper.
+    pub fn of_moving_bodies(recording: &BodyRecording) -> Self {
+        let BodyRecording { name, times_s, world_from_floor, bodies } = recording;
+        let mut scene = Self { name: name.clone(), world_from_floor: *world_from_floor, ..Self::default() };
+        let is_obstacle = |body: &&MovingBody| body.world_from_body.len() == 1 && !body.is_grasped;
+        let mut kinds = Vec::new();
+        for (index, body) in bodies.iter().filter(is_obstacle).enumerate() {
+            let pieces = scene.obstacle(&body.name, &body.surface, &mut kinds);
+            scene.add_body(body, pieces, Role::Obstacle(index));
+        }
+        let mut tracks = Vec::new();
+        let moving = || bodies.iter().filter(|body| !is_obstacle(body));
+        for (index, body) in moving().enumerate() {
+            let (pieces, role) = if body.is_grasped {
+                (painted(&body.name, &body.surface, &mut scene), Role::Target)
+            } else {
+                let colour = Colour::hex(HAND[index % HAND.len()]);
+                let material = scene.material(Material::matt(&body.name, colour));
+                (vec![MeshPiece::of_soup(&body.surface, material)], Role::Link(index))
+            };
+            if body.world_from_body.len() == times_s.len() {
+                tracks.push(Track { node: scene.nodes.len(), poses: body.world_from_body.clone() });
+            }
+            scene.add_body(body, pieces, role);
+        }
+        let gripper = moving().find(|body| !body.is_grasped);
+        let path = gripper.map_or(&[][..], |body| &body.world_from_body);
+        scene.motion = Some(SceneMotion {
+            times_s: times_s.clone(),
+            tracks,
+            waypoint_times_s: Vec::new(),
+            configurations: Vec::new(),
+            gripper_path: path.iter().map(|pose| pose.translation.vector.into()).collect(),
+            modes: Vec::new(),
+        });
+        scene
+    }
+
+    fn add_body(&mut self, body: &MovingBody, pieces: Vec<MeshPiece>, role: Role) {
+        let mesh = Some(self.mesh(body.name.clone(), pieces));
+        let parent_from_node = body.world_from_body.first().copied().unwrap_or_default();
+        self.nodes.push(Node { name: body.name.clone(), parent: None, parent_from_node, mesh, role });
+    }
+}
+
+/// The parts of a hand, in turns: white and dark grey, as hands are.
+const HAND: [u32; 2] = [0x00e6_e8ea, 0x0050_565c];

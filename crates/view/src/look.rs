@@ -1,0 +1,9 @@
+//! Surfaces and colours of what is shown.
+
+pub(crate) mod colour;
+pub(crate) mod melted_body;
+pub(crate) mod mesh;
+pub(crate) mod paint;
+pub(crate) mod robot_look;
+pub(crate) mod rounded;
+pub(crate) mod stroke;

@@ -1,0 +1,153 @@
+use std::collections::HashMap;
+use std::path::PathBuf;
+
+use cranny_robot::{Link, LinkForm, LinkVisual, Robot};
+use cranny_shape::{PaintedMesh, Solid};
+use cranny_spatial::Pose;
+use cranny_spatial::nalgebra::Vector3;
+
+use crate::look::melted_body::{Primitive, melted};
+use crate::{Colour, Material, MeshPiece, Scene, ViewError, look::rounded};
+
+/// What a link without a colour looks like.
+const BARE: u32 = 0x00b8_bec6;
+
+/// The meshes of a robot's links, by link; None for a bare frame. A link without visuals is drawn as its
+/// collision geometry.
+///
+/// # Errors
+/// [`ViewError::VisualNotFound`], [`ViewError::Shape`].
+pub(crate) fn link_meshes(robot: &Robot, scene: &mut Scene) -> Result<Vec<Option<usize>>, ViewError> {
+    let mut files = HashMap::new();
+    robot.links().iter().map(|link| link_mesh(link, scene, &mut files)).collect()
+}
+
+fn link_mesh(
+    link: &Link,
+    scene: &mut Scene,
+    files: &mut HashMap<PathBuf, PaintedMesh>,
+) -> Result<Option<usize>, ViewError> {
+    let mut pieces = Vec::new();
+    if link.visuals.is_empty() {
+        let material = scene.material(plastic([0.0; 4], true));
+        for shape in &link.collisions {
+            pieces.push(placed(of_solid(&shape.solid, material), &shape.link_from_shape));
+        }
+    }
+    let (melting, single): (Vec<_>, Vec<_>) = link
+        .visuals
+        .iter()
+        .partition(|visual| visual.blend_m > 0.0 && !matches!(visual.form, LinkForm::Mesh { .. }));
+    // One body for each colour, in the order in which the colours come.
+    let mut colours: Vec<Option<[f64; 4]>> = melting.iter().map(|visual| visual.colour).collect();
+    colours.dedup();
+    for (index, colour) in colours.iter().enumerate() {
+        if colours[..index].contains(colour) {
+            continue;
+        }
+        let own = melting.iter().filter(|visual| visual.colour == *colour);
+        let primitives: Vec<Primitive> = own.filter_map(|visual| Primitive::of(visual)).collect();
+        let material = scene.material(plastic(colour.unwrap_or_default(), colour.is_none()));
+        pieces.push(melted(&primitives, material));
+    }
+    for visual in single {
+        pieces.extend(visual_pieces(link, visual, scene, files)?);
+    }
+    let merged = by_material(pieces);
+    Ok((!merged.is_empty()).then(|| scene.mesh(link.name.clone(), merged)))
+}
+
+fn visual_pieces(
+    link: &Link,
+    visual: &LinkVisual,
+    scene: &mut Scene,
+    files: &mut HashMap<PathBuf, PaintedMesh>,
+) -> Result<Vec<MeshPiece>, ViewError> {
+    let own = visual.colour;
+    let material = scene.material(plastic(own.unwrap_or_default(), own.is_none()));
+    let piece = match &visual.form {
+        LinkForm::Mesh { name, candidates, scale } => {
+            let Some(path) = candidates.iter().find(|path| path.is_file()) else {
+                return Err(ViewError::VisualNotFound {
+                    link: link.name.clone(),
+                    mesh: name.clone(),
+                    tried: candidates.clone(),
+                });
+            };
+            let mesh = match files.get(path) {
+                Some(known) => known.clone(),
+                None => PaintedMesh::load(path, *scale)?,
+            };
+            let pieces = mesh.pieces.iter().map(|piece| {
+                let colour = piece.colour.map(|colour| colour.map(f64::from));
+                let material = match (colour, own) {
+                    // What the file says of its materials is finer than the one colour of a URDF.
+                    (Some(colour), _) => scene.material(plastic(colour, false)),
+                    _ => material,
+                };
+                placed(MeshPiece::of_painted(piece, material), &visual.link_from_visual)
+            });
+            let pieces = pieces.collect();
+            files.insert(path.clone(), mesh);
+            return Ok(pieces);
+        }
+        LinkForm::Cuboid { size } if visual.rounding_m > 0.0 => {
+            rounded::cuboid(&(size * 0.5), visual.rounding_m, material)
+        }
+        LinkForm::Cylinder { length_m, radius_m } if visual.rounding_m > 0.0 => {
+            rounded::cylinder(0.5 * length_m, *radius_m, visual.rounding_m, material)
+        }
+        LinkForm::Cuboid { size } => of_solid(&Solid::cuboid(size * 0.5)?, material),
+        LinkForm::Sphere { radius_m } => of_solid(&Solid::sphere(*radius_m)?, material),
+        LinkForm::Cylinder { length_m, radius_m } => {
+            of_solid(&Solid::cylinder(0.5 * length_m, *radius_m)?, material)
+        }
+        LinkForm::Capsule { length_m, radius_m } => {
+            of_solid(&Solid::capsule(0.5 * length_m, *radius_m)?, material)
+        }
+    };
+    Ok(vec![placed(piece, &visual.link_from_visual)])
+}
+
+fn of_solid(solid: &Solid, material: usize) -> MeshPiece {
+    MeshPiece::of_soup(&solid.tessellation().unwrap_or_default(), material)
+}
+
+/// The material of a robot's colour: white and grey parts are lacquered, dark ones rather rubber.
+fn plastic([red, green, blue, opacity]: [f64; 4], is_bare: bool) -> Material {
+    if is_bare {
+        return Material { roughness: 0.45, ..Material::matt("robot", Colour::hex(BARE)) };
+    }
+    let name = format!("robot {red:.2} {green:.2} {blue:.2}");
+    let roughness = if red + green + blue < 1.2 { 0.5 } else { 0.32 };
+    #[allow(clippy::cast_possible_truncation, reason = "the precision of graphics")]
+    let opacity = opacity as f32;
+    Material { opacity, roughness, ..Material::matt(name, Colour::srgb([red, green, blue])) }
+}
+
+/// The piece moved by a pose.
+pub(crate) fn placed(mut piece: MeshPiece, target_from_piece: &Pose) -> MeshPiece {
+    let pose = target_from_piece.cast::<f32>();
+    for position in &mut piece.positions {
+        *position = (pose.rotation * Vector3::from(*position) + pose.translation.vector).into();
+    }
+    for normal in &mut piece.normals {
+        *normal = (pose.rotation * Vector3::from(*normal)).into();
+    }
+    piece
+}
+
+/// One piece for each material, without empty ones.
+pub(crate) fn by_material(pieces: Vec<MeshPiece>) -> Vec<MeshPiece> {
+    let mut merged: Vec<MeshPiece> = Vec::new();
+    for piece in pieces.into_iter().filter(|piece| !piece.triangles.is_empty()) {
+        let same = |other: &&mut MeshPiece| {
+            other.material == piece.material && other.colours.is_empty() == piece.colours.is_empty()
+        };
+        match merged.iter_mut().find(same) {
+            Some(known) => known.append(&piece),
+            None => merged.push(piece),
+        }
+    }
+    merged
+}

@@ -1,0 +1,40 @@
+use cranny_grasp::{Grasp, GraspSet};
+use cranny_plan::{FailureReason, IkStatus};
+use serde::Serialize;
+
+use crate::{PagePlan, viewer::number_row};
+
+/// A grasp of a page, and what is known of inverse kinematics there.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct PageGrasp {
+    index: usize,
+    world_from_gripper: [f64; 7],
+    score: Option<f64>,
+    width_m: Option<f64>,
+    ik: &'static str,
+}
+
+/// All grasps, with the name of what is known of each; "solved" too where a valid plan ends, or a failed search has a
+/// free configuration that holds it.
+pub(crate) fn all(grasps: &GraspSet, statuses: &[IkStatus], plans: &[PagePlan]) -> Vec<PageGrasp> {
+    let mut names: Vec<&'static str> = statuses.iter().map(IkStatus::name).collect();
+    for plan in plans {
+        let is_held = |reason: &FailureReason| matches!(reason, FailureReason::NotConnected { .. });
+        let held =
+            plan.failures.iter().filter(|failure| is_held(&failure.reason)).map(|failure| failure.grasp);
+        for grasp in held.chain(plan.grasp()) {
+            if let Some(name) = names.get_mut(grasp) {
+                *name = IkStatus::Solved.name();
+            }
+        }
+    }
+    let grasps = grasps.grasps().iter().zip(names).enumerate();
+    let page_grasp = |(index, (grasp, ik)): (usize, (&Grasp, &'static str))| PageGrasp {
+        index,
+        world_from_gripper: number_row::pose(&grasp.world_from_gripper),
+        score: grasp.score,
+        width_m: grasp.width_m,
+        ik,
+    };
+    grasps.map(page_grasp).collect()
+}

@@ -1,0 +1,245 @@
+use cranny_collision::Cell;
+use cranny_file::at_least;
+use cranny_plan::{Audit, GraspFailure, NotChecked, Outcome, State, Trajectory, path_length};
+use cranny_robot::Robot;
+use cranny_scenario::PlanFile;
+use cranny_solve::TaskTrajectory;
+use serde::Serialize;
+
+use crate::course::clearance_profile::ClearanceRows;
+use crate::course::tree_recording::SearchTreeRows;
+use crate::{
+    ClearanceProfile, ShownCarry, ShownMode, ShownPath, TreeRecording, ViewError, viewer::number_row,
+};
+
+/// A plan as a page shows it: the path in time, what `verify` says of it, or why there is none.
+#[derive(Clone, Debug)]
+pub struct PagePlan {
+    /// What it is called: the name of its file.
+    pub name: String,
+    /// The planner; empty for bare way points.
+    pub planner: String,
+    /// How the search ended; None for bare way points.
+    pub outcome: Option<Outcome>,
+    /// Of its path, as [`cranny_plan::path_length`] has it.
+    pub path_length: f64,
+    /// The path in time; `None` for a plan without a path.
+    pub path: Option<ShownPath>,
+    /// Verdict of `verify`; `None` for a plan without a path.
+    pub verification: Option<Audit>,
+    /// The states along the segments of a plan with several.
+    pub states: Vec<State>,
+    /// What stood between the robot and each grasp.
+    pub failures: Vec<GraspFailure>,
+    /// The trees of the search, if they were recorded.
+    pub search_tree: Option<TreeRecording>,
+}
+
+/// A page draws so many instants a second, screens most of which show 60, and of a long path so many in all.
+const RATE_HZ: f64 = 60.0;
+const MOST_SAMPLES: f64 = 2400.0;
+
+/// Of a motion that lasts so long.
+pub(crate) fn rate_hz(duration_s: f64) -> f64 {
+    RATE_HZ.min(MOST_SAMPLES / duration_s.max(f64::MIN_POSITIVE))
+}
+
+impl PagePlan {
+    /// The plan of a file, with the times of [`PlanFile::trajectory`], the verdict of `verify` and the states along its
+    /// segments ([`PlanFile::states`]).
+    ///
+    /// # Errors
+    /// As [`ShownPath::of`].
+    pub fn of_file(
+        name: impl Into<String>,
+        plan: &PlanFile,
+        robot: &Robot,
+        timed: Option<&TaskTrajectory>,
+        verification: Option<Audit>,
+        states: Vec<State>,
+    ) -> Result<Self, ViewError> {
+        let path_length = path_length(&plan.waypoints);
+        let duration_s = timed.map_or(path_length, TaskTrajectory::duration_s);
+        Ok(Self {
+            name: name.into(),
+            planner: plan.planner.clone(),
+            outcome: Some(plan.outcome),
+            path_length,
+            path: ShownPath::of_plan(robot, plan, timed, rate_hz(duration_s))?,
+            verification,
+            states,
+            failures: plan.failures.clone(),
+            search_tree: None,
+        })
+    }
+
+    /// Way points, from whoever planned them, with their time and what `verify` says of them.
+    ///
+    /// # Errors
+    /// As [`ShownPath::of`].
+    pub fn of_waypoints(
+        name: impl Into<String>,
+        waypoints: &[Vec<f64>],
+        robot: &Robot,
+        trajectory: Option<&Trajectory>,
+        verification: Option<Audit>,
+    ) -> Result<Self, ViewError> {
+        let path_length = path_length(waypoints);
+        let duration_s = trajectory.map_or(path_length, Trajectory::duration_s);
+        Ok(Self {
+            name: name.into(),
+            planner: String::new(),
+            outcome: None,
+            path_length,
+            path: ShownPath::of(robot, waypoints, trajectory, rate_hz(duration_s))?,
+            verification,
+            states: Vec::new(),
+            failures: Vec::new(),
+            search_tree: None,
+        })
+    }
+
+    /// True if `verify` finds nothing wrong with it.
+    pub fn is_valid(&self) -> bool {
+        self.verification.as_ref().is_some_and(|verification| verification.valid)
+    }
+
+    /// The grasp that the path ends at: what `verify` finds, not what the file states. `None` for several picks.
+    pub fn grasp(&self) -> Option<usize> {
+        let one = self.verification.as_ref().filter(|audit| audit.valid && audit.picks.len() < 2)?;
+        one.goal.map(|goal| goal.grasp)
+    }
+
+    /// One line: the verdict of `verify`.
+    pub fn verdict(&self) -> String {
+        let Some(audit) = &self.verification else {
+            return format!("no path: {}", self.outcome.map_or("no way points", Outcome::sentence));
+        };
+        if !audit.valid {
+            let first = audit.violations.first().map(ToString::to_string).unwrap_or_default();
+            let more = match audit.violations.len().saturating_sub(1) {
+                0 => String::new(),
+                count => format!(", and {count} more"),
+            };
+            return format!("not valid: {first}{more}");
+        }
+        let clearance = audit.clearance_m.map_or_else(String::new, |clearance_m| {
+            format!(", {} mm or more from everything, proven", at_least(clearance_m, 1e3, 2))
+        });
+        let but_for = NotChecked::summary(&audit.not_checked);
+        let but_for = but_for.map_or_else(String::new, |pairs| format!(", but for {pairs}"));
+        format!("valid{clearance}{but_for}")
+    }
+
+    pub(crate) fn entry(&self, cell: &Cell, most_instants: usize) -> PlanEntry {
+        let path = self.path.as_ref();
+        let row = |pick: fn(&ShownPath) -> &Vec<f64>| {
+            number_row::floats64(path.map(pick).into_iter().flatten().copied())
+        };
+        let configurations = path.into_iter().flat_map(|path| path.configurations.iter().flatten().copied());
+        let profile = path.and_then(|path| ClearanceProfile::along(path, cell, &self.states, most_instants));
+        PlanEntry {
+            name: self.name.clone(),
+            planner: self.planner.clone(),
+            outcome: self.outcome.map_or("", Outcome::sentence),
+            verdict: self.verdict(),
+            is_valid: self.is_valid(),
+            times_s: row(|path| &path.times_s),
+            configurations: number_row::floats64(configurations),
+            waypoint_times_s: row(|path| &path.waypoint_times_s),
+            is_timed: path.is_some_and(|path| path.is_timed),
+            path_length: self.path_length,
+            carries: path.into_iter().flat_map(|path| &path.carries).map(CarryEntry::of).collect(),
+            grasp: self.grasp(),
+            clearance: profile.as_ref().map(ClearanceProfile::rows),
+            blocked: self.failures.iter().map(BlockedGrasp::of).collect(),
+            blocked_counts: GraspFailure::counted(&self.failures)
+                .into_iter()
+                .map(|(reason, count)| BlockedCount { reason, count })
+                .collect(),
+            search_tree: self.search_tree.as_ref().map(TreeRecording::rows),
+        }
+    }
+}
+
+/// A plan as a page reads it.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct PlanEntry {
+    name: String,
+    planner: String,
+    outcome: &'static str,
+    verdict: String,
+    is_valid: bool,
+    times_s: String,
+    configurations: String,
+    waypoint_times_s: String,
+    is_timed: bool,
+    path_length: f64,
+    carries: Vec<CarryEntry>,
+    grasp: Option<usize>,
+    clearance: Option<ClearanceRows>,
+    blocked: Vec<BlockedGrasp>,
+    blocked_counts: Vec<BlockedCount>,
+    search_tree: Option<SearchTreeRows>,
+}
+
+/// What becomes of an object, as a page reads it.
+#[derive(Clone, Debug, Serialize)]
+struct CarryEntry {
+    object: String,
+    grasp: Vec<f64>,
+    closing: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    placed: Option<Vec<f64>>,
+    modes: Vec<ModeEntry>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct ModeEntry {
+    name: &'static str,
+    holds: bool,
+    touches: bool,
+    leaves: bool,
+    segment: usize,
+    from_s: f64,
+    until_s: f64,
+}
+
+impl CarryEntry {
+    fn of(carry: &ShownCarry) -> Self {
+        let mode = |&ShownMode { mode, segment, from_s, until_s }: &ShownMode| ModeEntry {
+            name: mode.name,
+            holds: mode.holds,
+            touches: mode.rests_at.is_some(),
+            leaves: mode.leaves,
+            segment,
+            from_s,
+            until_s,
+        };
+        Self {
+            object: carry.object.clone(),
+            grasp: carry.grasp.clone(),
+            closing: carry.closing,
+            placed: carry.placed.clone(),
+            modes: carry.modes.iter().map(mode).collect(),
+        }
+    }
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct BlockedGrasp {
+    grasp: usize,
+    reason: String,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct BlockedCount {
+    reason: String,
+    count: usize,
+}
+
+impl BlockedGrasp {
+    fn of(failure: &GraspFailure) -> Self {
+        Self { grasp: failure.grasp, reason: failure.reason.sentence() }
+    }
+}

@@ -1,0 +1,146 @@
+//! `Contact` and `Motion`: what a cell says besides yes and no.
+
+use cranny_collision::{Cell, Contact, Motion};
+use numpy::PyArrayDyn;
+use pyo3::prelude::*;
+
+use crate::handover::array::shaped;
+use crate::handover::fault::bad_value;
+use crate::handover::pickled::{Reduced, restored_by};
+
+/// Two things that are closer than they may be.
+#[pyclass(name = "Contact", module = "cranny", frozen)]
+pub struct PyContact {
+    /// The link.
+    #[pyo3(get)]
+    first: String,
+    /// Another link, or a body.
+    #[pyo3(get)]
+    second: String,
+    /// Their distance in metres; 0 where they overlap.
+    #[pyo3(get)]
+    clearance_m: f64,
+    /// The clearance that was demanded, in metres.
+    #[pyo3(get)]
+    required_m: f64,
+    /// How deep they overlap, in metres; 0 where they only come too close.
+    #[pyo3(get)]
+    depth_m: f64,
+    point: Option<[f64; 3]>,
+}
+
+impl PyContact {
+    pub fn of(cell: &Cell, contact: &Contact) -> Self {
+        let [first, second] = contact.names(cell);
+        let Contact { clearance_m, required_m, depth_m, .. } = *contact;
+        let point = contact.point.map(|point| point.coords.into());
+        Self { first, second, clearance_m, required_m, depth_m, point }
+    }
+}
+
+#[pymethods]
+impl PyContact {
+    /// A point in the overlap, (3,) in the planning frame, in metres; None where they only come too close.
+    #[getter]
+    fn point<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArrayDyn<f64>>>> {
+        self.point.map(|point| shaped(py, point.to_vec(), &[3])).transpose()
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
+        let (py, own) = (slf.py(), slf.get());
+        let lengths = (own.clearance_m, own.required_m, own.depth_m);
+        restored_by(py, "_restored_contact", (&own.first, &own.second, lengths, own.point))
+    }
+
+    fn __repr__(&self) -> String {
+        let Self { first, second, depth_m, clearance_m, .. } = self;
+        if *depth_m > 0.0 {
+            format!("<cranny.Contact: {first} is {:.2} mm deep in {second}>", depth_m * 1000.0)
+        } else {
+            format!("<cranny.Contact: {first} is {:.2} mm from {second}>", clearance_m * 1000.0)
+        }
+    }
+}
+
+/// A contact as it was pickled.
+#[pyfunction]
+#[pyo3(name = "_restored_contact")]
+pub fn restored_contact(
+    first: String,
+    second: String,
+    lengths: (f64, f64, f64),
+    point: Option<[f64; 3]>,
+) -> PyContact {
+    let (clearance_m, required_m, depth_m) = lengths;
+    PyContact { first, second, clearance_m, required_m, depth_m, point }
+}
+
+/// What is known about a straight motion between two configurations. True only if all of it is proven free.
+#[pyclass(name = "Motion", module = "cranny", frozen)]
+pub struct PyMotion {
+    /// "proven", "contact", "unresolved" (neither contact nor proof: a pair comes within 1 µm of what is demanded)
+    /// or "out-of-limits".
+    #[pyo3(get)]
+    kind: &'static str,
+    /// Where along the motion, in [0, 1], it is not free; None if it is, or if an end is out of limits.
+    #[pyo3(get)]
+    at: Option<f64>,
+    /// The pair that touches or is in doubt there.
+    #[pyo3(get)]
+    contact: Option<Py<PyContact>>,
+    /// The joint that is out of its limits.
+    #[pyo3(get)]
+    joint: Option<String>,
+}
+
+impl PyMotion {
+    pub fn of(py: Python<'_>, cell: &Cell, motion: &Motion) -> PyResult<Self> {
+        let with = |kind, at: f64, contact: &Contact| -> PyResult<Self> {
+            let contact = Some(Py::new(py, PyContact::of(cell, contact))?);
+            Ok(Self { kind, at: Some(at), contact, joint: None })
+        };
+        match motion {
+            Motion::Proven => Ok(Self { kind: "proven", at: None, contact: None, joint: None }),
+            Motion::Contact { at, contact } => with("contact", *at, contact),
+            Motion::Unresolved { at, contact } => with("unresolved", *at, contact),
+            Motion::OutOfLimits { joint } => {
+                let joint = Some(cell.robot().joint_names()[*joint].clone());
+                Ok(Self { kind: "out-of-limits", at: None, contact: None, joint })
+            }
+        }
+    }
+}
+
+#[pymethods]
+impl PyMotion {
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
+        let (py, own) = (slf.py(), slf.get());
+        let contact = own.contact.as_ref().map(|contact| contact.bind(py));
+        restored_by(py, "_restored_motion", (own.kind, own.at, contact, &own.joint))
+    }
+
+    fn __bool__(&self) -> bool {
+        self.kind == "proven"
+    }
+
+    fn __repr__(&self) -> String {
+        match self.at {
+            Some(at) => format!("<cranny.Motion: {} at {at:.3}>", self.kind),
+            None => format!("<cranny.Motion: {}>", self.kind),
+        }
+    }
+}
+
+/// A motion as it was pickled.
+#[pyfunction]
+#[pyo3(name = "_restored_motion")]
+pub fn restored_motion(
+    kind: &str,
+    at: Option<f64>,
+    contact: Option<Py<PyContact>>,
+    joint: Option<String>,
+) -> PyResult<PyMotion> {
+    let kind = ["proven", "contact", "unresolved", "out-of-limits"].into_iter().find(|known| *known == kind);
+    let kind = kind.ok_or_else(|| bad_value("there is no such kind of motion"))?;
+    Ok(PyMotion { kind, at, contact, joint })
+}

@@ -1,0 +1,178 @@
+//! `simulate_grasps`, `grasp_experiment` and `simulate_plan`: grasps of a scenario and plans in physics.
+
+use std::path::PathBuf;
+use std::sync::Mutex;
+
+use cranny_grasp::Hand;
+use cranny_plan::robot_hand;
+use cranny_scenario::{Scenario, TargetPhysics, read_gripper};
+use cranny_sim::{ExecutedPlan, GraspRow, GraspTest, PickPath, PlanExecution};
+use cranny_spatial::Pose;
+use pyo3::prelude::*;
+use rayon::prelude::*;
+
+use crate::classes::{PyPlan, PyScenario};
+use crate::grasping::grasp_set::PyGrasps;
+use crate::handover::fault::{bad_type, bad_value, fault};
+use crate::handover::interrupt::Interrupt;
+use crate::handover::json::python_of;
+use crate::handover::whole;
+
+/// More trials of a grasp than this are a mistake.
+const MOST_TRIALS: usize = 10_000;
+
+/// Tries grasps of a scenario's target in physics, on all cores: the hand alone closes, lifts and shakes. One dictionary
+/// for each grasp, with the keys of `cranny simulate grasps --json`: grasp, outcome ("held", "slipped", "dropped",
+/// "never-closed", "knocked-away"), translation_error_m, rotation_error_rad, held_s, contact_force_n, score, and with
+/// `trials` also robust, a dictionary of trials, held and score: each grasp is then tried so many times more with
+/// everything a little wrong, the same for all grasps; `seed` draws others. An open hand that stands more than 1 mm deep in
+/// the object ("knocked-away") or with a finger in what is around ("never-closed") begins nothing.
+///
+/// `grasps`: in the planning frame; by default the scenario's own. `support_only`: of what stands around only what
+/// carries the target. `gripper`: a YAML file; by default the hand of the scenario's robot. `mass_kg`, `friction` and
+/// `closing_force_n` go before what files say.
+#[pyfunction]
+#[pyo3(
+    signature = (scenario, grasps=None, *, support_only=false, gripper=None, mass_kg=None, friction=None,
+        closing_force_n=None, trials=0, seed=0)
+)]
+#[allow(clippy::too_many_arguments, reason = "the keywords of the Python function")]
+pub fn simulate_grasps<'py>(
+    scenario: &Bound<'py, PyScenario>,
+    grasps: Option<&Bound<'py, PyGrasps>>,
+    support_only: bool,
+    gripper: Option<PathBuf>,
+    mass_kg: Option<f64>,
+    friction: Option<f64>,
+    closing_force_n: Option<f64>,
+    #[pyo3(from_py_with = whole::count)] trials: usize,
+    #[pyo3(from_py_with = whole::seed)] seed: u64,
+) -> PyResult<Bound<'py, PyAny>> {
+    let py = scenario.py();
+    if trials > MOST_TRIALS {
+        return Err(bad_value(format!("trials is {trials}, but at most {MOST_TRIALS} make sense")));
+    }
+    let scenario = &scenario.get().scenario;
+    let hand = hand_of(scenario, gripper, closing_force_n)?;
+    let grasps = grasps.map_or_else(|| scenario.grasps.clone(), |grasps| grasps.get().set.clone());
+    let instead = TargetPhysics { mass_kg, friction };
+    let interrupt = Mutex::new(Interrupt::new());
+    let rows = py.detach(|| -> PyResult<Vec<GraspRow>> {
+        let test = GraspTest::of_scenario(scenario, &hand, &instead, support_only).map_err(fault)?;
+        let all: Vec<usize> = (0..grasps.len()).collect();
+        let stop = || interrupt.lock().is_ok_and(|mut interrupt| interrupt.asks());
+        Ok(test.rows(grasps.grasps(), &all, (trials, seed), &|| {}, &stop))
+    });
+    if let Ok(interrupt) = interrupt.into_inner() {
+        interrupt.result()?;
+    }
+    python_of(py, &rows?)
+}
+
+fn hand_of(scenario: &Scenario, gripper: Option<PathBuf>, closing_force_n: Option<f64>) -> PyResult<Hand> {
+    let mut hand = match gripper {
+        Some(path) => read_gripper(&path).map_err(fault)?,
+        None => robot_hand(&scenario.robot),
+    };
+    hand.closing_force_n = closing_force_n.unwrap_or(hand.closing_force_n);
+    Ok(hand)
+}
+
+/// What `simulate_grasps` tries, as a document for another engine, the same as `cranny simulate export` writes: the model
+/// of hand, object and surroundings as MJCF, what the hand does, what counts as held, and the grasps. A dictionary, which
+/// `cranny.mujoco_grasps.run_all` takes.
+///
+/// The arguments are those of `simulate_grasps`.
+#[pyfunction]
+#[pyo3(
+    signature = (scenario, grasps=None, *, support_only=false, gripper=None, mass_kg=None, friction=None,
+        closing_force_n=None)
+)]
+pub fn grasp_experiment<'py>(
+    scenario: &Bound<'py, PyScenario>,
+    grasps: Option<&Bound<'py, PyGrasps>>,
+    support_only: bool,
+    gripper: Option<PathBuf>,
+    mass_kg: Option<f64>,
+    friction: Option<f64>,
+    closing_force_n: Option<f64>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let py = scenario.py();
+    let scenario = &scenario.get().scenario;
+    let hand = hand_of(scenario, gripper, closing_force_n)?;
+    let set = grasps.map_or(&scenario.grasps, |grasps| &grasps.get().set);
+    let poses: Vec<Pose> = set.grasps().iter().map(|grasp| grasp.world_from_gripper).collect();
+    let instead = TargetPhysics { mass_kg, friction };
+    let test =
+        py.detach(|| GraspTest::of_scenario(scenario, &hand, &instead, support_only)).map_err(fault)?;
+    python_of(py, &test.experiment(&poses))
+}
+
+/// Executes a plan in physics, as `cranny simulate plan` does: the arm follows the timed path by servos within the effort
+/// limits of its URDF, the hand closes, and the arm lifts straight up by `lift_m`, or follows the rest of a plan that
+/// carries the object on. A dictionary with the keys of `cranny simulate plan --json`: scenario, outcome ("held",
+/// "slipped", "dropped", "never-closed", "knocked-away"; of an object that the hand let go "placed" where it was to be put
+/// down, or "misplaced"), is_in_hand, of a plan that puts it down released (where, and how far off) and placed (how far off
+/// in the end: translation_m, rotation_rad, is_there), reach_s, tracking_on_the_way, tracking_at_the_end, contacts,
+/// pushed_m, lift_m, rose_m, translation_error_m, rotation_error_rad, held_s, contact_force_n, position_m,
+/// quaternion_xyzw, simulated_s; of a plan with several picks scenario, as_planned and steps, a dictionary for each. Of several plans, which are executed on all cores, a list of them in their order.
+///
+/// `mass_kg`, `friction` and `closing_force_n` go before what files say.
+#[pyfunction]
+#[pyo3(signature = (plan, *, lift_m=0.03, mass_kg=None, friction=None, closing_force_n=None))]
+pub fn simulate_plan<'py>(
+    plan: &Bound<'py, PyAny>,
+    lift_m: f64,
+    mass_kg: Option<f64>,
+    friction: Option<f64>,
+    closing_force_n: Option<f64>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let py = plan.py();
+    let instead = Instead { physics: TargetPhysics { mass_kg, friction }, closing_force_n };
+    if let Ok(plan) = plan.cast::<PyPlan>() {
+        let plan = plan.get();
+        return python_of(py, &py.detach(|| instead.execute(plan, lift_m))?);
+    }
+    let plans: Vec<Bound<'py, PyPlan>> =
+        plan.extract().map_err(|_| bad_type("plan: a Plan or a sequence of plans is expected"))?;
+    let plans: Vec<&PyPlan> = plans.iter().map(Bound::get).collect();
+    let interrupt = Mutex::new(Interrupt::new());
+    let rows = py.detach(|| {
+        let execute = |plan: &&PyPlan| {
+            // An exception takes the place of all rows.
+            let stops = interrupt.lock().is_ok_and(|mut interrupt| interrupt.asks());
+            (!stops).then(|| instead.execute(plan, lift_m)).transpose()
+        };
+        plans.par_iter().map(execute).collect::<PyResult<Option<Vec<ExecutedPlan>>>>()
+    });
+    if let Ok(interrupt) = interrupt.into_inner() {
+        interrupt.result()?;
+    }
+    python_of(py, &rows?.unwrap_or_default())
+}
+
+/// What goes before what files say.
+struct Instead {
+    physics: TargetPhysics,
+    closing_force_n: Option<f64>,
+}
+
+impl Instead {
+    fn execute(&self, plan: &PyPlan, lift_m: f64) -> PyResult<ExecutedPlan> {
+        let Some(scenario) = &plan.task.scenario else {
+            return Err(bad_value(
+                "a plan of a Scenario is expected: nobody says what a MoveItProblem's objects weigh",
+            ));
+        };
+        if plan.file.waypoints.is_empty() {
+            return Err(bad_value("the plan has no path, so there is nothing to execute"));
+        }
+        let picks = PickPath::all_of(&plan.file, &plan.task.problem).map_err(fault)?;
+        let mut hand = robot_hand(&scenario.robot);
+        hand.closing_force_n = self.closing_force_n.unwrap_or(hand.closing_force_n);
+        let execution = PlanExecution { scenario, hand, instead: self.physics, lift_m, is_recorded: false };
+        let runs = execution.run(&picks, || {}).map_err(fault)?;
+        ExecutedPlan::of(&scenario.id, picks.len(), &runs)
+            .ok_or_else(|| bad_value("there is no target to be grasped"))
+    }
+}

@@ -1,0 +1,74 @@
+//! Many rows at once: the interpreter free for others, one core or several, an ear for Ctrl-C.
+
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::thread;
+
+use pyo3::prelude::*;
+
+use crate::handover::array::Configurations;
+use crate::handover::interrupt::Interrupt;
+
+/// A result of `count` rows of `width` values each, computed in blocks of `block` rows. Each thread makes room to
+/// compute in with `scratch`; `work` fills the rows of a range. The order of the result does not depend on the
+/// number of `threads`; `None`: as many as the machine has cores.
+///
+/// # Errors
+/// What a signal handler raised; whatever was computed is then thrown away.
+pub fn computed<T: Clone + Default + Send, S>(
+    py: Python<'_>,
+    (count, width): (usize, usize),
+    block: usize,
+    threads: Option<usize>,
+    scratch: impl Fn() -> S + Sync,
+    work: impl Fn(&mut S, Range<usize>, &mut [T]) + Sync,
+) -> PyResult<Vec<T>> {
+    let threads = threads.unwrap_or_else(|| thread::available_parallelism().map_or(1, usize::from));
+    let mut interrupt = Interrupt::new();
+    let stop = AtomicBool::new(false);
+    let values = py.detach(|| {
+        let mut values = vec![T::default(); count * width];
+        let blocks = Mutex::new(values.chunks_mut((block * width).max(1)).enumerate());
+        let serve = |mut interrupt: Option<&mut Interrupt>| {
+            let mut room = scratch();
+            while !stop.load(Ordering::Relaxed) {
+                let next = blocks.lock().unwrap_or_else(PoisonError::into_inner).next();
+                let Some((index, part)) = next else { break };
+                work(&mut room, index * block..(index * block + part.len() / width.max(1)), part);
+                if interrupt.as_deref_mut().is_some_and(Interrupt::asks) {
+                    stop.store(true, Ordering::Relaxed);
+                }
+            }
+        };
+        let helpers = threads.min(count.div_ceil(block.max(1))).saturating_sub(1);
+        thread::scope(|scope| {
+            for _ in 0..helpers {
+                // One that the system refuses is not needed: the others take its blocks.
+                let _ = thread::Builder::new().spawn_scoped(scope, || serve(None));
+            }
+            serve(Some(&mut interrupt));
+        });
+        values
+    });
+    interrupt.result().map(|()| values)
+}
+
+impl Configurations<'_> {
+    /// A result of `width` values for each configuration, as of [`computed`]; `work` fills those of one.
+    pub fn computed<T: Clone + Default + Send, S>(
+        &self,
+        py: Python<'_>,
+        width: usize,
+        block: usize,
+        threads: Option<usize>,
+        scratch: impl Fn() -> S + Sync,
+        work: impl Fn(&mut S, &[f64], &mut [T]) + Sync,
+    ) -> PyResult<Vec<T>> {
+        let (values, dof) = (self.values()?, self.dof);
+        computed(py, (self.count, width), block, threads, scratch, |scratch, range, out| {
+            let rows = values[range.start * dof..range.end * dof].chunks_exact(dof);
+            rows.zip(out.chunks_exact_mut(width)).for_each(|(q, out)| work(scratch, q, out));
+        })
+    }
+}

@@ -1,0 +1,113 @@
+import { element } from "../panels/element.ts";
+import { score, words } from "../figures.ts";
+import { rank } from "../panels/grasp_choice.ts";
+import type { Grasp } from "../data/page_data.ts";
+import type { SceneView } from "../views/scene_view.ts";
+import type { Stage } from "../stage.ts";
+import type { ShownPlan } from "./trajectory.ts";
+import type { View } from "../data/view_state.ts";
+
+/** How near to a grasp counts, in points: for a mouse and for a finger. */
+const REACH = { mouse: 7, touch: 20 };
+
+/** A press that moves farther than this turns the view and means no grasp. */
+const STILL = 6;
+
+/** From the pointer to the words, in points. */
+const AWAY = 14;
+
+/** Says of the grasp under the pointer what is known of it. */
+export class GraspTip {
+  readonly element = element("div", { class: "tip", role: "tooltip", "aria-live": "polite" });
+  private readonly grasps: Grasp[];
+  private readonly stage: Stage;
+  private readonly scene: SceneView;
+  private readonly view: View;
+  private readonly plans: ShownPlan[];
+  private pressed: { x: number; y: number } | null = null;
+  private pending: PointerEvent | null = null;
+
+  constructor(stage: Stage, scene: SceneView, view: View, grasps: Grasp[], plans: ShownPlan[]) {
+    this.stage = stage;
+    this.scene = scene;
+    this.view = view;
+    this.grasps = grasps;
+    this.plans = plans;
+    this.element.hidden = true;
+    const { canvas } = stage;
+    canvas.addEventListener("pointermove", (event) => {
+      if (event.buttons !== 0 || event.pointerType === "touch") return;
+      // Once a frame is often enough.
+      if (!this.pending) requestAnimationFrame(() => this.look());
+      this.pending = event;
+    });
+    canvas.addEventListener("pointerleave", (event) => {
+      if (event.pointerType !== "touch") this.hide();
+    });
+    canvas.addEventListener("pointerdown", (event) => (this.pressed = { x: event.clientX, y: event.clientY }));
+    canvas.addEventListener("pointerup", (event) => {
+      const { pressed } = this;
+      const isStill = pressed && Math.hypot(event.clientX - pressed.x, event.clientY - pressed.y) <= STILL;
+      if (isStill) this.show(event);
+    });
+    stage.controls.addEventListener("start", () => this.hide());
+    view.on(["layers", "isPlaying"], ({ layers, isPlaying }) => {
+      if (!layers.grasps || isPlaying) this.hide();
+    });
+  }
+
+  private look(): void {
+    if (this.pending) this.show(this.pending);
+    this.pending = null;
+  }
+
+  private show(event: PointerEvent): void {
+    const { left, top } = this.stage.canvas.getBoundingClientRect();
+    const [x, y] = [event.clientX - left, event.clientY - top];
+    const reach = event.pointerType === "touch" ? REACH.touch : REACH.mouse;
+    const isShown = this.view.state.layers.grasps;
+    const found = isShown ? this.scene.grasps.at(x, y, reach, this.stage.lens) : null;
+    if (found === null) return this.hide();
+    this.tell(found, x, y);
+  }
+
+  /** Points at the next grasp, or the one before: for who has no pointer. They come by their scores. */
+  step(by: number): void {
+    if (this.grasps.length === 0) return;
+    this.view.setLayer("grasps", true);
+    const order = this.grasps.map((_, place) => place).sort((a, b) => rank(this.grasps[b]) - rank(this.grasps[a]));
+    const now = order.findIndex((place) => this.grasps[place].index === this.view.state.grasp);
+    const first = by > 0 ? -1 : 0;
+    const next = order[((now < 0 ? first : now) + by + order.length) % order.length];
+    const { x, y } = this.stage.lens(this.scene.grasps.middle(next));
+    this.tell(next, x, y);
+  }
+
+  private tell(place: number, x: number, y: number): void {
+    const { clientWidth: width, clientHeight: height } = this.stage.canvas;
+    this.view.set({ grasp: this.grasps[place].index });
+    this.element.replaceChildren(...this.words(this.grasps[place]));
+    this.element.hidden = false;
+    const [ownWidth, ownHeight] = [this.element.offsetWidth, this.element.offsetHeight];
+    this.element.style.left = `${x + AWAY + ownWidth > width ? Math.max(x - AWAY - ownWidth, 4) : x + AWAY}px`;
+    this.element.style.top = `${y + AWAY + ownHeight > height ? y - AWAY - ownHeight : y + AWAY}px`;
+  }
+
+  private hide(): void {
+    this.element.hidden = true;
+    this.view.set({ grasp: null });
+  }
+
+  private words(grasp: Grasp): HTMLElement[] {
+    const line = (name: string, value: string): HTMLElement =>
+      element("div", {}, element("span", { class: "soft" }, name), element("span", {}, value));
+    const lines = [element("b", {}, `Grasp ${grasp.index}`), line("score", score(grasp.score))];
+    if (grasp.width_m !== null) lines.push(line("width", `${(1000 * grasp.width_m).toFixed(1)} mm`));
+    lines.push(line("IK", words(grasp.ik)));
+    const taken = this.plans.filter(({ plan }) => plan.grasp === grasp.index).map(({ plan }) => plan.name);
+    if (taken.length > 0) lines.push(line("taken by", taken.join(", ")));
+    const reason = this.plans[this.view.state.plan]?.reasons.get(grasp.index);
+    if (reason !== undefined) lines.push(line("blocked", words(reason)));
+    return lines;
+  }
+}
