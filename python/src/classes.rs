@@ -4,10 +4,11 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use cranny_collision::{Body, Cell};
-use cranny_plan::Problem;
+use cranny_record::{PlanFile, PlanSource, Statement};
 use cranny_robot::Robot;
-use cranny_scenario::{Geometry, GivenGrasps, MoveItProblem, PlanFile, PlanSource, Scenario, Statement};
+use cranny_scenario::{Geometry, GivenGrasps, MoveItProblem, Scenario};
 use cranny_solve::TaskTrajectory;
+use cranny_task::Problem;
 use pyo3::prelude::*;
 
 use crate::handover::pickled::Made;

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use cranny_collision::Margins;
-use cranny_plan::Problem;
 use cranny_scenario::{MoveItOptions, MoveItProblem};
+use cranny_task::Problem;
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;

@@ -3,9 +3,12 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use cranny_plan::{AuditSettings, Outcome, PlanError, Segment, robot_hand};
-use cranny_scenario::{GivenGrasps, Judgement, PlanFile, write_trajectory_csv};
+use cranny_path::AuditSettings;
+use cranny_plan::{Outcome, PlanError};
+use cranny_record::{Judgement, PlanFile, write_trajectory_csv};
+use cranny_scenario::GivenGrasps;
 use cranny_solve::TaskTrajectory;
+use cranny_task::{Segment, robot_hand};
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict as _, PyDict};
@@ -191,7 +194,9 @@ impl PyPlan {
 
     /// Judges the path again, as anybody's, from the way points alone, and what its file states of it.
     fn verify(&self, py: Python<'_>) -> PyResult<PyVerification> {
-        let judgement = py.detach(|| self.judge()).and_then(|found| found.ok_or(PlanError::EmptyPath));
+        let judgement = py
+            .detach(|| self.judge())
+            .and_then(|found| found.ok_or_else(|| cranny_path::PathError::EmptyPath.into()));
         Ok(PyVerification { audit: judgement.map_err(fault)?.audit })
     }
 
@@ -257,7 +262,7 @@ impl PyPlan {
         };
         let mut task = Task::of(scenario, file.margins)?;
         if let Some(scenario) = &task.scenario {
-            task.source = scenario.source_of(&file, &task.source);
+            task.source = file.source_in(scenario, &task.source);
         }
         Self::judged(py, task, file)
     }

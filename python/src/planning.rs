@@ -4,9 +4,10 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use cranny_collision::Margins;
-use cranny_plan::{AuditSettings, Observer, audit_with};
+use cranny_path::{AuditSettings, audit_with};
+use cranny_plan::Observer;
+use cranny_record::{Ask, CarryWord, PlanFile, TaskWord};
 use cranny_robot::Robot;
-use cranny_scenario::{Ask, CarryWord, PlanFile, TaskWord};
 use cranny_solve::{PoseRadius, solve};
 use cranny_view::WatchedSearch;
 use pyo3::prelude::*;
@@ -133,10 +134,7 @@ pub fn plan(
     let margins = Margins { margin_m, grasp_margin_m, ..Margins::default() };
     let margins = match (robust, scenario.cast::<PyScenario>()) {
         (None, _) => margins,
-        (_, Ok(scenario)) => scenario
-            .get()
-            .scenario
-            .margins_forgiving(margins, robust)
+        (_, Ok(scenario)) => cranny_record::margins_forgiving(&scenario.get().scenario, margins, robust)
             .map_err(|_| bad_value("robust: there is no target that could be elsewhere"))?,
         (_, Err(_)) => return Err(bad_value("robust needs a Scenario")),
     };

@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use cranny_collision::{Margins, World};
-use cranny_plan::{Criterion, Goal, Problem};
 use cranny_scenario::{
     Geometry, GivenGrasps, OpenOptions, RobotSource, Scenario, TargetPhysics, built_in, catalogue,
     write_moveit_scene,
 };
+use cranny_task::{Criterion, Goal, Problem};
 use cranny_view::StandardView;
 use numpy::PyArrayDyn;
 use pyo3::call::PyCallArgs;
@@ -301,7 +301,8 @@ impl PyScenario {
         if !done.is_valid {
             return Err(bad_value("plan: it does not hold, so nothing can be said of what comes after it"));
         }
-        let scenario = slf.py().detach(|| own.after(&done.file, &done.task.problem)).map_err(fault)?;
+        let scenario =
+            slf.py().detach(|| done.file.scenario_after(own, &done.task.problem)).map_err(fault)?;
         Self::altered(slf, scenario, ("after", plan))
     }
 

@@ -1,7 +1,8 @@
 //! What is planned, judged and shown: a scenario, or a problem in other people's files.
 
 use cranny_collision::Margins;
-use cranny_scenario::{GivenGrasps, PlanSource};
+use cranny_record::PlanSource;
+use cranny_scenario::GivenGrasps;
 use pyo3::prelude::*;
 
 use crate::classes::{PyMoveItProblem, PyScenario, Task};

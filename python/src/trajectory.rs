@@ -1,6 +1,7 @@
 //! `Samples`: a trajectory at even instants.
 
-use cranny_plan::{PlanError, Trajectory, TrajectorySample};
+use cranny_path::{Trajectory, TrajectorySample};
+use cranny_plan::PlanError;
 use cranny_solve::TaskTrajectory;
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;

@@ -1,6 +1,7 @@
 //! `Verification`: what a judge found in a path.
 
-use cranny_plan::{Audit, NotChecked};
+use cranny_path::Audit;
+use cranny_task::NotChecked;
 use pyo3::prelude::*;
 
 use crate::handover::json::python_of;

@@ -3,8 +3,16 @@
 use crate::step::{self, Readiness, Surroundings};
 
 /// Rooms in which an index or a count could go wrong unseen.
-const ROOMS: [&str; 6] =
-    ["cranny-spatial", "cranny-shape", "cranny-robot", "cranny-grasp", "cranny-collision", "cranny-plan"];
+const ROOMS: [&str; 8] = [
+    "cranny-spatial",
+    "cranny-shape",
+    "cranny-robot",
+    "cranny-grasp",
+    "cranny-collision",
+    "cranny-task",
+    "cranny-path",
+    "cranny-plan",
+];
 
 /// It needs nothing that the other steps do not.
 pub fn readiness(_: &Surroundings) -> Readiness {

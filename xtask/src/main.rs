@@ -10,6 +10,7 @@ mod latex;
 mod member;
 mod own_planner;
 mod problem;
+mod public_functions;
 mod python_package;
 mod python_tools;
 mod released_data;

@@ -3,17 +3,21 @@
 //! Each check is a pure function from crates and files to [`Problem`]s, in a file of its own, and is shown
 //! there to fail on a bad example.
 
+mod citations;
 mod crate_table;
 mod file_length;
 mod file_opening;
 mod floors;
 mod folder_size;
 mod foreign_data;
+mod frame_names;
 mod machine_paths;
 mod module_circles;
 mod module_names;
+mod named_things;
 mod notices;
 mod page_links;
+mod slice_docs;
 mod system_calls;
 mod test_files;
 mod unknown_keys;
@@ -81,6 +85,10 @@ fn problems_of(members: &[Member], files: &[SourceFile]) -> Vec<Problem> {
         walks::check(files),
         page_links::check(files),
         unknown_keys::check(files),
+        citations::check(files),
+        named_things::check(files),
+        slice_docs::check(files),
+        frame_names::check(files),
     ]
     .concat()
 }

@@ -84,6 +84,15 @@ pub enum BenchError {
     /// A planner.
     #[error(transparent)]
     Plan(#[from] cranny_plan::PlanError),
+    /// A task.
+    #[error(transparent)]
+    Task(#[from] cranny_task::TaskError),
+    /// A path.
+    #[error(transparent)]
+    Path(#[from] cranny_path::PathError),
+    /// A plan file, or what is asked of a scenario.
+    #[error(transparent)]
+    Record(#[from] cranny_record::RecordError),
     /// A question to a built-in planner.
     #[error(transparent)]
     Solve(#[from] cranny_solve::SolveError),

@@ -5,7 +5,8 @@ use std::path::Path;
 
 use cranny_bench::{BenchError, Campaign, CampaignPlanner, Exception, PlannerCall};
 use cranny_grasp::ScoreKind;
-use cranny_plan::{Criterion, Registry};
+use cranny_plan::Registry;
+use cranny_task::Criterion;
 
 fn read(folder: &Path, text: &str) -> Result<Campaign, BenchError> {
     let path = folder.join("campaign.yaml");

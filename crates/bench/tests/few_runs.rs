@@ -2,7 +2,7 @@
 
 use cranny_bench::TrialOutcome;
 use cranny_bench::report::{Enclosure, Finding, Summary};
-use cranny_plan::Criterion;
+use cranny_task::Criterion;
 
 use crate::synthetic::{Campaign, Draw, Manner, add, empty};
 

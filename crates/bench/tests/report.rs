@@ -5,7 +5,7 @@
 
 use cranny_bench::report::{Comparison, Finding, Measure, Overall, Place, SuccessCurve, Summary, plots};
 use cranny_bench::{BenchError, Run, StoredTrial, TrialOutcome};
-use cranny_plan::Criterion;
+use cranny_task::Criterion;
 use proptest::prelude::*;
 use strum::VariantArray as _;
 

@@ -2,12 +2,13 @@
 
 use std::path::Path;
 
-use crate::fixture::{information, record, trial};
 use cranny_bench::{
     BenchError, Merged, Results, ScenarioSource, SimulatedGrasp, Trial, TrialOutcome, TrialRecord,
 };
-use cranny_plan::Criterion;
+use cranny_task::Criterion;
 use strum::VariantArray as _;
+
+use crate::fixture::{information, record, trial};
 
 fn folder() -> tempfile::TempDir {
     tempfile::tempdir().expect("a temporary folder")

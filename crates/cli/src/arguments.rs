@@ -5,9 +5,10 @@ use clap::builder::ArgPredicate;
 use clap::{Args, ValueEnum};
 use cranny_collision::Margins;
 use cranny_grasp::ScoreKind;
-use cranny_plan::{AfterPlacing, CostKind, Criterion, MAX_SAMPLE_RATE_HZ};
+use cranny_path::{CostKind, MAX_SAMPLE_RATE_HZ};
 use cranny_scenario::{Geometry, GivenGrasps};
 use cranny_solve::PoseRadius;
+use cranny_task::{AfterPlacing, Criterion};
 
 use crate::number_argument::{MOST_ITERATIONS, millimetres, pose_error, seconds, whole};
 

@@ -1,14 +1,20 @@
 use std::path::PathBuf;
 
+use cranny_path::PathError;
+use cranny_record::RecordError;
 use cranny_scenario::ScenarioError;
 use cranny_solve::SolveError;
+use cranny_task::TaskError;
 
 /// Bad input: said once, exit 2.
 #[derive(Debug, thiserror::Error)]
 pub enum Failure {
-    /// The scenario, a plan file or way points.
+    /// The scenario.
     #[error(transparent)]
-    Scenario(ScenarioError),
+    Scenario(#[from] ScenarioError),
+    /// A plan file or way points.
+    #[error(transparent)]
+    Record(RecordError),
     /// The problem.
     #[error(transparent)]
     Plan(#[from] cranny_plan::PlanError),
@@ -96,11 +102,24 @@ impl From<SolveError> for Failure {
     }
 }
 
-impl From<ScenarioError> for Failure {
-    fn from(fault: ScenarioError) -> Self {
+impl From<RecordError> for Failure {
+    fn from(fault: RecordError) -> Self {
         match fault {
-            ScenarioError::Ask { field, problem } => Self::Request { field, problem },
-            fault => Self::Scenario(fault),
+            RecordError::Ask { field, problem } => Self::Request { field, problem },
+            RecordError::Scenario(fault) => Self::Scenario(*fault),
+            fault => Self::Record(fault),
         }
+    }
+}
+
+impl From<TaskError> for Failure {
+    fn from(fault: TaskError) -> Self {
+        Self::Plan(fault.into())
+    }
+}
+
+impl From<PathError> for Failure {
+    fn from(fault: PathError) -> Self {
+        Self::Plan(fault.into())
     }
 }

@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
 use cranny_collision::{Cell, Collider};
-use cranny_plan::Problem;
+use cranny_task::Problem;
 
 /// At most so many reasons are listed.
 const MOST: usize = 8;

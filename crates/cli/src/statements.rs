@@ -2,7 +2,8 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use cranny_collision::Margins;
-use cranny_scenario::{Demanded, Geometry, GivenGrasps, Judgement};
+use cranny_record::{Demanded, Judgement};
+use cranny_scenario::{Geometry, GivenGrasps};
 use serde::Serialize;
 
 use crate::arguments::VerifyArguments;

@@ -2,7 +2,8 @@ use std::io::Write;
 
 use cranny_collision::Margins;
 use cranny_file::{counted, visible};
-use cranny_plan::{AllowedContact, AppliedMargin, ClearanceLimit, NotChecked, NotCheckedReason, OwnGrasp};
+use cranny_path::{AppliedMargin, ClearanceLimit};
+use cranny_task::{AllowedContact, NotChecked, NotCheckedReason, OwnGrasp};
 use serde::Serialize;
 
 use crate::arguments::Output;

@@ -6,8 +6,9 @@ use std::process::Output;
 
 use assert_cmd::Command;
 use cranny_bench::{Results, RunInformation, Trial, TrialOutcome, TrialRecord};
-use cranny_plan::{Criterion, Statistics};
+use cranny_plan::Statistics;
 use cranny_scenario::Identity;
+use cranny_task::Criterion;
 use serde_json::Value;
 
 fn cranny(folder: &Path, arguments: &[&str]) -> Output {

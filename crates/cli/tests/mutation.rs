@@ -7,11 +7,14 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use cranny_bench::Campaign;
-use cranny_plan::{AuditSettings, Move, Registry, Stage, Unobserved};
+use cranny_path::AuditSettings;
+use cranny_plan::{Registry, Unobserved};
+use cranny_record::{PlanFile, PlanSource};
 use cranny_robot::{Robot, RobotDescription, RobotOptions};
-use cranny_scenario::{OpenOptions, PlanFile, PlanSource, STEPS, Scenario};
+use cranny_scenario::{OpenOptions, STEPS, Scenario};
 use cranny_solve::{Request, Timing, solve};
 use cranny_spatial::Stream;
+use cranny_task::{Move, Stage};
 use serde_json::{Value, json};
 
 /// Reads a text; the result as shown, `None` if it is refused.
@@ -236,7 +239,7 @@ impl PlanReader {
         fs::write(&self.file, text).unwrap();
         let plan = PlanFile::read(&self.file).ok()?;
         let (scenario, task) = self.opened(&plan)?;
-        let task = scenario.source_of(&plan, &task);
+        let task = plan.source_in(&scenario, &task);
         plan.check_joints(&self.file, &scenario.robot).ok()?;
         plan.check_path(&self.file, scenario.robot.dof()).ok()?;
         let problem = scenario.problem(plan.margins).ok()?;

@@ -1,8 +1,8 @@
 //! A false statement of a plan, together with a change of every other key: it stays false, or the plan is of another task.
 
-use cranny_plan::Stage;
 use cranny_scenario::STEPS;
 use cranny_spatial::Stream;
+use cranny_task::Stage;
 use serde_json::{Value, json};
 
 use crate::mutation::{PlanReader, other_values};

@@ -133,7 +133,7 @@ fn physics_counts_where_a_plan_is_asked_so() {
         command.current_dir(folder).args(["plan", "021", "--iterations", "3000"]).args(arguments);
         command.output().expect("it runs")
     };
-    let read = |name: &str| cranny_scenario::PlanFile::read(&folder.join(name)).expect("a plan");
+    let read = |name: &str| cranny_record::PlanFile::read(&folder.join(name)).expect("a plan");
     // By geometry the first grasp that is tried is another one.
     assert!(plan(&["--planner", "ik-rrt", "-o", "geometric.json"]).status.success());
     let (scenario, best) = (Scenario::open("021", &OpenOptions::default()).expect("a scenario"), 139);

@@ -25,8 +25,8 @@ impl Cell {
     /// Whether each of many configurations is free: the same verdicts as [`Cell::is_free`], several times as
     /// fast.
     ///
-    /// `configurations` holds one row of dof values (m, rad) after the other; one verdict for each row is
-    /// written to `verdicts`, which is emptied first.
+    /// `configurations` holds one row after the other, each of one value per joint (m, rad); one verdict for each row
+    /// is written to `verdicts`, which is emptied first.
     ///
     /// The law `are_free = is_clear` within the limits is tested by `lanes_and_exact_check_agree`.
     ///
@@ -36,7 +36,8 @@ impl Cell {
         self.are_free_with(simd_level(), configurations, scratch, verdicts);
     }
 
-    /// [`Self::are_free`] with the instructions of `level`, for comparing instruction sets.
+    /// [`Self::are_free`] with the instructions of `level`, on rows of one value per joint (m, rad), for comparing
+    /// instruction sets.
     ///
     /// # Panics
     /// If `configurations` does not consist of whole rows.
@@ -62,11 +63,12 @@ impl Cell {
         }
     }
 
-    /// How many configurations in a row are free, counted up to the first that is not: those at the given
-    /// places on the straight way from `a` (at 0) to `b` (at 1), at most [`LANES`]. Joint limits do not enter.
+    /// How many configurations in a row are free, counted up to the first that is not: those at `places`, at most
+    /// [`LANES`], on the straight way from `a` (at 0) to `b` (at 1), both (m, rad; one per joint). Joint limits do
+    /// not enter.
     ///
-    /// This is what growing along an edge asks: all checks along the edge at the price of few (Thomason, Kingston
-    /// & Kavraki 2024).
+    /// For growth along an edge: all checks along the edge at the price of few (Thomason, Kingston & Kavraki 2024,
+    /// "Motions in microseconds via vectorized sampling-based planning", Fig. 2, here in the order of the edge).
     ///
     /// # Panics
     /// If there are more than [`LANES`] places, or `a` or `b` has not one value per joint.

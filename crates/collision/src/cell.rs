@@ -276,8 +276,8 @@ impl Cell {
         })
     }
 
-    /// The least distance over all pairs at `q`, in metres, certified from below; 0 in contact. Joint limits
-    /// do not enter.
+    /// The least distance over all pairs at `q` (m, rad; one per joint), in metres, certified from below; 0 in
+    /// contact. Joint limits do not enter.
     ///
     /// # Panics
     /// If `q` has not one value per joint.
@@ -310,9 +310,9 @@ impl Cell {
         (least, nearest)
     }
 
-    /// A pair that is closer at `q` than it may be: the first in a fixed order, hand and wrist before the
-    /// base, the world before other links; `None` if every pair keeps its distance. Joint limits do not
-    /// enter.
+    /// A pair that is closer at `q` (m, rad; one per joint) than it may be: the first in a fixed order, hand and
+    /// wrist before the base, the world before other links; `None` if every pair keeps its distance. Joint limits do
+    /// not enter.
     ///
     /// # Panics
     /// If `q` has not one value per joint.
@@ -322,7 +322,8 @@ impl Cell {
         self.first_close_pair(frames).map(|pair| self.describe(&self.pairs.get(pair), frames))
     }
 
-    /// Every pair that is closer at `q` than it may be, link pairs and link-body pairs once each.
+    /// Every pair that is closer at `q` (m, rad; one per joint) than it may be, link pairs and link-body pairs once
+    /// each.
     ///
     /// # Panics
     /// If `q` has not one value per joint.

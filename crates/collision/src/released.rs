@@ -72,7 +72,8 @@ impl ReleasedCheck {
         Ok(Self { robot, links, obstacles, floor_links, floor_height_m })
     }
 
-    /// The surfaces of all bodies of a world that are cuboids; what is not a cuboid is taken as its box.
+    /// The surfaces of all bodies of a world that are cuboids, each with its `world_from_surface`; what is not a
+    /// cuboid is taken as its box.
     pub fn surfaces_of(world: &World) -> Vec<(Pose, Surface)> {
         world
             .bodies()
@@ -93,7 +94,7 @@ impl ReleasedCheck {
         ReleasedScratch { frames: self.robot.frames() }
     }
 
-    /// Whether the released check lets `q` pass: limits, heights, surfaces.
+    /// Whether the released check lets `q` (m, rad; one per joint) pass: limits, heights, surfaces.
     ///
     /// # Panics
     /// If `q` has not one value per joint.

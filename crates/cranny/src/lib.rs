@@ -5,18 +5,18 @@ pub use cranny_collision::{Cell, Margins, World};
 #[doc(inline)]
 pub use cranny_grasp::{Grasp, GraspSet};
 #[doc(inline)]
-pub use cranny_plan::{
-    Audit, Budget, Goal, Observer, Outcome, PlanError, PlanReport, Planner, Problem, Registry, Trajectory,
-    Unobserved, audit,
-};
+pub use cranny_path::{Audit, Trajectory, audit};
+pub use cranny_plan::{Budget, Observer, Outcome, PlanError, PlanReport, Planner, Registry, Unobserved};
+#[doc(inline)]
+pub use cranny_record::PlanFile;
 #[doc(inline)]
 pub use cranny_robot::Robot;
-#[doc(inline)]
-pub use cranny_scenario::{OpenOptions, PlanFile, Scenario};
+pub use cranny_scenario::{OpenOptions, Scenario};
 #[doc(inline)]
 pub use cranny_solve::{Answer, Request, Timing, solve};
 #[doc(inline)]
 pub use cranny_spatial::{Pose, Stream};
+pub use cranny_task::{Goal, Problem};
 
 #[cfg(feature = "bench")]
 pub use cranny_bench as bench;
@@ -24,7 +24,9 @@ pub use cranny_bench as bench;
 pub use cranny_cli as command;
 pub use cranny_collision as collision;
 pub use cranny_grasp as grasp;
+pub use cranny_path as path;
 pub use cranny_plan as plan;
+pub use cranny_record as record;
 pub use cranny_robot as robot;
 pub use cranny_scenario as scenario;
 #[cfg(feature = "setup")]
@@ -33,5 +35,6 @@ pub use cranny_shape as shape;
 #[cfg(feature = "sim")]
 pub use cranny_sim as sim;
 pub use cranny_spatial as spatial;
+pub use cranny_task as task;
 #[cfg(feature = "view")]
 pub use cranny_view as view;

@@ -73,7 +73,9 @@ pub fn nearest_files(path: &Path) -> Vec<String> {
     near.into_iter().map(|near| folder.join(named(near)).display().to_string()).collect()
 }
 
-/// Least number of letters to insert, remove or replace to turn `a` into `b` (Levenshtein 1966).
+/// Least number of letters to insert, remove or replace to turn `a` into `b` (Levenshtein 1966, "Binary codes capable
+/// of correcting deletions, insertions and reversals", whole), by the table of Wagner & Fischer 1974, "The
+/// string-to-string correction problem", Algorithm X, of which one row is kept.
 fn edit_distance(a: &str, b: &str) -> usize {
     let b: Vec<char> = b.chars().collect();
     let mut row: Vec<usize> = (0..=b.len()).collect();

@@ -14,9 +14,9 @@ pub struct Contact {
 /// The least coefficient of friction with which two point contacts hold an object against any force and
 /// torque but one about the line between them; infinite where no friction does.
 ///
-/// Two contacts with friction are in force closure exactly if the line between them lies inside both friction
-/// cones (Nguyen 1988, Theorem 5), so this is the tangent of the greater of the two angles between the line
-/// and the inward normals. `friction_needed(a, b) = friction_needed(b, a)`.
+/// Two contacts with friction are in force closure exactly if the line between them lies inside both friction cones
+/// (Nguyen 1988, "Constructing force-closure grasps", Theorem 5), so this is the tangent of the greater of the two
+/// angles between the line and the inward normals. `friction_needed(a, b) = friction_needed(b, a)`.
 pub fn friction_needed(a: &Contact, b: &Contact) -> f64 {
     let line = b.point_in_object - a.point_in_object;
     tangent_to(&line, &-a.normal_in_object).max(tangent_to(&line, &b.normal_in_object))

@@ -3,8 +3,8 @@ use cranny_spatial::{Pose, Rotation, Vector};
 
 use crate::GraspError;
 
-/// The pose whose homogeneous 4 × 4 matrix is `rows`, row by row, translation in metres. A rotation part
-/// that is off by rounding (`f32` files) becomes a unit quaternion.
+/// The pose `target_from_source` whose homogeneous 4 × 4 matrix is `rows`, row by row, translation in metres. A
+/// rotation part that is off by rounding (`f32` files) becomes a unit quaternion.
 ///
 /// # Errors
 /// [`GraspError::NotANumber`], [`GraspError::LastRow`], [`GraspError::NotARotation`] beyond
@@ -31,7 +31,7 @@ pub fn pose_of_rows(rows: &[f64; 16]) -> Result<Pose, GraspError> {
     Ok(Pose::from_parts(Vector::new(rows[3], rows[7], rows[11]).into(), rotation))
 }
 
-/// The homogeneous matrix of a pose, row by row.
+/// The homogeneous matrix of a pose `target_from_source`, row by row.
 pub fn rows_of_pose(pose: &Pose) -> [f64; 16] {
     let matrix = pose.to_homogeneous();
     std::array::from_fn(|index| matrix[(index / 4, index % 4)])

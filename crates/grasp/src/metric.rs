@@ -14,10 +14,12 @@ pub fn grasp_distance(a: &Grasp, b: &Grasp) -> f64 {
     Place::of(a).distance(&Place::of(b))
 }
 
-/// Eppner et al. 2019 count a grasp as found where one of a set is near; so near by [`grasp_distance`].
+/// Greatest [`grasp_distance`] at which a grasp counts as found because one of a set is near it (coverage: Eppner et
+/// al. 2019, §V).
 pub const COVERAGE_THRESHOLD: f64 = 15.0;
 
-/// For each grasp of `reference` its distance to the nearest one of `set`; infinite for an empty set.
+/// Distances of the grasps of `reference`, one per grasp, to the nearest of `set`, in the unit of [`grasp_distance`];
+/// infinite for an empty set.
 pub fn nearest_distances(reference: &[Grasp], set: &[Grasp]) -> Vec<f64> {
     let set: Vec<Place> = set.iter().map(Place::of).collect();
     reference

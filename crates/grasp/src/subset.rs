@@ -23,9 +23,9 @@ pub fn random_subset(total: usize, count: usize, seed: u64) -> Vec<usize> {
     indices
 }
 
-/// Indices of `count` grasps that lie far from each other, in the order in which they were chosen: the first
-/// at random, then always the one farthest from all before (Gonzalez 1985); of equally far ones the first.
-/// All indices if there are no more.
+/// Indices of `count` grasps that lie far from each other, in the order in which they were chosen: the first at random,
+/// then always the one farthest from all before (Gonzalez 1985, "Clustering to minimize the maximum intercluster
+/// distance", whole); of equally far ones the first. All indices if there are no more.
 pub fn farthest_subset(grasps: &[Grasp], count: usize, seed: u64) -> Vec<usize> {
     let places: Vec<Place> = grasps.iter().map(Place::of).collect();
     if places.is_empty() || count == 0 {
@@ -66,10 +66,11 @@ fn farther(a: (f64, usize), b: (f64, usize)) -> (f64, usize) {
     if order.is_gt() { b } else { a }
 }
 
-/// Indices of `count` grasps of which as many as possible of all are near, in the order in which they were
-/// chosen: always the one that has most grasps within `threshold` by [`grasp_distance`](crate::grasp_distance)
-/// that no chosen one is near to yet; of equally good ones the first (greedy maximum coverage, Nemhauser et
-/// al. 1978). Where all are covered, the count begins anew. All indices if there are no more.
+/// Indices of `count` grasps of which as many as possible of all are near, in the order in which they were chosen:
+/// always the one that has most grasps within `threshold` by [`grasp_distance`](crate::grasp_distance) that no chosen
+/// one is near to yet; of equally good ones the first (greedy maximum coverage: Nemhauser, Wolsey & Fisher 1978, "An
+/// analysis of approximations for maximizing submodular set functions", whole). Where all are covered, the count begins
+/// anew. All indices if there are no more.
 pub fn covering_subset(grasps: &[Grasp], count: usize, threshold: f64) -> Vec<usize> {
     let near = neighbours(grasps, threshold);
     let count = count.min(grasps.len());
@@ -81,7 +82,8 @@ pub fn covering_subset(grasps: &[Grasp], count: usize, threshold: f64) -> Vec<us
             near.iter().filter(|other| !is_covered[**other as usize]).count()
         };
         let mut gain: Vec<usize> = near.iter().map(|near| uncovered(near, &is_covered)).collect();
-        // Gains only shrink: the best by an old gain is the best if that gain still holds (Minoux 1978).
+        // Gains only shrink: the best by an old gain is the best if that gain still holds (Minoux 1978, "Accelerated
+        // greedy algorithms for maximizing submodular set functions", whole).
         let mut queue: BinaryHeap<(usize, Reverse<usize>)> =
             (0..grasps.len()).filter(|&i| !is_chosen[i]).map(|index| (gain[index], Reverse(index))).collect();
         let begin = chosen.len();

@@ -1,17 +1,15 @@
 use std::time::{Duration, Instant};
 
+use cranny_path::{AuditSettings, Clearances, CostKind, PathCost, STOP, Shortener, audit_with};
 use cranny_spatial::other_seed;
+use cranny_task::Problem;
 use serde::{Deserialize, Serialize};
 
-use crate::path::shortcut::{STOP, Shortener};
 use crate::planners::lane_search::LaneSearch;
 use crate::search::clock::Clock;
 use crate::search::goal_pool::GoalPool;
 use crate::wall_clock::now;
-use crate::{
-    AuditSettings, Budget, Clearances, CostKind, Observer, Outcome, PathCost, PlanError, PlanReport, Planner,
-    Problem, Reach, audit_with, search,
-};
+use crate::{Budget, Observer, Outcome, PlanError, PlanReport, Planner, Reach, search};
 
 /// How to go on once there is a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -104,8 +102,10 @@ pub fn optimise(
 }
 
 /// Looks for better paths than the one that was found, until time, iterations or searches are over (anytime planning by
-/// restarts: Luna, Şucan, Moll & Kavraki 2013, without their hybridisation; bounded as in AORRTC: Wilson, Thomason,
-/// Kingston & Gammell 2025).
+/// restarts: Luna, Şucan, Moll & Kavraki 2013, "Anytime solution optimization for sampling-based motion planning",
+/// whole, without their hybridisation). Each search is bounded by the best cost as in AORRTC (Wilson, Thomason,
+/// Kingston & Gammell 2025, Algorithm 1, lines 5 to 8), but without its cost dimension: a node is dropped if its cost
+/// to come and the straight line to go exceed three times the bound, since shortening comes after.
 ///
 /// 1. The first path, shortened, is the best so far.
 /// 2. Whichever planner found that, again and again [`Reach`], by its default settings, searches from the start
@@ -121,8 +121,8 @@ pub fn optimise(
 /// path comes out, and time only cuts the same sequence short (tests in `tests/optimise.rs`).
 ///
 /// # Errors
-/// [`PlanError::Goal`] for a problem under another criterion than `exact`, where nothing is proven;
-/// [`PlanError::ScoreWeight`], and those of [`PathCost::new`].
+/// [`TaskError::Goal`](cranny_task::TaskError::Goal) for a problem under another criterion than `exact`, where nothing is proven;
+/// [`PathError::ScoreWeight`](cranny_path::PathError::ScoreWeight), and those of [`PathCost::new`].
 pub fn better(
     problem: &Problem,
     first: PlanReport,

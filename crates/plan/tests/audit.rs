@@ -1,15 +1,17 @@
 //! What a judge finds in paths that are known to be wrong, and in what way.
 
-use crate::fixture::{ball, block, exact, grasps, paper};
 use cranny_collision::{Body, Margins, World};
 use cranny_grasp::Grasp;
-use cranny_plan::{
-    Audit, AuditSettings, Goal, MotionLimits, Problem, TimingMethod, Trajectory, Violation, audit,
-    audit_cut_corners, path_length,
+use cranny_path::{
+    Audit, AuditSettings, MotionLimits, TimingMethod, Trajectory, Violation, audit, audit_cut_corners,
+    path_length,
 };
 use cranny_robot::{JointLimits, JointUnit};
 use cranny_shape::Solid;
 use cranny_spatial::{CONTACT_M, Pose, Vector};
+use cranny_task::{Goal, Problem};
+
+use crate::fixture::{ball, block, exact, grasps, paper};
 
 /// Of the ball, in metres.
 const RADIUS_M: f64 = 0.05;

@@ -1,10 +1,13 @@
 //! What is malformed is an error that names it, not an outcome.
 
-use crate::fixture::{START, arm, ball, easy, easy_grasps, exact, grasps, makes_grasps, paper};
 use cranny_collision::{CollisionError, Margins, World};
-use cranny_plan::{Budget, Goal, JPlusRrt, PlanError, Planner, Problem, Reach, Registry, Unobserved, audit};
+use cranny_path::{PathError, audit};
+use cranny_plan::{Budget, JPlusRrt, PlanError, Planner, Reach, Registry, Unobserved};
+use cranny_task::{Goal, Problem, TaskError};
 
-fn built(start: Vec<f64>, goal: Goal) -> Result<Problem, PlanError> {
+use crate::fixture::{START, arm, ball, easy, easy_grasps, exact, grasps, makes_grasps, paper};
+
+fn built(start: Vec<f64>, goal: Goal) -> Result<Problem, TaskError> {
     Problem::exact(ball(), World::default(), None, start, goal, Margins::default())
 }
 
@@ -23,7 +26,7 @@ fn a_configuration_of_the_wrong_length_is_refused() {
         for (refused, whose) in [(starts, "start"), (goals, "goal"), (other_goal, "goal")] {
             assert!(matches!(
                 refused,
-                Err(PlanError::JointCount { what, expected: 3, actual }) if what == whose && actual == length
+                Err(TaskError::JointCount { what, expected: 3, actual }) if what == whose && actual == length
             ));
         }
     }
@@ -37,7 +40,7 @@ fn a_value_that_is_not_finite_is_refused_by_the_name_of_its_joint() {
         let goals = built(vec![0.0; 3], to(bad)).map(|_| ());
         for (refused, whose) in [(starts, "start"), (goals, "goal")] {
             assert!(
-                matches!(refused, Err(PlanError::NotFinite { what, joint }) if what == whose && joint == "y")
+                matches!(refused, Err(TaskError::NotFinite { what, joint }) if what == whose && joint == "y")
             );
         }
     }
@@ -49,8 +52,8 @@ fn a_problem_under_the_papers_criterion_is_held_to_the_same() {
         let check = cranny_collision::ReleasedCheck::new(ball(), Vec::new(), Vec::new(), 0.0);
         Problem::paper(check.expect("good triangles"), World::default(), start, to(vec![0.0; 3])).map(|_| ())
     };
-    assert!(matches!(check(vec![0.0; 2]), Err(PlanError::JointCount { what: "start", .. })));
-    assert!(matches!(check(vec![0.0, f64::NAN, 0.0]), Err(PlanError::NotFinite { what: "start", .. })));
+    assert!(matches!(check(vec![0.0; 2]), Err(TaskError::JointCount { what: "start", .. })));
+    assert!(matches!(check(vec![0.0, f64::NAN, 0.0]), Err(TaskError::NotFinite { what: "start", .. })));
 }
 
 #[test]
@@ -58,7 +61,7 @@ fn a_margin_that_is_no_distance_is_refused() {
     for value in [-0.01, f64::NAN] {
         let margins = Margins { margin_m: value, ..Margins::default() };
         let refused = Problem::exact(ball(), World::default(), None, vec![0.0; 3], to(vec![0.0; 3]), margins);
-        assert!(matches!(refused, Err(PlanError::Collision(CollisionError::Margin { .. }))));
+        assert!(matches!(refused, Err(TaskError::Collision(CollisionError::Margin { .. }))));
     }
 }
 
@@ -74,12 +77,21 @@ fn a_problem_without_goals_is_refused_by_every_planner() {
         };
         if makes_grasps(name) {
             // An empty set is one, too.
-            assert!(matches!(run(&no_grasps), Err(PlanError::GraspSet { .. })), "{name}");
-            assert!(matches!(run(&no_configurations), Err(PlanError::GraspSet { .. })), "{name}");
+            assert!(matches!(run(&no_grasps), Err(PlanError::Task(TaskError::GraspSet { .. }))), "{name}");
+            assert!(
+                matches!(run(&no_configurations), Err(PlanError::Task(TaskError::GraspSet { .. }))),
+                "{name}"
+            );
             continue;
         }
-        assert!(matches!(run(&no_grasps), Err(PlanError::NoGoal)), "{name}");
-        assert!(matches!(run(&no_configurations), Err(PlanError::NoGoal | PlanError::Goal { .. })), "{name}");
+        assert!(matches!(run(&no_grasps), Err(PlanError::Task(TaskError::NoGoal))), "{name}");
+        assert!(
+            matches!(
+                run(&no_configurations),
+                Err(PlanError::Task(TaskError::NoGoal | TaskError::Goal { .. }))
+            ),
+            "{name}"
+        );
     }
 }
 
@@ -88,10 +100,10 @@ fn a_planner_refuses_a_kind_of_problem_that_it_cannot_take() {
     let budget = Budget::default();
     let configurations = exact(&arm(), Vec::new(), &START, Goal::Configurations(vec![START.to_vec()]));
     let refused = JPlusRrt::default().plan(&configurations, &budget, 0, &mut Unobserved);
-    assert!(matches!(refused, Err(PlanError::Goal { planner: "j-plus-rrt", .. })));
+    assert!(matches!(refused, Err(PlanError::Task(TaskError::Goal { planner: "j-plus-rrt", .. }))));
     let released = paper(&arm(), Vec::new(), &START, grasps(easy_grasps()));
     let refused = Reach::default().plan(&released, &budget, 0, &mut Unobserved);
-    assert!(matches!(refused, Err(PlanError::Goal { planner: "reach", .. })));
+    assert!(matches!(refused, Err(PlanError::Task(TaskError::Goal { planner: "reach", .. }))));
 }
 
 #[test]
@@ -107,11 +119,16 @@ fn an_unknown_planner_is_refused_with_the_names_that_there_are() {
 fn a_path_that_is_none_of_the_robot_is_not_judged() {
     let problem = easy();
     let start = START.to_vec();
-    assert!(matches!(audit(&problem, &[]), Err(PlanError::EmptyPath)));
+    assert!(matches!(audit(&problem, &[]), Err(PathError::EmptyPath)));
     let short = audit(&problem, &[start.clone(), vec![0.0; 4]]);
-    assert!(matches!(short, Err(PlanError::JointCount { what: "way point", expected: 5, actual: 4 })));
+    assert!(matches!(
+        short,
+        Err(PathError::Task(TaskError::JointCount { what: "way point", expected: 5, actual: 4 }))
+    ));
     let mut bad = start.clone();
     bad[2] = f64::NAN;
     let not_finite = audit(&problem, &[start.clone(), bad, start]);
-    assert!(matches!(not_finite, Err(PlanError::NotFinite { what: "way point", joint }) if joint == "elbow"));
+    assert!(
+        matches!(not_finite, Err(PathError::Task(TaskError::NotFinite { what: "way point", joint })) if joint == "elbow")
+    );
 }

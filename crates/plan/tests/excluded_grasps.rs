@@ -2,11 +2,9 @@
 
 use cranny_collision::{Margins, World};
 use cranny_grasp::Grasp;
-use cranny_plan::{
-    Budget, FailureReason, Goal, GraspFailure, NoGrasp, Outcome, PlanReport, Problem, Registry, Unobserved,
-    search,
-};
+use cranny_plan::{Budget, NoGrasp, Outcome, PlanReport, Registry, Unobserved, search};
 use cranny_spatial::Pose;
+use cranny_task::{FailureReason, Goal, GraspFailure, Problem};
 
 use crate::fixture::{
     GANTRY_START, OBJECT, START, arm, block, easy_grasps, exact, gantry, grasp_at, grasps, still_life,

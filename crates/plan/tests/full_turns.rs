@@ -4,11 +4,14 @@ use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use std::sync::Arc;
 
-use crate::fixture::block;
 use cranny_collision::{Margins, World};
 use cranny_grasp::{Grasp, GraspSet};
-use cranny_plan::{Budget, Goal, Outcome, Problem, Registry, ShortcutSettings, Unobserved, audit, shortcut};
+use cranny_path::{ShortcutSettings, audit, shortcut};
+use cranny_plan::{Budget, Outcome, Registry, Unobserved};
 use cranny_robot::{Robot, RobotOptions};
+use cranny_task::{Goal, Problem};
+
+use crate::fixture::block;
 
 /// An arm of six joints that turn by 2π either way, as many arms of today do.
 fn arm() -> Arc<Robot> {

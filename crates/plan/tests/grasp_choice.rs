@@ -1,7 +1,9 @@
 //! How J⁺-RRT picks grasps by their score.
 
+use cranny_path::audit;
+use cranny_plan::{Budget, GraspChoice, JPlusRrt, Outcome, Planner, Unobserved};
+
 use crate::fixture::{START, arm, easy_grasps, exact, grasp_out_of_reach, grasps, still_life};
-use cranny_plan::{Budget, GraspChoice, JPlusRrt, Outcome, Planner, Unobserved, audit};
 
 fn assert_solves(scores: [Option<f64>; 3]) {
     let scored =
@@ -28,7 +30,7 @@ fn a_grasp_of_score_zero_is_not_gone_for_beside_one_with_a_score() {
     let far = scored(grasp_out_of_reach(), 0.0);
     let near = scored(easy_grasps()[0], 1.0);
     let problem = exact(&arm(), still_life(), &START, grasps(vec![far, near]));
-    let with = |grasps_of: &cranny_plan::Problem| {
+    let with = |grasps_of: &cranny_task::Problem| {
         // Nothing but reaching for grasps.
         let planner = JPlusRrt { choice: GraspChoice::ByScore, p_goal: 1.0, ..JPlusRrt::default() };
         let budget = Budget { iterations: 200, ..Budget::default() };

@@ -2,9 +2,9 @@
 
 use cranny_collision::{Body, World};
 use cranny_grasp::{BoxHand, Grasp, Hand};
-use cranny_plan::HandFilter;
 use cranny_shape::{Solid, Surface, TriangleSoup, separation};
 use cranny_spatial::{CONTACT_M, Pose, Rotation, Stream, Vector};
+use cranny_task::HandFilter;
 
 fn hand() -> Hand {
     BoxHand::default().hand().unwrap()

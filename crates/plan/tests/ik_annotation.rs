@@ -2,13 +2,14 @@
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
+use cranny_collision::Cell;
+use cranny_spatial::PoseDifference;
+use cranny_task::{IkAnnotation, IkAnnotationSettings, IkMethod, IkStatus, Problem, TaskError, annotate_ik};
+
 use crate::fixture::{
     OBJECT, START, arm, block, easy_grasps, exact, grasp_at, grasp_out_of_reach, grasps, off, paper,
     still_life,
 };
-use cranny_collision::Cell;
-use cranny_plan::{IkAnnotation, IkAnnotationSettings, IkMethod, IkStatus, PlanError, Problem, annotate_ik};
-use cranny_spatial::PoseDifference;
 
 const SETTINGS: IkAnnotationSettings =
     IkAnnotationSettings { method: IkMethod::Restarts, solutions: 3, attempts: 300, seed: 4 };
@@ -132,12 +133,12 @@ fn no_attempts_find_nothing_and_are_not_an_error() {
 #[test]
 fn only_grasps_under_the_exact_criterion_are_annotated() {
     let configurations = problem()
-        .with_goal(cranny_plan::Goal::Configurations(vec![START.to_vec()]))
+        .with_goal(cranny_task::Goal::Configurations(vec![START.to_vec()]))
         .expect("a configuration of the arm");
     let released = paper(&arm(), Vec::new(), &START, grasps(easy_grasps()));
     for refused in [configurations, released] {
         let refused = annotate_ik(&refused, &SETTINGS, &|| (), &AtomicBool::new(false));
-        assert!(matches!(refused, Err(PlanError::Annotation)));
+        assert!(matches!(refused, Err(TaskError::Annotation)));
     }
     let empty = exact(&arm(), still_life(), &START, grasps(Vec::new()));
     assert!(annotated(&empty, &SETTINGS).is_empty());

@@ -2,13 +2,16 @@
 
 use std::time::Duration;
 
-use crate::fixture::{START, arm, ball, block, easy, easy_grasps, exact, grasps, still_life, walled_in};
 use cranny_grasp::Grasp;
+use cranny_path::{CostKind, PathCost, PathError, audit};
 use cranny_plan::{
-    Budget, CostKind, Goal, Observer, OptimiseSettings, Optimised, Outcome, PathCost, PlanError, Problem,
-    Registry, Unobserved, audit, better, default_planner, optimise,
+    Budget, Observer, OptimiseSettings, Optimised, Outcome, PlanError, Registry, Unobserved, better,
+    default_planner, optimise,
 };
+use cranny_task::{Goal, Problem, TaskError};
 use proptest::prelude::*;
+
+use crate::fixture::{START, arm, ball, block, easy, easy_grasps, exact, grasps, still_life, walled_in};
 
 const FOR_EVER: Duration = Duration::from_hours(1);
 
@@ -111,7 +114,7 @@ fn a_higher_weight_of_the_score_takes_a_better_grasp() {
 #[test]
 fn an_arm_without_limits_has_no_time() {
     let cost = PathCost::new(&easy(), CostKind::Time, 1.0);
-    assert!(matches!(cost, Err(PlanError::MissingLimit { .. })), "{cost:?}");
+    assert!(matches!(cost, Err(PathError::MissingLimit { .. })), "{cost:?}");
 }
 
 /// A ball and a wall that it must go around.
@@ -215,7 +218,7 @@ fn a_detour_costs_and_a_way_point_on_the_way_does_not() {
 fn weights_that_are_none_and_the_papers_criterion_are_refused() {
     for weight in [-1.0, f64::NAN, f64::INFINITY] {
         assert!(
-            matches!(PathCost::new(&easy(), CostKind::Length, weight), Err(PlanError::ScoreWeight { .. })),
+            matches!(PathCost::new(&easy(), CostKind::Length, weight), Err(PathError::ScoreWeight { .. })),
             "{weight}"
         );
     }
@@ -223,5 +226,5 @@ fn weights_that_are_none_and_the_papers_criterion_are_refused() {
     let ik_rrt = Registry::default().planner("ik-rrt").expect("a baseline");
     let settings = OptimiseSettings::default();
     let refused = optimise(ik_rrt.as_ref(), &problem, &Budget::default(), settings, 0, &mut Unobserved);
-    assert!(matches!(refused, Err(PlanError::Goal { .. })));
+    assert!(matches!(refused, Err(PlanError::Task(TaskError::Goal { .. }))));
 }

@@ -2,12 +2,11 @@
 
 use cranny_collision::PairGroup;
 use cranny_grasp::GraspSet;
-use cranny_plan::{
-    Audit, Budget, Cause, FailureReason, Goal, OwnGrasp, PlanError, Problem, Registry, Unobserved, Violation,
-    audit,
-};
+use cranny_path::{Audit, Cause, Violation, audit};
+use cranny_plan::{Budget, Registry, Unobserved};
 use cranny_robot::Hold;
 use cranny_spatial::Pose;
+use cranny_task::{FailureReason, Goal, OwnGrasp, Problem, TaskError};
 
 use crate::fixture::{
     GANTRY_START, OBJECT, arm, block, easy, exact, gantry, grasps, makes_grasps, paper, still_life,
@@ -205,7 +204,7 @@ fn what_has_no_grasp_to_measure_is_refused_in_words() {
     let none = || Goal::Grasps(GraspSet::default());
     let fault = |problem: Problem, friction: f64| {
         let fault = problem.without_grasp_set(friction).expect_err("nothing to measure");
-        assert!(matches!(fault, PlanError::NoGraspMeasure { .. } | PlanError::Collision(_)), "{fault:?}");
+        assert!(matches!(fault, TaskError::NoGraspMeasure { .. } | TaskError::Collision(_)), "{fault:?}");
         fault.to_string()
     };
     let without_fingers = exact(&arm(), still_life(), &crate::fixture::START, none());

@@ -2,12 +2,13 @@
 
 use std::time::Duration;
 
+use cranny_path::audit;
+use cranny_plan::{Budget, Observer, Outcome, PlanReport, Planner, Reach, Registry, Unobserved};
+use cranny_task::{Goal, Problem};
+
 use crate::fixture::{
     GANTRY_START, START, arm, ball, block, divided, easy_for, easy_grasps, exact, grasps, makes_grasps,
     out_of_reach_for, plan, still_life, walled_in_for, without_set,
-};
-use cranny_plan::{
-    Budget, Goal, Observer, Outcome, PlanReport, Planner, Problem, Reach, Registry, Unobserved, audit,
 };
 
 /// The names of those that also reach for configurations: they know too which grasps the hand alone can take.

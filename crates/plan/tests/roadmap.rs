@@ -2,8 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
+use cranny_path::audit;
+use cranny_plan::{Budget, Outcome, PlanReport, Planner, Prm, RoadmapFile, Unobserved};
+use cranny_task::{Goal, Problem};
+
 use crate::fixture::{arm, ball, block, easy, exact, still_life};
-use cranny_plan::{Budget, Goal, Outcome, PlanReport, Planner, Prm, Problem, RoadmapFile, Unobserved, audit};
 
 const NODES: usize = 300;
 

@@ -1,7 +1,9 @@
 //! What shortening a path promises.
 
+use cranny_path::{PathError, ShortcutSettings, audit, path_length, shortcut};
+use cranny_task::{Goal, Problem, TaskError};
+
 use crate::fixture::{START, arm, ball, block, easy, exact, plan};
-use cranny_plan::{Goal, PlanError, Problem, ShortcutSettings, audit, path_length, shortcut};
 
 fn settings(seed: u64) -> ShortcutSettings {
     ShortcutSettings { seed, ..ShortcutSettings::default() }
@@ -68,5 +70,5 @@ fn what_is_not_proven_is_not_shortened() {
         crate::fixture::grasps(crate::fixture::easy_grasps()),
     );
     let refused = shortcut(&problem, &[START.to_vec()], settings(0));
-    assert!(matches!(refused, Err(PlanError::Goal { .. })), "{refused:?}");
+    assert!(matches!(refused, Err(PathError::Task(TaskError::Goal { .. }))), "{refused:?}");
 }

@@ -4,9 +4,10 @@
 
 use std::path::Path;
 
-use cranny_plan::{MAX_SAMPLE_RATE_HZ, MotionLimits, PlanError, TimingMethod, Trajectory};
+use cranny_path::{MAX_SAMPLE_RATE_HZ, MotionLimits, PathError, TimingMethod, Trajectory};
 use cranny_robot::{JointLimits, JointUnit, Robot, RobotOptions};
 use cranny_spatial::Stream;
+use cranny_task::TaskError;
 use proptest::prelude::*;
 
 const METHODS: [TimingMethod; 2] = [TimingMethod::TimeOptimal, TimingMethod::JerkLimited];
@@ -210,7 +211,7 @@ fn samples_are_evenly_spaced_and_include_the_end() {
         assert!(*last > even[even.len() - 1] && last - even[even.len() - 1] <= 1.000_002 / rate_hz);
     }
     for rate_hz in [0.0, -1.0, f64::NAN, f64::INFINITY, 2.0 * MAX_SAMPLE_RATE_HZ] {
-        assert!(matches!(trajectory.samples(rate_hz).err(), Some(PlanError::SampleRate { .. })));
+        assert!(matches!(trajectory.samples(rate_hz).err(), Some(PathError::SampleRate { .. })));
     }
 }
 
@@ -219,11 +220,11 @@ fn what_is_no_path_of_the_robot_is_refused() {
     let robot = panda();
     let limits = MotionLimits::of(&robot, TimingMethod::JerkLimited).expect("limits");
     let refused = |path: &[Vec<f64>]| Trajectory::along(path, &limits).expect_err("no path");
-    assert!(matches!(refused(&[]), PlanError::EmptyPath));
+    assert!(matches!(refused(&[]), PathError::EmptyPath));
     let short = [vec![0.0; 9], vec![0.0; 8]];
-    assert!(matches!(refused(&short), PlanError::JointCount { expected: 9, actual: 8, .. }));
+    assert!(matches!(refused(&short), PathError::Task(TaskError::JointCount { expected: 9, actual: 8, .. })));
     for value in [f64::NAN, f64::INFINITY] {
-        assert!(matches!(refused(&[vec![value; 9]]), PlanError::NotFinite { .. }));
+        assert!(matches!(refused(&[vec![value; 9]]), PathError::Task(TaskError::NotFinite { .. })));
     }
     let still = Trajectory::along(&[vec![0.1; 9]], &limits).expect("a robot that stays");
     assert_eq!(still.duration_s(), 0.0);

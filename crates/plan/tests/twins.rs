@@ -1,7 +1,10 @@
 //! A grasp can be held by its twin where it cannot be held itself.
 
+use cranny_path::audit;
+use cranny_plan::Outcome;
+use cranny_task::Problem;
+
 use crate::fixture::{OBJECT, START, arm, block, exact, finned_arm, grasp_at, grasps, off, plan, still_life};
-use cranny_plan::{Outcome, Problem, audit};
 
 /// Solved, and only by the twin: the gripper ends turned by about half a turn from the grasp itself.
 fn assert_solved_at_the_twin(name: &str, problem: &Problem, grasp: cranny_grasp::Grasp) {

@@ -108,7 +108,7 @@ impl Robot {
         &self.hand_links
     }
 
-    /// Where it starts unless a scenario says otherwise (m, rad), if that is described
+    /// Where it starts unless a scenario says otherwise (m, rad; one per joint), if that is described
     /// ([`RobotDescription::start`](crate::RobotDescription::start)).
     pub fn default_start(&self) -> Option<&[f64]> {
         self.start.as_deref()
@@ -150,14 +150,14 @@ impl Robot {
         &self.disabled_pairs
     }
 
-    /// The values that the SRDF's state of that name gives to the whole of `q`; None if there is no such
-    /// state, or none that names every joint of the group.
+    /// The values (m, rad; one per joint) that the SRDF's state of that name gives to the whole of `q`; None if there
+    /// is no such state, or none that names every joint of the group.
     pub fn group_state(&self, name: &str) -> Option<Vec<f64>> {
         self.group_states.iter().find(|(state, _)| state == name).map(|(_, q)| q.clone())
     }
 
-    /// The value that the joint of that name, whether of the group or not, has at `q` (m, rad); 0 if it is fixed, None if
-    /// the URDF has no such joint.
+    /// The value that the joint of that name, whether of the group or not, has at `q` (m, rad; one per joint); 0 if
+    /// it is fixed, None if the URDF has no such joint.
     ///
     /// # Panics
     /// If `q` does not hold [`dof`](Self::dof) values.
@@ -191,7 +191,7 @@ impl Robot {
         &self.passive_joints
     }
 
-    /// Whether every value of `q` lies within its limits. A NaN does not.
+    /// Whether every value of `q` (m, rad; one per joint) lies within its limits. A NaN does not.
     ///
     /// # Panics
     /// If `q` does not hold [`dof`](Self::dof) values.
@@ -201,7 +201,7 @@ impl Robot {
         q.iter().zip(&self.limits).fold(true, |all, (&value, limits)| all & limits.contain(value))
     }
 
-    /// The first joint whose value lies outside its limits.
+    /// The first joint whose value in `q` (m, rad; one per joint) lies outside its limits.
     ///
     /// # Panics
     /// If `q` does not hold [`dof`](Self::dof) values.
@@ -209,7 +209,7 @@ impl Robot {
         self.limit_violations(q).next()
     }
 
-    /// The joints whose values lie outside their limits, in the order of `q`.
+    /// The joints whose values in `q` (m, rad; one per joint) lie outside their limits, in its order.
     ///
     /// # Panics
     /// If `q` does not hold [`dof`](Self::dof) values.

@@ -1,6 +1,6 @@
 //! Scenarios made from others: a body more or less, the object elsewhere.
 
-use cranny_collision::Body;
+use cranny_collision::{Body, World};
 use cranny_grasp::GraspSet;
 use cranny_spatial::Pose;
 
@@ -57,8 +57,8 @@ impl Scenario {
         self.with_moved(target, motion, &self.start)
     }
 
-    /// The scenario with a body elsewhere by a motion in the planning frame, and the robot at another start. The scenario's
-    /// own grasps move with its target.
+    /// The scenario with a body elsewhere by a motion in the planning frame, and the robot at another start
+    /// (m, rad; one per joint). The scenario's own grasps move with its target.
     ///
     /// # Errors
     /// [`ScenarioError::Collision`] for a motion that leads too far away.
@@ -94,5 +94,25 @@ impl Scenario {
     /// [`ScenarioError::StartCount`] if there is not one value per joint.
     pub fn with_start(&self, start: Vec<f64>) -> Result<Self, ScenarioError> {
         Self { start, ..self.clone() }.with_checked_start(&self.id)
+    }
+
+    /// The same scenario with each body where a world has the one of its name, and the robot at a configuration: `q`, one
+    /// value per joint, m or rad. The scenario's own grasps move with its target.
+    ///
+    /// # Errors
+    /// [`ScenarioError::Collision`] for a body that the scenario does not have.
+    pub fn with_bodies_of(&self, world: &World, q: &[f64]) -> Result<Self, ScenarioError> {
+        let mut now = self.clone();
+        for body in world.bodies() {
+            let own = self.world.body_index(&body.name)?;
+            let first = |world: &World, index: usize| {
+                world.bodies()[index].parts.first().map(|part| part.world_from_solid)
+            };
+            let moved = body.parts.first().map(|part| part.world_from_solid).zip(first(&self.world, own));
+            if let Some((to, from)) = moved.filter(|(to, from)| to != from) {
+                now = now.with_moved(own, &(to * from.inverse()), q)?;
+            }
+        }
+        Ok(Self { start: q.to_vec(), ..now })
     }
 }

@@ -6,7 +6,6 @@ use cranny_robot::Location;
 use crate::family::error::FamilyError;
 use crate::moveit::error::MoveItError;
 use crate::object::error::ObjectError;
-use crate::plan::error::PlanFileError;
 
 /// What can be wrong with a scenario, a plan file or a file of way points. The message is complete in
 /// itself: file and line where there is one.
@@ -171,12 +170,10 @@ pub enum ScenarioError {
         /// The name.
         name: String,
     },
-    /// A word of what is asked does not go with another, or with the problem.
-    #[error("{field}: {problem}")]
-    Ask {
-        /// The word; flags and keywords have the same name.
-        field: &'static str,
-        /// What is wrong, with a hint.
+    /// Whether a drawn scenario can be solved cannot be tried.
+    #[error("no search for a way to a grasp: {problem}")]
+    Search {
+        /// Why not.
         problem: String,
     },
     /// A scenario has no task of that name.
@@ -348,13 +345,10 @@ pub enum ScenarioError {
     Collision(#[from] cranny_collision::CollisionError),
     /// The problem is malformed.
     #[error(transparent)]
-    Plan(#[from] cranny_plan::PlanError),
+    Task(#[from] cranny_task::TaskError),
     /// What can be wrong with a `MoveIt` scene, a request, or the robot that they name.
     #[error(transparent)]
     MoveIt(#[from] MoveItError),
-    /// What can be wrong with a plan file or a file of way points.
-    #[error(transparent)]
-    PlanFile(#[from] PlanFileError),
     /// What can be wrong with an object to be grasped.
     #[error(transparent)]
     Object(#[from] ObjectError),

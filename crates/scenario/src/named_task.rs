@@ -1,5 +1,8 @@
-use cranny_plan::Stage;
 use cranny_spatial::Pose;
+use cranny_task::Stage;
+
+/// Name of the task that the steps of a scenario are.
+pub const STEPS: &str = "steps";
 
 /// A task of a scenario that has a name.
 #[derive(Clone, Debug, Default, PartialEq)]

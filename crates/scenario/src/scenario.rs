@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use cranny_collision::{Margins, ReleasedCheck, World};
 use cranny_grasp::GraspSet;
-use cranny_plan::{Criterion, Goal, Pick, PlaceGoal, PlanError, Problem, Stage};
 use cranny_robot::Robot;
 use cranny_shape::Surface;
 use cranny_spatial::Pose;
+use cranny_task::{Criterion, Goal, Pick, PlaceGoal, Problem, Stage, TaskError};
 use strum::{EnumString, IntoStaticStr};
 
 use crate::robot::hand;
@@ -105,9 +105,9 @@ impl Scenario {
     /// anything else no grasps are given, and the planner makes one.
     ///
     /// # Errors
-    /// [`ScenarioError::Plan`] for the name of nothing.
+    /// [`ScenarioError::Task`] for the name of nothing.
     pub fn with_target(&self, name: &str) -> Result<Self, ScenarioError> {
-        let target = self.world.body_index(name).map_err(PlanError::from)?;
+        let target = self.world.body_index(name).map_err(TaskError::from)?;
         if self.target == Some(target) {
             return Ok(self.clone());
         }
@@ -131,7 +131,7 @@ impl Scenario {
     /// [`DEFAULT_FRICTION`].
     ///
     /// # Errors
-    /// [`ScenarioError::Plan`] for a start that does not fit the robot or a margin that is none, or without a set of grasps
+    /// [`ScenarioError::Task`] for a start that does not fit the robot or a margin that is none, or without a set of grasps
     /// for what has no grasp to measure ([`Problem::without_grasp_set`]); [`ScenarioError::MarginUnderPaper`] for a margin
     /// that nothing would check.
     pub fn problem(&self, margins: Margins) -> Result<Problem, ScenarioError> {
@@ -161,7 +161,7 @@ impl Scenario {
                 };
                 let floor_links = hand::floor_links(&robot);
                 let check = ReleasedCheck::new(robot, obstacles, floor_links, PAPER_FLOOR_M)
-                    .map_err(PlanError::from)?;
+                    .map_err(TaskError::from)?;
                 Ok(Problem::paper(check, self.world.clone(), start, goal)?)
             }
         }

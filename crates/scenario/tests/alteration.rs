@@ -1,13 +1,13 @@
 //! Scenarios made from others, and written as files of our own and of others.
 
 use cranny_collision::{Body, Margins};
-use cranny_plan::Criterion;
 use cranny_scenario::{
     MoveItProblem, OpenOptions, Scenario, ScenarioError, moveit_scene_text, read_moveit_scene,
     write_moveit_scene,
 };
 use cranny_shape::{Solid, TriangleSoup};
 use cranny_spatial::{Pose, Vector};
+use cranny_task::Criterion;
 
 fn opened(id: &str) -> Scenario {
     Scenario::open(id, &OpenOptions::default()).unwrap()

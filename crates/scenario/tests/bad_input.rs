@@ -116,7 +116,7 @@ fn a_line_of_many_numbers_is_counted_and_not_kept() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("path.csv");
     fs::write(&path, format!("1,2\n{}1\n", "1,".repeat(5_000_000))).unwrap();
-    let fault = cranny_scenario::read_waypoints(&path, 2).unwrap_err().to_string();
+    let fault = cranny_scenario::read_configurations(&path, 2).unwrap_err().to_string();
     assert!(fault.contains("path.csv:2: 5000001 numbers instead of 2"), "{fault}");
 }
 

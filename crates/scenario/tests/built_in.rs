@@ -3,10 +3,10 @@
 use std::collections::BTreeSet;
 
 use cranny_collision::{Body, Margins};
-use cranny_plan::Criterion;
 use cranny_scenario::{Family, OpenOptions, Scenario, ScenarioError, catalogue};
 use cranny_shape::Aabb;
 use cranny_spatial::Vector;
+use cranny_task::Criterion;
 
 #[test]
 fn every_built_in_scenario_opens_with_a_free_start() {

@@ -23,7 +23,8 @@ fn watched(write: impl FnOnce(&SetProgress) -> SetReport) -> SetReport {
 fn maker(family: Family, change: impl FnOnce(SetSettings) -> SetSettings) -> SetMaker {
     let robot = RecipeRobot::of_the_paper().unwrap();
     let settings = change(SetSettings::new(family, &robot, 0));
-    SetMaker::new(family, robot, settings).unwrap()
+    SetMaker::new(family, robot, settings, |_| unreachable!("nothing is demanded of the paper's arm"))
+        .unwrap()
 }
 
 fn set(family: Family, seed: u64, count: u64, folder: &Path) -> SetReport {

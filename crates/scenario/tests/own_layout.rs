@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use cranny_collision::Margins;
-use cranny_plan::Criterion;
 use cranny_scenario::{OpenOptions, Scenario, ScenarioError};
+use cranny_task::Criterion;
 
 fn corner() -> String {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures/corner").display().to_string()

@@ -5,10 +5,10 @@ use std::io::{Write as _, stderr};
 use std::path::{Path, PathBuf};
 
 use cranny_collision::Body;
-use cranny_plan::Criterion;
 use cranny_scenario::{Geometry, OpenOptions, Recipe, Scenario};
 use cranny_shape::{TriangleSoup, VolumeMoments};
 use cranny_spatial::{PoseDifference, Vector};
+use cranny_task::Criterion;
 
 /// The folder of the released data; `None`, said loudly, where there is none.
 fn data() -> Option<PathBuf> {

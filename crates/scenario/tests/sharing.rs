@@ -4,10 +4,10 @@ use std::fs;
 use std::io::{Cursor, Read, Write};
 use std::path::{Path, PathBuf};
 
-use cranny_plan::Criterion;
 use cranny_scenario::{
     Credits, OpenOptions, Recipe, Scenario, SchemaFile, check, pack, unpack, write_template,
 };
+use cranny_task::Criterion;
 use strum::VariantArray as _;
 use zip::write::SimpleFileOptions;
 

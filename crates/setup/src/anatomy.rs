@@ -81,7 +81,7 @@ impl Anatomy {
         Ok(Self { robot, joints, bodies, body_of })
     }
 
-    /// The configuration in which each joint is as near to 0 as it can be.
+    /// The configuration (m, rad; one per joint) in which each joint is as near to 0 as it can be.
     pub fn rest(&self) -> Vec<f64> {
         self.robot.limits().iter().map(|limits| limits.clamp(0.0)).collect()
     }

@@ -33,8 +33,9 @@ impl<'r> PairSearch<'r> {
         Self { robot, links, joints, frames: robot.frames() }
     }
 
-    /// A configuration in which the links are free of each other, if one is found: in a grid over one or two joints between
-    /// them; else among random ones, and where each joint in turn is put where the links are least deep in each other.
+    /// A configuration (m, rad; one per joint) in which the links are free of each other, if one is found: in a grid
+    /// over one or two joints between them; else among random ones, and where each joint in turn is put where the
+    /// links are least deep in each other.
     pub fn free_configuration(&mut self) -> Option<Vec<f64>> {
         let limits = self.robot.limits();
         let value = |joint: usize, step: usize, steps: usize| {
@@ -94,6 +95,7 @@ impl<'r> PairSearch<'r> {
         }
     }
 
+    /// Whether the links are free of each other at `q` (m, rad; one per joint).
     pub fn is_free(&mut self, q: &[f64]) -> bool {
         self.robot.forward_kinematics(q, &mut self.frames);
         let (first, second) = self.placed();
@@ -105,7 +107,7 @@ impl<'r> PairSearch<'r> {
         })
     }
 
-    /// The greatest depth of any two solids of the links in each other, in metres.
+    /// The greatest depth of any two solids of the links in each other at `q` (m, rad; one per joint), in metres.
     pub fn depth_m(&mut self, q: &[f64]) -> f64 {
         self.robot.forward_kinematics(q, &mut self.frames);
         let (first, second) = self.placed();

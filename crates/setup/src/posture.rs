@@ -12,6 +12,7 @@ pub(crate) struct Posture<'a> {
 }
 
 impl<'a> Posture<'a> {
+    /// The hand of a palm link at `q` (m, rad; one per joint).
     pub fn at(anatomy: &'a Anatomy, palm: usize, q: &[f64]) -> Self {
         Self { anatomy, palm, frames: anatomy.robot.frames_at(q) }
     }
@@ -20,11 +21,12 @@ impl<'a> Posture<'a> {
         (self.frames.link(self.palm).inverse() * self.frames.link(link)).translation.vector.into()
     }
 
+    /// The solids of a finger, each with its `palm_from_solid`.
     pub fn solids(&self, finger: usize) -> Vec<(Pose, Solid)> {
         self.anatomy.solids_in(&self.anatomy.branch(finger), self.palm, &self.frames)
     }
 
-    /// The bodies of the palm itself.
+    /// The solids of the palm itself, each with its `palm_from_solid`.
     pub fn palm_solids(&self) -> Vec<(Pose, Solid)> {
         self.anatomy.solids_in(&[self.anatomy.body_of[self.palm]], self.palm, &self.frames)
     }

@@ -18,8 +18,9 @@ const DRAWS: usize = 4000;
 const AHEAD: f64 = 0.22;
 
 impl StartChoice {
-    /// A start free of the robot itself and of the ground: a named state that keeps the arm in front of its base, else the
-    /// drawn configuration that does so best. None if no drawn one is free.
+    /// A start free of the robot itself and of the ground: a named state that keeps the arm in front of its base,
+    /// else the drawn configuration that does so best. None if no drawn one is free. Configurations are in m and rad,
+    /// one value per joint.
     ///
     /// `seldom_free` has a free configuration for each pair of links that is seldom free: if none of those drawn is
     /// free, others are drawn that take the values of some joints from there.

@@ -128,8 +128,8 @@ fn cut_off(triangle: &[Point; 3], height_m: impl Fn(&Point) -> f64) -> Vec<Point
     polygon
 }
 
-/// Solid angle of a triangle seen from `eye` (van Oosterom & Strackee 1983); positive where the eye sees the
-/// back of the triangle.
+/// Solid angle of a triangle seen from `eye` (van Oosterom & Strackee 1983, "The solid angle of a plane triangle",
+/// whole); positive where the eye sees the back of the triangle.
 pub(crate) fn signed_solid_angle(corners: &[Point; 3], eye: &Point) -> f64 {
     let [a, b, c] = corners.map(|corner| corner - eye);
     let (la, lb, lc) = (a.norm(), b.norm(), c.norm());

@@ -74,6 +74,9 @@ pub enum SimError {
     /// What a scenario says of its target is not enough.
     #[error(transparent)]
     Scenario(#[from] cranny_scenario::ScenarioError),
+    /// A plan cannot be carried out.
+    #[error(transparent)]
+    Plan(#[from] cranny_plan::PlanError),
     /// There is nothing to grasp.
     #[error("{id}: the scenario has no target, so there is nothing to grasp")]
     NoTarget {

@@ -4,7 +4,7 @@ use std::sync::{Arc, LazyLock};
 
 use cranny_collision::Body;
 use cranny_grasp::Hand;
-use cranny_plan::{MotionLimits, TimingMethod, Trajectory};
+use cranny_path::{MotionLimits, TimingMethod, Trajectory};
 use cranny_robot::{IkSearchSettings, Robot, RobotOptions, solve_restarts};
 use cranny_scenario::{ObjectSettings, ObjectType, panda_hand};
 use cranny_shape::{Solid, Surface};

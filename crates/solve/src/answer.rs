@@ -1,8 +1,7 @@
 use cranny_grasp::ScoreKind;
-use cranny_plan::{
-    Audit, Budget, ConfigurationFault, Criterion, GraspFailure, Improvement, NoGrasp, NotChecked,
-    OptimiseSettings, Outcome, Segment, Stage, Statistics, joined,
-};
+use cranny_path::Audit;
+use cranny_plan::{Budget, Improvement, NoGrasp, OptimiseSettings, Outcome, Statistics};
+use cranny_task::{ConfigurationFault, Criterion, GraspFailure, NotChecked, Segment, Stage, joined};
 
 use crate::{Robustness, TaskTrajectory};
 
@@ -123,7 +122,7 @@ impl Answer {
         self.audit.as_ref().is_some_and(|audit| audit.valid)
     }
 
-    /// All way points, from the start to the goal: where two segments meet, one.
+    /// All way points (m, rad; one value per joint), from the start to the goal: where two segments meet, one.
     pub fn waypoints(&self) -> Vec<Vec<f64>> {
         joined(&self.segments)
     }

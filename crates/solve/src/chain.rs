@@ -2,11 +2,12 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::time::Instant;
 
-use cranny_plan::{
-    Budget, Carrier, FailureReason, Goal, GraspFailure, GraspFilter, LiftOffSettings, Mode, Move, Observer,
-    Outcome, Pick, PlaceAt, PlanError, PlanReport, Planner, Problem, Segment, Stage, State, begin_search,
-};
+use cranny_plan::{Budget, Observer, Outcome, PlanError, PlanReport, Planner, begin_search};
 use cranny_spatial::Pose;
+use cranny_task::{
+    Carrier, FailureReason, Goal, GraspFailure, GraspFilter, LiftOffSettings, Mode, Move, Pick, PlaceAt,
+    Problem, Segment, Stage, State,
+};
 
 use crate::effort::{Effort, Stop};
 use crate::look_ahead::LookAhead;
@@ -49,6 +50,8 @@ pub(crate) struct Chain<'a> {
     /// Searches that were begun for picks, by stage.
     begun: Vec<u64>,
     outcome: Outcome,
+    /// Of the first stage, if that is a pick and not all.
+    pub first_carrier: Option<Arc<Carrier>>,
 }
 
 /// The object in the hand from the lift-off on.
@@ -62,16 +65,35 @@ struct Held<'a> {
 
 impl<'a> Chain<'a> {
     /// # Errors
-    /// [`PlanError::NothingToCarry`] under `paper`, and those of [`LookAhead::new`].
+    /// [`TaskError::NothingToCarry`] under `paper`, and those of [`LookAhead::new`].
     pub fn new(problem: &'a Problem, stages: &'a [Stage], request: &'a Request) -> Result<Self, PlanError> {
-        let start =
-            State::start(problem).ok_or(PlanError::NothingToCarry { needs: "the exact criterion" })?;
+        let start = State::start(problem)
+            .ok_or(cranny_task::TaskError::NothingToCarry { needs: "the exact criterion" })?;
+        let first_carrier = match stages {
+            [Stage::Pick(pick), _, ..] => {
+                let picking = start.picking(problem, pick)?;
+                Some(Arc::new(Carrier::new(&picking, LiftOffSettings::default())?))
+            }
+            _ => None,
+        };
         let places = stages.iter().any(|stage| matches!(stage, Stage::Place(_)));
         let effort = Effort::new((request.seed, request.budget.time), places);
         let (spoiled, begun) = (vec![Spoiled::new(); stages.len()], vec![0; stages.len()]);
         let (failures, outcome) = (Vec::new(), Outcome::BudgetExhausted);
         let ahead = LookAhead::new(problem, stages, &start, request.seed)?;
-        Ok(Self { problem, stages, request, start, effort, ahead, failures, spoiled, begun, outcome })
+        Ok(Self {
+            problem,
+            stages,
+            request,
+            start,
+            effort,
+            ahead,
+            failures,
+            spoiled,
+            begun,
+            outcome,
+            first_carrier,
+        })
     }
 
     /// The report of all searches together, and the pieces of a way, if there is one.
@@ -157,8 +179,11 @@ impl<'a> Chain<'a> {
         let picking = state.picking(self.problem, pick)?;
         let before = state.before_picking(&picking);
         let is_last = index + 1 == self.stages.len();
-        let carrier = (!is_last).then(|| Carrier::new(&picking, LiftOffSettings::default()));
-        let carrier = carrier.transpose()?.map(Arc::new);
+        let carrier = match &self.first_carrier {
+            _ if is_last => None,
+            Some(known) if index == 0 => Some(known.clone()),
+            _ => Some(Arc::new(Carrier::new(&picking, LiftOffSettings::default())?)),
+        };
         let places = match &carrier {
             Some(carrier) => self.places_after(index, carrier)?,
             None => None,
@@ -359,7 +384,13 @@ impl<'a> Chain<'a> {
     ) -> Result<Through, SolveError> {
         let places = match &held.places {
             Some(places) => places.clone(),
-            None => Arc::new(self.places_of(index, place, held.carrier)?),
+            None => Arc::new(PlaceSearch::new(
+                self.problem,
+                held.carrier,
+                (index, place),
+                &self.ahead,
+                &self.effort,
+            )?),
         };
         let mut put_downs = PutDowns::new(&places, state, held.led);
         loop {
@@ -398,16 +429,8 @@ impl<'a> Chain<'a> {
         let Some((next, Stage::Place(place))) = next.map(|next| (next, &self.stages[next])) else {
             return Ok(None);
         };
-        Ok(Some(Arc::new(self.places_of(next, place, carrier)?)))
-    }
-
-    fn places_of(
-        &self,
-        index: usize,
-        place: &PlaceAt,
-        carrier: &Arc<Carrier>,
-    ) -> Result<PlaceSearch, PlanError> {
-        PlaceSearch::new(self.problem, carrier, (index, place), &self.ahead, &self.effort)
+        let places = PlaceSearch::new(self.problem, carrier, (next, place), &self.ahead, &self.effort)?;
+        Ok(Some(Arc::new(places)))
     }
 
     /// The filter of grasps with which the object cannot be where it is to go.

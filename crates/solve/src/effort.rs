@@ -1,7 +1,8 @@
 use std::time::{Duration, Instant};
 
-use cranny_plan::{Budget, Observer, Outcome, PlanError, Problem, Statistics, default_planner, search};
+use cranny_plan::{Budget, Observer, Outcome, PlanError, Statistics, default_planner, search};
 use cranny_spatial::other_seed;
+use cranny_task::Problem;
 
 /// Iterations of the first searches on from a grasp that was reached: most need fewer than a hundred.
 const FIRST_ITERATIONS: u64 = 250;
@@ -72,7 +73,8 @@ impl Effort {
         self.exhausted += u32::from(outcome == Outcome::BudgetExhausted);
     }
 
-    /// A path that solves a problem, if a search with the next budget finds one.
+    /// A path of way points (m, rad; one value per joint) that solves a problem, if a search with the next budget
+    /// finds one.
     pub fn search(
         &mut self,
         problem: &Problem,
@@ -103,8 +105,9 @@ impl Observer for Stop<'_> {
     }
 }
 
-/// The term of this number, from 1 on, of 1, 1, 2, 1, 1, 2, 4, 1, 1, 2, 1, 1, 2, 4, 8, …: the length, as a multiple of the
-/// first, of each of many searches whose run time is unknown (Luby, Sinclair & Zuckerman 1993, §3).
+/// The term of this number, from 1 on, of 1, 1, 2, 1, 1, 2, 4, 1, 1, 2, 1, 1, 2, 4, 8, …: the length, as a multiple of
+/// the first, of each of many searches whose run time is unknown (Luby, Sinclair & Zuckerman 1993, "Optimal speedup of
+/// Las Vegas algorithms", whole: the strategy `S^univ`).
 fn luby(number: u32) -> u64 {
     let mut number = u64::from(number);
     loop {

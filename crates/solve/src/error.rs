@@ -1,4 +1,6 @@
+use cranny_path::PathError;
 use cranny_plan::PlanError;
+use cranny_task::TaskError;
 
 /// Why there is no answer.
 #[derive(Debug, thiserror::Error)]
@@ -14,4 +16,16 @@ pub enum SolveError {
     /// What the planner, the judge or the timing says.
     #[error(transparent)]
     Plan(#[from] PlanError),
+}
+
+impl From<TaskError> for SolveError {
+    fn from(fault: TaskError) -> Self {
+        Self::Plan(fault.into())
+    }
+}
+
+impl From<PathError> for SolveError {
+    fn from(fault: PathError) -> Self {
+        Self::Plan(fault.into())
+    }
 }

@@ -1,6 +1,7 @@
 use std::sync::atomic::AtomicBool;
 
-use cranny_plan::{IkAnnotationSettings, IkStatus, PlanError, Problem, annotate_ik};
+use cranny_plan::PlanError;
+use cranny_task::{IkAnnotationSettings, IkStatus, Problem, annotate_ik};
 
 /// Attempts at each grasp: some tens of milliseconds for the grasps of a released scenario, and nine tenths of what
 /// can be found there.
@@ -8,7 +9,8 @@ const ATTEMPTS: usize = 200;
 
 /// What is soon known of each grasp of an `exact` problem.
 ///
-/// 1. [`IkStatus::Solved`] where one of the configurations that are `known` holds it, free of collision.
+/// 1. [`IkStatus::Solved`] where one of the configurations that are `known` (m, rad; one value per joint) holds it,
+///    free of collision; those of another length are passed over.
 /// 2. Else what a few attempts of inverse kinematics show: [`IkStatus::HandCollides`] and [`IkStatus::OutOfReach`]
 ///    are certain, [`IkStatus::NoSolution`] is not.
 ///

@@ -1,8 +1,9 @@
 use std::sync::Arc;
 
 use cranny_collision::Cell;
-use cranny_plan::{Carrier, LiftOffSettings, Pick, Placement, Placer, PlanError, Problem, Stage, State};
+use cranny_plan::PlanError;
 use cranny_spatial::Pose;
+use cranny_task::{Carrier, LiftOffSettings, Pick, Placement, Placer, Problem, Stage, State};
 
 /// Draws of the place of each later object that are looked at.
 const DRAWS: u32 = 64;

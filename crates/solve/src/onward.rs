@@ -1,7 +1,8 @@
 use cranny_collision::Cell;
-use cranny_plan::{FailureReason, Move, Observer, PlanError, Problem, Region, State};
+use cranny_plan::Observer;
 use cranny_robot::{IkSearch, IkSearchSettings, IkSettings, between, distance};
 use cranny_spatial::{Pose, Stream};
+use cranny_task::{FailureReason, Move, Problem, Region, State};
 
 use crate::effort::Effort;
 
@@ -39,7 +40,8 @@ pub(crate) enum Towards<'a> {
 }
 
 impl<'a> Towards<'a> {
-    /// The goal of a move, of whose `ends` these are left if they are counted; `None` where none is left.
+    /// The goal of a move, of whose `ends` (m, rad; one value per joint) these are left if they are counted; `None`
+    /// where none is left.
     pub fn of(goal: &'a Move, ends: Option<&'a [Vec<f64>]>) -> Option<Self> {
         match (ends, goal) {
             (Some(ends), _) => (!ends.is_empty()).then_some(Self::Ends(ends)),
@@ -51,7 +53,7 @@ impl<'a> Towards<'a> {
 }
 
 impl Towards<'_> {
-    /// Configurations that are drawn for it, on from a state to which no path led.
+    /// Configurations (m, rad; one value per joint) that are drawn for it, on from a state to which no path led.
     pub fn goals(&self, effort: &Effort, state: &State) -> Vec<Vec<f64>> {
         match self {
             Self::Ends(ends) => ends.to_vec(),
@@ -73,7 +75,6 @@ pub(crate) fn onward(
     observer: &dyn Observer,
 ) -> Result<Way, FailureReason> {
     let failed = if state.held().is_some() { FailureReason::NotCarried } else { FailureReason::NotMoved };
-    let not_moved = |_: PlanError| failed.clone();
     let (back, others) = match towards {
         Towards::Clear(clear_m) => clear_goals(effort, state, led, *clear_m),
         Towards::Region(region) => (Vec::new(), region_goals(effort, state, region)),
@@ -85,8 +86,9 @@ pub(crate) fn onward(
     };
     // The nearest to the grasp first.
     let joints: Vec<Vec<f64>> = back.iter().rev().chain(&others).cloned().collect();
-    let narrow = state.moving(joints).map_err(not_moved)?;
-    let mut path = effort.search(&narrow, observer).map_err(not_moved)?.ok_or_else(|| failed.clone())?;
+    let narrow = state.moving(joints).map_err(|_| failed.clone())?;
+    let mut path =
+        effort.search(&narrow, observer).map_err(|_| failed.clone())?.ok_or_else(|| failed.clone())?;
     let joined = back.iter().position(|q| path.last() == Some(q)).unwrap_or(0);
     path.extend(back[..joined].iter().rev().cloned());
     let ends = match towards {
@@ -97,7 +99,7 @@ pub(crate) fn onward(
         Towards::Begin | Towards::Region(_) => path[path.len() - 1..].to_vec(),
         Towards::Ends(ends) => ends.to_vec(),
     };
-    Ok((path, state.moving(ends).map_err(not_moved)?))
+    Ok((path, state.moving(ends).map_err(|_| failed.clone())?))
 }
 
 /// The path that led here, from where the hand is clear on it; where it nowhere is, random configurations at which it is.

@@ -1,10 +1,9 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use cranny_plan::{
-    Carrier, FailureReason, Grip, Observer, PlaceAt, Placement, Placer, PlanError, Problem, State,
-};
+use cranny_plan::{Observer, PlanError};
 use cranny_spatial::{Pose, Stream};
+use cranny_task::{Carrier, FailureReason, Grip, PlaceAt, Placement, Placer, Problem, State};
 
 use crate::effort::Effort;
 use crate::look_ahead::LookAhead;
@@ -175,7 +174,8 @@ pub(crate) struct PutDowns<'a> {
 }
 
 impl<'a> PutDowns<'a> {
-    /// Ways from a state, to which the path `led` led, as [`onward`] has it.
+    /// Ways from a state, to which the path `led` of way points (m, rad; one value per joint) led, as [`onward`] has
+    /// it.
     pub fn new(search: &'a PlaceSearch, state: &'a State, led: &'a [Vec<f64>]) -> Self {
         Self {
             search,
@@ -241,15 +241,15 @@ fn transfer(
     descents: &[Descent],
     observer: &dyn Observer,
 ) -> Result<Way, FailureReason> {
-    let not_there = |_: PlanError| FailureReason::NotBroughtThere;
+    let not_there = FailureReason::NotBroughtThere;
     let ends: Vec<Vec<f64>> = descents.iter().filter_map(|descent| descent.path.first()).cloned().collect();
     let mut path = None;
     if !led.is_empty() {
         match onward(effort, state, led, &Towards::Begin, observer) {
             Ok((mut out, _)) => {
                 let from = out.pop().ok_or(FailureReason::NotCarried)?;
-                let problem = state.at(&from).moving(ends.clone()).map_err(not_there)?;
-                let on = effort.search(&problem, observer).map_err(not_there)?;
+                let problem = state.at(&from).moving(ends.clone()).map_err(|_| not_there.clone())?;
+                let on = effort.search(&problem, observer).map_err(|_| not_there.clone())?;
                 path = on.map(|on| [out, on].concat());
             }
             Err(FailureReason::NotCarried) => {}
@@ -259,11 +259,11 @@ fn transfer(
     let path = if let Some(path) = path {
         path
     } else {
-        let problem = state.moving(ends).map_err(not_there)?;
-        effort.search(&problem, observer).map_err(not_there)?.ok_or(FailureReason::NotBroughtThere)?
+        let problem = state.moving(ends).map_err(|_| not_there.clone())?;
+        effort.search(&problem, observer).map_err(|_| not_there.clone())?.ok_or(not_there.clone())?
     };
     let end = path[path.len() - 1..].to_vec();
-    Ok((path, state.moving(end).map_err(not_there)?))
+    Ok((path, state.moving(end).map_err(|_| not_there.clone())?))
 }
 
 /// True if one reason is met later on the way than another.

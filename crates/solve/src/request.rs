@@ -1,8 +1,7 @@
 use cranny_grasp::{Grasp, GraspError, GraspSet, ScoreKind};
-use cranny_plan::{
-    AuditSettings, Budget, Criterion, Goal, MotionLimits, OptimiseSettings, PlanError, Planner, Problem,
-    Registry, Stage, State, TimingMethod, default_planner,
-};
+use cranny_path::{AuditSettings, MotionLimits, TimingMethod};
+use cranny_plan::{Budget, OptimiseSettings, Planner, Registry, default_planner};
+use cranny_task::{Criterion, Goal, Problem, Stage, State, TaskError};
 use serde_json::{Map, Value};
 
 use crate::SolveError;
@@ -187,7 +186,7 @@ impl Request {
     }
 
     /// The problem of the first stage.
-    pub(crate) fn first_problem(&self, problem: &Problem) -> Result<Problem, PlanError> {
+    pub(crate) fn first_problem(&self, problem: &Problem) -> Result<Problem, TaskError> {
         match (self.stages.first(), State::start(problem)) {
             (Some(Stage::Pick(pick)), Some(start)) => start.picking(problem, pick),
             (Some(Stage::Move(goal)), Some(start)) => start.moving(goal.ends(problem).unwrap_or_default()),

@@ -1,6 +1,7 @@
 use cranny_collision::{Cell, Levers, PairGroup, StandingClearance};
-use cranny_plan::{CutCorner, Segment, StatesAlong};
+use cranny_path::CutCorner;
 use cranny_spatial::CONTACT_M;
+use cranny_task::{Segment, StatesAlong};
 use serde::{Deserialize, Serialize};
 
 /// Distances by which things may be from where a plan has them while every motion of it stays free of collision: each kind of
@@ -193,8 +194,8 @@ mod tests {
     use std::sync::Arc;
 
     use cranny_collision::{Body, Margins, World};
-    use cranny_plan::{Goal, Problem, Stage};
     use cranny_robot::{Robot, RobotOptions};
+    use cranny_task::{Goal, Problem, Stage};
 
     use super::*;
 

@@ -3,14 +3,16 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use cranny_collision::Cell;
+use cranny_path::{
+    MotionLimits, ShortcutSettings, Trajectory, audit_along, audit_cut_corners, audit_task, shortcut,
+};
 use cranny_plan::{
-    Budget, Criterion, Improvement, MotionLimits, NoGrasp, Observer, OptimiseSettings, Outcome, PlanError,
-    PlanReport, Planner, Problem, Reach, Segment, ShortcutSettings, Stage, StatesAlong, Statistics,
-    Trajectory, Unobserved, audit_along, audit_cut_corners, audit_task, better, give_clearances, optimise,
-    search, shortcut,
+    Budget, Improvement, NoGrasp, Observer, OptimiseSettings, Outcome, PlanError, PlanReport, Planner, Reach,
+    Statistics, Unobserved, better, optimise, search,
 };
 use cranny_robot::Robot;
 use cranny_spatial::other_seed;
+use cranny_task::{Carrier, Criterion, Problem, Segment, Stage, StatesAlong, give_clearances};
 
 use crate::chain::{Chain, Piece};
 use crate::{
@@ -108,11 +110,12 @@ fn solve_asked(
         mut segments,
         shortening,
         optimisation,
+        carrier,
     } = found;
     // 3.
     let along = match &segments[..] {
         [] => None,
-        segments => StatesAlong::of(problem, &stages, segments)?,
+        segments => StatesAlong::with_carrier(problem, &stages, segments, carrier.as_ref())?,
     };
     let mut audit = match (&segments[..], &along) {
         ([], _) => None,
@@ -177,6 +180,8 @@ struct Found {
     segments: Vec<Segment>,
     shortening: Option<Shortening>,
     optimisation: Option<Optimisation>,
+    /// Of the first object.
+    carrier: Option<Arc<Carrier>>,
 }
 
 /// Steps 1 and 2 for the goal of the problem alone.
@@ -198,7 +203,7 @@ fn found_alone(
     };
     let path = std::mem::take(&mut report.path);
     let segments = if path.is_empty() { Vec::new() } else { vec![Segment::reach(path, Vec::new())] };
-    Ok(Found { report, segments, shortening, optimisation })
+    Ok(Found { report, segments, shortening, optimisation, carrier: None })
 }
 
 /// Steps 1 and 2 for several stages: each segment that is not bound to what carries an object is shortened, or bettered,
@@ -209,7 +214,9 @@ fn found_in_stages(
     (stages, request): (&[Stage], &Request),
     observer: &mut dyn Observer,
 ) -> Result<Found, SolveError> {
-    let (report, pieces) = Chain::new(problem, stages, request)?.search(planner, observer)?;
+    let chain = Chain::new(problem, stages, request)?;
+    let carrier = chain.first_carrier.clone();
+    let (report, pieces) = chain.search(planner, observer)?;
     observer.search_ended();
     let begin = Instant::now();
     let is_found = !pieces.is_empty();
@@ -225,7 +232,7 @@ fn found_in_stages(
     let attempts = ShortcutSettings::default().attempts;
     let time_s = begin.elapsed().as_secs_f64();
     let shortening = is_shortened.then_some(Shortening { attempts, searches: 0, time_s });
-    Ok(Found { report, segments, shortening, optimisation })
+    Ok(Found { report, segments, shortening, optimisation, carrier })
 }
 
 fn shortened_pieces(pieces: Vec<Piece>, seed: u64) -> Result<Vec<Segment>, PlanError> {
@@ -335,8 +342,8 @@ fn shortened(
 }
 
 impl Timing {
-    /// A path in time; `None` for a robot without the limits that this needs. Corners are cut in `cell`; where none are to be
-    /// cut, none is needed.
+    /// A path of way points (m, rad; one value per joint) in time; `None` for a robot without the limits that this
+    /// needs. Corners are cut in `cell`; where none are to be cut, none is needed.
     ///
     /// # Errors
     /// [`PlanError`] for a path that cannot be timed.

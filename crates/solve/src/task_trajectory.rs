@@ -1,8 +1,8 @@
 use cranny_collision::Cell;
-use cranny_plan::{
-    CutCorner, PlanError, Segment, TimingMethod, Trajectory, TrajectorySample, joined, sample_times,
-};
+use cranny_path::{CutCorner, TimingMethod, Trajectory, TrajectorySample, sample_times};
+use cranny_plan::PlanError;
 use cranny_robot::{PadDistance, Robot};
+use cranny_task::{Segment, joined};
 
 use crate::Timing;
 
@@ -54,7 +54,7 @@ impl TaskTrajectory {
     /// `None` for a robot without the limits that this needs, or no path.
     ///
     /// # Errors
-    /// [`PlanError`] for a path that cannot be timed; [`PlanError::BlendedTask`] for corners cut where an object is carried.
+    /// [`PlanError`] for a path that cannot be timed; [`PathError::BlendedTask`](cranny_path::PathError::BlendedTask) for corners cut where an object is carried.
     pub fn of(
         timing: Timing,
         robot: &Robot,
@@ -62,11 +62,11 @@ impl TaskTrajectory {
         segments: &[Segment],
     ) -> Result<Option<Self>, PlanError> {
         if timing.blend && segments.len() > 1 {
-            return Err(PlanError::BlendedTask);
+            return Err(cranny_path::PathError::BlendedTask.into());
         }
         let hand_opens_m = robot.hand().map(|hand| hand.description.opening_m);
         let (mut legs, mut openings_m) = (Vec::new(), Vec::new());
-        for leg in cranny_plan::legs(segments) {
+        for leg in cranny_task::legs(segments) {
             let way = joined(leg);
             if way.is_empty() {
                 continue;
@@ -118,8 +118,8 @@ impl TaskTrajectory {
         motions.map(|([from_s, until_s], openings_m)| HandMotion { from_s, until_s, openings_m }).collect()
     }
 
-    /// Times for which the robot stands between the legs, in seconds, while its hand closes or opens: [`CLOSING_S`], or
-    /// as long as the limits of the joints of the hand demand.
+    /// Times for which the robot stands between the legs, one per pause, in seconds, while its hand closes or opens:
+    /// [`CLOSING_S`], or as long as the limits of the joints of the hand demand.
     pub fn hand_times_s(&self) -> Vec<f64> {
         let least_s = |openings_m: &[f64]| {
             self.pads.as_ref().map_or(0.0, |pads| pads.least_time_s([openings_m[0], openings_m[1]]))
@@ -127,7 +127,7 @@ impl TaskTrajectory {
         self.openings_m.windows(2).map(|openings_m| CLOSING_S.max(least_s(openings_m))).collect()
     }
 
-    /// How far the fingers are apart on each leg, in metres; `None` where the hand does nothing.
+    /// Openings of the fingers, one per leg, in metres; `None` where the hand does nothing.
     pub fn openings_m(&self) -> Option<&[f64]> {
         (self.legs.len() > 1).then_some(&self.openings_m)
     }
@@ -149,8 +149,8 @@ impl TaskTrajectory {
         begins_s
     }
 
-    /// When each way point of the path is passed, in seconds, as [`Trajectory::waypoint_times_s`]; where two legs meet, when
-    /// the first ends.
+    /// Times at which the way points of the path are passed, one per way point, in seconds, as
+    /// [`Trajectory::waypoint_times_s`]; where two legs meet, when the first ends.
     pub fn waypoint_times_s(&self) -> Vec<f64> {
         let mut times_s = self.reach().waypoint_times_s().to_vec();
         for (begin_s, leg) in self.begins_s().iter().zip(&self.legs).skip(1) {

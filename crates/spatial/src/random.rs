@@ -32,8 +32,8 @@ impl Stream {
         low + (high - low) * self.uniform()
     }
 
-    /// An index uniform in 0..`count`, by multiplication (Lemire 2019, without rejection: the bias is below
-    /// `count`·2⁻⁶⁴).
+    /// An index uniform in 0..`count`, by multiplication (Lemire 2019, "Fast random integer generation in an interval",
+    /// whole, without its rejection: the bias is below `count`·2⁻⁶⁴).
     ///
     /// # Panics
     /// If `count` is zero.
@@ -43,13 +43,14 @@ impl Stream {
         usize::try_from(scaled).unwrap_or(count - 1)
     }
 
-    /// A number from the standard normal distribution (Box & Muller 1958).
+    /// A number from the standard normal distribution (Box & Muller 1958, "A note on the generation of random normal
+    /// deviates", whole; the cosine branch alone).
     pub fn normal(&mut self) -> f64 {
         let radius = (-2.0 * libm::log(1.0 - self.uniform())).sqrt();
         radius * libm::cos(std::f64::consts::TAU * self.uniform())
     }
 
-    /// A rotation uniform over SO(3) (Shoemake 1992).
+    /// A rotation uniform over SO(3) (Shoemake 1992, "Uniform random rotations", Graphics Gems III, ch. III.6).
     pub fn rotation(&mut self) -> Rotation {
         let (u, a, b) = (self.uniform(), self.uniform(), self.uniform());
         let (sin_a, cos_a) = crate::sin_cos(std::f64::consts::TAU * a);
@@ -59,7 +60,8 @@ impl Stream {
     }
 }
 
-/// Another seed for every round, far from those that people choose (Steele, Lea & Flood 2014).
+/// Another seed for every round, far from those that people choose (Steele, Lea & Flood 2014, "Fast splittable
+/// pseudorandom number generators", whole, of which only the step `GOLDEN_GAMMA` is used).
 pub fn other_seed(seed: u64, round: u64) -> u64 {
     const GOLDEN: u64 = 0x9E37_79B9_7F4A_7C15;
     seed.wrapping_add(round.wrapping_mul(GOLDEN))

@@ -19,7 +19,7 @@ pub enum ViewError {
     Shape(#[from] cranny_shape::ShapeError),
     /// A path cannot be sampled.
     #[error(transparent)]
-    Plan(#[from] cranny_plan::PlanError),
+    Path(#[from] cranny_path::PathError),
     /// What writes a file.
     #[error(transparent)]
     Scenario(#[from] cranny_scenario::ScenarioError),

@@ -1,8 +1,8 @@
 use cranny_collision::Body;
-use cranny_plan::Mode;
 use cranny_scenario::{ObjectType, Scenario};
 use cranny_shape::TriangleSoup;
 use cranny_spatial::{Point, Pose, Vector};
+use cranny_task::Mode;
 
 use crate::course::stance::{Placed, Stance};
 use crate::look::colour::of_score;
@@ -84,7 +84,7 @@ impl Scene {
         self
     }
 
-    /// The same with the axes of a frame of the planning frame: x red, y green, z blue.
+    /// The same with the axes of `frame`, a pose in the planning frame: x red, y green, z blue.
     #[must_use]
     pub fn with_axes(mut self, frame: &Pose, length_m: f64) -> Self {
         let axes = [(Vector::x(), 0x00d0_2020), (Vector::y(), 0x0020_a040), (Vector::z(), 0x0020_50d0)];

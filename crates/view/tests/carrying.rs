@@ -3,11 +3,14 @@
 use std::sync::{Arc, OnceLock};
 
 use cranny_collision::Margins;
-use cranny_plan::{AuditSettings, Mode, Problem, Stage, State, Unobserved};
+use cranny_path::AuditSettings;
+use cranny_plan::Unobserved;
+use cranny_record::{PlanFile, PlanSource};
 use cranny_robot::Hold;
-use cranny_scenario::{OpenOptions, PlanFile, PlanSource, Scenario};
+use cranny_scenario::{OpenOptions, Scenario};
 use cranny_solve::{CLOSING_S, Request, TaskTrajectory, Timing, solve};
 use cranny_spatial::Pose;
+use cranny_task::{Mode, Problem, Stage, State};
 use cranny_view::{
     ClearanceProfile, PageCells, PageData, PageLimits, PagePlan, PageServer, PageSettings, Picture,
     PictureSettings, Role, Scene, SceneSettings, ShownCarry, ShownPath, StandardView, ViewError,

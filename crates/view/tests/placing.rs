@@ -1,10 +1,12 @@
 //! Plans that put their object down: what is seen of them.
 
 use cranny_collision::Margins;
-use cranny_plan::{Mode, Stage, Unobserved};
-use cranny_scenario::{OpenOptions, PlanFile, PlanSource, STEPS, Scenario};
+use cranny_plan::Unobserved;
+use cranny_record::{PlanFile, PlanSource};
+use cranny_scenario::{OpenOptions, STEPS, Scenario};
 use cranny_solve::{CLOSING_S, Request, Timing, solve};
 use cranny_spatial::Pose;
+use cranny_task::{Mode, Stage};
 use cranny_view::{ClearanceProfile, Role, Scene, SceneSettings, ShownPath};
 
 fn source(id: &str) -> PlanSource {

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use cranny_plan::Trajectory;
+use cranny_path::Trajectory;
 use cranny_robot::{Robot, RobotOptions};
 use cranny_scenario::{OpenOptions, Scenario};
 use cranny_solve::Timing;
@@ -120,7 +120,7 @@ fn a_path_that_does_not_fit_is_refused() {
     let trajectory = trajectory(&scenario, &waypoints);
     for rate_hz in [0.0, -1.0, f64::NAN, 1e9] {
         let refused = ShownPath::of(&scenario.robot, &waypoints, trajectory.as_ref(), rate_hz);
-        assert!(matches!(refused, Err(ViewError::Plan(_))), "{rate_hz}");
+        assert!(matches!(refused, Err(ViewError::Path(_))), "{rate_hz}");
     }
 }
 

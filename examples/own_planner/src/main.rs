@@ -5,7 +5,8 @@
 use std::process::ExitCode;
 
 use cranny::collision::{Cell, Motion, Scratch};
-use cranny::plan::{Connector, Forest, JointMetric, Path, PlanError, PlanReport, Ranges, Search, connect};
+use cranny::path::JointMetric;
+use cranny::plan::{Connector, Forest, Path, PlanError, PlanReport, Ranges, Search, connect};
 use cranny::{Budget, Observer, Planner, Problem, Registry, robot::between};
 use serde::{Deserialize, Serialize};
 

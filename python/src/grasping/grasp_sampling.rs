@@ -6,9 +6,9 @@ use std::sync::Mutex;
 use cranny_grasp::{
     COVERAGE_THRESHOLD, GraspSet, SampledGrasp, SamplerSettings, covering_subset, sample_grasps as sample,
 };
-use cranny_plan::APPROACH_M;
 use cranny_scenario::{DEFAULT_FRICTION, filter_around_object, panda_hand, read_gripper};
 use cranny_shape::Surface;
+use cranny_task::APPROACH_M;
 use pyo3::prelude::*;
 
 use crate::grasping::grasp_set::PyGrasps;

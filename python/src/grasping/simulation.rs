@@ -4,10 +4,10 @@ use std::path::PathBuf;
 use std::sync::Mutex;
 
 use cranny_grasp::Hand;
-use cranny_plan::robot_hand;
 use cranny_scenario::{Scenario, TargetPhysics, read_gripper};
 use cranny_sim::{ExecutedPlan, GraspRow, GraspTest, PickPath, PlanExecution};
 use cranny_spatial::Pose;
+use cranny_task::robot_hand;
 use pyo3::prelude::*;
 use rayon::prelude::*;
 

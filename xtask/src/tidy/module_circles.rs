@@ -10,6 +10,7 @@ use syn::visit::Visit;
 
 use crate::checkout::SourceFile;
 use crate::problem::Problem;
+use crate::public_functions::is_for_tests;
 
 /// Where a module is in its crate, from the root, which is empty.
 type Module = Vec<String>;
@@ -131,14 +132,6 @@ impl<'ast> Visit<'ast> for Reader<'_> {
         self.names.named.extend(self.path_from_root(&parts));
         syn::visit::visit_path(self, path);
     }
-}
-
-fn is_for_tests(item: &syn::Item) -> bool {
-    let syn::Item::Mod(module) = item else { return false };
-    module.attrs.iter().any(|attribute| {
-        attribute.path().is_ident("cfg")
-            && attribute.parse_args::<syn::Path>().is_ok_and(|condition| condition.is_ident("test"))
-    })
 }
 
 /// Every path of a `use`, with the name that it gets.

@@ -2,8 +2,9 @@ use std::collections::HashSet;
 use std::time::Duration;
 
 use cranny_grasp::ScoreKind;
-use cranny_plan::{Budget, Carrier, Criterion, Goal, LiftOffSettings, Problem, Registry, Stage, Unobserved};
+use cranny_plan::{Budget, Registry, Unobserved};
 use cranny_scenario::Recipe;
+use cranny_task::{Carrier, Criterion, Goal, LiftOffSettings, Problem, Stage};
 
 use crate::asked::scenario_choice::{choose_scenarios, matches};
 use crate::running::opened_scenario::OpenedScenario;

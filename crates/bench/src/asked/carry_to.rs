@@ -1,5 +1,5 @@
-use cranny_plan::{AfterPlacing, CLEAR_M, Move, PlaceAt, PlanError, Stage};
 use cranny_scenario::Scenario;
+use cranny_task::{AfterPlacing, CLEAR_M, Move, PlaceAt, Stage, TaskError};
 use serde::{Deserialize, Serialize};
 use strum::{EnumString, IntoStaticStr, VariantArray};
 
@@ -27,9 +27,9 @@ impl CarryTo {
     /// The stages, of which the last ends there.
     ///
     /// # Errors
-    /// [`PlanError::Place`] for a scenario without a place to put anything down.
-    pub(crate) fn stages(self, scenario: &Scenario) -> Result<Vec<Stage>, PlanError> {
-        let none = || PlanError::Place {
+    /// [`TaskError::Place`] for a scenario without a place to put anything down.
+    pub(crate) fn stages(self, scenario: &Scenario) -> Result<Vec<Stage>, TaskError> {
+        let none = || TaskError::Place {
             problem: "the scenario has no place to put its target down (`places` in scenario.yaml)"
                 .to_owned(),
         };

@@ -1,9 +1,9 @@
 use std::collections::BTreeMap;
 
 use cranny_collision::Margins;
-use cranny_plan::Stage;
 use cranny_scenario::{GivenGrasps, Scenario, ScenarioError};
 use cranny_solve::PoseRadius;
+use cranny_task::Stage;
 use serde_json::Value;
 
 use crate::CarryTo;
@@ -43,7 +43,7 @@ impl PathDemand {
     /// The stages of a trial in a scenario; empty where the path ends at the goal of its problem.
     ///
     /// # Errors
-    /// [`ScenarioError::UnknownTask`], [`PlanError::Place`](cranny_plan::PlanError::Place) for a scenario without a place to put anything down.
+    /// [`ScenarioError::UnknownTask`], [`TaskError::Place`](cranny_task::TaskError::Place) for a scenario without a place to put anything down.
     pub(crate) fn stages_in(&self, scenario: &Scenario) -> Result<Vec<Stage>, ScenarioError> {
         let stages = match (&self.task, self.carry) {
             (Some(name), _) => scenario.task(name)?.stages.clone(),

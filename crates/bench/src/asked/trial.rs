@@ -1,4 +1,5 @@
-use cranny_plan::{Criterion, Outcome, Statistics};
+use cranny_plan::{Outcome, Statistics};
+use cranny_task::Criterion;
 use serde::{Deserialize, Serialize};
 use strum::{EnumString, IntoStaticStr, VariantArray};
 

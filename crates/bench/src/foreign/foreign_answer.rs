@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use cranny_plan::{Outcome, Segment, Stage, Statistics, check_segments, joined, number_stages};
+use cranny_plan::{Outcome, Statistics};
+use cranny_task::{Segment, Stage, check_segments, joined, number_stages};
 use serde::Deserialize;
 
 use crate::TrialOutcome;

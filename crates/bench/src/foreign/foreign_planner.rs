@@ -5,9 +5,9 @@ use std::time::Duration;
 use cranny_collision::Margins;
 use cranny_file::system::{self, FileStamp};
 use cranny_grasp::rows_of_pose;
-use cranny_plan::{AfterPlacing, Criterion, LiftOffSettings, PlaceSpot, Problem, Segment, Stage, Statistics};
+use cranny_plan::Statistics;
 use cranny_scenario::{Recipe, ScenarioError};
-
+use cranny_task::{AfterPlacing, Criterion, LiftOffSettings, PlaceSpot, Problem, Segment, Stage};
 use serde_json::json;
 use tempfile::TempDir;
 

@@ -112,7 +112,7 @@ fn tests_of(family: usize) -> f64 {
 /// Size of the largest family in which each comparison can be significant, by the least p-values that their numbers of runs
 /// allow. No outcome of the others ever would be, so that they need not be counted.
 ///
-/// Source: Tarone 1990, "A modified Bonferroni method for discrete data".
+/// Source: Tarone 1990, "A modified Bonferroni method for discrete data", whole.
 fn family(least: &[f64]) -> usize {
     let mut sorted = least.to_vec();
     sorted.sort_by(f64::total_cmp);

@@ -1,18 +1,18 @@
 use std::fmt::Write as _;
 
-use cranny_plan::{
-    Audit, AuditSettings, Cause, Clearances, PlanError, Problem, Violation, audit_with, path_length,
-};
+use cranny_path::{Audit, AuditSettings, Cause, Clearances, PathError, Violation, audit_with, path_length};
+use cranny_task::Problem;
 
 use crate::{TrialOutcome, TrialRecord};
 
 /// Writes into `record` what the judge's word makes of `path`, whatever its planner says: solved, rejected with the
-/// first objection, or garbled, and then no path, where it is none of this robot.
+/// first objection, or garbled, and then no path, where it is none of this robot. `path` has way points of one value
+/// per joint (m, rad), unless it is garbled.
 pub fn decide(
     record: &mut TrialRecord,
     path: &mut Vec<Vec<f64>>,
     problem: &Problem,
-    word: Result<Audit, PlanError>,
+    word: Result<Audit, PathError>,
 ) {
     let audit = match word {
         Ok(audit) => audit,
@@ -38,12 +38,13 @@ pub fn decide(
     record.grasp_score = audit.grasp_score(problem);
 }
 
-/// Whether a path also meets the criterion of `problem`. Where that looks at way points alone, they are made as
-/// dense as it wants them first: a planner under another criterion need not have known.
+/// Whether a path of way points (m, rad; one value per joint) also meets the criterion of `problem`. Where that looks
+/// at way points alone, they are made as dense as it wants them first: a planner under another criterion need not
+/// have known.
 ///
 /// # Errors
 /// As [`audit_with`].
-pub fn also_meets(problem: &Problem, path: &[Vec<f64>]) -> Result<bool, PlanError> {
+pub fn also_meets(problem: &Problem, path: &[Vec<f64>]) -> Result<bool, PathError> {
     let mut path = path.to_vec();
     /// Steps of ten metres become steps of a centimetre.
     const MOST_HALVINGS: usize = 10;

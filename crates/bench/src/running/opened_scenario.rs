@@ -5,8 +5,8 @@ use std::rc::Rc;
 use std::sync::atomic::AtomicBool;
 
 use cranny_collision::Margins;
-use cranny_plan::{Criterion, IkAnnotationSettings, IkMethod, Problem, annotate_ik};
 use cranny_scenario::{Identity, OpenOptions, Scenario, ScenarioError};
+use cranny_task::{Criterion, IkAnnotationSettings, IkMethod, Problem, annotate_ik};
 
 use crate::{BenchError, PathDemand, Trial};
 
@@ -23,11 +23,12 @@ impl OpenedScenario {
         let grasps = demand.given_grasps();
         let options = OpenOptions { criterion: Some(criterion), grasps, ..OpenOptions::default() };
         let scenario = Scenario::open(source, &options)?;
-        let problem = scenario.problem(scenario.margins_forgiving(demand.margins, demand.robust)?)?;
+        let problem =
+            scenario.problem(cranny_record::margins_forgiving(&scenario, demand.margins, demand.robust)?)?;
         Ok(Self { scenario, problem, source: source.to_owned(), goals: OnceCell::new() })
     }
 
-    /// Its goal configurations, as [`goals_of`].
+    /// Its goal configurations (m, rad; one value per joint), as [`goals_of`].
     pub fn goals(&self) -> Result<&[Vec<f64>], ScenarioError> {
         if let Some(goals) = self.goals.get() {
             return Ok(goals);
@@ -37,9 +38,9 @@ impl OpenedScenario {
     }
 }
 
-/// The goal configurations of a scenario (`G_IK` in the paper), one for each grasp that has any: those of its
-/// files; a scenario in Cranny's layout that has none gets what the paper's single shot finds from its start
-/// under the exact criterion, the same on every machine.
+/// The goal configurations of a scenario (`G_IK` in the paper; m, rad; one value per joint), one for each grasp that
+/// has any: those of its files; a scenario in Cranny's layout that has none gets what the paper's single shot finds
+/// from its start under the exact criterion, the same on every machine.
 pub fn goals_of(source: &str, scenario: &Scenario) -> Result<Vec<Vec<f64>>, ScenarioError> {
     // Of a released scenario an empty file is an answer: no grasp has a solution.
     if !scenario.ik.is_empty() || Path::new(source).join("scene.yaml").is_file() {

@@ -1,10 +1,10 @@
 use std::time::Duration;
 
 use cranny_file::system;
-use cranny_plan::{
-    AuditSettings, Budget, Clearances, Criterion, Goal, Observer, Registry, Stage, audit_task, joined,
-};
+use cranny_path::{AuditSettings, Clearances, audit_task};
+use cranny_plan::{Budget, Observer, Registry};
 use cranny_solve::solve;
+use cranny_task::{Criterion, Goal, Stage, joined};
 
 use crate::foreign::foreign_planner::{ForeignPlanner, ForeignTask};
 use crate::foreign::process_group::Leash;

@@ -44,7 +44,8 @@ pub fn for_each_division(first: usize, second: usize, draws: usize, mut visit: i
     let mut random = Stream::new(0, 0);
     let mut order: Vec<usize> = (0..all).collect();
     for _ in 0..draws {
-        // The first steps of a shuffle of any order are a uniform choice (Fisher & Yates 1938).
+        // The first steps of a shuffle of any order are a uniform choice (Knuth 1997, "The art of computer programming"
+        // 2, §3.4.2, Algorithm P).
         for place in 0..first {
             order.swap(place, place + random.index(all - place));
         }

@@ -40,9 +40,9 @@ pub struct SurvivalStep {
 /// `S(t) = Π over tᵢ ≤ t of (1 − dᵢ/nᵢ)`, with `dᵢ` solved at `tᵢ` and `nᵢ` at risk just before; trials that
 /// are cut short at `tᵢ` are still at risk there. Without censoring this is the share of times above `t`.
 ///
-/// Source: Kaplan & Meier 1958, "Nonparametric estimation from incomplete observations", eq. (2b); variance
-/// from Greenwood 1926; band symmetric in `log(−log S)`, so that it stays in [0, 1]: Kalbfleisch & Prentice
-/// 2002, "The Statistical Analysis of Failure Time Data", §1.4.1.
+/// Source: Kaplan & Meier 1958, "Nonparametric estimation from incomplete observations", eq. (2b); variance from
+/// Greenwood 1926, "The natural duration of cancer", whole; band symmetric in `log(−log S)`, so that it stays within 0
+/// and 1: Kalbfleisch & Prentice 2002, "The Statistical Analysis of Failure Time Data", §1.4.1.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KaplanMeier {
     steps: Vec<SurvivalStep>,

@@ -20,7 +20,7 @@ pub struct LogRank {
 /// # Panics
 /// If a time is NaN.
 ///
-/// Source: Mantel 1966, "Evaluation of survival data and two new rank order statistics"; Klein & Moeschberger
+/// Source: Mantel 1966, "Evaluation of survival data and two new rank order statistics", whole; Klein & Moeschberger
 /// 2003, eqs. (7.3.1) to (7.3.4) with weight 1.
 pub fn log_rank(first: &[Followed], second: &[Followed]) -> Option<LogRank> {
     let mut all: Vec<(Followed, bool)> = first.iter().map(|&trial| (trial, true)).collect();

@@ -12,8 +12,8 @@ pub const LEAST_FOR_MEDIAN: usize = 6;
 /// # Panics
 /// If a time is NaN.
 ///
-/// Source: Thompson 1936, "On confidence ranges for the median and other expectation distributions for populations of unknown
-/// distribution form"; David & Nagaraja 2003, "Order Statistics", §7.1.
+/// Source: Thompson 1936, "On confidence ranges for the median and other expectation distributions for populations of
+/// unknown distribution form", whole; David & Nagaraja 2003, "Order Statistics", §7.1.
 pub fn median_interval(trials: &[Followed]) -> Option<(f64, Option<f64>)> {
     assert!(trials.iter().all(|trial| !trial.until.is_nan()), "times are numbers");
     let rank = rank(trials.len());

@@ -18,7 +18,8 @@ impl KaplanMeier {
     /// `μ = ∫₀^τ S`, `V = Σ over tᵢ ≤ τ of (∫ from tᵢ to τ of S)² dᵢ / (nᵢ (nᵢ − dᵢ))`. Without censoring
     /// before the horizon `μ` is the mean of `min(t, τ)` and `V` its population variance over `n`.
     ///
-    /// Source: Klein & Moeschberger 2003, "Survival Analysis", eqs. (4.5.1) and (4.5.2); after Irwin 1949.
+    /// Source: Klein & Moeschberger 2003, "Survival Analysis", eqs. (4.5.1) and (4.5.2); after Irwin 1949, "The
+    /// standard error of an estimate of expectation of life", whole.
     pub fn restricted_mean(&self, horizon: f64) -> Option<RestrictedMean> {
         let ends_at_zero = self.steps().last().is_some_and(|step| step.greenwood.is_infinite());
         if self.count() == 0 || (horizon > self.last() && !ends_at_zero) {

@@ -8,7 +8,7 @@ pub struct SampleMoments {
 }
 
 impl SampleMoments {
-    /// Those of `values`; `None` if there are none.
+    /// Those of `values`, any number of them in one unit; `None` if there are none.
     pub fn of(values: &[f64]) -> Option<Self> {
         let n = values.len() as f64;
         if values.is_empty() {

@@ -18,9 +18,9 @@ pub struct Spread {
 }
 
 impl Spread {
-    /// That of `values`; `None` if there are none. Each number is one of the values, as that of a Kaplan–Meier estimate is
-    /// ([`KaplanMeier::quantile`](crate::statistics::KaplanMeier::quantile)): definition 1 of Hyndman & Fan 1996, "Sample
-    /// quantiles in statistical packages", `inverted_cdf` in `NumPy`.
+    /// That of `values`; `None` if there are none. Each number is one of the values, as that of a Kaplan–Meier estimate
+    /// is ([`KaplanMeier::quantile`](crate::statistics::KaplanMeier::quantile)): Hyndman & Fan 1996, "Sample quantiles
+    /// in statistical packages", definition 1; `inverted_cdf` in `NumPy`.
     pub fn of(values: impl IntoIterator<Item = f64>) -> Option<Self> {
         let mut sorted: Vec<f64> = values.into_iter().collect();
         sorted.sort_by(f64::total_cmp);

@@ -40,8 +40,8 @@ impl TwoSampleTest {
     /// # Panics
     /// If a group is empty, or a time is negative or not finite.
     ///
-    /// Source: Peto & Peto 1972, "Asymptotically efficient rank invariant test procedures", §5; Janssen 1997, "Studentized
-    /// permutation tests for non-i.i.d. hypotheses and the generalized Behrens–Fisher problem".
+    /// Source: Peto & Peto 1972, "Asymptotically efficient rank invariant test procedures", §5; Janssen 1997,
+    /// "Studentized permutation tests for non-i.i.d. hypotheses and the generalized Behrens–Fisher problem", whole.
     pub fn of(first: &[Followed], second: &[Followed], horizon: f64, tests: usize) -> Self {
         let all: Vec<Followed> = first.iter().chain(second).copied().collect();
         let scores = log_rank_scores(&all);

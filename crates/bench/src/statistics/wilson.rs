@@ -8,8 +8,8 @@ use crate::statistics::{Interval, Z_95};
 /// # Panics
 /// If there are more successes than trials.
 ///
-/// Source: Wilson 1927, "Probable inference, the law of succession, and statistical inference"; as method 3
-/// in Newcombe 1998, "Two-sided confidence intervals for the single proportion", eq. (3).
+/// Source: Wilson 1927, "Probable inference, the law of succession, and statistical inference", whole; as method 3 in
+/// Newcombe 1998, "Two-sided confidence intervals for the single proportion", eq. (3).
 pub fn wilson(successes: usize, trials: usize) -> Option<Interval> {
     assert!(successes <= trials, "{successes} successes in {trials} trials");
     if trials == 0 {

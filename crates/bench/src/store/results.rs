@@ -175,7 +175,8 @@ impl Results {
         self.done(self.connection.execute(sql, [run])).map(drop)
     }
 
-    /// Adds a trial, in the place of the same one where it is there already.
+    /// Adds a trial with the path that its planner gave (way points; m, rad; one value per joint), in the place of
+    /// the same one where it is there already.
     ///
     /// # Errors
     /// [`BenchError::Database`].
@@ -183,8 +184,8 @@ impl Results {
         self.done(results_row::insert(&self.connection, Present::IsReplaced, run, record, path)).map(drop)
     }
 
-    /// Adds a trial with the path that its planner gave, and returns whether it was new: one that is there
-    /// already stays as it is.
+    /// Adds a trial with the path that its planner gave (way points; m, rad; one value per joint), and returns
+    /// whether it was new: one that is there already stays as it is.
     ///
     /// # Errors
     /// [`BenchError::Database`].
@@ -250,7 +251,8 @@ impl Results {
         Err(BenchError::NoTrial { path: self.path.clone(), id, last })
     }
 
-    /// The path that the planner of a trial gave, bit by bit; empty where it gave none.
+    /// The path that the planner of a trial gave (way points; m, rad; one value per joint), bit by bit; empty where
+    /// it gave none.
     ///
     /// # Errors
     /// [`BenchError::NoTrial`], [`BenchError::Database`].

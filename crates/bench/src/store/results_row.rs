@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use cranny_plan::{Criterion, Statistics};
+use cranny_plan::Statistics;
+use cranny_task::Criterion;
 use rusqlite::{Connection, Row, Rows, params};
 
 use crate::{BenchError, StoredTrial, Trial, TrialOutcome, TrialRecord};
@@ -30,7 +31,7 @@ pub enum Present {
     IsReplaced,
 }
 
-/// Adds a row; how many were added.
+/// Adds a row with the path of its trial (way points; m, rad; one value per joint); returns how many were added.
 pub fn insert(
     connection: &Connection,
     present: Present,
@@ -163,7 +164,8 @@ fn stored(row: &Row, criterion: Criterion, outcome: TrialOutcome) -> rusqlite::R
     Ok(StoredTrial { id: row.get(0)?, run: row.get(1)?, record })
 }
 
-/// The number of joints (4 bytes), then every value of every way point (8 bytes each), little-endian.
+/// The bytes of a path of way points (m, rad; one value per joint): the number of joints (4 bytes), then every value
+/// of every way point (8 bytes each), little-endian.
 pub fn bytes_of_path(path: &[Vec<f64>]) -> Vec<u8> {
     let joints = path.first().map_or(0, Vec::len);
     let mut bytes = u32::try_from(joints).unwrap_or(u32::MAX).to_le_bytes().to_vec();
@@ -171,7 +173,8 @@ pub fn bytes_of_path(path: &[Vec<f64>]) -> Vec<u8> {
     bytes
 }
 
-/// Inverse of [`bytes_of_path`]; nothing where the bytes are none of its.
+/// Inverse of [`bytes_of_path`]: way points (m, rad; one value per joint). Bytes after the last whole way point are
+/// ignored; no path where a number of joints is missing, or is 0.
 pub fn path_of_bytes(bytes: &[u8]) -> Vec<Vec<f64>> {
     let Some((joints, values)) = bytes.split_first_chunk::<4>() else { return Vec::new() };
     let joints = u32::from_le_bytes(*joints) as usize;

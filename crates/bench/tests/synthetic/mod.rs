@@ -2,7 +2,8 @@
 
 use cranny_bench::report::{Summary, SummarySource};
 use cranny_bench::{Run, RunInformation, ScenarioSource, StoredTrial, Trial, TrialOutcome, TrialRecord};
-use cranny_plan::{Criterion, Statistics};
+use cranny_plan::Statistics;
+use cranny_task::Criterion;
 use strum::VariantArray as _;
 
 /// Results as a campaign could have left them.

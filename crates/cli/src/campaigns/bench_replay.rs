@@ -5,19 +5,17 @@ use std::path::PathBuf;
 use clap::Args;
 use cranny_bench::{CampaignSettings, Replay, Results, RunInformation, Sandbox, replay};
 use cranny_file::counted;
-use cranny_scenario::write_waypoints_csv;
+use cranny_record::write_waypoints_csv;
 use serde::Serialize;
 
-use crate::Answer;
 use crate::arguments::Output;
 use crate::campaigns::bench_worker;
 use crate::failure::Failure;
 use crate::file_kind::FileKind;
 use crate::number_argument::whole;
-use crate::output_file;
 use crate::program::version::COMMIT;
 use crate::progress::{spinner, stop_on_interrupt};
-use crate::text;
+use crate::{Answer, output_file, text};
 
 #[derive(Clone, Debug, Args)]
 #[command(after_help = "Examples:

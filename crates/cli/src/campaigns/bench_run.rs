@@ -10,22 +10,21 @@ use cranny_bench::{
     TrialRecord, run_campaign,
 };
 use cranny_file::counted;
-use cranny_plan::{Criterion, Registry};
+use cranny_plan::Registry;
 use cranny_solve::PoseRadius;
+use cranny_task::Criterion;
 use indicatif::ProgressBar;
 use serde::Serialize;
 use strum::VariantArray as _;
 
-use crate::Answer;
 use crate::arguments::{CriterionArgument, MarginArguments, Output};
 use crate::campaigns::bench_worker;
 use crate::campaigns::cluster_folder::ClusterCampaign;
 use crate::failure::Failure;
 use crate::number_argument::{MOST_ITERATIONS, pose_error, seconds, whole};
-use crate::output_file;
 use crate::program::version::COMMIT;
 use crate::progress::{bar, spinner, stop_on_interrupt};
-use crate::text;
+use crate::{Answer, output_file, text};
 
 #[derive(Clone, Debug, Args)]
 #[command(after_help = "Examples:

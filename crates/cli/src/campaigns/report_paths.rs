@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use cranny_bench::report::Summary;
 use cranny_bench::{PathDemand, Results, StoredTrial, source_of};
-use cranny_scenario::write_waypoints_csv;
+use cranny_record::write_waypoints_csv;
 use rayon::prelude::*;
 
 use crate::arguments::Output;
@@ -13,8 +13,7 @@ use crate::failure::Failure;
 use crate::file_kind::FileKind;
 use crate::output_file::{self, NamedFile};
 use crate::pictures::page_task::{PageRequest, PageTask};
-use crate::progress;
-use crate::text;
+use crate::{progress, text};
 
 /// A trial with a path, and what its scenario is opened by.
 struct Shown {

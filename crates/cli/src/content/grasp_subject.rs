@@ -3,13 +3,13 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use cranny_collision::{Body, World};
 use cranny_grasp::{FirstApproach, Hand, SamplerSettings};
-use cranny_plan::{APPROACH_M, HandFilter, robot_hand};
 use cranny_scenario::{
     DEFAULT_FRICTION, ObjectType, OpenOptions, Scenario, ScenarioError, filter_around_object, is_scenario,
     panda_hand, read_gripper,
 };
 use cranny_shape::{Solid, Surface, TriangleSoup};
 use cranny_spatial::{Pose, Vector};
+use cranny_task::{APPROACH_M, HandFilter, robot_hand};
 
 use crate::content::grasp_choice::GraspChoice;
 use crate::content::object;

@@ -8,9 +8,9 @@ use cranny_grasp::{
     COVERAGE_THRESHOLD, Grasp, GraspSet, SampledGrasp, Sampling, TooWide, csv_text, go_on_sampling,
     nearest_distances, read_csv, spread,
 };
-use cranny_plan::{APPROACH_M, HandFilter, robot_hand};
 use cranny_scenario::{OpenOptions, Scenario, ScenarioError};
 use cranny_shape::Surface;
+use cranny_task::{APPROACH_M, HandFilter, robot_hand};
 use serde::Serialize;
 
 use crate::arguments::Output;

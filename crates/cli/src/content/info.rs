@@ -1,15 +1,13 @@
 use std::fmt::Write;
 
 use cranny_file::counted;
-use cranny_plan::NotChecked;
+use cranny_task::NotChecked;
 use serde::Serialize;
 
-use crate::Answer;
 use crate::arguments::{Output, TaskArguments};
 use crate::failure::Failure;
 use crate::planning::task::{Demand, Task};
-use crate::start;
-use crate::text;
+use crate::{Answer, start, text};
 
 #[derive(Serialize)]
 struct Info {

@@ -11,14 +11,11 @@ use cranny_spatial::Vector;
 use cranny_view::{Picture, PictureSettings, Scene, StandardView};
 use serde::Serialize;
 
-use crate::Answer;
 use crate::arguments::Output;
 use crate::failure::Failure;
 use crate::file_kind::FileKind;
 use crate::number_argument::{positive, whole};
-use crate::output_file;
-use crate::progress;
-use crate::text;
+use crate::{Answer, output_file, progress, text};
 
 #[derive(Clone, Debug, Args)]
 pub struct ObjectArguments {

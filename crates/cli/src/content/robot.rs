@@ -11,15 +11,12 @@ use cranny_scenario::{
 use cranny_setup::{Base, Choice, RobotFindings, RobotSetup, SetupOptions};
 use serde::Serialize;
 
-use crate::Answer;
 use crate::arguments::Output;
 use crate::failure::Failure;
 use crate::file_kind::FileKind;
-use crate::output_file;
 use crate::pictures::robot_picture;
 use crate::planning::task::note_all;
-use crate::progress;
-use crate::text;
+use crate::{Answer, output_file, progress, text};
 
 #[derive(Clone, Debug, Args)]
 pub struct RobotArguments {

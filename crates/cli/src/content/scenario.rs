@@ -14,14 +14,12 @@ use cranny_scenario::{
 use serde::Serialize;
 use strum::VariantArray as _;
 
-use crate::Answer;
 use crate::arguments::Output;
 use crate::failure::Failure;
 use crate::file_kind::FileKind;
 use crate::number_argument::{share, whole};
-use crate::output_file;
 use crate::progress::{bar, spinner, stop_on_interrupt};
-use crate::text;
+use crate::{Answer, output_file, text};
 
 #[derive(Clone, Debug, Args)]
 pub struct ScenarioArguments {
@@ -411,7 +409,9 @@ fn maker(
     output: Output,
 ) -> Result<SetMaker, Failure> {
     let spinner = spinner("sampling grasps", output.quiet);
-    let maker = SetMaker::new(family, robot, settings);
+    let maker = SetMaker::new(family, robot, settings, |problem| {
+        cranny_plan::is_reached(problem).map_err(|fault| fault.to_string())
+    });
     spinner.finish_and_clear();
     Ok(maker?)
 }

@@ -3,13 +3,14 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use cranny_grasp::Hand;
-use cranny_plan::{Segment, robot_hand};
-use cranny_scenario::{OpenOptions, PlanFile, TargetPhysics, read_waypoints};
+use cranny_record::{PlanFile, read_waypoints};
+use cranny_scenario::{OpenOptions, TargetPhysics};
 use cranny_sim::{
     ExecutedPlan, PickPath, PlacedError, PlanContact, PlanExecution, PlanRow, Released, SimError,
     TrackingError,
 };
 use cranny_solve::{TaskTrajectory, Timing};
+use cranny_task::{Segment, robot_hand};
 
 use crate::arguments::Output;
 use crate::failure::Failure;
@@ -107,7 +108,7 @@ pub fn run(arguments: &SimulatePlanArguments, output: Output) -> Result<Answer, 
             let ended = plan.outcome.sentence();
             return Err(refused(format!("the plan has no path, so there is nothing to execute: {ended}")));
         }
-        scenario.check_task(plan)?;
+        plan.check_task(&scenario)?;
         PickPath::all_of(plan, &scenario.problem(plan.margins)?)
     } else {
         let reach = Segment::reach(read_waypoints(file, scenario.robot.dof())?, Vec::new());

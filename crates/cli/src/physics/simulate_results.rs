@@ -8,9 +8,9 @@ use cranny_bench::statistics::wilson;
 use cranny_bench::{BenchError, Results, SimulatedGrasp, StoredTrial, source_of};
 use cranny_file::counted;
 use cranny_grasp::{GraspSet, csv_text};
-use cranny_plan::robot_hand;
 use cranny_scenario::{OpenOptions, TargetPhysics};
 use cranny_sim::{GraspOutcome, GraspRow, GraspTest};
+use cranny_task::robot_hand;
 use serde::Serialize;
 
 use crate::arguments::Output;

@@ -2,9 +2,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 use cranny_grasp::{GraspSet, Hand, read_csv};
-use cranny_plan::robot_hand;
 use cranny_scenario::{OpenOptions, ScenarioError, is_scenario, panda_hand, read_gripper};
 use cranny_sim::GraspTest;
+use cranny_task::robot_hand;
 
 use crate::arguments::Output;
 use crate::content::object;

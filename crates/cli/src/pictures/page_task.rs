@@ -1,12 +1,12 @@
 use std::path::{Path, PathBuf};
 
 use cranny_collision::Margins;
-use cranny_plan::{Audit, AuditSettings, Criterion, PlanError, Problem, Registry, audit};
-use cranny_scenario::{
-    Geometry, GivenGrasps, Judgement, OpenOptions, PlanFile, PlanSource, Scenario, ScenarioError,
-    read_waypoints,
-};
+use cranny_path::{Audit, AuditSettings, audit};
+use cranny_plan::Registry;
+use cranny_record::{Judgement, PlanFile, PlanSource, read_waypoints};
+use cranny_scenario::{Geometry, GivenGrasps, OpenOptions, Scenario};
 use cranny_solve::{Timing, ik_statuses};
+use cranny_task::{Criterion, Problem};
 use cranny_view::{PageCells, PageData, PagePlan, PageSettings};
 
 use crate::arguments::{GeometryArgument, Output};
@@ -52,8 +52,11 @@ impl PageTask {
             )?;
             return Ok(Self { page: PageData::of_recording(&recording), cells: None });
         }
-        let files =
-            request.plans.iter().map(|file| read_plan(file)).collect::<Result<Vec<_>, ScenarioError>>()?;
+        let files = request
+            .plans
+            .iter()
+            .map(|file| read_plan(file))
+            .collect::<Result<Vec<_>, cranny_record::RecordError>>()?;
         let read = || files.iter().flatten();
         let robot_of = |plan: &PlanFile| plan.robot.clone().map(PathBuf::from);
         let options = OpenOptions {
@@ -72,7 +75,7 @@ impl PageTask {
         let shown = tasks.open(Some(Criterion::Exact))?;
         source.scenario.clone_from(&shown.id);
         let exact = tasks.problem(Criterion::Exact, Margins::default(), None)?;
-        let cell = exact.cell().ok_or(PlanError::Annotation)?;
+        let cell = exact.cell().ok_or(cranny_task::TaskError::Annotation)?;
         let trees = match request.search_trees {
             Some(registry) => Some((registry, stop_on_interrupt()?)),
             None => None,
@@ -94,7 +97,7 @@ impl PageTask {
             check_plan(file, plan, &shown.robot, &shown.id, "shown in")?;
             let problem = tasks.problem(plan.criterion, plan.margins, plan.goal_threshold)?;
             let timed = plan.trajectory(robot, problem.cell().map(AsRef::as_ref))?;
-            let task = shown.source_of(plan, &PlanSource { margins: plan.margins, ..source.clone() });
+            let task = plan.source_in(&shown, &PlanSource { margins: plan.margins, ..source.clone() });
             let verification = verdict(file, plan.judge(&task, &problem, AuditSettings::default())?)?;
             let along = if plan.task.len() > 1 { plan.states(&problem)? } else { None };
             let states = along.map_or_else(Vec::new, |along| along.states);

@@ -2,9 +2,11 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use cranny_plan::{Problem, Registry};
-use cranny_scenario::{GivenGrasps, OpenOptions, PlanFile, Scenario, read_waypoints};
+use cranny_plan::Registry;
+use cranny_record::{PlanFile, read_waypoints};
+use cranny_scenario::{GivenGrasps, OpenOptions, Scenario};
 use cranny_solve::Timing;
+use cranny_task::Problem;
 use cranny_view::{
     Animation, Camera, PageServer, Picture, PictureSettings, Scene, SceneSettings, SeeThrough, ShownPath,
     StandardView,
@@ -12,7 +14,6 @@ use cranny_view::{
 use serde::Serialize;
 use strum::VariantArray as _;
 
-use crate::Answer;
 use crate::arguments::{GeometryArgument, Output};
 use crate::failure::Failure;
 use crate::file_kind::FileKind;
@@ -22,7 +23,7 @@ use crate::pictures::page_task::{PageRequest, PageTask};
 use crate::pictures::render_format::Format;
 use crate::planning::plan_task::{check_plan, read_plan};
 use crate::planning::task::open_scenario;
-use crate::{progress, text};
+use crate::{Answer, progress, text};
 
 #[derive(Clone, Debug, Args)]
 #[command(after_help = "Examples:
@@ -343,7 +344,7 @@ pub fn scene(
     let path = match (read, plan) {
         (Some(plan), Some(file)) => {
             check_plan(file, &plan, &scenario.robot, &scenario.id, "shown in")?;
-            scenario.check_task(&plan)?;
+            plan.check_task(&scenario)?;
             // Time alone needs no cell, but where corners are to be cut.
             let planned = Scenario { criterion: plan.criterion, ..scenario.clone() };
             let problem = plan.is_blended().then(|| planned.problem(plan.margins)).transpose()?;

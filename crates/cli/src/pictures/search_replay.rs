@@ -3,9 +3,10 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use cranny_file::counted;
-use cranny_plan::{Observer, Outcome, Problem, Registry};
-use cranny_scenario::PlanFile;
+use cranny_plan::{Observer, Outcome, Registry};
+use cranny_record::PlanFile;
 use cranny_solve::{Answer, Request, solve};
+use cranny_task::Problem;
 use cranny_view::TreeRecording;
 
 use crate::arguments::Output;

@@ -4,10 +4,10 @@ use std::sync::atomic::Ordering;
 
 use cranny_file::counted;
 use cranny_grasp::GraspSet;
-use cranny_plan::{
+use cranny_scenario::FilledHand;
+use cranny_task::{
     AnnotatedSolution, Goal, IkAnnotation, IkAnnotationSettings, IkMethod, IkStatus, Problem, annotate_ik,
 };
-use cranny_scenario::FilledHand;
 use serde::Serialize;
 
 use crate::Answer;

@@ -3,23 +3,19 @@ use std::time::Instant;
 
 use cranny_file::counted;
 use cranny_plan::Registry;
-use cranny_scenario::{
-    Ask, CarryWord, PlanFile, PlanSource, STEPS, TaskWord, read_waypoints, write_trajectory_csv,
-};
+use cranny_record::{Ask, CarryWord, PlanFile, PlanSource, TaskWord, read_waypoints, write_trajectory_csv};
+use cranny_scenario::STEPS;
 use cranny_solve::solve;
 
-use crate::Answer;
 use crate::arguments::{Output, PlanArguments};
 use crate::failure::Failure;
 use crate::file_kind::FileKind;
-use crate::output_file;
 use crate::planning::ik;
 use crate::planning::plan_page::{self, Answered};
 use crate::planning::plan_task::PlanTask;
 use crate::planning::task::Demand;
 use crate::progress::{SearchProgress, stop_on_interrupt};
-use crate::start;
-use crate::text;
+use crate::{Answer, output_file, start, text};
 
 pub fn run(arguments: &PlanArguments, registry: &Registry, output: Output) -> Result<Answer, Failure> {
     let begin = Instant::now();

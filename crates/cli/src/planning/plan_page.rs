@@ -3,11 +3,11 @@ use std::path::Path;
 
 use cranny_file::counted;
 use cranny_grasp::{GraspSet, ScoreKind};
-use cranny_plan::{
-    ClearanceLimit, GraspFailure, Improvement, MotionEnd, Move, NoGrasp, Outcome, Segment, Stage, Statistics,
-};
-use cranny_scenario::{PlanFile, PlanShortening, PlanTiming};
+use cranny_path::ClearanceLimit;
+use cranny_plan::{Improvement, NoGrasp, Outcome, Statistics};
+use cranny_record::{PlanFile, PlanShortening, PlanTiming};
 use cranny_solve::{JointRadius, PoseRadius, Robustness};
+use cranny_task::{GraspFailure, MotionEnd, Move, Segment, Stage};
 use serde::Serialize;
 
 use crate::statements::demanded_margins;

@@ -2,11 +2,10 @@ use std::path::{Path, PathBuf};
 
 use cranny_collision::Margins;
 use cranny_grasp::GraspSet;
-use cranny_plan::Problem;
+use cranny_record::{PlanFile, PlanSource, RecordError};
 use cranny_robot::Robot;
-use cranny_scenario::{
-    MoveItOptions, MoveItProblem, PlanFile, PlanSource, Scenario, ScenarioError, brief_model_notes,
-};
+use cranny_scenario::{MoveItOptions, MoveItProblem, Scenario, brief_model_notes};
+use cranny_task::Problem;
 
 use crate::arguments::{Output, TaskArguments};
 use crate::failure::Failure;
@@ -26,7 +25,7 @@ pub struct PlanTask {
 }
 
 /// The plan of a file; `None` for a file of bare way points.
-pub fn read_plan(file: &Path) -> Result<Option<PlanFile>, ScenarioError> {
+pub fn read_plan(file: &Path) -> Result<Option<PlanFile>, RecordError> {
     let is_plan = file.extension().is_some_and(|extension| extension == "json");
     is_plan.then(|| PlanFile::read(file)).transpose()
 }

@@ -2,11 +2,10 @@ use std::fmt::Display;
 use std::path::PathBuf;
 
 use cranny_collision::Margins;
-use cranny_plan::{Criterion, Problem};
-use cranny_scenario::{
-    Geometry, GivenGrasps, OpenOptions, PlanFile, PlanSource, Scenario, brief_model_notes,
-};
+use cranny_record::{PlanFile, PlanSource};
+use cranny_scenario::{Geometry, GivenGrasps, OpenOptions, Scenario, brief_model_notes};
 use cranny_solve::PoseRadius;
+use cranny_task::{Criterion, Problem};
 
 use crate::arguments::{Output, TaskArguments};
 use crate::failure::Failure;
@@ -55,10 +54,11 @@ impl Task {
             grasps: arguments.grasps.clone().unwrap_or(grasps),
         };
         let scenario = open_scenario(&arguments.id, &options, output)?;
-        let margins = scenario.margins_forgiving(arguments.margins.or(margins), robust).map_err(|_| {
-            let problem = "there is no target that could be elsewhere".to_owned();
-            Failure::Flag { flag: "robust", problem }
-        })?;
+        let margins = cranny_record::margins_forgiving(&scenario, arguments.margins.or(margins), robust)
+            .map_err(|_| {
+                let problem = "there is no target that could be elsewhere".to_owned();
+                Failure::Flag { flag: "robust", problem }
+            })?;
         let mut problem = scenario.problem(margins)?;
         if arguments.strict_pairs {
             problem = problem.checking_all_pairs();

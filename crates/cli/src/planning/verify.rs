@@ -1,8 +1,9 @@
 use std::fmt::Write as _;
 
 use cranny_file::counted;
-use cranny_plan::{Audit, AuditSettings, Criterion, PlanError, audit_with};
-use cranny_scenario::{Judgement, read_waypoints};
+use cranny_path::{Audit, AuditSettings, audit_with};
+use cranny_record::{Judgement, read_waypoints};
+use cranny_task::Criterion;
 use serde::Serialize;
 
 use crate::Answer;
@@ -24,8 +25,8 @@ pub fn run(arguments: &VerifyArguments, output: Output) -> Result<Answer, Failur
     let (judged, way_points) = if let Some(plan) = &plan {
         check_plan(file, plan, problem.robot(), &source.scenario, "judged against")?;
         plan.check_path(file, problem.robot().dof())?;
-        let source = scenario.as_ref().map_or_else(|| source.clone(), |known| known.source_of(plan, &source));
-        let judgement = plan.judge(&source, &problem, settings)?.ok_or(PlanError::EmptyPath)?;
+        let source = scenario.as_ref().map_or_else(|| source.clone(), |known| plan.source_in(known, &source));
+        let judgement = plan.judge(&source, &problem, settings)?.ok_or(cranny_path::PathError::EmptyPath)?;
         (Judged::Plan(Box::new(judgement)), plan.waypoints.len())
     } else {
         let path = read_waypoints(file, problem.robot().dof())?;

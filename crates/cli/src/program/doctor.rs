@@ -4,10 +4,12 @@ use std::time::Instant;
 use cranny_bench::{Sandbox, Walls};
 use cranny_collision::Margins;
 use cranny_file::counted;
-use cranny_plan::{Problem, Unobserved, audit};
+use cranny_path::audit;
+use cranny_plan::Unobserved;
 use cranny_scenario::{OpenOptions, Scenario};
 use cranny_solve::{Request, solve};
 use cranny_spatial::{Stream, simd_level_name, simd_levels};
+use cranny_task::Problem;
 use serde::Serialize;
 use sha2::{Digest as _, Sha256};
 

@@ -11,14 +11,15 @@ use std::path::{Path, PathBuf};
 use cranny_bench::{Campaign, read_output};
 use cranny_grasp::{ImportSettings, check_csv, import_grasps};
 use cranny_plan::Registry;
-use cranny_plan::Stage;
+use cranny_record::read_waypoints;
 use cranny_robot::{Robot, RobotOptions, TextSource};
 use cranny_scenario::{
     Credits, MoveItOptions, MoveItProblem, ObjectType, OpenOptions, Scenario, check_folder, pack,
-    read_gripper, read_waypoints, unpack,
+    read_gripper, unpack,
 };
 use cranny_shape::{RepairedMesh, Solid, TriangleSoup};
 use cranny_spatial::Vector;
+use cranny_task::Stage;
 use cranny_view::{BodyRecording, Scene};
 
 /// A reader of one kind of file.

@@ -2,7 +2,8 @@ use std::fs;
 use std::path::Path;
 
 use cranny_bench::{Results, RunInformation, ScenarioSource, Trial, TrialOutcome, TrialRecord};
-use cranny_plan::{Criterion, Statistics};
+use cranny_plan::Statistics;
+use cranny_task::Criterion;
 
 /// Reads sound results, changed: every three bytes of the file are a change; two say where, in 65 536ths of the
 /// results, one what stands there then.

@@ -66,7 +66,7 @@ impl Surroundings {
         Self { world, parts, lanes, tree }
     }
 
-    /// The same with a body moved.
+    /// The same with a body moved by `to`, a motion in the planning frame.
     ///
     /// # Errors
     /// As [`World::new`].

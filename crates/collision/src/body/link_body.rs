@@ -28,7 +28,7 @@ impl LinkBody {
         Self::of_shapes(link, shapes)
     }
 
-    /// A link of these solids; `None` if there are none, or one has no end.
+    /// A link of these solids, each at its `link_from_solid`; `None` if there are none, or one has no end.
     pub fn of_shapes(link: usize, shapes: Vec<(Pose, Solid)>) -> Option<Self> {
         let mut points: Vec<(Point, f64)> = Vec::new();
         for (link_from_shape, solid) in &shapes {
@@ -38,7 +38,7 @@ impl LinkBody {
         (!points.is_empty()).then(|| Self { link, shapes, bounds: Bounds::around(&points) })
     }
 
-    /// Its solids, where they are.
+    /// Its solids, each with its `world_from_solid`.
     pub fn placed<'a>(
         &'a self,
         frames: &LinkFrames,
@@ -47,8 +47,8 @@ impl LinkBody {
         self.shapes.iter().map(move |(pose, solid)| (world_from_link * pose, solid))
     }
 
-    /// How far any point of it is at most from where it was, in metres: the centre of its ball goes straight, all else turns
-    /// about that.
+    /// Distance by which any point of it moves at most from `before` to `after`, two poses of the link in one frame,
+    /// in metres: the centre of its ball goes straight, all else turns about that.
     pub fn moved_m(&self, before: &Pose, after: &Pose) -> f64 {
         let ball = &self.bounds.ball;
         let turn = before.rotation.inverse() * after.rotation;

@@ -109,8 +109,8 @@ impl LaneHull {
         frame.point([x[lane], y[lane], z[lane]])
     }
 
-    /// Two hulls, each in a frame of its own, by the algorithm of Gilbert, Johnson & Keerthi (1988); `apart` is
-    /// a guess at the shortest way from the second to the first.
+    /// Two hulls, each in a frame of its own, by the algorithm of Gilbert, Johnson & Keerthi (1988, whole; in the form
+    /// of Ericson 2005, §9.5); `apart` is a guess at the shortest way from the second to the first.
     ///
     /// Whatever the search does, "free" is read off a plane between the two solids, and "contact" off points
     /// of both, or off a tetrahedron of their differences that contains the origin by more than they are off.
@@ -172,8 +172,8 @@ struct Simplex {
 }
 
 impl Simplex {
-    /// Keeps what the point of the simplex closest to the origin lies on, and returns that point; `None` if
-    /// it is the origin within a tetrahedron (Ericson 2004, §5.1 and §9.5).
+    /// Keeps what the point of the simplex closest to the origin lies on, and returns that point; `None` if it is the
+    /// origin within a tetrahedron (Ericson 2005, §5.1 and §9.5).
     #[inline(always)]
     fn reduce(&mut self) -> Option<Vec3> {
         match self.len {

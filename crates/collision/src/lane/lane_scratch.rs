@@ -114,7 +114,7 @@ impl LaneScratch {
         }
     }
 
-    /// Takes over the configuration of a lane.
+    /// Takes over the configuration (m, rad; one per joint) of a lane.
     #[allow(
         clippy::cast_possible_truncation,
         reason = "lanes are `f32` by design; the slack of every comparison covers it"
@@ -125,8 +125,8 @@ impl LaneScratch {
         }
     }
 
-    /// Takes over configurations on the straight way from `a` (at 0) to `b` (at 1), the first at the first of
-    /// `places`. Lanes beyond these are at `a`.
+    /// Takes over configurations on the straight way from `a` (at 0) to `b` (at 1), both (m, rad; one per joint), the
+    /// first at the first of `places`. Lanes beyond these are at `a`.
     #[allow(
         clippy::cast_possible_truncation,
         reason = "lanes are `f32` by design; the slack of every comparison covers it"

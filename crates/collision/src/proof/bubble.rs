@@ -8,10 +8,11 @@ use crate::pair::pairs::{Other, Pair};
 /// A free configuration with how far everything is apart there, beyond what is demanded: from it alone follows how far the
 /// straight motions that begin there are free, in any number of directions, without another check of a shape.
 ///
-/// Sources: bubbles of free configurations (Quinlan 1994); that they are asked along rays, whose ends make a bur: Lačević,
-/// Osmanković & Ademović 2016, "Burs of free C-space" (ICRA, §III). Differs in that each link, and each pair of links, has
-/// its own distance, where they take the least of all, and in that how far a link has moved is measured at configurations
-/// on the ray, and bounded between them.
+/// Sources: bubbles of free configurations (Quinlan 1994, "Real-time modification of collision-free paths", whole, of
+/// which only the bubbles are used); that they are asked along rays, whose ends make a bur: Lačević, Osmanković &
+/// Ademović 2016, "Burs of free C-space" (ICRA, §III). Differs in that each link, and each pair of links, has its own
+/// distance, where they take the least of all, and in that how far a link has moved is measured at configurations on
+/// the ray, and bounded between them.
 #[derive(Clone, Debug)]
 pub struct Bubble {
     q: Vec<f64>,
@@ -37,9 +38,10 @@ const FIRST_TRY: f64 = 0.1;
 const NEXT_TRY: f64 = 2.0;
 
 impl Cell {
-    /// The bubble about `q`; none where a link that moves is closer to the world than `critical_m` (at least 0) beyond what
-    /// is demanded, or where links are closer to each other than they may be, but for those on either side of a joint or two,
-    /// which are always close: of them tables tell. Joint limits do not enter.
+    /// The bubble about `q` (m, rad; one per joint); none where a link that moves is closer to the world than
+    /// `critical_m` (at least 0) beyond what is demanded, or where links are closer to each other than they may be,
+    /// but for those on either side of a joint or two, which are always close: of them tables tell. Joint limits do
+    /// not enter.
     ///
     /// # Panics
     /// If `q` has not one value per joint.
@@ -107,8 +109,9 @@ impl Cell {
             })
     }
 
-    /// How much of the straight motion from the middle of `bubble` to `target` is free for certain, as a share from 0 to 1,
-    /// joint limits aside: so far nothing can have moved by more than keeps it apart.
+    /// How much of the straight motion from the middle of `bubble` to `target` (m, rad; one per joint) is free for
+    /// certain, as a share from 0 to 1, joint limits aside: so far nothing can have moved by more than keeps it
+    /// apart.
     ///
     /// 1. At a place on the way that is free, measure how far everything has moved, and what is left of each gap.
     /// 2. Beyond it everything moves at most as far as joints and levers allow: so much of the way is free too.
@@ -116,6 +119,7 @@ impl Cell {
     /// # Panics
     /// If `target` has not one value per joint.
     pub fn free_share(&self, bubble: &Bubble, target: &[f64], scratch: &mut Scratch) -> f64 {
+        assert_eq!(target.len(), self.robot().dof(), "one value per joint");
         for (slope, (a, b)) in scratch.slope.iter_mut().zip(bubble.q.iter().zip(target)) {
             *slope = b - a;
         }

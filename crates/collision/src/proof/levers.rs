@@ -23,7 +23,7 @@ pub struct Levers {
 const PIECES: u32 = 16;
 
 impl Cell {
-    /// The levers along a path.
+    /// The levers along a path of way points (m, rad; one value per joint).
     ///
     /// # Panics
     /// If a way point has not one value per joint.
@@ -31,7 +31,7 @@ impl Cell {
         self.levers_with(path, &|_| 0.0, scratch)
     }
 
-    /// The levers at a configuration while the hand closes from open, or opens.
+    /// The levers at a configuration (m, rad; one per joint) while the hand closes from open, or opens.
     ///
     /// # Panics
     /// If `q` has not one value per joint.

@@ -68,9 +68,9 @@ const CLOSE_M: f64 = CONTACT_M + 2.0 * CLEARANCE_TOLERANCE_M;
 const MEASURING_M: f64 = 1e-7;
 
 impl Cell {
-    /// The least distance over all pairs along the straight motion from `a` to `b`, in metres: a certified
-    /// lower bound that is at most 10 µm too low; 0 if there is contact, infinite if there is nothing to
-    /// touch. Meant for motions that are proven: the closer two things come, the longer it takes.
+    /// The least distance over all pairs along the straight motion from `a` to `b` (m, rad; one per joint), in
+    /// metres: a certified lower bound that is at most 10 µm too low; 0 if there is contact, infinite if there is
+    /// nothing to touch. Meant for motions that are proven: the closer two things come, the longer it takes.
     ///
     /// # Panics
     /// If `a` or `b` has not one value per joint.
@@ -78,8 +78,8 @@ impl Cell {
         self.measure_motion([a, b], Measuring::default(), scratch).least_m
     }
 
-    /// [`Self::least_clearance`], and whether any pair was seen closer than it may be: all in `f64`, without what a
-    /// proof relies on besides, so that a proof that it contradicts is none.
+    /// [`Self::least_clearance`] between two ends (m, rad; one per joint), and whether any pair was seen closer than
+    /// it may be: all in `f64`, without what a proof relies on besides, so that a proof that it contradicts is none.
     ///
     /// # Panics
     /// If an end has not one value per joint.

@@ -110,18 +110,19 @@ impl Cell {
         self.prove(a, b, scratch, Demand::default())
     }
 
-    /// [`Self::motion_is_free`] where every pair must keep `beyond_m` metres more than it demands, joint limits aside: of
-    /// something whose place is known to within that.
+    /// [`Self::motion_is_free`] from `a` to `b` (m, rad; one per joint) where every pair must keep `beyond_m` metres
+    /// more than it demands, joint limits aside: of something whose place is known to within that.
     ///
     /// # Panics
     /// If `a` or `b` has not one value per joint.
     pub fn motion_beyond(&self, beyond_m: f64, a: &[f64], b: &[f64], scratch: &mut Scratch) -> Motion {
+        assert!(a.len() == self.robot().dof() && b.len() == a.len(), "one value per joint");
         self.prove(a, b, scratch, Demand { beyond_m, ..Demand::default() })
     }
 
-    /// Where in [0, 1] the proof of [`Self::motion_is_free`] fails; nothing for a motion that is proven. It is given up
-    /// where more than so many intervals need exact distances: a motion that passes something very closely takes
-    /// thousands, and a planner may know another.
+    /// Where in [0, 1] the proof of [`Self::motion_is_free`] from `a` to `b` (m, rad; one per joint) fails; nothing
+    /// for a motion that is proven. It is given up where more than so many intervals need exact distances: a motion
+    /// that passes something very closely takes thousands, and a planner may know another.
     ///
     /// # Panics
     /// If `a` or `b` has not one value per joint.

@@ -7,9 +7,10 @@ use crate::{Measuring, Motion};
 const TOLERANCE_M: f64 = 1e-5;
 
 impl Cell {
-    /// The least distance over all pairs along a path whose edges are proven, in metres: a proven lower bound, at most
-    /// `share` of the truth, from 0 to below 1, and 10 µm too low; infinite if there is nothing to touch, 0 if an edge
-    /// cannot be proven after all. Many times faster than [`Self::least_clearance`] of every edge.
+    /// The least distance over all pairs along a path of way points (m, rad; one value per joint) whose edges are
+    /// proven, in metres: a proven lower bound, at most `share` of the truth, from 0 to below 1, and 10 µm too low;
+    /// infinite if there is nothing to touch, 0 if an edge cannot be proven after all. Many times faster than
+    /// [`Self::least_clearance`] of every edge.
     ///
     /// 1. The least distance at the way points bounds it from above.
     /// 2. Each edge is proven to keep a little less, from the last, where the hand is at its target, to the first.
@@ -41,7 +42,8 @@ impl Cell {
         kept_m(least_m).max(0.0)
     }
 
-    /// The same over a group of pairs alone: slower, and infinite where it has none.
+    /// The same along a path of way points (m, rad; one value per joint) over a group of pairs alone: slower, and
+    /// infinite where it has none.
     ///
     /// # Panics
     /// If a way point has not one value per joint.

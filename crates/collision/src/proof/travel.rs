@@ -16,7 +16,8 @@ use crate::body::link_body::LinkBody;
 /// 2. By velocity: what joints do to a point largely cancels out. With `v` and `ω` the velocity of the middle of the
 ///    ball around the link now and its angular velocity, `ρ` the ball's radius, and accelerations never greater than
 ///    `α = Σ_j |Δq_j| · (a_j + 2 · Σ_{k beyond j} a_k)` over the joints that turn, no point moves farther than
-///    `h · (|v| + |ω| · ρ) + ½ h² · α` (a Taylor model of first order, as in Zhang, Redon, Lee & Kim 2007).
+///    `h · (|v| + |ω| · ρ) + ½ h² · α` (a Taylor model of first order, after Zhang, Redon, Lee & Kim 2007, "Continuous
+///    collision detection for articulated models using Taylor models and temporal culling", whole; α is derived below).
 ///
 /// The acceleration of a point `p` beyond joints with axes `z_j` through `o_j` is the sum over j of
 /// `Δq_j · (ω_{j-1} × (z_j × (p − o_j)) + z_j × Σ_{k ≥ j} Δq_k · z_k × (p − o_k))`: that is where α comes from.
@@ -70,8 +71,9 @@ impl Travel {
         }
     }
 
-    /// Bounds the motion of every link within `half_width` (of `t`) of the configuration of `frames`.
-    /// `factor` is 1; the tests set it lower to see that a wrong bound is caught.
+    /// Bounds the motion of every link within `half_width` (of `t`) of the configuration of `frames`. `factor` is 1;
+    /// the tests set it lower to see that a wrong bound is caught. `slope` is the change of the joints per unit of
+    /// `t` (m, rad; one per joint).
     pub fn update(
         &mut self,
         robot: &Robot,
@@ -93,7 +95,7 @@ impl Travel {
         self.axes.fill(None);
     }
 
-    /// Bounds the motion of one link body, unless that is known.
+    /// Bounds the motion of one link body along `slope` (m, rad; one per joint), unless that is known.
     pub fn know(
         &mut self,
         robot: &Robot,

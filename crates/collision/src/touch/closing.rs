@@ -83,8 +83,9 @@ impl Cell {
         own.map(|body| self.closing_way_m(body)).fold(0.0, f64::max)
     }
 
-    /// What the fingers meet, other than what the hand holds, while it closes from open to where the cell has it, the arm
-    /// at `q`; `None` if that is proven to be nothing. What cannot be decided counts as met.
+    /// What the fingers meet, other than what the hand holds, while it closes from open to where the cell has it, the
+    /// arm at `q` (m, rad; one per joint); `None` if that is proven to be nothing. What cannot be decided counts as
+    /// met.
     ///
     /// # Panics
     /// If `q` has not one value per joint.
@@ -94,11 +95,12 @@ impl Cell {
         self.closing_contact_each(q, &vec![closing; fingers], scratch)
     }
 
-    /// The same while every finger closes from open by its own share of its travel, all at one rate, and stands there while
-    /// others go on: a finger that stops moves no farther than one that does not.
+    /// The same, the arm at `q` (m, rad; one per joint), while every finger closes from open by its own share of its
+    /// travel (`touching`, one per finger, from 0 to 1), all at one rate, and stands there while others go on: a
+    /// finger that stops moves no farther than one that does not.
     ///
     /// # Panics
-    /// If `q` has not one value per joint, or a finger has no share.
+    /// If `q` has not one value per joint.
     pub fn closing_contact_each(
         &self,
         q: &[f64],
@@ -141,9 +143,9 @@ impl Cell {
         None
     }
 
-    /// The least distance of the pairs of a group, fingers against what they do not hold, while the hand closes from open to
-    /// where the cell has it, or opens from there, the arm at `q`: in metres, certified from below, at most 10 µm too low;
-    /// infinite if there is none.
+    /// The least distance of the pairs of a group, fingers against what they do not hold, while the hand closes from
+    /// open to where the cell has it, or opens from there, the arm at `q` (m, rad; one per joint): in metres,
+    /// certified from below, at most 10 µm too low; infinite if there is none.
     ///
     /// # Panics
     /// If `q` has not one value per joint.

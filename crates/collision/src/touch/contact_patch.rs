@@ -154,7 +154,8 @@ fn mixed(a: &[f64; 3], b: &[f64; 3], share: f64) -> [f64; 3] {
     [0, 1, 2].map(|axis| a[axis] + share * (b[axis] - a[axis]))
 }
 
-/// Part of a convex polygon whose height is not negative (Sutherland & Hodgman 1974).
+/// Part of a convex polygon whose height is not negative (Sutherland & Hodgman 1974, "Reentrant polygon clipping",
+/// whole, for one plane).
 fn clipped<T: Copy>(polygon: &[T], height: impl Fn(&T) -> f64, between: impl Fn(&T, &T, f64) -> T) -> Vec<T> {
     let mut kept = Vec::with_capacity(polygon.len() + 1);
     for (index, a) in polygon.iter().enumerate() {
@@ -180,7 +181,8 @@ pub(crate) fn distance_to_hull(points: &[PlanePoint], point: PlanePoint) -> f64 
     if is_inside { -nearest_m } else { nearest_m }
 }
 
-/// The corners of the convex hull, anticlockwise (Andrew 1979).
+/// The corners of the convex hull, anticlockwise (Andrew 1979, "Another efficient algorithm for convex hulls in two
+/// dimensions", whole).
 fn hull(points: &[PlanePoint]) -> Vec<PlanePoint> {
     let mut sorted = points.to_vec();
     sorted.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));

@@ -46,8 +46,8 @@ impl Cell {
         Self::of(CellParts { robot, body, held, ..other.parts_of() })
     }
 
-    /// How far what is held is from the bodies of the world at `q`, floors aside, in metres, certified from below: at most
-    /// `beyond_m`, for what is farther is not measured.
+    /// How far what is held is from the bodies of the world at `q` (m, rad; one per joint), floors aside, in metres,
+    /// certified from below: at most `beyond_m`, for what is farther is not measured.
     ///
     /// # Panics
     /// If `q` has not one value per joint, or nothing is held.

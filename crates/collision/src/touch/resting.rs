@@ -199,8 +199,8 @@ impl Cell {
         }
     }
 
-    /// Least height of the held body above the faces that it rested on, at `q`, in metres; infinite where it rested on
-    /// nothing.
+    /// Least height of the held body above the faces that it rested on, at `q` (m, rad; one per joint), in metres;
+    /// infinite where it rested on nothing.
     ///
     /// # Panics
     /// If `q` has not one value per joint, or nothing is held.
@@ -212,9 +212,10 @@ impl Cell {
         separations.fold(f64::INFINITY, f64::min)
     }
 
-    /// Parameter in [0, 1] of a place on the straight motion from `a` to `b` where the held body comes nearer to a face
-    /// that it rested on than at rest, by more than `slack_m`, or deeper into it than [`CONTACT_ALLOWANCE_M`], or where
-    /// neither can be excluded, and the index of the body of that face; `None` if it is proven to stay off all of them.
+    /// Parameter in [0, 1] of a place on the straight motion from `a` to `b` (m, rad; one per joint) where the held
+    /// body comes nearer to a face that it rested on than at rest, by more than `slack_m`, or deeper into it than
+    /// [`CONTACT_ALLOWANCE_M`], or where neither can be excluded, and the index of the body of that face; `None` if
+    /// it is proven to stay off all of them.
     ///
     /// # Panics
     /// If `a` or `b` has not one value per joint, or nothing is held.
@@ -226,6 +227,7 @@ impl Cell {
         b: &[f64],
         scratch: &mut Scratch,
     ) -> Option<(f64, usize)> {
+        assert!(a.len() == self.robot().dof() && b.len() == a.len(), "one value per joint");
         let held = self.bodies.iter().rposition(|body| Some(body.link) == self.robot().held_link());
         let held = held.expect("something is held");
         for (slope, (a, b)) in scratch.slope.iter_mut().zip(a.iter().zip(b)) {

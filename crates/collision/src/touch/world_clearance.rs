@@ -2,9 +2,9 @@ use crate::cell::{Cell, Scratch};
 use crate::lane::lane_scratch::as_index;
 
 impl Cell {
-    /// The least distance at `q` between what moves and the world, in metres, certified from below; `up_to_m` where that
-    /// is less. A floor above which a link always stays as high is passed over, and so are other links: those beside a
-    /// joint are always close.
+    /// The least distance at `q` (m, rad; one per joint) between what moves and the world, in metres, certified from
+    /// below; `up_to_m` where that is less. A floor above which a link always stays as high is passed over, and so
+    /// are other links: those beside a joint are always close.
     ///
     /// # Panics
     /// If `q` has not one value per joint.

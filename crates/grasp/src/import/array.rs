@@ -59,7 +59,7 @@ impl<'a> Array<'a> {
             u64 => |value| value as f64, u32 => f64::from, u16 => f64::from, u8 => f64::from)
     }
 
-    /// All its numbers, of which there may be `most` at the most.
+    /// All its numbers, as many as its shape has and at most `most`, in the unit of the file.
     pub fn all(mut self, most: usize, name: &str) -> Result<Vec<f64>, String> {
         let count = self.shape.iter().try_fold(1_u64, |all, side| all.checked_mul(*side));
         if count.is_none_or(|count| count > most as u64) {

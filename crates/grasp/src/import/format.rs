@@ -22,10 +22,11 @@ use crate::Grasp;
 #[serde(rename_all = "kebab-case")]
 #[strum(serialize_all = "kebab-case")]
 pub enum GraspFormat {
-    /// HDF5 of ACRONYM (Eppner, Mousavian & Fox 2021): `grasps/transforms`, z approach, x closing, origin at the base of the
-    /// Franka hand.
+    /// HDF5 of ACRONYM (Eppner, Mousavian & Fox 2021, whole; layout of its repository): `grasps/transforms`, z
+    /// approach, x closing, origin at the base of the Franka hand.
     Acronym,
-    /// Object labels of GraspNet-1Billion (Fang et al. 2020): an `.npz` with `points`, `offsets`, `scores`.
+    /// Object labels of GraspNet-1Billion (Fang et al. 2020, whole; layout of its API): an `.npz` with `points`,
+    /// `offsets`, `scores`.
     GraspnetLabels,
     /// `GraspGroup` of its API: an `.npy` of shape (N, 17), x approach, y closing.
     GraspnetGroup,

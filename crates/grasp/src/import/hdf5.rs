@@ -90,7 +90,8 @@ impl Member<'_> {
         self.dataset.attributes().iter().map(|attribute| attribute_of(self.path, &attribute.name)).collect()
     }
 
-    /// All its numbers, where those of an enumeration, as which h5py writes booleans, are its values.
+    /// All its numbers, as many as it has elements, in the unit of the file, where those of an enumeration, as which
+    /// h5py writes booleans, are its values.
     pub fn numbers(&self) -> Result<Vec<f64>, String> {
         let Self { path, dataset } = self;
         let elements = dataset.num_elements().map_err(|reason| fault(path, &reason))?;

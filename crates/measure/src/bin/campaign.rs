@@ -8,7 +8,8 @@
 use std::time::Duration;
 
 use cranny_collision::Margins;
-use cranny_plan::{Budget, Outcome, Registry, ShortcutSettings, Unobserved, audit, path_length, shortcut};
+use cranny_path::{ShortcutSettings, audit, path_length, shortcut};
+use cranny_plan::{Budget, Outcome, Registry, Unobserved};
 use cranny_scenario::{OpenOptions, Scenario};
 
 fn main() {

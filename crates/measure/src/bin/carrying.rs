@@ -18,12 +18,13 @@ use std::time::{Duration, Instant};
 
 use cranny_collision::Margins;
 use cranny_grasp::GraspSet;
-use cranny_plan::{
-    AfterPlacing, AuditSettings, Budget, CLEAR_M, Carrier, Clearances, FailureReason, Goal, LiftOffSettings,
-    Outcome, PlaceAt, Problem, Stage, Unobserved,
-};
+use cranny_path::{AuditSettings, Clearances};
+use cranny_plan::{Budget, Outcome, Unobserved};
 use cranny_scenario::{OpenOptions, Scenario};
 use cranny_solve::{Request, solve};
+use cranny_task::{
+    AfterPlacing, CLEAR_M, Carrier, FailureReason, Goal, LiftOffSettings, PlaceAt, Problem, Stage,
+};
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();

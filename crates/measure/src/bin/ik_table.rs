@@ -7,10 +7,10 @@ use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use cranny_collision::Margins;
-use cranny_plan::{
+use cranny_scenario::{OpenOptions, Scenario};
+use cranny_task::{
     AnnotatedSolution, IkAnnotation, IkAnnotationSettings, IkMethod, IkStatus, Problem, annotate_ik,
 };
-use cranny_scenario::{OpenOptions, Scenario};
 
 fn main() {
     let scenarios: Vec<String> = std::env::args().skip(1).collect();

@@ -15,11 +15,11 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use cranny_collision::{Cell, Margins};
-use cranny_plan::{Budget, Goal, Outcome, Planner, Problem, Registry, Unobserved};
+use cranny_measure::motion_bench_maker::{folders_in, request_of, scenes_in};
+use cranny_plan::{Budget, Outcome, Planner, Registry, Unobserved};
 use cranny_scenario::{MoveItOptions, MoveItProblem};
 use cranny_spatial::Stream;
-
-use cranny_measure::motion_bench_maker::{folders_in, request_of, scenes_in};
+use cranny_task::{Goal, Problem};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let (flags, words): (Vec<String>, Vec<String>) =

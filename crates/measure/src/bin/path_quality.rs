@@ -13,13 +13,11 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use cranny_collision::Margins;
-use cranny_plan::{
-    Budget, CostKind, MotionLimits, OptimiseSettings, Outcome, PathCost, Problem, Registry, TimingMethod,
-    Trajectory, Unobserved, better, optimise,
-};
-use cranny_scenario::{MoveItOptions, MoveItProblem, OpenOptions, Scenario};
-
 use cranny_measure::motion_bench_maker::{folders_in, request_of, scenes_in};
+use cranny_path::{CostKind, MotionLimits, PathCost, TimingMethod, Trajectory};
+use cranny_plan::{Budget, OptimiseSettings, Outcome, Registry, Unobserved, better, optimise};
+use cranny_scenario::{MoveItOptions, MoveItProblem, OpenOptions, Scenario};
+use cranny_task::Problem;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let words: Vec<String> = std::env::args().skip(1).collect();

@@ -12,9 +12,9 @@ use std::fs;
 use std::path::Path;
 
 use cranny_collision::Margins;
-use cranny_plan::Problem;
 use cranny_scenario::{MoveItOptions, MoveItProblem};
 use cranny_spatial::Stream;
+use cranny_task::Problem;
 
 /// Where the arms of `MotionBenchMaker` begin, and how far their fingers are open.
 const START: [f64; 7] = [0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785];

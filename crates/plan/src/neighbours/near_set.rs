@@ -11,13 +11,13 @@ impl NearSet {
         Self { dof, rows: Vec::new() }
     }
 
-    /// Adds a configuration and gives its index: 0, 1, 2, …
+    /// Adds a configuration (m, rad; one per joint) and gives its index: 0, 1, 2, …
     pub fn add(&mut self, q: &[f64]) -> usize {
         self.rows.extend_from_slice(q);
         self.rows.len() / self.dof - 1
     }
 
-    /// The `k` nearest, or all, the nearest first; of equal ones the one added first.
+    /// The `k` nearest to `q` (m, rad; one per joint), or all, the nearest first; of equal ones the one added first.
     pub fn nearest(&self, q: &[f64], k: usize) -> Vec<usize> {
         let squared = |row: &[f64]| row.iter().zip(q).map(|(a, b)| (a - b) * (a - b)).sum::<f64>();
         let mut all: Vec<(f64, usize)> =

@@ -10,11 +10,13 @@ const LEAF: usize = 32;
 /// The nearest of a growing set of configurations by plain L2 distance: exactly below [`EXACT_BELOW`] points,
 /// above that one that is at most [`FARTHER_BY`] times farther away.
 ///
-/// A k-d tree (Bentley 1975) with leaves of 32 points, searched by the true bounding boxes of its subtrees,
-/// sixteen at a time: in nine dimensions the boxes prune far better than the splitting planes. Above the
-/// threshold a box must beat the best distance so far by the factor to be looked into (Arya et al. 1998).
-/// Distances are `f32` sums in a fixed order; of equal ones the point added first wins. So the answer depends
-/// on nothing but the points, in the order in which they came, under every instruction set.
+/// A k-d tree (Bentley 1975, "Multidimensional binary search trees used for associative searching", whole) with leaves
+/// of 32 points, searched by the true bounding boxes of its subtrees, sixteen at a time: in nine dimensions the boxes
+/// prune far better than the splitting planes. Above the threshold a box must beat the best distance so far by the
+/// factor to be looked into (Arya, Mount, Netanyahu, Silverman & Wu 1998, "An optimal algorithm for approximate nearest
+/// neighbor searching in fixed dimensions", whole, its pruning alone). Distances are `f32` sums in a fixed order; of
+/// equal ones the point added first wins. So the answer depends on nothing but the points, in the order in which they
+/// came, under every instruction set.
 ///
 /// Law: `|nearest(q) − q| ≤ (FARTHER_BY if len ≥ EXACT_BELOW, else 1) · |p − q|` for every point p
 /// (tests `the_tree_answers_as_a_scan_does`, `a_large_tree_answers_within_its_factor`).
@@ -86,7 +88,7 @@ impl NearestNeighbours {
         self.len == 0
     }
 
-    /// Adds a point and returns its index: 0, 1, 2, …
+    /// Adds a point, of one coordinate per dimension and in any unit, and returns its index: 0, 1, 2, …
     ///
     /// # Panics
     /// If the point has the wrong number of coordinates.
@@ -113,8 +115,8 @@ impl NearestNeighbours {
         id as usize
     }
 
-    /// The index of the point nearest to `query`, or above [`EXACT_BELOW`] points of one nearly as near;
-    /// `None` if there is no point.
+    /// The index of the point nearest to `query` (one coordinate per dimension, in the unit of the points), or above
+    /// [`EXACT_BELOW`] points of one nearly as near; `None` if there is no point.
     ///
     /// # Panics
     /// If the query has the wrong number of coordinates.

@@ -1,8 +1,10 @@
 use cranny_spatial::Stream;
 
-/// Points that fill the unit cube evenly from the first one on, where random ones leave gaps and clusters: `p(n) = p(0) +
-/// n · (√2, √3, √5, …)` without the whole parts (Richtmyer 1951). That even samples serve a search better than random ones:
-/// `LaValle`, Branicky & Lindemann 2004.
+/// Points that fill the unit cube evenly from the first one on, where random ones leave gaps and clusters:
+/// `p(n) = p(0) + n · (√2, √3, √5, …)` without the whole parts (Richtmyer 1951, "The evaluation of definite integrals,
+/// and a quasi-Monte-Carlo method based on the properties of algebraic numbers", whole). That even samples serve a
+/// search better than random ones: `LaValle`, Branicky & Lindemann 2004, "On the relationship between classical grid
+/// search and probabilistic roadmaps", whole.
 #[derive(Clone, Debug)]
 pub(crate) struct EvenSequence {
     point: Vec<f64>,
@@ -19,7 +21,7 @@ impl EvenSequence {
         Self { point: (0..dimensions).map(|_| random.uniform()).collect(), steps: steps.collect() }
     }
 
-    /// The next point: coordinates in [0, 1).
+    /// The next point: one coordinate per dimension, in [0, 1), of no unit.
     pub fn next(&mut self) -> &[f64] {
         for (x, step) in self.point.iter_mut().zip(&self.steps) {
             *x += step;

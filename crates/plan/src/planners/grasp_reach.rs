@@ -1,17 +1,18 @@
+use cranny_task::Problem;
 use serde::{Deserialize, Serialize};
 
 use crate::planners::lane_search::LaneSearch;
 use crate::search::clock::Clock;
 use crate::search::goal_pool::GoalPool;
 use crate::search::grasp_source::GraspSource;
-use crate::{Budget, Observer, PathSearch, PlanError, PlanReport, Planner, Problem, Ranges, Reach};
+use crate::{Budget, Observer, PathSearch, PlanError, PlanReport, Planner, Ranges, Reach};
 
 /// [`Reach`] without a set of grasps: it samples them on the target while it searches.
 ///
 /// 1. Antipodal grasps are sampled on the surface of the target (Eppner et al. 2019, §III), with the hand turned at random
 ///    about the line between the contacts, the more the more attempts of inverse kinematics were made. One below a score is
 ///    left out, and one at which the hand alone collides. The score that is asked falls to the least that is one
-///    ([`GraspMeasure::LEAST_SCORE`](crate::GraspMeasure::LEAST_SCORE)) with every batch that brings no goal.
+///    ([`GraspMeasure::LEAST_SCORE`](cranny_task::GraspMeasure::LEAST_SCORE)) with every batch that brings no goal.
 /// 2. Batches of inverse kinematics go to those that are left. A configuration that is free is a goal if the hand holds
 ///    the target there, as whoever judges the path will find too.
 /// 3. Everything else is as in [`Reach`]. There is always one more grasp to try, so that only the budget ends a search that

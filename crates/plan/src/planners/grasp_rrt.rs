@@ -1,21 +1,21 @@
 use cranny_collision::{Body, Cell, Scratch};
+use cranny_path::{GraspJudge, JointMetric, RELEASED_STEP_M, Stepper};
 use cranny_robot::{Jacobian, LinkFrames, Robot, Twist, damped_pseudo_inverse_step};
 use cranny_shape::{Solid, closest_points};
 use cranny_spatial::{Point, Pose, Rotation, Vector};
+use cranny_task::Problem;
 use serde::{Deserialize, Serialize};
 
-use crate::path::grasp_judge::GraspJudge;
-use crate::path::joint_metric::JointMetric;
-use crate::path::step::{RELEASED_STEP_M, Stepper};
 use crate::search::approach_sphere::ApproachSphere;
 use crate::search::connector::Path;
 use crate::search::forest::Forest;
 use crate::search::search_state::Search;
 use crate::wall_clock::now;
-use crate::{Budget, Observer, Outcome, PlanError, PlanReport, Planner, Problem, Ranges};
+use crate::{Budget, Observer, Outcome, PlanError, PlanReport, Planner, Ranges};
 
-/// Grasp-RRT (Vahrenkamp, Asfour & Dillmann 2012, "Simultaneous Grasp and Motion Planning", the planner for one arm): one
-/// tree from the start, with neither a set of grasps nor inverse kinematics.
+/// Grasp-RRT (Vahrenkamp, Asfour & Dillmann 2012, "Simultaneous grasp and motion planning: humanoid robot ARMAR-III",
+/// IEEE Robotics & Automation Magazine 19(2), whole, the planner for one arm): one tree from the start, with neither a
+/// set of grasps nor inverse kinematics.
 ///
 /// 1. With probability `1 − p_approach`, one step from the nearest node towards a uniform random configuration.
 /// 2. Otherwise take a node near the target, from all directions about it alike (the `ApproachSphere`). Its hand shall
@@ -26,7 +26,7 @@ use crate::{Budget, Observer, Outcome, PlanError, PlanReport, Planner, Problem, 
 ///
 /// One iteration is one pass through 1, or 2 and 3. Differs from the publication in this: edges are proven; a random
 /// extension is one step, not the whole way; the score is that of two opposite contacts and the friction between them
-/// ([`GraspMeasure::score`](crate::GraspMeasure::score)), not that of a wrench space. The fingers of its
+/// ([`GraspMeasure::score`](cranny_task::GraspMeasure::score)), not that of a wrench space. The fingers of its
 /// hand close around what the palm is near; the gripper frame of a parallel hand lies between the pads, so that it goes on
 /// by `depth_m` beyond the surface, and the hand is tried on the way and not at its end alone.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

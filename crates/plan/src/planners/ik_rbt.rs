@@ -1,8 +1,9 @@
+use cranny_task::Problem;
 use serde::{Deserialize, Serialize};
 
 use crate::search::growth::Growth;
 use crate::search::ik_pipeline::{PipelineSettings, Shares, plan_goal_by_goal};
-use crate::{Budget, IkRrt, Observer, PlanError, PlanReport, Planner, Problem, Ranges, RbtConnect};
+use crate::{Budget, IkRrt, Observer, PlanError, PlanReport, Planner, Ranges, RbtConnect};
 
 /// IK-RBT, as in the programs that were released with the paper: [`IkRrt`] whose trees grow by burs ([`RbtConnect`]) in the
 /// place of steps, where the world is farther away than the critical distance.
@@ -12,7 +13,8 @@ use crate::{Budget, IkRrt, Observer, PlanError, PlanReport, Planner, Problem, Ra
 ///
 /// - in its inverse kinematics;
 /// - the tree from the start grows on from goal to goal, and goals have their turns by the sequence of Luby, Sinclair &
-///   Zuckerman (1993, §2), short and long: some goals are beyond a wall, and others behind a gate that takes long;
+///   Zuckerman (1993, "Optimal speedup of Las Vegas algorithms", whole: the strategy `S^univ`), short and long: some
+///   goals are beyond a wall, and others behind a gate that takes long;
 /// - both trees grow towards the random configuration until they are there or blocked, as those of [`IkRrt`] do, where
 ///   [`RbtConnect`] makes one bur: with one a gate is found ten times later;
 /// - its critical distance is four times that of the released program: near things spines are short, and dearer than steps.

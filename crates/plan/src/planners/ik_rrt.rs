@@ -1,9 +1,10 @@
+use cranny_path::RELEASED_STEP_M;
+use cranny_task::Problem;
 use serde::{Deserialize, Serialize};
 
-use crate::path::step::RELEASED_STEP_M;
 use crate::search::growth::Growth;
 use crate::search::ik_pipeline::{PipelineSettings, Shares, plan_goal_by_goal};
-use crate::{Budget, Observer, PlanError, PlanReport, Planner, Problem, Ranges};
+use crate::{Budget, Observer, PlanError, PlanReport, Planner, Ranges};
 
 /// IK-RRT (the paper's §V.B): first a configuration for a grasp by inverse kinematics, then a bidirectional
 /// RRT to it; if that fails, the next grasp, from the highest score down.

@@ -1,8 +1,9 @@
+use cranny_task::Problem;
 use serde::{Deserialize, Serialize};
 
 use crate::search::growth::Growth;
 use crate::search::jacobian_search::{GraspChoice, JacobianSettings, plan_by_jacobian};
-use crate::{Budget, JPlusRrt, Observer, PlanError, PlanReport, Planner, Problem, Ranges, RbtConnect};
+use crate::{Budget, JPlusRrt, Observer, PlanError, PlanReport, Planner, Ranges, RbtConnect};
 
 /// J⁺-RBT, as in the programs that were released with the paper: [`JPlusRrt`] whose tree grows towards random configurations
 /// by burs ([`RbtConnect`]) in the place of steps, where the world is farther away than the critical distance.

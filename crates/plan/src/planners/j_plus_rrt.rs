@@ -1,13 +1,15 @@
+use cranny_path::RELEASED_STEP_M;
+use cranny_task::Problem;
 use serde::{Deserialize, Serialize};
 
-use crate::path::step::RELEASED_STEP_M;
 use crate::search::growth::Growth;
 use crate::search::jacobian_search::{GraspChoice, JacobianSettings, plan_by_jacobian};
-use crate::{Budget, Observer, PlanError, PlanReport, Planner, Problem, Ranges};
+use crate::{Budget, Observer, PlanError, PlanReport, Planner, Ranges};
 
-/// J⁺-RRT (Vahrenkamp, Asfour & Dillmann 2009; Shkolnik & Tedrake 2009; the paper's §V.A): one tree from the
-/// start that grows towards random configurations and, now and then, towards a grasp by the pseudo-inverse
-/// of the Jacobian.
+/// J⁺-RRT (Vahrenkamp, Berenson, Asfour, Kuffner & Dillmann 2009, "Humanoid motion planning for dual-arm manipulation
+/// and re-grasping tasks", whole, the planner of this name; steps in task space also in Shkolnik & Tedrake 2009, "Path
+/// planning in 1000+ dimensions using a task-space Voronoi bias", §III; the paper's §V.A): one tree from the start that
+/// grows towards random configurations and, now and then, towards a grasp by the pseudo-inverse of the Jacobian.
 ///
 /// 1. With probability `1 − p_goal`, one step from the nearest node towards a uniform random configuration.
 /// 2. Otherwise pick a grasp, and from the node that is nearest to it take pseudo-inverse steps until the

@@ -1,10 +1,11 @@
 use std::collections::VecDeque;
 
 use cranny_collision::{Cell, Scratch};
+use cranny_path::JointMetric;
 use cranny_robot::between;
 use cranny_spatial::{LANES, Stream};
+use cranny_task::Problem;
 
-use crate::path::joint_metric::JointMetric;
 use crate::planners::even_sequence::EvenSequence;
 use crate::planners::laps::Laps;
 use crate::search::clock::Clock;
@@ -12,7 +13,7 @@ use crate::search::connector::Path;
 use crate::search::forest::Forest;
 use crate::search::goal_pool::GoalPool;
 use crate::wall_clock::now;
-use crate::{Observer, Outcome, PathSearch, PlanError, PlanReport, Problem, Reach, Statistics};
+use crate::{Observer, Outcome, PathSearch, PlanError, PlanReport, Reach, Statistics};
 
 mod below;
 
@@ -103,7 +104,7 @@ struct Growth {
 
 impl<'a> LaneSearch<'a> {
     /// # Errors
-    /// [`PlanError::Goal`] for another criterion than `exact`.
+    /// [`TaskError::Goal`] for another criterion than `exact`.
     pub fn new(
         settings: Reach,
         problem: &'a Problem,

@@ -1,12 +1,13 @@
+use cranny_path::RELEASED_STEP_M;
+use cranny_task::Problem;
 use serde::{Deserialize, Serialize};
 
-use crate::path::step::RELEASED_STEP_M;
 use crate::search::connector::{Connector, Path, connect};
 use crate::search::growth::{Grower, Growth};
 use crate::search::roadmap::{Roadmap, RoadmapFile};
 use crate::search::search_state::Search;
 use crate::wall_clock::now;
-use crate::{Budget, Observer, PlanError, PlanReport, Planner, Problem, Ranges, Unobserved};
+use crate::{Budget, Observer, PlanError, PlanReport, Planner, Ranges, Unobserved};
 
 /// PRM (Kavraki, Švestka, Latombe & Overmars 1996, §3; in the simple form of Karaman & Frazzoli 2011, §3.2) with the goals
 /// of all grasps at once.
@@ -77,7 +78,7 @@ impl Prm {
     /// there are, and says whether to go on; where it stops, the roadmap is what there is by then.
     ///
     /// # Errors
-    /// [`PlanError::Goal`] for another criterion than `exact`.
+    /// [`TaskError::Goal`](cranny_task::TaskError::Goal) for another criterion than `exact`.
     pub fn build(
         &self,
         problem: &Problem,

@@ -1,13 +1,14 @@
+use cranny_path::RELEASED_STEP_M;
+use cranny_task::Problem;
 use serde::{Deserialize, Serialize};
 
-use crate::path::step::RELEASED_STEP_M;
 use crate::search::bidirectional::Bidirectional;
 use crate::search::connector::connect;
 use crate::search::growth::Growth;
-use crate::{Budget, Observer, PlanError, PlanReport, Planner, Problem, Ranges};
+use crate::{Budget, Observer, PlanError, PlanReport, Planner, Ranges};
 
-/// RBT-Connect: trees of burs that grow towards each other (Lačević, Osmanković & Ademović 2016, "Burs of free C-space: a
-/// novel structure for path planning", ICRA), with the goals of all grasps at once.
+/// RBT-Connect: trees of burs that grow towards each other (Lačević, Osmanković & Ademović 2016, "Burs of free C-space:
+/// a novel structure for path planning", ICRA, whole), with the goals of all grasps at once.
 ///
 /// 1. As in [`RrtConnect`](crate::RrtConnect) inverse kinematics adds goals, and both sides take turns.
 /// 2. A node is extended by a bur: spines towards the random configuration and in random directions, each as far as no pair of

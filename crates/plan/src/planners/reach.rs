@@ -1,8 +1,10 @@
-use crate::path::joint_metric::JointMetric;
+use cranny_path::JointMetric;
+use cranny_task::{Goal, Problem};
+
 use crate::planners::lane_search::LaneSearch;
 use crate::search::clock::Clock;
 use crate::search::goal_pool::GoalPool;
-use crate::{Budget, Goal, Observer, PathSearch, PlanError, PlanReport, Planner, Problem, Ranges, Reach};
+use crate::{Budget, Observer, PathSearch, PlanError, PlanReport, Planner, Ranges, Reach};
 
 impl Planner for Reach {
     fn name(&self) -> &'static str {

@@ -8,16 +8,31 @@ use crate::{PlanError, Ranges};
 /// 1. Batches of inverse kinematics between the iterations add goal configurations, for random grasps or
 ///    their twins, as further roots of one goal forest.
 /// 2. A pose at which the hand alone collides is left out; if none is left, no grasp can be reached.
-/// 3. Bidirectional growth (RRT-Connect: Kuffner and `LaValle` 2000): the smaller side grows towards a random
-///    configuration, the other side then goes as far as it can towards the new node. Random configurations lie
-///    about the box between the start and one of the goals, farther and farther beyond it as time goes on; within it they
-///    follow a sequence that fills it evenly (Richtmyer 1951), which takes a quarter off the slowest. From a node
-///    that was blocked nothing far away is tried again (dynamic domains: Yershova, Jaillet, Siméon & `LaValle` 2005).
-/// 4. Growth checks a row of single configurations at once (Thomason, Kingston & Kavraki 2024) and ends
-///    before the first that is not free; where both sides meet, every straight way of the path is proven as one
-///    edge, and one that cannot be is cut off where it fails, with all that grew from there.
+/// 3. Bidirectional growth: the smaller side grows towards a random configuration, the other side then goes as far as
+///    it can towards the new node. Random configurations lie about the box between the start and one of the goals,
+///    farther and farther beyond it as time goes on; within it they follow a sequence that fills it evenly, which takes
+///    a quarter off the slowest. From a node that was blocked nothing far away is tried again.
+/// 4. Growth checks a row of single configurations at once and ends before the first that is not free; where both sides
+///    meet, every straight edge of the path is proven as a whole, and one that cannot be is cut off where it fails,
+///    with all that grew from there.
 ///
 /// One iteration is one random configuration.
+///
+/// Taken from publications:
+///
+/// - the alternate growth of 3: RRT-Connect (Kuffner & `LaValle` 2000, §II), with a forest in place of the goal's tree,
+///   the smaller side first, and one pass of checks in place of one step;
+/// - the sequence of 3: Richtmyer 1951, "The evaluation of definite integrals, and a quasi-Monte-Carlo method based on
+///   the properties of algebraic numbers", whole;
+/// - the domains of 3: Yershova, Jaillet, Siméon & `LaValle` 2005, "Dynamic-domain RRTs", whole; a sample that is
+///   dropped counts as an iteration here, where they draw another;
+/// - the checks of 4 along an edge in the lanes of one instruction: Thomason, Kingston & Kavraki 2024, "Motions in
+///   microseconds via vectorized sampling-based planning", Fig. 2; here in the order of the edge, and of exact bodies;
+/// - the proof of 4 after the growth: delayed checks as in SBL (Sánchez & Latombe 2003, "A single-query bi-directional
+///   probabilistic roadmap planner with lazy collision checking", whole).
+///
+/// Ours: goals that inverse kinematics adds during the search, the hand alone as a filter of grasps, the box that widens,
+/// the metric weighted by reach, and the proof of whole edges with the cut where it fails.
 // Other keys are refused where a planner is made; `GraspReach` has these settings among its own.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Reach {

@@ -1,12 +1,14 @@
 use std::fmt;
 use std::sync::Arc;
+use std::time::Duration;
 
+use cranny_task::{Criterion, Problem};
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
 use crate::{
-    Criterion, GraspReach, GraspRrt, IkRbt, IkRrt, JPlusRbt, JPlusRrt, PlanError, Planner, Prm, Problem,
-    RbtConnect, Reach, Rrt, RrtConnect, RrtStar,
+    Budget, GraspReach, GraspRrt, IkRbt, IkRrt, JPlusRbt, JPlusRrt, Outcome, PlanError, Planner, Prm,
+    RbtConnect, Reach, Rrt, RrtConnect, RrtStar, Unobserved,
 };
 
 /// The planners that a program knows by name. [`Registry::default`] has the built-in ones, and [`Registry::with`] adds
@@ -152,6 +154,16 @@ pub fn default_planner(problem: &Problem) -> Box<dyn Planner> {
     }
 }
 
+/// Whether a short search of the default planner finds a way to a grasp of a problem, or to its goal configurations.
+///
+/// # Errors
+/// Those of the planner.
+pub fn is_reached(problem: &Problem) -> Result<bool, PlanError> {
+    const BUDGET: Budget = Budget { iterations: 5000, time: Duration::MAX };
+    let report = default_planner(problem).plan(problem, &BUDGET, 0, &mut Unobserved)?;
+    Ok(report.outcome == Outcome::Solved)
+}
+
 /// A setting is of the kind of its default.
 fn check_kind(planner: &str, setting: &str, default: &Value, value: &Value) -> Result<(), PlanError> {
     let kind = |value: &Value| match value {
@@ -222,7 +234,7 @@ mod tests {
 
     #[test]
     fn who_makes_grasps_is_named_where_a_set_of_them_is_missing() {
-        let message = PlanError::NoGraspSet.to_string();
+        let message = cranny_task::TaskError::NoGraspSet.to_string();
         assert!(known().grasp_makers().into_iter().all(|name| message.contains(name)), "{message}");
     }
 

@@ -1,15 +1,16 @@
+use cranny_path::{JointMetric, RELEASED_STEP_M};
+use cranny_task::Problem;
 use serde::{Deserialize, Serialize};
 
-use crate::path::joint_metric::JointMetric;
-use crate::path::step::RELEASED_STEP_M;
 use crate::search::connector::{Connector, Path, connect};
 use crate::search::forest::Forest;
 use crate::search::growth::{Grower, Growth};
 use crate::search::search_state::Search;
 use crate::wall_clock::now;
-use crate::{Budget, Observer, PlanError, PlanReport, Planner, Problem, Ranges};
+use crate::{Budget, Observer, PlanError, PlanReport, Planner, Ranges};
 
-/// RRT (`LaValle` 1998; with goal bias: `LaValle` & Kuffner 2001, §5.3) to the goals of all grasps at once.
+/// RRT (`LaValle` 1998, "Rapidly-exploring random trees", whole; with goal bias: `LaValle` & Kuffner 2001, §5.3) to the
+/// goals of all grasps at once.
 ///
 /// 1. Inverse kinematics finds goal configurations meanwhile.
 /// 2. With probability `p_goal` towards a random one of them, otherwise towards a uniform random configuration, one step is
@@ -121,6 +122,7 @@ pub(crate) struct KnownGoals {
 }
 
 impl KnownGoals {
+    /// Adds a goal (m, rad; one per joint).
     pub fn add(&mut self, q: &[f64]) {
         self.living.push(self.configurations.len());
         self.configurations.push(q.to_vec());
@@ -130,7 +132,8 @@ impl KnownGoals {
         self.living.retain(|living| *living != goal);
     }
 
-    /// What to grow towards next: with probability `p_goal` a random goal, and which, otherwise a random configuration.
+    /// The configuration (m, rad; one per joint) to grow towards next: with probability `p_goal` a random goal, and
+    /// which, otherwise a random configuration.
     pub fn target(&self, p_goal: f64, search: &mut Search) -> (Vec<f64>, Option<usize>) {
         if search.random.uniform() < p_goal {
             let goal = self.living[search.random.index(self.living.len())];

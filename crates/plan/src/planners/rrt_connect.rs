@@ -1,10 +1,11 @@
+use cranny_path::RELEASED_STEP_M;
+use cranny_task::Problem;
 use serde::{Deserialize, Serialize};
 
-use crate::path::step::RELEASED_STEP_M;
 use crate::search::bidirectional::Bidirectional;
 use crate::search::connector::connect;
 use crate::search::growth::Growth;
-use crate::{Budget, Observer, PlanError, PlanReport, Planner, Problem, Ranges};
+use crate::{Budget, Observer, PlanError, PlanReport, Planner, Ranges};
 
 /// RRT-Connect (Kuffner & `LaValle` 2000, §II) with the goals of all grasps at once.
 ///

@@ -1,14 +1,15 @@
+use cranny_path::RELEASED_STEP_M;
 use cranny_robot::distance;
+use cranny_task::Problem;
 use serde::{Deserialize, Serialize};
 
 use crate::neighbours::near_set::NearSet;
-use crate::path::step::RELEASED_STEP_M;
 use crate::planners::rrt::KnownGoals;
 use crate::search::connector::{Connector, Path, connect};
 use crate::search::growth::{Grower, Growth};
 use crate::search::search_state::Search;
 use crate::wall_clock::now;
-use crate::{Budget, NearestNeighbours, Observer, PlanError, PlanReport, Planner, Problem, Ranges, Rrt};
+use crate::{Budget, NearestNeighbours, Observer, PlanError, PlanReport, Planner, Ranges, Rrt};
 
 /// RRT* with the k nearest (Karaman & Frazzoli 2011, Algorithm 6 and §3.3.3) to the goals of all grasps at once: its paths
 /// become as short as can be (L2 in joint space) as time goes on.

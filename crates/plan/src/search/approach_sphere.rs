@@ -3,7 +3,7 @@ use std::collections::BTreeMap;
 use cranny_spatial::{Stream, Vector};
 
 /// Nodes of a tree by the direction in which their grippers lie from an object, so that approaches to it come from all
-/// sides alike (the `ApproachSphere` of Vahrenkamp, Asfour & Dillmann 2012).
+/// sides alike (the `ApproachSphere` of Vahrenkamp, Asfour & Dillmann 2012, whole).
 ///
 /// The sphere is divided as an octahedron is whose faces are cut three times into four: 512 triangles.
 #[derive(Clone, Debug, Default)]

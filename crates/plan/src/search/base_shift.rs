@@ -3,8 +3,7 @@ use std::sync::atomic::AtomicBool;
 use cranny_collision::{Body, Part, World};
 use cranny_grasp::GraspSet;
 use cranny_spatial::{Pose, Vector};
-
-use crate::{Goal, IkAnnotationSettings, IkStatus, Problem, annotate_ik};
+use cranny_task::{Goal, IkAnnotationSettings, IkStatus, Problem, annotate_ik};
 
 /// Worlds of more parts are not built again, and again, for a hint.
 const MOST_PARTS: usize = 5000;

@@ -2,10 +2,7 @@ use cranny_collision::{Bubble, Cell, Motion, ReleasedCheck, ReleasedScratch, Scr
 use cranny_grasp::GraspSet;
 use cranny_robot::LinkFrames;
 use cranny_spatial::Pose;
-
-use crate::Problem;
-use crate::task::grasp_poses::{all_open_poses, poses};
-use crate::task::problem::Validity;
+use cranny_task::{Problem, Validity, gripper_poses, open_gripper_poses};
 
 /// What planners ask that grow by steps or burs, some of them under either criterion: a check with its scratch.
 pub(crate) enum BaselineCheck<'a> {
@@ -25,7 +22,7 @@ impl<'a> BaselineCheck<'a> {
         }
     }
 
-    /// Whether a single configuration is free.
+    /// Whether a single configuration (m, rad; one per joint) is free.
     pub fn is_free(&mut self, q: &[f64]) -> bool {
         match self {
             Self::Exact(cell, scratch) => cell.is_free(q, scratch),
@@ -38,8 +35,8 @@ impl<'a> BaselineCheck<'a> {
         matches!(self, Self::Exact(..))
     }
 
-    /// Whether a tree may grow from `a`, which is free, to `b`: under `exact` if the whole motion is
-    /// proven, under `paper` if `b` alone is free.
+    /// Whether a tree may grow from `a`, which is free, to `b`, both (m, rad; one per joint): under `exact` if the
+    /// whole motion is proven, under `paper` if `b` alone is free.
     pub fn edge_is_free(&mut self, a: &[f64], b: &[f64]) -> bool {
         match self {
             // A blocked end is the usual reason, and cheaper to find than the whole proof.
@@ -50,7 +47,8 @@ impl<'a> BaselineCheck<'a> {
         }
     }
 
-    /// [`Self::edge_is_free`] for one who knows the link frames at `b` already.
+    /// [`Self::edge_is_free`] from `a` to `b` (m, rad; one per joint), where the link frames at `b` are known
+    /// already.
     pub fn edge_to_frames_is_free(&mut self, a: &[f64], b: &[f64], frames_at_b: &LinkFrames) -> bool {
         match self {
             Self::Exact(..) => self.edge_is_free(a, b),
@@ -58,7 +56,7 @@ impl<'a> BaselineCheck<'a> {
         }
     }
 
-    /// [`Cell::bubble`].
+    /// [`Cell::bubble`] about `q` (m, rad; one per joint).
     pub fn bubble(&mut self, q: &[f64], critical_m: f64) -> Option<Bubble> {
         match self {
             Self::Exact(cell, scratch) => cell.bubble(q, critical_m, scratch),
@@ -66,7 +64,8 @@ impl<'a> BaselineCheck<'a> {
         }
     }
 
-    /// [`Cell::free_share`]: under `exact` so much is proven; under `paper` it is how far a spine goes at most.
+    /// [`Cell::free_share`] towards `target` (m, rad; one per joint): under `exact` so much is proven; under `paper`
+    /// it is how far a spine goes at most.
     pub fn free_share(&mut self, bubble: &Bubble, target: &[f64]) -> f64 {
         match self {
             Self::Exact(cell, scratch) => cell.free_share(bubble, target, scratch),
@@ -80,12 +79,13 @@ impl<'a> BaselineCheck<'a> {
         matches!(self, Self::Exact(..))
     }
 
-    /// The poses of grasps, from the highest score down, that the hand alone can take (`exact`), or all (`paper`).
+    /// The poses `world_from_gripper` of grasps, from the highest score down, that the hand alone can take (`exact`),
+    /// or all (`paper`).
     pub fn open_poses(&mut self, grasps: &GraspSet) -> Vec<(usize, Pose)> {
         match self {
-            Self::Exact(cell, scratch) => all_open_poses(cell, grasps, scratch),
+            Self::Exact(cell, scratch) => open_gripper_poses(cell, grasps, scratch),
             Self::Paper { .. } => {
-                let both = |grasp: usize| poses(&grasps.grasps()[grasp]).map(|pose| (grasp, pose));
+                let both = |grasp: usize| gripper_poses(&grasps.grasps()[grasp]).map(|pose| (grasp, pose));
                 grasps.by_score().into_iter().flat_map(both).collect()
             }
         }

@@ -1,13 +1,14 @@
-use crate::Problem;
-use crate::path::joint_metric::JointMetric;
+use cranny_path::JointMetric;
+use cranny_task::Problem;
+
 use crate::search::connector::{Connector, Path};
 use crate::search::forest::Forest;
 use crate::search::growth::{Grower, Growth};
 use crate::search::search_state::Search;
 use crate::wall_clock::now;
 
-/// A tree from the start and a forest from goals that grow towards each other by turns: RRT-Connect (Kuffner & `LaValle`
-/// 2000), and with burs RBT-Connect (Lačević, Osmanković & Ademović 2016).
+/// A tree from the start and a forest from goals that grow towards each other by turns: RRT-Connect (Kuffner &
+/// `LaValle` 2000, §II), and with burs RBT-Connect (Lačević, Osmanković & Ademović 2016, whole).
 pub(crate) struct Bidirectional<'a> {
     grower: Grower<'a>,
     sides: [Forest; 2],

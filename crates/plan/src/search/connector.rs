@@ -1,18 +1,19 @@
 use cranny_collision::{Cell, Scratch};
+use cranny_task::{Goal, GraspFailure, Problem};
 
 use crate::search::goal_pool::GoalPool;
 use crate::search::search_state::Search;
-use crate::{Budget, Goal, GraspFailure, Observer, Outcome, PlanError, PlanReport, Problem};
+use crate::{Budget, Observer, Outcome, PlanError, PlanReport};
 
 /// Way points, each of one value per joint.
 pub type Path = Vec<Vec<f64>>;
 
 /// Trees or a graph that a start and any number of goals are put into, and that grow until they connect them.
 pub trait Connector {
-    /// Puts in the start, once and first; it is free.
+    /// Puts in the start (m, rad; one per joint), once and first; it is free.
     fn add_start(&mut self, q: &[f64], search: &mut Search);
 
-    /// Puts in a goal, which is free; goals are counted from 0.
+    /// Puts in a goal (m, rad; one per joint), which is free; goals are counted from 0.
     fn add_goal(&mut self, q: &[f64], search: &mut Search);
 
     /// Grows by one iteration, once there is a goal: a path, of which every edge is proven, and which goal it leads to.

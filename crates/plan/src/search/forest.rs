@@ -1,5 +1,6 @@
+use cranny_path::JointMetric;
+
 use crate::NearestNeighbours;
-use crate::path::joint_metric::JointMetric;
 
 /// Trees of configurations that grow from any number of roots, from which nodes can be cut off again. Nodes are numbered
 /// from 0 in the order in which they were added, roots included, and keep their numbers.
@@ -63,7 +64,7 @@ impl Forest {
         self.indexed.is_empty()
     }
 
-    /// The configuration of a node.
+    /// The configuration (m, rad; one per joint) of a node.
     pub fn q(&self, node: usize) -> &[f64] {
         &self.configurations[node * self.dof..(node + 1) * self.dof]
     }
@@ -73,19 +74,19 @@ impl Forest {
         self.costs[node]
     }
 
-    /// A new root that costs so much by itself.
+    /// A new root at `q` (m, rad; one per joint) that costs so much by itself.
     pub fn add_root(&mut self, q: &[f64], cost: f64) -> usize {
         let node = self.add(q, None);
         self.costs[node] = cost;
         node
     }
 
-    /// A new node at the end of an edge from its parent; without a parent, a root.
+    /// A new node at `q` (m, rad; one per joint), the end of an edge from its parent; without a parent, a root.
     pub fn add(&mut self, q: &[f64], parent: Option<usize>) -> usize {
         self.add_on_edge(q, parent, parent.unwrap_or(self.parents.len()))
     }
 
-    /// A new node that prolongs the straight edge that led to its parent.
+    /// A new node at `q` (m, rad; one per joint) that prolongs the straight edge that led to its parent.
     pub fn prolong(&mut self, q: &[f64], parent: usize) -> usize {
         self.add_on_edge(q, Some(parent), self.begins[parent])
     }
@@ -102,13 +103,13 @@ impl Forest {
         self.parents.len() - 1
     }
 
-    /// The node nearest to `q`; `None` for a forest without nodes.
+    /// The node nearest to `q` (m, rad; one per joint); `None` for a forest without nodes.
     pub fn nearest(&mut self, q: &[f64]) -> Option<usize> {
         self.metric.scale(q, &mut self.scaled);
         self.index.nearest(&self.scaled).map(|point| self.indexed[point])
     }
 
-    /// The distance of two configurations in the metric of the forest.
+    /// The distance of two configurations (m, rad; one per joint) in the metric of the forest.
     pub fn distance(&self, a: &[f64], b: &[f64]) -> f64 {
         self.metric.distance(a, b)
     }
@@ -124,7 +125,7 @@ impl Forest {
         std::iter::successors(Some(node), |&node| self.parents[node]).collect()
     }
 
-    /// The configurations from the root of `node` to it.
+    /// The configurations (m, rad; one value per joint) from the root of `node` to it.
     pub fn path_to(&self, node: usize) -> Vec<Vec<f64>> {
         self.nodes_to_root(node).into_iter().rev().map(|node| self.q(node).to_vec()).collect()
     }

@@ -2,12 +2,11 @@ use cranny_collision::{Cell, Collider, Contact, Scratch};
 use cranny_grasp::GraspSet;
 use cranny_robot::{IK_BATCH, IkBatch, IkSettings, between};
 use cranny_spatial::{Pose, Stream};
+use cranny_task::{FailureReason, GraspFailure, GraspFilter, Problem, gripper_poses};
 
 use crate::search::grasp_source::GraspSource;
-use crate::task::grasp_filter::GraspFilter;
-use crate::task::grasp_poses::poses;
 use crate::wall_clock::now;
-use crate::{FailureReason, GraspFailure, PlanError, Problem, Statistics};
+use crate::{PlanError, Statistics};
 
 /// Attempts to a pose that is known to be open to the hand, before another pose is checked: so many cost
 /// as much as looking at poses until the hand is free at one.
@@ -80,7 +79,8 @@ impl<'a> GoalPool<'a> {
         let excluded: Vec<_> =
             given.iter().map(|grasp| FailureReason::of_width(cell.robot(), grasp)).collect();
         let fitting = given.iter().enumerate().filter(|(index, _)| excluded[*index].is_none());
-        let poses = fitting.flat_map(|(index, grasp)| poses(grasp).map(|pose| (index, pose))).collect();
+        let poses =
+            fitting.flat_map(|(index, grasp)| gripper_poses(grasp).map(|pose| (index, pose))).collect();
         let records = excluded.into_iter().map(|excluded| Record { excluded, ..Record::default() }).collect();
         Self { poses, records, ..Self::empty(problem, cell) }
     }
@@ -112,7 +112,7 @@ impl<'a> GoalPool<'a> {
         self.poses.is_empty() && self.source.is_none()
     }
 
-    /// The goals that one more iteration of the search brings, each with its grasp.
+    /// The goals (m, rad; one value per joint) that one more iteration of the search brings, each with its grasp.
     pub fn draw(
         &mut self,
         random: &mut Stream,
@@ -126,7 +126,8 @@ impl<'a> GoalPool<'a> {
         self.draw_batch(&[], random, scratch, statistics)
     }
 
-    /// The goals of one more batch, each with its grasp; with a path, every other attempt starts at a random point of it.
+    /// The goals (m, rad; one value per joint) of one more batch, each with its grasp; with a path, every other
+    /// attempt starts at a random point of it.
     pub fn draw_batch(
         &mut self,
         path: &[Vec<f64>],

@@ -1,10 +1,10 @@
 use cranny_collision::Margins;
 use cranny_grasp::{FirstApproach, GraspSampler, SampledGrasp, SamplerSettings, TooWide};
+use cranny_path::GraspJudge;
 use cranny_spatial::{Pose, Stream};
+use cranny_task::{GraspMeasure, TaskError, gripper_poses};
 
-use crate::path::grasp_judge::GraspJudge;
-use crate::task::grasp_poses::poses;
-use crate::{GraspMeasure, PlanError};
+use crate::PlanError;
 
 /// First contacts that are drawn for one batch of inverse kinematics, at most: a millisecond or so, where the hand collides
 /// almost everywhere.
@@ -32,7 +32,7 @@ impl<'a> GraspSource<'a> {
     /// [`GraspMeasure::LEAST_SCORE`] where they lead to no goals.
     ///
     /// # Errors
-    /// [`PlanError::NoGraspMeasure`] for a surface on which no grasp can be sampled: there is none with a measure.
+    /// [`TaskError::NoGraspMeasure`] for a surface on which no grasp can be sampled: there is none with a measure.
     pub fn new(measure: &'a GraspMeasure, first_score: f64) -> Result<Self, PlanError> {
         let sampler = Self::sampler(measure)?;
         let score_beyond = (first_score - GraspMeasure::LEAST_SCORE).max(0.0);
@@ -44,9 +44,9 @@ impl<'a> GraspSource<'a> {
     ///
     /// # Errors
     /// As [`Self::new`].
-    pub fn sampler(measure: &'a GraspMeasure) -> Result<GraspSampler<'a>, PlanError> {
+    pub fn sampler(measure: &'a GraspMeasure) -> Result<GraspSampler<'a>, TaskError> {
         GraspSampler::new(measure.surface_in_world(), &Self::settings(measure))
-            .map_err(|_| PlanError::NoGraspMeasure { needs: "a target on which grasps can be sampled" })
+            .map_err(|_| TaskError::NoGraspMeasure { needs: "a target on which grasps can be sampled" })
     }
 
     /// By how much the target is too wide for the hand with what is demanded between them, if it is.
@@ -72,7 +72,7 @@ impl<'a> GraspSource<'a> {
         (self.goals, self.left) = (goals, DRAWS_PER_BATCH);
     }
 
-    /// One more grasp and its twin; `None` where the batch has drawn enough.
+    /// One more grasp and its twin, as `world_from_gripper`; `None` where the batch has drawn enough.
     pub fn draw(&mut self, random: &mut Stream) -> Option<[Pose; 2]> {
         while self.left > 0 {
             self.left -= 1;
@@ -82,13 +82,13 @@ impl<'a> GraspSource<'a> {
             let least = GraspMeasure::LEAST_SCORE + self.score_beyond;
             let is_good = |pose: &Pose| self.measure.score(pose).is_some_and(|score| score >= least);
             if let Some(grasp) = found.filter(|grasp| is_good(&grasp.world_from_gripper)) {
-                return Some(poses(&grasp));
+                return Some(gripper_poses(&grasp));
             }
         }
         None
     }
 
-    /// Whether the hand holds the target at a configuration.
+    /// Whether the hand holds the target at a configuration (m, rad; one per joint).
     pub fn holds(&mut self, q: &[f64]) -> bool {
         self.judge.grasp_at(q).is_ok()
     }

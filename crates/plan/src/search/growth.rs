@@ -1,12 +1,13 @@
 use cranny_collision::Bubble;
+use cranny_path::Stepper;
 use cranny_robot::{Robot, between};
+use cranny_task::Problem;
 
-use crate::path::step::Stepper;
+use crate::Observer;
 use crate::search::baseline_check::BaselineCheck;
 use crate::search::forest::Forest;
 use crate::search::search_state::Search;
 use crate::wall_clock::now;
-use crate::{Observer, Problem};
 
 /// How a tree grows from one of its nodes.
 #[derive(Clone, Copy, Debug)]
@@ -75,7 +76,8 @@ impl<'a> Grower<'a> {
         Self { check: BaselineCheck::of(problem), stepper: Stepper::new(robot), robot, growth }
     }
 
-    /// Grows from `q` towards `target`, another configuration; a bur has its random spines only where it `explores`.
+    /// Grows from `q` towards `target`, another configuration (m, rad; one per joint); a bur has its random spines
+    /// only where it `explores`.
     pub fn grow(&mut self, q: &[f64], target: &[f64], explores: bool, search: &mut Search) -> Grown {
         let bur = match self.growth {
             Growth::Step { .. } => None,
@@ -94,7 +96,8 @@ impl<'a> Grower<'a> {
         })
     }
 
-    /// A step from `q` towards `target`, unless it is blocked: where it ends, and whether that is the target.
+    /// A step from `q` towards `target` (m, rad; one per joint), unless it is blocked: where it ends, and whether
+    /// that is the target.
     pub fn step(&mut self, q: &[f64], target: &[f64], search: &mut Search) -> Option<(Vec<f64>, bool)> {
         let (_, is_target) = self.stepper.towards(self.robot, q, target, self.growth.step_m());
         let (to, frames) = (self.stepper.q(), self.stepper.frames());
@@ -105,7 +108,7 @@ impl<'a> Grower<'a> {
         is_free.then(|| (to.to_vec(), is_target))
     }
 
-    /// Whether the whole edge between two configurations is free.
+    /// Whether the whole edge between two configurations (m, rad; one per joint) is free.
     pub fn edge(&mut self, from: &[f64], to: &[f64], search: &mut Search) -> bool {
         let begin = now();
         search.statistics.collision_checks += 1;

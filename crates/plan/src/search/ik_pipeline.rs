@@ -1,15 +1,16 @@
 use cranny_grasp::GraspSet;
+use cranny_path::JointMetric;
 use cranny_robot::{IkSearch, IkSearchSettings};
 use cranny_spatial::Pose;
+use cranny_task::{Goal, Problem};
 
-use crate::path::joint_metric::JointMetric;
 use crate::search::baseline_check::BaselineCheck;
 use crate::search::connector::Path;
 use crate::search::forest::Forest;
 use crate::search::growth::{Grower, Growth};
 use crate::search::search_state::Search;
 use crate::wall_clock::now;
-use crate::{Budget, Goal, Observer, Outcome, PlanError, PlanReport, Problem};
+use crate::{Budget, Observer, Outcome, PlanError, PlanReport};
 
 /// What goes by [`IkRrt`](crate::IkRrt) and its kin.
 #[derive(Clone, Copy, Debug)]
@@ -30,8 +31,9 @@ pub(crate) struct PipelineSettings {
 pub(crate) enum Shares {
     /// As many for each, which has both trees of its own; configurations that are given have their turn once.
     Equal,
-    /// One goal after the other, over and over, by the sequence 1, 1, 2, 1, 1, 2, 4, … of Luby, Sinclair & Zuckerman (1993,
-    /// "Optimal speedup of Las Vegas algorithms", §2), while the tree from the start grows on.
+    /// One goal after the other, over and over, by the sequence 1, 1, 2, 1, 1, 2, 4, … of Luby, Sinclair & Zuckerman
+    /// (1993, "Optimal speedup of Las Vegas algorithms", whole: the strategy `S^univ`), while the tree from the start
+    /// grows on.
     Luby,
 }
 
@@ -45,7 +47,7 @@ fn luby_share(index: u64) -> u64 {
 /// One goal after the other, each with a tree from the start and one from it ([`IkRrt`](crate::IkRrt)).
 ///
 /// # Errors
-/// [`PlanError::NoGoal`].
+/// [`TaskError::NoGoal`].
 pub(crate) fn plan_goal_by_goal(
     settings: PipelineSettings,
     problem: &Problem,

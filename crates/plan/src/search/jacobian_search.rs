@@ -1,15 +1,16 @@
 use cranny_grasp::GraspSet;
+use cranny_path::JointMetric;
 use cranny_robot::{Jacobian, LinkFrames, Robot, Twist, damped_pseudo_inverse_step};
 use cranny_spatial::{Pose, PoseDifference};
+use cranny_task::{Goal, Problem};
 use serde::{Deserialize, Serialize};
 
-use crate::path::joint_metric::JointMetric;
 use crate::search::forest::Forest;
 use crate::search::goal_meter::GoalMeter;
 use crate::search::growth::{Grower, Growth};
 use crate::search::search_state::Search;
 use crate::wall_clock::now;
-use crate::{Budget, Goal, Observer, Outcome, PlanError, PlanReport, Problem};
+use crate::{Budget, Observer, Outcome, PlanError, PlanReport};
 
 /// How a planner picks a grasp to go for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -40,7 +41,7 @@ pub(crate) struct JacobianSettings {
 /// pseudo-inverse of the Jacobian ([`JPlusRrt`](crate::JPlusRrt)).
 ///
 /// # Errors
-/// [`PlanError::Goal`] for a problem without grasps, [`PlanError::NoGoal`].
+/// [`TaskError::Goal`] for a problem without grasps, [`TaskError::NoGoal`].
 pub(crate) fn plan_by_jacobian(
     planner: &'static str,
     settings: JacobianSettings,
@@ -50,7 +51,7 @@ pub(crate) fn plan_by_jacobian(
 ) -> Result<PlanReport, PlanError> {
     let mut search = Search::new(problem, budget, seed, observer);
     let Goal::Grasps(grasps) = problem.some_goal()? else {
-        return Err(PlanError::Goal { planner, needs: "grasps" });
+        return Err(cranny_task::TaskError::Goal { planner, needs: "grasps" }.into());
     };
     let mut tree = JacobianTree::new(settings, problem, grasps);
     let ended = tree.run(&mut search);

@@ -1,11 +1,11 @@
 use cranny_grasp::{Grasp, GraspSet, SamplerSettings, TooWide};
 use cranny_robot::{IkSettings, IkSolution, IkSolver, Robot};
 use cranny_spatial::{EXACT_TRANSLATION_M, Point, Pose, Stream, Vector};
+use cranny_task::{FailureReason, GraspFailure, GraspMeasure, Problem};
 use serde::{Deserialize, Serialize};
 
 use crate::search::base_shift::base_shift_m;
 use crate::search::grasp_source::GraspSource;
-use crate::{FailureReason, GraspFailure, GraspMeasure, Problem};
 
 /// Reason why a search took no grasp at all.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -1,9 +1,10 @@
 use std::time::Duration;
 
 use cranny_spatial::other_seed;
+use cranny_task::Problem;
 
 use crate::search::no_grasp::all_excluded;
-use crate::{Budget, Observer, Outcome, PathSearch, PlanError, PlanReport, Planner, Problem, Statistics};
+use crate::{Budget, Observer, Outcome, PathSearch, PlanError, PlanReport, Planner, Statistics};
 
 /// Runs a planner whose settings are good ([`Planner::check`]). Where every grasp is excluded beforehand, by its width or as
 /// beyond reach, no search is begun.

@@ -1,9 +1,10 @@
 use std::time::Duration;
 
+use cranny_task::{GraspFailure, Problem};
 use serde::{Deserialize, Serialize};
 use strum::IntoStaticStr;
 
-use crate::{GraspFailure, PlanError, Problem};
+use crate::PlanError;
 
 /// How much a planner may spend.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -125,7 +126,8 @@ pub struct PlanReport {
 }
 
 impl PlanReport {
-    /// The report of a search that ended with a path, or with a reason why there is none.
+    /// The report of a search that ended with a path of way points (m, rad; one value per joint), or with a reason
+    /// why there is none.
     pub fn of(ended: Result<Vec<Vec<f64>>, Outcome>, statistics: Statistics) -> Self {
         let (outcome, path) = match ended {
             Ok(path) => (Outcome::Solved, path),
@@ -137,7 +139,8 @@ impl PlanReport {
 
 /// Watches a search. Every method has a default that does nothing, so watching nothing costs nothing.
 pub trait Observer {
-    /// A node was added to tree `tree` (0: from the start) at `q`, below node `parent` of the same tree.
+    /// A node was added to tree `tree` (0: from the start) at `q` (m, rad; one per joint), below node `parent` of the
+    /// same tree.
     fn node_added(&mut self, _tree: usize, _q: &[f64], _parent: Option<usize>) {}
 
     /// Node `node` of tree `tree` was cut off, with all that grew from it: nodes are counted from 0 in the order in which

@@ -1,7 +1,8 @@
 use cranny_spatial::Stream;
+use cranny_task::Problem;
 
 use crate::search::clock::Clock;
-use crate::{Budget, Observer, Outcome, PlanReport, Problem, Statistics};
+use crate::{Budget, Observer, Outcome, PlanReport, Statistics};
 
 /// What every search has: what it is about, its random numbers, what it has cost so far, and who watches.
 pub struct Search<'a> {
@@ -39,7 +40,7 @@ impl<'a> Search<'a> {
         Ok(())
     }
 
-    /// A configuration drawn uniformly from within the joint limits.
+    /// A configuration (m, rad; one per joint) drawn uniformly from within the joint limits.
     pub fn sample(&mut self) -> Vec<f64> {
         self.problem.robot().random_configuration(&mut self.random)
     }

@@ -5,8 +5,9 @@ use crate::description::urdf_model::{UrdfJoint, UrdfJointKind};
 use crate::{JointKind, JointLimits, Mover, Robot};
 
 impl Robot {
-    /// Turns joints of `q` by whole turns, within their limits, to where they are nearest to `reference`: all links
-    /// stay where they are. Whether any was turned. Joints without a full turn stay as they are.
+    /// Turns joints of `q` (m, rad; one per joint) by whole turns, within their limits, to where they are nearest to
+    /// `reference`: all links stay where they are. Whether any was turned. Joints without a full turn stay as they
+    /// are.
     ///
     /// # Panics
     /// If either has not one value per joint.
@@ -24,8 +25,8 @@ impl Robot {
         is_turned
     }
 
-    /// Turns joints without an end that are outside their limits by whole turns into them, as near to their middle as can be.
-    /// Others stay as they are.
+    /// Turns joints of `q` (m, rad; one per joint) without an end that are outside their limits by whole turns into
+    /// them, as near to their middle as can be. Others stay as they are.
     ///
     /// # Panics
     /// If `q` has not one value per joint.
@@ -39,9 +40,9 @@ impl Robot {
         }
     }
 
-    /// Turns joints without an end by whole turns, within their limits, to where they are nearest to `reference`: values that
-    /// differ by whole turns are one place of such a joint, whatever its links do. Others stay as they are. A value that no
-    /// number of turns brings within the limits stays too.
+    /// Turns joints of `q` (m, rad; one per joint) without an end by whole turns, within their limits, to where they
+    /// are nearest to `reference`: values that differ by whole turns are one place of such a joint, whatever its
+    /// links do. Others stay as they are. A value that no number of turns brings within the limits stays too.
     ///
     /// # Panics
     /// If either has not one value per joint.
@@ -64,9 +65,9 @@ impl Robot {
         if self.endless[joint] { (off - TAU * (off / TAU).round()).abs() } else { off }
     }
 
-    /// How far beyond need a path turns the joint that it turns farthest so, in radians: what the joint travels, less
-    /// the way from where it starts to the nearest of the whole turns, within its limits, at which the path could end.
-    /// Only joints that have a full turn count.
+    /// Angle by which a path of way points (m, rad; one value per joint) turns a joint beyond need, of the joint that
+    /// it turns farthest so, in radians: what the joint travels, less the way from where it starts to the nearest of
+    /// the whole turns, within its limits, at which the path could end. Only joints that have a full turn count.
     ///
     /// # Panics
     /// If a way point has not one value per joint.

@@ -45,10 +45,12 @@ impl Robot {
     }
 }
 
-/// Writes to `step` the joint motion `Jᵀ(JJᵀ + λ²I)⁻¹ v` that follows the twist `v` best in the sense of
-/// damped least squares (Wampler 1986; Nakamura & Hanafusa 1986), λ = `damping`: with λ = 0 the
-/// pseudo-inverse's step. Returns whether there is one: with λ > 0 always, with λ = 0 not where J has lost
-/// rank; `step` is then left as it was.
+/// Writes to `step` the joint motion (m, rad; one per joint) `Jᵀ(JJᵀ + λ²I)⁻¹ v` that follows the twist `v` best in
+/// the sense of damped least squares (Wampler 1986, "Manipulator inverse kinematic solutions based on vector
+/// formulations and damped least-squares methods", whole; Nakamura & Hanafusa 1986, "Inverse kinematic solutions with
+/// singularity robustness for robot manipulator control", whole; as in Siciliano, Sciavicco, Villani & Oriolo 2009,
+/// "Robotics", §3.5.2), λ = `damping`: with λ = 0 the pseudo-inverse's step. Returns whether there is one: with λ > 0
+/// always, with λ = 0 not where J has lost rank; `step` is then left as it was.
 ///
 /// # Panics
 /// If `step` does not hold one value per column.
@@ -86,7 +88,7 @@ impl DampedInverse {
         Some(Self { factors: gram.cholesky()? })
     }
 
-    /// Writes `Jᵀ(JJᵀ + λ²I)⁻¹ v` to `step`.
+    /// Writes `Jᵀ(JJᵀ + λ²I)⁻¹ v` to `step` (m, rad; one per joint).
     ///
     /// # Panics
     /// If `step` does not hold one value per column.
@@ -98,8 +100,8 @@ impl DampedInverse {
         }
     }
 
-    /// Replaces `motion` by its part that does not move the frame, `(I − J⁺J) motion`. With damping
-    /// J⁺ = `Jᵀ(JJᵀ + λ²I)⁻¹` is not quite the pseudo-inverse, and a part of the order of λ² stays.
+    /// Replaces `motion` (m, rad; one per joint) by its part that does not move the frame, `(I − J⁺J) motion`. With
+    /// damping J⁺ = `Jᵀ(JJᵀ + λ²I)⁻¹` is not quite the pseudo-inverse, and a part of the order of λ² stays.
     ///
     /// # Panics
     /// If `motion` does not hold one value per column.

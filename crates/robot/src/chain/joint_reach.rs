@@ -3,8 +3,9 @@ use cranny_spatial::{Point, Pose};
 use crate::{GroupJoint, JointKind, Link, Mover, Robot};
 
 impl Robot {
-    /// Per joint of the group how far it moves the robot: for a revolute joint the farthest that any point
-    /// beyond it lies from its origin at `q = 0`, in metres (so in m/rad); for a prismatic one 1 (m/m).
+    /// Distances by which the joints move the robot, one per joint of the group: for a revolute joint the farthest
+    /// that any point beyond it lies from its origin at `q = 0`, in metres (so in m/rad); for a prismatic one 1
+    /// (m/m).
     pub fn joint_reaches(&self) -> &[f64] {
         &self.joint_reaches
     }

@@ -2,18 +2,19 @@ use cranny_spatial::Stream;
 
 use crate::Robot;
 
-/// The configuration at `share` of the straight edge from `a` (at 0) to `b` (at 1), exactly these at the ends.
+/// The configuration at `share` of the straight edge from `a` (at 0) to `b` (at 1), both (m, rad; one per joint),
+/// exactly these at the ends.
 pub fn between(a: &[f64], b: &[f64], share: f64) -> impl Iterator<Item = f64> {
     a.iter().zip(b).map(move |(a, b)| if share >= 1.0 { *b } else { a + (b - a) * share })
 }
 
-/// The L2 distance of two configurations (m and rad mixed).
+/// The L2 distance of two configurations (m, rad; one per joint), metres and radians alike.
 pub fn distance(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
 }
 
 impl Robot {
-    /// A configuration drawn uniformly from within the joint limits, the first joint first.
+    /// A configuration (m, rad; one per joint) drawn uniformly from within the joint limits, the first joint first.
     pub fn random_configuration(&self, random: &mut Stream) -> Vec<f64> {
         self.limits.iter().map(|limits| random.uniform_between(limits.lower, limits.upper)).collect()
     }

@@ -20,7 +20,7 @@ impl LinkFrames {
         &self.root_from_link[index]
     }
 
-    /// The poses of all links, in the order of [`Robot::links`].
+    /// The poses `root_from_link` of all links, in the order of [`Robot::links`].
     pub fn all(&self) -> &[Pose] {
         &self.root_from_link
     }
@@ -37,7 +37,8 @@ impl Robot {
         frames
     }
 
-    /// The pose of every link at `q`. Whoever asks often uses [`Self::forward_kinematics`], which makes no new frames.
+    /// The pose of every link at `q` (m, rad; one per joint). Whoever asks often uses [`Self::forward_kinematics`],
+    /// which makes no new frames.
     ///
     /// # Panics
     /// If `q` does not hold [`dof`](Self::dof) values.
@@ -47,8 +48,8 @@ impl Robot {
         frames
     }
 
-    /// Writes the pose of every link at `q` to `frames`. Every call starts afresh from `q`, so that errors
-    /// of rounding do not add up. Limits are not checked.
+    /// Writes the pose of every link at `q` (m, rad; one per joint) to `frames`. Every call starts afresh from `q`,
+    /// so that errors of rounding do not add up. Limits are not checked.
     ///
     /// # Panics
     /// If `q` does not hold [`dof`](Self::dof) values, or `frames` come from another robot.
@@ -57,7 +58,8 @@ impl Robot {
         self.follow(&self.steps, q, frames);
     }
 
-    /// The same for the links from the root to the tip only; the other frames keep what they hold.
+    /// The same at `q` (m, rad; one per joint) for the links from the root to the tip only; the other frames keep
+    /// what they hold.
     ///
     /// # Panics
     /// As [`Self::forward_kinematics`].
@@ -65,7 +67,8 @@ impl Robot {
         self.follow(&self.tip_steps, q, frames);
     }
 
-    /// [`Self::forward_kinematics`] where only these joints have another value than when `frames` was computed.
+    /// [`Self::forward_kinematics`] at `q` (m, rad; one per joint) where only these joints have another value than
+    /// when `frames` was computed.
     ///
     /// # Panics
     /// As [`Self::forward_kinematics`].

@@ -125,12 +125,12 @@ impl LaneChain {
 
 impl Offset {
     /// The same in `f32`.
-    pub fn of(pose: &Pose) -> Self {
-        let rotation: Matrix3<f64> = pose.rotation.to_rotation_matrix().into_inner();
+    pub fn of(target_from_source: &Pose) -> Self {
+        let rotation: Matrix3<f64> = target_from_source.rotation.to_rotation_matrix().into_inner();
         let entry = |row: usize, column: usize| narrow(rotation[(row, column)]);
         Self {
             rotation: std::array::from_fn(|row| std::array::from_fn(|column| entry(row, column))),
-            translation: std::array::from_fn(|row| narrow(pose.translation.vector[row])),
+            translation: std::array::from_fn(|row| narrow(target_from_source.translation.vector[row])),
         }
     }
 }

@@ -47,7 +47,8 @@ impl Base {
         Some(Self { slides: slides.collect(), arm_in_root: origin(arm), reach_m })
     }
 
-    /// Redraws the slides of `q` until the target is within reach, or leaves the nearest of many draws.
+    /// Redraws the slides of `q` (m, rad; one per joint) until the target is within reach, or leaves the nearest of
+    /// many draws.
     pub fn draw_near(&self, robot: &Robot, target_in_root: &Vector, random: &mut Stream, q: &mut [f64]) {
         let mut nearest_m = f64::INFINITY;
         for _ in 0..BASE_DRAWS {

@@ -136,10 +136,11 @@ impl Robot {
         }
     }
 
-    /// As [`Self::place_held`], with every finger closed by its own share of its travel, by the number of the finger.
+    /// As [`Self::place_held`], with every finger closed by its own share of its travel (`closings`, one per finger,
+    /// from 0 to 1); a finger without a share stays open.
     ///
     /// # Panics
-    /// If the frames come from another robot, or a finger has no share.
+    /// If the frames come from another robot.
     pub fn place_fingers(&self, tip_from_held: Pose, closings: &[f64], frames: &mut LinkFrames) {
         let links: Vec<usize> = self.loose_links().collect();
         self.place_held(&Hold { tip_from_held, closing: 0.0 }, frames);

@@ -4,7 +4,7 @@ use cranny_spatial::{Pose, Rotation};
 use crate::gripper::hand_joint::HandJoint;
 use crate::link::JointKind;
 
-/// How a hand holds something: what a mode of a task fixes between the joints of the arm (Hauser & Latombe 2010).
+/// How a hand holds something: what a mode of a task fixes between the joints of the arm (Hauser & Latombe 2010, §3).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hold {
     /// Where the thing is in the frame of the tip.
@@ -40,7 +40,8 @@ pub(crate) struct LooseJoint {
 }
 
 impl LooseJoint {
-    /// The joints of a hand that stands open in `rest`, on links or the tip.
+    /// The joints of a hand that stands open in `rest`, which has the `root_from_link` of every link, on links or the
+    /// tip.
     pub fn all(joints: &[HandJoint], rest: &[Pose], tip: usize) -> Vec<Self> {
         let loose = |joint: &HandJoint| {
             let parent = joint.parent.map_or(tip, |parent| joints[parent].link);
@@ -62,6 +63,7 @@ impl LooseJoint {
         poses
     }
 
+    /// Pose of the link below the joint in the link above it, or the tip, the fingers closed by the share `closing`.
     pub fn parent_from_link(&self, closing: f64) -> Pose {
         let by = self.joint.axis_in_link * (self.joint.stroke * closing);
         self.parent_from_open

@@ -75,7 +75,7 @@ impl IkLanes {
         }
     }
 
-    /// Where attempt `lane` starts, clamped into limits, and where its tip is to go.
+    /// Sets the start of attempt `lane` (m, rad; one per joint), clamped into limits, and the target of its tip.
     pub fn set(&mut self, lane: usize, root_from_tip: &Pose, start: &[f64]) {
         for ((q, &value), [lower, upper]) in self.q.iter_mut().zip(start).zip(&self.limits) {
             q[lane] = narrow(value).max(*lower).min(*upper);

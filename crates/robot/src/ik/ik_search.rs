@@ -24,7 +24,8 @@ impl Default for IkSearchSettings {
     }
 }
 
-/// Up to `count` distinct solutions that `accept` agrees with, from at most `attempts` random starts.
+/// Up to `count` distinct solutions whose `q` (m, rad; one per joint) `accept` agrees with, from at most `attempts`
+/// random starts.
 ///
 /// Stops at whichever comes first. The order, and with one version of this crate every bit of the result, is
 /// a function of the arguments.
@@ -75,8 +76,8 @@ impl<'robot> IkSearch<'robot> {
         }
     }
 
-    /// The next solution that is distinct from those before and that `accept` agrees with; None if at most
-    /// `attempts` more random starts lead to none.
+    /// The next solution that is distinct from those before and whose `q` (m, rad; one per joint) `accept` agrees
+    /// with; None if at most `attempts` more random starts lead to none.
     pub fn next_solution(
         &mut self,
         random: &mut Stream,
@@ -106,8 +107,8 @@ impl<'robot> IkSearch<'robot> {
         }
     }
 
-    /// One attempt from `start`, pulled towards it; counts as an attempt, and its solution as one of this
-    /// search, if it is new and `accept` agrees.
+    /// One attempt from `start` (m, rad; one per joint), pulled towards it; counts as an attempt, and its solution as
+    /// one of this search, if it is new and `accept` agrees.
     ///
     /// # Panics
     /// If `start` does not hold one value for each joint of the group.

@@ -55,8 +55,10 @@ pub struct IkSolver<'robot> {
 pub(crate) const MAX_STEP_M: f64 = 0.3;
 /// The same for its rotation, in radians.
 pub(crate) const MAX_STEP_RAD: f64 = 0.8;
-/// Damping λ² = this · (squared error, m² + rad²) + `LEAST_DAMPING` (Sugihara 2011): strong far from the
-/// target, where a full step would overshoot, and gone near it, where Newton's steps converge quadratically.
+/// Damping λ² = this · (squared error, m² + rad²) + `LEAST_DAMPING` (Sugihara 2011, "Solvability-unconcerned inverse
+/// kinematics by the Levenberg-Marquardt method", whole, with this factor added and one weight for all rows): strong
+/// far from the target, where a full step would overshoot, and gone near it, where Newton's steps converge
+/// quadratically.
 pub(crate) const DAMPING_PER_ERROR: f64 = 0.02;
 /// Keeps the factorisation positive definite at a singularity; below tolerances squared.
 const LEAST_DAMPING: f64 = 1e-7;
@@ -88,9 +90,9 @@ impl<'robot> IkSolver<'robot> {
         self.robot
     }
 
-    /// One attempt from `start`, clamped into limits, to bring the tip to `root_from_tip`, pulled towards
-    /// `start` where that does not move the tip (Rudorfer et al. 2024, §V: their way to annotate grasps).
-    /// None if it got stuck, which does not prove that there is no solution.
+    /// One attempt from `start` (m, rad; one per joint), clamped into limits, to bring the tip to `root_from_tip`,
+    /// pulled towards `start` where that does not move the tip (Rudorfer et al. 2024, §V: their way to annotate
+    /// grasps). None if it got stuck, which does not prove that there is no solution.
     ///
     /// Law: forward kinematics of a solution differ from the target by the errors it names, which are within
     /// tolerance (test `a_solution_reaches_its_target`).
@@ -102,7 +104,8 @@ impl<'robot> IkSolver<'robot> {
         self.attempt(root_from_tip, self.settings.pull, Some(start))
     }
 
-    /// One attempt from `start`, clamped into limits, without a pull: where it ends, and whether it reached the target.
+    /// One attempt from `start` (m, rad; one per joint), clamped into limits, without a pull: where it ends, and
+    /// whether it reached the target.
     ///
     /// # Panics
     /// As [`Self::solve_from`].
@@ -124,8 +127,8 @@ impl<'robot> IkSolver<'robot> {
         (end, is_reached)
     }
 
-    /// The next configuration on a way of the tip: [`Self::solve_from`] the last one, unless a joint jumps, by more than
-    /// 0.1 (m, rad).
+    /// The next configuration (m, rad; one per joint) on a way of the tip: [`Self::solve_from`] the last one, unless
+    /// a joint jumps by more than 0.1 (m, rad).
     ///
     /// # Panics
     /// As [`Self::solve_from`].

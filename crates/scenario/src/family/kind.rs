@@ -1,12 +1,11 @@
-use cranny_plan::{PlaceGoal, PlaceSpot};
 use cranny_shape::TriangleSoup;
 use cranny_spatial::{Pose, Rotation, Vector, sin_cos};
+use cranny_task::{PlaceGoal, PlaceSpot};
 use strum::{EnumString, IntoStaticStr, VariantArray};
 
-use crate::FamilyError;
 use crate::family::resized::{resized, scaled};
 use crate::object::builtin::{self, builtin_object};
-use crate::{ObjectSource, Obstacle, RecipeBody, RecipeShape, ScenarioError, TargetPhysics};
+use crate::{FamilyError, ObjectSource, Obstacle, RecipeBody, RecipeShape, ScenarioError, TargetPhysics};
 
 /// The paper's environments, each with one dial that makes it harder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, EnumString, IntoStaticStr, VariantArray)]

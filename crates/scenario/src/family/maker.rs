@@ -4,15 +4,16 @@ use cranny_collision::{Body, World};
 use cranny_grasp::{
     COVERAGE_THRESHOLD, Grasp, GraspSet, Hand, SampledGrasp, SamplerSettings, covering_subset, sample_grasps,
 };
-use cranny_plan::{APPROACH_M, HandFilter, Pick, PlaceGoal, PlaceSpot, Stage, robot_hand};
 use cranny_robot::RobotError;
 use cranny_shape::{Solid, Surface};
 use cranny_spatial::{Pose, Stream, Vector};
+use cranny_task::{APPROACH_M, HandFilter, Pick, PlaceGoal, PlaceSpot, Stage, robot_hand};
 
 use crate::family::kind::Resting;
+use crate::named_task::STEPS;
 use crate::robot::short_arm::{self, ALL_POSES_DOF};
 use crate::{
-    DEFAULT_FRICTION, Family, NamedTask, Placement, Recipe, RecipeBody, RecipeRobot, STEPS, ScenarioError,
+    DEFAULT_FRICTION, Family, NamedTask, Placement, Recipe, RecipeBody, RecipeRobot, ScenarioError,
     SceneScale, TargetPhysics,
 };
 

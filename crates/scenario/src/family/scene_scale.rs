@@ -1,10 +1,9 @@
-use cranny_plan::{PlaceGoal, PlaceSpot};
 use cranny_robot::{JointKind, Mover, Robot};
 use cranny_spatial::{Pose, Rotation, Stream, Vector};
+use cranny_task::{PlaceGoal, PlaceSpot};
 
-use crate::FamilyError;
 use crate::error::ScenarioError;
-use crate::{Family, Placement, RecipeBody, RecipeShape};
+use crate::{Family, FamilyError, Placement, RecipeBody, RecipeShape};
 
 /// How much smaller than the paper's a scene is, so that a robot of another reach can do something in it: shrunk about
 /// the place where the robot stands. The object stays as large as it is while the hand can hold it and there is room.

@@ -3,16 +3,13 @@
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
-use std::time::Duration;
 
 use cranny_collision::{Body, Margins, Part, World};
 use cranny_grasp::{Grasp, GraspSet};
-use cranny_plan::{
-    Budget, IkAnnotationSettings, IkStatus, Outcome, Unobserved, annotate_ik, default_planner,
-};
 use cranny_robot::{Robot, RobotFiles};
 use cranny_shape::{Solid, quick_lower_bound, separation};
 use cranny_spatial::{CONTACT_M, Pose, Rotation, Stream, Vector};
+use cranny_task::{IkAnnotationSettings, IkStatus, Problem, annotate_ik};
 use serde::Serialize;
 
 use crate::family::kind::Region;
@@ -45,7 +42,7 @@ pub enum ArmDemand {
     Nothing,
     /// To hold the object at one of the grasps, free of collision, as far as some attempts at some of them show.
     Hold,
-    /// That a short search of `reach` finds a way to a grasp. Scenarios of which only this is known favour that planner.
+    /// That a short search ([`ReachTest`]) finds a way to a grasp. Scenarios of which only this is known favour its planner.
     Reach,
 }
 
@@ -120,6 +117,9 @@ impl Rejections {
     }
 }
 
+/// Whether a short search finds a way to a grasp of a problem; a fault is a message.
+pub type ReachTest = fn(&Problem) -> Result<bool, String>;
+
 /// Draws scenarios of one family.
 #[derive(Clone, Debug)]
 pub struct SetMaker {
@@ -128,6 +128,7 @@ pub struct SetMaker {
     start: StartPose,
     /// Of the robot, unless it is built in.
     files: Option<Arc<RobotFiles>>,
+    is_reached: ReachTest,
 }
 
 /// After so many draws without a sound one a member is given up: then hardly any is sound.
@@ -136,13 +137,18 @@ const MOST_DRAWS: usize = 200;
 impl SetMaker {
     /// # Errors
     /// [`FamilyError::Parameter`](crate::FamilyError::Parameter) for a range beyond the dial's; as [`FamilyMaker::new`].
-    pub fn new(family: Family, robot: RecipeRobot, settings: SetSettings) -> Result<Self, ScenarioError> {
+    pub fn new(
+        family: Family,
+        robot: RecipeRobot,
+        settings: SetSettings,
+        is_reached: ReachTest,
+    ) -> Result<Self, ScenarioError> {
         for value in settings.parameter_m {
             family.checked(value, &settings.scale)?;
         }
         let start = StartPose::new(&robot.robot, &robot.start());
         let maker = FamilyMaker::new(family, robot.in_set(), settings.scale, settings.seed)?;
-        Ok(Self { maker, settings, start, files: robot.files })
+        Ok(Self { maker, settings, start, files: robot.files, is_reached })
     }
 
     /// Writes the files of the robot once for all scenarios of a set, into its folder.
@@ -166,7 +172,7 @@ impl SetMaker {
             Some(Rejections { start_collides: 1, ..one })
         } else if recipe.grasps.is_empty() {
             Some(Rejections { no_free_grasp: 1, ..one })
-        } else if !meets(recipe, self.settings.demand)? {
+        } else if !self.meets(recipe)? {
             Some(Rejections { out_of_reach: 1, ..one })
         } else {
             None
@@ -188,6 +194,19 @@ impl SetMaker {
             }
         }
         Ok((None, rejected))
+    }
+
+    fn meets(&self, recipe: &Recipe) -> Result<bool, ScenarioError> {
+        match self.settings.demand {
+            ArmDemand::Nothing => Ok(true),
+            ArmDemand::Hold => is_held(recipe),
+            ArmDemand::Reach => {
+                let problem =
+                    || recipe.scenario("draw", &OpenOptions::default())?.problem(Margins::default());
+                let search = |problem| ScenarioError::Search { problem };
+                Ok(is_held(recipe)? && (self.is_reached)(&problem()?).map_err(search)?)
+            }
+        }
     }
 
     fn draw(&self, random: &mut Stream) -> Result<Result<SetMember, Rejections>, ScenarioError> {
@@ -230,22 +249,6 @@ impl SetMaker {
             None => Ok(SetMember { recipe, parameter_m, placement, clutter: count }),
         })
     }
-}
-
-fn meets(recipe: &Recipe, demand: ArmDemand) -> Result<bool, ScenarioError> {
-    match demand {
-        ArmDemand::Nothing => Ok(true),
-        ArmDemand::Hold => is_held(recipe),
-        ArmDemand::Reach => Ok(is_held(recipe)? && is_reached(recipe)?),
-    }
-}
-
-/// Whether a short search finds a way.
-fn is_reached(recipe: &Recipe) -> Result<bool, ScenarioError> {
-    const BUDGET: Budget = Budget { iterations: 5000, time: Duration::MAX };
-    let problem = recipe.scenario("draw", &OpenOptions::default())?.problem(Margins::default())?;
-    let report = default_planner(&problem).plan(&problem, &BUDGET, 0, &mut Unobserved)?;
-    Ok(report.outcome == Outcome::Solved)
 }
 
 /// Whether the arm can hold the object at one of the grasps, as far as some attempts at some of them show.

@@ -11,8 +11,11 @@ pub(crate) fn read(path: &Path) -> Result<Vec<f64>, ScenarioError> {
     Ok(rows.into_iter().flatten().collect())
 }
 
-/// The configurations of a file, one a line; there may be none. The file may be a pipe.
-pub(crate) fn read_configurations(path: &Path, dof: usize) -> Result<Vec<Vec<f64>>, ScenarioError> {
+/// The configurations of a file, one a line, each of `dof` values (m, rad); there may be none. The file may be a pipe.
+///
+/// # Errors
+/// [`ScenarioError`] with file and line for a wrong count or what is no finite number.
+pub fn read_configurations(path: &Path, dof: usize) -> Result<Vec<Vec<f64>>, ScenarioError> {
     parse_configurations(path, &yaml::text(TABLE.argument(), path)?, dof)
 }
 

@@ -5,15 +5,13 @@ use std::sync::Arc;
 use cranny_collision::{Body, Part, World};
 use cranny_file::{TABLE, TEXT, did_you_mean};
 use cranny_grasp::{GraspError, GraspSet, parse_csv};
-use cranny_plan::{PlaceGoal, PlaceSpot};
 use cranny_robot::{JointGroup, Location, Robot, RobotOptions, TextSource};
 use cranny_shape::{ShapeError, Solid, TriangleSoup};
 use cranny_spatial::{EXACT_ROTATION_RAD, Pose, Rotation, Vector};
+use cranny_task::{PlaceGoal, PlaceSpot};
 use serde_saphyr::Spanned;
 
-use crate::files::number_table;
-use crate::files::sizes;
-use crate::files::yaml;
+use crate::files::{number_table, sizes, yaml};
 use crate::layout::own_file::{
     BodyEntry, MeshEntry, PlaceEntry, PoseEntry, ScenarioFile, ShapeEntry, StartEntry,
 };
@@ -216,6 +214,8 @@ impl Layout<'_> {
         robot.default_start().filter(|_| !is_named).map(<[f64]>::to_vec)
     }
 
+    /// The start that a scenario gives (m, rad): one per joint where it names the joints, else as many values as it
+    /// lists.
     pub fn start(&self, start: &Spanned<StartEntry>, robot: &Robot) -> Result<Vec<f64>, ScenarioError> {
         let number = |value: &Spanned<f64>| yaml::finite(self.path, value.value, value.referenced);
         let by_joint = match &start.value {
@@ -349,6 +349,8 @@ impl Layout<'_> {
         faults
     }
 
+    /// Pose of an entry: of a shape in the frame of its body, of anything else in that of the scene; the identity
+    /// without an entry.
     pub fn pose(&self, entry: Option<&Spanned<PoseEntry>>) -> Result<Pose, ScenarioError> {
         let Some(Spanned { value: entry, referenced, .. }) = entry else { return Ok(Pose::identity()) };
         let given = [&entry.position[..], entry.rotation_rpy_deg.as_ref().map_or(&[], |rpy| &rpy[..])];

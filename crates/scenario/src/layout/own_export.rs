@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use cranny_collision::Body;
-use cranny_plan::Criterion;
+use cranny_task::Criterion;
 
 use crate::files::atomic_file::write_into;
 use crate::layout::own;

@@ -1,13 +1,14 @@
 use std::collections::BTreeMap;
 
 use cranny_file::did_you_mean;
-use cranny_plan::{AfterPlacing, Pick, PlaceAt, Stage};
 use cranny_spatial::Pose;
+use cranny_task::{AfterPlacing, Pick, PlaceAt, Stage};
 use serde_saphyr::Spanned;
 
 use crate::layout::own::Layout;
 use crate::layout::own_file::{BodyEntry, ScenarioFile, StepEntry, TaskEntry};
-use crate::{NamedTask, STEPS, ScenarioError, TargetPhysics};
+use crate::named_task::STEPS;
+use crate::{NamedTask, ScenarioError, TargetPhysics};
 
 impl Layout<'_> {
     /// The tasks of a file, its steps being one.

@@ -2,9 +2,9 @@ use std::collections::BTreeMap;
 
 use cranny_collision::{Body, Part, World};
 use cranny_grasp::GraspSet;
-use cranny_plan::PlaceGoal;
 use cranny_shape::{Outline, ShapeError, Solid, TriangleSoup};
 use cranny_spatial::{Pose, Vector};
+use cranny_task::PlaceGoal;
 
 use crate::{
     NamedTask, ObjectSource, OpenOptions, RecipeRobot, RobotSource, Scenario, ScenarioError, TargetPhysics,

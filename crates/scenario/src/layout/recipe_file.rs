@@ -4,8 +4,8 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use cranny_grasp::csv_text;
-use cranny_plan::{PlaceGoal, PlaceSpot};
 use cranny_spatial::{Pose, Rotation};
+use cranny_task::{PlaceGoal, PlaceSpot};
 
 use crate::files::atomic_file::write_into;
 use crate::layout::own;
@@ -123,8 +123,8 @@ impl Recipe {
     }
 }
 
-/// Configurations, one a line.
-pub(crate) fn configurations_text(configurations: &[Vec<f64>]) -> String {
+/// Configurations (one value per joint, m or rad), one a line.
+pub fn configurations_text(configurations: &[Vec<f64>]) -> String {
     let line = |q: &Vec<f64>| q.iter().map(f64::to_string).collect::<Vec<_>>().join(",") + "\n";
     configurations.iter().map(line).collect()
 }

@@ -5,16 +5,15 @@ use std::sync::Arc;
 use cranny_collision::{Body, Part, World};
 use cranny_file::TABLE;
 use cranny_grasp::{GraspSet, parse_csv, pose_of_rows};
-use cranny_plan::Criterion;
 use cranny_robot::{Robot, RobotOptions};
 use cranny_shape::{Solid, Surface, TriangleSoup};
 use cranny_spatial::{Pose, Vector};
+use cranny_task::Criterion;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 use serde_saphyr::Spanned;
 
-use crate::files::number_table;
-use crate::files::yaml;
+use crate::files::{number_table, yaml};
 use crate::layout::released_frame::{FLOOR_M, planning_from_scene};
 use crate::layout::released_grasps;
 use crate::layout::released_objects::{ObjectEntry, ObjectLibrary};

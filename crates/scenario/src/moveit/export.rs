@@ -59,7 +59,7 @@ pub fn moveit_scene_text(
     Ok(text)
 }
 
-/// Writes [`moveit_scene_text`] to a file, as a whole or not at all.
+/// Writes [`moveit_scene_text`] of the robot at `start` (m, rad; one per joint) to a file, as a whole or not at all.
 ///
 /// # Errors
 /// As there, and [`ScenarioError::Unwritable`].

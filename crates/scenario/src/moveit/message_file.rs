@@ -26,7 +26,8 @@ impl MessageFile<'_> {
         yaml::finite(self.path, number.value, number.referenced)
     }
 
-    /// Pose of an entry. A quaternion of four zeros, the default of a message, stands for the identity.
+    /// Pose of an entry in the frame that its message defines for it. A quaternion of four zeros, the default of a
+    /// message, stands for the identity.
     pub fn pose(&self, entry: &Spanned<PoseEntry>) -> Result<Pose, ScenarioError> {
         let position = entry.value.position.map_or([0.0; 3], |position| position.0);
         let orientation = entry.value.orientation.map_or([0.0; 4], |orientation| orientation.0);
@@ -41,6 +42,7 @@ impl MessageFile<'_> {
         Ok(Pose::from_parts(Vector::from(position).into(), rotation))
     }
 
+    /// As [`Self::pose`], in the same frame; the identity without an entry.
     pub fn optional_pose(&self, entry: Option<&Spanned<PoseEntry>>) -> Result<Pose, ScenarioError> {
         entry.map_or_else(|| Ok(Pose::identity()), |entry| self.pose(entry))
     }

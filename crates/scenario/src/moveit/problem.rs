@@ -3,8 +3,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use cranny_collision::{Margins, World};
-use cranny_plan::{Goal, Problem};
 use cranny_robot::Robot;
+use cranny_task::{Goal, Problem};
 
 use crate::moveit::base::world_from_root;
 use crate::moveit::form::{read_request, read_scene};
@@ -101,7 +101,7 @@ impl MoveItProblem {
     /// The problem to plan for, under `exact`. There is no target, so that `margins` has one margin only.
     ///
     /// # Errors
-    /// [`ScenarioError::Plan`] for a margin that is none.
+    /// [`ScenarioError::Task`] for a margin that is none.
     pub fn problem(&self, margins: Margins) -> Result<Problem, ScenarioError> {
         let goal = Goal::Configurations(self.goals.clone());
         let (robot, world) = (self.robot.clone(), self.world.clone());

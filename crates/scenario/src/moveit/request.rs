@@ -105,7 +105,7 @@ impl Files<'_> {
         })
     }
 
-    /// The configuration to start from.
+    /// The configuration to start from (m, rad; one per joint).
     pub fn start(
         &self,
         robot: &Robot,
@@ -135,7 +135,7 @@ impl Files<'_> {
         }
     }
 
-    /// The joints that goals name, with all values that they are to have.
+    /// The joints that goals name, with the values that they are to have (m, rad), one per constraint on the joint.
     pub fn goal_values(&self) -> Result<BTreeMap<&str, Vec<f64>>, ScenarioError> {
         let mut values: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
         for constraint in self.goal_constraints()?.iter().flat_map(|goal| &goal.value.joints) {
@@ -144,7 +144,8 @@ impl Files<'_> {
         Ok(values)
     }
 
-    /// The configurations to reach. A goal may name joints that do not move freely, if they are where it has them.
+    /// The configurations to reach (m, rad; one value per joint). A goal may name joints that do not move freely, if
+    /// they are where it has them.
     pub fn goals(
         &self,
         robot: &Robot,

@@ -1,5 +1,5 @@
-//! The built-in objects: generated from published dimensions of the YCB object set (Calli et al. 2015), origin
-//! in the middle of their bounds.
+//! The built-in objects: generated from published dimensions of the YCB object set (Calli et al. 2015, "The YCB object
+//! and model set", whole), origin in the middle of their bounds.
 
 mod banana;
 mod object_shape;

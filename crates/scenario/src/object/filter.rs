@@ -1,8 +1,8 @@
 use cranny_collision::{Body, World};
 use cranny_grasp::Hand;
-use cranny_plan::HandFilter;
 use cranny_shape::{Solid, Surface, TriangleSoup};
 use cranny_spatial::Pose;
+use cranny_task::HandFilter;
 
 use crate::ScenarioError;
 

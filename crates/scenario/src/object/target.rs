@@ -4,10 +4,10 @@ use cranny_collision::{Body, Part};
 use cranny_shape::{ConvexParts, DecompositionSettings, TriangleSoup};
 use cranny_spatial::{Pose, Vector};
 
-use crate::ObjectError;
 use crate::object::physics::TargetPhysics;
 use crate::{
-    DEFAULT_FRICTION, ObjectSettings, ObjectSource, ObjectType, RecipeBody, Scenario, ScenarioError,
+    DEFAULT_FRICTION, ObjectError, ObjectSettings, ObjectSource, ObjectType, RecipeBody, Scenario,
+    ScenarioError,
 };
 
 /// The target of a scenario, and where it stands.

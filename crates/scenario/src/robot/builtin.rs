@@ -2,11 +2,11 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use cranny_grasp::Hand;
-use cranny_plan::robot_hand;
 use cranny_robot::{
     HandDescription, MountingJoint, Robot, RobotDescription, RobotError, RobotOptions, TextSource, UrdfText,
 };
 use cranny_spatial::Pose;
+use cranny_task::robot_hand;
 
 use crate::ScenarioError;
 use crate::files::atomic_file::write_into;

@@ -15,7 +15,9 @@ const NEAR: f64 = 0.1 * EXACT_TRANSLATION_M;
 /// The grasp on the same two contacts that an arm of fewer than six joints can hold: the approach turns about the closing
 /// axis until the arm gets there. None if it does not get there from any of a few configurations.
 ///
-/// Damped least squares (Nakamura & Hanafusa 1986) on five rows: the position, and the turns about the other two axes.
+/// Damped least squares (Nakamura & Hanafusa 1986, whole; see
+/// [`damped_pseudo_inverse_step`](cranny_robot::damped_pseudo_inverse_step)) on five rows: the position, and the turns
+/// about the other two axes.
 pub(crate) fn held(robot: &Robot, grasp: &Grasp, random: &mut Stream) -> Option<Grasp> {
     let pose = &grasp.world_from_gripper;
     let (mut frames, mut jacobian) = (robot.frames(), robot.empty_jacobian());

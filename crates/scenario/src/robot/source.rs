@@ -122,7 +122,8 @@ impl RecipeRobot {
         self.scene_from_root.inverse()
     }
 
-    /// Where it starts: as its files say, else each joint as near to 0 as it can.
+    /// The configuration (m, rad; one per joint) in which it starts: that of its files, else each joint as near to 0
+    /// as it can.
     pub fn start(&self) -> Vec<f64> {
         let near_zero = || self.robot.limits().iter().map(|limits| limits.clamp(0.0)).collect();
         self.robot.default_start().map_or_else(near_zero, <[f64]>::to_vec)

@@ -190,8 +190,9 @@ impl BallTree {
 /// The ball around the points that stands out least of the planes, about, and by how much (m). One that
 /// stands out by no more than `enough_m` will do.
 ///
-/// Both the radius that is needed and the height above the highest plane are convex in the centre, so it
-/// goes down their sum by subgradients with ever smaller steps (Shor 1985).
+/// Both the radius that is needed and the height above the highest plane are convex in the centre, so it goes down
+/// their sum by subgradients with ever smaller steps (Shor 1985, "Minimization methods for non-differentiable
+/// functions", ch. 2).
 fn least_bulge(points: &[Point], planes: &[Plane], enough_m: f64) -> (Ball, f64) {
     const STEPS: usize = 16;
     /// After so many steps a ball that stands out so many times as far as it may never gets there.
@@ -249,8 +250,8 @@ fn enclosing(points: &[Point], rounding_m: f64) -> Ball {
     Ball { radius_m: ball.radius_m + rounding_m + SLACK_M, ..ball }
 }
 
-/// A small ball around balls: the centre moves towards whatever lies farthest, by ever smaller steps
-/// (Bădoiu & Clarkson 2003); the radius is then what is needed.
+/// A small ball around balls: the centre moves towards whatever lies farthest, by ever smaller steps (Bădoiu & Clarkson
+/// 2003, "Smaller core-sets for balls", whole, for balls in place of points); the radius is then what is needed.
 fn around_balls(balls: &[Ball]) -> Ball {
     /// Leaves the radius within 2 % of the least.
     const STEPS: usize = 50;

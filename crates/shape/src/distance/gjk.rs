@@ -1,4 +1,5 @@
-//! The distance of two convex cores by the algorithm of Gilbert, Johnson & Keerthi (1988), with both of its bounds
+//! The distance of two convex cores by the algorithm of Gilbert, Johnson & Keerthi (1988, "A fast procedure for
+//! computing the distance between complex objects in three-dimensional space", whole), with both of its bounds
 //! certified: whatever rounding does to the search, neither of them can be wrong by more than rounding itself.
 
 use parry3d_f64::math::{Pose as ParryPose, Vector as ParryVector};

@@ -19,7 +19,8 @@ impl Surface {
     /// distance, then by triangle. A ray through an edge meets each of its triangles; one that lies in a
     /// triangle's plane does not meet it. The origin itself counts.
     ///
-    /// The test of a triangle is that of Möller & Trumbore 1997.
+    /// The test of a triangle is that of Möller & Trumbore 1997, "Fast, minimum storage ray/triangle intersection",
+    /// whole.
     pub fn ray_hits(&self, origin: &Point, direction: &Vector, reach_m: f64) -> Vec<RayHit> {
         let mut hits = Vec::new();
         self.tree.along_ray(origin, direction, reach_m, |triangle| {

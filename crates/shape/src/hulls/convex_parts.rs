@@ -43,7 +43,8 @@ pub struct VolumeError {
 }
 
 impl ConvexParts {
-    /// Cuts the volume that `soup` encloses into convex parts (V-HACD, Mamou 2016) and measures the error.
+    /// Cuts the volume that `soup` encloses into convex parts (V-HACD as `parry` has it; Mamou 2016, "Volumetric
+    /// hierarchical approximate convex decomposition", whole) and measures the error.
     ///
     /// # Errors
     /// [`ShapeError::Open`] and the like for a mesh that encloses no volume; [`ShapeError::NoVolume`] where
@@ -89,9 +90,9 @@ impl ConvexParts {
 /// Lines along which volumes are compared: a share of the volume is then off by some 0.003.
 const LINES: u32 = 4096;
 
-/// Compares the volumes along vertical lines: what of the line lies in the mesh, and what in any part. The
-/// lines stand evenly but in no grid (Roberts 2018, R₂), so that none runs along the edges of a symmetric
-/// mesh.
+/// Compares the volumes along vertical lines: what of the line lies in the mesh, and what in any part. The lines stand
+/// evenly but in no grid (R₂ of Roberts 2018, "The unreasonable effectiveness of quasirandom sequences", whole), so
+/// that none runs along the edges of a symmetric mesh.
 fn volume_error(soup: &TriangleSoup, parts: &[TriangleSoup]) -> Result<VolumeError, ShapeError> {
     let mesh = Surface::new(soup)?;
     let parts: Vec<Surface> = parts.iter().map(Surface::new).collect::<Result<_, _>>()?;

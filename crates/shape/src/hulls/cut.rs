@@ -81,7 +81,8 @@ fn outermost(points: &[Point], axis: usize) -> Vec<Point> {
     kept.map(|((_, point), _)| **point).collect()
 }
 
-/// The corners of the convex hull of points in order, by index, anticlockwise (Andrew 1979).
+/// The corners of the convex hull of points in order, by index, anticlockwise (Andrew 1979, "Another efficient
+/// algorithm for convex hulls in two dimensions", whole).
 fn outline(points: &[PlanePoint]) -> Vec<usize> {
     if points.len() < 3 {
         return (0..points.len()).collect();

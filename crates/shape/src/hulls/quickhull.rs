@@ -15,8 +15,8 @@ pub(crate) fn hull_faces(points: &[ParryVector]) -> Option<HullFaces> {
     if points.len() <= MOST_FOR_LIBRARY { try_convex_hull(points).ok() } else { Quickhull::of(points) }
 }
 
-/// The algorithm of Barber, Dobkin and Huhdanpaa 1996, on exact predicates (Shewchuk 1997), in memory that grows with the
-/// number of points.
+/// The algorithm of Barber, Dobkin & Huhdanpaa 1996, "The Quickhull algorithm for convex hulls", whole, on exact
+/// predicates (Shewchuk 1997, §4, in the crate `robust`), in memory that grows with the number of points.
 ///
 /// 1. A tetrahedron of extreme points. Each other point belongs to one face that it is above, or is inside.
 /// 2. The farthest point of a face takes the place of all faces that it is above. It counts as above the faces of a plane

@@ -40,7 +40,8 @@ impl Walls {
     ///
     /// A segment from the point to where no triangle is meets each shell as often from within as from without if the
     /// point is outside (the winding number, counted). On which side of the segment an edge lies is decided exactly
-    /// (Shewchuk 1997); where the segment meets an edge, another is taken.
+    /// (Shewchuk 1997, "Adaptive precision floating-point arithmetic and fast robust geometric predicates", §4); where
+    /// the segment meets an edge, another is taken.
     pub fn around(
         &self,
         tree: &TriangleTree,
@@ -132,7 +133,8 @@ mod tests {
         sphere.triangles.iter().map(|triangle| corners(*triangle)).collect()
     }
 
-    /// The solid angles of all faces summed are a winding number too (Jacobson et al. 2013).
+    /// The solid angles of all faces summed are a winding number too (Jacobson et al. 2013, "Robust inside-outside
+    /// segmentation using generalized winding numbers", whole).
     #[test]
     fn crossings_count_what_solid_angles_sum_to() {
         let shells = [

@@ -2,8 +2,8 @@ use cranny_spatial::Point;
 
 use crate::mesh_files::polygon::triangulate;
 
-/// The corners of the triangles of a PLY file (Turk 1994), three at a time. Text and
-/// both binary forms; elements other than `vertex`, `face` and `tristrips` are passed over.
+/// The corners of the triangles of a PLY file (Turk 1994, "The PLY polygon file format", whole), three at a time. Text
+/// and both binary forms; elements other than `vertex`, `face` and `tristrips` are passed over.
 ///
 /// # Errors
 /// A sentence, with the line of a header or a text: a type or a form that is none, a name that is given twice, a count

@@ -11,8 +11,8 @@ use crate::mesh_files::side_sweep::crosses_itself;
 /// 1. The polygon is seen along the axis that its normal is nearest to (Newell's method), so that a polygon that is not
 ///    quite flat is cut where its shadow is, as other readers do.
 /// 2. A fan from the first corner, if all of it lies in the polygon.
-/// 3. Else ears are cut off (Meisters 1975): corners whose triangle holds no other corner. Which side of a line a corner
-///    is on is decided exactly.
+/// 3. Else ears are cut off (Meisters 1975, "Polygons have ears", whole): corners whose triangle holds no other corner.
+///    Which side of a line a corner is on is decided exactly.
 ///
 /// Corners on one line, and bridges to holes that run there and back, are no fault. Returns `None` for a polygon that
 /// crosses itself: what it encloses is not defined.

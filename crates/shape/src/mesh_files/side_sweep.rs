@@ -4,7 +4,9 @@ use std::ops::Bound::{Excluded, Unbounded};
 
 use robust::{Coord, orient2d};
 
-/// Returns whether two sides of a closed polygon cross at a point that is inside both (Shamos & Hoey 1976).
+/// Returns whether two sides of a closed polygon cross at a point that is inside both (Shamos & Hoey 1976, "Geometric
+/// intersection problems", whole; the segment test of Cormen, Leiserson, Rivest & Stein 2009, "Introduction to
+/// algorithms", §33.2).
 ///
 /// 1. A line sweeps over the corners by x, by y where x is equal.
 /// 2. Sides that it meets stand in the order in which it meets them; that order stays until two of them cross, which are

@@ -17,8 +17,9 @@ pub struct VolumeMoments {
 }
 
 impl VolumeMoments {
-    /// The moments of the volume that `soup` encloses: sums over the tetrahedra between each triangle and
-    /// one point, signed (Blow & Binstock 2004).
+    /// The moments of the volume that `soup` encloses: sums over the tetrahedra between each triangle and one point,
+    /// signed (Blow & Binstock 2004, "How to find the inertia tensor (or other mass properties) of a 3D solid body
+    /// represented by a triangle mesh", whole).
     ///
     /// # Errors
     /// [`ShapeError::Empty`], [`ShapeError::VertexIndex`], [`ShapeError::Open`] for a mesh with a hole,

@@ -20,9 +20,10 @@ pub struct StablePose {
 /// The stable poses of a body with these `points` and that centre of mass, the likeliest first. Their
 /// probabilities sum to 1.
 ///
-/// The quasi-static method (Goldberg et al. 1999; Boothroyd et al. 1972): a dropped body first meets the
-/// ground with the face of its convex hull through which the vertical from its centre of mass runs, so with
-/// a probability of that face's solid angle over 4π.
+/// The quasi-static method (Goldberg et al. 1999, "Part pose statistics: estimators and experiments", whole; Boothroyd
+/// et al. 1972, "Statistical distributions of natural resting aspects of parts for automatic handling", whole): a
+/// dropped body first meets the ground with the face of its convex hull through which the vertical from its centre of
+/// mass runs, so with a probability of that face's solid angle over 4π.
 /// 1. The faces of the hull: facets in one plane are one face.
 /// 2. The solid angle of each, seen from the centre of mass.
 /// 3. A face whose plane meets the vertical from the centre of mass outside of it does not hold the body: it

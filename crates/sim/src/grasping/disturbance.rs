@@ -48,8 +48,9 @@ impl Default for Uncertainty {
 }
 
 impl Uncertainty {
-    /// `count` disturbances: a Latin hypercube (`McKay`, Beckman & Conover 1979), which has one value in each of `count`
-    /// equal parts of every range. The same seed gives the same ones, for all grasps alike.
+    /// `count` disturbances: a Latin hypercube (`McKay`, Beckman & Conover 1979, "A comparison of three methods for
+    /// selecting values of input variables in the analysis of output from a computer code", whole), which has one value
+    /// in each of `count` equal parts of every range. The same seed gives the same ones, for all grasps alike.
     pub fn design(&self, count: usize, seed: u64) -> Vec<Disturbance> {
         let mut random = Stream::new(seed, 0);
         let columns: Vec<Vec<f64>> = (0..9).map(|_| column(count, &mut random)).collect();

@@ -123,7 +123,7 @@ impl ArmModel {
         Ok(Self { bodies, tip, drives })
     }
 
-    /// The arm at a configuration, held there by its drives.
+    /// The arm at a configuration (m, rad; one per joint), held there by its drives.
     pub fn insert(&self, robot: &Robot, q: &[f64], world: &mut PhysicsWorld) -> Arm {
         let frames = robot.frames_at(q);
         let mut arm = Arm {
@@ -212,7 +212,7 @@ impl Arm {
         self.bodies[self.tip]
     }
 
-    /// Tells the drives where to be and how fast.
+    /// Sets the targets of the drives: `q` (m, rad) and `velocity` (m/s, rad/s), one value per joint each.
     pub fn aim(&self, q: &[f64], velocity: &[f64], world: &mut PhysicsWorld) {
         for (index, joint) in self.joints.iter().enumerate() {
             let Some((handle, axis)) = *joint else { continue };
@@ -224,7 +224,7 @@ impl Arm {
         }
     }
 
-    /// Where the joints are.
+    /// The configuration (m, rad; one per joint) of the joints.
     pub fn configuration(&self, world: &PhysicsWorld) -> Vec<f64> {
         let value = |(joint, start): (&Option<(MultibodyJointHandle, JointAxis)>, &f64)| {
             let (handle, axis) = (*joint)?;

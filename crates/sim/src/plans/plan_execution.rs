@@ -1,9 +1,11 @@
 use cranny_collision::Body;
 use cranny_grasp::Hand;
-use cranny_plan::{Problem, Segment, picks_apart};
-use cranny_scenario::{PlanFile, Scenario, ScenarioError, TargetPhysics};
+use cranny_plan::PlanError;
+use cranny_record::PlanFile;
+use cranny_scenario::{Scenario, TargetPhysics};
 use cranny_solve::TaskTrajectory;
 use cranny_spatial::Pose;
+use cranny_task::{Problem, Segment, picks_apart};
 
 use crate::{DriveSettings, GraspTest, PlanRun, PlanTest, SimError};
 
@@ -54,7 +56,7 @@ impl PickPath {
     /// # Errors
     /// [`SimError::NoTimes`] for a robot without the limits for a trajectory, and those of [`PlanFile::states`].
     pub fn all_of(plan: &PlanFile, problem: &Problem) -> Result<Vec<Self>, SimError> {
-        let along = plan.states(problem).map_err(ScenarioError::from)?;
+        let along = plan.states(problem).map_err(PlanError::from)?;
         let picks = along.map_or_else(Vec::new, |along| along.picks);
         let object = |picking: &Problem| {
             let (cell, target) = picking.cell().zip(picking.target())?;
@@ -62,7 +64,7 @@ impl PickPath {
         };
         let cell = problem.cell().map(AsRef::as_ref);
         let of_pick = |(index, segments): (usize, &[Segment])| {
-            let timed = plan.trajectory_of(problem.robot(), cell, segments).map_err(ScenarioError::from)?;
+            let timed = plan.trajectory_of(problem.robot(), cell, segments)?;
             let timed = timed.ok_or(SimError::NoTimes)?;
             let end = segments.last().and_then(|last| last.waypoints.last()).cloned().unwrap_or_default();
             Ok(Self { object: picks.get(index).and_then(object), timed, end })
@@ -83,7 +85,7 @@ impl PlanExecution<'_> {
     /// The first object without a mass, if there is one, before anything takes its time.
     ///
     /// # Errors
-    /// [`ScenarioError`] for an object that the scenario does not have.
+    /// [`ScenarioError`](cranny_scenario::ScenarioError) for an object that the scenario does not have.
     pub fn massless<'p>(&self, picks: &'p [PickPath]) -> Result<Option<&'p PickPath>, SimError> {
         for pick in picks {
             let physics = self.instead.or(Self::at_pick(self.scenario, pick)?.target_physics());

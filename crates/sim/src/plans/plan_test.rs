@@ -1,7 +1,7 @@
 use std::cell::RefCell;
 use std::sync::Arc;
 
-use cranny_plan::{Trajectory, TrajectorySample};
+use cranny_path::{Trajectory, TrajectorySample};
 use cranny_robot::{IkSettings, IkSolver, LinkFrames, Robot};
 use cranny_solve::{CLOSING_S, TaskTrajectory};
 use cranny_spatial::{Pose, PoseDifference};

@@ -1,9 +1,9 @@
 use std::borrow::Cow;
 
 use cranny_collision::{Cell, Closest, Collider};
-use cranny_plan::State;
 use cranny_robot::Hold;
 use cranny_spatial::{Point, Vector};
+use cranny_task::State;
 use rayon::prelude::*;
 use serde::Serialize;
 

@@ -1,5 +1,5 @@
-use cranny_plan::{Mode, Segment, legs};
 use cranny_robot::Robot;
+use cranny_task::{Mode, Segment, legs};
 
 /// What becomes of an object along a path on which it is carried away: it stands, the hand closes on it, and from then on
 /// it goes with the hand, until that opens again where it is put down, if it is.

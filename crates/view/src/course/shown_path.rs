@@ -1,7 +1,8 @@
-use cranny_plan::{MAX_SAMPLE_RATE_HZ, Trajectory, joined, legs, path_length};
+use cranny_path::{MAX_SAMPLE_RATE_HZ, Trajectory, path_length};
+use cranny_record::PlanFile;
 use cranny_robot::{Robot, between, distance};
-use cranny_scenario::PlanFile;
 use cranny_solve::{CLOSING_S, TaskTrajectory};
+use cranny_task::{joined, legs};
 
 use crate::{ShownCarry, ViewError};
 
@@ -31,11 +32,11 @@ const UNTIMED_SPEED: f64 = 1.0;
 const MOST_INSTANTS: f64 = 1e5;
 
 impl ShownPath {
-    /// A row of way points at `rate_hz` samples a second, in the time of its trajectory, or at an even pace where it
-    /// has none. `None` for no way point.
+    /// A row of way points (m, rad; one value per joint) at `rate_hz` samples a second, in the time of its
+    /// trajectory, or at an even pace where it has none. `None` for no way point.
     ///
     /// # Errors
-    /// [`ViewError::Waypoint`] for a way point without one value per joint, [`ViewError::Plan`] for a rate that is
+    /// [`ViewError::Waypoint`] for a way point without one value per joint, [`ViewError::Path`] for a rate that is
     /// none.
     pub fn of(
         robot: &Robot,

@@ -44,7 +44,7 @@ impl<'a> Stance<'a> {
         Self { frames: robot.frames(), robot, carries: all }
     }
 
-    /// At a configuration and an instant in seconds.
+    /// At a configuration (m, rad; one per joint) and an instant in seconds.
     pub fn at(&mut self, q: &[f64], time_s: f64) -> Placed {
         let Self { robot, frames, carries } = self;
         // One thing at a time is held.

@@ -81,8 +81,9 @@ impl DrawList {
         step(normal.x) * 49 + step(normal.y) * 7 + step(normal.z)
     }
 
-    /// The same with all corners in one cube of a grid taken for one (Rossignac & Borrel 1993): fewer triangles that
-    /// cover the same, with neither colours nor surfaces.
+    /// The same with all corners in one cube of a grid taken for one (Rossignac & Borrel 1993, "Multi-resolution 3D
+    /// approximations for rendering complex scenes", whole): fewer triangles that cover the same, with neither colours
+    /// nor surfaces.
     pub fn coarse(&self, cell_m: f32) -> Self {
         #[allow(
             clippy::cast_possible_truncation,

@@ -169,8 +169,8 @@ fn mesh_box(mesh: &Mesh) -> Option<Aabb> {
     (!points.is_empty()).then(|| Aabb::around(&points, 0.0))
 }
 
-/// Whether the straight line between two points, given in the frame of the box, crosses the box (slab method;
-/// Kay & Kajiya 1986).
+/// Whether the straight line between two points, given in the frame of the box, crosses the box (slab method: Kay &
+/// Kajiya 1986, "Ray tracing complex scenes", whole; Ericson 2005, §5.3.3).
 fn is_crossed(around: &Aabb, from: &Point, to: &Point) -> bool {
     let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
     for axis in 0..3 {

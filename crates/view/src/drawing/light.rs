@@ -142,7 +142,9 @@ impl Light {
         let below = (0.5 - 0.5 * normal.z) * share.openness.sqrt();
         let arriving = self.open_sky(normal) * share.arriving + sun + DrawVector::from(GROUND) * below;
         let diffuse = albedo.component_mul(&arriving) * (1.0 - 0.85 * material.metallic);
-        // The sun's highlight (Blinn 1977), and the sky mirrored at grazing angles (Schlick 1994).
+        // The sun's highlight (Blinn 1977, "Models of light reflection for computer synthesized pictures", whole), and
+        // the sky mirrored at grazing angles (Schlick 1994, "An inexpensive BRDF model for physically-based rendering",
+        // whole).
         let cos_eye = normal.dot(to_eye).clamp(0.0, 1.0);
         let base = DrawVector::repeat(0.04).lerp(albedo, material.metallic);
         let grazing = (1.0 - cos_eye).powi(5) * (1.0 - material.roughness);
@@ -180,7 +182,8 @@ fn direction((turn_deg, rise_deg): (f64, f64)) -> DrawVector {
     cranny_spatial::Vector::new(cos_rise * cos_turn, cos_rise * sin_turn, sin_rise).cast()
 }
 
-/// Directions spread evenly over the upper half of the sphere (spherical Fibonacci points; Keinert et al. 2015).
+/// Directions spread evenly over the upper half of the sphere (spherical Fibonacci points; Keinert et al. 2015,
+/// "Spherical Fibonacci mapping", whole).
 fn sky_direction(index: u32) -> DrawVector {
     const GOLDEN_TURN_DEG: f64 = 137.507_764;
     let height = (f64::from(index) + 0.5) / f64::from(SKY_PATCHES);

@@ -115,7 +115,8 @@ impl Region {
     }
 }
 
-/// The part of a triangle that lies before the eye (Sutherland & Hodgman 1974).
+/// The part of a triangle that lies before the eye (Sutherland & Hodgman 1974, "Reentrant polygon clipping", whole, for
+/// one plane).
 fn before_eye(corners: &[DrawVector; 3]) -> Vec<DrawVector> {
     let mut kept = Vec::with_capacity(4);
     for (index, here) in corners.iter().enumerate() {
@@ -130,8 +131,9 @@ fn before_eye(corners: &[DrawVector; 3]) -> Vec<DrawVector> {
     kept
 }
 
-/// Where a ray meets a triangle, as weights of its corners (Möller & Trumbore 1997): the nearest place of the
-/// triangle where it passes by, as a sample at the very edge may, and its middle if it is seen from the edge.
+/// Where a ray meets a triangle, as weights of its corners (Möller & Trumbore 1997, "Fast, minimum storage ray/triangle
+/// intersection", whole): the nearest place of the triangle where it passes by, as a sample at the very edge may, and
+/// its middle if it is seen from the edge.
 pub(crate) fn weights(eye: &DrawPoint, ray: &DrawVector, [a, b, c]: [&DrawPoint; 3]) -> [f32; 3] {
     let (e1, e2) = (b - a, c - a);
     let p = ray.cross(&e2);

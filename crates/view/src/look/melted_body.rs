@@ -1,8 +1,8 @@
 //! Primitives melted into one smooth body.
 //!
 //! 1. Each primitive is a signed distance; a polynomial smooth minimum joins them with fillets.
-//! 2. The distance is sampled on a grid, and each cell that the surface crosses gets a vertex (surface nets,
-//!    Gibson 1998).
+//! 2. The distance is sampled on a grid, and each cell that the surface crosses gets a vertex (surface nets: Gibson
+//!    1998, "Constrained elastic surface nets", whole).
 //! 3. The vertices are moved onto the surface along its gradient, which is also their normal, so that a coarse
 //!    grid looks smooth.
 

@@ -1,6 +1,6 @@
 use cranny_collision::Cell;
-use cranny_plan::{IkStatus, PlaceGoal, PlaceSpot};
 use cranny_scenario::Scenario;
+use cranny_task::{IkStatus, PlaceGoal, PlaceSpot};
 use serde::Serialize;
 
 use crate::viewer::page_grasps::{self, PageGrasp};

@@ -83,7 +83,7 @@ impl PageFeed {
         Ok(())
     }
 
-    /// Shows the robot at a configuration (m, rad); `None`: as the page has it.
+    /// Shows the robot at a configuration (m, rad; one per joint); `None`: as the page has it.
     pub fn pose(&self, q: Option<Vec<f64>>) {
         self.told.send_modify(|told| {
             told.news.changes += 1;

@@ -1,5 +1,5 @@
 use cranny_grasp::{Grasp, GraspSet};
-use cranny_plan::{FailureReason, IkStatus};
+use cranny_task::{FailureReason, IkStatus};
 use serde::Serialize;
 
 use crate::{PagePlan, viewer::number_row};

@@ -1,9 +1,11 @@
 use cranny_collision::Cell;
 use cranny_file::at_least;
-use cranny_plan::{Audit, GraspFailure, NotChecked, Outcome, State, Trajectory, path_length};
+use cranny_path::{Audit, Trajectory, path_length};
+use cranny_plan::Outcome;
+use cranny_record::PlanFile;
 use cranny_robot::Robot;
-use cranny_scenario::PlanFile;
 use cranny_solve::TaskTrajectory;
+use cranny_task::{GraspFailure, NotChecked, State};
 use serde::Serialize;
 
 use crate::course::clearance_profile::ClearanceRows;
@@ -21,7 +23,7 @@ pub struct PagePlan {
     pub planner: String,
     /// How the search ended; None for bare way points.
     pub outcome: Option<Outcome>,
-    /// Of its path, as [`cranny_plan::path_length`] has it.
+    /// Of its path, as [`cranny_path::path_length`] has it.
     pub path_length: f64,
     /// The path in time; `None` for a plan without a path.
     pub path: Option<ShownPath>,
@@ -73,7 +75,8 @@ impl PagePlan {
         })
     }
 
-    /// Way points, from whoever planned them, with their time and what `verify` says of them.
+    /// Way points (m, rad; one value per joint), from whoever planned them, with their time and what `verify` says of
+    /// them.
     ///
     /// # Errors
     /// As [`ShownPath::of`].

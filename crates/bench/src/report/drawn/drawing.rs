@@ -72,7 +72,7 @@ impl Dash {
         [Self::Solid, Self::Long, Self::Short, Self::Mixed, Self::Dotted][index % 5]
     }
 
-    /// Lengths of strokes and gaps in turn, in pixels; none if it is solid.
+    /// Lengths of strokes and gaps in turn, in pixels, as many strokes as gaps; none if it is solid.
     pub fn lengths(self) -> &'static [f64] {
         match self {
             Self::Solid => &[],

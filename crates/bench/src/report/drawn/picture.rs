@@ -17,8 +17,9 @@ enum Surface {
     Sheet,
 }
 
-/// Told apart also by those who do not see all colours: Okabe & Ito 2008, "Color universal design", without
-/// the yellow and the black, which are too light and too strong for a line on white; grey is added.
+/// Told apart also by those who do not see all colours: Okabe & Ito 2008, "Color universal design", whole, without the
+/// yellow and the black, which are too light and too strong for a line on white; the purple is a darker one, and grey
+/// is added.
 pub const SERIES: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#aa4499", "#e69f00", "#56b4e9", "#5f5f5f"];
 
 /// Pixels of a PNG for each pixel of a drawing: 960 wide, sharp in print at a column's width.

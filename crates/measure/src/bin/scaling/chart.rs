@@ -17,7 +17,7 @@ pub struct Series {
     pub points: Vec<(f64, f64)>,
 }
 
-/// Told apart also by those who do not see all colours (Okabe & Ito 2008).
+/// Told apart also by those who do not see all colours (Okabe & Ito 2008, "Color universal design", whole).
 const COLORS: [&str; 4] = ["#0072B2", "#D55E00", "#009E73", "#CC79A7"];
 
 /// The panels side by side.

@@ -2,11 +2,11 @@ use std::sync::Arc;
 
 use cranny_collision::{Body, Margins, World};
 use cranny_grasp::{Grasp, GraspSet};
-use cranny_plan::{Goal, Problem};
 use cranny_robot::{LinkFrames, Robot};
 use cranny_scenario::{OpenOptions, Scenario};
 use cranny_shape::{Solid, separation};
 use cranny_spatial::{Pose, Stream, Vector};
+use cranny_task::{Goal, Problem};
 
 /// The built-in robot among random boxes that keep off its start and off some configurations with the poses
 /// to be reached. Fewer boxes are the first of the many.

@@ -10,9 +10,11 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use cranny_collision::{Cell, Scratch};
-use cranny_plan::{Budget, Outcome, Problem, Unobserved, audit};
+use cranny_path::audit;
+use cranny_plan::{Budget, Outcome, Unobserved};
 use cranny_robot::between;
 use cranny_spatial::Stream;
+use cranny_task::Problem;
 
 use crate::chart::{Panel, Series};
 use crate::clutter::Clutter;

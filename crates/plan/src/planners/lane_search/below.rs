@@ -26,7 +26,7 @@ impl LaneSearch<'_> {
         self.statistics.iterations
     }
 
-    /// What paths to each grasp cost beside their length.
+    /// Sets the costs of paths beside their length, one per grasp that they lead to, in the unit of the cost.
     pub fn set_grasp_costs(&mut self, costs: Vec<f64>) {
         self.grasp_costs = costs;
     }
@@ -42,8 +42,8 @@ impl LaneSearch<'_> {
         );
     }
 
-    /// Draws goals of one more batch, about a path that is known, for the next search: those to which a path may cost less
-    /// than `bound`.
+    /// Draws goals of one more batch, about a known path of way points (m, rad; one value per joint), for the next
+    /// search: those to which a path may cost less than `bound`.
     pub fn draw_goals(&mut self, pool: &mut GoalPool, path: &[Vec<f64>], bound: f64) {
         let Self { random, scratch, statistics, .. } = self;
         let found = pool.draw_batch(path, random, scratch, statistics);
@@ -53,9 +53,9 @@ impl LaneSearch<'_> {
         self.drawn.retain(|(goal, cost)| least(goal) + cost < bound);
     }
 
-    /// Looks anew for a path, one that shortened may cost less than `bound`, in at most so many iterations. Goals to which
-    /// the straight line costs more are forgotten. The tree from the start begins with the way points of `along`, if any,
-    /// but for its goal: what is found leaves that path somewhere.
+    /// Looks anew for a path, one that shortened may cost less than `bound`, in at most so many iterations. Goals to
+    /// which the straight line costs more are forgotten. The tree from the start begins with the way points of
+    /// `along` (m, rad; one value per joint), if any, but for its goal: what is found leaves that path somewhere.
     pub fn run_below(
         &mut self,
         bound: f64,

@@ -1,0 +1,479 @@
+use std::ops::Range;
+
+use cranny_collision::{Cell, Collider, Contact, Measuring, Motion, NearestPair, Scratch};
+use cranny_grasp::GraspSet;
+use cranny_robot::{between, distance};
+use cranny_spatial::PoseDifference;
+use cranny_task::{Goal, NotChecked, OwnGrasp, Problem, Validity};
+use rayon::prelude::*;
+use serde::Serialize;
+
+use crate::clearance_limit::ClearanceLimit;
+use crate::grasp_judge::GraspJudge;
+use crate::step::{RELEASED_STEP_M, Stepper};
+use crate::{Cause, GoalError, JointOffset, Location, PathError, PickAudit, Violation};
+
+/// What a judge found in a path.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Audit {
+    /// Whether the path meets the criterion: no violation at all.
+    pub valid: bool,
+    /// What is wrong, in the order of the path: of the first thousand edges that touch something every pair, of
+    /// further ones a single pair.
+    pub violations: Vec<Violation>,
+    /// How the path ends: the nearest grasp, and how far it is.
+    pub goal: Option<GoalError>,
+    /// The grasp that it ends at, where no set of them is given and it is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub own_grasp: Option<OwnGrasp>,
+    /// The grasps of all picks of a task, where there are several; `goal` and `own_grasp` are those of the first.
+    #[serde(skip_serializing_if = "is_one_pick")]
+    pub picks: Vec<PickAudit>,
+    /// The least distance along the whole path, in metres, certified from below (`exact` only); `None` where
+    /// there is nothing to touch.
+    pub clearance_m: Option<f64>,
+    /// The two things that limit it; `None` where it is 0, infinite, or not measured edge by edge.
+    pub clearance_limit: Option<ClearanceLimit>,
+    /// The same for every edge (`exact` only); 0 for an edge that is not proven.
+    pub clearances_per_edge_m: Vec<Option<f64>>,
+    /// What touches and was not compared (`exact` only): all that is said holds but for these.
+    pub not_checked: Vec<NotChecked>,
+}
+
+impl Audit {
+    /// The score of the grasp that the path ends at, if it ends at one that has a score.
+    pub fn grasp_score(&self, problem: &Problem) -> Option<f64> {
+        let given = || problem.grasps()?.grasps()[self.goal?.grasp].score;
+        self.own_grasp.map_or_else(given, |grasp| Some(grasp.score))
+    }
+
+    /// The verdict on no motion at all.
+    pub fn of_nothing() -> Self {
+        Self {
+            valid: false,
+            violations: Vec::new(),
+            goal: None,
+            own_grasp: None,
+            picks: Vec::new(),
+            clearance_m: None,
+            clearance_limit: None,
+            clearances_per_edge_m: Vec::new(),
+            not_checked: Vec::new(),
+        }
+    }
+
+    /// Adds the grasp of a pick.
+    pub(crate) fn add_pick(&mut self, pick: PickAudit) {
+        if self.picks.is_empty() {
+            (self.goal, self.own_grasp) = (pick.goal, pick.own_grasp);
+        }
+        self.picks.push(pick);
+    }
+
+    /// The same with the grasps that somebody states for the stages of picks judged too, as far as they are grasps.
+    #[must_use]
+    pub fn with_said_grasps(mut self, said: &[(usize, OwnGrasp)]) -> Self {
+        for (stage, said) in said {
+            let Some(pick) = self.picks.iter().find(|pick| pick.stage == *stage) else { continue };
+            let way_point = pick.way_point;
+            if let Some(measured) = pick.own_grasp.filter(|measured| !measured.is_as_said(said)) {
+                let said_and_measured = Box::new([*said, measured]);
+                let cause = Cause::SaidGrasp { said_and_measured };
+                self.violations.push(Violation::at_way_point(way_point, cause));
+                self.valid = false;
+            }
+        }
+        self
+    }
+}
+
+fn is_one_pick(picks: &[PickAudit]) -> bool {
+    picks.len() < 2
+}
+
+/// How far a path may begin from the start of its problem, per joint (m or rad): way points are often
+/// written with six digits.
+const START_TOLERANCE: f64 = 1e-5;
+
+/// The length of a path of way points (m, rad; one value per joint): the sum of the L2 lengths of its edges in
+/// configuration space (m and rad mixed).
+pub fn path_length(path: &[Vec<f64>]) -> f64 {
+    path.windows(2).map(|edge| distance(&edge[0], &edge[1])).fold(0.0, |sum, length| sum + length)
+}
+
+/// What is judged of a path.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AuditSettings {
+    /// Whether it must end at a goal. Default: it must.
+    pub at_goal: bool,
+    /// Which clearances are measured. Default: those of edges.
+    pub clearances: Clearances,
+}
+
+/// Which clearances are measured besides the verdict, under the exact criterion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Clearances {
+    /// None: a fraction of the time of the others.
+    None,
+    /// The least along the path, a proven bound at most a tenth (and 10 µm) below the truth.
+    OfPath,
+    /// The least along every edge, proven bounds at most 10 µm below the truth: some milliseconds an edge.
+    OfEdges,
+}
+
+/// How far the clearance of a path may lie below the truth, as a share of it.
+const PATH_SHARE: f64 = 0.1;
+
+impl Default for AuditSettings {
+    fn default() -> Self {
+        Self { at_goal: true, clearances: Clearances::OfEdges }
+    }
+}
+
+/// Judges a path of way points (m, rad; one value per joint), whoever made it, by the criterion of `problem`;
+/// [`audit_with`] the default settings.
+///
+/// # Errors
+/// As [`audit_with`].
+pub fn audit(problem: &Problem, path: &[Vec<f64>]) -> Result<Audit, PathError> {
+    audit_with(problem, path, AuditSettings::default())
+}
+
+/// Judges a path of way points (m, rad; one value per joint), whoever made it, by the criterion of `problem`. The
+/// verdict does not depend on what is measured, but for this: a proof that the clearance of its own edge contradicts
+/// is none.
+///
+/// 1. It begins at the start.
+/// 2. Every way point is within the joint limits.
+/// 3. Under `exact` every edge is proven, with every pair of links checked that is free at any way point; under `paper` every way point but the first and the last (a goal
+///    root is not checked by the released planners) passes the released check, and no step is longer than
+///    theirs.
+/// 4. It ends at a goal, if that is asked: without a set of grasps, in a grasp of the target that its surface shows to be
+///    good enough, and with a proof that the fingers can close on it.
+///
+/// # Errors
+/// [`TaskError::JointCount`](cranny_task::TaskError::JointCount) or [`TaskError::NotFinite`](cranny_task::TaskError::NotFinite) for a way point that is no configuration of the
+/// robot, [`PathError::EmptyPath`] for a path without way points.
+pub fn audit_with(problem: &Problem, path: &[Vec<f64>], settings: AuditSettings) -> Result<Audit, PathError> {
+    for q in path {
+        problem.check_configuration("way point", q)?;
+    }
+    let (Some(first), Some(last)) = (path.first(), path.last()) else { return Err(PathError::EmptyPath) };
+    let mut violations = Vec::new();
+    // 1.
+    let (joint_names, limits) = (problem.robot().joint_names(), problem.robot().limits());
+    let offset = |joint: usize, off: f64| {
+        let (joint, unit) = (joint_names[joint].clone(), limits[joint].unit);
+        JointOffset { joint, off, unit }
+    };
+    for (joint, (a, b)) in first.iter().zip(problem.start()).enumerate() {
+        let off = (a - b).abs();
+        if off > START_TOLERANCE {
+            violations.push(Violation::at_way_point(0, Cause::Start(offset(joint, off))));
+        }
+    }
+    // 2.
+    for (way_point, q) in path.iter().enumerate() {
+        for (joint, (value, limits)) in q.iter().zip(limits).enumerate() {
+            let excess = (limits.lower - value).max(value - limits.upper);
+            if excess > 0.0 {
+                let cause = Cause::JointLimit(offset(joint, excess));
+                violations.push(Violation::at_way_point(way_point, cause));
+            }
+        }
+    }
+    // 3.
+    let (mut clearances_per_edge_m, mut clearance_m, mut clearance_limit) = (Vec::new(), None, None);
+    let mut not_checked = Vec::new();
+    match problem.validity() {
+        Validity::Exact(cell) => {
+            not_checked = NotChecked::of(cell);
+            violations.extend(cell.standing_contact().map(|contact| {
+                let Contact { clearance_m, required_m, .. } = contact;
+                let at = Location::of_contact(cell, 0, 0.0, &contact);
+                Violation { at, cause: Cause::Clearance { clearance_m, required_m } }
+            }));
+            // A path of one way point is an edge of no length.
+            let single = [first.clone(), first.clone()];
+            let path = if path.len() == 1 { &single[..] } else { path };
+            let mut faulty = 0;
+            for begin in (0..path.len() - 1).step_by(EDGES_AT_ONCE) {
+                let detail = if faulty < MOST_DETAILED { Detail::EveryPair } else { Detail::FirstPair };
+                let edges = begin..(begin + EDGES_AT_ONCE).min(path.len() - 1);
+                for (found, measured) in judge_edges(cell, path, edges, settings.clearances, detail) {
+                    let measured = measured.filter(|(least_m, _)| least_m.is_finite());
+                    let least_m = measured.map(|(least_m, _)| least_m);
+                    if let Some((least_m, nearest)) =
+                        measured.filter(|(m, _)| clearance_m.is_none_or(|least| *m < least))
+                    {
+                        clearance_m = Some(least_m);
+                        clearance_limit = nearest.map(|nearest| ClearanceLimit::of(cell, &nearest));
+                    }
+                    if settings.clearances == Clearances::OfEdges {
+                        clearances_per_edge_m.push(least_m);
+                    }
+                    faulty += usize::from(found.is_err());
+                    violations.extend(found.err().into_iter().flatten());
+                }
+            }
+            if settings.clearances == Clearances::OfPath {
+                let found = cell.path_clearance(path, PATH_SHARE, &mut cell.scratch());
+                clearance_m = Some(if faulty > 0 { 0.0 } else { found }).filter(|found| found.is_finite());
+            }
+        }
+        Validity::Paper { check, .. } => {
+            let mut scratch = check.scratch();
+            let mut stepper = Stepper::new(problem.robot());
+            for (edge, pair) in path.windows(2).enumerate() {
+                let moved_m = stepper.displacement_between(problem.robot(), &pair[0], &pair[1]);
+                if moved_m > RELEASED_STEP_M * (1.0 + 1e-9) {
+                    let excess_m = moved_m - RELEASED_STEP_M;
+                    violations.push(Violation::at_way_point(edge, Cause::Step { excess_m }));
+                }
+            }
+            for (way_point, q) in path.iter().enumerate().take(path.len() - 1).skip(1) {
+                if problem.robot().within_limits(q) && !check.is_free(q, &mut scratch) {
+                    violations.push(Violation::at_way_point(way_point, Cause::NotFree));
+                }
+            }
+        }
+    }
+    // 4.
+    let end = End { way_point: path.len() - 1, q: last, must_arrive: settings.at_goal };
+    let (goal, own_grasp) = judge_end(problem, &end, &offset, &mut violations);
+    let valid = violations.is_empty();
+    Ok(Audit {
+        valid,
+        violations,
+        goal,
+        own_grasp,
+        picks: vec![PickAudit { stage: 0, goal, own_grasp, way_point: path.len() - 1 }],
+        clearance_m,
+        clearance_limit,
+        clearances_per_edge_m,
+        not_checked,
+    })
+}
+
+/// The last way point of a path.
+struct End<'a> {
+    way_point: usize,
+    q: &'a [f64],
+    /// Whether it must be at a goal.
+    must_arrive: bool,
+}
+
+/// How a path ends: the nearest of the given grasps, or the one that the hand takes there.
+fn judge_end(
+    problem: &Problem,
+    end: &End,
+    offset: &dyn Fn(usize, f64) -> JointOffset,
+    violations: &mut Vec<Violation>,
+) -> (Option<GoalError>, Option<OwnGrasp>) {
+    let End { way_point, q: last, must_arrive } = *end;
+    let mut own_grasp = None;
+    let goal = match (problem.goal(), problem.grasp_measure()) {
+        (_, Some(measure)) => {
+            match GraspJudge::new(measure).grasp_at(last) {
+                Ok(grasp) => own_grasp = Some(grasp),
+                Err(cause) if must_arrive => violations.push(Violation::at_way_point(way_point, cause)),
+                Err(_) => {}
+            }
+            None
+        }
+        (Goal::Grasps(grasps), None) => {
+            let end = end_at_grasp(problem, grasps, last);
+            let nearest = end.map(|(grasp, difference)| GoalError {
+                grasp,
+                translation_error_m: difference.translation_m,
+                rotation_error_rad: difference.rotation_rad,
+            });
+            let has_arrived = end.is_some_and(|(_, difference)| problem.is_arrival(&difference));
+            if must_arrive && !has_arrived {
+                violations.push(Violation::at_way_point(way_point, Cause::Grasp { nearest }));
+            }
+            nearest
+        }
+        (Goal::Configurations(goals), None) => {
+            // The joint that is farthest off, of the goal where that is least.
+            let worst = |goal: &Vec<f64>| {
+                let off = goal.iter().zip(last).enumerate();
+                let off = off.map(|(joint, (a, b))| (joint, problem.robot().joint_difference(joint, *a, *b)));
+                off.max_by(|a, b| a.1.total_cmp(&b.1))
+            };
+            let nearest = goals.iter().filter_map(worst).min_by(|a, b| a.1.total_cmp(&b.1));
+            if let Some((joint, off)) = nearest.filter(|(_, off)| must_arrive && *off > START_TOLERANCE) {
+                let cause = Cause::Configuration { farthest: offset(joint, off) };
+                violations.push(Violation::at_way_point(way_point, cause));
+            }
+            None
+        }
+    };
+    (goal, own_grasp)
+}
+
+/// The score of the grasp at which a path ends that ends at one.
+pub(crate) fn end_score(problem: &Problem, q: &[f64]) -> Option<f64> {
+    if let Some(measure) = problem.grasp_measure() {
+        return GraspJudge::new(measure).grasp_at(q).ok().map(|grasp| grasp.score);
+    }
+    let grasps = problem.grasps()?;
+    grasps.grasps()[end_at_grasp(problem, grasps, q)?.0].score
+}
+
+/// The end of a path against one of the given grasps of a problem, by its index, where the gripper has arrived at it.
+/// `q`: one value per joint, m or rad.
+///
+/// # Panics
+/// If `q` has not one value per joint.
+pub fn arrival_at(problem: &Problem, grasp: usize, q: &[f64]) -> Option<GoalError> {
+    let frames = problem.robot().frames_at(q);
+    let difference = problem.grasps()?.grasps().get(grasp)?.difference(frames.link(problem.robot().tip()));
+    let PoseDifference { translation_m, rotation_rad } = difference;
+    let found = GoalError { grasp, translation_error_m: translation_m, rotation_error_rad: rotation_rad };
+    problem.is_arrival(&difference).then_some(found)
+}
+
+/// The grasp at which the path ends: of those where the gripper has arrived the one with the best score,
+/// else the nearest.
+fn end_at_grasp(problem: &Problem, grasps: &GraspSet, q: &[f64]) -> Option<(usize, PoseDifference)> {
+    let frames = problem.robot().frames_at(q);
+    let gripper = frames.link(problem.robot().tip());
+    let arrived = |&grasp: &usize| {
+        let difference = grasps.grasps()[grasp].difference(gripper);
+        problem.is_arrival(&difference)
+    };
+    match grasps
+        .by_score()
+        .into_iter()
+        .find(|g| problem.criterion() == cranny_task::Criterion::Exact && arrived(g))
+    {
+        Some(grasp) => Some((grasp, grasps.grasps()[grasp].difference(gripper))),
+        None => grasps.nearest(gripper),
+    }
+}
+
+/// So many edges are judged by all cores before the next ones are.
+const EDGES_AT_ONCE: usize = 1024;
+
+/// Fewer are not worth a thread, and the scratch that it needs.
+const EDGES_PER_THREAD: usize = 128;
+
+/// After about so many edges with faults, of each further one a single pair that touches is told: to find all takes
+/// milliseconds an edge, and a path may have a million.
+const MOST_DETAILED: usize = 1000;
+
+/// What is told of an edge that touches something.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Detail {
+    /// Every pair that touches, where it is deepest.
+    EveryPair,
+    /// One pair, at an end, in the middle, or where the proof met it.
+    FirstPair,
+}
+
+/// Verdict on an edge: proven, or its violations; and its least clearance (m) where that is measured, with the pair
+/// that has it.
+type JudgedEdge = (Result<(), Vec<Violation>>, Option<(f64, Option<NearestPair>)>);
+
+/// Judges each edge: proven, or its violations, and its least clearance (m) if that is measured.
+fn judge_edges(
+    cell: &Cell,
+    path: &[Vec<f64>],
+    edges: Range<usize>,
+    clearances: Clearances,
+    detail: Detail,
+) -> Vec<JudgedEdge> {
+    let judge = |scratch: &mut Scratch, edge: usize| {
+        let (a, b) = (&path[edge], &path[edge + 1]);
+        let found = judge_edge(cell, edge, [a, b], detail, scratch);
+        if clearances != Clearances::OfEdges {
+            return (found, None);
+        }
+        if found.is_err() {
+            return (found, Some((0.0, None)));
+        }
+        let measured = cell.measure_motion([a, b], Measuring::default(), scratch);
+        match measured.contradiction {
+            Some((at, contact)) => {
+                (Err(vec![Violation::unresolved(cell, edge, at, &contact)]), Some((0.0, None)))
+            }
+            None => (found, Some((measured.least_m, measured.nearest))),
+        }
+    };
+    if edges.len() <= EDGES_PER_THREAD {
+        let mut scratch = cell.scratch();
+        return edges.map(|edge| judge(&mut scratch, edge)).collect();
+    }
+    edges.into_par_iter().with_min_len(EDGES_PER_THREAD).map_init(|| cell.scratch(), judge).collect()
+}
+
+/// Whether an edge is proven; else what is wrong with it on the way, if not only its ends are.
+fn judge_edge(
+    cell: &Cell,
+    edge: usize,
+    [a, b]: [&[f64]; 2],
+    detail: Detail,
+    scratch: &mut Scratch,
+) -> Result<(), Vec<Violation>> {
+    let of_contact = |(along, contact): &(f64, Contact)| Violation::of_contact(cell, edge, *along, contact);
+    if detail == Detail::FirstPair {
+        // Where the ends or the middle touch something, a proof would only look for the first such place.
+        let found = deepest_contacts(cell, [a, b], None, 2, scratch);
+        if let Some(first) = found.first() {
+            return Err(vec![of_contact(first)]);
+        }
+    }
+    let seed = match cell.motion_is_free(a, b, scratch) {
+        Motion::Proven => return Ok(()),
+        Motion::Unresolved { at, contact } => {
+            return Err(vec![Violation::unresolved(cell, edge, at, &contact)]);
+        }
+        Motion::Contact { at, contact } => Some((at, contact)),
+        // The limits are judged at the way points; what touches on the way counts all the same.
+        Motion::OutOfLimits { .. } => None,
+    };
+    let contacts = match seed {
+        Some(first) if detail == Detail::FirstPair => vec![first],
+        None if detail == Detail::FirstPair => Vec::new(),
+        seed => deepest_contacts(cell, [a, b], seed, SAMPLES, scratch),
+    };
+    Err(contacts.iter().map(of_contact).collect())
+}
+
+/// How many pieces an edge is cut into to find what it touches.
+const SAMPLES: u32 = 64;
+
+/// Every pair that touches on an edge, each at the deepest of the ends of so many pieces and of `seed`.
+fn deepest_contacts(
+    cell: &Cell,
+    [a, b]: [&[f64]; 2],
+    seed: Option<(f64, Contact)>,
+    pieces: u32,
+    scratch: &mut Scratch,
+) -> Vec<(f64, Contact)> {
+    let mut found: Vec<(f64, Contact)> = Vec::from_iter(seed);
+    let mut keep = |at: f64, contact: Contact| {
+        let same = |c: &(f64, Contact)| (c.1.first, c.1.second) == (contact.first, contact.second);
+        let rank = |c: &Contact| c.depth_m - c.clearance_m;
+        match found.iter_mut().find(|c| same(c)) {
+            Some(known) if rank(&known.1) >= rank(&contact) => {}
+            Some(known) => *known = (at, contact),
+            None => found.push((at, contact)),
+        }
+    };
+    for sample in 0..=pieces {
+        let at = f64::from(sample) / f64::from(pieces);
+        let q: Vec<f64> = between(a, b, at).collect();
+        for contact in cell.contacts(&q, scratch) {
+            keep(at, contact);
+        }
+    }
+    // Links first, then bodies, in the order of the robot: the same list for the same path.
+    let rank = |collider: Collider| match collider {
+        Collider::Link(link) => (0, link),
+        Collider::Body(body) => (1, body),
+    };
+    found.sort_by_key(|(_, contact)| (rank(contact.first), rank(contact.second)));
+    found
+}

@@ -1,0 +1,52 @@
+/// What makes a path malformed, or a trajectory along it impossible. That a path collides is a verdict, not an error.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum PathError {
+    /// A path has no way point.
+    #[error("the path has no way points")]
+    EmptyPath,
+    /// The weight of a grasp's score is none.
+    #[error("{weight} is no weight of a score; it must be finite and at least 0")]
+    ScoreWeight {
+        /// The weight.
+        weight: f64,
+    },
+    /// A joint has no limit that a trajectory needs.
+    #[error(
+        "joint '{joint}' has no {quantity} limit, which a trajectory needs; give it one in the limits.yaml of \
+         the robot"
+    )]
+    MissingLimit {
+        /// Which joint.
+        joint: String,
+        /// Of what: `acceleration` or `jerk`.
+        quantity: &'static str,
+    },
+    /// A joint has a limit that no motion can keep to.
+    #[error("joint '{joint}' has a {quantity} limit of {value}, but it must be positive and finite")]
+    Limit {
+        /// Which joint.
+        joint: String,
+        /// Of what.
+        quantity: &'static str,
+        /// The limit.
+        value: f64,
+    },
+    /// Corners are cut under limits of acceleration only.
+    #[error("corners cannot be cut where jerk is limited: a parabola begins with a jump of the acceleration")]
+    BlendedJerk,
+    /// Corners are cut on the way to a grasp only.
+    #[error("corners cannot be cut where an object is carried: what is in the hand was not compared there")]
+    BlendedTask,
+    /// A trajectory cannot be sampled at this rate.
+    #[error("a trajectory is sampled at more than 0 and at most {greatest_hz} Hz, not at {rate_hz}")]
+    SampleRate {
+        /// The rate asked for.
+        rate_hz: f64,
+        /// The greatest that there is.
+        greatest_hz: f64,
+    },
+    /// The task of the path is malformed.
+    #[error(transparent)]
+    Task(#[from] cranny_task::TaskError),
+}

@@ -1,0 +1,52 @@
+use cranny_collision::Scratch;
+use cranny_grasp::rows_of_pose;
+use cranny_task::{ClosedHand, FailureReason, GraspMeasure, OwnGrasp};
+
+use crate::Cause;
+
+/// Says of a configuration whether the hand holds the target there: the one judge, whom planners ask too.
+#[derive(Debug)]
+pub struct GraspJudge<'a> {
+    measure: &'a GraspMeasure,
+    scratch: Scratch,
+}
+
+impl<'a> GraspJudge<'a> {
+    /// A judge of grasps by a measure.
+    pub fn new(measure: &'a GraspMeasure) -> Self {
+        Self { measure, scratch: measure.hand().holding().scratch() }
+    }
+
+    /// The grasp that the hand takes at a configuration (m, rad; one per joint).
+    ///
+    /// 1. The fingers close on the target, which stays where it is, each until it touches, and proven meet nothing else on
+    ///    their way.
+    /// 2. Where the pads touch the surface of the target, they are in force closure, with a score of
+    ///    [`GraspMeasure::LEAST_SCORE`] or more.
+    ///
+    /// # Errors
+    /// The fault of it.
+    ///
+    /// # Panics
+    /// If `q` has not one value per joint.
+    pub fn grasp_at(&mut self, q: &[f64]) -> Result<OwnGrasp, Cause> {
+        let grip = |reason| Cause::Grip { reason };
+        // 1.
+        let robot = self.measure.hand().holding().robot();
+        let world_from_gripper = *robot.frames_at(q).link(robot.tip());
+        let ClosedHand { opening_m, uneven_m, touching, .. } =
+            self.measure.hand().close_each(q, &mut self.scratch).map_err(grip)?;
+        // 2.
+        let score = self
+            .measure
+            .pad_score(&world_from_gripper, &touching)
+            .ok_or_else(|| grip(FailureReason::ClosesOnNothing))?;
+        if score < GraspMeasure::LEAST_SCORE {
+            return Err(Cause::WeakGrasp { score, required: GraspMeasure::LEAST_SCORE });
+        }
+        let rows = rows_of_pose(&world_from_gripper);
+        let row = |row: usize| std::array::from_fn(|column| rows[4 * row + column]);
+        let uneven_m = Some(uneven_m);
+        Ok(OwnGrasp { world_from_gripper: std::array::from_fn(row), opening_m, score, uneven_m })
+    }
+}

@@ -1,0 +1,227 @@
+use std::sync::Arc;
+
+use cranny_collision::{Cell, Scratch};
+use cranny_grasp::GraspSet;
+use cranny_robot::between;
+use cranny_task::Problem;
+use serde::{Deserialize, Serialize};
+use strum::EnumString;
+
+use crate::audit::end_score;
+use crate::joint_metric::JointMetric;
+use crate::{MotionLimits, PathError, TimingMethod, Trajectory};
+
+/// What is measured of a path.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, EnumString)]
+#[serde(rename_all = "lowercase")]
+#[strum(serialize_all = "lowercase")]
+pub enum CostKind {
+    /// Its length in the metric weighted by reach: a joint weighs as many metres as it moves the farthest point beyond
+    /// it per radian, at most 1, and a prismatic joint 1.
+    #[default]
+    Length,
+    /// Its plain L2 length, metres and radians alike.
+    L2,
+    /// The seconds of the time-optimal trajectory along it, which stops where the path turns.
+    Time,
+    /// Its length in the metric weighted by reach, each piece up to eleven times as long the nearer the robot comes there
+    /// to the world than 20 mm: [`Self::PENALTY`], [`Self::WISHED_M`].
+    Clearance,
+}
+
+impl CostKind {
+    /// Under [`Self::Clearance`] the robot is to keep so far off the world where it can, in metres: more than the errors
+    /// of a calibrated arm, less than the openings that it must pass.
+    pub const WISHED_M: f64 = 0.02;
+    /// Under [`Self::Clearance`] a motion in contact is so many times longer than it is, besides: a detour of as much is
+    /// worth it.
+    pub const PENALTY: f64 = 10.0;
+}
+
+/// What a path costs: what is measured of it, minus the score of its grasp times a weight.
+///
+/// Laws: a path costs the same forwards and backwards, and a way point on a straight edge adds nothing, but for
+/// [`CostKind::Clearance`], which is sampled (test `a_detour_costs_and_a_way_point_on_the_way_does_not`).
+#[derive(Clone, Debug)]
+pub struct PathCost {
+    /// By which a search is bounded; it tells lengths from each other as the measure does, or nearly so.
+    metric: JointMetric,
+    /// Where time is measured.
+    limits: Option<MotionLimits>,
+    /// Where clearances are measured.
+    cell: Option<Arc<Cell>>,
+    score_weight: f64,
+}
+
+impl PathCost {
+    /// The cost of paths of the robot of a problem, with `score_weight` for a score of 1, in the unit of the measure.
+    ///
+    /// # Errors
+    /// [`PathError::ScoreWeight`] unless the weight is finite and at least 0; those of [`MotionLimits::of`] for
+    /// [`CostKind::Time`]; [`TaskError::Goal`](cranny_task::TaskError::Goal) for [`CostKind::Clearance`] under another criterion than `exact`.
+    pub fn new(problem: &Problem, kind: CostKind, score_weight: f64) -> Result<Self, PathError> {
+        if !(score_weight.is_finite() && score_weight >= 0.0) {
+            return Err(PathError::ScoreWeight { weight: score_weight });
+        }
+        let robot = problem.robot();
+        let limits = match kind {
+            CostKind::Time => Some(MotionLimits::of(robot, TimingMethod::TimeOptimal)?),
+            CostKind::Length | CostKind::L2 | CostKind::Clearance => None,
+        };
+        let cell = match kind {
+            CostKind::Clearance => Some(problem.exact_cell("cost")?.clone()),
+            CostKind::Length | CostKind::L2 | CostKind::Time => None,
+        };
+        let metric = match (kind, &limits) {
+            (CostKind::L2, _) => JointMetric::plain(robot.dof()),
+            (_, Some(limits)) => JointMetric::by_speed(limits),
+            (_, None) => JointMetric::by_reach(robot),
+        };
+        Ok(Self { metric, limits, cell, score_weight })
+    }
+
+    /// The measure of a path of way points (m, rad; one value per joint), in the unit of its [`CostKind`].
+    ///
+    /// # Errors
+    /// Those of [`Trajectory::along`] where time is measured.
+    pub fn measure(&self, path: &[Vec<f64>]) -> Result<f64, PathError> {
+        match (&self.limits, &self.cell) {
+            (Some(limits), _) => Ok(Trajectory::along(path, limits)?.duration_s()),
+            (None, Some(cell)) => {
+                let mut scratch = cell.scratch();
+                Ok(sum(path.windows(2).map(|edge| self.of_edge(&edge[0], &edge[1], &mut scratch))))
+            }
+            (None, None) => Ok(self.length(path)),
+        }
+    }
+
+    /// The cost of a path of way points (m, rad; one value per joint) to a grasp of this score in [0, 1]; a grasp
+    /// without a score counts as 0.
+    ///
+    /// # Errors
+    /// As [`Self::measure`].
+    pub fn of(&self, path: &[Vec<f64>], score: Option<f64>) -> Result<f64, PathError> {
+        Ok(self.measure(path)? - self.reward(score))
+    }
+
+    /// What a straight edge adds at least to a path that turns at both its ends; exactly, unless [`Self::is_of_the_world`].
+    pub(crate) fn least_of_edge(&self, a: &[f64], b: &[f64]) -> f64 {
+        match &self.limits {
+            Some(limits) => rest_to_rest_s(a, b, limits),
+            None => self.metric.distance(a, b),
+        }
+    }
+
+    /// Whether a path costs more the nearer it leads to the world.
+    pub(crate) fn is_of_the_world(&self) -> bool {
+        self.cell.is_some()
+    }
+
+    /// What a straight edge adds to a path that turns at both its ends; `scratch` belongs to a cell of the problem.
+    pub(crate) fn of_edge(&self, a: &[f64], b: &[f64], scratch: &mut Scratch) -> f64 {
+        let length = self.least_of_edge(a, b);
+        let Some(cell) = &self.cell else { return length };
+        /// Clearances are measured at places so far apart, by reach, in metres.
+        const SPACING: f64 = 2.0 * CostKind::WISHED_M;
+        /// An edge is measured at no more places, however long a robot's slides are.
+        const MOST: f64 = 1000.0;
+        let count = (length / SPACING).ceil().clamp(1.0, MOST);
+        let shortfall = |clearance_m: f64| 1.0 - (clearance_m / CostKind::WISHED_M).clamp(0.0, 1.0);
+        let (mut total, mut at, mut q) = (0.0, 0.5, Vec::with_capacity(a.len()));
+        while at < count {
+            q.clear();
+            q.extend(between(a, b, at / count));
+            total += shortfall(cell.world_clearance(&q, CostKind::WISHED_M, scratch));
+            at += 1.0;
+        }
+        length * (1.0 + CostKind::PENALTY * total / count)
+    }
+
+    /// The length of a path in the metric of a search.
+    fn length(&self, path: &[Vec<f64>]) -> f64 {
+        sum(path.windows(2).map(|edge| self.metric.distance(&edge[0], &edge[1])))
+    }
+
+    /// The metric of the joints.
+    pub fn metric(&self) -> &JointMetric {
+        &self.metric
+    }
+
+    /// The score of the grasp at which a path ends, if that counts. `end` (m, rad; one per joint).
+    pub fn score_at(&self, problem: &Problem, end: &[f64]) -> Option<f64> {
+        if self.score_weight > 0.0 { end_score(problem, end) } else { None }
+    }
+
+    /// Cost of paths to each grasp of a problem beside their length, counted from the best there can be: one value per
+    /// grasp, in the unit of the cost.
+    pub fn of_grasps(&self, problem: &Problem) -> Vec<f64> {
+        let set = problem.grasps().map_or(&[][..], GraspSet::grasps);
+        set.iter().map(|grasp| self.score_weight - self.reward(grasp.score)).collect()
+    }
+
+    /// Cost of a path (way points in m, rad; one value per joint) to a search, whose goals cost as [`Self::of_grasps`] says: its length in the metric of the
+    /// search, and what its grasp costs.
+    pub fn search_bound(&self, path: &[Vec<f64>], score: Option<f64>) -> f64 {
+        self.length(path) - self.reward(score) + self.score_weight
+    }
+
+    /// By how much a path to a grasp of this score costs less than what is measured of it.
+    pub fn reward(&self, score: Option<f64>) -> f64 {
+        self.score_weight * score.unwrap_or(0.0)
+    }
+}
+
+/// Seconds of the time-optimal motion along a straight edge with a stop at either end: as fast as the joint that is slowest
+/// for its way allows.
+fn rest_to_rest_s(a: &[f64], b: &[f64], limits: &MotionLimits) -> f64 {
+    // Of the whole edge, per second and per second squared.
+    let least = |rates: &[f64]| {
+        let rate = |((a, b), limit): ((&f64, &f64), &f64)| limit / (b - a).abs();
+        a.iter().zip(b).zip(rates).map(rate).fold(f64::INFINITY, f64::min)
+    };
+    let (velocity, acceleration) = (least(&limits.velocity), least(&limits.acceleration));
+    if velocity.is_infinite() {
+        0.0
+    } else if velocity * velocity <= acceleration {
+        velocity.recip() + velocity / acceleration
+    } else {
+        2.0 / acceleration.sqrt()
+    }
+}
+
+fn sum(costs: impl Iterator<Item = f64>) -> f64 {
+    costs.fold(0.0, |sum, x| sum + x)
+}
+
+#[cfg(test)]
+mod tests {
+    use cranny_robot::{JointLimits, JointUnit};
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        #[test]
+        fn a_straight_edge_takes_as_long_as_its_trajectory(
+            a in prop::collection::vec(-2.0..2.0, 3), b in prop::collection::vec(-2.0..2.0, 3),
+            rates in prop::collection::vec((0.1..3.0, 0.1..10.0), 3),
+        ) {
+            let limits: Vec<JointLimits> = rates
+                .iter()
+                .map(|&(velocity, acceleration)| JointLimits {
+                    lower: -2.0,
+                    upper: 2.0,
+                    velocity,
+                    acceleration: Some(acceleration),
+                    jerk: None,
+                    unit: JointUnit::Radian,
+                })
+                .collect();
+            let names: Vec<String> = (0..3).map(|joint| format!("joint {joint}")).collect();
+            let limits = MotionLimits::new(&names, &limits, TimingMethod::TimeOptimal).expect("good limits");
+            let trajectory = Trajectory::along(&[a.clone(), b.clone()], &limits).expect("a path");
+            let seconds = rest_to_rest_s(&a, &b, &limits);
+            prop_assert!((seconds - trajectory.duration_s()).abs() <= 1e-4 * seconds, "{} {}", seconds, trajectory.duration_s());
+        }
+    }
+}

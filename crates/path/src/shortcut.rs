@@ -1,0 +1,372 @@
+use std::ops::Range;
+
+use cranny_collision::{Cell, Scratch};
+use cranny_grasp::Grasp;
+use cranny_robot::{IkSettings, IkSolver, Robot, between};
+use cranny_spatial::{Pose, Stream};
+use cranny_task::{Goal, Problem, gripper_poses};
+
+use crate::wall_clock::now;
+use crate::{CostKind, PathCost, PathError};
+
+/// How hard to shorten a path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShortcutSettings {
+    /// Changes of the path to try. Default 100: twice as many take twice as long for another half per cent.
+    pub attempts: usize,
+    /// The seed of the random changes.
+    pub seed: u64,
+}
+
+impl Default for ShortcutSettings {
+    fn default() -> Self {
+        Self { attempts: 100, seed: 0 }
+    }
+}
+
+/// A shorter path, and what it cost.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shortened {
+    /// Way points from the same start to the same goal configuration, or to the same grasp or its twin; every
+    /// edge is proven, or a part of an edge of the path given.
+    pub path: Vec<Vec<f64>>,
+    /// Seconds spent.
+    pub time_s: f64,
+}
+
+/// A shortcut that saves less than this share of its detour is not worth its proof, nor is a way point that is moved for
+/// less than that share of its edges: there are many of those.
+const LEAST_GAIN: f64 = 0.02;
+const LEAST_PULL: f64 = 5e-4;
+
+/// A way point is skipped for nothing, whatever rounding says: a motion stops there.
+const LEAST_SKIP: f64 = -1e-9;
+
+/// A motion that takes more intervals than this to prove passes something very closely: another will do.
+const MOST_EFFORT: u64 = 300;
+
+/// Of so many attempts the last skips way points, the first is a shortcut at random, the third moves the end where the goal
+/// is a grasp, and the others move way points.
+const TURNS: usize = 5;
+
+/// Shortens a proven path of way points (m, rad; one value per joint), by its plain L2 length, and keeps the proof:
+/// every new edge is proven with the cell's margins before it replaces a detour.
+///
+/// 1. From each way point on, straight to the farthest later one that can be reached, halving the reach
+///    where it cannot. Where the goal is a grasp, and a joint has turned around on the way there, the rest of the
+///    path is turned back.
+/// 2. A random way point, most often where the path turns most, moves towards the straight line between its neighbours, by
+///    a random share of the way and to a random side by about as much: where it is held up by an obstacle it slides
+///    along it.
+/// 3. Every fifth time a straight line between random points of the path before and after a random way point, wherever they lie
+///    on its edges (Geraerts & Overmars 2007, §3); where one is blocked, another nearer to the way point. Then the
+///    first step again: way points that have become needless hold up the others.
+/// 4. Where the goal is a grasp, as often a straight line leads from a random point of the path to a configuration near
+///    it that brings the gripper to where the path ends, or to its twin: an arm to spare can hold it otherwise.
+/// 5. Once more the first step: a motion stops wherever a path turns.
+///
+/// A function of problem, path and settings alone.
+///
+/// # Errors
+/// [`TaskError::Goal`](cranny_task::TaskError::Goal) for a problem under another criterion than `exact`, where nothing is proven.
+///
+/// # Panics
+/// If a way point has not one value per joint.
+pub fn shortcut(
+    problem: &Problem,
+    path: &[Vec<f64>],
+    settings: ShortcutSettings,
+) -> Result<Shortened, PathError> {
+    let begin = now();
+    let cost = PathCost::new(problem, CostKind::L2, 0.0)?;
+    let mut shortener = Shortener::new(problem, &cost, STOP)?;
+    shortener.take(path, settings.seed);
+    shortener.shorten(settings.attempts, &|| false);
+    shortener.skip_way_points();
+    Ok(Shortened { path: shortener.into_path(), time_s: begin.elapsed().as_secs_f64() })
+}
+
+/// What another way point of a path that is delivered must save, as a share of its cost: a motion stops there.
+pub const STOP: f64 = 0.01;
+
+/// Paths of one problem that are made cheaper, one after the other, as [`shortcut`] says.
+pub struct Shortener<'a> {
+    problem: &'a Problem,
+    cell: &'a Cell,
+    cost: &'a PathCost,
+    /// What another way point must save, as a share of the path's cost.
+    stop: f64,
+    scratch: Scratch,
+    random: Stream,
+    path: Vec<Vec<f64>>,
+    /// What each edge costs.
+    costs: Vec<f64>,
+    /// Where the end may be another configuration.
+    hold: Option<Hold<'a>>,
+    attempts: usize,
+}
+
+impl<'a> Shortener<'a> {
+    /// # Errors
+    /// [`TaskError::Goal`](cranny_task::TaskError::Goal) for another criterion than `exact`.
+    pub fn new(problem: &'a Problem, cost: &'a PathCost, stop: f64) -> Result<Self, PathError> {
+        let cell = problem.exact_cell("shortcut")?;
+        Ok(Self {
+            problem,
+            cell,
+            cost,
+            stop,
+            scratch: cell.scratch(),
+            random: Stream::new(0, 1),
+            path: Vec::new(),
+            costs: Vec::new(),
+            hold: None,
+            attempts: 0,
+        })
+    }
+
+    /// Begins with another path of way points (m, rad; one value per joint).
+    pub fn take(&mut self, path: &[Vec<f64>], seed: u64) {
+        self.random = Stream::new(seed, 1);
+        self.attempts = 0;
+        self.path.clear();
+        self.path.extend_from_slice(path);
+        self.hold = match (self.problem.goal(), path.last()) {
+            // A grasp of one's own was measured at this very end.
+            _ if self.problem.grasp_measure().is_some() => None,
+            (Goal::Grasps(_), Some(end)) => Some(Hold::at(self.problem.robot(), end)),
+            _ => None,
+        };
+        self.measure_edges();
+        self.skip_way_points();
+    }
+
+    /// Tries so many changes of the path, unless it `is_over` before. Says whether it is not.
+    pub fn shorten(&mut self, attempts: usize, is_over: &dyn Fn() -> bool) -> bool {
+        for _ in 0..attempts {
+            if is_over() {
+                return false;
+            }
+            self.attempts += 1;
+            match self.attempts % TURNS {
+                0 => self.skip_way_points(),
+                1 => self.cut_at_random(),
+                2 | 3 if self.hold.is_some() => self.move_end(),
+                _ => self.pull_way_point(),
+            }
+        }
+        true
+    }
+
+    /// The path as it is now: way points (m, rad; one value per joint).
+    pub fn path(&self) -> &[Vec<f64>] {
+        &self.path
+    }
+
+    /// The path as it is now: way points of one value per joint, m or rad.
+    pub fn into_path(self) -> Vec<Vec<f64>> {
+        self.path
+    }
+
+    fn measure_edges(&mut self) {
+        let Self { path, costs, cost, scratch, .. } = self;
+        costs.clear();
+        costs.extend(path.windows(2).map(|edge| cost.of_edge(&edge[0], &edge[1], scratch)));
+    }
+
+    /// Step 1.
+    fn skip_way_points(&mut self) {
+        let mut at = 0;
+        while at + 2 < self.path.len() {
+            let mut reach = self.path.len() - 1 - at;
+            while reach > 1 {
+                let edges = at..at + reach;
+                let chain = [at, at + reach].map(|way_point| self.path[way_point].clone());
+                if self.turn_rest_towards(at, at + reach) || self.offer(edges, chain.into(), 0..1, LEAST_SKIP)
+                {
+                    break;
+                }
+                reach /= 2;
+            }
+            at += 1;
+        }
+    }
+
+    /// Turns the path from way point `from` on by whole turns of joints to where it is nearest to way point `at`, if that
+    /// moves it and may be, and goes straight there.
+    fn turn_rest_towards(&mut self, at: usize, from: usize) -> bool {
+        let robot = self.cell.robot();
+        let mut turned = self.path[from].clone();
+        if self.hold.is_none() || !robot.turn_towards(&self.path[at], &mut turned) {
+            return false;
+        }
+        let turns: Vec<f64> = turned.iter().zip(&self.path[from]).map(|(turned, q)| turned - q).collect();
+        let turn = |q: &Vec<f64>| q.iter().zip(&turns).map(|(q, turn)| q + turn).collect();
+        let rest: Vec<Vec<f64>> = self.path[from..].iter().map(turn).collect();
+        let may_turn = rest.iter().all(|q| robot.within_limits(q))
+            && is_free(self.cell, &self.path[at], &rest[0], &mut self.scratch);
+        if may_turn {
+            self.path.truncate(at + 1);
+            self.path.extend(rest);
+            self.measure_edges();
+        }
+        may_turn
+    }
+
+    /// Step 2.
+    fn pull_way_point(&mut self) {
+        /// How far to the side, as a share of how far towards the line.
+        const ASIDE: f64 = 1.3;
+        if self.path.len() < 3 {
+            return;
+        }
+        let metric = self.cost.metric();
+        // The more can be gained at it, the more often.
+        let excess: Vec<f64> =
+            self.path.windows(3).map(|way| self.excess([&way[0], &way[1], &way[2]])).collect();
+        let mut left = self.random.uniform() * excess.iter().sum::<f64>();
+        let is_passed = |excess: &f64| {
+            left -= excess;
+            left > 0.0
+        };
+        let at = 1 + excess[..excess.len() - 1].iter().copied().take_while(is_passed).count();
+        let [before, here, after] = [at - 1, at, at + 1].map(|way_point| &self.path[way_point]);
+        let lengths = [metric.distance(before, here), metric.distance(here, after)];
+        let length = lengths[0] + lengths[1];
+        if length <= 0.0 {
+            return;
+        }
+        let straight: Vec<f64> = between(before, after, lengths[0] / length).collect();
+        // Long ways succeed the more seldom, and gain the more.
+        let share = self.random.uniform().sqrt();
+        let aside = ASIDE * share * metric.distance(here, &straight) / (here.len() as f64).sqrt();
+        let offset: Vec<f64> = here.iter().map(|_| aside * self.random.normal()).collect();
+        let mut moved = vec![0.0; here.len()];
+        metric.unscale(&offset, &mut moved);
+        for ((moved, here), straight) in moved.iter_mut().zip(here).zip(&straight) {
+            *moved += here + share * (straight - here);
+        }
+        if self.cell.robot().within_limits(&moved) {
+            let chain = vec![before.clone(), moved, after.clone()];
+            self.offer(at - 1..at + 1, chain, 0..2, LEAST_PULL);
+        }
+    }
+
+    /// Step 3.
+    fn cut_at_random(&mut self) {
+        /// Tries at one way point, each half as far from it as the one before.
+        const TRIES: usize = 3;
+        if self.path.len() < 3 {
+            return;
+        }
+        let corner: f64 = self.costs[..=self.random.index(self.costs.len() - 1)].iter().sum();
+        let total: f64 = self.costs.iter().sum();
+        let mut before = self.random.uniform() * corner;
+        let mut after = self.random.uniform() * (total - corner);
+        for _ in 0..TRIES {
+            let ((first, a), (last, b)) = (self.point_at(corner - before), self.point_at(corner + after));
+            if first != last {
+                let chain = vec![self.path[first].clone(), a, b, self.path[last + 1].clone()];
+                // Past one way point the path gets another.
+                let stop = if last == first + 1 { self.stop * total / (before + after) } else { 0.0 };
+                let least_gain = LEAST_GAIN.max(stop);
+                if self.offer(first..last + 1, chain, 1..2, least_gain) {
+                    return;
+                }
+            }
+            (before, after) = (0.5 * before, 0.5 * after);
+        }
+    }
+
+    /// Step 4.
+    fn move_end(&mut self) {
+        if self.path.len() < 2 {
+            return;
+        }
+        let at = self.random.uniform() * self.costs.iter().sum::<f64>();
+        let (edge, from) = self.point_at(at);
+        let Some(hold) = &mut self.hold else { return };
+        let pose = &hold.poses[self.random.index(hold.poses.len())];
+        let Some(end) = hold.solver.solve_from(pose, &from) else { return };
+        let chain = vec![self.path[edge].clone(), from, end.q];
+        self.offer(edge..self.costs.len(), chain, 1..2, LEAST_GAIN);
+    }
+
+    /// How much longer the way by a way point is than the straight one past it.
+    fn excess(&self, [before, here, after]: [&[f64]; 3]) -> f64 {
+        let metric = self.cost.metric();
+        metric.distance(before, here) + metric.distance(here, after) - metric.distance(before, after)
+    }
+
+    /// The edge on which the point lies up to which the path costs so much, and the point.
+    fn point_at(&self, cost: f64) -> (usize, Vec<f64>) {
+        let mut left = cost;
+        let mut edge = 0;
+        while edge + 1 < self.costs.len() && left > self.costs[edge] {
+            left -= self.costs[edge];
+            edge += 1;
+        }
+        let at = if self.costs[edge] > 0.0 { (left / self.costs[edge]).min(1.0) } else { 0.0 };
+        (edge, between(&self.path[edge], &self.path[edge + 1], at).collect())
+    }
+
+    /// Puts other way points, from end to end, in the place of these edges of the path, if their `open` edges, which no
+    /// edge of the path contains, cost less by this share than what they are there for, and are proven.
+    fn offer(
+        &mut self,
+        edges: Range<usize>,
+        chain: Vec<Vec<f64>>,
+        open: Range<usize>,
+        least_gain: f64,
+    ) -> bool {
+        let Self { cell, cost, scratch, path, costs, .. } = self;
+        let before: f64 = costs[edges.clone()].iter().sum();
+        let is_less = |new: &[f64]| {
+            let opened: f64 = new[open.clone()].iter().sum();
+            let kept = new.iter().sum::<f64>() - opened;
+            opened <= (1.0 - least_gain) * (before - kept)
+        };
+        // What a check against the world adds is asked last: it takes longest.
+        let mut new: Vec<f64> = chain.windows(2).map(|edge| cost.least_of_edge(&edge[0], &edge[1])).collect();
+        let mut is_taken =
+            is_less(&new) && open.clone().all(|edge| is_free(cell, &chain[edge], &chain[edge + 1], scratch));
+        if is_taken && cost.is_of_the_world() {
+            new = chain.windows(2).map(|edge| cost.of_edge(&edge[0], &edge[1], scratch)).collect();
+            is_taken = is_less(&new);
+        }
+        if is_taken {
+            path.splice(edges.start..=edges.end, chain);
+            costs.splice(edges, new);
+        }
+        is_taken
+    }
+}
+
+/// The gripper poses that count as the end of a path.
+struct Hold<'a> {
+    solver: IkSolver<'a>,
+    poses: [Pose; 2],
+}
+
+impl<'a> Hold<'a> {
+    fn at(robot: &'a Robot, end: &[f64]) -> Self {
+        /// However often a path is shortened, its end moves by no more than this each time, in metres and
+        /// radians: far less than what separates a grasp from a miss.
+        const TOLERANCE: f64 = 1e-6;
+        let frames = robot.frames_at(end);
+        let grasp =
+            Grasp { world_from_gripper: *frames.link(robot.tip()), score: None, width_m: None, robust: None };
+        let settings = IkSettings {
+            translation_tolerance_m: TOLERANCE,
+            rotation_tolerance_rad: TOLERANCE,
+            ..IkSettings::default()
+        };
+        Self { solver: IkSolver::new(robot, settings), poses: gripper_poses(&grasp) }
+    }
+}
+
+/// Whether the straight motion is proven.
+fn is_free(cell: &Cell, a: &[f64], b: &[f64], scratch: &mut Scratch) -> bool {
+    let places: [f64; 16] = std::array::from_fn(|check| (check + 1) as f64 / 16.0);
+    cell.free_ahead(a, b, &places, scratch) == 16 && cell.unproven_at(MOST_EFFORT, a, b, scratch).is_none()
+}

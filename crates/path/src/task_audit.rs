@@ -1,0 +1,309 @@
+use cranny_collision::Resting;
+use cranny_task::{
+    Carrier, ContactSegment, Grip, MotionEnd, Move, Placed, Placer, Problem, Segment, Stage, State,
+    StatesAlong, are_complete, check_segments, joined,
+};
+
+use crate::{Audit, AuditSettings, Cause, Location, PathError, PickAudit, Violation, audit_with};
+
+/// Tolerance on the finger opening that is stated, in metres.
+const OPENING_TOLERANCE_M: f64 = 1e-4;
+/// Tolerance on the length of an object's path, in metres: straight lines in joint space are none in space.
+const LENGTH_TOLERANCE_M: f64 = 1e-3;
+
+/// Judges the segments of a task, whoever made them: every motion as [`audit_with`] does, in the state along it
+/// ([`StatesAlong`]); that the hand closes and opens; and the end of each stage. Edges are counted through all segments.
+///
+/// # Errors
+/// [`cranny_task::TaskError::Segments`] for segments that are not of these stages ([`check_segments`]), and those of [`audit_with`].
+pub fn audit_task(
+    problem: &Problem,
+    stages: &[Stage],
+    segments: &[Segment],
+    settings: AuditSettings,
+) -> Result<Audit, PathError> {
+    if let Some(along) = StatesAlong::of(problem, stages, segments)? {
+        return audit_along(problem, stages, (segments, &along), settings);
+    }
+    check_segments(stages, segments).map_err(|problem| cranny_task::TaskError::Segments { problem })?;
+    audit_with(problem, &joined(segments), settings)
+}
+
+/// [`audit_task`] where the states along the segments are known, under `exact`.
+///
+/// # Errors
+/// As [`audit_task`].
+pub fn audit_along(
+    problem: &Problem,
+    stages: &[Stage],
+    (segments, along): (&[Segment], &StatesAlong),
+    settings: AuditSettings,
+) -> Result<Audit, PathError> {
+    if segments.is_empty() {
+        return Err(PathError::EmptyPath);
+    }
+    check_segments(stages, segments).map_err(|problem| cranny_task::TaskError::Segments { problem })?;
+    let task = TaskJudge { problem, stages, settings };
+    let (mut audit, mut before, mut closed_at) = (Audit::of_nothing(), 0, 0);
+    let mut picks = along.picks.iter();
+    let mut first = 0;
+    let known = &segments[..along.states.len()];
+    for run in known.chunk_by(is_one_motion) {
+        let (state, next) = (&along.states[first], segments.get(first + run.len()));
+        let segment = Segment { waypoints: joined(run), ..run[0].clone() };
+        first += run.len();
+        let run = Run { segment: &segment, before, next };
+        match state.held() {
+            None => task.empty(&mut audit, state, &run, &mut picks)?,
+            Some((carrier, grip)) => {
+                let was_held = first > 1 && segments[first - 2].mode.holds;
+                if !was_held {
+                    closed_at = before;
+                }
+                check_hold(&mut audit, carrier, grip, &segment, closed_at);
+                task.held(&mut audit, state, (carrier, grip), &run)?;
+            }
+        }
+        before += segment.waypoints.len() - 1;
+    }
+    match &along.stopped {
+        Some(reason) => {
+            audit.violations.push(Violation::at_way_point(before, Cause::Grip { reason: reason.clone() }));
+        }
+        None if settings.at_goal && !are_complete(stages, segments) => {
+            let stage = segments.last().map_or(0, |last| last.stage);
+            let cause = Cause::Unfinished { stage, stages: stages.len() };
+            audit.violations.push(Violation::at_way_point(before, cause));
+        }
+        None => {}
+    }
+    audit.valid = audit.violations.is_empty();
+    Ok(audit)
+}
+
+/// True for segments of one stage in one world.
+fn is_one_motion(a: &Segment, b: &Segment) -> bool {
+    let properties = |segment: &Segment| (segment.stage, segment.mode.holds, segment.mode.rests_at);
+    properties(a) == properties(b) && a.mode.rests_at.is_none()
+}
+
+/// A motion, the edges before it, and the segment that follows.
+struct Run<'a> {
+    segment: &'a Segment,
+    before: usize,
+    next: Option<&'a Segment>,
+}
+
+impl Run<'_> {
+    /// Number of its last way point.
+    fn last(&self) -> usize {
+        self.before + self.segment.waypoints.len() - 1
+    }
+
+    fn ends_stage(&self) -> bool {
+        self.next.is_none_or(|next| next.stage != self.segment.stage)
+    }
+
+    fn path(&self) -> &[Vec<f64>] {
+        &self.segment.waypoints
+    }
+
+    fn end(&self) -> &[f64] {
+        &self.segment.waypoints[self.segment.waypoints.len() - 1]
+    }
+}
+
+struct TaskJudge<'a> {
+    problem: &'a Problem,
+    stages: &'a [Stage],
+    settings: AuditSettings,
+}
+
+impl TaskJudge<'_> {
+    /// Judges a motion of the open and empty hand.
+    fn empty<'p>(
+        &self,
+        audit: &mut Audit,
+        state: &State,
+        run: &Run<'_>,
+        picks: &mut impl Iterator<Item = &'p Problem>,
+    ) -> Result<(), PathError> {
+        let is_at_grasp = run.next.is_none_or(|next| next.mode.holds);
+        match &self.stages[run.segment.stage] {
+            Stage::Pick(_) if is_at_grasp => {
+                let Some(picking) = picks.next() else { return Err(PathError::EmptyPath) };
+                let judged = audit_with(picking, run.path(), self.settings)?;
+                let (goal, own_grasp) = (judged.goal, judged.own_grasp);
+                let (stage, way_point) = (run.segment.stage, run.last());
+                audit.add_pick(PickAudit { stage, goal, own_grasp, way_point });
+                append(audit, judged, run.before);
+                Ok(())
+            }
+            Stage::Move(goal) if run.ends_stage() => self.moved(audit, state, goal, run),
+            stage => {
+                append(audit, self.anywhere(state, run)?, run.before);
+                if let (Stage::Place(place), true, Some((body, pose))) =
+                    (stage, run.ends_stage(), state.let_go())
+                {
+                    let placed = Placed::of(state.cell(), body, *pose);
+                    let (way_point, required_m) = (run.last(), place.clear_m);
+                    let clearance_m = placed.clearance_m(run.end(), required_m, &mut placed.scratch());
+                    if clearance_m < required_m {
+                        let cause = Cause::NotClear { clearance_m, required_m };
+                        audit.violations.push(Violation::at_way_point(way_point, cause));
+                    }
+                }
+                Ok(())
+            }
+        }
+    }
+
+    /// Judges a motion that may end anywhere.
+    fn anywhere(&self, state: &State, run: &Run<'_>) -> Result<Audit, PathError> {
+        let settings = AuditSettings { at_goal: false, ..self.settings };
+        audit_with(&state.moving(vec![state.q.clone()])?, run.path(), settings)
+    }
+
+    /// Judges the last motion of a move, with what is in the hand, and where it ends.
+    fn moved(&self, audit: &mut Audit, state: &State, goal: &Move, run: &Run<'_>) -> Result<(), PathError> {
+        let ends = goal.ends(self.problem).filter(|_| self.settings.at_goal);
+        let Some(ends) = ends else { return self.moved_anywhere(audit, state, goal, run) };
+        let judged = audit_with(&state.moving(ends)?, run.path(), self.settings)?;
+        append(audit, judged, run.before);
+        Ok(())
+    }
+
+    fn moved_anywhere(
+        &self,
+        audit: &mut Audit,
+        state: &State,
+        goal: &Move,
+        run: &Run<'_>,
+    ) -> Result<(), PathError> {
+        append(audit, self.anywhere(state, run)?, run.before);
+        if !self.settings.at_goal {
+            return Ok(());
+        }
+        if let Move::Region(region) = goal {
+            let fault = state.pose_of(region.moved, run.end()).and_then(|pose| region.fault_at(&pose));
+            let violation = |fault| Violation::at_way_point(run.last(), Cause::NotThere { fault });
+            audit.violations.extend(fault.map(violation));
+        }
+        if let Move::Clear { clear_m } = goal {
+            let clearance_m = state.clearance_m(run.end(), *clear_m, &mut state.cell().scratch());
+            if clearance_m < *clear_m {
+                let (way_point, required_m) = (run.last(), *clear_m);
+                let cause = Cause::NotOut { clearance_m, required_m };
+                audit.violations.push(Violation::at_way_point(way_point, cause));
+            }
+        }
+        Ok(())
+    }
+
+    /// Judges a motion with an object in the hand.
+    fn held(
+        &self,
+        audit: &mut Audit,
+        state: &State,
+        (carrier, grip): (&Carrier, &Grip),
+        run: &Run<'_>,
+    ) -> Result<(), PathError> {
+        let stage = &self.stages[run.segment.stage];
+        let is_let_go = run.next.is_some_and(|next| !next.mode.holds);
+        if let (Stage::Place(place), true) = (stage, is_let_go) {
+            let placer = Placer::new(carrier, self.problem.place(&place.place)?, place.clear_m)?;
+            if let Some(fault) = placer.fault_at(&carrier.held_at(grip, run.end())) {
+                audit.violations.push(Violation::at_way_point(run.last(), Cause::NotPlaced { fault }));
+            }
+        }
+        match (state.resting().zip(run.segment.mode.rests_at), stage) {
+            (Some((resting, end)), _) => {
+                let near = Near { carrier, grip, resting, end, state, run };
+                near.judge(audit, self.anywhere(state, run)?);
+                Ok(())
+            }
+            (None, Stage::Move(goal)) if run.ends_stage() => self.moved(audit, state, goal, run),
+            (None, _) => {
+                append(audit, self.anywhere(state, run)?, run.before);
+                Ok(())
+            }
+        }
+    }
+}
+
+/// Compares what a segment states about the object in the hand with what the hand holds.
+fn check_hold(audit: &mut Audit, carrier: &Carrier, grip: &Grip, segment: &Segment, way_point: usize) {
+    let Some((name, opening_m)) = segment.attached.as_ref().zip(segment.opening_m) else { return };
+    let off_m = (opening_m - grip.opening_m).abs();
+    if name != carrier.object() || off_m.is_nan() || off_m > OPENING_TOLERANCE_M {
+        let held = (carrier.object().to_owned(), grip.opening_m);
+        let cause = Cause::Hold { said: (name.clone(), opening_m), held };
+        audit.violations.push(Violation::at_way_point(way_point, cause));
+    }
+}
+
+/// A motion along which a held object is near what carries it, at one of its ends.
+struct Near<'a> {
+    carrier: &'a Carrier,
+    grip: &'a Grip,
+    resting: &'a Resting,
+    end: MotionEnd,
+    state: &'a State,
+    run: &'a Run<'a>,
+}
+
+impl Near<'_> {
+    /// Adds what was found of its edges; whether the object stays off what carries it, and goes no farther than it may; and
+    /// whether it is off at the other end.
+    fn judge(&self, audit: &mut Audit, mut judged: Audit) {
+        let Self { carrier, grip, resting, run, .. } = *self;
+        let (kind, off_at, off_way_point) = match self.end {
+            MotionEnd::First => (ContactSegment::LiftOff, run.end(), run.last()),
+            MotionEnd::Last => (ContactSegment::SetDown, &run.path()[0][..], run.before),
+        };
+        judged.not_checked = judged.not_checked.into_iter().map(|pair| pair.along(kind)).collect();
+        append(audit, judged, run.before);
+        let cell = self.state.cell();
+        let mut scratch = cell.scratch();
+        for (edge, ends) in run.path().windows(2).enumerate() {
+            let ends = [&ends[0][..], &ends[1]];
+            if let Some((along, body)) = carrier.stays_off(cell, resting, ends, &mut scratch) {
+                let pair = Some([carrier.object().to_owned(), carrier.body_name(body)]);
+                let at = Location { edge: run.before + edge, along, pair };
+                let cause = match self.end {
+                    MotionEnd::First => Cause::LiftOff,
+                    MotionEnd::Last => Cause::SetDown,
+                };
+                audit.violations.push(Violation { at, cause });
+            }
+        }
+        let (way_point, most_m) = (run.last(), carrier.settings().most_m);
+        let length_m = carrier.length_m(grip, run.path());
+        if length_m > most_m + LENGTH_TOLERANCE_M {
+            let cause = match self.end {
+                MotionEnd::First => Cause::LongLiftOff { length_m, most_m },
+                MotionEnd::Last => Cause::LongSetDown { length_m, most_m },
+            };
+            audit.violations.push(Violation::at_way_point(way_point, cause));
+        }
+        if !carrier.is_off(grip, resting, off_at, &mut grip.carrying_scratch()) {
+            let cause = match self.end {
+                MotionEnd::First => Cause::NotOff,
+                MotionEnd::Last => Cause::NotAbove,
+            };
+            audit.violations.push(Violation::at_way_point(off_way_point, cause));
+        }
+    }
+}
+
+/// Adds what was found of a motion whose first edge has this number.
+fn append(audit: &mut Audit, piece: Audit, before: usize) {
+    audit.violations.extend(piece.violations.into_iter().map(|violation| violation.counted_from(before)));
+    audit.clearances_per_edge_m.extend(piece.clearances_per_edge_m);
+    if piece.clearance_m.is_some_and(|piece_m| audit.clearance_m.is_none_or(|least_m| piece_m < least_m)) {
+        (audit.clearance_m, audit.clearance_limit) = (piece.clearance_m, piece.clearance_limit);
+    }
+    let new = piece.not_checked.into_iter().filter(|pair| !audit.not_checked.contains(pair));
+    let new: Vec<_> = new.collect();
+    audit.not_checked.extend(new);
+}

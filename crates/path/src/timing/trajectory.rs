@@ -1,0 +1,197 @@
+use cranny_collision::Cell;
+use cranny_task::TaskError;
+
+use crate::PathError;
+use crate::timing::corner_blend::{CutCorner, LinkReach, proven_blend};
+use crate::timing::jerk_limited::jerk_limited;
+use crate::timing::motion_limits::{MotionLimits, TimingMethod};
+use crate::timing::path_curve::PathCurve;
+use crate::timing::time_law::TimeLaw;
+use crate::timing::time_optimal::time_optimal;
+
+/// A path with its time: where every joint is at any instant, how fast, and how hard it accelerates. It
+/// begins and ends at rest and keeps to every limit at every instant.
+#[derive(Clone, Debug)]
+pub struct Trajectory {
+    method: TimingMethod,
+    cut_corners: Vec<CutCorner>,
+    joint_names: Vec<String>,
+    first: Vec<f64>,
+    last: Vec<f64>,
+    curve: PathCurve,
+    law: TimeLaw,
+    waypoint_times_s: Vec<f64>,
+}
+
+/// A robot at one instant of a trajectory; one value per joint each.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TrajectorySample {
+    /// Seconds since the beginning.
+    pub time_s: f64,
+    /// Joint values (m, rad).
+    pub position: Vec<f64>,
+    /// Their first derivative (m/s, rad/s).
+    pub velocity: Vec<f64>,
+    /// Their second derivative (m/s², rad/s²). Where it jumps, the value right after.
+    pub acceleration: Vec<f64>,
+}
+
+/// The greatest rate at which a trajectory is sampled, in Hz: ten times that of a robot's controller.
+pub const MAX_SAMPLE_RATE_HZ: f64 = 1e4;
+
+impl Trajectory {
+    /// The fastest trajectory exactly along the straight edges of `path` (m, rad; one value per joint), by the method
+    /// of `limits`. It stops at each way point where the direction changes, and only there, so what is proven of the
+    /// edges is proven of the trajectory.
+    ///
+    /// # Errors
+    /// [`PathError::EmptyPath`], [`TaskError::JointCount`] or [`TaskError::NotFinite`] for what is no path of
+    /// these joints.
+    pub fn along(path: &[Vec<f64>], limits: &MotionLimits) -> Result<Self, PathError> {
+        Self::with_blends(path, limits, &[])
+    }
+
+    /// The fastest trajectory along `path` (m, rad; one value per joint) that cuts its corners by parabolas where the
+    /// clearance of `cell` proves these, and stops at the others. Each parabola is as large as was found to be
+    /// proven.
+    ///
+    /// # Errors
+    /// As [`Self::along`]; [`PathError::BlendedJerk`] where jerk is limited, which jumps at the ends of a
+    /// parabola.
+    pub fn blended(path: &[Vec<f64>], limits: &MotionLimits, cell: &Cell) -> Result<Self, PathError> {
+        if limits.method == TimingMethod::JerkLimited {
+            return Err(PathError::BlendedJerk);
+        }
+        // Refuses what is no path.
+        let stopping = Self::along(path, limits)?;
+        let reach = LinkReach::new(cell.robot());
+        let mut scratch = cell.scratch();
+        let blends = PathCurve::blends(path, &limits.velocity, |corner, slopes, greatest| {
+            proven_blend(cell, &reach, corner, slopes, greatest, &mut scratch)
+        });
+        let mut blended = Self::with_blends(path, limits, &blends)?;
+        blended.cut_corners = CutCorner::all_of(&blended.curve, &reach);
+        Ok(if blended.duration_s() < stopping.duration_s() { blended } else { stopping })
+    }
+
+    /// The same with parabolas instead of stops (see [`PathCurve::along`]), for `TimeOptimal` only.
+    pub(crate) fn with_blends(
+        path: &[Vec<f64>],
+        limits: &MotionLimits,
+        blends: &[f64],
+    ) -> Result<Self, PathError> {
+        let (Some(first), Some(last)) = (path.first(), path.last()) else {
+            return Err(PathError::EmptyPath);
+        };
+        let (what, expected) = ("way point", limits.joint_names.len());
+        for q in path {
+            if q.len() != expected {
+                return Err(TaskError::JointCount { what, expected, actual: q.len() }.into());
+            }
+            if let Some(joint) = q.iter().position(|x| !x.is_finite()) {
+                let joint = limits.joint_names[joint].clone();
+                return Err(TaskError::NotFinite { what, joint }.into());
+            }
+        }
+        let curve = PathCurve::along(path, &limits.velocity, blends);
+        let law = match limits.method {
+            TimingMethod::TimeOptimal => time_optimal(&curve, limits),
+            TimingMethod::JerkLimited => jerk_limited(&curve, limits),
+        };
+        let mut waypoint_times_s: Vec<f64> =
+            curve.waypoints.iter().map(|(piece, s)| law.time_of(*piece, *s)).collect();
+        if let Some(time_s) = waypoint_times_s.last_mut() {
+            *time_s = law.duration_s;
+        }
+        Ok(Self {
+            method: limits.method,
+            cut_corners: Vec::new(),
+            joint_names: limits.joint_names.clone(),
+            first: first.clone(),
+            last: last.clone(),
+            curve,
+            law,
+            waypoint_times_s,
+        })
+    }
+
+    /// How the path was given its time.
+    pub fn method(&self) -> TimingMethod {
+        self.method
+    }
+
+    /// Whether it cuts a corner of its path instead of stopping there.
+    pub fn is_blended(&self) -> bool {
+        !self.cut_corners.is_empty()
+    }
+
+    /// The corners of its path that it cuts: there it leaves the edges, and what is measured along these does not hold for it.
+    pub fn cut_corners(&self) -> &[CutCorner] {
+        &self.cut_corners
+    }
+
+    /// The names of the joints, in the order of every sample.
+    pub fn joint_names(&self) -> &[String] {
+        &self.joint_names
+    }
+
+    /// Seconds from the beginning to the end.
+    pub fn duration_s(&self) -> f64 {
+        self.law.duration_s
+    }
+
+    /// Times at which the way points of the path are passed (a corner that is cut: half passed), one per way point,
+    /// in seconds; ascending, from 0 to the duration.
+    pub fn waypoint_times_s(&self) -> &[f64] {
+        &self.waypoint_times_s
+    }
+
+    /// The robot at `time_s`: at rest at the first way point before the beginning, at rest at the last one
+    /// from the end on.
+    pub fn sample(&self, time_s: f64) -> TrajectorySample {
+        let Some((index, state)) = self.law.at(time_s, &self.curve) else {
+            let position = if time_s < self.duration_s() { &self.first } else { &self.last };
+            let rest = vec![0.0; position.len()];
+            return TrajectorySample {
+                time_s,
+                position: position.clone(),
+                velocity: rest.clone(),
+                acceleration: rest,
+            };
+        };
+        let piece = &self.curve.pieces[index];
+        let derivatives = (0..self.first.len()).map(|joint| piece.derivatives(joint, state.s));
+        let (velocity, acceleration) = derivatives
+            .map(|(slope, bend)| {
+                (slope * state.speed, slope * state.acceleration + bend * state.speed * state.speed)
+            })
+            .unzip();
+        TrajectorySample { time_s, position: piece.position(state.s), velocity, acceleration }
+    }
+
+    /// Samples at 0, 1/`rate_hz`, 2/`rate_hz`, … and at the end.
+    ///
+    /// # Errors
+    /// [`PathError::SampleRate`] if the rate is not above 0 and at most [`MAX_SAMPLE_RATE_HZ`].
+    pub fn samples(
+        &self,
+        rate_hz: f64,
+    ) -> Result<impl Iterator<Item = TrajectorySample> + use<'_>, PathError> {
+        Ok(sample_times(self.duration_s(), rate_hz)?.map(|time_s| self.sample(time_s)))
+    }
+}
+
+/// The instants 0, 1/`rate_hz`, 2/`rate_hz`, … and the end, in seconds.
+///
+/// # Errors
+/// [`PathError::SampleRate`] if the rate is not above 0 and at most [`MAX_SAMPLE_RATE_HZ`].
+pub fn sample_times(duration_s: f64, rate_hz: f64) -> Result<impl Iterator<Item = f64>, PathError> {
+    if !(rate_hz > 0.0 && rate_hz <= MAX_SAMPLE_RATE_HZ) {
+        return Err(PathError::SampleRate { rate_hz, greatest_hz: MAX_SAMPLE_RATE_HZ });
+    }
+    // A sample this close to the end, as a part of the interval, is the end.
+    const SAME_INSTANT: f64 = 1e-6;
+    let latest_s = duration_s - SAME_INSTANT / rate_hz;
+    let times = (0_u32..).map(move |k| f64::from(k) / rate_hz).take_while(move |t| *t < latest_s);
+    Ok(times.chain(std::iter::once(duration_s)))
+}

@@ -1,0 +1,403 @@
+use std::fmt;
+
+use cranny_collision::{Cell, Contact};
+use cranny_file::distinct;
+use cranny_robot::JointUnit;
+use cranny_spatial::CONTACT_M;
+use cranny_task::{FailureReason, OwnGrasp};
+use serde::ser::SerializeMap;
+use serde::{Deserialize, Serialize, Serializer};
+use strum::IntoStaticStr;
+
+/// A fault of a path. It is shown in one sentence ([`fmt::Display`]); as JSON it is an object of `kind`, `edge`, `at`,
+/// `first`, `second`, `depth_m` and what its cause has besides.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Violation {
+    /// Where on the path.
+    pub at: Location,
+    /// The fault.
+    pub cause: Cause,
+}
+
+/// Place on a path.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Location {
+    /// Edge, from 0; the way point, from 0, where the fault is at a single one.
+    pub edge: usize,
+    /// Share of the edge before the place, in [0, 1].
+    pub along: f64,
+    /// The two that are too close: a link, and another link or a body.
+    pub pair: Option<[String; 2]>,
+}
+
+/// Fault of a path.
+#[derive(Clone, Debug, PartialEq, IntoStaticStr)]
+#[strum(serialize_all = "kebab-case")]
+pub enum Cause {
+    /// The path does not begin at the start of the problem.
+    Start(JointOffset),
+    /// A joint is outside its limits, by the offset.
+    JointLimit(JointOffset),
+    /// Two things touch.
+    Contact {
+        /// Depth, in metres.
+        depth_m: f64,
+    },
+    /// Under `paper`: the released check finds a way point not free.
+    #[strum(to_string = "contact")]
+    NotFree,
+    /// Two things come closer than the margin that is demanded.
+    Clearance {
+        /// Their distance, in metres.
+        clearance_m: f64,
+        /// The distance that is demanded, in metres.
+        required_m: f64,
+    },
+    /// No contact was found, but none could be excluded either.
+    Unresolved {
+        /// The least distance that was seen, in metres.
+        clearance_m: f64,
+    },
+    /// Under `paper`: a step farther than any that the released planners take between two checks.
+    Step {
+        /// Length beyond theirs, in metres.
+        excess_m: f64,
+    },
+    /// The path does not end at a grasp.
+    #[strum(to_string = "goal")]
+    Grasp {
+        /// The nearest grasp, if there is any.
+        nearest: Option<GoalError>,
+    },
+    /// The path does not end at a goal configuration.
+    #[strum(to_string = "goal")]
+    Configuration {
+        /// The joint that is farthest off from the nearest one.
+        farthest: JointOffset,
+    },
+    /// The hand does not hold the object where it is to close on it.
+    Grip {
+        /// Why.
+        reason: FailureReason,
+    },
+    /// The hand closes on the target in no grasp, or in one that is too bad.
+    #[strum(to_string = "grip")]
+    WeakGrasp {
+        /// Its score, in [0, 1]; 0 where its contacts are in no force closure.
+        score: f64,
+        /// The score that is demanded.
+        required: f64,
+    },
+    /// The statement on the grasp at which the path ends is false.
+    #[strum(to_string = "grip")]
+    SaidGrasp {
+        /// The stated and the measured grasp.
+        said_and_measured: Box<[OwnGrasp; 2]>,
+    },
+    /// A plan file states a false figure.
+    Statement {
+        /// Its key in the file.
+        key: String,
+        /// The value in the file, in words.
+        stated: String,
+        /// The measured value, in words.
+        measured: String,
+    },
+    /// The object comes nearer to what it rested on than at rest, or that could not be excluded.
+    LiftOff,
+    /// At the end of the lift-off the object is not off what it rested on.
+    #[strum(to_string = "lift-off")]
+    NotOff,
+    /// The object goes farther in its lift-off than it may.
+    #[strum(to_string = "lift-off")]
+    LongLiftOff {
+        /// Length of the object's path, in metres.
+        length_m: f64,
+        /// The length that is allowed, in metres.
+        most_m: f64,
+    },
+    /// On its way down the object comes nearer to what it is put down on than it is then to be, or that could not be excluded.
+    SetDown,
+    /// At the begin of its way down the object is not off what it is put down on.
+    #[strum(to_string = "set-down")]
+    NotAbove,
+    /// The object goes farther on its way down than it may.
+    #[strum(to_string = "set-down")]
+    LongSetDown {
+        /// Length of the object's path, in metres.
+        length_m: f64,
+        /// The length that is allowed, in metres.
+        most_m: f64,
+    },
+    /// The object is let go elsewhere than where it is to be put down.
+    #[strum(to_string = "goal")]
+    NotPlaced {
+        /// The difference, in words.
+        fault: String,
+    },
+    /// At the end of its retreat the hand is still too near to the object.
+    #[strum(to_string = "retreat")]
+    NotClear {
+        /// Distance between hand and object there, in metres.
+        clearance_m: f64,
+        /// The distance that is demanded, in metres.
+        required_m: f64,
+    },
+    /// The path ends before the task does.
+    #[strum(to_string = "goal")]
+    Unfinished {
+        /// Index of the stage in which it ends.
+        stage: usize,
+        /// Number of stages.
+        stages: usize,
+    },
+    /// The statement on the object in the hand is false.
+    #[strum(to_string = "grip")]
+    Hold {
+        /// The stated object, and distance between the fingers, in metres.
+        said: (String, f64),
+        /// The object that the hand closes on, and distance between the fingers then, in metres.
+        held: (String, f64),
+    },
+    /// Carried out, the object is still too near to something.
+    #[strum(to_string = "goal")]
+    NotOut {
+        /// Distance of the object from the nearest body there, in metres.
+        clearance_m: f64,
+        /// The distance that is demanded, in metres.
+        required_m: f64,
+    },
+    /// The hand, or the object in it, is brought elsewhere than to the demanded poses.
+    #[strum(to_string = "goal")]
+    NotThere {
+        /// The difference, in words.
+        fault: String,
+    },
+}
+
+/// The end of a path against the nearest grasp.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GoalError {
+    /// Index of the grasp.
+    pub grasp: usize,
+    /// Distance of the gripper frame from it, in metres.
+    pub translation_error_m: f64,
+    /// Angle between the gripper frame and it or its twin, in radians.
+    pub rotation_error_rad: f64,
+}
+
+/// How far a joint is from where it may be.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JointOffset {
+    /// The joint.
+    pub joint: String,
+    /// How far (m or rad).
+    pub off: f64,
+    /// What that is measured in.
+    pub unit: JointUnit,
+}
+
+impl Location {
+    /// A way point, from 0.
+    pub fn way_point(way_point: usize) -> Self {
+        Self { edge: way_point, ..Self::default() }
+    }
+
+    pub(crate) fn of_contact(cell: &Cell, edge: usize, along: f64, contact: &Contact) -> Self {
+        Self { edge, along, pair: Some(contact.names(cell)) }
+    }
+}
+
+impl Violation {
+    /// A fault at a way point, from 0.
+    pub fn at_way_point(way_point: usize, cause: Cause) -> Self {
+        Self { at: Location::way_point(way_point), cause }
+    }
+
+    /// Two things that are too close on an edge.
+    pub(crate) fn of_contact(cell: &Cell, edge: usize, along: f64, contact: &Contact) -> Self {
+        let Contact { clearance_m, required_m, depth_m, .. } = *contact;
+        let cause = if clearance_m < CONTACT_M {
+            Cause::Contact { depth_m }
+        } else if clearance_m < required_m {
+            Cause::Clearance { clearance_m, required_m }
+        } else {
+            Cause::Unresolved { clearance_m }
+        };
+        Self { at: Location::of_contact(cell, edge, along, contact), cause }
+    }
+
+    /// Two things of which neither is known whether they are too close on an edge.
+    pub(crate) fn unresolved(cell: &Cell, edge: usize, along: f64, contact: &Contact) -> Self {
+        let cause = Cause::Unresolved { clearance_m: contact.clearance_m };
+        Self { at: Location::of_contact(cell, edge, along, contact), cause }
+    }
+
+    /// Name of its kind in files and `--json`.
+    pub fn kind(&self) -> &'static str {
+        (&self.cause).into()
+    }
+
+    /// The same of a path that has so many edges before this one.
+    pub(crate) fn counted_from(mut self, before: usize) -> Self {
+        self.at.edge += before;
+        self
+    }
+}
+
+impl fmt::Display for Location {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.pair {
+            Some(_) => write!(f, "edge {} at {:.3}", self.edge, self.along),
+            None => write!(f, "way point {}", self.edge),
+        }
+    }
+}
+
+/// Difference of two values that are not equal, with as many decimals as it takes not to show zero.
+fn apart(off: f64, decimals: usize) -> String {
+    let [off, _] = distinct([off, 0.0], decimals);
+    off
+}
+
+fn mm(metres: f64) -> f64 {
+    metres * 1e3
+}
+
+impl fmt::Display for Violation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { at, cause } = self;
+        let [first, second] = at.pair.as_ref().map_or(["", ""], |pair| [&pair[0][..], &pair[1]]);
+        match cause {
+            Cause::Start(JointOffset { joint, off, unit }) => {
+                write!(f, "{joint} is {} {unit} off the start", apart(*off, 6))
+            }
+            Cause::JointLimit(JointOffset { joint, off, unit }) => {
+                write!(f, "{at}: {joint} is {} {unit} beyond its limit", apart(*off, 4))
+            }
+            Cause::Contact { depth_m } => {
+                write!(f, "{at}: {first} is {} mm deep in {second}", apart(mm(*depth_m), 3))
+            }
+            Cause::NotFree => write!(f, "{at} is not free"),
+            Cause::Clearance { clearance_m, required_m } => {
+                let [clearance, required] = distinct([mm(*clearance_m), mm(*required_m)], 3);
+                write!(f, "{at}: {first} is {clearance} mm from {second}, {required} mm are demanded")
+            }
+            Cause::Unresolved { .. } => {
+                write!(f, "{at}: {first} against {second} can be neither proven nor refuted")
+            }
+            Cause::Step { .. } => write!(f, "edge {} is longer than the released planners step", at.edge),
+            Cause::Grasp { nearest: None } => write!(f, "the path ends at no grasp, for there is none"),
+            Cause::Grasp { nearest: Some(nearest) } => {
+                let off = apart(mm(nearest.translation_error_m), 2);
+                let turned = apart(nearest.rotation_error_rad.to_degrees(), 2);
+                let grasp = nearest.grasp;
+                write!(f, "the path ends {off} mm and {turned}° from the nearest grasp, {grasp}")
+            }
+            Cause::Configuration { farthest: JointOffset { joint, off, unit } } => {
+                write!(f, "the path ends with {joint} {} {unit} off the nearest goal", apart(*off, 6))
+            }
+            Cause::Grip { reason } => write!(f, "{at}: {}", reason.sentence()),
+            Cause::WeakGrasp { score, required } => {
+                let [score, required] = distinct([*score, *required], 3);
+                write!(f, "{at}: a grasp of score {score} there, {required} is demanded")
+            }
+            Cause::SaidGrasp { said_and_measured } => {
+                let [said, measured] = said_and_measured.as_ref();
+                write!(f, "{at}: {}", measured.against(said))
+            }
+            Cause::Statement { key, stated, measured } => {
+                write!(f, "{key}: the file states {stated}, measured {measured}")
+            }
+            Cause::LiftOff | Cause::SetDown => {
+                write!(f, "{at}: {first} is not proven to stay off {second} as it was at rest")
+            }
+            Cause::NotOff => write!(f, "{at}: the object is not yet off what it rested on"),
+            Cause::NotAbove => write!(f, "{at}: the object is not yet off what it is put down on"),
+            Cause::LongLiftOff { length_m, most_m } | Cause::LongSetDown { length_m, most_m } => {
+                let [length, most] = distinct([mm(*length_m), mm(*most_m)], 1);
+                let moved =
+                    if matches!(cause, Cause::LongLiftOff { .. }) { "lifted off" } else { "set down" };
+                write!(f, "{at}: {moved} over {length} mm, {most} mm are allowed")
+            }
+            Cause::NotPlaced { fault } => write!(f, "{at}: the object is let go, but {fault}"),
+            Cause::NotThere { fault } => write!(f, "{at}: {fault}"),
+            Cause::NotClear { clearance_m, required_m } | Cause::NotOut { clearance_m, required_m } => {
+                let [clearance, required] = distinct([mm(*clearance_m), mm(*required_m)], 1);
+                match cause {
+                    Cause::NotOut { .. } => write!(f, "carried out, the object is {clearance} mm clear")?,
+                    _ => write!(f, "after its retreat the hand is {clearance} mm from the object")?,
+                }
+                write!(f, ", {required} mm are demanded")
+            }
+            Cause::Unfinished { stage, stages } => {
+                write!(f, "the path ends in stage {} of {stages}, before that is done", stage + 1)
+            }
+            Cause::Hold { said, held } => {
+                let [said, held] = [said, held]
+                    .map(|(name, opening_m)| format!("{name}, fingers {:.2} mm apart", mm(*opening_m)));
+                write!(f, "{at}: the hand holds {held}, and not, as is said, {said}")
+            }
+        }
+    }
+}
+
+impl Serialize for Violation {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let Self { at, cause } = self;
+        let [mut first, second] = at.pair.as_ref().map_or(["", ""], |pair| [&pair[0][..], &pair[1]]);
+        let (mut unit, mut depth_m) = (None, None);
+        let figures: &[(&str, f64)] = match cause {
+            Cause::Start(offset) | Cause::JointLimit(offset) | Cause::Configuration { farthest: offset } => {
+                (first, unit) = (&offset.joint, Some(offset.unit.symbol()));
+                &[("off", offset.off)]
+            }
+            Cause::Contact { depth_m: depth } => {
+                depth_m = Some(depth);
+                &[]
+            }
+            Cause::Clearance { clearance_m, required_m }
+            | Cause::NotOut { clearance_m, required_m }
+            | Cause::NotClear { clearance_m, required_m } => {
+                &[("clearance_m", *clearance_m), ("required_m", *required_m)]
+            }
+            Cause::LongLiftOff { length_m, most_m } | Cause::LongSetDown { length_m, most_m } => {
+                &[("length_m", *length_m), ("most_m", *most_m)]
+            }
+            Cause::Hold { said, held } => &[("said_opening_m", said.1), ("opening_m", held.1)],
+            Cause::WeakGrasp { score, required } => &[("score", *score), ("required", *required)],
+            Cause::SaidGrasp { said_and_measured } => {
+                let [said, measured] = said_and_measured.as_ref();
+                &[
+                    ("said_opening_m", said.opening_m),
+                    ("opening_m", measured.opening_m),
+                    ("said_score", said.score),
+                    ("score", measured.score),
+                ]
+            }
+            Cause::Unresolved { clearance_m } => &[("clearance_m", *clearance_m)],
+            Cause::Step { excess_m } => &[("excess_m", *excess_m)],
+            Cause::Grasp { nearest: Some(nearest) } => &[
+                ("translation_error_m", nearest.translation_error_m),
+                ("rotation_error_rad", nearest.rotation_error_rad),
+            ],
+            _ => &[],
+        };
+        let mut row = serializer.serialize_map(None)?;
+        row.serialize_entry("kind", self.kind())?;
+        row.serialize_entry("edge", &at.edge)?;
+        row.serialize_entry("at", &at.along)?;
+        row.serialize_entry("first", first)?;
+        row.serialize_entry("second", second)?;
+        row.serialize_entry("depth_m", &depth_m)?;
+        figures.iter().try_for_each(|(key, value)| row.serialize_entry(key, value))?;
+        if let Cause::Statement { key, stated, measured } = cause {
+            for (name, value) in [("key", key), ("stated", stated), ("measured", measured)] {
+                row.serialize_entry(name, value)?;
+            }
+        }
+        unit.map_or(Ok(()), |unit| row.serialize_entry("unit", unit))?;
+        row.end()
+    }
+}

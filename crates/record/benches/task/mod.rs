@@ -1,0 +1,26 @@
+//! The tasks that this room's benches share.
+
+use std::path::Path;
+
+use cranny_collision::Margins;
+use cranny_scenario::{OpenOptions, Scenario};
+use cranny_task::Problem;
+
+/// The built-in 021, and released 011 and 044 where the data folder is given in `CRANNY_DATA`.
+pub fn all() -> Vec<(String, Problem)> {
+    let mut names = vec!["021".to_owned()];
+    if let Some(data) = std::env::var_os("CRANNY_DATA") {
+        // Benches run in the package's folder; a relative folder is meant from the workspace's.
+        let scenarios =
+            Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(data).join("jogramop/scenarios");
+        names.extend(["011", "044"].map(|id| scenarios.join(id).display().to_string()));
+    } else {
+        eprintln!("released 011 and 044 need the data folder in CRANNY_DATA");
+    }
+    let open = |name: String| {
+        let scenario = Scenario::open(&name, &OpenOptions::default()).expect("a scenario");
+        let problem = scenario.problem(Margins::default()).expect("a problem");
+        (scenario.id, problem)
+    };
+    names.into_iter().map(open).collect()
+}

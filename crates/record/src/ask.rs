@@ -1,0 +1,225 @@
+use std::time::Duration;
+
+use cranny_collision::Margins;
+use cranny_grasp::ScoreKind;
+use cranny_path::{AuditSettings, CostKind, TimingMethod};
+use cranny_plan::{Budget, OptimiseSettings, Registry};
+use cranny_scenario::{NamedTask, Scenario, ScenarioError};
+use cranny_solve::{PoseRadius, Request, Timing};
+use cranny_task::{AfterPlacing, CLEAR_M, Move, PlaceAt, Problem, Stage};
+use serde_json::{Map, Value};
+
+use crate::RecordError;
+
+/// What is asked of a planner, in the words of flags and keywords: the only place where they become a [`Request`].
+#[derive(Clone, Debug)]
+#[expect(clippy::struct_excessive_bools, reason = "a flag of the command each")]
+pub struct Ask {
+    /// The planners that there are.
+    pub registry: Registry,
+    /// Name of the planner; `None`: the best for the criterion.
+    pub planner: Option<String>,
+    /// Settings of the planner that differ from their defaults.
+    pub settings: Map<String, Value>,
+    /// Seed of all randomness.
+    pub seed: u64,
+    /// Time after which the search ends.
+    pub time_limit: Duration,
+    /// Iterations after which it ends; `None`: any number.
+    pub iterations: Option<u64>,
+    /// Score of the grasps that counts.
+    pub score: ScoreKind,
+    /// Least score of a grasp.
+    pub min_score: Option<f64>,
+    /// Threshold of the paper's criterion.
+    pub goal_threshold: Option<f64>,
+    /// Keeps the path as the planner found it.
+    pub keep_path: bool,
+    /// Time for better paths; `None`: none are looked for.
+    pub optimise: Option<Duration>,
+    /// Cost of a path.
+    pub cost: CostKind,
+    /// Weight of a grasp's score against the cost.
+    pub score_weight: f64,
+    /// Times the path under limits of jerk too.
+    pub jerk_limited: bool,
+    /// Cuts corners.
+    pub blend: bool,
+    /// Demands a trajectory.
+    pub is_timing_demanded: bool,
+    /// End of a carry.
+    pub carry: Option<CarryWord>,
+    /// Name of the place where the target is put down.
+    pub place: Option<String>,
+    /// Task of several stages.
+    pub task: Option<TaskWord>,
+    /// Motion of the robot after the target has been put down. Default: home.
+    pub then: Option<AfterPlacing>,
+    /// Distance, in metres, of the object, or of the hand, that counts as clear.
+    pub clear_m: Option<f64>,
+    /// Error of the pose of each object that is to be forgiven.
+    pub robust: Option<PoseRadius>,
+}
+
+/// A task of several stages.
+#[derive(Clone, Debug, PartialEq)]
+pub enum TaskWord {
+    /// The task of the scenario that has this name.
+    Named(String),
+    /// These stages.
+    Stages(Vec<Stage>),
+}
+
+/// End of a carry.
+#[derive(Clone, Debug, PartialEq)]
+pub enum CarryWord {
+    /// Where the robot started.
+    Home,
+    /// Where the object is clear of everything but floors.
+    Out,
+    /// One of these configurations (m, rad).
+    Configurations(Vec<Vec<f64>>),
+}
+
+impl Default for Ask {
+    fn default() -> Self {
+        let Request { budget, .. } = Request::default();
+        Self {
+            registry: Registry::default(),
+            planner: None,
+            settings: Map::new(),
+            seed: 0,
+            time_limit: budget.time,
+            iterations: None,
+            score: ScoreKind::default(),
+            min_score: None,
+            goal_threshold: None,
+            keep_path: false,
+            optimise: None,
+            cost: CostKind::default(),
+            score_weight: OptimiseSettings::default().score_weight,
+            jerk_limited: false,
+            blend: false,
+            is_timing_demanded: false,
+            carry: None,
+            place: None,
+            task: None,
+            then: None,
+            clear_m: None,
+            robust: None,
+        }
+    }
+}
+
+impl Ask {
+    /// The request to a problem, which is that of a scenario or of other files; and the task of the scenario that is asked for
+    /// by its name.
+    ///
+    /// # Errors
+    /// [`RecordError::Ask`] names a word that does not go with another, and those of [`Request::check`];
+    /// [`ScenarioError::UnknownTask`](cranny_scenario::ScenarioError::UnknownTask).
+    pub fn request(
+        &self,
+        problem: &Problem,
+        scenario: Option<&Scenario>,
+    ) -> Result<(Request, Option<NamedTask>), RecordError> {
+        let (stages, task) = self.stages(scenario)?;
+        let stages = match (self.robust, scenario) {
+            (Some(error), Some(scenario)) => {
+                scenario.forgiving(&stages, error.translation_m, error.rotation_rad)
+            }
+            _ => stages,
+        };
+        let method = if self.jerk_limited { TimingMethod::JerkLimited } else { TimingMethod::TimeOptimal };
+        let request = Request {
+            registry: self.registry.clone(),
+            planner: self.planner.clone(),
+            settings: self.settings.clone(),
+            budget: Budget { iterations: self.iterations.unwrap_or(u64::MAX), time: self.time_limit },
+            seed: self.seed,
+            score: self.score,
+            min_score: self.min_score,
+            goal_threshold: self.goal_threshold,
+            keep_path: self.keep_path,
+            optimise: self.optimise.map(|time| OptimiseSettings {
+                time,
+                score_weight: self.score_weight,
+                cost: self.cost,
+                ..OptimiseSettings::default()
+            }),
+            stages,
+            timing: Some(Timing { method, blend: self.blend, is_demanded: self.is_timing_demanded }),
+            audit: AuditSettings::default(),
+            robustness: true,
+        };
+        request.check(problem)?;
+        Ok((request, task))
+    }
+
+    /// The stages that are asked for, and the task of the scenario that they are.
+    fn stages(&self, scenario: Option<&Scenario>) -> Result<(Vec<Stage>, Option<NamedTask>), RecordError> {
+        let refuse = |field, problem: &str| Err(RecordError::Ask { field, problem: problem.to_owned() });
+        let asked =
+            [("carry", self.carry.is_some()), ("place", self.place.is_some()), ("task", self.task.is_some())];
+        let mut asked = asked.into_iter().filter(|(_, is_asked)| *is_asked).map(|(field, _)| field);
+        if let (Some(_), Some(second)) = (asked.next(), asked.next()) {
+            return refuse(second, "of `carry`, `place` and tasks only one can be asked for");
+        }
+        if self.then.is_some() && self.place.is_none() {
+            return refuse(
+                "then",
+                "it goes with `place` alone; a task has a stage of its own for where the robot goes",
+            );
+        }
+        if self.clear_m.is_some()
+            && self.place.is_none()
+            && self.task.is_none()
+            && self.carry != Some(CarryWord::Out)
+        {
+            return refuse("clear", "it goes with `carry` out, `place` and tasks alone");
+        }
+        let clear_m = self.clear_m.unwrap_or(CLEAR_M);
+        if let Some(place) = &self.place {
+            let place = PlaceAt { place: place.clone(), clear_m };
+            return Ok((Stage::put_down(place, self.then.unwrap_or_default()), None));
+        }
+        if let Some(task) = &self.task {
+            let (stages, task) = match (task, scenario) {
+                (TaskWord::Stages(stages), _) => (stages.clone(), None),
+                (TaskWord::Named(name), Some(scenario)) => {
+                    let task = scenario.task(name)?.clone();
+                    (task.stages.clone(), Some(task))
+                }
+                (TaskWord::Named(_), None) => return refuse("task", "only a scenario has tasks"),
+            };
+            let stages = stages.iter().map(|stage| match (stage, self.clear_m) {
+                (Stage::Place(at), Some(clear_m)) => Stage::Place(PlaceAt { clear_m, ..at.clone() }),
+                (Stage::Move(Move::Clear { .. }), Some(clear_m)) => Stage::Move(Move::Clear { clear_m }),
+                _ => stage.clone(),
+            });
+            return Ok((stages.collect(), task));
+        }
+        let goal = match &self.carry {
+            None => return Ok((Vec::new(), None)),
+            Some(CarryWord::Home) => Move::Home,
+            Some(CarryWord::Out) => Move::Clear { clear_m },
+            Some(CarryWord::Configurations(ends)) => Move::Configurations(ends.clone()),
+        };
+        Ok((vec![Stage::pick(), Stage::Move(goal)], None))
+    }
+}
+
+/// Margins that forgive an error of the pose of a scenario's target too, if one is to be forgiven.
+///
+/// # Errors
+/// [`ScenarioError::NoTarget`] where it has no target that could be elsewhere.
+pub fn margins_forgiving(
+    scenario: &Scenario,
+    margins: Margins,
+    robust: Option<PoseRadius>,
+) -> Result<Margins, ScenarioError> {
+    let Some(PoseRadius { translation_m, rotation_rad }) = robust else { return Ok(margins) };
+    let object_margin_m = scenario.object_margin_m(translation_m, rotation_rad);
+    let lacking = || ScenarioError::NoTarget { id: scenario.id.clone() };
+    Ok(Margins { object_margin_m: object_margin_m.ok_or_else(lacking)?, ..margins })
+}

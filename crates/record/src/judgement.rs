@@ -1,0 +1,350 @@
+use cranny_collision::Margins;
+use cranny_path::{Audit, AuditSettings, Clearances, path_length};
+use cranny_plan::{Outcome, PlanError};
+use cranny_scenario::NamedTask;
+use cranny_solve::{Robustness, TaskTrajectory};
+use cranny_task::{NotChecked, Problem, Segment, Stage, StatesAlong, give_clearances};
+use serde::Serialize;
+use serde_json::Value;
+
+use crate::statement::{NOT_CHECKED, Statement, differences};
+use crate::{PlanFile, PlanPick, PlanSource, PlanTiming};
+
+/// Verdict on a plan file: on its path, and on everything else that it states.
+#[derive(Clone, Debug, Serialize)]
+pub struct Judgement {
+    /// The verdict on the path. A false statement is one of its violations, unless it is of another task than the one that
+    /// the plan is judged in.
+    #[serde(flatten)]
+    pub audit: Audit,
+    /// Demands of the file that the path was judged by, unless `differs` names them.
+    pub demanded: Demanded,
+    /// Statements of the file that differ from what was measured, or from the task that it is judged in. The verdict does
+    /// not depend on them.
+    pub differs: Vec<Statement>,
+    /// Keys of the file whose values were measured again and compared.
+    pub compared: Vec<&'static str>,
+    /// Keys of the file that were not compared: they record how the path was found.
+    pub not_compared: Vec<&'static str>,
+    /// The plan with every figure as it was measured.
+    #[serde(skip)]
+    pub measured: PlanFile,
+    /// True if the plan was made for the task that it is judged in, whichever grasps it states.
+    #[serde(skip)]
+    pub is_own_task: bool,
+}
+
+/// Demands on a path that a plan file brings along.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Demanded {
+    /// The clearance of every proof.
+    pub margins: Margins,
+    /// As [`PlanFile::task`].
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub task: Vec<Stage>,
+}
+
+/// Keys that state for which task a plan was made: where one differs, no figure is of the task that it is judged in.
+const TASK: [&str; 5] = ["scenario", "robot", "geometry", "criterion", "margins"];
+
+/// The key of the set of grasps.
+const GRASPS: &str = "grasps";
+
+/// Figures that depend on the set of grasps: no other does, for it moves nothing.
+const OF_GRASPS: [&str; 5] = ["grasp", "translation_error_m", "rotation_error_rad", "own_grasp", "picks"];
+
+/// Keys whose values are measured again.
+const MEASURED: [&str; 17] = [
+    "task_name",
+    "task",
+    "picks",
+    "goal_threshold",
+    NOT_CHECKED,
+    "outcome",
+    "joint_names",
+    "grasp",
+    "translation_error_m",
+    "rotation_error_rad",
+    "own_grasp",
+    "clearance_m",
+    "clearances_per_edge_m",
+    "path_length",
+    "segments",
+    "timing",
+    "robustness",
+];
+
+/// Keys of which nothing is measured: they record how the path was found.
+const RECORD: [&str; 14] = [
+    "planner",
+    "settings",
+    "score",
+    "seed",
+    "version",
+    "budget",
+    "statistics",
+    "shortening",
+    "optimisation",
+    "failures",
+    "goal_faults",
+    "no_grasp",
+    "min_score",
+    "below_min_score",
+];
+
+/// Keys of a plan without a path that are as stated.
+const AS_STATED: [&str; 2] = ["outcome", NOT_CHECKED];
+
+impl PlanFile {
+    /// Judges the path, as anybody's, and compares everything else that the plan states with what is measured along it;
+    /// `None` for a plan without a path. `task` is what the problem was made of.
+    ///
+    /// Pairs that the problem does not compare, but can ([`Problem::checking_all_pairs`]), are compared where the plan does
+    /// not name them and holds with them: it was planned so.
+    ///
+    /// # Errors
+    /// As [`audit_task`](cranny_path::audit_task).
+    pub fn judge(
+        &self,
+        task: &PlanSource,
+        problem: &Problem,
+        settings: AuditSettings,
+    ) -> Result<Option<Judgement>, PlanError> {
+        let judgement = self.judge_in(task, problem, settings)?;
+        let is_unnamed = |pair: &NotChecked| {
+            let names = |of: &NotChecked| [of.first.clone(), of.second.clone()];
+            pair.can_be_checked() && self.not_checked.iter().all(|other| names(other) != names(pair))
+        };
+        if judgement.as_ref().is_some_and(|judgement| judgement.audit.not_checked.iter().any(is_unnamed)) {
+            let strict = self.judge_in(task, &problem.clone().checking_all_pairs(), settings)?;
+            if strict.as_ref().is_some_and(|strict| strict.audit.valid) {
+                return Ok(strict);
+            }
+        }
+        Ok(judgement)
+    }
+
+    /// Compares what a plan without a path states with the task. Its outcome, and why there is no path, are as stated: no
+    /// search is repeated. Nothing else is there to be stated.
+    pub fn judge_without_path(&self, task: &PlanSource, problem: &Problem) -> Judgement {
+        let audit = Audit::of_nothing();
+        let measured = Self {
+            scenario: task.scenario.clone(),
+            robot: task.robot.as_ref().map(|file| file.display().to_string()),
+            geometry: task.geometry.map(|geometry| geometry.name().to_owned()),
+            grasps: task.grasps.text(),
+            criterion: problem.criterion(),
+            goal_threshold: problem.goal_threshold(),
+            margins: task.margins,
+            joint_names: problem.robot().joint_names().to_vec(),
+            grasp: None,
+            translation_error_m: None,
+            rotation_error_rad: None,
+            own_grasp: None,
+            picks: Vec::new(),
+            clearance_m: None,
+            clearances_per_edge_m: Vec::new(),
+            path_length: 0.0,
+            segments: Vec::new(),
+            waypoints: Vec::new(),
+            timing: None,
+            robustness: None,
+            ..self.clone()
+        };
+        let (stated, found) = (figures(self), figures(&measured));
+        let mut judgement = self.judgement(task, audit, measured);
+        let figures: Vec<_> = MEASURED.into_iter().filter(|key| !AS_STATED.contains(key)).collect();
+        judgement.differs = differences(&TASK, &stated, &found);
+        judgement.differs.extend(differences(&[GRASPS], &stated, &found));
+        judgement.differs.extend(differences(&figures, &stated, &found));
+        let is_stated = |key: &&str| is_stated(&stated[*key]);
+        judgement.not_compared = AS_STATED.into_iter().chain(RECORD).filter(is_stated).collect();
+        judgement
+    }
+
+    fn judge_in(
+        &self,
+        task: &PlanSource,
+        problem: &Problem,
+        settings: AuditSettings,
+    ) -> Result<Option<Judgement>, PlanError> {
+        let along = self.states(problem)?;
+        let along = along.as_ref();
+        // The radii take as long as the verdict.
+        let (audit, robustness) = rayon::join(
+            || self.audit_along(along, problem, settings),
+            || self.measured_robustness(along, problem),
+        );
+        let Some(audit) = audit? else { return Ok(None) };
+        let robustness = robustness?.filter(|_| audit.valid);
+        let measured = Self { robustness, ..self.measured(task, (along, problem), &audit, settings)? };
+        let (stated, found) = (figures(self), figures(&measured));
+        let is_stated = |key: &&str| is_stated(&stated[*key]);
+        let mut judgement = self.judgement(task, audit, measured);
+        judgement.differs = differences(&TASK, &stated, &found);
+        let is_own_task = judgement.differs.is_empty();
+        judgement.is_own_task = is_own_task;
+        let of_grasps = differences(&[GRASPS], &stated, &found);
+        let has_own_grasps = of_grasps.is_empty();
+        judgement.differs.extend(of_grasps);
+        // What is stated of a path that does not hold was measured of another one.
+        let holds = judgement.audit.valid;
+        // No pairs are a statement too: that all were compared.
+        let is_promise = |key: &&str| is_stated(key) || *key == NOT_CHECKED && self::is_stated(&found[*key]);
+        // A task without a name is demanded, and not stated.
+        let is_named = |key: &&str| self.task_name.is_some() || !key.starts_with("task");
+        let measured_keys: Vec<_> = MEASURED.into_iter().filter(is_promise).filter(is_named).collect();
+        if holds {
+            for statement in differences(&measured_keys, &stated, &found) {
+                let key = statement.key.split(['.', '[']).next().unwrap_or_default();
+                // Where nothing is proven, whatever is stated of clearances is more than there is.
+                let is_unproven =
+                    problem.cell().is_none() && statement.measured.is_null() && key != NOT_CHECKED;
+                let is_of_task = is_own_task && (has_own_grasps || !OF_GRASPS.contains(&key));
+                if is_of_task && (statement.is_false || is_unproven) {
+                    judgement.audit.violations.push(statement.violation());
+                } else {
+                    judgement.differs.push(statement);
+                }
+            }
+            judgement.audit.valid = judgement.audit.violations.is_empty();
+            judgement.compared = measured_keys;
+        } else {
+            judgement.not_compared = measured_keys;
+        }
+        judgement.not_compared.extend(RECORD.into_iter().filter(is_stated));
+        Ok(Some(judgement))
+    }
+
+    /// A verdict before anything that the plan states is compared.
+    fn judgement(&self, task: &PlanSource, audit: Audit, measured: Self) -> Judgement {
+        Judgement {
+            audit,
+            demanded: Demanded { margins: task.margins, task: self.task.clone() },
+            differs: Vec::new(),
+            compared: Vec::new(),
+            not_compared: Vec::new(),
+            measured,
+            is_own_task: false,
+        }
+    }
+
+    /// The radii where the file states some.
+    fn measured_robustness(
+        &self,
+        along: Option<&StatesAlong>,
+        problem: &Problem,
+    ) -> Result<Option<Robustness>, PlanError> {
+        let Some(along) = along.filter(|_| self.robustness.is_some() && !self.waypoints.is_empty()) else {
+            return Ok(None);
+        };
+        let cell = problem.cell().filter(|_| self.is_blended()).map(AsRef::as_ref);
+        let trajectory = cell.map(|cell| self.trajectory(problem.robot(), Some(cell))).transpose()?.flatten();
+        let corners = trajectory.as_ref().map_or(&[][..], TaskTrajectory::cut_corners);
+        Ok(Robustness::of(along, &self.segments, corners))
+    }
+
+    /// The task of this name as its scenario has it, where the two differ in more than the distances that are demanded.
+    fn own_task<'a>(&self, source: &'a PlanSource) -> Option<&'a NamedTask> {
+        let named = source.task.as_ref()?;
+        let is_same = named.stages.len() == self.task.len()
+            && named.stages.iter().zip(&self.task).all(|(a, b)| a.is_like(b));
+        (!is_same).then_some(named)
+    }
+
+    /// The plan with every figure but its radii as it is measured: no field is left out, so that a new one needs a decision.
+    fn measured(
+        &self,
+        task: &PlanSource,
+        (along, problem): (Option<&StatesAlong>, &Problem),
+        audit: &Audit,
+        settings: AuditSettings,
+    ) -> Result<Self, PlanError> {
+        let cell = problem.cell().map(AsRef::as_ref);
+        let timing = match &self.timing {
+            Some(_) if audit.valid => self.trajectory(problem.robot(), cell)?.as_ref().map(PlanTiming::of),
+            _ => None,
+        };
+        let (clearance_m, clearances_per_edge_m) = match settings.clearances {
+            Clearances::OfEdges => (audit.clearance_m, audit.clearances_per_edge_m.clone()),
+            Clearances::OfPath | Clearances::None => (self.clearance_m, self.clearances_per_edge_m.clone()),
+        };
+        let goal = audit.goal.map(|nearest| {
+            // Of several grasps at the end any is one that the path ends at.
+            let stated =
+                self.grasp.and_then(|grasp| cranny_path::arrival_at(problem, grasp, self.reach().last()?));
+            stated.unwrap_or(nearest)
+        });
+        Ok(Self {
+            format: self.format.clone(),
+            scenario: task.scenario.clone(),
+            task_name: task.task.as_ref().map(|task| task.name.clone()),
+            task: self.own_task(task).map_or_else(|| self.task.clone(), |task| task.stages.clone()),
+            robot: task.robot.as_ref().map(|file| file.display().to_string()),
+            geometry: task.geometry.map(|geometry| geometry.name().to_owned()),
+            grasps: task.grasps.text(),
+            planner: self.planner.clone(),
+            settings: self.settings.clone(),
+            criterion: problem.criterion(),
+            score: self.score,
+            goal_threshold: problem.goal_threshold(),
+            seed: self.seed,
+            version: self.version.clone(),
+            outcome: if audit.valid { Outcome::Solved } else { self.outcome },
+            margins: task.margins,
+            budget: self.budget,
+            joint_names: problem.robot().joint_names().to_vec(),
+            grasp: goal.map(|goal| goal.grasp),
+            translation_error_m: goal.map(|goal| goal.translation_error_m),
+            rotation_error_rad: goal.map(|goal| goal.rotation_error_rad),
+            own_grasp: audit.own_grasp,
+            picks: PlanPick::all_of(audit),
+            clearance_m,
+            not_checked: audit.not_checked.clone(),
+            path_length: path_length(&self.waypoints),
+            segments: self.measured_segments(along, &clearances_per_edge_m),
+            clearances_per_edge_m,
+            waypoints: self.waypoints.clone(),
+            timing,
+            statistics: self.statistics,
+            shortening: self.shortening,
+            optimisation: self.optimisation.clone(),
+            failures: self.failures.clone(),
+            goal_faults: self.goal_faults.clone(),
+            no_grasp: self.no_grasp.clone(),
+            min_score: self.min_score,
+            below_min_score: self.below_min_score,
+            robustness: None,
+        })
+    }
+
+    /// The segments with their clearances, and what the hand holds where it is closed.
+    fn measured_segments(
+        &self,
+        along: Option<&StatesAlong>,
+        clearances_per_edge_m: &[Option<f64>],
+    ) -> Vec<Segment> {
+        let mut segments = self.segments.clone();
+        give_clearances(&mut segments, clearances_per_edge_m);
+        for (segment, state) in segments.iter_mut().zip(along.into_iter().flat_map(|along| &along.states)) {
+            if let Some((carrier, grip)) = state.held() {
+                segment.attached = Some(carrier.object().to_owned());
+                segment.opening_m = Some(grip.opening_m);
+                segment.uneven_m = Some(grip.uneven_m);
+            }
+        }
+        segments
+    }
+}
+
+/// All values of a plan but its way points, which are judged themselves.
+fn figures(plan: &PlanFile) -> Value {
+    let segments = plan.segments.iter().map(|segment| Segment { waypoints: Vec::new(), ..segment.clone() });
+    let without = PlanFile { waypoints: Vec::new(), segments: segments.collect(), ..plan.clone() };
+    serde_json::to_value(without).unwrap_or_default()
+}
+
+/// Returns whether a value states anything: `null` and an empty list do not.
+fn is_stated(value: &Value) -> bool {
+    !value.is_null() && value.as_array().is_none_or(|list| !list.is_empty())
+}

@@ -1,0 +1,25 @@
+#![doc = include_str!("../README.md")]
+
+mod ask;
+mod betterment;
+mod error;
+mod file;
+mod judgement;
+mod old_formats;
+mod planned_task;
+mod reading;
+mod statement;
+mod timing;
+mod trajectory;
+mod trajectory_csv;
+mod waypoints;
+
+pub use ask::{Ask, CarryWord, TaskWord, margins_forgiving};
+pub use betterment::{PlanOptimisation, PlanShortening};
+pub use error::RecordError;
+pub use file::{PlanBudget, PlanFile, PlanPick, PlanSource};
+pub use judgement::{Demanded, Judgement};
+pub use statement::Statement;
+pub use timing::PlanTiming;
+pub use trajectory_csv::write_trajectory_csv;
+pub use waypoints::{read_waypoints, write_waypoints_csv};

@@ -1,0 +1,17 @@
+//! All tests of this crate from outside: one program, which is linked once.
+
+#![allow(clippy::disallowed_methods, reason = "what is compared to may come from the system")]
+
+mod blends;
+mod cancelled_windings;
+mod carrying;
+mod contact;
+mod ik_statuses;
+mod lanes;
+mod moveit;
+mod old_formats;
+mod placing;
+mod quicker;
+mod released_layout;
+mod statements;
+mod tasks;

@@ -1,0 +1,135 @@
+//! The released scenarios, each with a path that the planner under test found.
+
+use std::collections::BTreeMap;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, Once, OnceLock};
+use std::time::Duration;
+
+use cranny_collision::{Cell, Margins};
+use cranny_path::{ShortcutSettings, shortcut};
+use cranny_plan::{Budget, Outcome, Registry, Unobserved};
+use cranny_scenario::{OpenOptions, Scenario};
+use cranny_solve::{Request, solve};
+use cranny_task::{Criterion, PlaceSpot, Problem, Stage};
+
+use crate::judge::Oracle;
+
+/// A released scenario.
+pub struct Case {
+    pub id: String,
+    pub oracle: Oracle,
+    /// What is to be judged.
+    pub cell: Arc<Cell>,
+    pub start: Vec<f64>,
+    /// Way points from the start to a grasp; `None` where the planner found none.
+    pub path: Option<Vec<Vec<f64>>>,
+    /// The ways of the target in the closed hand: the first from where the hand closed to where the target is off what it
+    /// rested on, the second from there home.
+    pub carried: Option<[Vec<Vec<f64>>; 2]>,
+    /// All pieces of a task that puts the target down outside and goes home.
+    pub placed: Option<Vec<Vec<Vec<f64>>>>,
+}
+
+/// All twenty; `None`, said loudly, where the data is not there. Planned once for all tests.
+pub fn cases() -> Option<&'static [Case]> {
+    static CASES: OnceLock<Vec<Case>> = OnceLock::new();
+    let Some(folder) = scenarios() else {
+        assert!(std::env::var_os("CRANNY_REQUIRE_ALL").is_none(), "CRANNY_DATA is not set");
+        static SAID: Once = Once::new();
+        // Straight to the stream: what a test prints is shown only where the test fails.
+        SAID.call_once(|| {
+            let _ =
+                writeln!(io::stderr(), "SKIPPED: the oracle judges no released scenario; set CRANNY_DATA");
+        });
+        return None;
+    };
+    Some(CASES.get_or_init(|| {
+        let ids: Vec<String> =
+            (1..=4).flat_map(|e| (1..=5).map(move |level| format!("0{e}{level}"))).collect();
+        for_each(&ids, |id| case(&folder.join(id)))
+    }))
+}
+
+fn scenarios() -> Option<PathBuf> {
+    std::env::var_os("CRANNY_DATA").map(|data| PathBuf::from(data).join("jogramop/scenarios"))
+}
+
+fn case(folder: &Path) -> Case {
+    let scenario = Scenario::open(folder.to_str().unwrap(), &OpenOptions::default()).unwrap();
+    assert_eq!(scenario.criterion, Criterion::Exact);
+    let problem = scenario.problem(Margins::default()).unwrap();
+    let cell = problem.cell().expect("the criterion is exact");
+    Case {
+        id: scenario.id.clone(),
+        oracle: Oracle::new(scenario.robot.clone(), folder),
+        cell: cell.clone(),
+        start: problem.start().to_vec(),
+        path: path(&scenario.id, &problem),
+        carried: carried(&problem),
+        placed: placed(&scenario, &problem),
+    }
+}
+
+/// A task that puts the target down where the built-in scenario of the same id would.
+fn placed(scenario: &Scenario, problem: &Problem) -> Option<Vec<Vec<Vec<f64>>>> {
+    let own = Scenario::open(&scenario.id, &OpenOptions::default()).unwrap();
+    let mut goal = own.places[0].clone();
+    if let PlaceSpot::Surface { on, .. } = &mut goal.spot {
+        // What is called otherwise there.
+        let bodies = scenario.world.bodies();
+        let known = bodies.iter().find(|body| body.name.contains(on.as_str()));
+        *on = known.unwrap_or_else(|| panic!("{}: no {on}", scenario.id)).name.clone();
+    }
+    let stages = vec![Stage::pick(), Stage::place(&goal.name), Stage::home()];
+    let problem = problem.clone().with_places(&[goal]);
+    let answer = solve(&problem, &Request { stages, ..Request::default() }, &mut Unobserved).unwrap();
+    assert!(answer.segments.is_empty() || answer.is_solved(), "{:?}", answer.audit);
+    let pieces: Vec<_> = answer.segments.into_iter().map(|segment| segment.waypoints).collect();
+    (!pieces.is_empty()).then_some(pieces)
+}
+
+/// Lift-off and carry of a task that takes the target home.
+fn carried(problem: &Problem) -> Option<[Vec<Vec<f64>>; 2]> {
+    let request = Request { stages: vec![Stage::pick(), Stage::home()], ..Request::default() };
+    let answer = solve(problem, &request, &mut Unobserved).unwrap();
+    assert!(answer.segments.is_empty() || answer.is_solved(), "{:?}", answer.audit);
+    let [_, lift_off, carry] = &answer.segments[..] else { return None };
+    Some([lift_off, carry].map(|segment| segment.waypoints.clone()))
+}
+
+/// What `reach` finds with the first seed that lets it, shortened as it is delivered.
+fn path(id: &str, problem: &Problem) -> Option<Vec<Vec<f64>>> {
+    const SEEDS: u64 = 3;
+    let planner = Registry::default().planner("reach").unwrap();
+    let budget = Budget { time: Duration::from_secs(30), ..Budget::default() };
+    for seed in 0..SEEDS {
+        let report = planner.plan(problem, &budget, seed, &mut Unobserved).unwrap();
+        let (outcome, seconds) = (report.outcome.name(), report.statistics.planning_time_s);
+        println!("{id}: seed {seed}: {outcome} after {seconds:.1} s");
+        if report.outcome == Outcome::Solved {
+            return Some(shortcut(problem, &report.path, ShortcutSettings::default()).unwrap().path);
+        }
+    }
+    None
+}
+
+/// What `work` makes of each item, on two threads; in the order of the items.
+pub fn for_each<I: Sync, T: Send>(items: &[I], work: impl Fn(&I) -> T + Sync) -> Vec<T> {
+    let next = AtomicUsize::new(0);
+    let done = Mutex::new(BTreeMap::new());
+    std::thread::scope(|scope| {
+        for _ in 0..2 {
+            scope.spawn(|| {
+                loop {
+                    let index = next.fetch_add(1, Ordering::Relaxed);
+                    let Some(item) = items.get(index) else { break };
+                    let result = work(item);
+                    done.lock().unwrap().insert(index, result);
+                }
+            });
+        }
+    });
+    done.into_inner().unwrap().into_values().collect()
+}

@@ -1,0 +1,111 @@
+use std::fmt;
+
+use cranny_file::distinct;
+use cranny_robot::LimitViolation;
+use cranny_spatial::CONTACT_M;
+
+use crate::Problem;
+use crate::problem::Validity;
+
+/// A reason why a configuration is not free, shown in one sentence.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum ConfigurationFault {
+    /// A joint is outside its limits (m, rad).
+    JointLimit {
+        /// The joint.
+        joint: String,
+        /// Its value.
+        value: f64,
+        /// Its lower limit.
+        lower: f64,
+        /// Its upper limit.
+        upper: f64,
+    },
+    /// Two things touch.
+    Contact {
+        /// A link.
+        first: String,
+        /// Another link, or a body.
+        second: String,
+        /// Penetration depth, in metres.
+        depth_m: f64,
+    },
+    /// Two things are closer than the margin that is demanded.
+    Clearance {
+        /// A link.
+        first: String,
+        /// Another link, or a body.
+        second: String,
+        /// Their distance, in metres.
+        clearance_m: f64,
+        /// The distance that is demanded, in metres.
+        required_m: f64,
+    },
+    /// Under `paper`: the released check refuses it, and gives no reason.
+    Refused,
+}
+
+impl Problem {
+    /// All reasons why `q` (m, rad; one per joint) is not free; none if it is. Where a joint is outside its limits,
+    /// contacts are not listed.
+    ///
+    /// # Panics
+    /// If `q` has not one value per joint.
+    pub fn configuration_faults(&self, q: &[f64]) -> Vec<ConfigurationFault> {
+        let robot = self.robot();
+        let beyond: Vec<ConfigurationFault> = robot
+            .limit_violations(q)
+            .map(|LimitViolation { joint, value, lower, upper }| {
+                let joint = robot.joint_names()[joint].clone();
+                ConfigurationFault::JointLimit { joint, value, lower, upper }
+            })
+            .collect();
+        if !beyond.is_empty() {
+            return beyond;
+        }
+        match self.validity() {
+            Validity::Exact(cell) => {
+                let contacts = cell.contacts(q, &mut cell.scratch());
+                let fault = |contact: &cranny_collision::Contact| {
+                    let [first, second] = contact.names(cell);
+                    if contact.clearance_m < CONTACT_M {
+                        return ConfigurationFault::Contact { first, second, depth_m: contact.depth_m };
+                    }
+                    let (clearance_m, required_m) = (contact.clearance_m, contact.required_m);
+                    ConfigurationFault::Clearance { first, second, clearance_m, required_m }
+                };
+                contacts.iter().map(fault).collect()
+            }
+            Validity::Paper { check, .. } => {
+                let is_free = check.is_free(q, &mut check.scratch());
+                if is_free { Vec::new() } else { vec![ConfigurationFault::Refused] }
+            }
+        }
+    }
+
+    /// For each goal configuration all reasons why it is not free.
+    pub fn goal_faults(&self) -> Vec<Vec<ConfigurationFault>> {
+        self.goal_configurations().iter().map(|goal| self.configuration_faults(goal)).collect()
+    }
+}
+
+impl fmt::Display for ConfigurationFault {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::JointLimit { joint, value, lower, upper } => {
+                let [value, lower, upper] = distinct([*value, *lower, *upper], 4);
+                write!(formatter, "{joint} is {value}, outside its limits [{lower}, {upper}]")
+            }
+            Self::Contact { first, second, depth_m } => {
+                write!(formatter, "{first} touches {second}, {:.2} mm deep", depth_m * 1e3)
+            }
+            Self::Clearance { first, second, clearance_m, required_m } => {
+                let [is, demanded] = distinct([clearance_m * 1e3, required_m * 1e3], 2);
+                write!(formatter, "{first} is {is} mm from {second}, but {demanded} mm is demanded")
+            }
+            Self::Refused => formatter
+                .write_str("the released check refuses it: a link touches, or is below the floor height"),
+        }
+    }
+}

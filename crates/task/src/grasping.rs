@@ -1,0 +1,10 @@
+//! Grasps: what is measured of them, which a hand can take, and why one was not taken.
+
+pub(crate) mod closing_hand;
+pub(crate) mod grasp_failure;
+pub(crate) mod grasp_filter;
+pub(crate) mod grasp_measure;
+pub(crate) mod grasp_poses;
+pub(crate) mod hand_filter;
+pub(crate) mod own_grasp;
+pub(crate) mod pad_contact;

@@ -1,0 +1,110 @@
+use cranny_collision::{Body, Cell};
+use cranny_grasp::{Contact, friction_needed, friction_score};
+use cranny_shape::{AreaDistribution, Surface, TriangleSoup};
+use cranny_spatial::{Pose, Vector};
+
+use crate::TaskError;
+use crate::grasping::closing_hand::ClosingHand;
+use crate::grasping::pad_contact::PadSurfaces;
+
+/// What grasps are measured by where no set of them is given: the surface of the target, how it slides, and the hand that
+/// closes on it. It belongs to a problem, as the tree of an obstacle's mesh does, and not to a search.
+#[derive(Clone, Debug)]
+pub struct GraspMeasure {
+    hand: ClosingHand,
+    surface_in_world: Surface,
+    friction: f64,
+    opening_m: f64,
+    pads: PadSurfaces,
+}
+
+impl GraspMeasure {
+    /// A grasp of a lower score is none, in [0, 1]: with four fifths of the friction it would still hold, so that pads may
+    /// stand a little otherwise.
+    pub const LEAST_SCORE: f64 = 0.2;
+
+    /// The measure for the target of a problem in its cell, `friction` being the coefficient between pads and target.
+    ///
+    /// # Errors
+    /// [`TaskError::NoGraspMeasure`] for a problem under `paper`, without a target or one that has no end, of a robot whose
+    /// hand cannot close, or for a friction that is not positive.
+    pub fn new(cell: Option<&Cell>, target: Option<usize>, friction: f64) -> Result<Self, TaskError> {
+        let lacking = |needs| TaskError::NoGraspMeasure { needs };
+        let (hand, cell) = ClosingHand::new(cell, target, lacking)?;
+        let body = &cell.world().bodies()[hand.target()];
+        let surface_in_world = surface_in_world(body).ok_or_else(|| lacking("a target with a surface"))?;
+        if !(friction > 0.0 && friction.is_finite()) {
+            return Err(lacking("a positive coefficient of friction"));
+        }
+        let opening_m = cell.robot().hand().map_or(0.0, |hand| hand.description.opening_m);
+        if opening_m <= 0.0 {
+            return Err(lacking("a hand that opens"));
+        }
+        let pads = PadSurfaces::of(hand.holding());
+        Ok(Self { hand, surface_in_world, friction, opening_m, pads })
+    }
+
+    /// The hand that closes.
+    pub fn hand(&self) -> &ClosingHand {
+        &self.hand
+    }
+
+    /// The triangles of the target, normals outwards.
+    pub fn surface_in_world(&self) -> &Surface {
+        &self.surface_in_world
+    }
+
+    /// The coefficient of friction between pads and target.
+    pub fn friction(&self) -> f64 {
+        self.friction
+    }
+
+    /// Between the pads of the open hand, in metres.
+    pub fn opening_m(&self) -> f64 {
+        self.opening_m
+    }
+
+    /// The two points where the middles of the pads, which close along y of the gripper frame through its origin, meet the
+    /// surface first; `None` if they pass it by. The first is that of the pad on the side of −y.
+    pub fn contacts_in_world(&self, world_from_gripper: &Pose) -> Option<[Contact; 2]> {
+        let origin = world_from_gripper * cranny_spatial::Point::origin();
+        let y = world_from_gripper.rotation * Vector::y();
+        let contact = |side: f64| {
+            let (pad, way) = (origin + y * (0.5 * side * self.opening_m), y * -side);
+            let hits = self.surface_in_world.ray_hits(&pad, &way, self.opening_m);
+            let hit = hits.first()?;
+            Some(Contact { point_in_object: pad + way * hit.distance_m, normal_in_object: hit.normal })
+        };
+        Some([contact(-1.0)?, contact(1.0)?])
+    }
+
+    /// Score of the grasp of a hand that has closed, in [0, 1], by the contacts of its pads where they touch; 0 where
+    /// these are in no force closure ([`friction_needed`], [`friction_score`]). `None` where fewer than two fingers
+    /// touch the target. `world_from_gripper` is in the planning frame; `touching` is the share of its travel that each
+    /// finger has closed, one per finger, from 0 to 1.
+    pub fn pad_score(&self, world_from_gripper: &Pose, touching: &[f64]) -> Option<f64> {
+        let holding = self.hand.holding();
+        let target = &holding.world().bodies()[self.hand.target()];
+        let of_target = (target, &self.surface_in_world);
+        let needed = self.pads.friction_needed(holding, of_target, world_from_gripper, touching)?;
+        Some(friction_score(needed, self.friction))
+    }
+
+    /// Estimated score of the grasp at a pose, by a single line between the middles of the pads: a filter for drawn
+    /// grasps, which does not consider where the pads touch. In [0, 1], 0 where its contacts are in no force closure
+    /// ([`friction_needed`], [`friction_score`]); `None` where there are no contacts.
+    pub fn score(&self, world_from_gripper: &Pose) -> Option<f64> {
+        let [a, b] = self.contacts_in_world(world_from_gripper)?;
+        Some(friction_score(friction_needed(&a, &b), self.friction))
+    }
+}
+
+/// The triangles of a body; `None` for one without any, or without an end.
+fn surface_in_world(body: &Body) -> Option<Surface> {
+    let mut soup = TriangleSoup::default();
+    for part in &body.parts {
+        soup.append(&part.solid.tessellation()?, &part.world_from_solid);
+    }
+    let surface = Surface::new(&soup).ok()?;
+    AreaDistribution::new(&surface).is_some().then_some(surface)
+}

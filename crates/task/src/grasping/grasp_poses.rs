@@ -1,0 +1,38 @@
+use cranny_collision::{Cell, Contact, Scratch};
+use cranny_grasp::{Grasp, GraspSet};
+use cranny_spatial::Pose;
+
+use crate::FailureReason;
+
+/// The two poses of the gripper frame of a grasp in the planning frame: it and its twin with the fingers swapped. An arm may reach only one of
+/// them, within its joint limits.
+pub fn gripper_poses(grasp: &Grasp) -> [Pose; 2] {
+    [grasp.world_from_gripper, grasp.twin().world_from_gripper]
+}
+
+/// The poses of a grasp that the hand alone can take; if it can take neither, what it touches at the first.
+pub(crate) fn open_poses(cell: &Cell, grasp: &Grasp, scratch: &mut Scratch) -> Result<Vec<Pose>, Contact> {
+    let mut blocked = None;
+    let mut open = Vec::new();
+    for pose in gripper_poses(grasp) {
+        match cell.hand_contact(&pose, scratch) {
+            Some(contact) => blocked = blocked.or(Some(contact)),
+            None => open.push(pose),
+        }
+    }
+    match blocked {
+        Some(contact) if open.is_empty() => Err(contact),
+        _ => Ok(open),
+    }
+}
+
+/// All poses of the gripper frame, in the planning frame, that the hand alone can take, with the index of their grasp, from the highest score down.
+pub fn open_gripper_poses(cell: &Cell, grasps: &GraspSet, scratch: &mut Scratch) -> Vec<(usize, Pose)> {
+    let mut all = Vec::new();
+    let fits = |index: &usize| FailureReason::of_width(cell.robot(), &grasps.grasps()[*index]).is_none();
+    for index in grasps.by_score().into_iter().filter(fits) {
+        let open = open_poses(cell, &grasps.grasps()[index], scratch).unwrap_or_default();
+        all.extend(open.into_iter().map(|pose| (index, pose)));
+    }
+    all
+}

@@ -1,0 +1,36 @@
+#![doc = include_str!("../README.md")]
+
+mod configuration_fault;
+mod error;
+mod grasping;
+mod ik_annotation;
+mod not_checked;
+mod placing;
+mod problem;
+mod stages;
+
+pub use configuration_fault::ConfigurationFault;
+pub use error::TaskError;
+pub use grasping::closing_hand::{ClosedHand, ClosingHand};
+pub use grasping::grasp_failure::{FailureReason, GraspFailure};
+pub use grasping::grasp_filter::GraspFilter;
+pub use grasping::grasp_measure::GraspMeasure;
+pub use grasping::grasp_poses::{gripper_poses, open_gripper_poses};
+pub use grasping::hand_filter::{APPROACH_M, HandFilter, robot_hand};
+pub use grasping::own_grasp::OwnGrasp;
+pub use ik_annotation::{
+    AnnotatedSolution, IkAnnotation, IkAnnotationSettings, IkMethod, IkStatus, annotate_ik,
+};
+pub use not_checked::{AllowedContact, ContactSegment, NotChecked, NotCheckedReason};
+pub use placing::carry::{Carrier, Grip, LiftOffSettings};
+pub use placing::place::Placer;
+pub use placing::place_goal::{PlaceGoal, PlaceSpot};
+pub use placing::placed::Placed;
+pub use placing::placement::Placement;
+pub use problem::Validity;
+pub use problem::{Criterion, Goal, PAPER_THRESHOLD, Problem};
+pub use stages::region::{Moved, Region};
+pub use stages::segment::{Mode, MotionEnd, Segment, give_clearances, joined, legs};
+pub use stages::stage::{AfterPlacing, CLEAR_M, FARTHEST_CLEAR_M, Move, Pick, PlaceAt, Stage};
+pub use stages::stage_segments::{are_complete, check_segments, number_stages, picks_apart};
+pub use stages::state::{State, StatesAlong};

@@ -1,0 +1,118 @@
+use cranny_collision::{CONTACT_ALLOWANCE_M, Cell, UncheckedReason};
+use serde::{Deserialize, Serialize};
+use strum::IntoStaticStr;
+
+/// Two things that are compared by no check and no proof, or only as far as an allowance, by name.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct NotChecked {
+    /// A link.
+    pub first: String,
+    /// Another link, or a body.
+    pub second: String,
+    /// How deep they are in each other: the least that was seen, in metres.
+    pub depth_m: f64,
+    /// Why they are not compared.
+    pub reason: NotCheckedReason,
+    /// The contact that is allowed, of an object on what carries it.
+    #[serde(flatten, default, skip_serializing_if = "Option::is_none")]
+    pub contact: Option<AllowedContact>,
+}
+
+/// A contact that is allowed along a piece of a path.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AllowedContact {
+    /// The mode of the piece.
+    pub segment: ContactSegment,
+    /// The depth that is proven not to be exceeded, in metres.
+    pub allowance_m: f64,
+}
+
+/// A piece of a path along which an object may touch what carries it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, IntoStaticStr)]
+#[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
+pub enum ContactSegment {
+    /// Off what it rests on.
+    LiftOff,
+    /// Down to what it then rests on.
+    SetDown,
+}
+
+/// Why two things are not compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
+pub enum NotCheckedReason {
+    /// Two links, proven to touch at every value of the joints between them.
+    AlwaysTouching,
+    /// Two adjacent links, proven to touch at every value of their joint.
+    AdjacentTouching,
+    /// Two adjacent links that touch, or nearly do, at all sampled values of their joint.
+    AdjacentUnproven,
+    /// Two adjacent links that are free at some values of their joint, and touch at others: proven only near its axis.
+    AdjacentAtJoint,
+    /// Two adjacent links, proven to touch at no value of their joint: only their distance counts for nothing.
+    AdjacentFree,
+    /// A link that no joint moves, on what it stands on.
+    NeverMoves,
+    /// A held object, by the faces of a body below it that carry it.
+    Resting,
+}
+
+impl NotChecked {
+    /// Returns whether "free" and "proven" hold except for this pair. For adjacent links that are proven never to touch
+    /// they hold.
+    pub fn is_exception(&self) -> bool {
+        self.reason != NotCheckedReason::AdjacentFree
+    }
+
+    /// Returns whether `--strict-pairs` checks the pair.
+    pub fn can_be_checked(&self) -> bool {
+        matches!(self.reason, NotCheckedReason::AlwaysTouching | NotCheckedReason::AdjacentAtJoint)
+    }
+
+    /// Pairs that a cell does not check.
+    pub fn of(cell: &Cell) -> Vec<Self> {
+        let named = cell.unchecked().iter().map(|unchecked| Self {
+            first: cell.name(unchecked.first).to_owned(),
+            second: cell.name(unchecked.second).to_owned(),
+            depth_m: unchecked.depth_m,
+            reason: match unchecked.reason {
+                UncheckedReason::AlwaysTouching => NotCheckedReason::AlwaysTouching,
+                UncheckedReason::AdjacentTouching => NotCheckedReason::AdjacentTouching,
+                UncheckedReason::AdjacentUnproven => NotCheckedReason::AdjacentUnproven,
+                UncheckedReason::AdjacentAtJoint => NotCheckedReason::AdjacentAtJoint,
+                UncheckedReason::AdjacentFree => NotCheckedReason::AdjacentFree,
+                UncheckedReason::NeverMoves => NotCheckedReason::NeverMoves,
+                UncheckedReason::Resting => NotCheckedReason::Resting,
+            },
+            contact: None,
+        });
+        named.collect()
+    }
+
+    /// A count of pairs that are not checked and of contacts that are allowed, as "1 pair that is not checked"; `None` where
+    /// there are none.
+    pub fn summary(not_checked: &[Self]) -> Option<String> {
+        let contacts = not_checked.iter().filter(|pair| pair.contact.is_some()).count();
+        let counted = |count: usize, one: &str, more: &str| match count {
+            0 => None,
+            1 => Some(format!("1 {one}")),
+            _ => Some(format!("{count} {more}")),
+        };
+        let pairs = not_checked.iter().filter(|pair| pair.is_exception()).count() - contacts;
+        let pairs = counted(pairs, "pair that is not checked", "pairs that are not checked");
+        let contacts = counted(contacts, "allowed contact", "allowed contacts");
+        pairs.into_iter().chain(contacts).reduce(|pairs, contacts| format!("{pairs} and {contacts}"))
+    }
+
+    /// The same, along a piece of a path.
+    #[must_use]
+    pub fn along(self, segment: ContactSegment) -> Self {
+        let is_contact = self.reason == NotCheckedReason::Resting;
+        let contact = AllowedContact { segment, allowance_m: CONTACT_ALLOWANCE_M };
+        Self { contact: is_contact.then_some(contact), ..self }
+    }
+}

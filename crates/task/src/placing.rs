@@ -1,0 +1,8 @@
+//! The object in the hand, and where it can be put down.
+
+pub(crate) mod carry;
+pub(crate) mod place;
+pub(crate) mod place_goal;
+pub(crate) mod placed;
+pub(crate) mod placement;
+pub(crate) mod rests;

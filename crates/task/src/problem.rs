@@ -1,0 +1,472 @@
+use std::sync::Arc;
+
+use cranny_collision::{Cell, Margins, ReleasedCheck, World};
+use cranny_grasp::GraspSet;
+use cranny_robot::Robot;
+use cranny_spatial::PoseDifference;
+use serde::{Deserialize, Serialize};
+use strum::{EnumString, IntoStaticStr};
+
+use crate::grasping::grasp_filter::GraspFilter;
+use crate::grasping::grasp_poses;
+use crate::{FailureReason, GraspMeasure, NotChecked, PlaceGoal, TaskError};
+
+/// What a path must do, and what makes it valid. Start and goal fit the robot, and the robot is the one that the check
+/// was made for: whoever has a problem need not look again.
+#[derive(Clone, Debug)]
+pub struct Problem {
+    robot: Arc<Robot>,
+    target: Option<usize>,
+    start: Vec<f64>,
+    goal: Goal,
+    /// What grasps are measured by, if no set of them is given.
+    grasp_measure: Option<Arc<GraspMeasure>>,
+    grasp_filter: Option<GraspFilter>,
+    /// Where an object can be put down.
+    places: Arc<[PlaceGoal]>,
+    /// Coefficients of friction of bodies against the pads, by index.
+    frictions: Arc<[Option<f64>]>,
+    validity: Validity,
+}
+
+/// Where a path must end.
+#[derive(Clone, Debug)]
+pub enum Goal {
+    /// At any of these grasps; a problem without a set has none of them, and a [`Problem::grasp_measure`].
+    Grasps(GraspSet),
+    /// At any of these configurations.
+    Configurations(Vec<Vec<f64>>),
+}
+
+/// When a problem counts as solved (README, "What solved means").
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize, EnumString, IntoStaticStr)]
+#[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
+pub enum Criterion {
+    /// Within 1 mm and 1° of a grasp, the real geometry, the whole path proven.
+    #[default]
+    Exact,
+    /// The released planners' own measure, for comparison only: within `d < 50`, way points only.
+    Paper,
+}
+
+impl Criterion {
+    /// What files and flags call it.
+    pub fn name(self) -> &'static str {
+        self.into()
+    }
+}
+
+/// What counts as free, with the geometry that decides it.
+#[derive(Clone, Debug)]
+pub enum Validity {
+    /// Exact shapes, and proofs of whole motions.
+    Exact(Arc<Cell>),
+    /// The released check of single configurations, and arrival by `d = ½·mm + ½·deg`.
+    Paper {
+        /// The released check.
+        check: Arc<ReleasedCheck>,
+        /// Value of `d` below which the gripper has arrived.
+        threshold: f64,
+        /// Distances, which the released check does not know.
+        distances: Arc<Cell>,
+    },
+}
+
+/// The released planners stop below this value of `d = ½·mm + ½·deg`.
+pub const PAPER_THRESHOLD: f64 = 50.0;
+
+impl Problem {
+    /// A problem from `start` (m, rad; one per joint) under the `exact` criterion. Pairs of links that touch in every
+    /// sample are not checked ([`Cell::unchecked`]), but those that are free at the start or at a goal configuration
+    /// are.
+    ///
+    /// # Errors
+    /// [`TaskError::JointCount`] or [`TaskError::NotFinite`] for a start or goal configuration that does not
+    /// fit the robot, [`TaskError::Collision`] for a negative margin.
+    ///
+    /// # Panics
+    /// If the world has no body `target`.
+    pub fn exact(
+        robot: Arc<Robot>,
+        world: World,
+        target: Option<usize>,
+        start: Vec<f64>,
+        goal: Goal,
+        margins: Margins,
+    ) -> Result<Self, TaskError> {
+        let cell = match target {
+            Some(target) => Cell::for_grasp(robot.clone(), world, target, margins)?,
+            None => Cell::new(robot.clone(), world, margins)?,
+        };
+        let validity = Validity::Exact(Arc::new(cell));
+        Self {
+            robot,
+            target,
+            start,
+            goal,
+            grasp_measure: None,
+            grasp_filter: None,
+            places: Arc::default(),
+            frictions: Arc::default(),
+            validity,
+        }
+        .checked()
+    }
+
+    /// A problem from `start` (m, rad; one per joint) under the `exact` criterion in a cell that there is already.
+    ///
+    /// # Errors
+    /// [`TaskError::JointCount`] or [`TaskError::NotFinite`] for a start or goal configuration that does not fit the
+    /// robot.
+    pub fn in_cell(cell: Arc<Cell>, start: Vec<f64>, goal: Goal) -> Result<Self, TaskError> {
+        let robot = cell.robot().clone();
+        let validity = Validity::Exact(cell);
+        Self {
+            robot,
+            target: None,
+            start,
+            goal,
+            grasp_measure: None,
+            grasp_filter: None,
+            places: Arc::default(),
+            frictions: Arc::default(),
+            validity,
+        }
+        .checked()
+    }
+
+    /// A problem from `start` (m, rad; one per joint) under the `paper` criterion: `check` decides; of distances to
+    /// `world` planners may ask for how far to go.
+    ///
+    /// # Errors
+    /// [`TaskError::JointCount`] or [`TaskError::NotFinite`] for a start or goal configuration that does not
+    /// fit the robot.
+    pub fn paper(check: ReleasedCheck, world: World, start: Vec<f64>, goal: Goal) -> Result<Self, TaskError> {
+        let robot = check.robot().clone();
+        let distances = Arc::new(Cell::new(robot.clone(), world, Margins::default())?);
+        let validity = Validity::Paper { check: Arc::new(check), threshold: PAPER_THRESHOLD, distances };
+        Self {
+            robot,
+            target: None,
+            start,
+            goal,
+            grasp_measure: None,
+            grasp_filter: None,
+            places: Arc::default(),
+            frictions: Arc::default(),
+            validity,
+        }
+        .checked()
+    }
+
+    /// The same problem without a set of grasps: whoever solves it makes a grasp of its own, which is measured on the
+    /// surface of the target, with this coefficient of friction between it and the pads.
+    ///
+    /// # Errors
+    /// [`TaskError::NoGraspMeasure`] for a problem under `paper`, without a target or one that has no surface, of a robot
+    /// whose hand cannot close, or for a friction that is not positive; [`TaskError::Collision`] for a target that has no
+    /// end.
+    pub fn without_grasp_set(&self, friction: f64) -> Result<Self, TaskError> {
+        let grasp_measure = Some(Arc::new(self.new_grasp_measure(friction)?));
+        Ok(Self { goal: Goal::Grasps(GraspSet::default()), grasp_measure, ..self.clone() })
+    }
+
+    /// The same problem without the grasps that a filter refuses: no configuration is looked for at them.
+    #[must_use]
+    pub fn with_grasp_filter(self, filter: GraspFilter) -> Self {
+        Self { grasp_filter: Some(filter), ..self }
+    }
+
+    /// The filter of grasps, if there is one.
+    pub fn grasp_filter(&self) -> Option<&GraspFilter> {
+        self.grasp_filter.as_ref()
+    }
+
+    /// The same problem where bodies, by index, have these coefficients of friction against the pads: by them grasps are
+    /// measured of what is picked besides the target.
+    #[must_use]
+    pub fn with_frictions(self, frictions: &[Option<f64>]) -> Self {
+        Self { frictions: frictions.into(), ..self }
+    }
+
+    /// The same problem from another start (m, rad; one per joint).
+    ///
+    /// # Errors
+    /// [`TaskError::JointCount`] or [`TaskError::NotFinite`] for a start that does not fit the robot.
+    pub fn with_start(&self, start: &[f64]) -> Result<Self, TaskError> {
+        if self.start == start {
+            return Ok(self.clone());
+        }
+        Self { start: start.to_vec(), ..self.clone() }.checked()
+    }
+
+    /// The problem of grasping a body from a configuration in a cell, in which bodies may stand elsewhere: with the same
+    /// grasps for the target, in its own frame, and for another body with grasps of the planner's own.
+    ///
+    /// # Errors
+    /// As [`Self::without_grasp_set`].
+    pub(crate) fn picking(&self, cell: Arc<Cell>, body: usize, start: &[f64]) -> Result<Self, TaskError> {
+        let is_same = self.cell().is_some_and(|own| Arc::ptr_eq(own, &cell));
+        if is_same && self.target == Some(body) && self.start == start {
+            return Ok(self.clone());
+        }
+        let is_target = self.target == Some(body);
+        let grasps = match self.grasps().filter(|_| is_target) {
+            Some(grasps) => {
+                let first =
+                    |cell: &Cell| cell.world().bodies()[body].parts.first().map(|part| part.world_from_solid);
+                let moved = self.cell().and_then(|own| Some(first(&cell)? * first(own)?.inverse()));
+                moved.map_or_else(|| grasps.clone(), |moved| grasps.moved(&moved))
+            }
+            None => GraspSet::default(),
+        };
+        let friction = match &self.grasp_measure {
+            Some(measure) if is_target => Some(measure.friction()),
+            _ => self.frictions.get(body).copied().flatten(),
+        };
+        let is_measured = !is_target || self.grasp_measure.is_some();
+        let (validity, goal) = (Validity::Exact(cell), Goal::Grasps(grasps));
+        let picking = Self {
+            target: Some(body),
+            start: start.to_vec(),
+            goal,
+            grasp_measure: None,
+            validity,
+            ..self.clone()
+        };
+        let picking = picking.checked()?;
+        if is_measured { picking.without_grasp_set(friction.unwrap_or_default()) } else { Ok(picking) }
+    }
+
+    /// The same problem whose target can be put down there.
+    #[must_use]
+    pub fn with_places(self, places: &[PlaceGoal]) -> Self {
+        Self { places: places.into(), ..self }
+    }
+
+    /// Where the target can be put down.
+    pub fn places(&self) -> &[PlaceGoal] {
+        &self.places
+    }
+
+    /// True if the hand alone can be at one of the given grasps, or there are none given: else no path leads to any.
+    pub fn may_be_grasped(&self) -> bool {
+        let (Some(cell), Some(grasps)) =
+            (self.cell(), self.grasps().filter(|_| self.grasp_measure.is_none()))
+        else {
+            return true;
+        };
+        let mut scratch = cell.scratch();
+        grasps.grasps().iter().any(|grasp| {
+            FailureReason::of_width(cell.robot(), grasp).is_none()
+                && grasp_poses::gripper_poses(grasp).iter().any(|pose| cell.hand_is_free(pose, &mut scratch))
+        })
+    }
+
+    /// The place of that name.
+    ///
+    /// # Errors
+    /// [`TaskError::UnknownPlace`], which lists the names that there are.
+    pub fn place(&self, name: &str) -> Result<&PlaceGoal, TaskError> {
+        self.places.iter().find(|place| place.name == name).ok_or_else(|| {
+            let known = self.places.iter().map(|place| format!("'{}'", place.name)).collect::<Vec<_>>();
+            let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
+            TaskError::UnknownPlace { name: name.to_owned(), known }
+        })
+    }
+
+    /// The robot; its root frame is the planning frame.
+    pub fn robot(&self) -> &Arc<Robot> {
+        &self.robot
+    }
+
+    /// Which body of the world is to be grasped and may later be carried, by index.
+    pub fn target(&self) -> Option<usize> {
+        self.target
+    }
+
+    /// The configuration to start from (m, rad; one value per joint).
+    pub fn start(&self) -> &[f64] {
+        &self.start
+    }
+
+    /// Where to go.
+    pub fn goal(&self) -> &Goal {
+        &self.goal
+    }
+
+    /// What grasps are measured by, if no set of them is given ([`Self::without_grasp_set`]).
+    pub fn grasp_measure(&self) -> Option<&GraspMeasure> {
+        self.grasp_measure.as_deref()
+    }
+
+    /// The grasps to go to, if it is any of these.
+    pub fn grasps(&self) -> Option<&GraspSet> {
+        match &self.goal {
+            Goal::Grasps(grasps) => Some(grasps),
+            Goal::Configurations(_) => None,
+        }
+    }
+
+    /// The criterion that decides.
+    pub fn criterion(&self) -> Criterion {
+        match self.validity {
+            Validity::Exact(_) => Criterion::Exact,
+            Validity::Paper { .. } => Criterion::Paper,
+        }
+    }
+
+    /// Robot and world, under `exact`.
+    pub fn cell(&self) -> Option<&Arc<Cell>> {
+        match &self.validity {
+            Validity::Exact(cell) => Some(cell),
+            Validity::Paper { .. } => None,
+        }
+    }
+
+    /// Under `paper`: the gripper has arrived where `d = ½·mm + ½·deg` is below this; 0 for a search that never arrives.
+    pub fn goal_threshold(&self) -> Option<f64> {
+        match self.validity {
+            Validity::Exact(_) => None,
+            Validity::Paper { threshold, .. } => Some(threshold),
+        }
+    }
+
+    /// Whether the start is free.
+    pub fn start_is_free(&self) -> bool {
+        match &self.validity {
+            Validity::Exact(cell) => cell.is_free(&self.start, &mut cell.scratch()),
+            Validity::Paper { check, .. } => check.is_free(&self.start, &mut check.scratch()),
+        }
+    }
+
+    /// The same problem with another goal.
+    ///
+    /// # Errors
+    /// [`TaskError::JointCount`] or [`TaskError::NotFinite`] for a goal configuration that does not fit the robot.
+    pub fn with_goal(&self, goal: Goal) -> Result<Self, TaskError> {
+        Self { goal, grasp_measure: None, ..self.clone() }.checked()
+    }
+
+    /// The same problem, under `paper` with another threshold.
+    #[must_use]
+    pub fn with_goal_threshold(mut self, value: f64) -> Self {
+        if let Validity::Paper { threshold, .. } = &mut self.validity {
+            *threshold = value;
+        }
+        self
+    }
+
+    /// The same problem with all pairs of links checked that can be ([`Cell::with_all_pairs`]).
+    #[must_use]
+    pub fn checking_all_pairs(mut self) -> Self {
+        if let Some(cell) = self.cell().filter(|cell| !cell.unchecked().is_empty()) {
+            self.validity = Validity::Exact(Arc::new(cell.with_all_pairs()));
+            self.renew_grasp_measure();
+        }
+        self
+    }
+
+    fn new_grasp_measure(&self, friction: f64) -> Result<GraspMeasure, TaskError> {
+        GraspMeasure::new(self.cell().map(Arc::as_ref), self.target, friction)
+    }
+
+    /// The hand that closes is checked as the robot is.
+    fn renew_grasp_measure(&mut self) {
+        if let Some(measure) = &self.grasp_measure
+            && let Ok(renewed) = self.new_grasp_measure(measure.friction())
+        {
+            self.grasp_measure = Some(Arc::new(renewed));
+        }
+    }
+
+    /// What touches and is not checked, under `exact`.
+    pub fn not_checked(&self) -> Vec<NotChecked> {
+        self.cell().map_or_else(Vec::new, |cell| NotChecked::of(cell))
+    }
+
+    /// Robot and world for `asker`, a planner which proves what it does.
+    ///
+    /// # Errors
+    /// [`TaskError::Goal`] under `paper`.
+    pub fn exact_cell(&self, asker: &'static str) -> Result<&Arc<Cell>, TaskError> {
+        self.cell().ok_or(TaskError::Goal { planner: asker, needs: "the exact criterion" })
+    }
+
+    /// The goal of a problem that has any, for a planner that makes no grasps of its own.
+    ///
+    /// # Errors
+    /// [`TaskError::NoGraspSet`], [`TaskError::NoGoal`].
+    pub fn some_goal(&self) -> Result<&Goal, TaskError> {
+        if self.grasp_measure.is_some() {
+            return Err(TaskError::NoGraspSet);
+        }
+        let is_empty = match &self.goal {
+            Goal::Grasps(grasps) => grasps.is_empty(),
+            Goal::Configurations(goals) => goals.is_empty(),
+        };
+        if is_empty { Err(TaskError::NoGoal) } else { Ok(&self.goal) }
+    }
+
+    /// The measure of grasps, for `planner`, which makes some of its own.
+    ///
+    /// # Errors
+    /// [`TaskError::Goal`] under another criterion than `exact`, [`TaskError::GraspSet`] where grasps are given.
+    pub fn own_grasp_measure(&self, planner: &'static str) -> Result<&GraspMeasure, TaskError> {
+        self.exact_cell(planner)?;
+        self.grasp_measure().ok_or(TaskError::GraspSet { planner })
+    }
+
+    /// Geometry that decides what is free.
+    pub fn validity(&self) -> &Validity {
+        &self.validity
+    }
+
+    /// Whether a gripper this far from a grasp has arrived.
+    pub fn is_arrival(&self, difference: &PoseDifference) -> bool {
+        match self.validity {
+            Validity::Exact(_) => difference.is_exact(),
+            Validity::Paper { threshold, .. } => difference.paper_metric() < threshold,
+        }
+    }
+
+    /// The configurations to go to (m, rad; one value per joint); none where the goal is grasps.
+    pub fn goal_configurations(&self) -> &[Vec<f64>] {
+        match &self.goal {
+            Goal::Grasps(_) => &[],
+            Goal::Configurations(goals) => goals,
+        }
+    }
+
+    /// The same problem, its start within the limits of joints without an end, and its goals at the whole turns of these that
+    /// are nearest to it.
+    fn checked(mut self) -> Result<Self, TaskError> {
+        let goals = self.goal_configurations();
+        for (what, q) in std::iter::once(("start", &self.start)).chain(goals.iter().map(|q| ("goal", q))) {
+            self.check_configuration(what, q)?;
+        }
+        let (robot, start) = (self.robot.clone(), &mut self.start);
+        robot.turn_into_limits(start);
+        if let Goal::Configurations(goals) = &mut self.goal {
+            for goal in goals {
+                robot.wrap_towards(start, goal);
+            }
+        }
+        Ok(self)
+    }
+
+    /// Checks that a configuration fits the robot: one finite value per joint, m or rad.
+    ///
+    /// # Errors
+    /// [`TaskError::JointCount`] or [`TaskError::NotFinite`], which name it as `what`.
+    pub fn check_configuration(&self, what: &'static str, q: &[f64]) -> Result<(), TaskError> {
+        if q.len() != self.robot.dof() {
+            return Err(TaskError::JointCount { what, expected: self.robot.dof(), actual: q.len() });
+        }
+        match q.iter().position(|x| !x.is_finite()) {
+            Some(joint) => Err(TaskError::NotFinite { what, joint: self.robot.joint_names()[joint].clone() }),
+            None => Ok(()),
+        }
+    }
+}

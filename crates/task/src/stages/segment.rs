@@ -1,0 +1,168 @@
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize};
+
+/// Properties of a motion during which the hand does nothing (a mode: Hauser & Latombe 2010, §3).
+///
+/// All code asks for these properties; the name is for files and people.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(into = "String")]
+pub struct Mode {
+    /// Name in files.
+    pub name: &'static str,
+    /// True if an object is in the closed hand.
+    pub holds: bool,
+    /// The end of the motion at which the held object may touch what carries it.
+    pub rests_at: Option<MotionEnd>,
+    /// True if the hand has let an object go before.
+    pub leaves: bool,
+}
+
+/// An end of a motion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MotionEnd {
+    /// The first way point.
+    First,
+    /// The last way point.
+    Last,
+}
+
+impl Mode {
+    /// To a grasp or another goal, the hand open and empty.
+    pub const REACH: Self = Self { name: "reach", holds: false, rests_at: None, leaves: false };
+    /// The object, in the closed hand, off what carries it.
+    pub const LIFT_OFF: Self =
+        Self { name: "lift-off", holds: true, rests_at: Some(MotionEnd::First), leaves: false };
+    /// On from there with the object.
+    pub const CARRY: Self = Self { name: "carry", holds: true, rests_at: None, leaves: false };
+    /// The object down to where it then rests.
+    pub const SET_DOWN: Self =
+        Self { name: "set-down", holds: true, rests_at: Some(MotionEnd::Last), leaves: false };
+    /// The open hand off the object.
+    pub const RETREAT: Self = Self { name: "retreat", holds: false, rests_at: None, leaves: true };
+    /// The empty hand on from there.
+    pub const RETURN: Self = Self { name: "return", holds: false, rests_at: None, leaves: true };
+
+    /// All modes.
+    pub const ALL: [Self; 6] =
+        [Self::REACH, Self::LIFT_OFF, Self::CARRY, Self::SET_DOWN, Self::RETREAT, Self::RETURN];
+}
+
+impl<'de> Deserialize<'de> for Mode {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let name = String::deserialize(deserializer)?;
+        Self::ALL.into_iter().find(|mode| mode.name == name).ok_or_else(|| {
+            let known = Self::ALL.map(|mode| mode.name).join(", ");
+            D::Error::custom(format!(
+                "a segment is of mode '{name}', which this version does not know ({known})"
+            ))
+        })
+    }
+}
+
+impl From<Mode> for String {
+    fn from(mode: Mode) -> Self {
+        mode.name.to_owned()
+    }
+}
+
+/// A piece of a path along which the hand does nothing: straight lines between way points.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Segment {
+    /// Kind of curve between the way points.
+    #[serde(default)]
+    pub kind: SegmentKind,
+    /// Index of the stage of the task that it belongs to.
+    #[serde(default)]
+    pub stage: usize,
+    /// Its mode.
+    pub mode: Mode,
+    /// Name of the object in the hand, if there is one.
+    pub attached: Option<String>,
+    /// Distance between the fingers, in metres; `None`: fully open.
+    pub opening_m: Option<f64>,
+    /// Excess of the travel of the finger that touches last over that of the first, in metres: the object, or the hand,
+    /// is pushed by it. `None` while nothing is held.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub uneven_m: Option<f64>,
+    /// Way points: one value per joint each (m, rad).
+    #[serde(default)]
+    pub waypoints: Vec<Vec<f64>>,
+    /// Least distance along each edge, in metres, proven; `None` where nothing is near, empty without a proof.
+    #[serde(default)]
+    pub clearances_m: Vec<Option<f64>>,
+}
+
+/// Kind of curve that joins the way points of a segment.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub enum SegmentKind {
+    /// Straight lines.
+    #[default]
+    Polyline,
+}
+
+impl TryFrom<String> for SegmentKind {
+    type Error = String;
+
+    fn try_from(name: String) -> Result<Self, String> {
+        let unknown =
+            || format!("a segment is of kind '{name}', which this version does not know (polyline)");
+        (name == "polyline").then_some(Self::Polyline).ok_or_else(unknown)
+    }
+}
+
+impl From<SegmentKind> for String {
+    fn from(_: SegmentKind) -> Self {
+        "polyline".to_owned()
+    }
+}
+
+impl Segment {
+    /// A segment of a stage through way points (m, rad; one value per joint) along which the hand is open and empty.
+    pub fn empty(stage: usize, mode: Mode, waypoints: Vec<Vec<f64>>) -> Self {
+        Self {
+            kind: SegmentKind::Polyline,
+            stage,
+            mode,
+            attached: None,
+            opening_m: None,
+            uneven_m: None,
+            waypoints,
+            clearances_m: Vec::new(),
+        }
+    }
+
+    /// The path of way points (m, rad; one value per joint) to a goal, the only segment of its task.
+    pub fn reach(waypoints: Vec<Vec<f64>>, clearances_m: Vec<Option<f64>>) -> Self {
+        Self { clearances_m, ..Self::empty(0, Mode::REACH, waypoints) }
+    }
+
+    /// Number of edges, 1 for a single way point.
+    pub fn edges(&self) -> usize {
+        self.waypoints.len().max(2) - 1
+    }
+}
+
+/// The way points (m, rad; one value per joint) of segments that follow each other: where two meet, one.
+pub fn joined(segments: &[Segment]) -> Vec<Vec<f64>> {
+    let mut joined: Vec<Vec<f64>> = Vec::new();
+    for segment in segments {
+        joined.pop();
+        joined.extend_from_slice(&segment.waypoints);
+    }
+    joined
+}
+
+/// Gives each segment the clearances of its edges, those of all edges in metres.
+pub fn give_clearances(segments: &mut [Segment], clearances_per_edge_m: &[Option<f64>]) {
+    let mut clearances_m = clearances_per_edge_m.iter();
+    for segment in segments {
+        segment.clearances_m = clearances_m.by_ref().take(segment.edges()).copied().collect();
+    }
+}
+
+/// Segments in rows between which the hand closes or opens.
+pub fn legs(segments: &[Segment]) -> impl Iterator<Item = &[Segment]> {
+    segments.chunk_by(|a, b| a.mode.holds == b.mode.holds)
+}

@@ -1,0 +1,336 @@
+use std::sync::Arc;
+
+use cranny_collision::{Body, Cell, Margins, Resting, Scratch};
+use cranny_robot::{between, distance};
+use cranny_spatial::Pose;
+
+use crate::placing::placed::Placed;
+use crate::stages::segment::{MotionEnd, Segment};
+use crate::{Carrier, FailureReason, Goal, Grip, LiftOffSettings, Moved, Pick, Problem, Stage, TaskError};
+
+/// Between two configurations on the way back, in the metric of the joints (m, rad).
+const PIECE: f64 = 0.25;
+/// Robot, hand and world at an instant of a task: the configuration, the pose of each body, and the object in the hand.
+/// [`State::along`] is the only place where a world changes.
+#[derive(Clone, Debug)]
+pub struct State {
+    /// Configuration (m, rad; one value per joint).
+    pub q: Vec<f64>,
+    /// The open and empty hand; what is held stands where it was grasped.
+    empty: Arc<Cell>,
+    held: Option<Held>,
+    /// The body that the hand let go last, by index, and the pose of its first solid.
+    let_go: Option<(usize, Pose)>,
+    /// What carries the held object along the present segment.
+    rest: Option<Rest>,
+}
+
+/// An object in the hand.
+#[derive(Clone, Debug)]
+struct Held {
+    carrier: Arc<Carrier>,
+    grip: Grip,
+}
+
+/// What carries a held object at an end of a segment, and the cell in which the two may touch.
+#[derive(Clone, Debug)]
+struct Rest {
+    resting: Resting,
+    near: Arc<Cell>,
+}
+
+impl State {
+    /// The state that a problem begins in; `None` under `paper`, which has no world.
+    pub fn start(problem: &Problem) -> Option<Self> {
+        let empty = problem.cell()?.clone();
+        Some(Self { q: problem.start().to_vec(), empty, held: None, let_go: None, rest: None })
+    }
+
+    /// The state after the object of a carrier was let go at a pose of its first solid, the arm at a configuration
+    /// (m, rad; one per joint).
+    ///
+    /// # Errors
+    /// [`TaskError::Collision`] for a pose that is none.
+    pub fn after_letting_go(carrier: &Carrier, world_from_held: &Pose, q: &[f64]) -> Result<Self, TaskError> {
+        let body = carrier.hand().target();
+        let after = carrier.cell().with_body_at(body, world_from_held)?;
+        let let_go = Some((body, *world_from_held));
+        Ok(Self { q: q.to_vec(), empty: Arc::new(after), held: None, let_go, rest: None })
+    }
+
+    /// Robot and world, with the object in the hand as part of the robot.
+    pub fn cell(&self) -> &Arc<Cell> {
+        match (&self.rest, &self.held) {
+            (Some(rest), _) => &rest.near,
+            (None, Some(held)) => held.grip.cells()[1],
+            (None, None) => &self.empty,
+        }
+    }
+
+    /// The open and empty hand among all bodies, with what is in the hand where it was grasped.
+    pub fn empty_cell(&self) -> &Arc<Cell> {
+        &self.empty
+    }
+
+    /// The object in the hand and how the hand holds it.
+    pub fn held(&self) -> Option<(&Arc<Carrier>, &Grip)> {
+        self.held.as_ref().map(|held| (&held.carrier, &held.grip))
+    }
+
+    /// What carries the held object at an end of the present segment.
+    pub fn resting(&self) -> Option<&Resting> {
+        self.rest.as_ref().map(|rest| &rest.resting)
+    }
+
+    /// The body that the hand let go last, by index, and the pose of its first solid in the planning frame.
+    pub fn let_go(&self) -> Option<(usize, &Pose)> {
+        self.let_go.as_ref().map(|(body, pose)| (*body, pose))
+    }
+
+    /// The same state at another configuration (m, rad; one per joint).
+    #[must_use]
+    pub fn at(&self, q: &[f64]) -> Self {
+        Self { q: q.to_vec(), rest: None, ..self.clone() }
+    }
+
+    /// Distance between what is in the hand, or the hand where it is empty, and all bodies but floors with the arm at
+    /// `q` (m, rad; one per joint), in metres, certified from below; at most `beyond_m`.
+    ///
+    /// # Panics
+    /// If `q` has not one value per joint.
+    pub fn clearance_m(&self, q: &[f64], beyond_m: f64, scratch: &mut Scratch) -> f64 {
+        let cell = self.cell();
+        if self.held.is_some() {
+            return cell.held_clearance(q, beyond_m, scratch);
+        }
+        let is_floor = |body: &Body| body.parts.iter().all(|part| part.solid.is_half_space());
+        let bodies = cell.world().bodies().iter().enumerate().filter(|(_, body)| !is_floor(body));
+        bodies
+            .fold(beyond_m, |least_m, (body, _)| cell.hand_clearance(q, body, least_m, scratch).min(least_m))
+    }
+
+    /// Pose of the gripper frame, or of the first solid of the object in the hand, in the planning frame, with the
+    /// arm at `q` (m, rad; one per joint); `None` for the object of an empty hand.
+    ///
+    /// # Panics
+    /// If `q` has not one value per joint.
+    pub fn pose_of(&self, moved: Moved, q: &[f64]) -> Option<Pose> {
+        let robot = self.empty.robot();
+        let world_from_tip = *robot.frames_at(q).link(robot.tip());
+        Some(world_from_tip * self.tip_from(moved)?)
+    }
+
+    /// Pose of the gripper frame at which it, or the first solid of the object in the hand, has a pose; `None` for the object
+    /// of an empty hand.
+    pub fn world_from_tip(&self, moved: Moved, world_from_moved: &Pose) -> Option<Pose> {
+        Some(world_from_moved * self.tip_from(moved)?.inverse())
+    }
+
+    fn tip_from(&self, moved: Moved) -> Option<Pose> {
+        match moved {
+            Moved::Hand => Some(Pose::identity()),
+            Moved::Object => self.held.as_ref().map(|held| held.grip.hold.tip_from_held),
+        }
+    }
+
+    /// The problem of grasping an object from here, in the world as it is now: with the grasps of `problem` if it is its
+    /// target, else with grasps of the planner's own.
+    ///
+    /// # Errors
+    /// As [`Pick::body`], and [`TaskError::NoGraspMeasure`] for what has no grasp to measure.
+    pub fn picking(&self, problem: &Problem, pick: &Pick) -> Result<Problem, TaskError> {
+        if pick.object.is_none() && problem.target().is_none() {
+            return problem.with_start(&self.q);
+        }
+        let body = pick.body(problem)?;
+        let margins = problem.cell().map_or(self.empty.margins(), |cell| cell.margins());
+        let object_margin_m = pick.object_margin_m.unwrap_or(margins.object_margin_m);
+        let cell = self.empty.to_grasp(body, Margins { object_margin_m, ..margins })?;
+        problem.picking(cell.map_or_else(|| self.empty.clone(), Arc::new), body, &self.q)
+    }
+
+    /// The same state before an object is grasped, whose problem is `picking`.
+    #[must_use]
+    pub fn before_picking(&self, picking: &Problem) -> Self {
+        Self { empty: picking.cell().unwrap_or(&self.empty).clone(), ..self.clone() }
+    }
+
+    /// Configurations (m, rad; one value per joint) along a path of such way points, from its begin on, as far as the
+    /// path is proven with what is in the hand: no two farther apart than a search grows in a step.
+    pub fn free_along(&self, path: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let mut scratch = self.cell().scratch();
+        let mut along: Vec<Vec<f64>> = path.first().cloned().into_iter().collect();
+        for edge in path.windows(2) {
+            let [a, b] = edge else { break };
+            let pieces = (distance(a, b) / PIECE).ceil().max(1.0);
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "at most so many that their number is exact"
+            )]
+            for piece in 1..=pieces.min(1e6) as u32 {
+                let next: Vec<f64> = if f64::from(piece) >= pieces {
+                    b.clone()
+                } else {
+                    between(a, b, f64::from(piece) / pieces).collect()
+                };
+                let last = &along[along.len() - 1];
+                if !self.cell().motion_is_free(last, &next, &mut scratch).is_proven() {
+                    return along;
+                }
+                along.push(next);
+            }
+        }
+        along
+    }
+
+    /// The problem of moving on from here, with what is in the hand, to any of these configurations
+    /// (m, rad; one value per joint).
+    ///
+    /// # Errors
+    /// [`TaskError::JointCount`] or [`TaskError::NotFinite`] for what is no configuration of the robot.
+    pub fn moving(&self, to: Vec<Vec<f64>>) -> Result<Problem, TaskError> {
+        Problem::in_cell(self.cell().clone(), self.q.clone(), Goal::Configurations(to))
+    }
+
+    /// The state after the hand has closed on what a carrier carries.
+    ///
+    /// # Errors
+    /// Why it does not hold the object then.
+    pub fn closed_on(&self, carrier: &Arc<Carrier>) -> Result<Self, FailureReason> {
+        let grip = carrier.close(&self.q)?;
+        Ok(Self { held: Some(Held { carrier: carrier.clone(), grip }), ..self.clone() })
+    }
+
+    /// The state after the hand has let the object go.
+    ///
+    /// # Errors
+    /// What the fingers meet.
+    pub fn opened(&self) -> Result<Self, FailureReason> {
+        let Some(Held { carrier, grip }) = &self.held else { return Ok(self.clone()) };
+        let placed = carrier.open(grip, &self.q)?;
+        let let_go = Some((placed.target, placed.world_from_held));
+        Ok(Self { empty: placed.after, held: None, let_go, ..self.clone() })
+    }
+
+    /// Path of way points (m, rad; one value per joint) on which the open hand retreats from what it has let go until
+    /// it is clear of it by `clear_m` (m), in straight edges, each of them proven.
+    ///
+    /// # Errors
+    /// Reason why no such path was found.
+    pub fn retreat(&self, clear_m: f64) -> Result<Vec<Vec<f64>>, FailureReason> {
+        let (body, pose) = self.let_go.ok_or(FailureReason::NoPlace)?;
+        Placed::of(&self.empty, body, pose).retreat(&self.q, clear_m)
+    }
+
+    /// The state along a segment that begins here: the hand closed or opened as its mode demands, on the body to be
+    /// grasped, and the object free to touch what carries it where it may. A carrier that is at hand is used if it is of this
+    /// state's cell: making one takes most of the time.
+    ///
+    /// # Errors
+    /// Why the hand cannot close or open here.
+    pub fn along(&self, segment: &Segment, known: Option<&Arc<Carrier>>) -> Result<Self, FailureReason> {
+        let state = match (&self.held, segment.mode.holds) {
+            (None, true) => {
+                let made = || {
+                    let body = self.empty.grasp_body();
+                    Carrier::in_cell(Some(&self.empty), body, LiftOffSettings::default()).map(Arc::new)
+                };
+                let known = known.filter(|carrier| Arc::ptr_eq(carrier.cell(), &self.empty));
+                let carrier = known.map_or_else(made, |carrier| Ok(carrier.clone()));
+                self.closed_on(&carrier.map_err(|_| FailureReason::ClosesOnNothing)?)?
+            }
+            (Some(_), false) => self.opened()?,
+            _ => self.clone(),
+        };
+        let rest =
+            state.held.as_ref().zip(segment.mode.rests_at).and_then(|(held, end)| held.rest(end, segment));
+        Ok(Self { rest, ..state })
+    }
+
+    /// The state at the end of a segment, along which this is the state.
+    #[must_use]
+    pub fn after(&self, segment: &Segment) -> Self {
+        segment.waypoints.last().map_or_else(|| self.clone(), |last| self.at(last))
+    }
+}
+
+impl Held {
+    /// What carries the object at an end of a segment.
+    fn rest(&self, end: MotionEnd, segment: &Segment) -> Option<Rest> {
+        let Self { carrier, grip } = self;
+        match end {
+            MotionEnd::First => {
+                Some(Rest { resting: carrier.resting().clone(), near: grip.cells()[0].clone() })
+            }
+            MotionEnd::Last => {
+                let placement = carrier.placement(&carrier.held_at(grip, segment.waypoints.last()?));
+                let near = placement.grip_near(grip).ok()?.cells()[0].clone();
+                Some(Rest { resting: placement.resting, near })
+            }
+        }
+    }
+}
+
+/// The states along segments that follow each other in a problem, as far as the hand can do what they demand.
+#[derive(Clone, Debug)]
+pub struct StatesAlong {
+    /// The state along each segment, up to the first that cannot be.
+    pub states: Vec<State>,
+    /// The problem of each pick, in order.
+    pub picks: Vec<Problem>,
+    /// The state at the end of the last of these segments.
+    pub end: State,
+    /// Why the hand cannot do what the next segment demands, if there is one.
+    pub stopped: Option<FailureReason>,
+}
+
+impl StatesAlong {
+    /// The states along segments of stages; `None` under `paper`, which has no world.
+    ///
+    /// # Errors
+    /// [`TaskError::JointCount`] or [`TaskError::NotFinite`] for a way point that is no configuration of the robot, and those
+    /// of [`State::picking`].
+    pub fn of(problem: &Problem, stages: &[Stage], segments: &[Segment]) -> Result<Option<Self>, TaskError> {
+        Self::with_carrier(problem, stages, segments, None)
+    }
+
+    /// [`Self::of`] where the carrier of the first object is at hand ([`State::along`]).
+    ///
+    /// # Errors
+    /// As [`Self::of`].
+    pub fn with_carrier(
+        problem: &Problem,
+        stages: &[Stage],
+        segments: &[Segment],
+        first: Option<&Arc<Carrier>>,
+    ) -> Result<Option<Self>, TaskError> {
+        for q in segments.iter().flat_map(|segment| &segment.waypoints) {
+            problem.check_configuration("way point", q)?;
+        }
+        let Some(mut now) = State::start(problem) else { return Ok(None) };
+        let (mut states, mut picks, mut stopped) = (Vec::new(), Vec::new(), None);
+        let mut stage = None;
+        for segment in segments {
+            if stage != Some(segment.stage)
+                && let Some(Stage::Pick(pick)) = stages.get(segment.stage)
+            {
+                let picking = now.picking(problem, pick)?;
+                now = now.before_picking(&picking);
+                picks.push(picking);
+            }
+            stage = Some(segment.stage);
+            match now.along(segment, first) {
+                Ok(along) => {
+                    now = along.after(segment);
+                    states.push(along);
+                }
+                Err(reason) => {
+                    stopped = Some(reason);
+                    break;
+                }
+            }
+        }
+        Ok(Some(Self { states, picks, end: now, stopped }))
+    }
+}
