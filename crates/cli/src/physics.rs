@@ -1,5 +1,6 @@
 //! `cranny simulate`: grasps and plans in physics.
 
+pub(crate) mod load_prediction;
 pub(crate) mod recording;
 pub(crate) mod simulate;
 pub(crate) mod simulate_export;

@@ -4,21 +4,16 @@
 //! bear anything or not, so that a pad on its edge resists turning like a pad on its face; it sees one point twice, and of
 //! more than four may leave out one that bears; and it limits pull and turn each by itself.
 
+use cranny_grasp::{LEAST_ARM_M, LoadedPoint, limit_factor};
 use cranny_spatial::nalgebra::Vector3;
 use rapier3d_f64::math::Vector;
 use rapier3d_f64::prelude::{
     ContactManifold, ContactModificationContext, PhysicsHooks, RigidBodyHandle, RigidBodySet, SolverContact,
 };
 
-use crate::limit_surface::{LoadedPoint, load_factor};
-
 /// What presses on a pad does so on a patch at least, not in a point. A pad that gives way by δ = 0.3 mm touches a ball of
 /// radius R = 33 mm on a patch of radius √(R δ), in metres.
 const PATCH_RADIUS_M: f64 = 0.00314;
-
-/// Friction on that patch resists turning about its normal by the friction force times this, in metres: the pressure of
-/// Hertz acts at 3π/16 of its radius.
-pub(crate) const PATCH_ARM_M: f64 = 0.00185;
 
 /// Corners nearer to each other are one, in metres.
 const SAME_M: f64 = 1e-5;
@@ -181,6 +176,6 @@ fn share_of_limits(patch: &[Corner], manifold: &ContactManifold, normal: Vector,
     if points.is_empty() || !of_engine.is_finite() {
         return 1.0;
     }
-    let of_patch = load_factor(&points, Vector3::new(pull.dot(x), pull.dot(y), turn), PATCH_ARM_M);
+    let of_patch = limit_factor(&points, Vector3::new(pull.dot(x), pull.dot(y), turn), LEAST_ARM_M);
     (of_patch / of_engine).min(1.0)
 }

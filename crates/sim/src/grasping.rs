@@ -1,6 +1,6 @@
 //! Tests of grasps.
 
-pub(crate) mod course;
+pub(crate) mod course_check;
 pub(crate) mod disturbance;
 pub(crate) mod experiment;
 pub(crate) mod grasp_rows;

@@ -8,7 +8,6 @@ mod error;
 mod friction_tests;
 mod grasping;
 mod gripper;
-mod limit_surface;
 mod object_model;
 mod physics;
 mod piece;
@@ -17,7 +16,6 @@ mod recording;
 mod settling;
 
 pub use crate::error::SimError;
-pub use crate::grasping::course::Course;
 pub use crate::grasping::disturbance::{Disturbance, Uncertainty};
 pub use crate::grasping::experiment::{Experiment, ExperimentPose};
 pub use crate::grasping::grasp_rows::GraspRow;

@@ -5,10 +5,10 @@ use std::fs;
 use std::path::Path;
 
 use cranny_collision::Body;
-use cranny_grasp::BoxHand;
+use cranny_grasp::{BoxHand, Course};
 use cranny_scenario::{ObjectSettings, ObjectType};
 use cranny_shape::TriangleSoup;
-use cranny_sim::{Course, Disturbance, GraspOutcome, GraspTest, Physics};
+use cranny_sim::{Disturbance, GraspOutcome, GraspTest, Physics};
 use cranny_spatial::{Point, Pose, Rotation, Vector};
 
 /// Of the cube.

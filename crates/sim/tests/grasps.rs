@@ -1,10 +1,10 @@
 //! How grasps end whose end is known.
 
 use cranny_collision::Body;
-use cranny_grasp::{BoxHand, Hand};
+use cranny_grasp::{BoxHand, Course, Hand};
 use cranny_scenario::{ObjectSettings, ObjectType};
 use cranny_shape::{Solid, Surface, TriangleSoup};
-use cranny_sim::{Course, Disturbance, GraspOutcome, GraspRun, GraspTest, Physics, Uncertainty};
+use cranny_sim::{Disturbance, GraspOutcome, GraspRun, GraspTest, Physics, Uncertainty};
 use cranny_spatial::{Pose, Rotation, Vector};
 
 fn hand() -> Hand {

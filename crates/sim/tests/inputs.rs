@@ -1,8 +1,8 @@
 //! What a simulation is made of, and what is refused.
 
-use cranny_grasp::BoxHand;
+use cranny_grasp::{BoxHand, Course};
 use cranny_scenario::builtin_object;
-use cranny_sim::{Course, GraspTest, Physics, SimError, Uncertainty};
+use cranny_sim::{GraspTest, Physics, SimError, Uncertainty};
 use cranny_spatial::{Pose, PoseDifference};
 
 fn fault(change: impl Fn(&mut cranny_grasp::Hand, &mut Physics, &mut Course)) -> SimError {

@@ -3,14 +3,13 @@
 use std::sync::{Arc, LazyLock};
 
 use cranny_collision::Body;
-use cranny_grasp::Hand;
+use cranny_grasp::{Course, Hand};
 use cranny_path::{MotionLimits, TimingMethod, Trajectory};
 use cranny_robot::{IkSearchSettings, Robot, RobotOptions, solve_restarts};
 use cranny_scenario::{ObjectSettings, ObjectType, panda_hand};
 use cranny_shape::{Solid, Surface};
 use cranny_sim::{
-    Course, DriveSettings, GraspOutcome, GraspTest, Physics, PlacedError, PlanOutcome, PlanRun, PlanTest,
-    SimError,
+    DriveSettings, GraspOutcome, GraspTest, Physics, PlacedError, PlanOutcome, PlanRun, PlanTest, SimError,
 };
 use cranny_solve::TaskTrajectory;
 use cranny_spatial::{Pose, Rotation, Stream, Vector};

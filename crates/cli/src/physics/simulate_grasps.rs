@@ -16,6 +16,7 @@ use crate::arguments::Output;
 use crate::failure::Failure;
 use crate::file_kind::FileKind;
 use crate::number_argument::whole;
+use crate::physics::load_prediction::{LoadPrediction, load_text};
 use crate::physics::simulate_subject::{Subject, SubjectArguments, flag};
 use crate::progress::{bar, stop_on_interrupt};
 use crate::unfinished::Unfinished;
@@ -80,6 +81,9 @@ struct Simulated {
     /// File of the finished rows, from which the same command resumes.
     #[serde(skip_serializing_if = "Option::is_none")]
     unfinished: Option<PathBuf>,
+    /// How well the computed load foretells what holds, where it was computed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    load: Option<LoadPrediction>,
     rows: Vec<Row>,
 }
 
@@ -164,6 +168,7 @@ pub fn run(arguments: &SimulateGraspsArguments, output: Output) -> Result<Answer
         wanted,
         file: written,
         unfinished: kept,
+        load: LoadPrediction::of(&rows),
         rows: rows.into_iter().map(with_interval).collect(),
     };
     if let (Some((file, kind)), [grasp]) = (recorded, &chosen[..]) {
@@ -220,6 +225,9 @@ impl Simulated {
             let _ =
                 writeln!(page, "  grasp {:>4}: robust score {score:.2}, geometric {geometric}", row.grasp);
         }
+        if let Some(load) = self.load.as_ref().filter(|_| self.rows.len() > 1) {
+            page.push_str(&load.page());
+        }
         if let [Row { row, .. }] = &self.rows[..] {
             let moved = text::millimetres(row.translation_error_m);
             let turned = text::degrees(row.rotation_error_rad);
@@ -228,6 +236,9 @@ impl Simulated {
                 page,
                 "  moved {moved}, turned {turned}, held {held_s:.2} s, pressed with {force_n:.1} N"
             );
+            if let Some(load) = row.load {
+                let _ = writeln!(page, "  load        {}", load_text(&load));
+            }
         }
         if self.known > 0 {
             let _ = writeln!(page, "  {} of them by an earlier run", self.known);

@@ -1,14 +1,14 @@
 use std::path::Path;
 
+use cranny_grasp::HeldObject;
 use cranny_shape::{
-    ConvexParts, DecompositionSettings, RepairedMesh, ShapeError, Solid, StablePose, TriangleSoup,
+    ConvexParts, DecompositionSettings, RepairedMesh, ShapeError, Solid, StablePose, Surface, TriangleSoup,
     UnionMoments, distinct_poses, stable_poses,
 };
 use cranny_spatial::Point;
 use cranny_spatial::nalgebra::Matrix3;
 
-use crate::ObjectError;
-use crate::ScenarioError;
+use crate::{ObjectError, ScenarioError};
 
 /// A type of object that can be grasped: its shape, and how it weighs, slides and rests. Everything is in the
 /// object's frame, the frame of its mesh; density is uniform.
@@ -126,6 +126,18 @@ impl ObjectType {
         check_numbers(mass_kg, friction)?;
         let inertia_kg_m2 = self.inertia_kg_m2 * (mass_kg / self.mass_kg);
         Ok(Self { mass_kg, friction, inertia_kg_m2, ..self })
+    }
+
+    /// The object in its own frame, as a hand holds it ([`LoadMeasure`](cranny_grasp::LoadMeasure)); `None` for one without
+    /// a surface.
+    pub fn held(&self) -> Option<HeldObject> {
+        Some(HeldObject {
+            surface: Surface::new(&self.mesh).ok()?,
+            mass_kg: self.mass_kg,
+            center: self.center_of_mass,
+            inertia_kg_m2: self.inertia_kg_m2,
+            friction: self.friction,
+        })
     }
 
     /// The volume of its mesh, as a body of a world.

@@ -1,10 +1,11 @@
+use cranny_grasp::Course;
 use cranny_spatial::Pose;
 use serde::Serialize;
 
 use crate::grasping::grasp_test::STILL_S;
 use crate::grasping::grasp_trial::{BLOCKED_M, CLOSED_SHARE, CLOSING_GRACE_S, LOST_M};
 use crate::object_model::STILL_M_PER_S;
-use crate::{Course, GraspTest, grasping::mjcf};
+use crate::{GraspTest, grasping::mjcf};
 
 /// A test and its grasps as one document: what another engine needs to repeat it (`cranny.mujoco_grasps` in Python
 /// does). Every figure that a run is judged by stands in it.

@@ -1,11 +1,11 @@
 use cranny_collision::Body;
-use cranny_grasp::{Grasp, Hand, RobustScore};
+use cranny_grasp::{Course, Grasp, Hand, Load, RobustScore};
 use cranny_scenario::{ObjectType, Scenario, TargetObject, TargetPhysics};
 use cranny_shape::Solid;
 use cranny_spatial::Pose;
 use serde::{Deserialize, Serialize};
 
-use crate::{Course, Disturbance, GraspOutcome, GraspRun, GraspTest, Physics, SimError, Uncertainty};
+use crate::{Disturbance, GraspOutcome, GraspRun, GraspTest, Physics, SimError, Uncertainty};
 
 /// What came of one of many grasps. The names of the fields are those of files and tables.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -25,6 +25,9 @@ pub struct GraspRow {
     pub contact_force_n: f64,
     /// The geometric score, if the grasp has one.
     pub score: Option<f64>,
+    /// How firmly it holds, as computed, where the hand has two flat pads.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub load: Option<Load>,
     /// How it does when everything is a little wrong, if that was tried.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub robust: Option<RobustScore>,
@@ -75,6 +78,13 @@ impl GraspTest {
         Self::new(hand, object, world_from_object, &around, Physics::default(), Course::default())
     }
 
+    /// How firmly a grasp holds whose gripper frame is at a pose in the planning frame; `None` for a hand without two flat
+    /// pads.
+    pub fn load_of(&self, world_from_gripper: &Pose) -> Option<Load> {
+        let object_from_gripper = self.world_from_object().inverse() * world_from_gripper;
+        self.load.as_ref().map(|measure| measure.of(&object_from_gripper))
+    }
+
     /// Tries the `chosen` of these grasps, whose poses are in the planning frame: each as it is, and in `trials` more,
     /// which are the same for all grasps, with everything a little wrong ([`Uncertainty::design`]). `on_done` hears of
     /// each of the (1 + trials) · chosen runs; once `stop` says so, no more are begun, and grasps without all of their
@@ -105,6 +115,7 @@ impl GraspTest {
                 held_s: first.held_s,
                 contact_force_n: first.contact_force_n,
                 score: grasps[grasp].score,
+                load: self.load_of(&grasps[grasp].world_from_gripper),
                 robust: (trials > 0).then_some(RobustScore { trials, held }),
             })
         };

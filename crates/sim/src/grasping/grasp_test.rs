@@ -1,12 +1,13 @@
 use cranny_collision::Body;
-use cranny_grasp::Hand;
+use cranny_grasp::{Course, Hand, LoadMeasure, LoadState, Pads};
 use cranny_scenario::ObjectType;
-use cranny_spatial::Pose;
+use cranny_spatial::{Pose, Vector};
 use rapier3d_f64::prelude::{Collider, PhysicsWorld, RigidBodyHandle};
 
+use crate::grasping::course_check::check_course;
 use crate::gripper::HandModel;
 use crate::object_model::{ObjectModel, come_to_rest};
-use crate::{Course, Disturbance, Physics, Piece, SimError, engine};
+use crate::{Disturbance, Physics, Piece, SimError, engine};
 
 /// A hand, an object and what stands around it: everything that the tests of its grasps have in common.
 ///
@@ -27,6 +28,8 @@ pub struct GraspTest {
     world_from_object: Pose,
     pub(crate) physics: Physics,
     pub(crate) course: Course,
+    /// How firmly a grasp holds, in the frame of the object; none for a hand without two pads.
+    pub(crate) load: Option<LoadMeasure>,
 }
 
 impl GraspTest {
@@ -44,7 +47,8 @@ impl GraspTest {
         course: Course,
     ) -> Result<Self, SimError> {
         physics.check()?;
-        course.check()?;
+        check_course(&course)?;
+        let (held, pads) = (object.held(), Pads::of(hand));
         let object = ObjectModel::new(object)?;
         let (mut around, mut colliders) = (Vec::new(), Vec::new());
         for (index, body) in surroundings.iter().enumerate() {
@@ -56,6 +60,7 @@ impl GraspTest {
             }
             around.extend(pieces);
         }
+        let closing_force_n = hand.closing_force_n;
         let hand = HandModel::new(hand)?;
         let mut test = Self {
             hand,
@@ -66,8 +71,13 @@ impl GraspTest {
             world_from_object,
             physics,
             course,
+            load: None,
         };
         test.settle();
+        let up = test.world_from_object.rotation.inverse() * Vector::z();
+        let states = LoadState::along(&test.course);
+        test.load =
+            held.zip(pads).map(|(held, pads)| LoadMeasure::new(held, pads, closing_force_n, up, states));
         Ok(test)
     }
 

@@ -1,3 +1,4 @@
+use cranny_grasp::Course;
 use cranny_spatial::{FARTHEST_M, Pose, Vector};
 use rapier3d_f64::prelude::{Collider, PhysicsWorld, RigidBodyHandle};
 use rayon::prelude::*;
@@ -5,7 +6,7 @@ use rayon::prelude::*;
 use crate::grasping::grasp_test::{STILL_S, whole_steps};
 use crate::gripper::Gripper;
 use crate::object_model::STILL_M_PER_S;
-use crate::{Course, Disturbance, GraspOutcome, GraspRun, GraspTest, Piece, RecordedBody, Recording, engine};
+use crate::{Disturbance, GraspOutcome, GraspRun, GraspTest, Piece, RecordedBody, Recording, engine};
 
 /// What the fingers get beyond the time that their stroke takes, in seconds: to push a heavy object along.
 pub(crate) const CLOSING_GRACE_S: f64 = 0.5;

@@ -8,9 +8,9 @@
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
+use cranny_grasp::LEAST_ARM_M;
 use cranny_spatial::{Pose, Vector};
 
-use crate::contact_patch::PATCH_ARM_M;
 use crate::gripper::FINGER_RADIUS_M;
 use crate::{GraspTest, Physics, Piece, PieceShape};
 
@@ -56,7 +56,7 @@ impl Mjcf {
         let ContactReference { time_constant_s, damping_ratio, impedance } =
             ContactReference::new(&test.physics, timestep_s);
         let friction = test.object.friction;
-        let torsional_friction_m = friction * PATCH_ARM_M;
+        let torsional_friction_m = friction * LEAST_ARM_M;
         format!(
             r#"<mujoco model="grasp test">
   <compiler angle="radian" autolimits="true"/>

@@ -1,13 +1,13 @@
 use std::cell::RefCell;
 use std::sync::Arc;
 
+use cranny_grasp::smooth_share;
 use cranny_path::{Trajectory, TrajectorySample};
 use cranny_robot::{IkSettings, IkSolver, LinkFrames, Robot};
 use cranny_solve::{CLOSING_S, TaskTrajectory};
 use cranny_spatial::{Pose, PoseDifference};
 use rapier3d_f64::prelude::ColliderHandle;
 
-use crate::grasping::course::smooth_share;
 use crate::grasping::grasp_test::whole_steps;
 use crate::grasping::grasp_trial::{GraspTrial, Move};
 use crate::gripper::Gripper;

@@ -3,8 +3,6 @@ use std::f64::consts::{PI, TAU};
 use cranny_spatial::{Pose, Rotation, Vector, sin_cos};
 use serde::Serialize;
 
-use crate::SimError;
-
 /// What the hand does to an object that it has closed on, and when that counts as held.
 ///
 /// It lifts it, straight up and smoothly (fifth-degree polynomial, at rest at both ends), then shakes it, along and about
@@ -51,28 +49,6 @@ impl Default for Course {
 }
 
 impl Course {
-    /// # Errors
-    /// [`SimError::Figure`] for one that is out of its range.
-    pub(crate) fn check(&self) -> Result<(), SimError> {
-        for (figure, value, range, (least, greatest)) in [
-            ("closing speed", self.closing_speed, "from 0.001 to 1 m/s", (0.001, 1.0)),
-            ("lift", self.lift_m, "from 0 to 1 m", (0.0, 1.0)),
-            ("time of the lift", self.lift_s, "from 0.01 to 60 s", (0.01, 60.0)),
-            ("amplitude of the shaking", self.shake_m, "from 0 to 0.1 m", (0.0, 0.1)),
-            ("turn of the shaking", self.shake_rad, "from 0 to 90°", (0.0, 0.5 * PI)),
-            ("frequency of the shaking", self.shake_hz, "from 0.1 to 50 Hz", (0.1, 50.0)),
-            ("number of periods of the shaking", self.shake_periods, "from 0 to 100", (0.0, 100.0)),
-            ("rest at the end", self.rest_s, "from 0 to 60 s", (0.0, 60.0)),
-            ("limit of slip", self.slip_m, "positive, up to 0.05 m", (1e-6, 0.05)),
-            ("limit of turning", self.slip_rad, "positive, up to 180°", (1e-6, PI)),
-        ] {
-            if !(least..=greatest).contains(&value) {
-                return Err(SimError::Figure { figure, value, range });
-            }
-        }
-        Ok(())
-    }
-
     /// How long it takes after the hand has closed, in seconds.
     pub fn duration_s(&self) -> f64 {
         self.lift_s + 3.0 * self.shake_axis_s() + self.rest_s
@@ -98,13 +74,13 @@ impl Course {
         lifted * Pose::from_parts((direction * self.shake_m).into(), turn)
     }
 
-    fn shake_axis_s(&self) -> f64 {
+    pub(crate) fn shake_axis_s(&self) -> f64 {
         self.shake_periods / self.shake_hz
     }
 }
 
 /// How much of a way is done after a share of its time: the polynomial of fifth degree that is at rest at both ends.
-pub(crate) fn smooth_share(share: f64) -> f64 {
+pub fn smooth_share(share: f64) -> f64 {
     let share = share.clamp(0.0, 1.0);
     share.powi(3) * (10.0 - share * (15.0 - 6.0 * share))
 }

@@ -3,15 +3,15 @@
 use cranny_spatial::nalgebra::{Matrix3, Vector3};
 
 /// A point of a patch: where it is in the plane of contact, in metres from the patch's middle, and what it bears there.
-pub(crate) type LoadedPoint = ([f64; 2], f64);
+pub type LoadedPoint = ([f64; 2], f64);
 
-/// By what factor a wrench in the plane of contact, two components of force and the moment about the middle, can grow
-/// before the patch slips: with friction 1, and each point turning on an arm of `arm_m` besides.
+/// Factor by which a wrench in the plane of contact, two components of force and the moment about the middle (N, N m), can
+/// grow before the patch slips: with friction 1, and each point turning on an arm of `arm_m` (m) besides.
 ///
 /// Slip is a velocity ξ in the plane. Friction then takes a power of Σ Nₖ √(|v(pₖ)|² + `arm_m`² ω²), and the wrench gives
 /// w·ξ: the factor is the least ratio of the two (the limit surface: Goyal, Ruina & Papadopoulos 1991, §2). It is found by
 /// weighted least squares whose weights are Nₖ by the last velocity of the point, each step of which comes down.
-pub(crate) fn load_factor(points: &[LoadedPoint], wrench: Vector3<f64>, arm_m: f64) -> f64 {
+pub fn limit_factor(points: &[LoadedPoint], wrench: Vector3<f64>, arm_m: f64) -> f64 {
     let speed = |p: &[f64; 2], slip: &Vector3<f64>| {
         let (x, y) = (slip.x - slip.z * p[1], slip.y + slip.z * p[0]);
         (x * x + y * y + (arm_m * slip.z).powi(2)).sqrt()
@@ -80,7 +80,7 @@ mod tests {
                 [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 0.01], [1.0, 0.5, 0.01], [0.3, -1.0, 0.03]]
             {
                 let (found, expected) =
-                    (load_factor(points, wrench.into(), 0.002), by_search(points, wrench, 0.002));
+                    (limit_factor(points, wrench.into(), 0.002), by_search(points, wrench, 0.002));
                 assert!(
                     (found / expected - 1.0).abs() < 0.02,
                     "{points:?} {wrench:?}: {found}, not {expected}"
@@ -92,10 +92,10 @@ mod tests {
     #[test]
     fn an_edge_turns_at_the_load_of_its_ends_times_their_arms() {
         let edge = [([-0.007, 0.0], 35.0), ([0.007, 0.0], 35.0)];
-        assert!((load_factor(&edge, Vector3::z(), 0.0) - 70.0 * 0.007).abs() < 1e-3);
+        assert!((limit_factor(&edge, Vector3::z(), 0.0) - 70.0 * 0.007).abs() < 1e-3);
         // Pulled across, the pull adds to the turn at one end: F/2 + M/L = N/2.
         let pull = 20.0;
         let moment = (35.0 - 0.5 * pull) * 0.014;
-        assert!((load_factor(&edge, Vector3::new(0.0, pull, moment), 0.0) - 1.0).abs() < 0.01);
+        assert!((limit_factor(&edge, Vector3::new(0.0, pull, moment), 0.0) - 1.0).abs() < 0.01);
     }
 }

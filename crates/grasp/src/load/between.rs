@@ -1,0 +1,62 @@
+use cranny_shape::Surface;
+use cranny_spatial::{Point, Pose, Vector};
+
+use crate::Pads;
+
+/// Cells of a pad along x and along z.
+pub(crate) const CELLS: [usize; 2] = [4, 6];
+/// Number of cells.
+pub(crate) const COUNT: usize = CELLS[0] * CELLS[1];
+/// A finger that stands open leaves this much beyond the pads, in metres: what is farther out is behind it.
+const BEHIND_M: f64 = 1e-3;
+
+/// The sides of an object between the pads, over their cells, in the gripper frame.
+#[derive(Clone, Debug)]
+pub(crate) struct Between {
+    /// Cells that have the object between them: the middle along x and z, and the lower and the upper side along y, in
+    /// metres.
+    pub cells: Vec<Cell>,
+    /// Area of a cell, in square metres.
+    pub cell_area_m2: f64,
+    /// Mean arm of an even pressure on a cell about its middle, in metres.
+    pub cell_arm_m: f64,
+}
+
+/// A cell of the pads with the object between them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Cell {
+    pub x: f64,
+    pub z: f64,
+    pub lower: f64,
+    pub upper: f64,
+}
+
+/// Mean distance from the middle of a square of side 1.
+const SQUARE_ARM: f64 = 0.382_597_858;
+
+impl Between {
+    /// The object of a surface between pads whose gripper frame is at a pose in the frame of the surface.
+    pub fn new(surface: &Surface, object_from_gripper: &Pose, pads: &Pads) -> Self {
+        let out_m = 0.5 * pads.opening_m + BEHIND_M;
+        let along = object_from_gripper * Vector::y();
+        let at = |axis: usize, step: usize| {
+            pads.middle_m[axis] + pads.half_m[axis] * (2.0 * (step as f64 + 0.5) / CELLS[axis] as f64 - 1.0)
+        };
+        let mut cells = Vec::with_capacity(COUNT);
+        for i in 0..CELLS[0] {
+            for k in 0..CELLS[1] {
+                let (x, z) = (at(0, i), at(1, k));
+                let origin = object_from_gripper * Point::new(x, -out_m, z);
+                let hits = surface.ray_hits(&origin, &along, 2.0 * out_m);
+                // A ray that begins inside has no lower side before the finger.
+                let Some((first, last)) = hits.first().zip(hits.last()) else { continue };
+                let inside_from = if first.normal.dot(&along) > 0.0 { 0.0 } else { first.distance_m };
+                let inside_to = if last.normal.dot(&along) < 0.0 { 2.0 * out_m } else { last.distance_m };
+                cells.push(Cell { x, z, lower: inside_from - out_m, upper: inside_to - out_m });
+            }
+        }
+        let size = [0, 1].map(|axis| 2.0 * pads.half_m[axis] / CELLS[axis] as f64);
+        let cell_area_m2 = size[0] * size[1];
+        Self { cells, cell_area_m2, cell_arm_m: SQUARE_ARM * cell_area_m2.sqrt() }
+    }
+}

@@ -1,0 +1,92 @@
+use cranny_shape::{Surface, TriangleSoup};
+use cranny_spatial::nalgebra::Matrix3;
+use cranny_spatial::{Point, Pose, Vector};
+
+use crate::{Course, HeldObject, Load, LoadMeasure, LoadState, Pads};
+
+/// The rubber tips of a Franka hand.
+const FRANKA: Pads = Pads { middle_m: [0.0, 0.0], half_m: [0.00875, 0.00925], opening_m: 0.08 };
+
+/// A bar along x, 30 mm wide, of 0.3 kg, held beside its centre of mass with 20 N.
+fn bar(beside_m: f64, friction: f64, states: Vec<LoadState>) -> Load {
+    let half = Vector::new(0.15, 0.015, 0.015);
+    let object = HeldObject {
+        surface: Surface::new(&Surface::cuboid_soup(&half)).unwrap(),
+        mass_kg: 0.3,
+        center: Point::origin(),
+        inertia_kg_m2: Matrix3::from_diagonal(&Vector::new(4.5e-5, 2.3e-3, 2.3e-3)),
+        friction,
+    };
+    let measure = LoadMeasure::new(object, FRANKA, 20.0, Vector::z(), states);
+    measure.of(&Pose::translation(beside_m, 0.0, 0.0))
+}
+
+/// The least friction that holds it, from statics: the maximum over centres of turning of |M − f c| by F · mean distance.
+#[test]
+fn a_bar_held_beside_its_centre_needs_the_friction_of_statics() {
+    for (beside_m, least) in [(0.0, 0.0736), (0.02, 0.231), (0.04, 0.436), (0.06, 0.647)] {
+        // The factor is proportional to friction, but for the share that turning before the pads close would take.
+        let found = least / bar(beside_m, least, Vec::new()).at_rest;
+        assert!((found / least - 1.0).abs() < 0.03, "{beside_m} m: {found}, not {least}");
+    }
+}
+
+#[test]
+fn a_lift_costs_as_much_as_it_accelerates() {
+    let lift = LoadState { lift: 2.31, ..LoadState::GRAVITY };
+    for beside_m in [0.0, 0.04] {
+        let Load { at_rest, in_motion, .. } = bar(beside_m, 0.5, vec![LoadState::GRAVITY, lift]);
+        let alone = bar(beside_m, 0.5, vec![LoadState::GRAVITY]).in_motion;
+        assert!((alone / in_motion - (9.81 + 2.31) / 9.81).abs() < 1e-6, "{beside_m}");
+        assert!((alone / at_rest - 1.0).abs() < 0.08, "{alone} by the ellipsoid, {at_rest}");
+    }
+}
+
+#[test]
+fn hands_that_close_on_nothing_hold_nothing() {
+    assert_eq!(
+        bar(0.5, 0.5, LoadState::along(&Course::default())),
+        Load { at_rest: 0.0, in_motion: 0.0, turn_rad: 0.0, shift_m: 0.0, width_m: 0.0 }
+    );
+}
+
+#[test]
+fn the_twin_of_a_grasp_holds_as_firmly() {
+    let states = LoadState::along(&Course::default());
+    let soup = TriangleSoup::geodesic_sphere(0.03, 3);
+    let object = HeldObject {
+        surface: Surface::new(&soup).unwrap(),
+        mass_kg: 0.2,
+        center: Point::new(0.004, 0.001, -0.003),
+        inertia_kg_m2: Matrix3::identity() * 7e-5,
+        friction: 0.4,
+    };
+    let measure = LoadMeasure::new(object, FRANKA, 30.0, Vector::z(), states);
+    let pose = Pose::new(Vector::new(0.003, -0.002, 0.004), Vector::new(0.3, -0.2, 0.1));
+    let twin = pose * Pose::rotation(Vector::z() * std::f64::consts::PI);
+    let (first, second) = (measure.of(&pose), measure.of(&twin));
+    assert!((first.at_rest / second.at_rest - 1.0).abs() < 1e-3, "{first:?} {second:?}");
+    assert!(first.in_motion < first.at_rest);
+}
+
+/// Motions of the hand are the derivatives of where the course has it.
+#[test]
+fn the_states_of_a_course_are_its_derivatives() {
+    let course = Course::default();
+    let states = LoadState::along(&course);
+    // 0.5 s of lifting, and two periods of 0.2 s on each of three axes.
+    assert_eq!(states.len(), 25 + 3 * 100);
+    let closed = Pose::new(Vector::new(0.1, 0.2, 0.3), Vector::new(0.4, -0.3, 0.2));
+    let step_s = 1e-4;
+    for (index, state) in states.iter().enumerate() {
+        let time_s = if index < 25 {
+            (index as f64 + 0.5) * 0.02
+        } else {
+            course.lift_s + ((index - 25) as f64 + 0.5) * 0.004
+        };
+        let at = |offset: f64| course.world_from_hand(&closed, time_s + offset).translation.vector;
+        let found = (at(step_s) - 2.0 * at(0.0) + at(-step_s)) / (step_s * step_s);
+        let expected = Vector::z() * state.lift + closed.rotation * state.acceleration;
+        assert!((found - expected).norm() < 2e-2, "{index}: {found} {expected}");
+    }
+}

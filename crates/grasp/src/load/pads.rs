@@ -1,0 +1,96 @@
+use cranny_shape::{Surface, TriangleSoup};
+use cranny_spatial::{Point, Vector};
+
+use crate::Hand;
+
+/// Two equal flat pads of a parallel hand, in the gripper frame: rectangles along x and z that face each other along y.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pads {
+    /// Middle along x and z, in metres.
+    pub middle_m: [f64; 2],
+    /// Half of the size along x and z, in metres.
+    pub half_m: [f64; 2],
+    /// Between the pads of the open hand, in metres.
+    pub opening_m: f64,
+}
+
+/// A finger's inner side belongs to its pad where it lies at most this far behind its foremost point, in metres: a pad of
+/// 30 mm that is inclined by 1° is one.
+const DEPTH_M: f64 = 6e-4;
+/// Rays that feel a finger, along x and along z.
+const RAYS: [usize; 2] = [32, 64];
+
+impl Pads {
+    /// The pads of a hand: the rectangle in which the inner sides of both fingers lie foremost. `None` for a hand that has
+    /// not two fingers facing each other along y, or whose fingers have no surface.
+    pub fn of(hand: &Hand) -> Option<Self> {
+        let [first, second] = &hand.fingers[..] else { return None };
+        let mut low = [f64::NEG_INFINITY; 2];
+        let mut high = [f64::INFINITY; 2];
+        for finger in [first, second] {
+            let side = -finger.stroke_m.y.signum();
+            let (from, to) = inner_side(hand, finger.parts.clone(), side)?;
+            for axis in 0..2 {
+                low[axis] = low[axis].max(from[axis]);
+                high[axis] = high[axis].min(to[axis]);
+            }
+        }
+        let half_m = [0, 1].map(|axis| 0.5 * (high[axis] - low[axis]));
+        let middle_m = [0, 1].map(|axis| 0.5 * (high[axis] + low[axis]));
+        (half_m[0] > 0.0 && half_m[1] > 0.0).then_some(Self { middle_m, half_m, opening_m: hand.opening_m })
+    }
+}
+
+/// The corners along x and z of what lies foremost of a finger on this side of the middle.
+fn inner_side(hand: &Hand, parts: std::ops::Range<usize>, side: f64) -> Option<([f64; 2], [f64; 2])> {
+    let mut soup = TriangleSoup::default();
+    for (gripper_from_part, solid) in &hand.parts[parts] {
+        let part = solid.tessellation()?;
+        let first = u32::try_from(soup.vertices.len()).ok()?;
+        soup.vertices.extend(part.vertices.iter().map(|corner| gripper_from_part * corner));
+        soup.triangles.extend(part.triangles.iter().map(|corners| corners.map(|corner| corner + first)));
+    }
+    let surface = Surface::new(&soup).ok()?;
+    let (center, half) = (surface.aabb().center, surface.aabb().half_extents);
+    let reach_m = center.y.abs() + half.y + 1e-3;
+    let mut foremost = f64::INFINITY;
+    let mut felt = Vec::new();
+    for i in 0..RAYS[0] {
+        for k in 0..RAYS[1] {
+            let at = |count: usize, step: usize| 2.0 * (step as f64 + 0.5) / count as f64 - 1.0;
+            let x = center.x + half.x * at(RAYS[0], i);
+            let z = center.z + half.z * at(RAYS[1], k);
+            let hits = surface.ray_hits(&Point::new(x, 0.0, z), &(Vector::y() * side), reach_m);
+            if let Some(hit) = hits.first() {
+                foremost = foremost.min(hit.distance_m);
+                felt.push((x, z, hit.distance_m));
+            }
+        }
+    }
+    // Half a step beyond the outermost rays.
+    let step = [half.x / RAYS[0] as f64, half.z / RAYS[1] as f64];
+    let (mut from, mut to) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+    for (x, z, _) in felt.into_iter().filter(|(_, _, distance_m)| *distance_m <= foremost + DEPTH_M) {
+        for (axis, value) in [x, z].into_iter().enumerate() {
+            from[axis] = from[axis].min(value - step[axis]);
+            to[axis] = to[axis].max(value + step[axis]);
+        }
+    }
+    (from[0] < to[0]).then_some((from, to))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::BoxHand;
+
+    #[test]
+    fn the_pads_of_a_hand_of_boxes_are_the_sides_of_its_fingers() {
+        let boxes = BoxHand::default();
+        let pads = Pads::of(&boxes.hand().unwrap()).unwrap();
+        assert!((pads.half_m[0] - 0.5 * boxes.finger_width_m).abs() < 1e-9);
+        assert!((pads.half_m[1] - 0.5 * boxes.finger_length_m).abs() < 1e-9);
+        assert!(pads.middle_m[0].abs() < 1e-12);
+        assert!((pads.middle_m[1] - (boxes.tip_ahead_m - 0.5 * boxes.finger_length_m)).abs() < 1e-9);
+    }
+}
