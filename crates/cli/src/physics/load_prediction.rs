@@ -75,7 +75,7 @@ pub fn load_text(load: &Load) -> String {
     let Load { at_rest, in_motion, turn_rad, shift_m, .. } = load;
     let (turned, moved) = (text::degrees(*turn_rad), text::millimetres(shift_m.abs()));
     format!(
-        "{at_rest:.2} at rest, {in_motion:.2} along the course (below 1 it slips); closing turns it by {turned} and \
-         moves it by {moved}"
+        "{at_rest:.2} at rest, {in_motion:.2} along the course (below 1 a pad slips, for as long as that lasts); \
+         closing turns it by {turned} and moves it by {moved}"
     )
 }
