@@ -23,8 +23,9 @@ const MOST_TRIALS: usize = 10_000;
 
 /// Tries grasps of a scenario's target in physics, on all cores: the hand alone closes, lifts and shakes. One dictionary
 /// for each grasp, with the keys of `cranny simulate grasps --json`: grasp, outcome ("held", "slipped", "dropped",
-/// "never-closed", "knocked-away"), translation_error_m, rotation_error_rad, held_s, contact_force_n, score, and with
-/// `trials` also robust, a dictionary of trials, held and score: each grasp is then tried so many times more with
+/// "never-closed", "knocked-away"), translation_error_m, rotation_error_rad, held_s, contact_force_n, score, load (where the
+/// hand has two flat pads: a dictionary of at_rest, in_motion, turn_rad, shift_m and width_m), and with `trials` also
+/// robust, a dictionary of trials, held and score: each grasp is then tried that many times more with
 /// everything a little wrong, the same for all grasps; `seed` draws others. An open hand that stands more than 1 mm deep in
 /// the object ("knocked-away") or with a finger in what is around ("never-closed") begins nothing.
 ///

@@ -7,12 +7,12 @@ use serde::Serialize;
 
 use crate::text;
 
-/// How well the load of grasps, as computed, foretells which of them hold.
+/// Agreement of the computed load of grasps with what holds in physics.
 #[derive(Serialize)]
 pub struct LoadPrediction {
     /// Share of pairs of a grasp that held and one that did not in which the first has the greater load at rest.
     area_under_curve: Option<f64>,
-    /// Grasps with a load at rest of 2 or more: how many of how many held.
+    /// Grasps with a load at rest of 2 or more.
     firm: Share,
     /// With one below 0.8.
     weak: Share,
@@ -20,7 +20,7 @@ pub struct LoadPrediction {
     firm_in_motion: Share,
 }
 
-/// How many of how many grasps held.
+/// Number of grasps that held, and of those tried.
 #[derive(Clone, Copy, Serialize)]
 struct Share {
     held: usize,
@@ -28,7 +28,7 @@ struct Share {
 }
 
 impl LoadPrediction {
-    /// Of rows with a load whose hand closed on the object; `None` without any.
+    /// The agreement over rows with a load whose hand closed on the object; `None` without any.
     pub fn of(rows: &[GraspRow]) -> Option<Self> {
         let closed = rows.iter().filter(|row| row.outcome != GraspOutcome::NeverClosed);
         let known: Vec<(Load, bool)> =

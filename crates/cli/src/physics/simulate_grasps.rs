@@ -36,7 +36,10 @@ The object comes to rest; the open hand stands at the grasp, closes with its clo
 along and about each axis (10 mm, 10°, 5 Hz). held: the object is then within 10 mm and 15° of where it was in the
 hand; slipped: elsewhere in it; dropped: no longer touched; never-closed: the fingers found nothing; knocked-away: and
 pushed it off. An open hand that stands in the object (knocked-away) or with a finger in what is around (never-closed) by
-more than 1 mm begins nothing. What simulators say of real grasps is right for about 85 in 100.")]
+more than 1 mm begins nothing. What simulators say of real grasps is right for about 85 in 100.
+
+Load: computed of each grasp, for a hand of two flat pads. The factor by which gravity (at rest), or the loads of lifting
+and shaking (along the course), may grow until a pad slips; below 1 a pad slips for as long as that lasts.")]
 pub struct SimulateGraspsArguments {
     #[command(flatten)]
     pub subject: SubjectArguments,
@@ -81,7 +84,7 @@ struct Simulated {
     /// File of the finished rows, from which the same command resumes.
     #[serde(skip_serializing_if = "Option::is_none")]
     unfinished: Option<PathBuf>,
-    /// How well the computed load foretells what holds, where it was computed.
+    /// Agreement of the computed load with what holds, where it was computed.
     #[serde(skip_serializing_if = "Option::is_none")]
     load: Option<LoadPrediction>,
     rows: Vec<Row>,
@@ -225,8 +228,14 @@ impl Simulated {
             let _ =
                 writeln!(page, "  grasp {:>4}: robust score {score:.2}, geometric {geometric}", row.grasp);
         }
-        if let Some(load) = self.load.as_ref().filter(|_| self.rows.len() > 1) {
-            page.push_str(&load.page());
+        match &self.load {
+            Some(load) if self.rows.len() > 1 => page.push_str(&load.page()),
+            None if self.rows.first().is_some_and(|Row { row, .. }| row.load.is_none()) => {
+                page.push_str(
+                    "  load        not computed: the hand has not two flat pads that close on each other\n",
+                );
+            }
+            _ => {}
         }
         if let [Row { row, .. }] = &self.rows[..] {
             let moved = text::millimetres(row.translation_error_m);

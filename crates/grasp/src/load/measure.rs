@@ -1,3 +1,5 @@
+use std::fmt;
+
 use cranny_shape::Surface;
 use cranny_spatial::nalgebra::{Matrix3, Vector3};
 use cranny_spatial::{Point, Pose, Vector};
@@ -24,7 +26,7 @@ pub struct HeldObject {
     pub friction: f64,
 }
 
-/// How firmly a grasp holds, as the factor by which loads may grow until a pad slips: below 1 it does not hold.
+/// Firmness of a grasp: the factor by which loads may grow until a pad slips. Below 1 a pad slips for as long as they last.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Load {
@@ -41,7 +43,7 @@ pub struct Load {
 }
 
 impl Load {
-    /// Of a hand that closes on nothing.
+    /// The load of a hand that closes on nothing.
     const NOTHING: Self = Self { at_rest: 0.0, in_motion: 0.0, turn_rad: 0.0, shift_m: 0.0, width_m: 0.0 };
 }
 
@@ -54,13 +56,20 @@ impl Load {
 ///    the plane of the pads and the moment about the closing axis by halves.
 /// 5. At rest: how far each pad is from its limit surface (Goyal, Ruina & Papadopoulos 1991, §2). In motion: from the
 ///    ellipsoid of Howe & Cutkosky 1996, whole, which is up to 7 % too large for a face, 13 % for an edge.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct LoadMeasure {
     object: HeldObject,
     pads: Pads,
     force_n: f64,
     up: Vector,
     states: Vec<LoadState>,
+}
+
+impl fmt::Debug for LoadMeasure {
+    /// The name alone: object and hand, of which it is made, are large.
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("LoadMeasure")
+    }
 }
 
 /// The acceleration of gravity, in m/s².
@@ -71,7 +80,7 @@ const LEAST_WIDTH_M: f64 = 0.002;
 const FIRMEST: f64 = 1e6;
 
 impl LoadMeasure {
-    /// Of an object that a hand presses with `force_n` newtons on each pad, `up` being the direction against gravity, a
+    /// The measure of an object that a hand presses with `force_n` newtons on each pad, `up` being the direction against gravity, a
     /// unit vector in the frame of the object.
     pub fn new(object: HeldObject, pads: Pads, force_n: f64, up: Vector, states: Vec<LoadState>) -> Self {
         Self { object, pads, force_n, up, states }
@@ -135,7 +144,7 @@ impl Held {
         }
     }
 
-    /// What each pad must give: its normal force, then force along x and z and moment about y, in N and N m.
+    /// Forces that each pad must give: its normal force, then force along x and z and moment about y, in N and N m.
     fn demands(&self, state: &LoadState) -> [(f64, Vector3<f64>); 2] {
         let c = &self.center_in_gripper;
         let acceleration = state.turn.inverse() * (self.up * (GRAVITY + state.lift) + state.acceleration)
@@ -159,7 +168,7 @@ impl Held {
         })
     }
 
-    /// How much of the ellipsoid the more loaded pad uses; endless where a pad lifts off.
+    /// Share of the ellipsoid that the more loaded pad uses; endless where a pad lifts off.
     fn r#use(&self, state: &LoadState) -> f64 {
         let uses = self.demands(state).into_iter().zip(&self.patches).map(|((normal_n, pull), patch)| {
             if normal_n <= 0.0 {
@@ -171,7 +180,7 @@ impl Held {
         uses.fold(0.0, f64::max)
     }
 
-    /// How much of its limit surface the more loaded pad uses.
+    /// Share of its limit surface that the more loaded pad uses.
     fn exact_use(&self, state: &LoadState) -> f64 {
         let uses = self.demands(state).into_iter().zip(&self.patches).map(|((normal_n, pull), patch)| {
             let borne: f64 = patch.points.iter().map(|(_, load)| load).sum();

@@ -1,7 +1,7 @@
 use cranny_shape::{Surface, TriangleSoup};
 use cranny_spatial::{Point, Vector};
 
-use crate::Hand;
+use crate::{Finger, Hand};
 
 /// Two equal flat pads of a parallel hand, in the gripper frame: rectangles along x and z that face each other along y.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,14 +17,20 @@ pub struct Pads {
 /// A finger's inner side belongs to its pad where it lies at most this far behind its foremost point, in metres: a pad of
 /// 30 mm that is inclined by 1° is one.
 const DEPTH_M: f64 = 6e-4;
+/// A finger moves along y where this share of its stroke is.
+const LEAST_ALONG_Y: f64 = 0.99;
 /// Rays that feel a finger, along x and along z.
 const RAYS: [usize; 2] = [32, 64];
 
 impl Pads {
     /// The pads of a hand: the rectangle in which the inner sides of both fingers lie foremost. `None` for a hand that has
-    /// not two fingers facing each other along y, or whose fingers have no surface.
+    /// not two fingers that move towards each other along y, or whose fingers have no surface.
     pub fn of(hand: &Hand) -> Option<Self> {
         let [first, second] = &hand.fingers[..] else { return None };
+        let along_y = |finger: &Finger| finger.stroke_m.y.abs() > LEAST_ALONG_Y * finger.stroke_m.norm();
+        if !(along_y(first) && along_y(second) && first.stroke_m.y * second.stroke_m.y < 0.0) {
+            return None;
+        }
         let mut low = [f64::NEG_INFINITY; 2];
         let mut high = [f64::INFINITY; 2];
         for finger in [first, second] {
@@ -45,10 +51,7 @@ impl Pads {
 fn inner_side(hand: &Hand, parts: std::ops::Range<usize>, side: f64) -> Option<([f64; 2], [f64; 2])> {
     let mut soup = TriangleSoup::default();
     for (gripper_from_part, solid) in &hand.parts[parts] {
-        let part = solid.tessellation()?;
-        let first = u32::try_from(soup.vertices.len()).ok()?;
-        soup.vertices.extend(part.vertices.iter().map(|corner| gripper_from_part * corner));
-        soup.triangles.extend(part.triangles.iter().map(|corners| corners.map(|corner| corner + first)));
+        soup.append(&solid.tessellation()?, gripper_from_part);
     }
     let surface = Surface::new(&soup).ok()?;
     let (center, half) = (surface.aabb().center, surface.aabb().half_extents);
@@ -92,5 +95,19 @@ mod tests {
         assert!((pads.half_m[1] - 0.5 * boxes.finger_length_m).abs() < 1e-9);
         assert!(pads.middle_m[0].abs() < 1e-12);
         assert!((pads.middle_m[1] - (boxes.tip_ahead_m - 0.5 * boxes.finger_length_m)).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_hand_has_no_pads_whose_fingers_do_not_close_on_each_other() {
+        let hand = BoxHand::default().hand().unwrap();
+        let with_stroke = |stroke_m: Vector| {
+            let mut hand = hand.clone();
+            hand.fingers[1].stroke_m = stroke_m;
+            Pads::of(&hand)
+        };
+        assert!(with_stroke(hand.fingers[1].stroke_m).is_some());
+        assert_eq!(with_stroke(hand.fingers[0].stroke_m), None);
+        assert_eq!(with_stroke(Vector::x() * 0.04), None);
+        assert_eq!(with_stroke(Vector::zeros()), None);
     }
 }

@@ -16,7 +16,7 @@ pub(crate) struct Patch {
     pub arm_m: f64,
     /// Half of the extent of the cells that bear, along x and z, in metres.
     pub half_m: [f64; 2],
-    /// What bears, about the centre of pressure.
+    /// The cells that bear, about the centre of pressure.
     pub points: Vec<LoadedPoint>,
     /// Arm on which each of the points turns besides, in metres.
     pub point_arm_m: f64,

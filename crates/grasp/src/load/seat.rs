@@ -10,7 +10,7 @@ const SETTING_IN_RAD: f64 = 2e-3;
 const TRACE: f64 = 1e-2;
 /// Newton's steps at most.
 const MOST_STEPS: usize = 60;
-/// What a step gains at least, in joules.
+/// Least gain of a step, in joules.
 const LEAST_GAIN: f64 = 1e-9;
 
 /// An object at rest between two flat soft pads.

@@ -25,7 +25,7 @@ pub struct GraspRow {
     pub contact_force_n: f64,
     /// The geometric score, if the grasp has one.
     pub score: Option<f64>,
-    /// How firmly it holds, as computed, where the hand has two flat pads.
+    /// Its load, as computed, where the hand has two flat pads.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub load: Option<Load>,
     /// How it does when everything is a little wrong, if that was tried.
@@ -78,7 +78,7 @@ impl GraspTest {
         Self::new(hand, object, world_from_object, &around, Physics::default(), Course::default())
     }
 
-    /// How firmly a grasp holds whose gripper frame is at a pose in the planning frame; `None` for a hand without two flat
+    /// The load of a grasp whose gripper frame is at a pose in the planning frame; `None` for a hand without two flat
     /// pads.
     pub fn load_of(&self, world_from_gripper: &Pose) -> Option<Load> {
         let object_from_gripper = self.world_from_object().inverse() * world_from_gripper;

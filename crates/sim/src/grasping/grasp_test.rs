@@ -28,7 +28,7 @@ pub struct GraspTest {
     world_from_object: Pose,
     pub(crate) physics: Physics,
     pub(crate) course: Course,
-    /// How firmly a grasp holds, in the frame of the object; none for a hand without two pads.
+    /// The measure of loads, in the frame of the object; none for a hand without two flat pads.
     pub(crate) load: Option<LoadMeasure>,
 }
 
