@@ -1,4 +1,4 @@
-//! What tells a thing that was opened anew from the one that was pickled: its contents as one number.
+//! The contents of a thing as one number, by which one that was opened anew is compared with the one that was pickled.
 
 use std::collections::hash_map::DefaultHasher;
 use std::hash::{Hash as _, Hasher as _};

@@ -63,7 +63,7 @@ impl Cell {
         }
     }
 
-    /// How many configurations in a row are free, counted up to the first that is not: those at `places`, at most
+    /// Number of configurations in a row that are free, counted up to the first that is not: those at `places`, at most
     /// [`LANES`], on the straight way from `a` (at 0) to `b` (at 1), both (m, rad; one per joint). Joint limits do
     /// not enter.
     ///

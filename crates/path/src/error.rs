@@ -1,4 +1,4 @@
-/// What makes a path malformed, or a trajectory along it impossible. That a path collides is a verdict, not an error.
+/// A malformed path, or limits along which there is no trajectory. That a path collides is a verdict, not an error.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PathError {

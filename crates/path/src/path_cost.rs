@@ -159,7 +159,7 @@ impl PathCost {
         set.iter().map(|grasp| self.score_weight - self.reward(grasp.score)).collect()
     }
 
-    /// Cost of a path (way points in m, rad; one value per joint) to a search, whose goals cost as [`Self::of_grasps`] says: its length in the metric of the
+    /// Cost of a path (way points in m, rad; one value per joint) to a search, whose goals cost [`Self::of_grasps`]: its length in the metric of the
     /// search, and what its grasp costs.
     pub fn search_bound(&self, path: &[Vec<f64>], score: Option<f64>) -> f64 {
         self.length(path) - self.reward(score) + self.score_weight

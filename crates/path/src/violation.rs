@@ -13,7 +13,7 @@ use strum::IntoStaticStr;
 /// `first`, `second`, `depth_m` and what its cause has besides.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Violation {
-    /// Where on the path.
+    /// Place on the path.
     pub at: Location,
     /// The fault.
     pub cause: Cause,

@@ -1,7 +1,7 @@
 use cranny_file::did_you_mean;
 use cranny_path::PathError;
 
-/// What makes a search impossible to begin. That it finds no path is an outcome, not an error.
+/// A search that cannot begin. That it finds no path is an outcome, not an error.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PlanError {

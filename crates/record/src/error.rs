@@ -41,7 +41,7 @@ pub enum RecordError {
         /// Which field of the plan.
         field: &'static str,
     },
-    /// What can be wrong with a file of any kind, or with the scenario of a plan.
+    /// A file that cannot be read or written, or the scenario of a plan that cannot be opened.
     #[error(transparent)]
     Scenario(Box<ScenarioError>),
     /// The path, or the way points, are malformed.

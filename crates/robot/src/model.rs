@@ -108,7 +108,7 @@ impl Robot {
         &self.hand_links
     }
 
-    /// Where it starts unless a scenario says otherwise (m, rad; one per joint), if that is described
+    /// Start configuration where a scenario gives none (m, rad; one per joint), if one is described
     /// ([`RobotDescription::start`](crate::RobotDescription::start)).
     pub fn default_start(&self) -> Option<&[f64]> {
         self.start.as_deref()

@@ -170,7 +170,7 @@ pub enum ScenarioError {
         /// The name.
         name: String,
     },
-    /// Whether a drawn scenario can be solved cannot be tried.
+    /// The search that a drawn scenario must pass cannot begin.
     #[error("no search for a way to a grasp: {problem}")]
     Search {
         /// Why not.

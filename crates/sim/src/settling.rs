@@ -141,8 +141,8 @@ impl ChiSquared {
     }
 }
 
-/// Of χ², to within some thousandths (its cube root is nearly normal: Wilson & Hilferty 1931, "The distribution of
-/// chi-square", whole).
+/// The p-value of a χ² statistic, to within some thousandths (its cube root is nearly normal: Wilson & Hilferty 1931, "The
+/// distribution of chi-square", whole).
 fn p_value(statistic: f64, degrees_of_freedom: f64) -> f64 {
     let variance = 2.0 / (9.0 * degrees_of_freedom);
     let normal = ((statistic / degrees_of_freedom).cbrt() - 1.0 + variance) / variance.sqrt();

@@ -50,7 +50,7 @@ pub(crate) struct Chain<'a> {
     /// Searches that were begun for picks, by stage.
     begun: Vec<u64>,
     outcome: Outcome,
-    /// Of the first stage, if that is a pick and not all.
+    /// The carrier of the first object, if the first of several stages is a pick.
     pub first_carrier: Option<Arc<Carrier>>,
 }
 

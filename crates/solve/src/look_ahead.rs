@@ -31,7 +31,7 @@ struct Next {
 }
 
 impl LookAhead {
-    /// Of the stages of a task; what is the same in every world is made here.
+    /// The look-ahead over the stages of a task; what is the same in every world is made here.
     ///
     /// # Errors
     /// Those of [`State::picking`] and [`Placer::new`].

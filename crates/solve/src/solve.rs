@@ -180,7 +180,7 @@ struct Found {
     segments: Vec<Segment>,
     shortening: Option<Shortening>,
     optimisation: Option<Optimisation>,
-    /// Of the first object.
+    /// The carrier of the first object.
     carrier: Option<Arc<Carrier>>,
 }
 

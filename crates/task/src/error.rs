@@ -1,6 +1,6 @@
 use cranny_file::{counted, did_you_mean};
 
-/// What makes a task malformed. That a task has no solution is an outcome, not an error.
+/// A malformed task. That a task has no solution is an outcome, not an error.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum TaskError {

@@ -1,4 +1,4 @@
-//! What moves: paths, objects in the hand, recordings.
+//! Things that move: paths, objects in the hand, recordings.
 
 pub(crate) mod clearance_profile;
 pub(crate) mod moving_bodies;

@@ -40,7 +40,7 @@ const NEXT_TRY: f64 = 2.0;
 impl Cell {
     /// The bubble about `q` (m, rad; one per joint); none where a link that moves is closer to the world than
     /// `critical_m` (at least 0) beyond what is demanded, or where links are closer to each other than they may be,
-    /// but for those on either side of a joint or two, which are always close: of them tables tell. Joint limits do
+    /// but for those on either side of a joint or two, which are always close and known from tables. Joint limits do
     /// not enter.
     ///
     /// # Panics
@@ -109,9 +109,8 @@ impl Cell {
             })
     }
 
-    /// How much of the straight motion from the middle of `bubble` to `target` (m, rad; one per joint) is free for
-    /// certain, as a share from 0 to 1, joint limits aside: so far nothing can have moved by more than keeps it
-    /// apart.
+    /// Share, from 0 to 1, of the straight motion from the middle of `bubble` to `target` (m, rad; one per joint) that
+    /// is free for certain, joint limits aside: up to there nothing can have moved by more than keeps it apart.
     ///
     /// 1. At a place on the way that is free, measure how far everything has moved, and what is left of each gap.
     /// 2. Beyond it everything moves at most as far as joints and levers allow: so much of the way is free too.

@@ -120,8 +120,8 @@ impl Cell {
         self.prove(a, b, scratch, Demand { beyond_m, ..Demand::default() })
     }
 
-    /// Where in [0, 1] the proof of [`Self::motion_is_free`] from `a` to `b` (m, rad; one per joint) fails; nothing
-    /// for a motion that is proven. It is given up where more than so many intervals need exact distances: a motion
+    /// Parameter in [0, 1] at which the proof of [`Self::motion_is_free`] from `a` to `b` (m, rad; one per joint) fails; nothing
+    /// for a motion that is proven. It is given up where more than `effort` intervals need exact distances: a motion
     /// that passes something very closely takes thousands, and a planner may know another.
     ///
     /// # Panics

@@ -83,9 +83,9 @@ impl Cell {
         own.map(|body| self.closing_way_m(body)).fold(0.0, f64::max)
     }
 
-    /// What the fingers meet, other than what the hand holds, while it closes from open to where the cell has it, the
-    /// arm at `q` (m, rad; one per joint); `None` if that is proven to be nothing. What cannot be decided counts as
-    /// met.
+    /// The contact that the fingers meet, other than with what the hand holds, while it closes from open to where the
+    /// cell has it, the arm at `q` (m, rad; one per joint); `None` if there is none for certain. What cannot be decided
+    /// counts as met.
     ///
     /// # Panics
     /// If `q` has not one value per joint.

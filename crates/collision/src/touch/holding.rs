@@ -46,7 +46,7 @@ impl Cell {
         Self::of(CellParts { robot, body, held, ..other.parts_of() })
     }
 
-    /// How far what is held is from the bodies of the world at `q` (m, rad; one per joint), floors aside, in metres,
+    /// Distance of what is held from the bodies of the world at `q` (m, rad; one per joint), floors aside, in metres,
     /// certified from below: at most `beyond_m`, for what is farther is not measured.
     ///
     /// # Panics

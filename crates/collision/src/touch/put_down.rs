@@ -52,7 +52,7 @@ impl Cell {
         Ok(Some(Self::of(CellParts { grasp_bodies: grasp_bodies.into(), margins, ..self.parts_of() })))
     }
 
-    /// How far the hand is from a body of the world at `q` (m, rad; one per joint), in metres, certified from below:
+    /// Distance of the hand from a body of the world at `q` (m, rad; one per joint), in metres, certified from below:
     /// at most `beyond_m`, for what is farther is not measured.
     ///
     /// # Panics

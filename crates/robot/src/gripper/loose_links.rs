@@ -4,7 +4,7 @@ use cranny_spatial::{Pose, Rotation};
 use crate::gripper::hand_joint::HandJoint;
 use crate::link::JointKind;
 
-/// How a hand holds something: what a mode of a task fixes between the joints of the arm (Hauser & Latombe 2010, §3).
+/// The hold of a hand on something, which a mode of a task fixes between the joints of the arm (Hauser & Latombe 2010, §3).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hold {
     /// Where the thing is in the frame of the tip.

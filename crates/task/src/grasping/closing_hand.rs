@@ -64,7 +64,7 @@ impl ClosingHand {
         &self.holding
     }
 
-    /// Where the target, which has not moved, is in the hand at a configuration (m, rad; one per joint).
+    /// Pose in the tip's frame of the target, which has not moved, at a configuration (m, rad; one per joint).
     ///
     /// # Panics
     /// If `q` has not one value per joint.

@@ -133,7 +133,7 @@ impl Carrier {
         Ok(Grip { hold, opening_m, uneven_m, lifting, carrying })
     }
 
-    /// What keeps the object, gripped with the tip at a pose, from being at every one of these configurations
+    /// The contact that keeps the object, gripped with the tip at a pose, from being at every one of these configurations
     /// (m, rad; one value per joint); `None` if it can be at one of them, as far as collisions go.
     ///
     /// # Panics

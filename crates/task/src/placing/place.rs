@@ -132,7 +132,7 @@ impl Placer {
         Self { draws: (0..count).map(draw).collect(), ..self }
     }
 
-    /// The same with at most so many places, most of which have the object along the sides of the surface, at an end of it, or
+    /// The same with at most `most` places, most of which have the object along the sides of the surface, at an end of it, or
     /// beside a body that stands on it, so that other objects fit beside it.
     #[must_use]
     pub fn with_aligned_draws(self, seed: u64, most: u32) -> Self {
@@ -180,7 +180,7 @@ impl Placer {
         Self { neighbours: neighbours.collect(), ..self }
     }
 
-    /// The same with those draws first, in their order, that `is_hopeful` approves of: at most so many.
+    /// The same with those draws first, in their order, that `is_hopeful` approves of: at most `most`.
     #[must_use]
     pub fn with_first(self, most: usize, mut is_hopeful: impl FnMut(&Placement) -> bool) -> Self {
         let mut count = 0;

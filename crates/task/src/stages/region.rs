@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 /// Poses that a motion may bring the hand, or the object in it, to.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Region {
-    /// What is brought there.
+    /// The thing that is brought there.
     pub moved: Moved,
     /// The middle, in the planning frame.
     pub pose: Pose,

@@ -131,7 +131,7 @@ fn before_eye(corners: &[DrawVector; 3]) -> Vec<DrawVector> {
     kept
 }
 
-/// Where a ray meets a triangle, as weights of its corners (Möller & Trumbore 1997, "Fast, minimum storage ray/triangle
+/// The point at which a ray meets a triangle, as weights of its corners (Möller & Trumbore 1997, "Fast, minimum storage ray/triangle
 /// intersection", whole): the nearest place of the triangle where it passes by, as a sample at the very edge may, and
 /// its middle if it is seen from the edge.
 pub(crate) fn weights(eye: &DrawPoint, ray: &DrawVector, [a, b, c]: [&DrawPoint; 3]) -> [f32; 3] {

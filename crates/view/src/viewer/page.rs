@@ -10,7 +10,7 @@ use crate::viewer::page_robot::{FloorArea, PageRobot};
 use crate::viewer::page_scene::PageScene;
 use crate::{BodyRecording, PagePlan, Scene, SceneSettings, ViewError, viewer::number_row};
 
-/// What a page is told of a task and its plans: the one JSON document that `web/src/data/page_data.ts` describes.
+/// A task and its plans for a page: the one JSON document that `web/src/data/page_data.ts` describes.
 #[derive(Clone, Debug, Serialize)]
 pub struct PageData {
     format: &'static str,

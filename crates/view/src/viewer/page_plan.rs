@@ -23,7 +23,7 @@ pub struct PagePlan {
     pub planner: String,
     /// How the search ended; None for bare way points.
     pub outcome: Option<Outcome>,
-    /// Of its path, as [`cranny_path::path_length`] has it.
+    /// Length of its path by [`cranny_path::path_length`].
     pub path_length: f64,
     /// The path in time; `None` for a plan without a path.
     pub path: Option<ShownPath>,
@@ -75,7 +75,7 @@ impl PagePlan {
         })
     }
 
-    /// Way points (m, rad; one value per joint), from whoever planned them, with their time and what `verify` says of
+    /// Way points (m, rad; one value per joint), from whoever planned them, with their time and the verdict of `verify` on
     /// them.
     ///
     /// # Errors

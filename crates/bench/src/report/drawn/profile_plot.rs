@@ -1,4 +1,4 @@
-//! How often each planner is within a factor of the fastest: performance profiles (Dolan & Moré 2002, §2).
+//! Share of trials in which each planner is within a factor of the fastest: performance profiles (Dolan & Moré 2002, §2).
 
 use crate::report::drawn::axis::Axis;
 use crate::report::drawn::drawing::{Dash, Ink, Mark, Point};

@@ -53,7 +53,7 @@ impl LaneSearch<'_> {
         self.drawn.retain(|(goal, cost)| least(goal) + cost < bound);
     }
 
-    /// Looks anew for a path, one that shortened may cost less than `bound`, in at most so many iterations. Goals to
+    /// Looks anew for a path, one that shortened may cost less than `bound`, in a limited number of iterations. Goals to
     /// which the straight line costs more are forgotten. The tree from the start begins with the way points of
     /// `along` (m, rad; one value per joint), if any, but for its goal: what is found leaves that path somewhere.
     pub fn run_below(
