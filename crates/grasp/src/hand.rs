@@ -22,6 +22,17 @@ pub struct Hand {
     pub finger_depth_m: f64,
     /// With what the pads press on what they hold, in newtons.
     pub closing_force_n: f64,
+    /// Its flat pads, where they are known better than from the solids of its fingers ([`Pads::of`](crate::Pads::of)).
+    pub pads: Option<PadRectangle>,
+}
+
+/// The flat pads of a hand, along x and z of the gripper frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PadRectangle {
+    /// Middle along x and z, in metres.
+    pub middle_m: [f64; 2],
+    /// Half of the size along x and z, in metres.
+    pub half_m: [f64; 2],
 }
 
 /// A finger that closes in a straight line.
@@ -132,6 +143,7 @@ impl BoxHand {
             opening_m: self.opening_m,
             finger_depth_m: self.finger_length_m - self.tip_ahead_m,
             closing_force_n: self.closing_force_n,
+            pads: None,
         })
     }
 }

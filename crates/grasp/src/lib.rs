@@ -22,7 +22,7 @@ pub use contact::{Contact, friction_needed, friction_score};
 pub use error::GraspError;
 pub use file::{check_csv, csv_text, parse_csv, read_csv, write_csv};
 pub use grasp::{Grasp, GraspSet};
-pub use hand::{BoxHand, Finger, Hand};
+pub use hand::{BoxHand, Finger, Hand, PadRectangle};
 pub use homogeneous::{pose_of_rows, rows_of_pose};
 pub use import::format::{ClosingAxis, FRANKA_PADS_M, FRANKA_TIPS_TO_PADS_M, GraspFormat, ImportSettings};
 pub use import::{Imported, import_grasps};

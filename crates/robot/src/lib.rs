@@ -32,7 +32,7 @@ pub use description::visual::{LinkForm, LinkVisual};
 pub use error::{Location, RobotError};
 pub use gripper::hand::RobotHand;
 pub use gripper::hand_description::FingerRange;
-pub use gripper::hand_description::HandDescription;
+pub use gripper::hand_description::{HandDescription, PadDescription};
 pub use gripper::hand_joint::HandJoint;
 pub use gripper::holding::FARTHEST_HELD_M;
 pub use gripper::loose_links::Hold;

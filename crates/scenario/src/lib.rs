@@ -45,7 +45,7 @@ pub use object::error::ObjectError;
 pub use object::filter::filter_around_object;
 pub use object::folder::{OBJECT_FILE, RestingPose};
 pub use object::mesh_repairs::{link_repairs, mesh_repairs};
-pub use object::object_type::{DEFAULT_FRICTION, ObjectSettings, ObjectType};
+pub use object::object_type::{DEFAULT_FRICTION, ObjectSettings, ObjectType, PAPER_FRICTION};
 pub use object::physics::TargetPhysics;
 pub use object::source::ObjectSource;
 pub use object::target::TargetObject;

@@ -5,13 +5,13 @@ use std::io::{Write as _, stderr};
 use std::path::{Path, PathBuf};
 
 use cranny_scenario::{
-    Credits, DEFAULT_FRICTION, ObjectError, ObjectSettings, ObjectType, OpenOptions, Recipe, Scenario,
+    Credits, DEFAULT_FRICTION, PAPER_FRICTION, ObjectError, ObjectSettings, ObjectType, OpenOptions, Recipe, Scenario,
     ScenarioError, TargetObject, TargetPhysics, builtin_object, catalogue, check, pack,
 };
 use cranny_shape::{Surface, TriangleSoup, UnionMoments, VolumeMoments};
 use cranny_spatial::{Pose, PoseDifference, Vector};
 
-const AS_SAID: TargetPhysics = TargetPhysics { mass_kg: None, friction: None };
+const AS_SAID: TargetPhysics = TargetPhysics { mass_kg: None, friction: None, rolling_m: None };
 
 fn open(what: &str) -> Scenario {
     Scenario::open(what, &OpenOptions::default()).unwrap()
@@ -126,7 +126,7 @@ fn a_box_turns_as_the_textbook_says() {
     assert!((found.object.inertia_kg_m2.diagonal() - expected).amax() < 1e-9);
     assert!(found.object.center_of_mass.coords.norm() < 1e-12, "its frame is that of its only shape");
     assert!(near(found.object.friction, DEFAULT_FRICTION, 1e-12), "nobody says another");
-    assert_eq!(scenario.target_physics(), TargetPhysics { mass_kg: Some(0.6), friction: None });
+    assert_eq!(scenario.target_physics(), TargetPhysics { mass_kg: Some(0.6), ..AS_SAID });
     stands_where_the_target_does(&scenario, &found);
 }
 
@@ -164,7 +164,7 @@ fn what_the_scenario_says_goes_before_the_object_and_what_is_asked_before_both()
     assert_eq!(found.object.name, "banana");
     stands_where_the_target_does(&scenario, &found);
 
-    let heavy = TargetPhysics { mass_kg: Some(1.5), friction: None };
+    let heavy = TargetPhysics { mass_kg: Some(1.5), ..AS_SAID };
     let found = scenario.target_object(&heavy).unwrap().expect("a target");
     assert_eq!((found.object.mass_kg, found.object.friction), (1.5, 0.6));
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
@@ -226,7 +226,7 @@ fn an_obstacle_may_have_a_mass() {
     let folder = folder_with(BOX, "    mass_kg: 0.2\n    friction: 0.3\n");
     let scenario = open_folder(folder.path());
     let physics = scenario.with_target("board").unwrap().target_physics();
-    assert_eq!(physics, TargetPhysics { mass_kg: Some(0.2), friction: Some(0.3) });
+    assert_eq!(physics, TargetPhysics { mass_kg: Some(0.2), friction: Some(0.3), rolling_m: None });
     for (key, line) in [("mass", "mass_kg: -1"), ("friction", "friction: 0")] {
         let said = fault(BOX, &format!("    {line}\n"));
         assert!(said.contains("scenario.yaml:9: ") && said.contains(key), "{said}");
@@ -310,7 +310,7 @@ fn released_targets_weigh_what_their_library_says() {
         let scenario = open_folder(&source);
         assert_eq!(
             scenario.target_physics(),
-            TargetPhysics { mass_kg: Some(mass_kg), friction: Some(DEFAULT_FRICTION) }
+            TargetPhysics { mass_kg: Some(mass_kg), friction: Some(PAPER_FRICTION), rolling_m: None }
         );
         let found = target(&scenario);
         stands_where_the_target_does(&scenario, &found);
@@ -333,7 +333,7 @@ fn a_library_may_leave_the_mass_out_but_say_none_that_is_negative() {
     let folder = root.path().join("021");
     Recipe::of_scenario(&open("021")).unwrap().write_released(&folder).unwrap();
     let physics = open_folder(&folder).target_physics();
-    assert_eq!(physics, TargetPhysics { mass_kg: Some(0.058), friction: Some(DEFAULT_FRICTION) });
+    assert_eq!(physics, TargetPhysics { mass_kg: Some(0.058), friction: Some(DEFAULT_FRICTION), rolling_m: None });
     let library = folder.join("object_library/object_library.yaml");
     let text = fs::read_to_string(&library).unwrap();
     assert!(text.contains("  mass: 0.058\n"));

@@ -358,6 +358,7 @@ fn describe(
         opening_m: rounded(guess.opening_m),
         finger_depth_m: rounded(guess.finger_depth_m).max(1e-5),
         closing_force_n: force_n,
+        pads: None,
     })
 }
 

@@ -36,5 +36,6 @@ pub use surface::Surface;
 pub use volume::area::{AreaDistribution, SurfacePoint};
 pub use volume::moments::VolumeMoments;
 pub use volume::pose_symmetry::{distinct_poses, equal_poses};
+pub use volume::roundness::Roundness;
 pub use volume::stable_pose::{StablePose, stable_poses};
 pub use volume::union_moments::UnionMoments;

@@ -32,27 +32,6 @@ pub enum SimError {
         /// The force, in newtons.
         force_n: f64,
     },
-    /// A part of an arm has a shape but weighs nothing.
-    #[error(
-        "link '{link}' of robot '{robot}' weighs nothing: its URDF needs an <inertial> with a mass above 0 and an inertia \
-         that a body can have"
-    )]
-    NoMass {
-        /// The robot.
-        robot: String,
-        /// The link.
-        link: String,
-    },
-    /// A joint of the arm follows another.
-    #[error(
-        "joint '{joint}' of robot '{robot}' is followed by another one (mimic), which the simulated arm cannot do"
-    )]
-    Mimic {
-        /// The robot.
-        robot: String,
-        /// The joint that is followed.
-        joint: String,
-    },
     /// A shape cannot be made of convex pieces.
     #[error("{of}: {reason}")]
     Shape {

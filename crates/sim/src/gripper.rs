@@ -1,12 +1,12 @@
-use cranny_grasp::Hand;
+use cranny_grasp::{Hand, Pads};
 use cranny_spatial::{Point, Pose, Vector};
 use rapier3d_f64::math::Matrix;
 use rapier3d_f64::prelude::{
-    Collider, ColliderHandle, FixedJointBuilder, MassProperties, PhysicsWorld, PrismaticJoint,
-    PrismaticJointBuilder, RigidBodyBuilder, RigidBodyHandle,
+    Collider, ColliderHandle, MassProperties, PhysicsWorld, PrismaticJoint, PrismaticJointBuilder,
+    RigidBodyBuilder, RigidBodyHandle,
 };
 
-use crate::{Physics, Piece, SimError, engine};
+use crate::{Physics, Piece, PieceShape, SimError, engine};
 
 /// A hand as the engine wants it: a palm that goes where it is told, and fingers that slide on it.
 #[derive(Clone, Debug)]
@@ -72,9 +72,26 @@ impl HandModel {
                 pieces,
             });
         }
+        if let Some(pads) = hand.pads.and_then(|_| Pads::of(hand)) {
+            for (finger, face_m) in fingers.iter_mut().zip(pads.faces_m) {
+                finger.pieces.push(pad(&pads, face_m));
+                finger.colliders = colliders(&finger.pieces)?;
+            }
+        }
         Ok(Self { palm_colliders: colliders(&palm)?, palm, fingers, closing_force_n: force_n })
     }
 }
+
+/// A flat pad whose face is at `face_m` along y.
+fn pad(pads: &Pads, face_m: f64) -> Piece {
+    let [x, z] = pads.middle_m;
+    let y = face_m + face_m.signum() * HALF_PAD_M;
+    let half = [pads.half_m[0], HALF_PAD_M, pads.half_m[1]];
+    Piece { body_from_piece: Pose::translation(x, y, z), shape: PieceShape::Cuboid(half) }
+}
+
+/// Half of the thickness of a pad, in metres.
+const HALF_PAD_M: f64 = 5e-4;
 
 impl FingerModel {
     fn joint(&self) -> PrismaticJoint {
@@ -101,7 +118,7 @@ pub(crate) struct Gripper<'a> {
 }
 
 impl<'a> Gripper<'a> {
-    /// A hand by itself, which goes where it is told.
+    /// A hand whose palm moves as it is prescribed.
     pub fn insert(
         model: &'a HandModel,
         physics: &'a Physics,
@@ -110,62 +127,26 @@ impl<'a> Gripper<'a> {
         world: &mut PhysicsWorld,
     ) -> Self {
         let palm = RigidBodyBuilder::kinematic_position_based();
-        let mut hand = Self::with_palm(model, physics, closing_force_n, palm, world_from_hand, world);
+        let palm = world.insert_body(palm.pose(engine::pose(world_from_hand)).can_sleep(false));
+        for collider in &model.palm_colliders {
+            world.insert_collider(collider.clone(), Some(palm));
+        }
+        let mut hand = Self { model, physics, closing_force_n, palm, fingers: Vec::new() };
         for finger in &model.fingers {
             // The drive's inertia alone; turns are held by the joint, so that any will do.
-            let body = hand.insert_finger(finger, physics.finger_inertia_kg, world_from_hand, world);
+            let body = hand.insert_finger(finger, world_from_hand, world);
             world.insert_impulse_joint(hand.palm, body, finger.joint());
         }
         hand
     }
 
-    /// A hand on an arm, which has its mass.
-    pub fn mount(
-        model: &'a HandModel,
-        physics: &'a Physics,
-        on: RigidBodyHandle,
-        on_from_hand: &Pose,
-        world: &mut PhysicsWorld,
-    ) -> Self {
-        let world_from_hand = engine::to_pose(world.bodies[on].position()) * on_from_hand;
-        let palm = RigidBodyBuilder::dynamic();
-        let mut hand = Self::with_palm(model, physics, model.closing_force_n, palm, &world_from_hand, world);
-        let joint = FixedJointBuilder::new().local_frame1(engine::pose(on_from_hand)).contacts_enabled(false);
-        world.insert_multibody_joint(on, hand.palm, joint.build());
-        for finger in &model.fingers {
-            let body = hand.insert_finger(finger, FINGER_KG, &world_from_hand, world);
-            let joint = world.insert_multibody_joint(hand.palm, body, finger.joint());
-            if let Some((multibody, _)) = joint.and_then(|joint| world.multibody_joints.get_mut(joint)) {
-                let last = multibody.ndofs() - 1;
-                multibody.armature_mut()[last] = physics.finger_inertia_kg;
-            }
-        }
-        hand
-    }
-
-    /// A palm without fingers.
-    fn with_palm(
-        model: &'a HandModel,
-        physics: &'a Physics,
-        closing_force_n: f64,
-        palm: RigidBodyBuilder,
-        world_from_hand: &Pose,
-        world: &mut PhysicsWorld,
-    ) -> Self {
-        let palm = world.insert_body(palm.pose(engine::pose(world_from_hand)).can_sleep(false));
-        for collider in &model.palm_colliders {
-            world.insert_collider(collider.clone(), Some(palm));
-        }
-        Self { model, physics, closing_force_n, palm, fingers: Vec::new() }
-    }
-
     fn insert_finger(
         &mut self,
         finger: &FingerModel,
-        mass_kg: f64,
         world_from_hand: &Pose,
         world: &mut PhysicsWorld,
     ) -> RigidBodyHandle {
+        let mass_kg = self.physics.finger_inertia_kg;
         let center = engine::vector(&finger.center.coords);
         let inertia =
             Matrix::from_diagonal(rapier3d_f64::math::Vector::splat(mass_kg * FINGER_RADIUS_M.powi(2)));
@@ -210,7 +191,6 @@ impl<'a> Gripper<'a> {
         let shares = self.shares(world);
         let (share, rate) = self.closed(world);
         let Physics { drive_stiffness, drive_damping, .. } = *self.physics;
-        world.bodies[self.palm].reset_forces(true);
         for ((model, finger), (own_share, own_rate)) in
             self.model.fingers.iter().zip(&self.fingers).zip(shares)
         {
@@ -227,8 +207,6 @@ impl<'a> Gripper<'a> {
             let body = &mut world.bodies[*finger];
             body.reset_forces(true);
             body.add_force(force, true);
-            let at = body.center_of_mass();
-            world.bodies[self.palm].add_force_at_point(-force, at, true);
         }
     }
 
@@ -251,9 +229,6 @@ impl<'a> Gripper<'a> {
         self.fingers.iter().map(pressure).collect()
     }
 }
-
-/// What a finger weighs beside its drive where the arm has the mass of the hand, in kilograms.
-const FINGER_KG: f64 = 1e-3;
 
 /// Of the inertia of a finger's body, in metres: about its size.
 pub(crate) const FINGER_RADIUS_M: f64 = 0.02;

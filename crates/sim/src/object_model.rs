@@ -1,8 +1,10 @@
 use cranny_scenario::ObjectType;
+use cranny_shape::Roundness;
 use cranny_spatial::nalgebra::Matrix3;
 use cranny_spatial::{Point, Pose};
 use rapier3d_f64::prelude::{Collider, MassProperties, PhysicsWorld, RigidBodyBuilder, RigidBodyHandle};
 
+use crate::rolling::Rolling;
 use crate::{Disturbance, Piece, SimError, engine};
 
 /// An object as the engine wants it.
@@ -15,19 +17,27 @@ pub(crate) struct ObjectModel {
     pub mass_kg: f64,
     pub inertia_kg_m2: Matrix3<f64>,
     pub friction: f64,
+    pub roundness: Roundness,
     colliders: Vec<Collider>,
     mass_properties: MassProperties,
 }
 
 impl ObjectModel {
     pub fn new(object: &ObjectType) -> Result<Self, SimError> {
-        let pieces = Piece::of_hulls(&Pose::identity(), object.parts.parts.iter().cloned());
+        let exact = object.solids.iter().map(|(pose, solid)| Piece::of_solid(&object.name, pose, solid));
+        let pieces = match exact.collect::<Result<Vec<_>, _>>()?.concat() {
+            none if none.is_empty() => {
+                Piece::of_hulls(&Pose::identity(), object.parts.parts.iter().cloned())
+            }
+            exact => exact,
+        };
         Ok(Self {
             name: object.name.clone(),
             center: object.center_of_mass,
             mass_kg: object.mass_kg,
             inertia_kg_m2: object.inertia_kg_m2,
             friction: object.friction,
+            roundness: object.roundness,
             colliders: engine::colliders(&object.name, &pieces, object.friction, engine::OBJECT)?,
             pieces,
             mass_properties: engine::mass_properties(
@@ -36,6 +46,16 @@ impl ObjectModel {
                 &object.inertia_kg_m2,
             ),
         })
+    }
+
+    /// Its resistance to rolling, on this arm (m).
+    pub fn rolling(&self, arm_m: f64, disturbance: &Disturbance) -> Rolling {
+        Rolling {
+            arm_m,
+            mass_kg: self.mass_kg * disturbance.mass,
+            inertia_kg_m2: self.inertia_kg_m2 * disturbance.mass,
+            center: self.center,
+        }
     }
 
     /// Puts it into a world, free to move.
@@ -61,16 +81,18 @@ impl ObjectModel {
     }
 }
 
-/// Steps until a body has not moved for `still_s`, at most for `limit_s`. Where it then is, and whether it is still.
+/// Steps until a body, which resists to rolling, has not moved for `still_s`, at most for `limit_s`. Where it then is, and
+/// whether it is still.
 pub(crate) fn come_to_rest(
     world: &mut PhysicsWorld,
-    body: RigidBodyHandle,
+    (body, rolling): (RigidBodyHandle, &Rolling),
     still_s: f64,
     limit_s: f64,
 ) -> (Pose, bool) {
     let step_s = world.integration_parameters.dt;
     let (mut passed_s, mut since_s) = (0.0, 0.0);
     while passed_s < limit_s && since_s < still_s {
+        rolling.resist(world, body);
         engine::step(world);
         passed_s += step_s;
         let body = &world.bodies[body];

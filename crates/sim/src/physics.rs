@@ -20,6 +20,9 @@ pub struct Physics {
     pub drive_stiffness: f64,
     /// And how fast, in N s/m.
     pub drive_damping: f64,
+    /// Resistance of the object to rolling on what it stands on: the arm of the normal force that a turn has to overcome,
+    /// in metres.
+    pub rolling_m: f64,
 }
 
 impl Default for Physics {
@@ -33,6 +36,7 @@ impl Default for Physics {
             finger_inertia_kg: 0.5,
             drive_stiffness: 2e4,
             drive_damping: 150.0,
+            rolling_m: 0.0,
         }
     }
 }
@@ -68,6 +72,12 @@ impl Physics {
                 self.finger_inertia_kg,
                 "a positive number of kilograms",
                 positive(self.finger_inertia_kg),
+            ),
+            (
+                "resistance to rolling",
+                self.rolling_m,
+                "from 0 to 0.1 m",
+                (0.0..=0.1).contains(&self.rolling_m),
             ),
             // An explicit spring with damper is stable where k dt² + 2 c dt < 4 m; half of that leaves room for contacts.
             (

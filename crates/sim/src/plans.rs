@@ -1,6 +1,7 @@
 //! Plans in physics.
 
 pub(crate) mod arm;
+pub(crate) mod lift;
 pub(crate) mod plan_execution;
 pub(crate) mod plan_row;
 pub(crate) mod plan_run;

@@ -96,8 +96,10 @@ pub fn settle(
             world.insert_collider(collider.clone(), None);
         }
         let place = Pose::translation(0.0, 0.0, DROP_M - lowest_m) * turn;
-        let body = model.insert(&place, &Disturbance::default(), &mut world);
-        let (rest, is_still) = come_to_rest(&mut world, body, STILL_S, LONGEST_S);
+        let nominal = Disturbance::default();
+        let body = model.insert(&place, &nominal, &mut world);
+        let rolling = model.rolling(Physics::default().rolling_m, &nominal);
+        let (rest, is_still) = come_to_rest(&mut world, (body, &rolling), STILL_S, LONGEST_S);
         on_done();
         Some((listed(&upward(&rest)), is_still))
     };

@@ -5,7 +5,7 @@ use std::sync::Mutex;
 
 use cranny_grasp::Hand;
 use cranny_scenario::{Scenario, TargetPhysics, read_gripper};
-use cranny_sim::{ExecutedPlan, GraspRow, GraspTest, PickPath, PlanExecution};
+use cranny_sim::{Disturbance, ExecutedPlan, GraspRow, GraspTest, PickPath, PlanExecution};
 use cranny_spatial::Pose;
 use cranny_task::robot_hand;
 use pyo3::prelude::*;
@@ -56,7 +56,7 @@ pub fn simulate_grasps<'py>(
     let scenario = &scenario.get().scenario;
     let hand = hand_of(scenario, gripper, closing_force_n)?;
     let grasps = grasps.map_or_else(|| scenario.grasps.clone(), |grasps| grasps.get().set.clone());
-    let instead = TargetPhysics { mass_kg, friction };
+    let instead = TargetPhysics { mass_kg, friction, ..TargetPhysics::default() };
     let interrupt = Mutex::new(Interrupt::new());
     let rows = py.detach(|| -> PyResult<Vec<GraspRow>> {
         let test = GraspTest::of_scenario(scenario, &hand, &instead, support_only).map_err(fault)?;
@@ -103,33 +103,36 @@ pub fn grasp_experiment<'py>(
     let hand = hand_of(scenario, gripper, closing_force_n)?;
     let set = grasps.map_or(&scenario.grasps, |grasps| &grasps.get().set);
     let poses: Vec<Pose> = set.grasps().iter().map(|grasp| grasp.world_from_gripper).collect();
-    let instead = TargetPhysics { mass_kg, friction };
+    let instead = TargetPhysics { mass_kg, friction, ..TargetPhysics::default() };
     let test =
         py.detach(|| GraspTest::of_scenario(scenario, &hand, &instead, support_only)).map_err(fault)?;
     python_of(py, &test.experiment(&poses))
 }
 
-/// Executes a plan in physics, as `cranny simulate plan` does: the arm follows the timed path by servos within the effort
-/// limits of its URDF, the hand closes, and the arm lifts straight up by `lift_m`, or follows the rest of a plan that
-/// carries the object on. A dictionary with the keys of `cranny simulate plan --json`: scenario, outcome ("held",
+/// Executes a plan in physics, as `cranny simulate plan` does: the arm is where the timed path has it, the hand closes with
+/// its closing force, and the arm lifts straight up by `lift_m`, or follows the rest of a plan that carries the object on.
+/// A dictionary with the keys of `cranny simulate plan --json`: scenario, outcome ("held",
 /// "slipped", "dropped", "never-closed", "knocked-away"; of an object that the hand let go "placed" where it was to be put
-/// down, or "misplaced"), is_in_hand, of a plan that puts it down released (where, and how far off) and placed (how far off
-/// in the end: translation_m, rotation_rad, is_there), reach_s, tracking_on_the_way, tracking_at_the_end, contacts,
-/// pushed_m, lift_m, rose_m, translation_error_m, rotation_error_rad, held_s, contact_force_n, position_m,
+/// down, or "misplaced"), is_kept (in the hand up to the end or the release, and not slipped too far), is_in_hand, of a plan that puts it down released (where, and how far off) and placed (how far off
+/// 2 s after the arm has stopped: translation_m, rotation_rad, is_there), reach_s, contacts, pushed_m, lift_m, rose_m, translation_error_m, rotation_error_rad, held_s, contact_force_n, position_m,
 /// quaternion_xyzw, simulated_s; of a plan with several picks scenario, as_planned and steps, a dictionary for each. Of several plans, which are executed on all cores, a list of them in their order.
 ///
-/// `mass_kg`, `friction` and `closing_force_n` go before what files say.
+/// `mass_kg`, `friction` and `closing_force_n` go before what files say; `disturb` is a seed of errors: of the hand 2 mm and
+/// 2° per axis, of the friction 30 %, of the mass 20 %.
 #[pyfunction]
-#[pyo3(signature = (plan, *, lift_m=0.03, mass_kg=None, friction=None, closing_force_n=None))]
+#[pyo3(signature = (plan, *, lift_m=0.03, mass_kg=None, friction=None, closing_force_n=None, disturb=None))]
 pub fn simulate_plan<'py>(
     plan: &Bound<'py, PyAny>,
     lift_m: f64,
     mass_kg: Option<f64>,
     friction: Option<f64>,
     closing_force_n: Option<f64>,
+    disturb: Option<u64>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let py = plan.py();
-    let instead = Instead { physics: TargetPhysics { mass_kg, friction }, closing_force_n };
+    let physics = TargetPhysics { mass_kg, friction, ..TargetPhysics::default() };
+    let disturbance = disturb.map(Disturbance::of_execution).unwrap_or_default();
+    let instead = Instead { physics, closing_force_n, disturbance };
     if let Ok(plan) = plan.cast::<PyPlan>() {
         let plan = plan.get();
         return python_of(py, &py.detach(|| instead.execute(plan, lift_m))?);
@@ -156,6 +159,7 @@ pub fn simulate_plan<'py>(
 struct Instead {
     physics: TargetPhysics,
     closing_force_n: Option<f64>,
+    disturbance: Disturbance,
 }
 
 impl Instead {
@@ -171,7 +175,8 @@ impl Instead {
         let picks = PickPath::all_of(&plan.file, &plan.task.problem).map_err(fault)?;
         let mut hand = robot_hand(&scenario.robot);
         hand.closing_force_n = self.closing_force_n.unwrap_or(hand.closing_force_n);
-        let execution = PlanExecution { scenario, hand, instead: self.physics, lift_m, is_recorded: false };
+        let (instead, disturbance) = (self.physics, self.disturbance);
+        let execution = PlanExecution { scenario, hand, instead, lift_m, disturbance, is_recorded: false };
         let runs = execution.run(&picks, || {}).map_err(fault)?;
         ExecutedPlan::of(&scenario.id, picks.len(), &runs)
             .ok_or_else(|| bad_value("there is no target to be grasped"))

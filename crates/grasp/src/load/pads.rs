@@ -1,7 +1,7 @@
 use cranny_shape::{Surface, TriangleSoup};
 use cranny_spatial::{Point, Vector};
 
-use crate::{Finger, Hand};
+use crate::{Finger, Hand, PadRectangle};
 
 /// Two equal flat pads of a parallel hand, in the gripper frame: rectangles along x and z that face each other along y.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -12,6 +12,8 @@ pub struct Pads {
     pub half_m: [f64; 2],
     /// Between the pads of the open hand, in metres.
     pub opening_m: f64,
+    /// Faces of the pads of the open hand along y, finger by finger, in metres.
+    pub faces_m: [f64; 2],
 }
 
 /// A finger's inner side belongs to its pad where it lies at most this far behind its foremost point, in metres: a pad of
@@ -23,8 +25,9 @@ const LEAST_ALONG_Y: f64 = 0.99;
 const RAYS: [usize; 2] = [32, 64];
 
 impl Pads {
-    /// The pads of a hand: the rectangle in which the inner sides of both fingers lie foremost. `None` for a hand that has
-    /// not two fingers that move towards each other along y, or whose fingers have no surface.
+    /// The pads of a hand: those that are stated, as far as the fingers reach, else the rectangle in which the inner sides
+    /// of both fingers lie foremost. `None` for a hand that has not two fingers that move towards each other along y, or
+    /// whose fingers have no surface.
     pub fn of(hand: &Hand) -> Option<Self> {
         let [first, second] = &hand.fingers[..] else { return None };
         let along_y = |finger: &Finger| finger.stroke_m.y.abs() > LEAST_ALONG_Y * finger.stroke_m.norm();
@@ -33,9 +36,16 @@ impl Pads {
         }
         let mut low = [f64::NEG_INFINITY; 2];
         let mut high = [f64::INFINITY; 2];
-        for finger in [first, second] {
+        if let Some(PadRectangle { middle_m, half_m }) = hand.pads {
+            low = [0, 1].map(|axis| middle_m[axis] - half_m[axis]);
+            high = [0, 1].map(|axis| middle_m[axis] + half_m[axis]);
+        }
+        let mut faces_m = [0.0; 2];
+        for (finger, face_m) in [first, second].into_iter().zip(&mut faces_m) {
             let side = -finger.stroke_m.y.signum();
-            let (from, to) = inner_side(hand, finger.parts.clone(), side)?;
+            let inner = InnerSide::of(hand, finger.parts.clone(), side)?;
+            *face_m = side * inner.foremost_m;
+            let [from, to] = if hand.pads.is_some() { inner.extent_m } else { inner.foremost_extent_m };
             for axis in 0..2 {
                 low[axis] = low[axis].max(from[axis]);
                 high[axis] = high[axis].min(to[axis]);
@@ -43,43 +53,59 @@ impl Pads {
         }
         let half_m = [0, 1].map(|axis| 0.5 * (high[axis] - low[axis]));
         let middle_m = [0, 1].map(|axis| 0.5 * (high[axis] + low[axis]));
-        (half_m[0] > 0.0 && half_m[1] > 0.0).then_some(Self { middle_m, half_m, opening_m: hand.opening_m })
+        let opening_m = hand.opening_m;
+        (half_m[0] > 0.0 && half_m[1] > 0.0).then_some(Self { middle_m, half_m, opening_m, faces_m })
     }
 }
 
-/// The corners along x and z of what lies foremost of a finger on this side of the middle.
-fn inner_side(hand: &Hand, parts: std::ops::Range<usize>, side: f64) -> Option<([f64; 2], [f64; 2])> {
-    let mut soup = TriangleSoup::default();
-    for (gripper_from_part, solid) in &hand.parts[parts] {
-        soup.append(&solid.tessellation()?, gripper_from_part);
-    }
-    let surface = Surface::new(&soup).ok()?;
-    let (center, half) = (surface.aabb().center, surface.aabb().half_extents);
-    let reach_m = center.y.abs() + half.y + 1e-3;
-    let mut foremost = f64::INFINITY;
-    let mut felt = Vec::new();
-    for i in 0..RAYS[0] {
-        for k in 0..RAYS[1] {
-            let at = |count: usize, step: usize| 2.0 * (step as f64 + 0.5) / count as f64 - 1.0;
-            let x = center.x + half.x * at(RAYS[0], i);
-            let z = center.z + half.z * at(RAYS[1], k);
-            let hits = surface.ray_hits(&Point::new(x, 0.0, z), &(Vector::y() * side), reach_m);
-            if let Some(hit) = hits.first() {
-                foremost = foremost.min(hit.distance_m);
-                felt.push((x, z, hit.distance_m));
+/// The side of a finger that faces the other one.
+struct InnerSide {
+    /// Distance of its foremost point from the middle, in metres.
+    foremost_m: f64,
+    /// Lower and upper corner along x and z of all that faces the other finger, in metres.
+    extent_m: [[f64; 2]; 2],
+    /// The same of what lies foremost.
+    foremost_extent_m: [[f64; 2]; 2],
+}
+
+impl InnerSide {
+    fn of(hand: &Hand, parts: std::ops::Range<usize>, side: f64) -> Option<Self> {
+        let mut soup = TriangleSoup::default();
+        for (gripper_from_part, solid) in &hand.parts[parts] {
+            soup.append(&solid.tessellation()?, gripper_from_part);
+        }
+        let surface = Surface::new(&soup).ok()?;
+        let (center, half) = (surface.aabb().center, surface.aabb().half_extents);
+        let reach_m = center.y.abs() + half.y + 1e-3;
+        let mut foremost_m = f64::INFINITY;
+        let mut felt = Vec::new();
+        for i in 0..RAYS[0] {
+            for k in 0..RAYS[1] {
+                let at = |count: usize, step: usize| 2.0 * (step as f64 + 0.5) / count as f64 - 1.0;
+                let x = center.x + half.x * at(RAYS[0], i);
+                let z = center.z + half.z * at(RAYS[1], k);
+                let hits = surface.ray_hits(&Point::new(x, 0.0, z), &(Vector::y() * side), reach_m);
+                if let Some(hit) = hits.first() {
+                    foremost_m = foremost_m.min(hit.distance_m);
+                    felt.push(([x, z], hit.distance_m));
+                }
             }
         }
+        // Half a step beyond the outermost rays.
+        let step = [half.x / RAYS[0] as f64, half.z / RAYS[1] as f64];
+        let extent = |depth_m: f64| {
+            let mut extent_m = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
+            for (at, _) in felt.iter().filter(|(_, distance_m)| *distance_m <= foremost_m + depth_m) {
+                for axis in 0..2 {
+                    extent_m[0][axis] = extent_m[0][axis].min(at[axis] - step[axis]);
+                    extent_m[1][axis] = extent_m[1][axis].max(at[axis] + step[axis]);
+                }
+            }
+            extent_m
+        };
+        let (extent_m, foremost_extent_m) = (extent(f64::INFINITY), extent(DEPTH_M));
+        (!felt.is_empty()).then_some(Self { foremost_m, extent_m, foremost_extent_m })
     }
-    // Half a step beyond the outermost rays.
-    let step = [half.x / RAYS[0] as f64, half.z / RAYS[1] as f64];
-    let (mut from, mut to) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-    for (x, z, _) in felt.into_iter().filter(|(_, _, distance_m)| *distance_m <= foremost + DEPTH_M) {
-        for (axis, value) in [x, z].into_iter().enumerate() {
-            from[axis] = from[axis].min(value - step[axis]);
-            to[axis] = to[axis].max(value + step[axis]);
-        }
-    }
-    (from[0] < to[0]).then_some((from, to))
 }
 
 #[cfg(test)]
@@ -95,6 +121,20 @@ mod tests {
         assert!((pads.half_m[1] - 0.5 * boxes.finger_length_m).abs() < 1e-9);
         assert!(pads.middle_m[0].abs() < 1e-12);
         assert!((pads.middle_m[1] - (boxes.tip_ahead_m - 0.5 * boxes.finger_length_m)).abs() < 1e-9);
+        for (face_m, side) in pads.faces_m.into_iter().zip([1.0, -1.0]) {
+            assert!((face_m - 0.5 * side * boxes.opening_m).abs() < 1e-9, "{face_m}");
+        }
+    }
+
+    #[test]
+    fn stated_pads_end_where_the_fingers_do() {
+        let boxes = BoxHand::default();
+        let stated = PadRectangle { middle_m: [0.0, 0.0], half_m: [0.005, 0.01] };
+        let hand = Hand { pads: Some(stated), ..boxes.hand().unwrap() };
+        let pads = Pads::of(&hand).unwrap();
+        let [low, high] = [-0.01, boxes.tip_ahead_m];
+        assert!((pads.half_m[0] - 0.005).abs() < 1e-9 && (pads.half_m[1] - 0.5 * (high - low)).abs() < 1e-9);
+        assert!((pads.middle_m[1] - 0.5 * (high + low)).abs() < 1e-9);
     }
 
     #[test]

@@ -24,6 +24,20 @@ pub struct HandDescription {
     pub finger_depth_m: f64,
     /// With what the pads press on what they hold, in newtons.
     pub closing_force_n: f64,
+    /// Its flat pads. Default: as the collision geometry of the fingers has them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pads: Option<PadDescription>,
+}
+
+/// Flat pads of a hand, one on each finger, where its collision geometry does not show them.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PadDescription {
+    /// Lengths along x and z of the gripper frame, in metres.
+    pub size_m: [f64; 2],
+    /// Middle along x and z of the gripper frame, in metres.
+    #[serde(default)]
+    pub middle_m: [f64; 2],
 }
 
 /// Length that no hand exceeds, in metres: a longer one is in other units.
@@ -45,6 +59,18 @@ impl HandDescription {
                 };
                 let at = line_of(text, file, attribute);
                 return Err(RobotError::HandFigure { at, element: of_hand(), attribute, value, range });
+            }
+        }
+        if let Some(pads) = &self.pads {
+            let range = |from: &str| format!("{from} and at most {LONGEST_M}, in metres");
+            for (attribute, numbers, least, from) in [
+                ("size_m", pads.size_m, f64::MIN_POSITIVE, "greater than 0"),
+                ("middle_m", pads.middle_m, -LONGEST_M, "at least -1"),
+            ] {
+                if let Some(value) = numbers.into_iter().find(|value| !(least..=LONGEST_M).contains(value)) {
+                    let (at, element) = (line_of(text, file, "pads"), "`pads`".to_owned());
+                    return Err(RobotError::HandFigure { at, element, attribute, value, range: range(from) });
+                }
             }
         }
         self.check_fingers(text, file, |_| (f64::MIN, f64::MAX))

@@ -5,7 +5,7 @@ use strum::{EnumString, IntoStaticStr, VariantArray};
 
 use crate::family::resized::{resized, scaled};
 use crate::object::builtin::{self, builtin_object};
-use crate::{FamilyError, ObjectSource, Obstacle, RecipeBody, RecipeShape, ScenarioError, TargetPhysics};
+use crate::{FamilyError, ObjectSource, ObjectType, Obstacle, RecipeBody, RecipeShape, ScenarioError, TargetPhysics};
 
 /// The paper's environments, each with one dial that makes it harder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, EnumString, IntoStaticStr, VariantArray)]
@@ -277,9 +277,9 @@ impl Family {
                 ("sugar_box", "box", about_z(90.0) * on_side)
             }
             Self::Gate => {
-                // Flat, bent away from the robot.
+                // Bent away from the robot, upside down as far as it rests so.
                 let upside_down = Rotation::from_axis_angle(&Vector::x_axis(), std::f64::consts::PI);
-                ("banana", "banana", about_z(90.0) * upside_down)
+                ("banana", "banana", at_rest(&builtin_object("banana")?, &(about_z(90.0) * upside_down)))
             }
         };
         let mesh = builtin::mesh(object)?;
@@ -301,6 +301,15 @@ impl Family {
         let lift_m = half.z - middle.z;
         Ok(Resting { mesh, name, shape, given_physics, ground_from_object, lift_m, middle })
     }
+}
+
+/// The orientation in which an object rests that is nearest to this one.
+fn at_rest(object: &ObjectType, ground_from_object: &Rotation) -> Rotation {
+    let tilt = |rest: &Rotation| (ground_from_object * (rest.inverse() * Vector::z())).angle(&Vector::z());
+    let rests = object.stable_poses.iter().map(|stable| stable.ground_from_body.rotation);
+    let Some(rest) = rests.min_by(|a, b| tilt(a).total_cmp(&tilt(b))) else { return *ground_from_object };
+    let (_, _, yaw) = (ground_from_object * rest.inverse()).euler_angles();
+    Rotation::from_axis_angle(&Vector::z_axis(), yaw) * rest
 }
 
 /// Middle and half size of the bounds of a mesh that is turned.

@@ -13,7 +13,7 @@ use crate::family::kind::Resting;
 use crate::named_task::STEPS;
 use crate::robot::short_arm::{self, ALL_POSES_DOF};
 use crate::{
-    DEFAULT_FRICTION, Family, NamedTask, Placement, Recipe, RecipeBody, RecipeRobot, ScenarioError,
+    Family, NamedTask, PAPER_FRICTION, Placement, Recipe, RecipeBody, RecipeRobot, ScenarioError,
     SceneScale, TargetPhysics,
 };
 
@@ -81,7 +81,7 @@ impl FamilyMaker {
         let filter = HandFilter::new(&hand, world, APPROACH_M)?;
         let settings = SamplerSettings {
             count: CANDIDATES,
-            friction: DEFAULT_FRICTION,
+            friction: PAPER_FRICTION,
             up: resting.ground_from_object.inverse() * Vector::z(),
             steepest_rise_rad: 0.0,
             ground_m: Some(-resting.lift_m),
@@ -168,7 +168,7 @@ impl FamilyMaker {
         let aside = columns().flat_map(|column| to(column, Family::OTHER_SIDE));
         let taken = recipe.target.iter().flat_map(|target| to(target, Family::OUTSIDE));
         let tasks = vec![NamedTask { name: STEPS.to_owned(), stages: aside.chain(taken).collect() }];
-        let light = TargetPhysics { mass_kg: Some(COLUMN_KG), friction: None };
+        let light = TargetPhysics { mass_kg: Some(COLUMN_KG), ..TargetPhysics::default() };
         let physics = columns().map(|column| (column.name.clone(), light)).collect();
         Ok(Recipe { places, tasks, physics, ..recipe })
     }

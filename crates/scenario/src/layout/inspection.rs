@@ -156,7 +156,7 @@ impl Legible {
             let is_target = file.target.as_ref().is_some_and(|target| std::ptr::eq(target, entry));
             let mesh = if is_target { Solid::mesh } else { Solid::mesh_with_small_holes };
             faults.extend(layout.body_faults(entry, mesh));
-            faults.extend(layout.physics(entry.mass_kg.as_ref(), entry.friction.as_ref()).err());
+            faults.extend(layout.physics_of(entry).err());
         }
         let mut names = HashSet::new();
         for entry in &file.places {

@@ -86,7 +86,7 @@ pub(crate) fn open_texts(
     let (mut target_source, mut given_physics) = (None, TargetPhysics::default());
     if let Some(entry) = &file.target {
         layout.check_name(entry, &mut names)?;
-        given_physics = layout.physics(entry.mass_kg.as_ref(), entry.friction.as_ref())?;
+        given_physics = layout.physics_of(entry)?;
         let (body, source) = layout.body(entry, &planning_from_scene, Solid::mesh)?;
         target_source = source;
         bodies.push(body);
@@ -333,7 +333,18 @@ impl Layout<'_> {
         let number = |what: &'static str, number: Option<&Spanned<f64>>| {
             number.map(|n| yaml::positive(self.path, what, n.value, n.referenced)).transpose()
         };
-        Ok(TargetPhysics { mass_kg: number("mass", mass_kg)?, friction: number("friction", friction)? })
+        let (mass_kg, friction) = (number("mass", mass_kg)?, number("friction", friction)?);
+        Ok(TargetPhysics { mass_kg, friction, ..TargetPhysics::default() })
+    }
+
+    /// Mass, friction and resistance to rolling of a body.
+    pub fn physics_of(&self, entry: &BodyEntry) -> Result<TargetPhysics, ScenarioError> {
+        let physics = self.physics(entry.mass_kg.as_ref(), entry.friction.as_ref())?;
+        // None at all is a resistance too.
+        let given = entry.rolling_m.as_ref();
+        let some = given.filter(|rolling_m| rolling_m.value != 0.0);
+        some.map(|n| yaml::positive(self.path, "rolling_m", n.value, n.referenced)).transpose()?;
+        Ok(TargetPhysics { rolling_m: given.map(|rolling_m| rolling_m.value), ..physics })
     }
 
     /// Everything that is wrong with a body but its name.

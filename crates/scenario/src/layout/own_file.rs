@@ -107,6 +107,9 @@ pub(crate) struct BodyEntry {
     /// Coefficient of friction between it and the pads of a gripper, before that of its object; positive.
     #[schemars(with = "Option<f64>")]
     pub friction: Option<Spanned<f64>>,
+    /// Resistance to rolling on what it stands on (m): the arm on which the normal force stops a turn; at least 0.
+    #[schemars(with = "Option<f64>")]
+    pub rolling_m: Option<Spanned<f64>>,
 }
 
 /// A place where the target can be put down: a rectangle that lies on something, or a pose of the target.

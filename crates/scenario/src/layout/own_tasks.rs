@@ -6,7 +6,7 @@ use cranny_task::{AfterPlacing, Pick, PlaceAt, Stage};
 use serde_saphyr::Spanned;
 
 use crate::layout::own::Layout;
-use crate::layout::own_file::{BodyEntry, ScenarioFile, StepEntry, TaskEntry};
+use crate::layout::own_file::{ScenarioFile, StepEntry, TaskEntry};
 use crate::named_task::STEPS;
 use crate::{NamedTask, ScenarioError, TargetPhysics};
 
@@ -79,14 +79,11 @@ impl Layout<'_> {
         file: &ScenarioFile,
     ) -> Result<BTreeMap<String, TargetPhysics>, ScenarioError> {
         let mut all = BTreeMap::new();
-        let given = |mass_kg: &Option<Spanned<f64>>, friction: &Option<Spanned<f64>>| {
-            self.physics(mass_kg.as_ref(), friction.as_ref())
-        };
-        for BodyEntry { name, mass_kg, friction, .. } in &file.obstacles {
-            all.insert(name.value.clone(), given(mass_kg, friction)?);
+        for body in &file.obstacles {
+            all.insert(body.name.value.clone(), self.physics_of(body)?);
         }
         for Spanned { value: StepEntry { pick, mass_kg, friction, .. }, referenced, .. } in &file.steps {
-            let physics = given(mass_kg, friction)?;
+            let physics = self.physics(mass_kg.as_ref(), friction.as_ref())?;
             let is_target = file.target.as_ref().is_some_and(|target| target.name.value == *pick);
             if is_target && physics != TargetPhysics::default() {
                 let problem = format!("mass_kg and friction of the target '{pick}' stand beneath target");

@@ -207,7 +207,8 @@ pub(crate) fn file_name(name: &str) -> String {
 }
 
 fn write_physics(text: &mut String, indent: &str, physics: TargetPhysics) {
-    for (key, number) in [("mass_kg", physics.mass_kg), ("friction", physics.friction)] {
+    let TargetPhysics { mass_kg, friction, rolling_m } = physics;
+    for (key, number) in [("mass_kg", mass_kg), ("friction", friction), ("rolling_m", rolling_m)] {
         let _ = number.map(|number| writeln!(text, "{indent}{key}: {number}"));
     }
 }

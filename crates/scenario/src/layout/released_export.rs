@@ -13,7 +13,7 @@ use crate::layout::recipe_file::{configurations_text, file_name};
 use crate::layout::released;
 use crate::layout::released_frame::planning_from_scene;
 use crate::layout::released_grasps;
-use crate::{DEFAULT_FRICTION, ScenarioError};
+use crate::{PAPER_FRICTION, ScenarioError};
 
 /// The object library of the folder, relative to it.
 const LIBRARY: &str = "object_library";
@@ -44,9 +44,9 @@ impl Recipe {
         let mut library = String::from("description: no description available\nname: cranny\nobjects:\n");
         let physics = self.target_physics();
         let of_target =
-            (physics.mass_kg.unwrap_or(OBJECT_MASS_KG), physics.friction.unwrap_or(DEFAULT_FRICTION));
+            (physics.mass_kg.unwrap_or(OBJECT_MASS_KG), physics.friction.unwrap_or(PAPER_FRICTION));
         // Without a mass, a simulator holds it where it is.
-        let of_obstacle = (0.0, DEFAULT_FRICTION);
+        let of_obstacle = (0.0, PAPER_FRICTION);
         for (body, (mass_kg, friction)) in
             std::iter::once((target, of_target)).chain(self.obstacles.iter().map(|body| (body, of_obstacle)))
         {

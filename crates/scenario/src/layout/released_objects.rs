@@ -106,6 +106,7 @@ impl ObjectLibrary {
                 .as_ref()
                 .map(|number| positive("friction", number))
                 .transpose()?,
+            rolling_m: None,
         })
     }
 

@@ -8,6 +8,7 @@ mod sugar_box;
 mod tennis_ball;
 
 use cranny_shape::{ConvexParts, ShapeError, TriangleSoup};
+use cranny_spatial::Pose;
 
 use self::object_shape::ObjectShape;
 use crate::ObjectError;
@@ -64,9 +65,11 @@ pub(crate) fn recipe(name: &str) -> Result<&'static Recipe, ScenarioError> {
 impl Recipe {
     /// The object, with convex parts and stable poses.
     pub fn object(&self) -> Result<ObjectType, ScenarioError> {
-        let ObjectShape { mesh, parts } = (self.shape)()?.centred();
+        let ObjectShape { mesh, parts, solid } = (self.shape)()?.centred();
         let parts = ConvexParts::measured(&mesh, parts)?;
-        ObjectType::of_parts(mesh, parts, &ObjectSettings::new(self.name, self.mass_kg))
+        let solids = solid.map(|solid| (Pose::identity(), solid)).into_iter().collect();
+        let object = ObjectType::of_parts(mesh, parts, &ObjectSettings::new(self.name, self.mass_kg))?;
+        Ok(ObjectType { solids, ..object })
     }
 
     /// Its mesh alone.

@@ -2,10 +2,10 @@ use std::path::Path;
 
 use cranny_grasp::HeldObject;
 use cranny_shape::{
-    ConvexParts, DecompositionSettings, RepairedMesh, ShapeError, Solid, StablePose, Surface, TriangleSoup,
+    ConvexParts, DecompositionSettings, RepairedMesh, Roundness, ShapeError, Solid, StablePose, Surface, TriangleSoup,
     UnionMoments, distinct_poses, stable_poses,
 };
-use cranny_spatial::Point;
+use cranny_spatial::{Point, Pose};
 use cranny_spatial::nalgebra::Matrix3;
 
 use crate::{ObjectError, ScenarioError};
@@ -20,6 +20,11 @@ pub struct ObjectType {
     pub mesh: TriangleSoup,
     /// Convex bodies that stand for it, and how well.
     pub parts: ConvexParts,
+    /// Its shape, exactly, as far as it is one or several of boxes, balls, cylinders and capsules, each at its pose; else
+    /// empty. A ball that is a mesh rolls from facet to facet.
+    pub solids: Vec<(Pose, Solid)>,
+    /// The turns of it that nobody can see.
+    pub roundness: Roundness,
     /// Its mass, in kilograms.
     pub mass_kg: f64,
     /// The coefficient of friction between it and the pads of a gripper.
@@ -43,8 +48,7 @@ pub struct ObjectSettings {
     pub name: String,
     /// Its mass, in kilograms; positive.
     pub mass_kg: f64,
-    /// The coefficient of friction; positive. Default 0.24, which the paper's object library gives all its
-    /// objects.
+    /// The coefficient of friction; positive. Default [`DEFAULT_FRICTION`].
     pub friction: f64,
     /// How the mesh is cut into convex parts.
     pub decomposition: DecompositionSettings,
@@ -66,8 +70,13 @@ impl ObjectSettings {
     }
 }
 
-/// The coefficient of friction that the paper's object library gives all its objects.
-pub const DEFAULT_FRICTION: f64 = 0.24;
+/// The coefficient of friction of an object of which none is stated: the lower end of the range from 0.35 to 0.6 in which
+/// rubber pads hold cardboard, plastics and painted wood (METHODS B1).
+pub const DEFAULT_FRICTION: f64 = 0.35;
+
+/// The coefficient of friction that the paper's object library gives all its objects: it is what another tool assumes of
+/// the unknown, and stays what the paper's grasps are measured with.
+pub const PAPER_FRICTION: f64 = 0.24;
 
 /// Nothing that a hand grasps is longer, in metres.
 const LONGEST_M: f64 = 3.0;
@@ -107,8 +116,10 @@ impl ObjectType {
         poses.truncate(likely.max(1));
         Ok(Self {
             name: settings.name.clone(),
+            roundness: Roundness::of_mesh(&mesh)?,
             mesh,
             parts,
+            solids: Vec::new(),
             mass_kg: settings.mass_kg,
             friction: settings.friction,
             volume_m3: moments.volume_m3,

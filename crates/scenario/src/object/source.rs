@@ -3,6 +3,7 @@ use std::sync::Arc;
 use cranny_shape::{Solid, TriangleSoup};
 
 use crate::object::builtin::{self, Recipe};
+use crate::object::physics::BUILTIN_ROLLING_M;
 use crate::{DEFAULT_FRICTION, ObjectType, ScenarioError, TargetPhysics};
 
 /// An object that a scenario names: a built-in one, which is made when it is asked for, or one that was read.
@@ -36,13 +37,13 @@ impl ObjectSource {
         }
     }
 
-    /// What the object says of its mass and friction: both.
+    /// Mass and friction of the object, and of a built-in one its resistance to rolling.
     pub fn physics(&self) -> TargetPhysics {
-        let (mass_kg, friction) = match &self.0 {
-            Kind::BuiltIn(recipe) => (recipe.mass_kg, DEFAULT_FRICTION),
-            Kind::Own(object) => (object.mass_kg, object.friction),
+        let (mass_kg, friction, rolling_m) = match &self.0 {
+            Kind::BuiltIn(recipe) => (recipe.mass_kg, DEFAULT_FRICTION, Some(BUILTIN_ROLLING_M)),
+            Kind::Own(object) => (object.mass_kg, object.friction, None),
         };
-        TargetPhysics { mass_kg: Some(mass_kg), friction: Some(friction) }
+        TargetPhysics { mass_kg: Some(mass_kg), friction: Some(friction), rolling_m }
     }
 
     /// The name of a built-in object; None for one that was read.

@@ -1,7 +1,7 @@
 //! The target of a scenario as a physical object.
 
 use cranny_collision::{Body, Part};
-use cranny_shape::{ConvexParts, DecompositionSettings, TriangleSoup};
+use cranny_shape::{ConvexParts, DecompositionSettings, Outline, TriangleSoup};
 use cranny_spatial::{Pose, Vector};
 
 use crate::object::physics::TargetPhysics;
@@ -96,7 +96,15 @@ fn object_of_shapes(body: &Body, settings: &ObjectSettings) -> Result<TargetObje
         mesh.append(&soup, &Pose::identity());
     }
     let parts = ConvexParts::measured(&mesh, hulls)?;
-    Ok(TargetObject { object: ObjectType::of_parts(mesh, parts, settings)?, world_from_object })
+    let is_exact = |part: &Part| !matches!(part.solid.outline(), Outline::Other | Outline::HalfSpace);
+    let in_object =
+        |part: &Part| (world_from_object.inverse() * part.world_from_solid, part.solid.clone());
+    let solids = match body.parts.iter().all(is_exact) {
+        true => body.parts.iter().map(in_object).collect(),
+        false => Vec::new(),
+    };
+    let object = ObjectType { solids, ..ObjectType::of_parts(mesh, parts, settings)? };
+    Ok(TargetObject { object, world_from_object })
 }
 
 fn middle_of_bounds(soup: &TriangleSoup) -> Pose {

@@ -126,7 +126,7 @@ impl Polar {
 
 /// The distance of a point from a triangle (m), by the region of the triangle in whose front it lies (Ericson
 /// 2005, §5.1.5).
-fn distance_to_triangle(p: &Point, [a, b, c]: &[Point; 3]) -> f64 {
+pub(crate) fn distance_to_triangle(p: &Point, [a, b, c]: &[Point; 3]) -> f64 {
     let (ab, ac) = (b - a, c - a);
     let [from_a, from_b, from_c] = [a, b, c].map(|corner| p - corner);
     let [d1, d2] = [ab.dot(&from_a), ac.dot(&from_a)];

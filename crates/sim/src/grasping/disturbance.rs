@@ -13,6 +13,21 @@ pub struct Disturbance {
     pub closing_force: f64,
 }
 
+impl Disturbance {
+    /// Errors under which a plan is executed, drawn from a seed: of the hand 2 mm along and 2° about each axis, of the
+    /// friction 30 %, of the mass 20 %, each uniform.
+    pub fn of_execution(seed: u64) -> Self {
+        let wrong = Uncertainty {
+            position_m: 0.002,
+            rotation_rad: 2_f64.to_radians(),
+            friction: 0.3,
+            mass: 0.2,
+            closing_force: 0.0,
+        };
+        wrong.design(1, seed).pop().unwrap_or_default()
+    }
+}
+
 impl Default for Disturbance {
     /// None.
     fn default() -> Self {

@@ -56,7 +56,9 @@ impl GraspTest {
             let others = bodies.iter().enumerate().filter(|(body, _)| *body != target);
             others.map(|(_, body)| body.clone()).collect()
         };
-        Self::new(hand, &object, world_from_object, &around, Physics::default(), Course::default())
+        let rolling_m = instead.or(scenario.target_physics()).rolling_m.unwrap_or_default();
+        let physics = Physics { rolling_m, ..Physics::default() };
+        Self::new(hand, &object, world_from_object, &around, physics, Course::default())
     }
 
     /// An object in one of its stable poses on level ground at z = 0, or afloat in its own frame.

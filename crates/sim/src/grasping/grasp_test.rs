@@ -115,15 +115,17 @@ impl GraspTest {
         let body = &mut world.bodies[object];
         body.set_linear_damping(SETTLING_DAMPING);
         body.set_angular_damping(SETTLING_DAMPING);
-        (self.world_from_object, _) = come_to_rest(&mut world, object, STILL_S, SETTLING_S);
+        let rolling = self.object.rolling(self.physics.rolling_m, &Disturbance::default());
+        (self.world_from_object, _) =
+            come_to_rest(&mut world, (object, &rolling), STILL_S, SETTLING_S);
     }
 }
 
 /// An object that lies is still within this time, in seconds.
 const SETTLING_S: f64 = 2.0;
 
-/// What stands there has stood there for long: it sinks as if in oil, in 1/s, and what would roll stays. The engine knows
-/// no resistance to rolling, and a ball that is put down a hair too high wandered off by centimetres.
+/// What stands there has stood there for long: it sinks as if in oil, in 1/s, so that nothing that is put down a hair too
+/// high wanders off.
 const SETTLING_DAMPING: f64 = 20.0;
 
 /// What has not moved for so long is at rest, in seconds.

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use crate::grasping::grasp_test::{STILL_S, whole_steps};
 use crate::gripper::Gripper;
+use crate::rolling::Rolling;
 use crate::object_model::STILL_M_PER_S;
 use crate::{Disturbance, GraspOutcome, GraspRun, GraspTest, Piece, RecordedBody, Recording, engine};
 
@@ -37,13 +38,15 @@ pub(crate) struct GraspTrial<'a> {
     pub world: PhysicsWorld,
     pub gripper: Gripper<'a>,
     pub object: RigidBodyHandle,
+    rolling: Rolling,
     steps: u32,
     /// Of these, before the hand began to close.
     steps_open: u32,
     /// Once the hand opens again: after which step, and how far its fingers had closed, in metres.
     opens_from: Option<(u32, f64)>,
-    /// Pose of the object at that time.
+    /// Pose of the object at that time, and whether a finger touched it.
     world_from_released: Option<Pose>,
+    was_in_hand: bool,
     recording: Option<Recording>,
     /// What the recording has, besides object and hand.
     recorded: Vec<RigidBodyHandle>,
@@ -60,7 +63,8 @@ impl<'a> GraspTrial<'a> {
         let (mut world, object) = test.world(disturbance);
         let force_n = test.hand.closing_force_n * disturbance.closing_force;
         let gripper = Gripper::insert(&test.hand, &test.physics, force_n, world_from_hand, &mut world);
-        Self::with(test, world, gripper, object, is_recorded.then(Vec::new))
+        let rolling = test.object.rolling(test.physics.rolling_m, disturbance);
+        Self::with(test, world, gripper, (object, rolling), is_recorded.then(Vec::new))
     }
 
     /// Of a hand and an object in a world. `recorded`: what else moves and is to be seen, if anything is recorded.
@@ -68,7 +72,7 @@ impl<'a> GraspTrial<'a> {
         test: &'a GraspTest,
         world: PhysicsWorld,
         gripper: Gripper<'a>,
-        object: RigidBodyHandle,
+        (object, rolling): (RigidBodyHandle, Rolling),
         recorded: Option<Vec<(RecordedBody, RigidBodyHandle)>>,
     ) -> Self {
         let mut trial = Self {
@@ -76,10 +80,12 @@ impl<'a> GraspTrial<'a> {
             world,
             gripper,
             object,
+            rolling,
             steps: 0,
             steps_open: 0,
             opens_from: None,
             world_from_released: None,
+            was_in_hand: false,
             recording: None,
             recorded: Vec::new(),
         };
@@ -137,7 +143,7 @@ impl<'a> GraspTrial<'a> {
         fingers().any(|own| around().any(|other| is_in(own, other))).then_some(GraspOutcome::NeverClosed)
     }
 
-    /// Closes the hand and, if it holds anything, has it moved; if it then holds it yet, it may open and move on.
+    /// Closes the hand and, if it holds anything, has it moved; if that is then in the hand yet, it may open and move on.
     pub fn grasp(mut self, held: Move<'_, 'a>, released: Option<Move<'_, 'a>>) -> GraspRun {
         let gravity = self.world.gravity;
         if !self.test.is_carried() {
@@ -193,6 +199,7 @@ impl<'a> GraspTrial<'a> {
             }
         };
         self.gripper.drive(&mut self.world, driven_m);
+        self.rolling.resist(&mut self.world, self.object);
         engine::step(&mut self.world);
         self.steps += 1;
         self.record();
@@ -257,7 +264,8 @@ impl<'a> GraspTrial<'a> {
             }
         }
         let error = self.error(&closed_from_object, &self.hand_from_object());
-        let outcome = if !self.is_touched() {
+        self.was_in_hand = self.is_touched();
+        let outcome = if !self.was_in_hand {
             GraspOutcome::Dropped
         } else if self.is_held(error) {
             GraspOutcome::Held
@@ -265,7 +273,7 @@ impl<'a> GraspTrial<'a> {
             GraspOutcome::Slipped
         };
         let held_s = held_s.unwrap_or(duration_s);
-        if let Some(released) = released.filter(|_| outcome == GraspOutcome::Held) {
+        if let Some(released) = released.filter(|_| outcome != GraspOutcome::Dropped) {
             self.release(released);
         }
         self.ended(outcome, error, held_s, contact_force_n)
@@ -287,10 +295,12 @@ impl<'a> GraspTrial<'a> {
         }
     }
 
-    /// How far the centre of mass is from where it should be, in metres, and how far the object is turned, in radians.
+    /// How far the centre of mass is from where it should be, in metres, and how far the object is seen to be turned, in
+    /// radians.
     fn error(&self, expected: &Pose, actual: &Pose) -> (f64, f64) {
-        let center = self.test.object.center;
-        ((actual * center - expected * center).norm(), expected.rotation.angle_to(&actual.rotation))
+        let (center, roundness) = (self.test.object.center, self.test.object.roundness);
+        let rotation_rad = roundness.angle(&expected.rotation, &actual.rotation);
+        ((actual * center - expected * center).norm(), rotation_rad)
     }
 
     fn is_held(&self, (translation_m, rotation_rad): (f64, f64)) -> bool {
@@ -318,7 +328,7 @@ impl<'a> GraspTrial<'a> {
             held_s,
             contact_force_n,
             world_from_object: self.world_from_object(),
-            is_in_hand: self.is_touched(),
+            is_in_hand: self.was_in_hand,
             world_from_released: self.world_from_released,
             simulated_s: self.time_s(),
             recording: self.recording,

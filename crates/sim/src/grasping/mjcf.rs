@@ -51,7 +51,7 @@ struct Mjcf {
 
 impl Mjcf {
     fn text(&self, test: &GraspTest) -> String {
-        let Physics { gravity, step_s, .. } = test.physics;
+        let Physics { gravity, step_s, rolling_m, .. } = test.physics;
         let timestep_s = step_s / mujoco_steps(&test.physics) as f64;
         let ContactReference { time_constant_s, damping_ratio, impedance } =
             ContactReference::new(&test.physics, timestep_s);
@@ -67,7 +67,7 @@ impl Mjcf {
     <geom solref="{time_constant_s} {damping_ratio}" solimp="{impedance} {impedance} 0.001"/>
     <default class="palm"><geom contype="1" conaffinity="0" condim="1" friction="0 0 0"/></default>
     <default class="finger"><geom contype="2" conaffinity="0" condim="1" friction="0 0 0"/></default>
-    <default class="surroundings"><geom contype="4" conaffinity="2" condim="1" friction="0 0 0"/></default>
+    <default class="surroundings"><geom contype="4" conaffinity="2" condim="6" friction="0 0 {rolling_m}"/></default>
     <default class="object"><geom contype="0" conaffinity="7" condim="4" friction="{friction} {torsional_friction_m} 0"/></default>
   </default>
   <asset>

@@ -7,7 +7,7 @@ use cranny_solve::TaskTrajectory;
 use cranny_spatial::Pose;
 use cranny_task::{Problem, Segment, picks_apart};
 
-use crate::{DriveSettings, GraspTest, PlanRun, PlanTest, SimError};
+use crate::{Disturbance, GraspTest, PlanRun, PlanTest, SimError};
 
 /// A plan in physics: each pick, with what follows it, where the one before has left things.
 #[derive(Clone, Debug)]
@@ -20,6 +20,8 @@ pub struct PlanExecution<'a> {
     pub instead: TargetPhysics,
     /// Distance by which an object is lifted straight up where the plan ends at its grasp, in metres.
     pub lift_m: f64,
+    /// Errors of the hand, of mass, friction and closing force, the same in each pick.
+    pub disturbance: Disturbance,
     /// Records what moves.
     pub is_recorded: bool,
 }
@@ -106,8 +108,8 @@ impl PlanExecution<'_> {
             let of_pick = Self::at_pick(&now, pick)?;
             let test = GraspTest::of_scenario(&of_pick, &self.hand, &self.instead, false)?;
             let surroundings = test.surroundings().to_vec();
-            let test = PlanTest::new(test, now.robot.clone(), DriveSettings::default())?;
-            let run = test.run(&pick.timed, self.lift_m, self.is_recorded)?;
+            let test = PlanTest::new(test, now.robot.clone())?;
+            let run = test.run(&pick.timed, self.lift_m, &self.disturbance, self.is_recorded)?;
             done();
             let (Some(body), Some(stood)) = (of_pick.target, of_pick.target_object(&self.instead)?) else {
                 break;

@@ -1,20 +1,18 @@
 use serde::Serialize;
 
-use crate::{GraspOutcome, PickRun, PlacedError, PlanContact, PlanOutcome, PlanRun, TrackingError};
+use crate::{GraspOutcome, PickRun, PlacedError, PlanContact, PlanOutcome, PlanRun};
 
 /// What came of an executed plan, without what was recorded. The names of the fields are those of files.
 #[derive(Clone, Debug, Serialize)]
 pub struct PlanRow {
     /// What became of the object.
     pub outcome: PlanOutcome,
+    /// True if it was in the hand up to where the plan ends or releases it, and slipped no farther than the limit.
+    pub is_kept: bool,
     /// See [`crate::GraspRun`].
     pub is_in_hand: bool,
     /// See [`PlanRun`].
     pub reach_s: f64,
-    /// Worst on the way to the grasp.
-    pub tracking_on_the_way: TrackingError,
-    /// At its end.
-    pub tracking_at_the_end: TrackingError,
     /// See [`PlanRun`].
     pub contacts: Vec<PlanContact>,
     /// See [`PlanRun`].
@@ -117,8 +115,7 @@ pub struct Released {
 impl PlanRow {
     /// True if the object is held to the end, or stands where it was to be put down.
     pub fn is_as_planned(&self) -> bool {
-        let held = PlanOutcome::Grasped(GraspOutcome::Held);
-        self.outcome == if self.placed.is_some() { PlanOutcome::Placed } else { held }
+        matches!(self.outcome, PlanOutcome::Placed | PlanOutcome::Grasped(GraspOutcome::Held))
     }
 
     /// That of a run.
@@ -126,10 +123,9 @@ impl PlanRow {
         let (grasp, ended) = (&run.grasp, &run.grasp.world_from_object);
         Self {
             outcome: run.outcome(),
+            is_kept: grasp.outcome == GraspOutcome::Held,
             is_in_hand: grasp.is_in_hand,
             reach_s: run.reach_s,
-            tracking_on_the_way: run.on_the_way,
-            tracking_at_the_end: run.at_the_end,
             contacts: run.contacts.clone(),
             pushed_m: run.pushed_m,
             lift_m: run.lift_m,

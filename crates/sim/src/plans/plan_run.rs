@@ -1,6 +1,7 @@
-use cranny_spatial::{Point, Pose};
+use cranny_spatial::Pose;
 use serde::{Serialize, Serializer};
 
+use crate::object_model::ObjectModel;
 use crate::{GraspOutcome, GraspRun};
 
 /// What came of a plan that an arm executed: reach, close, lift.
@@ -8,10 +9,6 @@ use crate::{GraspOutcome, GraspRun};
 pub struct PlanRun {
     /// How long the motion to the grasp takes, in seconds.
     pub reach_s: f64,
-    /// How far the arm is from where the plan has it, at worst on the way.
-    pub on_the_way: TrackingError,
-    /// The same at the end of the way, before the hand closes.
-    pub at_the_end: TrackingError,
     /// What the arm or the hand touched before the hand closed, and what stood around after: each pair once.
     pub contacts: Vec<PlanContact>,
     /// How far the object had been moved before the hand closed, in metres.
@@ -23,7 +20,8 @@ pub struct PlanRun {
     /// Error of the object, when the hand released it, against the pose at which it was to be put down; `None` if it
     /// did not.
     pub released: Option<PlacedError>,
-    /// How far the object is in the end from where it was to be put down, of a plan that puts it down.
+    /// Error of the object, 2 s after the arm has stopped, against the pose at which it was to be put down; `None` if it
+    /// was not released there.
     pub placed: Option<PlacedError>,
     /// Closing and lifting.
     pub grasp: GraspRun,
@@ -34,7 +32,7 @@ pub struct PlanRun {
 pub struct PlacedError {
     /// Of its centre of mass, in metres.
     pub translation_m: f64,
-    /// How far it is turned, in radians.
+    /// How far it is seen to be turned, in radians.
     pub rotation_rad: f64,
     /// True if both are within [`Self::MOST_M`] and [`Self::MOST_RAD`].
     pub is_there: bool,
@@ -74,9 +72,10 @@ impl PlacedError {
     /// See [`Self::MOST_M`].
     pub const MOST_RAD: f64 = std::f64::consts::PI / 18.0;
 
-    pub(crate) fn between(planned: &Pose, actual: &Pose, center: &Point) -> Self {
-        let translation_m = (actual * center - planned * center).norm();
-        let rotation_rad = planned.rotation.angle_to(&actual.rotation);
+    /// Of an object that is at a pose instead of the planned one; turns of it that nobody can see do not count.
+    pub(crate) fn between(planned: &Pose, actual: &Pose, object: &ObjectModel) -> Self {
+        let translation_m = (actual * object.center - planned * object.center).norm();
+        let rotation_rad = object.roundness.angle(&planned.rotation, &actual.rotation);
         let is_there = translation_m <= Self::MOST_M && rotation_rad <= Self::MOST_RAD;
         Self { translation_m, rotation_rad, is_there }
     }
@@ -95,28 +94,6 @@ impl PlanRun {
     /// How far the object's origin rose, in metres.
     pub fn rose_m(&self) -> f64 {
         self.grasp.world_from_object.translation.z - self.world_from_resting.translation.z
-    }
-}
-
-/// How far an arm is from where it should be.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct TrackingError {
-    /// Of the gripper frame, in metres.
-    pub translation_m: f64,
-    /// Of the gripper frame, in radians.
-    pub rotation_rad: f64,
-    /// Of the joint that is farthest off, in its unit (m, rad).
-    pub joint: f64,
-}
-
-impl TrackingError {
-    /// The worse of two, figure by figure.
-    pub(crate) fn worst(self, other: Self) -> Self {
-        Self {
-            translation_m: self.translation_m.max(other.translation_m),
-            rotation_rad: self.rotation_rad.max(other.rotation_rad),
-            joint: self.joint.max(other.joint),
-        }
     }
 }
 

@@ -1,5 +1,5 @@
 use cranny_collision::World;
-use cranny_grasp::{Finger, Grasp, Hand};
+use cranny_grasp::{Finger, Grasp, Hand, PadRectangle};
 use cranny_robot::{Hold, Robot, RobotHand};
 use cranny_shape::{ShapeError, Solid, Surface, TriangleSoup, quick_lower_bound, separation};
 use cranny_spatial::{CONTACT_M, Point, Pose, Vector};
@@ -19,6 +19,7 @@ pub fn robot_hand(robot: &Robot) -> Hand {
         opening_m: 0.0,
         finger_depth_m: 0.0,
         closing_force_n: 0.0,
+        pads: None,
     };
     let known = robot.hand();
     let motions: Vec<Vector> = (0..robot.links().len()).map(|link| straight_stroke_m(robot, link)).collect();
@@ -45,6 +46,10 @@ pub fn robot_hand(robot: &Robot) -> Hand {
         hand.opening_m = description.opening_m;
         hand.finger_depth_m = description.finger_depth_m;
         hand.closing_force_n = description.closing_force_n;
+        hand.pads = description.pads.map(|pads| PadRectangle {
+            middle_m: pads.middle_m,
+            half_m: pads.size_m.map(|size_m| 0.5 * size_m),
+        });
     }
     hand
 }

@@ -48,7 +48,7 @@ pub fn shape() -> Result<ObjectShape, ShapeError> {
     };
     let loft = Loft::new((0..RINGS).map(ring).collect())?;
     let cuts: Vec<usize> = (1..PARTS).map(|part| part * (RINGS as usize - 1) / PARTS).collect();
-    Ok(ObjectShape { mesh: loft.mesh()?, parts: loft.convex_pieces(&cuts)? })
+    Ok(ObjectShape { mesh: loft.mesh()?, parts: loft.convex_pieces(&cuts)?, solid: None })
 }
 
 /// The radius as a share of the greatest, eased between the entries of [`TAPER`].

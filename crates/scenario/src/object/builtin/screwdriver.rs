@@ -59,7 +59,7 @@ pub fn shape() -> Result<ObjectShape, ShapeError> {
     }
     let loft = Loft::new(rings)?;
     let cuts = [NECK_RING, COLLAR_RING, shaft_begin, blade_begin];
-    Ok(ObjectShape { mesh: loft.mesh()?, parts: loft.convex_pieces(&cuts)? })
+    Ok(ObjectShape { mesh: loft.mesh()?, parts: loft.convex_pieces(&cuts)?, solid: None })
 }
 
 /// Rings of the blade's taper.

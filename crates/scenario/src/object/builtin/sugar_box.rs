@@ -1,4 +1,4 @@
-use cranny_shape::Surface;
+use cranny_shape::{Solid, Surface};
 use cranny_spatial::Vector;
 
 use super::object_shape::ObjectShape;
@@ -8,6 +8,7 @@ const SIZE_M: [f64; 3] = [0.038, 0.089, 0.175];
 
 /// A cuboid, upright along z.
 pub fn shape() -> ObjectShape {
-    let mesh = Surface::cuboid_soup(&(Vector::from(SIZE_M) * 0.5));
-    ObjectShape { parts: vec![mesh.clone()], mesh }
+    let half = Vector::from(SIZE_M) * 0.5;
+    let mesh = Surface::cuboid_soup(&half);
+    ObjectShape { parts: vec![mesh.clone()], mesh, solid: Solid::cuboid(half).ok() }
 }

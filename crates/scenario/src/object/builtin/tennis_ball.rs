@@ -1,4 +1,4 @@
-use cranny_shape::TriangleSoup;
+use cranny_shape::{Solid, TriangleSoup};
 
 use super::object_shape::ObjectShape;
 
@@ -14,5 +14,6 @@ const PART_DIVISIONS: u32 = 3;
 /// A sphere.
 pub fn shape() -> ObjectShape {
     let mesh = TriangleSoup::geodesic_sphere(RADIUS_M, DIVISIONS);
-    ObjectShape { mesh, parts: vec![TriangleSoup::geodesic_sphere(RADIUS_M, PART_DIVISIONS)] }
+    let parts = vec![TriangleSoup::geodesic_sphere(RADIUS_M, PART_DIVISIONS)];
+    ObjectShape { mesh, parts, solid: Solid::sphere(RADIUS_M).ok() }
 }

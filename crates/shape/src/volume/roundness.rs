@@ -1,0 +1,113 @@
+use std::f64::consts::TAU;
+
+use cranny_spatial::nalgebra::{SymmetricEigen, Unit};
+use cranny_spatial::{Point, Pose, Rotation, Vector};
+
+use crate::volume::pose_symmetry::distance_to_triangle;
+use crate::{Aabb, ShapeError, Surface, TriangleSoup, VolumeMoments};
+
+/// The turns of a body that nobody can see.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Roundness {
+    /// None: each turn is seen.
+    #[default]
+    None,
+    /// Those about an axis, a unit vector in the frame of the body: a can.
+    About(Unit<Vector>),
+    /// All: a ball.
+    Ball,
+}
+
+/// Share of a body's greatest extent by which its surface may miss itself when it is turned: a tube of 24 sides is round.
+const TOLERANCE_SHARE: f64 = 0.005;
+/// Share by which two principal moments of inertia may differ and count as equal.
+const SAME_MOMENT_SHARE: f64 = 0.02;
+/// Turns about an axis that are tried, as shares of a whole one: none is a fraction of small numbers.
+const TURNS: [f64; 5] = [0.0813, 0.1931, 0.3187, 0.4463, 0.6229];
+/// Vertices that are turned at most.
+const MOST_VERTICES: usize = 400;
+
+impl Roundness {
+    /// The roundness of the body that a mesh encloses, about its centre of mass: its surface, turned, misses itself by at
+    /// most 0.5 % of its extent.
+    ///
+    /// # Errors
+    /// Those of [`VolumeMoments::of_mesh`].
+    pub fn of_mesh(mesh: &TriangleSoup) -> Result<Self, ShapeError> {
+        let (surface, moments) = (Surface::new(mesh)?, VolumeMoments::of_mesh(mesh)?);
+        let center = moments.center;
+        let tolerance_m = TOLERANCE_SHARE * 2.0 * surface.aabb().half_extents.max();
+        let radii = || mesh.vertices.iter().map(|vertex| (vertex - center).norm());
+        let (least, most) = radii().fold((f64::INFINITY, 0.0_f64), |(a, b), r| (a.min(r), b.max(r)));
+        if most - least <= tolerance_m {
+            return Ok(Self::Ball);
+        }
+        let principal = SymmetricEigen::new(moments.inertia_per_mass_m2);
+        let step = mesh.vertices.len().div_ceil(MOST_VERTICES).max(1);
+        let is_near = |point: &Point| {
+            let region = Aabb { center: *point, half_extents: Vector::repeat(tolerance_m) };
+            let corners = |triangle: u32| &surface.corners[triangle as usize];
+            let mut near = surface.tree.near(&region);
+            near.any(|triangle| distance_to_triangle(point, corners(triangle)) <= tolerance_m)
+        };
+        let is_round = |axis: &Unit<Vector>| {
+            TURNS.iter().all(|share| {
+                let turn = Rotation::from_axis_angle(axis, TAU * share);
+                let about = Pose::translation(center.x, center.y, center.z)
+                    * Pose::from_parts(Vector::zeros().into(), turn)
+                    * Pose::translation(-center.x, -center.y, -center.z);
+                mesh.vertices.iter().step_by(step).all(|vertex| is_near(&(about * vertex)))
+            })
+        };
+        let axis = |index: usize| {
+            let [a, b] = [1, 2].map(|other| principal.eigenvalues[(index + other) % 3]);
+            let is_even = (a - b).abs() <= SAME_MOMENT_SHARE * a.max(b);
+            is_even.then(|| Unit::new_normalize(principal.eigenvectors.column(index).into_owned()))
+        };
+        // Where all three moments are equal, any direction is principal: those of the frame are tried too.
+        let of_frame = [Vector::x_axis(), Vector::y_axis(), Vector::z_axis()];
+        let found = (0..3).filter_map(axis).chain(of_frame).find(is_round);
+        Ok(found.map_or(Self::None, Self::About))
+    }
+
+    /// How far a body is seen to be turned between two orientations, in radians.
+    pub fn angle(&self, from: &Rotation, to: &Rotation) -> f64 {
+        match self {
+            Self::None => from.angle_to(to),
+            Self::About(axis) => (from * axis).angle(&(to * axis)),
+            Self::Ball => 0.0,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Solid;
+
+    #[test]
+    fn balls_and_tubes_are_round_and_boxes_are_not() {
+        let of = |solid: Solid| Roundness::of_mesh(&solid.tessellation().unwrap()).unwrap();
+        assert_eq!(of(Solid::sphere(0.03).unwrap()), Roundness::Ball);
+        assert_eq!(of(Solid::cuboid(Vector::repeat(0.02)).unwrap()), Roundness::None);
+        assert_eq!(of(Solid::cuboid(Vector::new(0.02, 0.02, 0.1)).unwrap()), Roundness::None);
+        // The third has three equal moments of inertia: h = √3 r.
+        for half_m in [0.01, 0.06, 0.02 * 3.0_f64.sqrt()] {
+            let Roundness::About(axis) = of(Solid::cylinder(half_m, 0.04).unwrap()) else {
+                panic!("half {half_m}: not round")
+            };
+            assert!(axis.z.abs() > 0.9999, "{axis:?}");
+        }
+    }
+
+    #[test]
+    fn turns_that_nobody_sees_do_not_count() {
+        let round = Roundness::About(Vector::z_axis());
+        let about_z = Rotation::from_axis_angle(&Vector::z_axis(), 2.0);
+        let tilted = Rotation::from_axis_angle(&Vector::x_axis(), 0.3) * about_z;
+        assert!(round.angle(&Rotation::identity(), &about_z) < 1e-12);
+        assert!((round.angle(&Rotation::identity(), &tilted) - 0.3).abs() < 1e-12);
+        assert_eq!(Roundness::Ball.angle(&Rotation::identity(), &tilted), 0.0);
+        assert!((Roundness::None.angle(&Rotation::identity(), &about_z) - 2.0).abs() < 1e-12);
+    }
+}
