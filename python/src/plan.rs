@@ -83,6 +83,14 @@ impl PyPlan {
         self.measured.robustness.as_ref().map(|robustness| python_of(py, robustness)).transpose()
     }
 
+    /// Firmness with which the hand holds what it carries: a dictionary of "factor" (by which all loads may grow before a pad
+    /// slips, the least along the motion; None without times), "at_rest" (of the weight alone) and "mass_assumed"; None where
+    /// nothing is carried, or it cannot be computed.
+    #[getter]
+    fn hold<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        self.measured.hold.as_ref().map(|hold| python_of(py, hold)).transpose()
+    }
+
     /// When each way point is passed, (N,), in seconds; None for a robot without limits of acceleration.
     #[getter]
     fn times<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArrayDyn<f64>>>> {

@@ -87,7 +87,9 @@ pub fn seconds(what: &str, value: f64) -> PyResult<Duration> {
 /// name of one of `scenario.places`, where the target is put down instead; the hand opens, goes `clear_m` off it, and the
 /// robot goes "home" or `then` stays, "stay". `task`: the name of one of `scenario.tasks`, or a list of stages of
 /// that form, which are done in order; `plan.task` lists them. `robust`: how far (m, rad) the target may be from where it is thought to be,
-/// before the hand closes and in the hand; `plan.robustness` says how far anyway. `watch`: a
+/// before the hand closes and in the hand; `plan.robustness` says how far anyway. `hold`: factor by which weight and inertia
+/// may grow, at least, before the hand lets slip what it carries (weaker grasps are none, motions are slowed down for it; 0
+/// demands nothing); `plan.hold` is what it is. `watch`: a
 /// page of `cranny.show(scenario, live=True)`, which then shows the trees of the search as they grow, and at its end the
 /// plan with them.
 ///
@@ -96,7 +98,7 @@ pub fn seconds(what: &str, value: f64) -> PyResult<Duration> {
 #[pyo3(signature = (scenario, planner=None, *, seed=0, time_limit_s=120.0, iterations=None, margin_m=0.0,
     grasp_margin_m=0.0, strict_pairs=false, settings=None, goal_threshold=None, shortcut=true, optimise_s=None,
     cost="length", score_weight=1.0, jerk_limited=false, blend=false, score="geometric", min_score=None,
-    carry=None, place=None, task=None, then=None, clear_m=None, robust=None, watch=None))]
+    carry=None, place=None, task=None, then=None, clear_m=None, robust=None, hold=1.5, watch=None))]
 #[allow(
     clippy::too_many_arguments,
     clippy::fn_params_excessive_bools,
@@ -127,6 +129,7 @@ pub fn plan(
     then: Option<&str>,
     clear_m: Option<f64>,
     robust: Option<[f64; 2]>,
+    hold: f64,
     watch: Option<&Bound<'_, PyLivePage>>,
 ) -> PyResult<PyPlan> {
     let py = scenario.py();
@@ -168,6 +171,7 @@ pub fn plan(
             .transpose()?,
         clear_m,
         robust,
+        hold,
         ..Ask::default()
     };
     let (request, named) = ask.request(&asked.problem, asked.scenario.as_deref()).map_err(fault)?;

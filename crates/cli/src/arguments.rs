@@ -7,7 +7,7 @@ use cranny_collision::Margins;
 use cranny_grasp::ScoreKind;
 use cranny_path::{CostKind, MAX_SAMPLE_RATE_HZ};
 use cranny_scenario::{Geometry, GivenGrasps};
-use cranny_solve::PoseRadius;
+use cranny_solve::{DEFAULT_HOLD, PoseRadius};
 use cranny_task::{AfterPlacing, Criterion};
 
 use crate::number_argument::{MOST_ITERATIONS, millimetres, pose_error, seconds, whole};
@@ -96,6 +96,7 @@ pub struct TaskArguments {
   cranny plan 035 --carry home
   cranny plan 015 --carry out --clear 100
   cranny plan 012 --place outside --then stay
+  cranny plan 012 --place outside --hold 3
   cranny plan 021 --robust 2,3
   cranny plan 213 --steps
   cranny plan path/to/scenario --task tidy
@@ -151,6 +152,10 @@ pub struct PlanArguments {
     /// the hand closes on it and in the hand from then on (the plan says how far it and all else may be anyway)
     #[arg(long, value_name = "MM,DEG", value_parser = pose_error, conflicts_with = "moveit")]
     pub robust: Option<PoseRadius>,
+    /// Factor by which weight and inertia may grow, at least, before the hand lets slip what it carries: weaker grasps are
+    /// none, and motions are slowed down for it; 0 demands nothing
+    #[arg(long, value_name = "FACTOR", default_value_t = DEFAULT_HOLD, allow_negative_numbers = true)]
+    pub hold: f64,
     /// Put the target down in a place of the scenario (`places` in its scenario.yaml; `cranny info` lists them) and open the
     /// hand. A grasp with which it cannot be brought there is none
     #[arg(long, value_name = "PLACE")]

@@ -29,7 +29,7 @@ pub use import::{Imported, import_grasps};
 pub use load::course::{Course, smooth_share};
 pub use load::limit_surface::{LoadedPoint, limit_factor};
 pub use load::load_state::LoadState;
-pub use load::measure::{HeldObject, Load, LoadMeasure};
+pub use load::measure::{ASSUMED_DENSITY, ASSUMED_FRICTION, GripForces, HeldObject, Load, LoadMeasure};
 pub use load::pads::Pads;
 pub use load::patch::LEAST_ARM_M;
 pub use metric::{COVERAGE_THRESHOLD, Spread, coverage, grasp_distance, nearest_distances, spread};

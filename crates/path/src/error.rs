@@ -32,6 +32,12 @@ pub enum PathError {
         /// The limit.
         value: f64,
     },
+    /// A share of the speed is none.
+    #[error("{share} is no share of the speed; it must be above 0 and at most 1")]
+    Speed {
+        /// The share.
+        share: f64,
+    },
     /// Corners are cut under limits of acceleration only.
     #[error("corners cannot be cut where jerk is limited: a parabola begins with a jump of the acceleration")]
     BlendedJerk,

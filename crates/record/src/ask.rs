@@ -5,7 +5,7 @@ use cranny_grasp::ScoreKind;
 use cranny_path::{AuditSettings, CostKind, TimingMethod};
 use cranny_plan::{Budget, OptimiseSettings, Registry};
 use cranny_scenario::{NamedTask, Scenario, ScenarioError};
-use cranny_solve::{PoseRadius, Request, Timing};
+use cranny_solve::{DEFAULT_HOLD, PoseRadius, Request, Timing};
 use cranny_task::{AfterPlacing, CLEAR_M, Move, PlaceAt, Problem, Stage};
 use serde_json::{Map, Value};
 
@@ -59,6 +59,8 @@ pub struct Ask {
     pub clear_m: Option<f64>,
     /// Error of the pose of each object that is to be forgiven.
     pub robust: Option<PoseRadius>,
+    /// Factor by which the hand holds at least what it carries; 0 demands nothing.
+    pub hold: f64,
 }
 
 /// A task of several stages.
@@ -107,6 +109,7 @@ impl Default for Ask {
             then: None,
             clear_m: None,
             robust: None,
+            hold: DEFAULT_HOLD,
         }
     }
 }
@@ -151,6 +154,7 @@ impl Ask {
             timing: Some(Timing { method, blend: self.blend, is_demanded: self.is_timing_demanded }),
             audit: AuditSettings::default(),
             robustness: true,
+            hold: Some(self.hold),
         };
         request.check(problem)?;
         Ok((request, task))

@@ -6,7 +6,7 @@ use cranny_grasp::ScoreKind;
 use cranny_path::{Audit, AuditSettings, Clearances, PickAudit, path_length};
 use cranny_plan::{Budget, NoGrasp, Outcome, Statistics};
 use cranny_scenario::{Geometry, GivenGrasps, NamedTask, ScenarioError, write_whole_file};
-use cranny_solve::{Answer, Request, Robustness};
+use cranny_solve::{Answer, Hold, Request, Robustness};
 use cranny_task::{Criterion, GraspFailure, NotChecked, OwnGrasp, Segment, Stage};
 use serde::{Deserialize, Serialize};
 
@@ -117,6 +117,12 @@ pub struct PlanFile {
     /// there is no proof.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub robustness: Option<Robustness>,
+    /// Factor by which loads were to grow at least before what is in the hand slips; `None` where nothing was demanded.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hold_demanded: Option<f64>,
+    /// Factor by which they may; `None` where nothing is carried, or it cannot be computed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hold: Option<Hold>,
 }
 
 /// Grasp of a pick, as [`PlanFile`] states that of the first.
@@ -251,6 +257,8 @@ impl PlanFile {
                 .collect(),
             no_grasp: answer.no_grasp.clone(),
             robustness: answer.robustness,
+            hold_demanded: answer.hold_demanded,
+            hold: answer.hold,
         }
     }
 
@@ -267,6 +275,7 @@ impl PlanFile {
             goal_threshold: self.goal_threshold,
             keep_path: self.shortening.is_none(),
             stages: self.task.clone(),
+            hold: self.hold_demanded,
             // How far the same path is from everything stands in the plan.
             audit: AuditSettings { clearances: Clearances::None, ..AuditSettings::default() },
             ..Request::default()
@@ -379,6 +388,8 @@ mod tests {
             goal_faults: Vec::new(),
             no_grasp: None,
             robustness: None,
+            hold_demanded: Some(1.5),
+            hold: Some(Hold { factor: Some(0.1 + 0.2), at_rest: 0.1 / 3.0, mass_assumed: true }),
         }
     }
 

@@ -2,7 +2,7 @@ use cranny_collision::Margins;
 use cranny_path::{Audit, AuditSettings, Clearances, path_length};
 use cranny_plan::{Outcome, PlanError};
 use cranny_scenario::NamedTask;
-use cranny_solve::{Robustness, TaskTrajectory};
+use cranny_solve::{Hold, Robustness, TaskTrajectory};
 use cranny_task::{NotChecked, Problem, Segment, Stage, StatesAlong, give_clearances};
 use serde::Serialize;
 use serde_json::Value;
@@ -54,7 +54,7 @@ const GRASPS: &str = "grasps";
 const OF_GRASPS: [&str; 5] = ["grasp", "translation_error_m", "rotation_error_rad", "own_grasp", "picks"];
 
 /// Keys whose values are measured again.
-const MEASURED: [&str; 17] = [
+const MEASURED: [&str; 18] = [
     "task_name",
     "task",
     "picks",
@@ -72,10 +72,11 @@ const MEASURED: [&str; 17] = [
     "segments",
     "timing",
     "robustness",
+    "hold",
 ];
 
 /// Keys of which nothing is measured: they record how the path was found.
-const RECORD: [&str; 14] = [
+const RECORD: [&str; 15] = [
     "planner",
     "settings",
     "score",
@@ -90,6 +91,7 @@ const RECORD: [&str; 14] = [
     "no_grasp",
     "min_score",
     "below_min_score",
+    "hold_demanded",
 ];
 
 /// Keys of a plan without a path that are as stated.
@@ -149,6 +151,7 @@ impl PlanFile {
             waypoints: Vec::new(),
             timing: None,
             robustness: None,
+            hold: None,
             ..self.clone()
         };
         let (stated, found) = (figures(self), figures(&measured));
@@ -177,7 +180,11 @@ impl PlanFile {
         );
         let Some(audit) = audit? else { return Ok(None) };
         let robustness = robustness?.filter(|_| audit.valid);
-        let measured = Self { robustness, ..self.measured(task, (along, problem), &audit, settings)? };
+        let hold = match along.filter(|_| self.hold.is_some() && audit.valid) {
+            Some(along) => Hold::of(problem, along, &self.segments, self.timing_asked())?,
+            None => None,
+        };
+        let measured = Self { robustness, hold, ..self.measured(task, (along, problem), &audit, settings)? };
         let (stated, found) = (figures(self), figures(&measured));
         let is_stated = |key: &&str| is_stated(&stated[*key]);
         let mut judgement = self.judgement(task, audit, measured);
@@ -252,7 +259,7 @@ impl PlanFile {
         (!is_same).then_some(named)
     }
 
-    /// The plan with every figure but its radii as it is measured: no field is left out, so that a new one needs a decision.
+    /// The plan with every figure but its radii and its hold as it is measured: no field is left out, so that a new one needs a decision.
     fn measured(
         &self,
         task: &PlanSource,
@@ -315,6 +322,8 @@ impl PlanFile {
             min_score: self.min_score,
             below_min_score: self.below_min_score,
             robustness: None,
+            hold_demanded: self.hold_demanded,
+            hold: None,
         })
     }
 

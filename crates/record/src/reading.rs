@@ -144,7 +144,9 @@ impl PlanFile {
             let pose = grasp.world_from_gripper.iter().flatten().copied();
             pose.chain([grasp.opening_m, grasp.score]).chain(grasp.uneven_m)
         });
-        let fields: [(&'static str, Vec<f64>); 13] = [
+        let hold = self.hold.iter().flat_map(|hold| hold.factor.into_iter().chain([hold.at_rest]));
+        let speeds = self.segments.iter().filter_map(|segment| segment.speed);
+        let fields: [(&'static str, Vec<f64>); 15] = [
             ("own_grasp", own_grasp.collect()),
             ("waypoints", self.waypoints.concat()),
             ("clearances_per_edge_m", self.clearances_per_edge_m.iter().copied().flatten().collect()),
@@ -158,6 +160,8 @@ impl PlanFile {
             ("statistics", times.to_vec()),
             ("timing", timing.copied().collect()),
             ("optimisation", optimisation.collect()),
+            ("hold", hold.chain(self.hold_demanded).collect()),
+            ("segments", speeds.collect()),
         ];
         fields.iter().find(|(_, values)| values.iter().any(|x| !x.is_finite())).map(|(field, _)| *field)
     }

@@ -89,7 +89,7 @@ impl Law {
     /// The law of a key of a plan file.
     fn of(key: &str) -> Self {
         match key {
-            "clearance_m" | "clearances_per_edge_m" | "robustness" => Self::AtLeast,
+            "clearance_m" | "clearances_per_edge_m" | "robustness" | "hold" => Self::AtLeast,
             "own_grasp" => Self::Judged,
             // Under `paper`, of the judge's own: which grasp is reached how exactly is measured.
             "goal_threshold" => Self::Reported,
@@ -102,6 +102,7 @@ impl Law {
         match key {
             "clearances_m" => Self::AtLeast,
             "opening_m" => Self::Judged,
+            "mass_assumed" => Self::Equal,
             // Files of older versions do not have it.
             "uneven_m" => Self::Reported,
             _ => self,

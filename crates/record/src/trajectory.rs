@@ -63,7 +63,7 @@ impl PlanFile {
         StatesAlong::of(problem, &self.stages(problem), &self.segments)
     }
 
-    fn timing_asked(&self) -> Timing {
+    pub(crate) fn timing_asked(&self) -> Timing {
         self.timing.as_ref().map_or_else(Timing::default, |timing| Timing {
             method: timing.method,
             blend: timing.blended,

@@ -136,10 +136,16 @@ impl Scenario {
     /// that nothing would check.
     pub fn problem(&self, margins: Margins) -> Result<Problem, ScenarioError> {
         let bodies = 0..self.world.bodies().len();
-        let friction = |body| self.physics_of(body).friction.unwrap_or(DEFAULT_FRICTION);
-        let frictions: Vec<Option<f64>> = bodies.map(|body| Some(friction(body))).collect();
-        let problem =
-            self.problem_with_grasp_set(margins)?.with_places(&self.places).with_frictions(&frictions);
+        let of_body = |body| match self.target {
+            Some(target) if target == body => self.target_physics(),
+            _ => self.physics_of(body),
+        };
+        let physics: Vec<TargetPhysics> = bodies.map(of_body).collect();
+        let frictions: Vec<Option<f64>> =
+            physics.iter().map(|physics| physics.friction.or(Some(DEFAULT_FRICTION))).collect();
+        let masses_kg: Vec<Option<f64>> = physics.iter().map(|physics| physics.mass_kg).collect();
+        let problem = self.problem_with_grasp_set(margins)?.with_places(&self.places);
+        let problem = problem.with_frictions(&frictions).with_weights(&masses_kg);
         if self.has_grasp_set {
             return Ok(problem);
         }

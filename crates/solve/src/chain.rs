@@ -10,6 +10,7 @@ use cranny_task::{
 };
 
 use crate::effort::{Effort, Stop};
+use crate::hold::FirmGrip;
 use crate::look_ahead::LookAhead;
 use crate::onward::{Towards, Way, onward};
 use crate::place_search::{PlaceSearch, PutDowns, Spoiled};
@@ -61,6 +62,8 @@ struct Held<'a> {
     places: Option<Arc<PlaceSearch>>,
     /// The path that led to the grasp; empty if the arm has moved since.
     led: &'a [Vec<f64>],
+    /// How firmly the hand holds it, where that is demanded and can be computed.
+    grip: Option<&'a FirmGrip>,
 }
 
 impl<'a> Chain<'a> {
@@ -189,9 +192,20 @@ impl<'a> Chain<'a> {
             None => None,
         };
         let refusals = Arc::new(Refusals::default());
+        let demanded = self.request.hold.filter(|hold| *hold > 0.0);
+        let firmness = carrier.as_ref().zip(demanded).and_then(|(carrier, _)| {
+            self.problem.firmness(carrier).map(Arc::new)
+        });
         let asked = match &carrier {
             Some(carrier) => {
-                let filter = self.grasp_filter(index, carrier, places.as_ref());
+                let blocked = self.grasp_filter(index, carrier, places.as_ref());
+                let (firm, is_put_down) = (firmness.clone().zip(demanded), places.is_some());
+                let filter = move |world_from_tip: &Pose| {
+                    let weak = firm.as_ref().and_then(|(firm, hold)| {
+                        firm.fault_of(world_from_tip, *hold, is_put_down)
+                    });
+                    weak.or_else(|| blocked(world_from_tip))
+                };
                 let refusals = refusals.clone();
                 picking.clone().with_grasp_filter(GraspFilter::new(move |tip| refusals.counted(filter(tip))))
             }
@@ -220,7 +234,11 @@ impl<'a> Chain<'a> {
             let reached = before.at(report.path.last().map_or(&[], |q| &q[..]));
             let onward = match &carrier {
                 Some(carrier) => {
-                    let held = Held { carrier, places: places.clone(), led: &report.path };
+                    let robot = self.problem.robot();
+                    let grip =
+                        firmness.as_ref().and_then(|firmness| FirmGrip::of(firmness, robot, &reached.q));
+                    let held =
+                        Held { carrier, places: places.clone(), led: &report.path, grip: grip.as_ref() };
                     self.lift_off(index, &reached, &held, observer)?
                 }
                 None => Ok(Vec::new()),
@@ -355,8 +373,13 @@ impl<'a> Chain<'a> {
                 Err(reason) => return Ok(Err(reason)),
             };
             let there = state.at(path.last().map_or(&[], |q| &q[..]));
+            let is_firm = held.is_none_or(|held| self.is_firm(held, &path));
             let held = held.map(|held| Held { places: held.places.clone(), led: &[], ..*held });
-            match self.through(index + 1, &there, held.as_ref(), observer)? {
+            let through = match is_firm {
+                true => self.through(index + 1, &there, held.as_ref(), observer)?,
+                false => Err(FailureReason::Slips),
+            };
+            match through {
                 Ok(onward) => {
                     let segment = if mode.holds {
                         in_hand(state, index, mode, path)
@@ -398,7 +421,12 @@ impl<'a> Chain<'a> {
                 Ok(put_down) => put_down,
                 Err(reason) => return Ok(Err(reason)),
             };
-            match self.through(index + 1, &put_down.after, None, observer)? {
+            let is_firm = self.is_firm(held, &put_down.transfer.0) && self.is_firm(held, &put_down.set_down);
+            let through = match is_firm {
+                true => self.through(index + 1, &put_down.after, None, observer)?,
+                false => Err(FailureReason::Slips),
+            };
+            match through {
                 Ok(onward) => {
                     let (transfer, problem) = put_down.transfer;
                     let pieces = vec![
@@ -417,6 +445,13 @@ impl<'a> Chain<'a> {
                 }
             }
         }
+    }
+
+    /// True if the hand holds the object at rest in each attitude of a path (m, rad; one value per joint), as far as that is
+    /// demanded.
+    fn is_firm(&self, held: &Held<'_>, path: &[Vec<f64>]) -> bool {
+        let demanded = self.request.hold.unwrap_or_default();
+        held.grip.is_none_or(|grip| grip.at_rest(self.problem.robot(), path) >= demanded)
     }
 
     /// The places of the stage that puts down what is picked in a stage, if one does.

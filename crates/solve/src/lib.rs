@@ -4,6 +4,7 @@ mod answer;
 mod chain;
 mod effort;
 mod error;
+mod hold;
 mod ik_status;
 mod look_ahead;
 mod onward;
@@ -15,6 +16,7 @@ mod task_trajectory;
 
 pub use answer::{Answer, Optimisation, Shortening, Timed};
 pub use error::SolveError;
+pub use hold::{DEFAULT_HOLD, Hold};
 pub use ik_status::ik_statuses;
 pub use request::{Request, Timing};
 pub use robustness::{JointRadius, PoseRadius, Robustness};

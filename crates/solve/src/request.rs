@@ -4,11 +4,11 @@ use cranny_plan::{Budget, OptimiseSettings, Planner, Registry, default_planner};
 use cranny_task::{Criterion, Goal, Problem, Stage, State, TaskError};
 use serde_json::{Map, Value};
 
-use crate::SolveError;
+use crate::{DEFAULT_HOLD, SolveError};
 
 /// How a problem is to be solved. The same problem and request give the same way points on every machine, unless time
 /// cuts the search short.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Request {
     /// The planners that there are. Default: the built-in ones.
     pub registry: Registry,
@@ -39,7 +39,36 @@ pub struct Request {
     pub audit: AuditSettings,
     /// Whether it is worked out how far things may be from where a path that holds has them: some milliseconds an edge.
     pub robustness: bool,
+    /// Factor by which loads may grow before the hand lets slip what it carries, at least, where that can be computed: other
+    /// grasps are none, and motions are slowed down for it. Default [`DEFAULT_HOLD`]; 0 demands nothing; `None` leaves it
+    /// unmeasured.
+    pub hold: Option<f64>,
 }
+
+impl Default for Request {
+    fn default() -> Self {
+        Self {
+            registry: Registry::default(),
+            planner: None,
+            settings: Map::new(),
+            budget: Budget::default(),
+            seed: 0,
+            score: ScoreKind::default(),
+            min_score: None,
+            goal_threshold: None,
+            keep_path: false,
+            optimise: None,
+            stages: Vec::new(),
+            timing: None,
+            audit: AuditSettings::default(),
+            robustness: false,
+            hold: Some(DEFAULT_HOLD),
+        }
+    }
+}
+
+/// No hold is demanded beyond this factor.
+const MOST_HOLD: f64 = 100.0;
 
 /// How a path gets its time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -79,6 +108,10 @@ impl Request {
                 );
             }
             _ => {}
+        }
+        if let Some(hold) = self.hold.filter(|hold| !(0.0..=MOST_HOLD).contains(hold)) {
+            let problem = format!("'{hold}' is no factor of loads; give a number from 0 to {MOST_HOLD}");
+            return refuse("hold", problem);
         }
         if let Some(OptimiseSettings { score_weight, .. }) = self.optimise {
             if !(score_weight.is_finite() && score_weight >= 0.0) {

@@ -15,8 +15,9 @@ use cranny_spatial::other_seed;
 use cranny_task::{Carrier, Criterion, Problem, Segment, Stage, StatesAlong, give_clearances};
 
 use crate::chain::{Chain, Piece};
+use crate::hold::hold_firmly;
 use crate::{
-    Answer, Optimisation, Request, Robustness, Shortening, SolveError, TaskTrajectory, Timed, Timing,
+    Answer, Hold, Optimisation, Request, Robustness, Shortening, SolveError, TaskTrajectory, Timed, Timing,
 };
 
 /// Solves a problem as a request says.
@@ -25,11 +26,13 @@ use crate::{
 ///    only if there is one through all that follow (see `chain.rs`).
 /// 2. A path under `exact` is shortened, unless it is to be kept or was bettered; that of `reach` to a grasp or a
 ///    configuration is bettered a little ([`OptimiseSettings::delivery`]).
-/// 3. Whatever was found is judged like anybody's path before it is called solved.
-/// 4. A path that holds gets its time, if that is asked; where corners are cut, the curve is judged too, and all that is
+/// 3. Motions with an object in the hand are slowed down until the hand holds it firmly, if that is demanded
+///    ([`Request::hold`]).
+/// 4. Whatever was found is judged like anybody's path before it is called solved.
+/// 5. A path that holds gets its time, if that is asked; where corners are cut, the curve is judged too, and all that is
 ///    measured holds for it.
-/// 5. How far things may be from where it has them is worked out, if that is asked.
-/// 6. A path that turns a joint half a turn beyond need is not delivered before other seeds were tried: see
+/// 6. How far things may be from where it has them is worked out, if that is asked.
+/// 7. A path that turns a joint half a turn beyond need is not delivered before other seeds were tried: see
 ///    [`Robot::needless_turn`].
 ///
 /// That there is no path is an answer ([`Outcome`]), no error.
@@ -44,7 +47,7 @@ pub fn solve(
     request.check(problem)?;
     let begin = Instant::now();
     let mut answer = solve_once(problem, request, observer)?;
-    // 6.
+    // 7.
     /// More seeds find little that these do not.
     const OTHER_SEEDS: u64 = 8;
     /// A search that takes so many times the iterations of the first, and some, is not waited for. What the request
@@ -77,7 +80,7 @@ fn needless_turn(robot: &Robot, answer: &Answer) -> f64 {
     turns.fold(0.0, f64::max)
 }
 
-/// Steps 1 to 5.
+/// Steps 1 to 6.
 fn solve_once(
     problem: &Problem,
     request: &Request,
@@ -107,22 +110,24 @@ fn solve_asked(
     };
     let Found {
         report: PlanReport { outcome, statistics, failures, .. },
-        mut segments,
+        segments,
+        unshortened,
         shortening,
         optimisation,
         carrier,
     } = found;
     // 3.
-    let along = match &segments[..] {
-        [] => None,
-        segments => StatesAlong::with_carrier(problem, &stages, segments, carrier.as_ref())?,
-    };
+    let firm = firm(problem, &stages, request, ([segments, unshortened], carrier.as_ref()))?;
+    let is_firm = firm.is_some();
+    let (mut segments, along, hold) = firm.unwrap_or_default();
+    let outcome = if is_firm { outcome } else { Outcome::GaveUp };
+    // 4.
     let mut audit = match (&segments[..], &along) {
         ([], _) => None,
         (segments, Some(along)) => Some(audit_along(problem, &stages, (segments, along), request.audit)?),
         (segments, None) => Some(audit_task(problem, &stages, segments, request.audit)?),
     };
-    // 4.
+    // 5.
     let holds = outcome == Outcome::Solved && audit.as_ref().is_some_and(|audit| audit.valid);
     let timed = match request.timing {
         Some(timing) if holds => timed(problem, timing, &segments)?,
@@ -140,7 +145,7 @@ fn solve_asked(
     );
     let no_grasp = if is_grasp_missed { NoGrasp::of(&first, &failures) } else { None };
     let goal_faults = if outcome == Outcome::GoalsInvalid { first.goal_faults() } else { Vec::new() };
-    // 5.
+    // 6.
     let holds = holds && audit.as_ref().is_some_and(|audit| audit.valid);
     let robustness = along.filter(|_| request.robustness && holds);
     let robustness = robustness.and_then(|along| Robustness::of(&along, &segments, cut_corners));
@@ -164,6 +169,8 @@ fn solve_asked(
         timed,
         untimed,
         robustness,
+        hold_demanded: request.hold.filter(|_| !request.stages.is_empty()),
+        hold: hold.filter(|_| holds),
         shortening,
         optimisation,
         statistics,
@@ -178,6 +185,8 @@ fn solve_asked(
 struct Found {
     report: PlanReport,
     segments: Vec<Segment>,
+    /// The segments as they were found, where they were shortened.
+    unshortened: Vec<Segment>,
     shortening: Option<Shortening>,
     optimisation: Option<Optimisation>,
     /// The carrier of the first object.
@@ -203,7 +212,7 @@ fn found_alone(
     };
     let path = std::mem::take(&mut report.path);
     let segments = if path.is_empty() { Vec::new() } else { vec![Segment::reach(path, Vec::new())] };
-    Ok(Found { report, segments, shortening, optimisation, carrier: None })
+    Ok(Found { report, segments, unshortened: Vec::new(), shortening, optimisation, carrier: None })
 }
 
 /// Steps 1 and 2 for several stages: each segment that is not bound to what carries an object is shortened, or bettered,
@@ -220,6 +229,7 @@ fn found_in_stages(
     observer.search_ended();
     let begin = Instant::now();
     let is_found = !pieces.is_empty();
+    let unshortened = pieces.iter().map(|(segment, _)| segment.clone()).collect();
     let (segments, optimisation) = match request.optimise.filter(|_| is_found) {
         Some(settings) => {
             let (segments, optimisation) = bettered(pieces, &report, (settings, request), observer)?;
@@ -232,7 +242,38 @@ fn found_in_stages(
     let attempts = ShortcutSettings::default().attempts;
     let time_s = begin.elapsed().as_secs_f64();
     let shortening = is_shortened.then_some(Shortening { attempts, searches: 0, time_s });
-    Ok(Found { report, segments, shortening, optimisation, carrier })
+    Ok(Found { report, segments, unshortened, shortening, optimisation, carrier })
+}
+
+/// Segments, the states along them, and how firmly the hand holds what it carries.
+type Firm = (Vec<Segment>, Option<StatesAlong>, Option<Hold>);
+
+/// Step 3: the first of these paths on which the hand holds what it carries, as fast as it does; `None` where it does on
+/// none. A shortened path turns the object otherwise than the one that was found.
+fn firm(
+    problem: &Problem,
+    stages: &[Stage],
+    request: &Request,
+    (paths, carrier): ([Vec<Segment>; 2], Option<&Arc<Carrier>>),
+) -> Result<Option<Firm>, SolveError> {
+    let timing = request.timing.unwrap_or_default();
+    let [first, _] = &paths;
+    if first.is_empty() {
+        return Ok(Some(Firm::default()));
+    }
+    for mut segments in paths.into_iter().filter(|path| !path.is_empty()) {
+        let along = StatesAlong::with_carrier(problem, stages, &segments, carrier)?;
+        let hold = match (request.hold, &along) {
+            (Some(demanded), Some(along)) if along.stopped.is_none() => {
+                hold_firmly(problem, along, &mut segments, (timing, demanded))?
+            }
+            _ => Ok(None),
+        };
+        if let Ok(hold) = hold {
+            return Ok(Some((segments, along, hold)));
+        }
+    }
+    Ok(None)
 }
 
 fn shortened_pieces(pieces: Vec<Piece>, seed: u64) -> Result<Vec<Segment>, PlanError> {
@@ -312,7 +353,7 @@ fn searched(
     Ok((optimised.report, Some(optimisation)))
 }
 
-/// Step 4 for a path that holds; `None` for a robot without the limits for it.
+/// Step 5 for a path that holds; `None` for a robot without the limits for it.
 fn timed(problem: &Problem, timing: Timing, segments: &[Segment]) -> Result<Option<Timed>, PlanError> {
     let begin = Instant::now();
     let cell = problem.cell().map(Arc::as_ref);
@@ -353,7 +394,19 @@ impl Timing {
         cell: Option<&Cell>,
         path: &[Vec<f64>],
     ) -> Result<Option<Trajectory>, PlanError> {
+        self.along_at(robot, cell, path, 1.0)
+    }
+
+    /// The same at a share of the speed ([`MotionLimits::slowed`]).
+    pub(crate) fn along_at(
+        self,
+        robot: &Robot,
+        cell: Option<&Cell>,
+        path: &[Vec<f64>],
+        share: f64,
+    ) -> Result<Option<Trajectory>, PlanError> {
         let Ok(limits) = MotionLimits::of(robot, self.method) else { return Ok(None) };
+        let limits = limits.slowed(share)?;
         let trajectory = match cell.filter(|_| self.blend) {
             Some(cell) => Trajectory::blended(path, &limits, cell)?,
             None => Trajectory::along(path, &limits)?,

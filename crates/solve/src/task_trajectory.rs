@@ -71,7 +71,9 @@ impl TaskTrajectory {
             if way.is_empty() {
                 continue;
             }
-            let Some(trajectory) = timing.along(robot, cell, &way)? else { return Ok(None) };
+            let slowest = leg.iter().filter_map(|segment| segment.speed).reduce(f64::min);
+            let trajectory = timing.along_at(robot, cell, &way, slowest.unwrap_or(1.0))?;
+            let Some(trajectory) = trajectory else { return Ok(None) };
             legs.push(trajectory);
             openings_m.push(leg[0].opening_m.or(hand_opens_m).unwrap_or(0.0));
         }

@@ -1,6 +1,7 @@
 //! Grasps: what is measured of them, which a hand can take, and why one was not taken.
 
 pub(crate) mod closing_hand;
+pub(crate) mod firmness;
 pub(crate) mod grasp_failure;
 pub(crate) mod grasp_filter;
 pub(crate) mod grasp_measure;

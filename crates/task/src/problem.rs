@@ -7,9 +7,10 @@ use cranny_spatial::PoseDifference;
 use serde::{Deserialize, Serialize};
 use strum::{EnumString, IntoStaticStr};
 
+use crate::grasping::firmness::{Firmness, Weights};
 use crate::grasping::grasp_filter::GraspFilter;
 use crate::grasping::grasp_poses;
-use crate::{FailureReason, GraspMeasure, NotChecked, PlaceGoal, TaskError};
+use crate::{Carrier, FailureReason, GraspMeasure, NotChecked, PlaceGoal, TaskError};
 
 /// What a path must do, and what makes it valid. Start and goal fit the robot, and the robot is the one that the check
 /// was made for: whoever has a problem need not look again.
@@ -26,6 +27,7 @@ pub struct Problem {
     places: Arc<[PlaceGoal]>,
     /// Coefficients of friction of bodies against the pads, by index.
     frictions: Arc<[Option<f64>]>,
+    weights: Arc<Weights>,
     validity: Validity,
 }
 
@@ -109,6 +111,7 @@ impl Problem {
             grasp_filter: None,
             places: Arc::default(),
             frictions: Arc::default(),
+            weights: Arc::default(),
             validity,
         }
         .checked()
@@ -131,6 +134,7 @@ impl Problem {
             grasp_filter: None,
             places: Arc::default(),
             frictions: Arc::default(),
+            weights: Arc::default(),
             validity,
         }
         .checked()
@@ -155,6 +159,7 @@ impl Problem {
             grasp_filter: None,
             places: Arc::default(),
             frictions: Arc::default(),
+            weights: Arc::default(),
             validity,
         }
         .checked()
@@ -188,6 +193,19 @@ impl Problem {
     #[must_use]
     pub fn with_frictions(self, frictions: &[Option<f64>]) -> Self {
         Self { frictions: frictions.into(), ..self }
+    }
+
+    /// The same problem where bodies, by index, weigh this much, in kilograms, as far as that is known.
+    #[must_use]
+    pub fn with_weights(self, masses_kg: &[Option<f64>]) -> Self {
+        Self { weights: Arc::new(Weights::new(masses_kg)), ..self }
+    }
+
+    /// The firmness of grasps of the object of a carrier, where it stands in its cell; `None` where it cannot be computed
+    /// ([`Firmness`]).
+    pub fn firmness(&self, carrier: &Carrier) -> Option<Firmness> {
+        let body = carrier.hand().target();
+        Firmness::new(carrier.cell(), body, self.frictions.get(body).copied().flatten(), &self.weights)
     }
 
     /// The same problem from another start (m, rad; one per joint).

@@ -127,6 +127,7 @@ fn ask(arguments: &PlanArguments, joints: usize) -> Result<Ask, Failure> {
         then: arguments.then.map(Into::into),
         clear_m: arguments.clear.map(|clear_mm| clear_mm / 1e3),
         robust: arguments.robust,
+        hold: arguments.hold,
         ..Ask::default()
     })
 }

@@ -6,7 +6,7 @@ use cranny_grasp::{GraspSet, ScoreKind};
 use cranny_path::ClearanceLimit;
 use cranny_plan::{Improvement, NoGrasp, Outcome, Statistics};
 use cranny_record::{PlanFile, PlanShortening, PlanTiming};
-use cranny_solve::{JointRadius, PoseRadius, Robustness};
+use cranny_solve::{Hold, JointRadius, PoseRadius, Robustness};
 use cranny_task::{GraspFailure, MotionEnd, Move, Segment, Stage};
 use serde::Serialize;
 
@@ -91,6 +91,29 @@ fn robust(robustness: &Robustness) -> String {
         all_joints.as_ref().map(|radius| format!("all joints {}", joints(radius))),
     ];
     format!("free with {} off", parts.into_iter().flatten().collect::<Vec<_>>().join("; "))
+}
+
+/// How firmly the hand holds what it carries.
+fn held(plan: &PlanFile) -> Option<String> {
+    let carries = plan.segments.iter().any(|segment| segment.mode.holds);
+    let Some(Hold { factor, at_rest, mass_assumed }) = plan.hold else {
+        let is_asked = carries && plan.hold_demanded.is_some();
+        return is_asked.then(|| "not computed: the hand has no two flat pads that are known".to_owned());
+    };
+    let at_least = |factor: f64| cranny_file::at_least(factor, 1.0, 1);
+    let mut held = match factor {
+        Some(factor) => {
+            format!("by a factor of {} along the whole motion, {} at rest", at_least(factor), at_least(at_rest))
+        }
+        None => format!("by a factor of {} at rest (without times there is no other load)", at_least(at_rest)),
+    };
+    if let Some(slowest) = plan.segments.iter().filter_map(|segment| segment.speed).reduce(f64::min) {
+        let _ = write!(held, "; slowed down to {} % of the speed for it", at_least(slowest * 100.0));
+    }
+    if mass_assumed {
+        held.push_str("; the mass is not stated, and was assumed from the volume");
+    }
+    Some(held)
 }
 
 /// The objects that are put down, a line each.
@@ -207,6 +230,9 @@ fn about_path(answered: &Answered, grasps: &GraspSet, line: &mut dyn FnMut(&str,
     }
     if let Some(robustness) = &plan.robustness {
         line("robust", robust(robustness));
+    }
+    if let Some(value) = held(plan) {
+        line("holds", value);
     }
     for (name, lines) in [("carries", carried(plan)), ("puts down", placed(plan))] {
         for value in lines {

@@ -27,6 +27,11 @@ pub(crate) struct Seat {
 }
 
 impl Seat {
+    /// Turn of the object, in radians.
+    pub fn turn(&self) -> f64 {
+        self.turn_rad[0].hypot(self.turn_rad[1])
+    }
+
     /// The least of the energy of two beds of springs, the work of the closing force (N) and that of friction against
     /// turning between the pads, over opening, shift and two small turns: damped Newton. `None` with nothing between them.
     pub fn of(between: &Between, force_n: f64, friction: f64) -> Option<Self> {

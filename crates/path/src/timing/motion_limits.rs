@@ -86,6 +86,25 @@ impl MotionLimits {
         })
     }
 
+    /// The same at a share of the speed, above 0 and at most 1: the fastest motion within these limits takes 1/share times
+    /// as long, and has at each place the accelerations of the other times the square of it.
+    ///
+    /// # Errors
+    /// [`PathError::Speed`] for any other share.
+    pub fn slowed(&self, share: f64) -> Result<Self, PathError> {
+        if !(share > 0.0 && share <= 1.0) {
+            return Err(PathError::Speed { share });
+        }
+        let by = |limits: &[f64], factor: f64| limits.iter().map(|limit| limit * factor).collect();
+        Ok(Self {
+            method: self.method,
+            joint_names: self.joint_names.clone(),
+            velocity: by(&self.velocity, share),
+            acceleration: by(&self.acceleration, share.powi(2)),
+            jerk: by(&self.jerk, share.powi(3)),
+        })
+    }
+
     /// How the path is given its time.
     pub fn method(&self) -> TimingMethod {
         self.method

@@ -1,6 +1,6 @@
 use std::path::Path;
 
-use cranny_grasp::HeldObject;
+use cranny_grasp::{ASSUMED_FRICTION, HeldObject};
 use cranny_shape::{
     ConvexParts, DecompositionSettings, RepairedMesh, Roundness, ShapeError, Solid, StablePose, Surface, TriangleSoup,
     UnionMoments, distinct_poses, stable_poses,
@@ -70,9 +70,8 @@ impl ObjectSettings {
     }
 }
 
-/// The coefficient of friction of an object of which none is stated: the lower end of the range from 0.35 to 0.6 in which
-/// rubber pads hold cardboard, plastics and painted wood (METHODS B1).
-pub const DEFAULT_FRICTION: f64 = 0.35;
+/// The coefficient of friction of an object of which none is stated.
+pub const DEFAULT_FRICTION: f64 = ASSUMED_FRICTION;
 
 /// The coefficient of friction that the paper's object library gives all its objects: it is what another tool assumes of
 /// the unknown, and stays what the paper's grasps are measured with.

@@ -111,6 +111,10 @@ pub enum FailureReason {
     },
     /// The hand closed there, but not on the object: a finger touched nothing.
     ClosesOnNothing,
+    /// The pads would slip under less than the loads that were to be held.
+    Slips,
+    /// The hand turns or shifts the object too far while it closes for it to be put down where it is to stand.
+    TurnsInHand,
     /// The fingers met something on their way to the object:
     ClosingCollides {
         /// One thing.
@@ -217,6 +221,12 @@ impl FailureReason {
             }
             Self::NotConnected { .. } => "held by free configurations, but not connected".to_owned(),
             Self::ClosesOnNothing => "the hand closes on nothing there".to_owned(),
+            Self::Slips => {
+                "the hand holds the object too weakly there to carry it (`hold` demands less)".to_owned()
+            }
+            Self::TurnsInHand => {
+                "the hand turns or shifts the object there while it closes, so that it cannot be put down".to_owned()
+            }
             Self::ClosingCollides { first, second } => {
                 format!("reached, but the fingers cannot close: {first} against {second}")
             }

@@ -85,6 +85,10 @@ pub struct Segment {
     /// is pushed by it. `None` while nothing is held.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub uneven_m: Option<f64>,
+    /// Share of the limits of velocity with which it is run through, above 0 and below 1, so that the hand holds what is
+    /// in it; accelerations have the square of it, jerks the cube. `None`: all of them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub speed: Option<f64>,
     /// Way points: one value per joint each (m, rad).
     #[serde(default)]
     pub waypoints: Vec<Vec<f64>>,
@@ -128,6 +132,7 @@ impl Segment {
             attached: None,
             opening_m: None,
             uneven_m: None,
+            speed: None,
             waypoints,
             clearances_m: Vec::new(),
         }
