@@ -39,6 +39,7 @@ __all__ = [
     "page",
     "picture",
     "plan",
+    "plan_experiment",
     "planner_names",
     "run_campaign",
     "sample_grasps",
@@ -390,6 +391,10 @@ class Plan:
     @property
     def robustness(self) -> dict[str, Any] | None: ...
     @property
+    def hold(self) -> dict[str, Any] | None: ...
+    @property
+    def tries(self) -> list[dict[str, Any]]: ...
+    @property
     def times(self) -> _Floats | None: ...
     @property
     def duration_s(self) -> float | None: ...
@@ -458,6 +463,8 @@ def plan(
     then: str | None = None,
     clear_m: float | None = None,
     robust: tuple[float, float] | None = None,
+    hold: float = 1.5,
+    try_in_physics: int | None = None,
     watch: LivePage | None = None,
 ) -> Plan: ...
 def verify_path(
@@ -515,6 +522,7 @@ def simulate_plan(
     mass_kg: float | None = None,
     friction: float | None = None,
     closing_force_n: float | None = None,
+    disturb: int | None = None,
 ) -> dict[str, Any]: ...
 @overload
 def simulate_plan(
@@ -524,7 +532,16 @@ def simulate_plan(
     mass_kg: float | None = None,
     friction: float | None = None,
     closing_force_n: float | None = None,
+    disturb: int | None = None,
 ) -> list[dict[str, Any]]: ...
+def plan_experiment(
+    plan: Plan,
+    *,
+    lift_m: float = 0.03,
+    mass_kg: float | None = None,
+    friction: float | None = None,
+    closing_force_n: float | None = None,
+) -> dict[str, Any]: ...
 def picture(
     scenario: Scenario,
     plan: Plan | None = None,

@@ -15,7 +15,7 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -44,6 +44,26 @@ class GraspRun:
     """With what a finger pressed when the hand had closed: the mean of the fingers."""
 
 
+@dataclass(frozen=True)
+class PlanRun:
+    """What came of a plan, from where the hand closes."""
+
+    grasp: GraspRun
+    """The object in the hand, up to where the plan ends or releases it."""
+    released: tuple[float, float] | None
+    """How far (m) and how much turned (rad) the object was from where it is to be put down when it was released; None if it
+    was not."""
+    placed: tuple[float, float] | None
+    """The same 2 s after the arm has stopped."""
+    stands: bool
+    """True if that is within the limits of the plan."""
+
+    @property
+    def is_kept(self) -> bool:
+        """True if the object was in the hand up to there, and slipped no farther than the limit."""
+        return self.grasp.outcome == "held"
+
+
 def load(path: str | os.PathLike[str]) -> dict[str, Any]:
     """The experiment in a file."""
     experiment = json.loads(Path(path).read_text(encoding="utf-8"))
@@ -56,6 +76,24 @@ def run_all(experiment: Mapping[str, Any]) -> list[GraspRun]:
     """Runs all grasps of an experiment, one after the other, in their order."""
     model = GraspModel(experiment)
     return [model.run(index) for index in range(len(experiment["grasps"]))]
+
+
+def run_plan(experiment: Mapping[str, Any]) -> PlanRun:
+    """Runs a plan of one pick that `cranny simulate plan --export` or `cranny.plan_experiment` wrote."""
+    model = GraspModel(experiment)
+    grasp = model.close_on(0)
+    if not isinstance(grasp, float):
+        return PlanRun(grasp, None, None, False)
+    run = model.carry([_read_pose(pose) for pose in experiment["held"]], grasp)
+    planned = experiment["world_from_planned"]
+    if planned is None or run.outcome == "dropped":
+        return PlanRun(run, None, None, False)
+    there = _read_pose(planned)
+    released = model.error(there, model.world_from_object())
+    model.open([_read_pose(pose) for pose in experiment["left"]])
+    placed = model.error(there, model.world_from_object())
+    stands = placed[0] <= experiment["placed_m"] and placed[1] <= experiment["placed_rad"]
+    return PlanRun(run, released, placed, stands)
 
 
 @dataclass(frozen=True)
@@ -86,6 +124,7 @@ class GraspModel:
         """The `MjData`."""
         self.steps = 0
         """How many steps of the drive were made."""
+        self._opens_from: tuple[int, float] | None = None
         self._strokes = np.array(experiment["strokes_m"], dtype=np.float64)
         names = [f"finger {number}" for number in range(1, len(self._strokes) + 1)]
         self._palm, self._object = (self.model.joint(name) for name in ("palm", "object"))
@@ -99,20 +138,41 @@ class GraspModel:
 
     def run(self, index: int) -> GraspRun:
         """Runs one of the experiment's grasps."""
+        closed = self.close_on(index)
+        if not isinstance(closed, float):
+            return closed
+        figures, course = self.experiment, self.experiment["course"]
+        step_s, world_from_grasp = figures["step_s"], self.grasp(index)
+        steps = range(1, round(_duration_s(course) / step_s) + 1)
+        parts = figures["model_steps"]
+        times = ([(step - 1 + (part + 1) / parts) * step_s for part in range(parts)] for step in steps)
+        return self._follow(([self._on_course(world_from_grasp, time_s) for time_s in some] for some in times), closed)
+
+    def close_on(self, index: int) -> float | GraspRun:
+        """Closes the hand at one of the grasps: with what a finger presses then (N), or how it ended."""
         course = self.experiment["course"]
-        world_from_grasp = self.grasp(index)
-        self.open_at(world_from_grasp)
+        self.open_at(self.grasp(index))
         blocked = self._blocked()
         if blocked is not None:
             return GraspRun(blocked, 0.0, 0.0, 0.0, 0.0)
         self.model.opt.gravity[:] = self._gravity if self.experiment["is_carried"] else 0.0
-        world_from_rest = self._world_from_object()
+        world_from_rest = self.world_from_object()
         force_n = self._close()
         self.model.opt.gravity[:] = self._gravity
         if force_n is None:
-            error = self._error(world_from_rest, self._world_from_object())
+            error = self.error(world_from_rest, self.world_from_object())
             return GraspRun("never-closed" if _is_held(course, error) else "knocked-away", *error, 0.0, 0.0)
-        return self._carry(world_from_grasp, force_n)
+        return force_n
+
+    def carry(self, poses: list[Pose], force_n: float) -> GraspRun:
+        """Takes the hand, and what it has closed on, to these poses, one for each step of the drive."""
+        return self._follow(self._between(poses), force_n)
+
+    def open(self, poses: list[Pose]) -> None:
+        """Opens the hand while it goes to these poses, one for each step of the drive."""
+        self._opens_from = (self.steps, self.closed()[0] * float(self._strokes.max()))
+        for some in self._between(poses):
+            self.step(some)
 
     def grasp(self, index: int) -> Pose:
         """The pose of the gripper at one of the experiment's grasps."""
@@ -122,12 +182,17 @@ class GraspModel:
         """The open hand at a pose, the object at rest."""
         self._mujoco.mj_resetData(self.model, self.data)
         self.steps = 0
+        self._opens_from = None
         self._world_from_palm = world_from_palm
 
     def step(self, next_poses: list[Pose] | None = None) -> None:
         """A step of the drive; the palm goes through these poses, one for each step of the model, or stands still."""
         figures = self.experiment
-        driven_m = figures["course"]["closing_speed"] * self.time_s
+        speed = figures["course"]["closing_speed"]
+        driven_m = speed * self.time_s
+        if self._opens_from is not None:
+            since, closed_m = self._opens_from
+            driven_m = max(closed_m - speed * (self.steps - since) * figures["step_s"], 0.0)
         for finger, stroke_m in enumerate(self._strokes):
             # Behind the end of the stroke the place goes on until the force is whole.
             end_m = stroke_m + figures["closing_force_n"] / figures["drive_stiffness"]
@@ -214,27 +279,41 @@ class GraspModel:
                 return sum(still[lead_steps:]) / full_steps
         return None
 
-    def _carry(self, world_from_closed: Pose, force_n: float) -> GraspRun:
-        """Takes the course with what the hand has closed on."""
+    def _follow(self, ways: Iterable[list[Pose]], force_n: float) -> GraspRun:
+        """Follows a way, given for each step of the drive as a pose for each step of the model."""
         figures, course = self.experiment, self.experiment["course"]
-        model_steps, step_s = figures["model_steps"], figures["step_s"]
+        step_s = figures["step_s"]
         closed_from_object = self._hand_from_object()
-        duration_s = _duration_s(course)
         held_s: float | None = None
-        error = (0.0, 0.0)
-        for step in range(1, round(duration_s / step_s) + 1):
-            times = [(step - 1 + (part + 1) / model_steps) * step_s for part in range(model_steps)]
-            self.step([self._on_course(world_from_closed, time_s) for time_s in times])
-            error = self._error(closed_from_object, self._hand_from_object())
+        error, duration_s = (0.0, 0.0), 0.0
+        for step, way in enumerate(ways, 1):
+            self.step(way)
+            duration_s = step * step_s
+            error = self.error(closed_from_object, self._hand_from_object())
             if held_s is None and not _is_held(course, error):
-                held_s = step * step_s
+                held_s = duration_s
             if error[0] > figures["lost_m"]:
-                return GraspRun("dropped", *error, step * step_s if held_s is None else held_s, force_n)
+                return GraspRun("dropped", *error, duration_s if held_s is None else held_s, force_n)
         if all(pressure is None for pressure in self.pressures()):
             outcome = "dropped"
         else:
             outcome = "held" if _is_held(course, error) else "slipped"
         return GraspRun(outcome, *error, duration_s if held_s is None else held_s, force_n)
+
+    def _between(self, poses: list[Pose]) -> Iterable[list[Pose]]:
+        """The way to each of these poses from the one before, in steps of the model."""
+        import numpy as np
+
+        parts = self.experiment["model_steps"]
+        for pose in poses:
+            start, turn = self._world_from_palm, np.zeros(3)
+            self._mujoco.mju_subQuat(turn, pose.quaternion, start.quaternion)
+            way = []
+            for part in range(1, parts + 1):
+                share, quaternion = part / parts, start.quaternion.copy()
+                self._mujoco.mju_quatIntegrate(quaternion, turn, share)
+                way.append(Pose(start.position + share * (pose.position - start.position), quaternion))
+            yield way
 
     def _on_course(self, world_from_closed: Pose, time_s: float) -> Pose:
         """Where the hand is, that long after it has closed: lifted by a polynomial of the fifth degree, then shaken along
@@ -268,7 +347,8 @@ class GraspModel:
         self.data.qvel[of : of + 3], self.data.qvel[of + 3 : of + 6] = (target.position - start.position) / dt, turn / dt
         self._world_from_palm = target
 
-    def _world_from_object(self) -> Pose:
+    def world_from_object(self) -> Pose:
+        """The pose of the object in the planning frame."""
         at = self._object.qposadr[0]
         return Pose(self.data.qpos[at : at + 3].copy(), self.data.qpos[at + 3 : at + 7].copy())
 
@@ -278,7 +358,7 @@ class GraspModel:
         palm = self._world_from_palm
         inverse = Pose(np.zeros(3), np.zeros(4))
         self._mujoco.mju_negPose(inverse.position, inverse.quaternion, palm.position, palm.quaternion)
-        return self._times(inverse, self._world_from_object())
+        return self._times(inverse, self.world_from_object())
 
     def _times(self, a: Pose, b: Pose) -> Pose:
         import numpy as np
@@ -289,15 +369,25 @@ class GraspModel:
         )
         return product
 
-    def _error(self, expected: Pose, actual: Pose) -> tuple[float, float]:
-        """How far the centre of mass is from where it should be (m), and how far the object is turned (rad)."""
+    def error(self, expected: Pose, actual: Pose) -> tuple[float, float]:
+        """How far the centre of mass is from where it should be (m), and how far the object is seen to be turned (rad)."""
         import numpy as np
 
         turn, a, b = np.zeros(3), np.zeros(3), np.zeros(3)
         self._mujoco.mju_trnVecPose(a, actual.position, actual.quaternion, self._center)
         self._mujoco.mju_trnVecPose(b, expected.position, expected.quaternion, self._center)
         self._mujoco.mju_subQuat(turn, actual.quaternion, expected.quaternion)
-        return float(np.linalg.norm(a - b)), float(np.linalg.norm(turn))
+        unseen = self.experiment["unseen_turns"]
+        if unseen == "all":
+            angle = 0.0
+        elif isinstance(unseen, Mapping):
+            axes = [np.zeros(3), np.zeros(3)]
+            for axis, pose in zip(axes, (expected, actual), strict=True):
+                self._mujoco.mju_rotVecQuat(axis, np.array(unseen["about"]), pose.quaternion)
+            angle = math.atan2(float(np.linalg.norm(np.cross(*axes))), float(np.dot(*axes)))
+        else:
+            angle = float(np.linalg.norm(turn))
+        return float(np.linalg.norm(a - b)), angle
 
 
 def _mujoco() -> Any:

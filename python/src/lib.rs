@@ -60,7 +60,7 @@ mod _cranny {
     #[pymodule_export]
     use crate::grasping::grasp_set::{PyGrasps, restored_grasps};
     #[pymodule_export]
-    use crate::grasping::simulation::{grasp_experiment, simulate_grasps, simulate_plan};
+    use crate::grasping::simulation::{grasp_experiment, plan_experiment, simulate_grasps, simulate_plan};
     #[pymodule_export]
     use crate::handover::fault::CrannyError;
     #[pymodule_export]

@@ -91,6 +91,13 @@ impl PyPlan {
         self.measured.hold.as_ref().map(|hold| python_of(py, hold)).transpose()
     }
 
+    /// Plans that were tried in physics, of which this is the last: a list of dictionaries of "seed", "outcome", "kept",
+    /// "as_planned" and, of a grasp that failed, "left_out"; empty where none was tried.
+    #[getter]
+    fn tries<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        python_of(py, &self.file.tries)
+    }
+
     /// When each way point is passed, (N,), in seconds; None for a robot without limits of acceleration.
     #[getter]
     fn times<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArrayDyn<f64>>>> {

@@ -8,6 +8,7 @@ use cranny_path::{AuditSettings, audit_with};
 use cranny_plan::Observer;
 use cranny_record::{Ask, CarryWord, PlanFile, TaskWord};
 use cranny_robot::Robot;
+use cranny_sim::{Tried, solve_in_physics};
 use cranny_solve::{PoseRadius, solve};
 use cranny_view::WatchedSearch;
 use pyo3::prelude::*;
@@ -89,7 +90,9 @@ pub fn seconds(what: &str, value: f64) -> PyResult<Duration> {
 /// that form, which are done in order; `plan.task` lists them. `robust`: how far (m, rad) the target may be from where it is thought to be,
 /// before the hand closes and in the hand; `plan.robustness` says how far anyway. `hold`: factor by which weight and inertia
 /// may grow, at least, before the hand lets slip what it carries (weaker grasps are none, motions are slowed down for it; 0
-/// demands nothing); `plan.hold` is what it is. `watch`: a
+/// demands nothing); `plan.hold` is what it is. `try_in_physics`: plans are executed as by `simulate_plan`; where an object is
+/// not kept in the hand, or does not stand where it was put down, it is planned again without the grasp that failed, from the
+/// next seed, so often at most; `plan.tries` lists the results. `watch`: a
 /// page of `cranny.show(scenario, live=True)`, which then shows the trees of the search as they grow, and at its end the
 /// plan with them.
 ///
@@ -98,7 +101,7 @@ pub fn seconds(what: &str, value: f64) -> PyResult<Duration> {
 #[pyo3(signature = (scenario, planner=None, *, seed=0, time_limit_s=120.0, iterations=None, margin_m=0.0,
     grasp_margin_m=0.0, strict_pairs=false, settings=None, goal_threshold=None, shortcut=true, optimise_s=None,
     cost="length", score_weight=1.0, jerk_limited=false, blend=false, score="geometric", min_score=None,
-    carry=None, place=None, task=None, then=None, clear_m=None, robust=None, hold=1.5, watch=None))]
+    carry=None, place=None, task=None, then=None, clear_m=None, robust=None, hold=1.5, try_in_physics=None, watch=None))]
 #[allow(
     clippy::too_many_arguments,
     clippy::fn_params_excessive_bools,
@@ -130,6 +133,7 @@ pub fn plan(
     clear_m: Option<f64>,
     robust: Option<[f64; 2]>,
     hold: f64,
+    try_in_physics: Option<usize>,
     watch: Option<&Bound<'_, PyLivePage>>,
 ) -> PyResult<PyPlan> {
     let py = scenario.py();
@@ -179,12 +183,22 @@ pub fn plan(
     let task = asked;
     let watched = watch.map(|page| page.get().watch(&task)).transpose()?;
     let mut observer = PlanObserver { interrupt: InterruptObserver::new(), watched };
-    let found = py.detach(|| solve(&task.problem, &request, &mut observer));
+    let found = py.detach(|| match (try_in_physics, &task.scenario) {
+        (Some(most), Some(scenario)) => {
+            let asked = (scenario.as_ref(), &task.problem);
+            solve_in_physics(asked, (&request, &task.source), most, &mut observer, |_| {}).map_err(fault)
+        }
+        (Some(_), None) => Err(bad_value("try_in_physics needs a Scenario")),
+        (None, _) => {
+            let answer = solve(&task.problem, &request, &mut observer).map_err(fault)?;
+            Ok(Tried { answer, tries: Vec::new() })
+        }
+    });
     let PlanObserver { interrupt, watched } = observer;
     // Ctrl-C goes before whatever the search says of it.
     interrupt.result()?;
-    let answer = found.map_err(fault)?;
-    let file = PlanFile::of(&answer, &task.source);
+    let Tried { answer, tries } = found?;
+    let file = PlanFile { tries, ..PlanFile::of(&answer, &task.source) };
     let is_valid = answer.is_valid();
     let trajectory = answer.timed.map(|timed| Arc::new(timed.trajectory));
     let (measured, differs, unjudged) = (file.clone(), Vec::new(), Vec::new());

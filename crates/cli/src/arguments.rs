@@ -83,6 +83,9 @@ pub struct TaskArguments {
     pub grasps: Option<GivenGrasps>,
 }
 
+/// Tries in physics take a second each.
+const MOST_TRIES: u64 = 1000;
+
 #[derive(Clone, Debug, Args)]
 #[command(after_help = "Examples:
   cranny plan 021
@@ -97,6 +100,7 @@ pub struct TaskArguments {
   cranny plan 015 --carry out --clear 100
   cranny plan 012 --place outside --then stay
   cranny plan 012 --place outside --hold 3
+  cranny plan 031 --place outside --try-in-physics 5
   cranny plan 021 --robust 2,3
   cranny plan 213 --steps
   cranny plan path/to/scenario --task tidy
@@ -156,6 +160,10 @@ pub struct PlanArguments {
     /// none, and motions are slowed down for it; 0 demands nothing
     #[arg(long, value_name = "FACTOR", default_value_t = DEFAULT_HOLD, allow_negative_numbers = true)]
     pub hold: f64,
+    /// Execute each plan in physics, as `simulate plan` does; where an object is not kept in the hand, or does not stand where
+    /// it was put down, plan again without the grasp that failed, from the next seed: so often at most, in all
+    #[arg(long, value_name = "N", value_parser = whole(1..=MOST_TRIES), conflicts_with = "moveit")]
+    pub try_in_physics: Option<u64>,
     /// Put the target down in a place of the scenario (`places` in its scenario.yaml; `cranny info` lists them) and open the
     /// hand. A grasp with which it cannot be brought there is none
     #[arg(long, value_name = "PLACE")]

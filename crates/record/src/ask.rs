@@ -155,6 +155,7 @@ impl Ask {
             audit: AuditSettings::default(),
             robustness: true,
             hold: Some(self.hold),
+            left_out: Vec::new(),
         };
         request.check(problem)?;
         Ok((request, task))

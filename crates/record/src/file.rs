@@ -7,12 +7,13 @@ use cranny_path::{Audit, AuditSettings, Clearances, PickAudit, path_length};
 use cranny_plan::{Budget, NoGrasp, Outcome, Statistics};
 use cranny_scenario::{Geometry, GivenGrasps, NamedTask, ScenarioError, write_whole_file};
 use cranny_solve::{Answer, Hold, Request, Robustness};
+use cranny_spatial::Pose;
 use cranny_task::{Criterion, GraspFailure, NotChecked, OwnGrasp, Segment, Stage};
 use serde::{Deserialize, Serialize};
 
-use crate::RecordError;
 use crate::betterment::{PlanOptimisation, PlanShortening};
 use crate::timing::PlanTiming;
+use crate::{PlanTry, RecordError};
 
 /// An answer, with all that is needed to judge it and to find it again: what a `*.plan.json` holds.
 ///
@@ -123,6 +124,9 @@ pub struct PlanFile {
     /// Factor by which they may; `None` where nothing is carried, or it cannot be computed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hold: Option<Hold>,
+    /// Plans that were tried in physics, of which this is the last, if any were.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub tries: Vec<PlanTry>,
 }
 
 /// Grasp of a pick, as [`PlanFile`] states that of the first.
@@ -259,6 +263,7 @@ impl PlanFile {
             robustness: answer.robustness,
             hold_demanded: answer.hold_demanded,
             hold: answer.hold,
+            tries: Vec::new(),
         }
     }
 
@@ -276,10 +281,18 @@ impl PlanFile {
             keep_path: self.shortening.is_none(),
             stages: self.task.clone(),
             hold: self.hold_demanded,
+            left_out: self.left_out(),
             // How far the same path is from everything stands in the plan.
             audit: AuditSettings { clearances: Clearances::None, ..AuditSettings::default() },
             ..Request::default()
         }
+    }
+
+    /// The grasps, each of its stage, that were left out because they failed in physics before.
+    pub fn left_out(&self) -> Vec<(usize, Pose)> {
+        let before = self.tries.split_last().map_or(&[][..], |(_, before)| before);
+        let left_out = before.iter().filter_map(|tried| tried.left_out.as_ref());
+        left_out.filter_map(|grasp| Some((grasp.stage, grasp.pose()?))).collect()
     }
 
     /// The grasps that were given.
@@ -389,6 +402,7 @@ mod tests {
             no_grasp: None,
             robustness: None,
             hold_demanded: Some(1.5),
+            tries: Vec::new(),
             hold: Some(Hold { factor: Some(0.1 + 0.2), at_rest: 0.1 / 3.0, mass_assumed: true }),
         }
     }

@@ -76,7 +76,7 @@ const MEASURED: [&str; 18] = [
 ];
 
 /// Keys of which nothing is measured: they record how the path was found.
-const RECORD: [&str; 15] = [
+const RECORD: [&str; 16] = [
     "planner",
     "settings",
     "score",
@@ -92,6 +92,7 @@ const RECORD: [&str; 15] = [
     "min_score",
     "below_min_score",
     "hold_demanded",
+    "tries",
 ];
 
 /// Keys of a plan without a path that are as stated.
@@ -323,6 +324,7 @@ impl PlanFile {
             below_min_score: self.below_min_score,
             robustness: None,
             hold_demanded: self.hold_demanded,
+            tries: self.tries.clone(),
             hold: None,
         })
     }

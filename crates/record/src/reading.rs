@@ -144,9 +144,11 @@ impl PlanFile {
             let pose = grasp.world_from_gripper.iter().flatten().copied();
             pose.chain([grasp.opening_m, grasp.score]).chain(grasp.uneven_m)
         });
+        let left_out = self.tries.iter().filter_map(|tried| tried.left_out.as_ref());
+        let left_out = left_out.flat_map(|grasp| grasp.world_from_gripper.into_iter().flatten());
         let hold = self.hold.iter().flat_map(|hold| hold.factor.into_iter().chain([hold.at_rest]));
         let speeds = self.segments.iter().filter_map(|segment| segment.speed);
-        let fields: [(&'static str, Vec<f64>); 15] = [
+        let fields: [(&'static str, Vec<f64>); 16] = [
             ("own_grasp", own_grasp.collect()),
             ("waypoints", self.waypoints.concat()),
             ("clearances_per_edge_m", self.clearances_per_edge_m.iter().copied().flatten().collect()),
@@ -162,6 +164,7 @@ impl PlanFile {
             ("optimisation", optimisation.collect()),
             ("hold", hold.chain(self.hold_demanded).collect()),
             ("segments", speeds.collect()),
+            ("tries", left_out.collect()),
         ];
         fields.iter().find(|(_, values)| values.iter().any(|x| !x.is_finite())).map(|(field, _)| *field)
     }

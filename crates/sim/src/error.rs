@@ -53,6 +53,9 @@ pub enum SimError {
     /// What a scenario says of its target is not enough.
     #[error(transparent)]
     Scenario(#[from] cranny_scenario::ScenarioError),
+    /// No plan can be looked for.
+    #[error(transparent)]
+    Solve(#[from] cranny_solve::SolveError),
     /// A plan cannot be carried out.
     #[error(transparent)]
     Plan(#[from] cranny_plan::PlanError),

@@ -200,7 +200,11 @@ impl<'a> Chain<'a> {
             Some(carrier) => {
                 let blocked = self.grasp_filter(index, carrier, places.as_ref());
                 let (firm, is_put_down) = (firmness.clone().zip(demanded), places.is_some());
+                let left_out = self.request.left_out_filter(index);
                 let filter = move |world_from_tip: &Pose| {
+                    if left_out.as_ref().is_some_and(|is_left_out| is_left_out(world_from_tip)) {
+                        return Some(FailureReason::LeftOut);
+                    }
                     let weak = firm.as_ref().and_then(|(firm, hold)| {
                         firm.fault_of(world_from_tip, *hold, is_put_down)
                     });

@@ -2,6 +2,7 @@ use cranny_grasp::{Grasp, GraspError, GraspSet, ScoreKind};
 use cranny_path::{AuditSettings, MotionLimits, TimingMethod};
 use cranny_plan::{Budget, OptimiseSettings, Planner, Registry, default_planner};
 use cranny_task::{Criterion, Goal, Problem, Stage, State, TaskError};
+use cranny_spatial::{EXACT_ROTATION_RAD, EXACT_TRANSLATION_M, Pose, PoseDifference, Vector};
 use serde_json::{Map, Value};
 
 use crate::{DEFAULT_HOLD, SolveError};
@@ -43,6 +44,9 @@ pub struct Request {
     /// grasps are none, and motions are slowed down for it. Default [`DEFAULT_HOLD`]; 0 demands nothing; `None` leaves it
     /// unmeasured.
     pub hold: Option<f64>,
+    /// Grasps that are left out, each of a stage, by the pose of the gripper frame in the planning frame; those within
+    /// 2 mm and 2° too.
+    pub left_out: Vec<(usize, Pose)>,
 }
 
 impl Default for Request {
@@ -63,6 +67,7 @@ impl Default for Request {
             audit: AuditSettings::default(),
             robustness: false,
             hold: Some(DEFAULT_HOLD),
+            left_out: Vec::new(),
         }
     }
 }
@@ -211,6 +216,20 @@ impl Request {
             return Err(refuse(GraspError::NoRobustScore { grasp }.to_string()));
         }
         Ok(problem.with_goal(Goal::Grasps(grasps.scored_by(self.score)))?)
+    }
+
+    /// A filter of the grasps of a stage that are left out; `None` where all are in.
+    pub(crate) fn left_out_filter(&self, stage: usize) -> Option<impl Fn(&Pose) -> bool + Send + Sync + use<>> {
+        let of_stage = self.left_out.iter().filter(|(of, _)| *of == stage);
+        let poses: Vec<Pose> = of_stage.map(|(_, pose)| *pose).collect();
+        (!poses.is_empty()).then_some(move |grasp: &Pose| {
+            let half_turn = Pose::rotation(Vector::z() * std::f64::consts::PI);
+            let is_near = |other: &Pose| {
+                let PoseDifference { translation_m, rotation_rad } = PoseDifference::between(other, grasp);
+                translation_m <= 2.0 * EXACT_TRANSLATION_M && rotation_rad <= 2.0 * EXACT_ROTATION_RAD
+            };
+            poses.iter().any(|pose| is_near(pose) || is_near(&(pose * half_turn)))
+        })
     }
 
     /// The stages: those that are asked, or the goal of the problem.

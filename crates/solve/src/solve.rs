@@ -11,8 +11,8 @@ use cranny_plan::{
     Statistics, Unobserved, better, optimise, search,
 };
 use cranny_robot::Robot;
-use cranny_spatial::other_seed;
-use cranny_task::{Carrier, Criterion, Problem, Segment, Stage, StatesAlong, give_clearances};
+use cranny_spatial::{Pose, other_seed};
+use cranny_task::{Carrier, Criterion, FailureReason, GraspFilter, Problem, Segment, Stage, StatesAlong, give_clearances};
 
 use crate::chain::{Chain, Piece};
 use crate::hold::hold_firmly;
@@ -104,9 +104,16 @@ fn solve_asked(
     let first = request.first_problem(problem)?;
     let planner = request.planner_for(&first)?;
     // 1. and 2.
-    let found = match &stages[..] {
-        [_] if request.stages.is_empty() => found_alone(problem, planner.as_ref(), request, observer)?,
-        stages => found_in_stages(problem, planner.as_ref(), (stages, request), observer)?,
+    let found = match (&stages[..], request.left_out_filter(0)) {
+        ([_], None) if request.stages.is_empty() => {
+            found_alone(problem, planner.as_ref(), request, observer)?
+        }
+        ([_], Some(is_left_out)) if request.stages.is_empty() => {
+            let fault = move |tip: &Pose| is_left_out(tip).then_some(FailureReason::LeftOut);
+            let left = problem.clone().with_grasp_filter(GraspFilter::new(fault));
+            found_alone(&left, planner.as_ref(), request, observer)?
+        }
+        (stages, _) => found_in_stages(problem, planner.as_ref(), (stages, request), observer)?,
     };
     let Found {
         report: PlanReport { outcome, statistics, failures, .. },

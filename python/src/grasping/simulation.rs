@@ -1,4 +1,4 @@
-//! `simulate_grasps`, `grasp_experiment` and `simulate_plan`: grasps of a scenario and plans in physics.
+//! `simulate_grasps`, `grasp_experiment`, `simulate_plan` and `plan_experiment`: grasps of a scenario and plans in physics.
 
 use std::path::PathBuf;
 use std::sync::Mutex;
@@ -155,6 +155,30 @@ pub fn simulate_plan<'py>(
     python_of(py, &rows?.unwrap_or_default())
 }
 
+/// A plan of one pick as a document for another engine, the same as `cranny simulate plan --export` writes: hand, object and
+/// surroundings as MJCF, and the motions of the hand from where it closes. A dictionary, which
+/// `cranny.mujoco_grasps.run_plan` takes. The arguments are those of `simulate_plan`.
+#[pyfunction]
+#[pyo3(signature = (plan, *, lift_m=0.03, mass_kg=None, friction=None, closing_force_n=None))]
+pub fn plan_experiment<'py>(
+    plan: &Bound<'py, PyPlan>,
+    lift_m: f64,
+    mass_kg: Option<f64>,
+    friction: Option<f64>,
+    closing_force_n: Option<f64>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let py = plan.py();
+    let physics = TargetPhysics { mass_kg, friction, ..TargetPhysics::default() };
+    let instead = Instead { physics, closing_force_n, disturbance: Disturbance::default() };
+    let plan = plan.get();
+    let experiment = py.detach(|| {
+        let (execution, picks) = instead.execution(plan, lift_m)?;
+        execution.experiment(&picks).map_err(fault)
+    })?;
+    let several = || bad_value("the plan has several picks; give one of a single pick");
+    python_of(py, &experiment.ok_or_else(several)?)
+}
+
 /// What goes before what files say.
 struct Instead {
     physics: TargetPhysics,
@@ -163,7 +187,7 @@ struct Instead {
 }
 
 impl Instead {
-    fn execute(&self, plan: &PyPlan, lift_m: f64) -> PyResult<ExecutedPlan> {
+    fn execution<'a>(&self, plan: &'a PyPlan, lift_m: f64) -> PyResult<(PlanExecution<'a>, Vec<PickPath>)> {
         let Some(scenario) = &plan.task.scenario else {
             return Err(bad_value(
                 "a plan of a Scenario is expected: nobody says what a MoveItProblem's objects weigh",
@@ -177,8 +201,13 @@ impl Instead {
         hand.closing_force_n = self.closing_force_n.unwrap_or(hand.closing_force_n);
         let (instead, disturbance) = (self.physics, self.disturbance);
         let execution = PlanExecution { scenario, hand, instead, lift_m, disturbance, is_recorded: false };
+        Ok((execution, picks))
+    }
+
+    fn execute(&self, plan: &PyPlan, lift_m: f64) -> PyResult<ExecutedPlan> {
+        let (execution, picks) = self.execution(plan, lift_m)?;
         let runs = execution.run(&picks, || {}).map_err(fault)?;
-        ExecutedPlan::of(&scenario.id, picks.len(), &runs)
+        ExecutedPlan::of(&execution.scenario.id, picks.len(), &runs)
             .ok_or_else(|| bad_value("there is no target to be grasped"))
     }
 }

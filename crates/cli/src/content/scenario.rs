@@ -11,6 +11,7 @@ use cranny_scenario::{
     SchemaFile, SetMaker, SetProgress, SetReport, SetSettings, TemplateRobot, check, check_free_folder,
     model_notes, pack, unpack, write_set, write_sweep, write_template, write_whole_folder,
 };
+use cranny_sim::Rest;
 use serde::Serialize;
 use strum::VariantArray as _;
 
@@ -320,6 +321,7 @@ fn checked(id: &str, output: Output) -> Result<Answer, Failure> {
         let faults = crate::start::faults(&problem);
         problems.extend(faults.into_iter().map(|fault| format!("the start is not free: {fault}")));
         problems.extend(scenario.misplaced_grasps());
+        problems.extend(restless_target(&scenario)?);
         notes.extend(scenario.odd_places());
         notes.extend(scenario.too_wide_target());
         if let Some(cell) = problem.cell() {
@@ -338,6 +340,28 @@ fn checked(id: &str, output: Output) -> Result<Answer, Failure> {
     let checked = Checked { scenario: id.to_owned(), sound: problems.is_empty(), problems, notes };
     text::answer(&checked, || checked.page(), if checked.sound { output } else { output.aloud() })?;
     Ok(if checked.sound { Answer::Done } else { Answer::No })
+}
+
+/// What is wrong with a target that does not stay where it stands.
+fn restless_target(scenario: &Scenario) -> Result<Option<String>, Failure> {
+    let Some(rest) = Rest::of_target(scenario)?.filter(|rest| !rest.is_at_rest()) else { return Ok(None) };
+    let name = scenario.target.map_or("", |target| &scenario.world.bodies()[target].name);
+    let place = rest.world_from_object.translation.vector;
+    let turn = rest.world_from_object.rotation.coords;
+    Ok(Some(format!(
+        "the target '{name}' does not rest where it stands: in 2 s it moves by {} and turns by {}, to position [{:.4}, \
+         {:.4}, {:.4}], quaternion_xyzw [{:.4}, {:.4}, {:.4}, {:.4}] in the planning frame (an object that rolls stays with \
+         `rolling_m` under `target`)",
+        text::millimetres(rest.moved_m),
+        text::degrees(rest.turned_rad),
+        place.x,
+        place.y,
+        place.z,
+        turn.x,
+        turn.y,
+        turn.z,
+        turn.w,
+    )))
 }
 
 impl Checked {

@@ -51,6 +51,7 @@ impl InsteadArguments {
   cranny simulate plan 021 021.plan.json --lift 50 --json
   cranny simulate plan 213 213.plan.json                     of several steps
   cranny simulate plan 012 012.plan.json --disturb 1         with everything a little wrong
+  cranny simulate plan 012 012.plan.json --export run.json   for MuJoCo
 
 The arm is where the timed path has it at each instant; the hand closes with its closing force on the object, which lies
 where it stands. Then the arm lifts straight up, or follows the rest of a plan that carries the object on (`plan --carry`)
@@ -78,6 +79,9 @@ pub struct SimulatePlanArguments {
     /// and robot.yaml beside it
     #[arg(long, value_name = "FILE")]
     pub robot: Option<PathBuf>,
+    /// Write the plan, of one pick, as a document for another engine, which `cranny.mujoco_grasps.run_plan` runs in MuJoCo
+    #[arg(long, value_name = "FILE")]
+    pub export: Option<PathBuf>,
     /// Write what moved where: .glb, .gif, or .json for `cranny render`
     #[arg(long, value_name = "FILE")]
     pub record: Option<PathBuf>,
@@ -95,6 +99,9 @@ impl SimulatePlanArguments {
 
 pub fn run(arguments: &SimulatePlanArguments, output: Output) -> Result<Answer, Failure> {
     let recorded = arguments.recorded(output)?;
+    if let Some(file) = &arguments.export {
+        output_file::check(file, FileKind::Experiment, output)?;
+    }
     let file = &arguments.plan;
     let plan = read_plan(file)?;
     let of_plan = || plan.as_ref().and_then(|plan| plan.robot.clone()).map(PathBuf::from);
@@ -137,6 +144,13 @@ pub fn run(arguments: &SimulatePlanArguments, output: Output) -> Result<Answer, 
         return Err(refused(format!(
             "the mass of '{object}' is not known (write mass_kg in its entry of scenario.yaml, or give --mass)"
         )));
+    }
+    if let Some(file) = &arguments.export {
+        let experiment = execution.experiment(&picks)?.ok_or_else(|| Failure::Flag {
+            flag: "export",
+            problem: format!("the plan has {count} picks; give one of a single pick"),
+        })?;
+        output_file::write(file, FileKind::Experiment, text::json(&experiment)?.as_bytes(), output)?;
     }
     let bar = progress::bar(count as u64, output.quiet);
     bar.set_message("picks");

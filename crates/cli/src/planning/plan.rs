@@ -5,6 +5,7 @@ use cranny_file::counted;
 use cranny_plan::Registry;
 use cranny_record::{Ask, CarryWord, PlanFile, PlanSource, TaskWord, read_waypoints, write_trajectory_csv};
 use cranny_scenario::STEPS;
+use cranny_sim::{Tried, solve_in_physics};
 use cranny_solve::solve;
 
 use crate::arguments::{Output, PlanArguments};
@@ -30,11 +31,19 @@ pub fn run(arguments: &PlanArguments, registry: &Registry, output: Output) -> Re
     let file = destination(arguments, &source.scenario, output)?;
 
     let mut progress = SearchProgress::new(output.quiet, stop_on_interrupt()?);
-    let answer = solve(&problem, &request, &mut progress)?;
+    let tries = arguments.try_in_physics.zip(scenario.as_ref());
+    let Tried { answer, tries } = match tries {
+        Some((most, scenario)) => {
+            let most = usize::try_from(most).unwrap_or(usize::MAX);
+            let asked = (scenario, &problem);
+            solve_in_physics(asked, (&request, &source), most, &mut progress, |_| {})?
+        }
+        None => Tried { answer: solve(&problem, &request, &mut progress)?, tries: Vec::new() },
+    };
     progress.finish();
 
-    let plan = PlanFile::of(&answer, &source);
-    let solved = answer.is_solved();
+    let plan = PlanFile { tries, ..PlanFile::of(&answer, &source) };
+    let solved = answer.is_solved() && plan.tries.last().is_none_or(|last| last.as_planned);
     let trajectory_file = match (&answer.timed, arguments.rate) {
         (Some(timed), Some(rate_hz)) => {
             let beside = trajectory_file(&file);

@@ -5,7 +5,7 @@ use cranny_file::counted;
 use cranny_grasp::{GraspSet, ScoreKind};
 use cranny_path::ClearanceLimit;
 use cranny_plan::{Improvement, NoGrasp, Outcome, Statistics};
-use cranny_record::{PlanFile, PlanShortening, PlanTiming};
+use cranny_record::{PlanFile, PlanShortening, PlanTiming, PlanTry};
 use cranny_solve::{Hold, JointRadius, PoseRadius, Robustness};
 use cranny_task::{GraspFailure, MotionEnd, Move, Segment, Stage};
 use serde::Serialize;
@@ -302,6 +302,12 @@ pub fn page(answered: &Answered, grasps: &GraspSet) -> String {
         let _ = writeln!(page, "  {name:<12}{value}");
     };
     about_path(answered, grasps, &mut line);
+    for tried in &plan.tries {
+        let PlanTry { seed, outcome, kept, as_planned, .. } = tried;
+        let stayed = if *kept { "stayed in the hand" } else { "did not stay in the hand" };
+        let result = if *as_planned { "as planned" } else { "not as planned" };
+        line("physics", format!("seed {seed}: {outcome}, {result}; the object {stayed}"));
+    }
     line("search", searched(statistics));
     if statistics.ik_attempts > 0 {
         let attempts = counted(statistics.ik_attempts, "IK attempt");

@@ -1,4 +1,5 @@
 use cranny_grasp::Course;
+use cranny_shape::Roundness;
 use cranny_spatial::Pose;
 use serde::Serialize;
 
@@ -27,6 +28,8 @@ pub struct Experiment {
     pub world_from_object: ExperimentPose,
     /// The object's centre of mass, in its frame, in metres.
     pub center_in_object: [f64; 3],
+    /// Turns of the object that nobody can see, and that do not count.
+    pub unseen_turns: UnseenTurns,
     /// What each finger presses with, in newtons.
     pub closing_force_n: f64,
     /// With what the drive follows, in N/m.
@@ -50,6 +53,28 @@ pub struct Experiment {
     pub lost_m: f64,
     /// The gripper at each grasp, in the planning frame.
     pub grasps: Vec<ExperimentPose>,
+}
+
+/// Turns of an object that nobody can see.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum UnseenTurns {
+    /// None.
+    None,
+    /// Those about an axis, a unit vector in the frame of the object.
+    About([f64; 3]),
+    /// All.
+    All,
+}
+
+impl From<Roundness> for UnseenTurns {
+    fn from(roundness: Roundness) -> Self {
+        match roundness {
+            Roundness::None => Self::None,
+            Roundness::About(axis) => Self::About(axis.into_inner().into()),
+            Roundness::Ball => Self::All,
+        }
+    }
 }
 
 /// A pose in an [`Experiment`].
@@ -79,6 +104,7 @@ impl GraspTest {
             is_carried: self.is_carried(),
             world_from_object: self.world_from_object().into(),
             center_in_object: self.object.center.coords.into(),
+            unseen_turns: self.object.roundness.into(),
             closing_force_n: self.hand.closing_force_n,
             drive_stiffness: self.physics.drive_stiffness,
             strokes_m: self.hand.fingers.iter().map(|finger| finger.stroke_m).collect(),

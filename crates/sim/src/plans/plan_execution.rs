@@ -7,7 +7,7 @@ use cranny_solve::TaskTrajectory;
 use cranny_spatial::Pose;
 use cranny_task::{Problem, Segment, picks_apart};
 
-use crate::{Disturbance, GraspTest, PlanRun, PlanTest, SimError};
+use crate::{Disturbance, GraspTest, PlanExperiment, PlanRun, PlanTest, SimError};
 
 /// A plan in physics: each pick, with what follows it, where the one before has left things.
 #[derive(Clone, Debug)]
@@ -96,6 +96,18 @@ impl PlanExecution<'_> {
             }
         }
         Ok(None)
+    }
+
+    /// A plan with one pick as a document for another engine; `None` for one with several, each of which begins where the
+    /// one before has left things.
+    ///
+    /// # Errors
+    /// Those of [`GraspTest::of_scenario`] and [`PlanExperiment::new`].
+    pub fn experiment(&self, picks: &[PickPath]) -> Result<Option<PlanExperiment>, SimError> {
+        let [pick] = picks else { return Ok(None) };
+        let of_pick = Self::at_pick(self.scenario, pick)?;
+        let test = GraspTest::of_scenario(&of_pick, &self.hand, &self.instead, false)?;
+        PlanExperiment::new(&test, &of_pick.robot, &pick.timed, self.lift_m).map(Some)
     }
 
     /// Executes picks up to the first whose object is not let go; `done` is called after each.

@@ -3,7 +3,7 @@ use std::sync::Arc;
 
 use cranny_path::Trajectory;
 use cranny_robot::Robot;
-use cranny_solve::{CLOSING_S, TaskTrajectory};
+use cranny_solve::TaskTrajectory;
 use cranny_spatial::Pose;
 use rapier3d_f64::prelude::{ColliderHandle, RigidBodyHandle};
 
@@ -11,7 +11,7 @@ use crate::grasping::grasp_test::whole_steps;
 use crate::grasping::grasp_trial::{GraspTrial, Move};
 use crate::gripper::Gripper;
 use crate::plans::arm::{ArmModel, see_all_contacts};
-use crate::plans::lift::Lift;
+use crate::plans::plan_motion::PlanMotion;
 use crate::plans::plan_run::{PlacedError, PlanContact, PlanRun};
 use crate::{Disturbance, GraspTest, RecordedBody, SimError, engine};
 
@@ -53,57 +53,33 @@ impl PlanTest {
         disturbance: &Disturbance,
         is_recorded: bool,
     ) -> Result<PlanRun, SimError> {
-        let (reach, onward, off) = (path.reach(), path.legs().get(1), path.legs().get(2));
-        let lift_m = if onward.is_some() { 0.0 } else { lift_m };
-        for (figure, value, range, most) in [
-            ("lift", lift_m, "from 0 to 1 m", 1.0),
-            ("time of the motion", path.duration_s(), "from 0 to 600 s", 600.0),
-        ] {
-            if !(0.0..=most).contains(&value) {
-                return Err(SimError::Figure { figure, value, range });
-            }
-        }
-        let end = reach.sample(reach.duration_s()).position;
-        let mut executed = Execution::new(self, &reach.sample(0.0).position, disturbance, is_recorded);
+        let motion = PlanMotion::new(path, lift_m, (&self.test, &self.robot))?;
+        let start = motion.reach.sample(0.0).position;
+        let mut executed = Execution::new(self, &start, disturbance, is_recorded);
         let world_from_resting = executed.trial.world_from_object();
-        executed.follow(reach);
+        executed.follow(motion.reach);
         let center = executed.trial.test.object.center;
         let pushed_m = (executed.trial.world_from_object() * center - world_from_resting * center).norm();
-        let lift = Lift::new(&self.robot, &end, lift_m);
         let Execution { trial, hand, contacts, began_steps, .. } = executed;
         let contacts = RefCell::new(contacts);
-        let moving_s = onward.map_or(self.test.course.lift_s, Trajectory::duration_s);
         let aim = |trial: &mut GraspTrial<'_>, q: &[f64]| {
             hand.aim(self, q, trial);
             touched(self, trial, &hand.arm, began_steps, true, &mut contacts.borrow_mut());
         };
-        let mut carry = |trial: &mut GraspTrial<'_>, time_s: f64| match onward {
-            Some(onward) => aim(trial, &onward.sample(time_s).position),
-            None => aim(trial, &lift.at(time_s, moving_s)),
-        };
-        // Where it is put down, the hand opens before it goes.
-        let opening_s = path.hand_times_s().get(1).copied().unwrap_or(CLOSING_S);
-        let mut leave = |trial: &mut GraspTrial<'_>, time_s: f64| {
-            let Some(off) = off else { return };
-            aim(trial, &off.sample((time_s - opening_s).max(0.0)).position);
-        };
-        let held = Move { duration_s: moving_s + RESTING_S, advance: &mut carry };
-        let leaving_s = off.map(|off| opening_s + off.duration_s() + WATCHED_S);
-        let leaving = leaving_s.map(|duration_s| Move { duration_s, advance: &mut leave });
+        let mut carry = |trial: &mut GraspTrial<'_>, time_s: f64| aim(trial, &motion.held(time_s));
+        let mut leave = |trial: &mut GraspTrial<'_>, time_s: f64| aim(trial, &motion.left(time_s));
+        let held = Move { duration_s: motion.held_s(), advance: &mut carry };
+        let leaving = motion.left_s().map(|duration_s| Move { duration_s, advance: &mut leave });
         let grasp = trial.grasp(held, leaving);
         let contacts = contacts.into_inner();
-        let world_from_tip = |q: &[f64]| *self.robot.frames_at(q).link(self.robot.tip());
-        let planned = onward.filter(|_| off.is_some()).map(|onward| {
-            let down = onward.sample(onward.duration_s()).position;
-            world_from_tip(&down) * world_from_tip(&end).inverse() * world_from_resting
-        });
+        let planned = motion.planned(&world_from_resting);
         let off =
             |actual: &Pose| planned.map(|planned| PlacedError::between(&planned, actual, &self.test.object));
         Ok(PlanRun {
-            reach_s: reach.duration_s(),
+            reach_s: motion.reach.duration_s(),
             contacts,
             pushed_m,
-            lift_m: lift.lift_m,
+            lift_m: motion.lift.lift_m,
             world_from_resting,
             released: grasp.world_from_released.as_ref().and_then(off),
             placed: grasp.world_from_released.and_then(|_| off(&grasp.world_from_object)),
@@ -114,10 +90,6 @@ impl PlanTest {
 
 /// Before it moves, the arm stands for so long, in seconds.
 const STANDING_S: f64 = 0.02;
-/// After the motion with the object the arm is still for so long, in seconds.
-const RESTING_S: f64 = 0.5;
-/// What was put down is watched for so long once the arm has stopped, in seconds.
-pub(crate) const WATCHED_S: f64 = 2.0;
 
 /// Arm and palm, which go where it is prescribed.
 struct Prescribed {

@@ -111,6 +111,8 @@ pub enum FailureReason {
     },
     /// The hand closed there, but not on the object: a finger touched nothing.
     ClosesOnNothing,
+    /// It was left out, because it had failed before.
+    LeftOut,
     /// The pads would slip under less than the loads that were to be held.
     Slips,
     /// The hand turns or shifts the object too far while it closes for it to be put down where it is to stand.
@@ -221,6 +223,7 @@ impl FailureReason {
             }
             Self::NotConnected { .. } => "held by free configurations, but not connected".to_owned(),
             Self::ClosesOnNothing => "the hand closes on nothing there".to_owned(),
+            Self::LeftOut => "left out: it failed in physics".to_owned(),
             Self::Slips => {
                 "the hand holds the object too weakly there to carry it (`hold` demands less)".to_owned()
             }

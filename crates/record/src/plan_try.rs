@@ -1,0 +1,46 @@
+use cranny_grasp::{pose_of_rows, rows_of_pose};
+use cranny_spatial::Pose;
+use serde::{Deserialize, Serialize};
+
+/// A plan that was tried in physics before the one that a file holds, or that one itself.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PlanTry {
+    /// Seed by which it was found.
+    pub seed: u64,
+    /// What became of the object, or of that of the first pick that failed: `held`, `placed`, `misplaced`, `slipped`, …
+    pub outcome: String,
+    /// True if each object stayed in the hand until it was released, or to the end.
+    pub kept: bool,
+    /// True if all went as planned.
+    pub as_planned: bool,
+    /// The grasp that failed, and is left out from then on.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub left_out: Option<LeftOut>,
+}
+
+/// A grasp that is left out of a search.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LeftOut {
+    /// Index of the stage.
+    pub stage: usize,
+    /// Pose of the gripper frame in the planning frame, as a homogeneous matrix, row by row (m).
+    pub world_from_gripper: [[f64; 4]; 4],
+}
+
+impl LeftOut {
+    /// The grasp of a stage at a pose of the gripper frame.
+    pub fn new(stage: usize, world_from_gripper: &Pose) -> Self {
+        let rows = rows_of_pose(world_from_gripper);
+        let world_from_gripper = [0, 1, 2, 3].map(|row| std::array::from_fn(|column| rows[4 * row + column]));
+        Self { stage, world_from_gripper }
+    }
+
+    /// The pose of the gripper frame; `None` for a matrix that is none.
+    pub fn pose(&self) -> Option<Pose> {
+        let [a, b, c, d] = self.world_from_gripper;
+        let rows: [f64; 16] = [a, b, c, d].concat().try_into().ok()?;
+        pose_of_rows(&rows).ok()
+    }
+}

@@ -1,0 +1,93 @@
+use cranny_path::Trajectory;
+use cranny_robot::Robot;
+use cranny_solve::{CLOSING_S, TaskTrajectory};
+use cranny_spatial::Pose;
+
+use crate::plans::lift::Lift;
+use crate::{GraspTest, SimError};
+
+/// The motion of an arm that executes a plan: to the grasp, on with what is in the hand, and off it.
+pub(crate) struct PlanMotion<'a> {
+    pub reach: &'a Trajectory,
+    onward: Option<&'a Trajectory>,
+    pub lift: Lift,
+    /// Time of the motion with the object, in seconds.
+    moving_s: f64,
+    off: Option<&'a Trajectory>,
+    /// Where it is put down, the hand opens for so long before it goes, in seconds.
+    opening_s: f64,
+    /// Poses of the tip at the grasp, and where the object is put down, if it is.
+    world_from_grasp: Pose,
+    world_from_down: Option<Pose>,
+}
+
+/// After the motion with the object the arm is still for so long, in seconds.
+const RESTING_S: f64 = 0.5;
+/// What was put down is watched for so long once the arm has stopped, in seconds.
+const WATCHED_S: f64 = 2.0;
+
+impl<'a> PlanMotion<'a> {
+    /// Along a path in time; one that ends at the grasp is followed by a lift straight up, by `lift_m`.
+    ///
+    /// # Errors
+    /// [`SimError::Figure`] for a lift out of its range or a path that takes too long.
+    pub fn new(
+        path: &'a TaskTrajectory,
+        lift_m: f64,
+        (test, robot): (&GraspTest, &Robot),
+    ) -> Result<Self, SimError> {
+        let (reach, onward, off) = (path.reach(), path.legs().get(1), path.legs().get(2));
+        let lift_m = if onward.is_some() { 0.0 } else { lift_m };
+        for (figure, value, range, most) in [
+            ("lift", lift_m, "from 0 to 1 m", 1.0),
+            ("time of the motion", path.duration_s(), "from 0 to 600 s", 600.0),
+        ] {
+            if !(0.0..=most).contains(&value) {
+                return Err(SimError::Figure { figure, value, range });
+            }
+        }
+        let end = |leg: &Trajectory| leg.sample(leg.duration_s()).position;
+        let world_from_tip = |q: &[f64]| *robot.frames_at(q).link(robot.tip());
+        Ok(Self {
+            reach,
+            onward,
+            lift: Lift::new(robot, &end(reach), lift_m),
+            moving_s: onward.map_or(test.course.lift_s, Trajectory::duration_s),
+            off,
+            opening_s: path.hand_times_s().get(1).copied().unwrap_or(CLOSING_S),
+            world_from_grasp: world_from_tip(&end(reach)),
+            world_from_down: onward.filter(|_| off.is_some()).map(|onward| world_from_tip(&end(onward))),
+        })
+    }
+
+    /// Time with the object in the hand, in seconds.
+    pub fn held_s(&self) -> f64 {
+        self.moving_s + RESTING_S
+    }
+
+    /// The configuration (m, rad; one per joint) so long after the hand has closed.
+    pub fn held(&self, time_s: f64) -> Vec<f64> {
+        match self.onward {
+            Some(onward) => onward.sample(time_s).position,
+            None => self.lift.at(time_s, self.moving_s),
+        }
+    }
+
+    /// Time after the hand begins to open, in seconds; `None` for a plan that releases nothing.
+    pub fn left_s(&self) -> Option<f64> {
+        self.off.map(|off| self.opening_s + off.duration_s() + WATCHED_S)
+    }
+
+    /// The configuration (m, rad; one per joint) so long after the hand has begun to open.
+    pub fn left(&self, time_s: f64) -> Vec<f64> {
+        match self.off {
+            Some(off) => off.sample((time_s - self.opening_s).max(0.0)).position,
+            None => self.held(self.held_s()),
+        }
+    }
+
+    /// Pose in the planning frame at which an object that rests at a pose is to be put down, if it is.
+    pub fn planned(&self, world_from_resting: &Pose) -> Option<Pose> {
+        Some(self.world_from_down? * self.world_from_grasp.inverse() * world_from_resting)
+    }
+}

@@ -1,0 +1,97 @@
+use cranny_plan::Observer;
+use cranny_record::{LeftOut, PlanFile, PlanSource, PlanTry};
+use cranny_scenario::{Scenario, TargetPhysics};
+use cranny_solve::{Answer, Request, solve};
+use cranny_task::{Mode, Problem, robot_hand};
+
+use crate::{Disturbance, ExecutedPlan, PickPath, PickRun, PlanExecution, PlanRow, SimError};
+
+/// An answer whose plans were tried in physics.
+#[derive(Clone, Debug)]
+pub struct Tried {
+    /// The answer to the last try.
+    pub answer: Answer,
+    /// The tries, in order; empty where no path was found at all.
+    pub tries: Vec<PlanTry>,
+}
+
+/// Distance by which an object is lifted in a try of a plan that ends at its grasp, in metres.
+const LIFT_M: f64 = 0.03;
+
+/// Solves the problem of a scenario and executes the plan in physics; if an object does not stay in the hand, or does not
+/// stand where it was put down, plans again from the next seed, without the grasp that did not hold, at most `most` times in
+/// all. The same request and number give the same answer. `tried` is called after each try.
+///
+/// # Errors
+/// Those of [`solve`], [`PickPath::all_of`] and [`PlanExecution::run`].
+pub fn solve_in_physics(
+    (scenario, problem): (&Scenario, &Problem),
+    (request, source): (&Request, &PlanSource),
+    most: usize,
+    observer: &mut dyn Observer,
+    mut tried: impl FnMut(&PlanTry),
+) -> Result<Tried, SimError> {
+    let mut request = request.clone();
+    let mut last = Tried { answer: solve(problem, &request, observer)?, tries: Vec::new() };
+    while last.answer.is_solved() && last.tries.len() < most {
+        let result = try_once(scenario, problem, &last.answer, source)?;
+        tried(&result);
+        let is_over = result.as_planned || last.tries.len() + 1 == most || observer.should_stop();
+        request.left_out.extend(result.left_out.as_ref().and_then(|out| Some((out.stage, out.pose()?))));
+        last.tries.push(result);
+        if is_over {
+            break;
+        }
+        request.seed = request.seed.wrapping_add(1);
+        let answer = solve(problem, &request, observer)?;
+        if !answer.is_solved() {
+            break;
+        }
+        last.answer = answer;
+    }
+    Ok(last)
+}
+
+/// Executes an answer.
+fn try_once(
+    scenario: &Scenario,
+    problem: &Problem,
+    answer: &Answer,
+    source: &PlanSource,
+) -> Result<PlanTry, SimError> {
+    let plan = PlanFile::of(answer, source);
+    let picks = PickPath::all_of(&plan, problem)?;
+    let execution = PlanExecution {
+        scenario,
+        hand: robot_hand(problem.robot()),
+        instead: TargetPhysics::default(),
+        lift_m: LIFT_M,
+        disturbance: Disturbance::default(),
+        is_recorded: false,
+    };
+    let runs = execution.run(&picks, || {})?;
+    let rows: Vec<PlanRow> = runs.iter().map(|run: &PickRun| PlanRow::of(&run.run)).collect();
+    let executed = ExecutedPlan::of(&scenario.id, picks.len(), &runs);
+    let kept = rows.len() == picks.len() && rows.iter().all(|row| row.is_kept);
+    let failed = rows.iter().position(|row| !row.is_as_planned());
+    let shown = failed.or(rows.len().checked_sub(1));
+    // The grasp of the pick that did not hold: the last configuration of its reach.
+    let dropped = rows.iter().position(|row| !row.is_kept);
+    let reaches = plan.segments.iter().enumerate().filter(|(index, segment)| {
+        let next = plan.segments.get(index + 1);
+        segment.mode == Mode::REACH && next.is_none_or(|next| next.mode.holds)
+    });
+    let reach = dropped.and_then(|dropped| reaches.map(|(_, segment)| segment).nth(dropped));
+    let left_out = reach.and_then(|reach| {
+        let robot = problem.robot();
+        let tip = *robot.frames_at(reach.waypoints.last()?).link(robot.tip());
+        Some(LeftOut::new(reach.stage, &tip))
+    });
+    Ok(PlanTry {
+        seed: answer.seed,
+        outcome: shown.map_or("never-closed", |row| rows[row].outcome.name()).to_owned(),
+        kept,
+        as_planned: executed.is_some_and(|executed| executed.is_as_planned()),
+        left_out,
+    })
+}

@@ -1,0 +1,77 @@
+use cranny_scenario::{Scenario, TargetObject, TargetPhysics};
+use cranny_spatial::Pose;
+
+use crate::object_model::ObjectModel;
+use crate::{Disturbance, Physics, Piece, SimError, engine};
+
+/// How far the target of a scenario moves by itself in 2 s, where it stands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rest {
+    /// Displacement of its centre of mass, in metres.
+    pub moved_m: f64,
+    /// Turn that can be seen, in radians.
+    pub turned_rad: f64,
+    /// Its pose in the planning frame after that time.
+    pub world_from_object: Pose,
+}
+
+/// So long a target is watched, in seconds.
+const WATCHED_S: f64 = 2.0;
+/// The mass that stands for one that is not known, in kilograms: no rest depends on it.
+const ANY_MASS_KG: f64 = 0.2;
+
+impl Rest {
+    /// A target that moves farther than this does not rest, in metres: more than it sinks into what it stands on …
+    pub const MOST_M: f64 = 5e-4;
+    /// … or turns farther, in radians.
+    pub const MOST_RAD: f64 = 5e-3;
+
+    /// Watches the target of a scenario; `None` without a target, without gravity's direction, or where nothing is there to
+    /// carry it.
+    ///
+    /// # Errors
+    /// [`SimError::Shape`] for a body without volume.
+    pub fn of_target(scenario: &Scenario) -> Result<Option<Self>, SimError> {
+        let physics = scenario.target_physics();
+        let instead = TargetPhysics { mass_kg: physics.mass_kg.or(Some(ANY_MASS_KG)), ..physics };
+        let (Some(target), Some(found)) = (scenario.target, scenario.target_object(&instead)?) else {
+            return Ok(None);
+        };
+        let bodies = scenario.world.bodies().iter().enumerate().filter(|(body, _)| *body != target);
+        let TargetObject { object, world_from_object } = found;
+        let model = ObjectModel::new(&object)?;
+        let mut world = engine::world(&Physics::default());
+        world.gravity = engine::vector(&(scenario.world.up() * -Physics::default().gravity));
+        let mut is_any = false;
+        for (_, body) in bodies {
+            for collider in engine::colliders(&body.name, &Piece::of_body(body)?, 0.0, engine::SURROUNDINGS)? {
+                world.insert_collider(collider, None);
+                is_any = true;
+            }
+        }
+        if !is_any {
+            return Ok(None);
+        }
+        let nominal = Disturbance::default();
+        let body = model.insert(&world_from_object, &nominal, &mut world);
+        let rolling = model.rolling(physics.rolling_m.unwrap_or_default(), &nominal);
+        let step_s = world.integration_parameters.dt;
+        let mut passed_s = 0.0;
+        while passed_s < WATCHED_S {
+            rolling.resist(&mut world, body);
+            engine::step(&mut world);
+            passed_s += step_s;
+        }
+        let after = engine::to_pose(world.bodies[body].position());
+        Ok(Some(Self {
+            moved_m: (after * object.center_of_mass - world_from_object * object.center_of_mass).norm(),
+            turned_rad: object.roundness.angle(&world_from_object.rotation, &after.rotation),
+            world_from_object: after,
+        }))
+    }
+
+    /// True if it stays where it stands.
+    pub fn is_at_rest(&self) -> bool {
+        self.moved_m <= Self::MOST_M && self.turned_rad <= Self::MOST_RAD
+    }
+}
