@@ -486,7 +486,7 @@ def sample_grasps(
     *,
     count: int = 200,
     candidates: int | None = None,
-    friction: float = 0.24,
+    friction: float = 0.35,
     approaches: int = 12,
     approach_m: float = 0.05,
     bare: bool = False,

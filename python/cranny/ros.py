@@ -50,6 +50,42 @@ def task(plan: Plan, rate: float = 100.0, *, frame_id: str = "") -> list[tuple[s
     return [step for pair in zip(hand, ways, strict=True) for step in pair]
 
 
+FRANKA_LEAST_N = 30.0
+"""What a Franka hand presses with whatever less it is asked for, about (libfranka, issue 111)."""
+FRANKA_MOST_N = 70.0
+"""What it can press with for long."""
+
+
+def franka_task(
+    plan: Plan, rate: float = 100.0, *, frame_id: str = "", speed: float = 0.1, tolerance: float = 0.005
+) -> list[tuple[str, dict[str, Any]]]:
+    """The same for a Franka hand: pairs of "arm" and a `trajectory_msgs/JointTrajectory`, "move" and a goal of
+    `franka_msgs/action/Move` (`width` in m, `speed` in m/s), or "grasp" and one of `franka_msgs/action/Grasp`: `width` of
+    the object between the fingers, `epsilon` with `inner` and `outer` (m), `speed` and `force` (N).
+
+    A grasp that ends outside of width - inner to width + outer counts as failed, and the hand opens again: `tolerance` is
+    for both. The force is that by which the plan's hold was computed; a hand that does not press with it, from
+    `FRANKA_LEAST_N` to `FRANKA_MOST_N`, is refused."""
+    closing = plan._closing()
+    steps = task(plan, rate, frame_id=frame_id)
+    if closing is None:
+        return steps
+    openings, force = closing
+    if not FRANKA_LEAST_N <= force <= FRANKA_MOST_N:
+        raise ValueError(f"the plan's hand closes with {force} N, a Franka hand with {FRANKA_LEAST_N} to {FRANKA_MOST_N} N")
+    if not (0.0 < speed and 0.0 < tolerance):
+        raise ValueError(f"speed is {speed} m/s and tolerance {tolerance} m; both must be above 0")
+    widest = max(openings)
+
+    def of_hand(width: float) -> tuple[str, dict[str, Any]]:
+        if width >= widest:
+            return "move", {"width": width, "speed": speed}
+        epsilon = {"inner": tolerance, "outer": tolerance}
+        return "grasp", {"width": width, "epsilon": epsilon, "speed": speed, "force": force}
+
+    return [of_hand(message["position"]) if whom == "gripper" else (whom, message) for whom, message in steps]
+
+
 def of_samples(samples: Samples, *, frame_id: str = "") -> dict[str, Any]:
     """The same of samples that are there already."""
     rows = zip(samples.times, samples.positions, samples.velocities, samples.accelerations, strict=True)

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from conftest import REPOSITORY, package
 
+import cranny
 from cranny import mujoco_grasps
 from cranny.mujoco_grasps import GraspModel
 
@@ -101,6 +102,19 @@ def test_without_friction_it_is_not_held(cube: GraspModel) -> None:
 
 def test_the_same_experiment_gives_the_same_runs(cube: GraspModel) -> None:
     assert cube.run(0) == cube.run(0) == GraspModel(cube.experiment).run(0)
+
+
+@pytest.mark.parametrize("task", [{"carry": "home"}, {"place": "outside"}])
+def test_both_engines_execute_a_plan_alike(task: dict[str, str]) -> None:
+    plan = cranny.plan(cranny.Scenario("012"), **task)
+    assert plan.hold is not None and plan.hold["factor"] >= 1.5
+    here = cranny.simulate_plan(plan)
+    there = mujoco_grasps.run_plan(cranny.plan_experiment(plan))
+    assert here["is_kept"] and there.is_kept
+    assert ("placed" in here) == (there.placed is not None) == ("place" in task)
+    if there.placed is not None:
+        assert here["placed"]["is_there"] and there.stands
+        assert here["placed"]["translation_m"] == pytest.approx(there.placed[0], abs=0.004)
 
 
 @pytest.mark.parametrize("text", ["[]", "{}", '{"grasps": []}'])

@@ -38,6 +38,18 @@ def test_a_task_is_messages_to_arm_and_gripper(scenario: cranny.Scenario, plan: 
     assert all(speed == 0.0 for speed in onward["points"][0]["velocities"])
 
 
+def test_a_franka_hand_gets_width_tolerances_speed_and_force(scenario: cranny.Scenario, plan: cranny.Plan) -> None:
+    assert [whom for whom, _ in cranny.ros.franka_task(plan)] == ["arm"]
+    placed = cranny.plan(scenario, place="outside")
+    steps = cranny.ros.franka_task(placed, rate=50.0, tolerance=0.003)
+    assert [whom for whom, _ in steps] == ["move", "arm", "grasp", "arm", "move", "arm"]
+    grasp = steps[2][1]
+    assert grasp["epsilon"] == {"inner": 0.003, "outer": 0.003} and grasp["force"] == 70.0 and grasp["speed"] == 0.1
+    assert 0.03 < grasp["width"] < 0.08
+    with pytest.raises(ValueError, match="above 0"):
+        cranny.ros.franka_task(placed, tolerance=0.0)
+
+
 def test_its_yaml_is_what_a_yaml_reader_reads(plan: cranny.Plan, tmp_path: Path) -> None:
     yaml = package("yaml")
     message = cranny.ros.joint_trajectory(plan, rate=20.0)

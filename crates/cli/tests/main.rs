@@ -23,6 +23,7 @@ mod false_proofs;
 #[cfg(unix)]
 mod foreign_planners;
 mod golden;
+mod holding;
 mod moveit;
 mod mutation;
 mod mutation_pairs;

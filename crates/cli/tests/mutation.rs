@@ -14,7 +14,7 @@ use cranny_robot::{Robot, RobotDescription, RobotOptions};
 use cranny_scenario::{OpenOptions, STEPS, Scenario};
 use cranny_solve::{Request, Timing, solve};
 use cranny_spatial::Stream;
-use cranny_task::{Move, Stage};
+use cranny_task::{CLEAR_M, Move, Stage};
 use serde_json::{Value, json};
 
 /// Reads a text; the result as shown, `None` if it is refused.
@@ -130,8 +130,10 @@ fn walk(value: &Value, path: &mut Vec<Step>, visit: &mut Visit<'_>) {
                 };
                 let within = format!(".{key}");
                 visit(path, &within, "another name", &rename);
-                // A key without a value, or with an empty list, is equivalent to a missing key.
-                if !inner.is_null() && *inner != json!([]) {
+                // A key without a value, with an empty list, or with its default is equivalent to a missing key.
+                let defaults = [Value::Null, json!([]), json!("polyline"), json!(CLEAR_M)];
+                let is_first_stage = key == "stage" && *inner == json!(0);
+                if !defaults.contains(inner) && !is_first_stage {
                     visit(path, &within, "no such key", &|place| drop(take(place)));
                 }
                 path.push(Step::Key(key.clone()));
@@ -149,7 +151,8 @@ fn walk(value: &Value, path: &mut Vec<Step>, visit: &mut Visit<'_>) {
             }
         }
         other => {
-            for (what, value) in other_values(other) {
+            let values = other_values(other).into_iter();
+            for (what, value) in values.filter(|(_, value)| !(value.is_null() && *other == json!(CLEAR_M))) {
                 visit(path, "", what, &|place| *place = value.clone());
             }
         }

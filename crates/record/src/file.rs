@@ -3,17 +3,16 @@ use std::time::Duration;
 
 use cranny_collision::Margins;
 use cranny_grasp::ScoreKind;
-use cranny_path::{Audit, AuditSettings, Clearances, PickAudit, path_length};
+use cranny_path::{AuditSettings, Clearances, path_length};
 use cranny_plan::{Budget, NoGrasp, Outcome, Statistics};
 use cranny_scenario::{Geometry, GivenGrasps, NamedTask, ScenarioError, write_whole_file};
 use cranny_solve::{Answer, Hold, Request, Robustness};
-use cranny_spatial::Pose;
 use cranny_task::{Criterion, GraspFailure, NotChecked, OwnGrasp, Segment, Stage};
 use serde::{Deserialize, Serialize};
 
 use crate::betterment::{PlanOptimisation, PlanShortening};
 use crate::timing::PlanTiming;
-use crate::{PlanTry, RecordError};
+use crate::{LeftOut, PlanPick, PlanTry, RecordError};
 
 /// An answer, with all that is needed to judge it and to find it again: what a `*.plan.json` holds.
 ///
@@ -127,43 +126,6 @@ pub struct PlanFile {
     /// Plans that were tried in physics, of which this is the last, if any were.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub tries: Vec<PlanTry>,
-}
-
-/// Grasp of a pick, as [`PlanFile`] states that of the first.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct PlanPick {
-    /// Index of the stage.
-    pub stage: usize,
-    /// Index of the grasp.
-    #[serde(default)]
-    pub grasp: Option<usize>,
-    /// Distance of the gripper from it, in metres.
-    #[serde(default)]
-    pub translation_error_m: Option<f64>,
-    /// Angle between the two, in radians.
-    #[serde(default)]
-    pub rotation_error_rad: Option<f64>,
-    /// The grasp, where the planner made it.
-    #[serde(default)]
-    pub own_grasp: Option<OwnGrasp>,
-}
-
-impl PlanPick {
-    fn of(pick: &PickAudit) -> Self {
-        Self {
-            stage: pick.stage,
-            grasp: pick.goal.map(|goal| goal.grasp),
-            translation_error_m: pick.goal.map(|goal| goal.translation_error_m),
-            rotation_error_rad: pick.goal.map(|goal| goal.rotation_error_rad),
-            own_grasp: pick.own_grasp,
-        }
-    }
-
-    /// The grasps of the picks that follow the first.
-    pub(crate) fn all_of(audit: &Audit) -> Vec<Self> {
-        audit.picks.iter().skip(1).map(Self::of).collect()
-    }
 }
 
 /// What a plan is of: what an [`Answer`] does not know.
@@ -281,18 +243,11 @@ impl PlanFile {
             keep_path: self.shortening.is_none(),
             stages: self.task.clone(),
             hold: self.hold_demanded,
-            left_out: self.left_out(),
+            left_out: LeftOut::before_last(&self.tries),
             // How far the same path is from everything stands in the plan.
             audit: AuditSettings { clearances: Clearances::None, ..AuditSettings::default() },
             ..Request::default()
         }
-    }
-
-    /// The grasps, each of its stage, that were left out because they failed in physics before.
-    pub fn left_out(&self) -> Vec<(usize, Pose)> {
-        let before = self.tries.split_last().map_or(&[][..], |(_, before)| before);
-        let left_out = before.iter().filter_map(|tried| tried.left_out.as_ref());
-        left_out.filter_map(|grasp| Some((grasp.stage, grasp.pose()?))).collect()
     }
 
     /// The grasps that were given.

@@ -37,7 +37,15 @@ impl LeftOut {
         Self { stage, world_from_gripper }
     }
 
-    /// The pose of the gripper frame; `None` for a matrix that is none.
+    /// The grasps that the tries before the last one left out: the stage of each, and the pose of its gripper frame in the
+    /// planning frame (`world_from_gripper`).
+    pub fn before_last(tries: &[PlanTry]) -> Vec<(usize, Pose)> {
+        let before = tries.split_last().map_or(&[][..], |(_, before)| before);
+        let left_out = before.iter().filter_map(|tried| tried.left_out.as_ref());
+        left_out.filter_map(|grasp| Some((grasp.stage, grasp.pose()?))).collect()
+    }
+
+    /// The pose of the gripper frame in the planning frame (`world_from_gripper`); `None` for a matrix that is none.
     pub fn pose(&self) -> Option<Pose> {
         let [a, b, c, d] = self.world_from_gripper;
         let rows: [f64; 16] = [a, b, c, d].concat().try_into().ok()?;

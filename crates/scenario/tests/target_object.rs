@@ -5,8 +5,8 @@ use std::io::{Write as _, stderr};
 use std::path::{Path, PathBuf};
 
 use cranny_scenario::{
-    Credits, DEFAULT_FRICTION, PAPER_FRICTION, ObjectError, ObjectSettings, ObjectType, OpenOptions, Recipe, Scenario,
-    ScenarioError, TargetObject, TargetPhysics, builtin_object, catalogue, check, pack,
+    Credits, DEFAULT_FRICTION, ObjectError, ObjectSettings, ObjectType, OpenOptions, PAPER_FRICTION, Recipe,
+    Scenario, ScenarioError, TargetObject, TargetPhysics, builtin_object, catalogue, check, pack,
 };
 use cranny_shape::{Surface, TriangleSoup, UnionMoments, VolumeMoments};
 use cranny_spatial::{Pose, PoseDifference, Vector};
@@ -333,7 +333,10 @@ fn a_library_may_leave_the_mass_out_but_say_none_that_is_negative() {
     let folder = root.path().join("021");
     Recipe::of_scenario(&open("021")).unwrap().write_released(&folder).unwrap();
     let physics = open_folder(&folder).target_physics();
-    assert_eq!(physics, TargetPhysics { mass_kg: Some(0.058), friction: Some(DEFAULT_FRICTION), rolling_m: None });
+    assert_eq!(
+        physics,
+        TargetPhysics { mass_kg: Some(0.058), friction: Some(DEFAULT_FRICTION), rolling_m: None }
+    );
     let library = folder.join("object_library/object_library.yaml");
     let text = fs::read_to_string(&library).unwrap();
     assert!(text.contains("  mass: 0.058\n"));

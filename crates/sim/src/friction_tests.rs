@@ -1,10 +1,12 @@
 //! Coulomb's law: slip begins where the pull exceeds μ times the pressing force, on a plane and in a hand.
 
 use cranny_grasp::BoxHand;
-use cranny_spatial::{Pose, Rotation, Vector};
+use cranny_spatial::nalgebra::Matrix3;
+use cranny_spatial::{Point, Pose, Rotation, Vector};
 use rapier3d_f64::prelude::{PhysicsWorld, RigidBodyBuilder, RigidBodyHandle};
 
 use crate::gripper::{Gripper, HandModel};
+use crate::rolling::Rolling;
 use crate::{Physics, Piece, PieceShape, engine};
 
 /// A cuboid of 4 cm and 200 g as an object of that friction.
@@ -183,5 +185,44 @@ fn what_falls_comes_to_rest_without_gaining_energy() {
         }
         let height_m = world.bodies[body].translation().z;
         assert!((height_m - rest_m).abs() < 5e-4, "{shape:?}: rests at {height_m} m");
+    }
+}
+
+/// A ball on an incline stays where its weight beside the point of contact is less than the arm of the resistance, as a
+/// share of its radius, and rolls where it is more.
+#[test]
+fn a_ball_rolls_where_the_slope_exceeds_the_resistance_by_its_radius() {
+    let (radius_m, arm_m) = (0.03, 3e-4);
+    let physics = Physics::default();
+    let rolling = Rolling {
+        arm_m,
+        mass_kg: 0.1,
+        inertia_kg_m2: Matrix3::identity() * (0.4 * 0.1 * radius_m * radius_m),
+        center: Point::origin(),
+    };
+    for (share, stays) in [(0.8, true), (1.25, false)] {
+        let mut world = engine::world(&physics);
+        let slope = Rotation::from_axis_angle(&Vector::y_axis(), f64::atan(share * arm_m / radius_m));
+        world.gravity = engine::vector(&(slope.inverse() * Vector::new(0.0, 0.0, -physics.gravity)));
+        let floor = Piece { body_from_piece: Pose::identity(), shape: PieceShape::HalfSpace };
+        for collider in engine::colliders("floor", &[floor], 0.0, engine::SURROUNDINGS).unwrap() {
+            world.insert_collider(collider, None);
+        }
+        let inertia = engine::mass_properties(0.1, &Point::origin(), &rolling.inertia_kg_m2);
+        let body = RigidBodyBuilder::dynamic()
+            .pose(engine::pose(&Pose::translation(0.0, 0.0, radius_m)))
+            .can_sleep(false)
+            .additional_mass_properties(inertia);
+        let body = world.insert_body(body);
+        let piece = Piece { body_from_piece: Pose::identity(), shape: PieceShape::Ball(radius_m) };
+        for collider in engine::colliders("ball", &[piece], 0.5, engine::OBJECT).unwrap() {
+            world.insert_collider(collider, Some(body));
+        }
+        for _ in 0..1000 {
+            rolling.resist(&mut world, body);
+            engine::step(&mut world);
+        }
+        let rolled_m = world.bodies[body].translation().x.abs();
+        assert_eq!(rolled_m < 5e-4, stays, "{share} of the slope: rolled {rolled_m} m");
     }
 }

@@ -74,6 +74,11 @@ impl HandModel {
         }
         if let Some(pads) = hand.pads.and_then(|_| Pads::of(hand)) {
             for (finger, face_m) in fingers.iter_mut().zip(pads.faces_m) {
+                // What is behind a pad, an edge of an inclined finger above all, does not bear.
+                let back = Pose::translation(0.0, face_m.signum() * BEHIND_M, 0.0);
+                for piece in &mut finger.pieces {
+                    piece.body_from_piece = back * piece.body_from_piece;
+                }
                 finger.pieces.push(pad(&pads, face_m));
                 finger.colliders = colliders(&finger.pieces)?;
             }
@@ -92,6 +97,8 @@ fn pad(pads: &Pads, face_m: f64) -> Piece {
 
 /// Half of the thickness of a pad, in metres.
 const HALF_PAD_M: f64 = 5e-4;
+/// Distance of a finger behind its pad, in metres: more than that gives way.
+const BEHIND_M: f64 = 3e-4;
 
 impl FingerModel {
     fn joint(&self) -> PrismaticJoint {

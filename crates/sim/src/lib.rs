@@ -30,6 +30,7 @@ pub use crate::plans::plan_experiment::PlanExperiment;
 pub use crate::plans::plan_row::{ExecutedPick, ExecutedPlan, PlanRow, Released};
 pub use crate::plans::plan_run::{PlacedError, PlanContact, PlanOutcome, PlanRun};
 pub use crate::plans::plan_test::PlanTest;
+pub use crate::plans::replanning::Replanned;
 pub use crate::plans::tried::{Tried, solve_in_physics};
 pub use crate::recording::{RecordedBody, Recording};
 pub use crate::rest::Rest;

@@ -26,9 +26,7 @@ impl ObjectModel {
     pub fn new(object: &ObjectType) -> Result<Self, SimError> {
         let exact = object.solids.iter().map(|(pose, solid)| Piece::of_solid(&object.name, pose, solid));
         let pieces = match exact.collect::<Result<Vec<_>, _>>()?.concat() {
-            none if none.is_empty() => {
-                Piece::of_hulls(&Pose::identity(), object.parts.parts.iter().cloned())
-            }
+            none if none.is_empty() => Piece::of_hulls(&Pose::identity(), object.parts.parts.iter().cloned()),
             exact => exact,
         };
         Ok(Self {

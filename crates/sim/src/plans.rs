@@ -8,4 +8,5 @@ pub(crate) mod plan_motion;
 pub(crate) mod plan_row;
 pub(crate) mod plan_run;
 pub(crate) mod plan_test;
+pub(crate) mod replanning;
 pub(crate) mod tried;

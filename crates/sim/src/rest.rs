@@ -44,7 +44,8 @@ impl Rest {
         world.gravity = engine::vector(&(scenario.world.up() * -Physics::default().gravity));
         let mut is_any = false;
         for (_, body) in bodies {
-            for collider in engine::colliders(&body.name, &Piece::of_body(body)?, 0.0, engine::SURROUNDINGS)? {
+            for collider in engine::colliders(&body.name, &Piece::of_body(body)?, 0.0, engine::SURROUNDINGS)?
+            {
                 world.insert_collider(collider, None);
                 is_any = true;
             }

@@ -6,3 +6,4 @@ mod experiment;
 mod grasps;
 mod inputs;
 mod plans;
+mod rest;

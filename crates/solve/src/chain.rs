@@ -1,19 +1,19 @@
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::time::Instant;
 
 use cranny_plan::{Budget, Observer, Outcome, PlanError, PlanReport, Planner, begin_search};
 use cranny_spatial::Pose;
 use cranny_task::{
-    Carrier, FailureReason, Goal, GraspFailure, GraspFilter, LiftOffSettings, Mode, Move, Pick, PlaceAt,
-    Problem, Segment, Stage, State,
+    Carrier, FailureReason, Goal, GraspFailure, LiftOffSettings, Mode, Move, Pick, PlaceAt, Problem, Segment,
+    Stage, State,
 };
 
-use crate::effort::{Effort, Stop};
+use crate::effort::{Effort, First, Stop};
 use crate::hold::FirmGrip;
 use crate::look_ahead::LookAhead;
 use crate::onward::{Towards, Way, onward};
 use crate::place_search::{PlaceSearch, PutDowns, Spoiled};
+use crate::refusals::Refusals;
 use crate::{Request, SolveError};
 
 /// A segment, and the problem that it solves where it can be shortened.
@@ -24,9 +24,6 @@ type Through = Result<Vec<Piece>, FailureReason>;
 
 /// Ends of a motion that are tried before the stage is given up.
 const MOST_ENDS: usize = 4;
-
-/// Number of grasps after whose refusal, one and all, a later object is given up: another placement before it may allow some.
-const MOST_REFUSED: u32 = 24;
 
 /// The search for a way through the stages of a task: depth first, with backtracking over all stages.
 ///
@@ -160,7 +157,7 @@ impl<'a> Chain<'a> {
             (Some(Stage::Place(place)), Some(held)) => self.place((index, place), state, held, observer),
             (Some(Stage::Place(_)), None) => Ok(Err(FailureReason::NoPlace)),
             (Some(Stage::Pick(pick)), _) => {
-                let planner = self.request.planner_for(&state.picking(self.problem, pick)?)?;
+                let planner = self.request.later_planner_for(&state.picking(self.problem, pick)?)?;
                 let budget = self.effort.next_pick_budget();
                 let picked = self.pick((index, pick), (planner.as_ref(), budget), state, observer)?;
                 Ok(picked.map_err(|because| match because {
@@ -193,25 +190,16 @@ impl<'a> Chain<'a> {
         };
         let refusals = Arc::new(Refusals::default());
         let demanded = self.request.hold.filter(|hold| *hold > 0.0);
-        let firmness = carrier.as_ref().zip(demanded).and_then(|(carrier, _)| {
-            self.problem.firmness(carrier).map(Arc::new)
-        });
+        let firmness = carrier
+            .as_ref()
+            .zip(demanded)
+            .and_then(|(carrier, _)| carrier.firmness(self.problem).map(Arc::new));
         let asked = match &carrier {
             Some(carrier) => {
                 let blocked = self.grasp_filter(index, carrier, places.as_ref());
-                let (firm, is_put_down) = (firmness.clone().zip(demanded), places.is_some());
                 let left_out = self.request.left_out_filter(index);
-                let filter = move |world_from_tip: &Pose| {
-                    if left_out.as_ref().is_some_and(|is_left_out| is_left_out(world_from_tip)) {
-                        return Some(FailureReason::LeftOut);
-                    }
-                    let weak = firm.as_ref().and_then(|(firm, hold)| {
-                        firm.fault_of(world_from_tip, *hold, is_put_down)
-                    });
-                    weak.or_else(|| blocked(world_from_tip))
-                };
-                let refusals = refusals.clone();
-                picking.clone().with_grasp_filter(GraspFilter::new(move |tip| refusals.counted(filter(tip))))
+                let firm = firmness.clone().zip(demanded).map(|(firm, hold)| (firm, hold, places.is_some()));
+                picking.clone().with_grasp_filter(refusals.filter(left_out, firm, blocked))
             }
             None => picking.clone(),
         };
@@ -221,14 +209,14 @@ impl<'a> Chain<'a> {
         let mut search = begin_search(planner, &asked, &budget, seed)?;
         let mut failed: Vec<(Pose, FailureReason)> = Vec::new();
         loop {
+            let is_hopeless = || refusals.are_all() && (index > 0 || refusals.is_each_weak(&picking));
             let mut report = if index == 0 {
-                search.next(observer)?
+                search.next(&mut First { observer, is_hopeless: &is_hopeless })?
             } else {
-                let mut stop = Stop { observer, is_hopeless: &|| refusals.are_all() };
-                search.next(&mut stop)?
+                search.next(&mut Stop { observer, is_hopeless: &is_hopeless })?
             };
-            if refusals.are_all() && report.outcome == Outcome::Cancelled {
-                report.outcome = Outcome::BudgetExhausted;
+            if report.outcome == Outcome::Cancelled && is_hopeless() {
+                report.outcome = if index > 0 { Outcome::BudgetExhausted } else { Outcome::GaveUp };
             }
             if report.outcome != Outcome::Solved {
                 self.effort
@@ -313,7 +301,7 @@ impl<'a> Chain<'a> {
             Ok(lifted) => lifted,
             Err(reason) => return Ok(Err(reason)),
         };
-        let lift_off = (in_hand(&off, index, Mode::LIFT_OFF, path), None);
+        let lift_off = (off.segment(index, Mode::LIFT_OFF, path), None);
         let onward = self.through(index + 1, &off, Some(held), observer)?;
         Ok(onward.map(|onward| [vec![lift_off], onward].concat()))
     }
@@ -379,14 +367,15 @@ impl<'a> Chain<'a> {
             let there = state.at(path.last().map_or(&[], |q| &q[..]));
             let is_firm = held.is_none_or(|held| self.is_firm(held, &path));
             let held = held.map(|held| Held { places: held.places.clone(), led: &[], ..*held });
-            let through = match is_firm {
-                true => self.through(index + 1, &there, held.as_ref(), observer)?,
-                false => Err(FailureReason::Slips),
+            let through = if is_firm {
+                self.through(index + 1, &there, held.as_ref(), observer)?
+            } else {
+                Err(FailureReason::Slips)
             };
             match through {
                 Ok(onward) => {
                     let segment = if mode.holds {
-                        in_hand(state, index, mode, path)
+                        state.segment(index, mode, path)
                     } else {
                         Segment::empty(index, mode, path)
                     };
@@ -426,16 +415,17 @@ impl<'a> Chain<'a> {
                 Err(reason) => return Ok(Err(reason)),
             };
             let is_firm = self.is_firm(held, &put_down.transfer.0) && self.is_firm(held, &put_down.set_down);
-            let through = match is_firm {
-                true => self.through(index + 1, &put_down.after, None, observer)?,
-                false => Err(FailureReason::Slips),
+            let through = if is_firm {
+                self.through(index + 1, &put_down.after, None, observer)?
+            } else {
+                Err(FailureReason::Slips)
             };
             match through {
                 Ok(onward) => {
                     let (transfer, problem) = put_down.transfer;
                     let pieces = vec![
-                        (in_hand(state, index, Mode::CARRY, transfer), Some(problem)),
-                        (in_hand(state, index, Mode::SET_DOWN, put_down.set_down), None),
+                        (state.segment(index, Mode::CARRY, transfer), Some(problem)),
+                        (state.segment(index, Mode::SET_DOWN, put_down.set_down), None),
                         (Segment::empty(index, Mode::RETREAT, put_down.retreat), None),
                     ];
                     return Ok(Ok([pieces, onward].concat()));
@@ -499,41 +489,5 @@ impl<'a> Chain<'a> {
         let number = self.begun[index];
         self.begun[index] += 1;
         self.effort.seed_of(number)
-    }
-}
-
-/// Verdicts on the grasps of a pick, counted.
-#[derive(Default)]
-struct Refusals {
-    refused: AtomicU32,
-    is_any_left: AtomicBool,
-}
-
-impl Refusals {
-    fn counted(&self, fault: Option<FailureReason>) -> Option<FailureReason> {
-        match &fault {
-            Some(_) => _ = self.refused.fetch_add(1, Ordering::Relaxed),
-            None => self.is_any_left.store(true, Ordering::Relaxed),
-        }
-        fault
-    }
-
-    /// True if many were refused, and none was not.
-    fn are_all(&self) -> bool {
-        self.refused.load(Ordering::Relaxed) >= MOST_REFUSED && !self.is_any_left.load(Ordering::Relaxed)
-    }
-}
-
-/// A segment of a stage with what is in the hand in a state.
-fn in_hand(state: &State, stage: usize, mode: Mode, waypoints: Vec<Vec<f64>>) -> Segment {
-    let segment = Segment::empty(stage, mode, waypoints);
-    match state.held() {
-        Some((carrier, grip)) => Segment {
-            attached: Some(carrier.object().to_owned()),
-            opening_m: Some(grip.opening_m),
-            uneven_m: Some(grip.uneven_m),
-            ..segment
-        },
-        None => segment,
     }
 }

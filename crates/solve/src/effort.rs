@@ -105,6 +105,30 @@ impl Observer for Stop<'_> {
     }
 }
 
+/// Passes on everything, and stops the search too where it has become hopeless.
+pub(crate) struct First<'a> {
+    pub observer: &'a mut dyn Observer,
+    pub is_hopeless: &'a dyn Fn() -> bool,
+}
+
+impl Observer for First<'_> {
+    fn node_added(&mut self, tree: usize, q: &[f64], parent: Option<usize>) {
+        self.observer.node_added(tree, q, parent);
+    }
+
+    fn node_cut(&mut self, tree: usize, node: usize) {
+        self.observer.node_cut(tree, node);
+    }
+
+    fn progress(&mut self, iterations: u64) {
+        self.observer.progress(iterations);
+    }
+
+    fn should_stop(&self) -> bool {
+        self.observer.should_stop() || (self.is_hopeless)()
+    }
+}
+
 /// The term of this number, from 1 on, of 1, 1, 2, 1, 1, 2, 4, 1, 1, 2, 1, 1, 2, 4, 8, …: the length, as a multiple of
 /// the first, of each of many searches whose run time is unknown (Luby, Sinclair & Zuckerman 1993, "Optimal speedup of
 /// Las Vegas algorithms", whole: the strategy `S^univ`).

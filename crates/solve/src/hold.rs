@@ -24,8 +24,6 @@ pub struct Hold {
     pub mass_assumed: bool,
 }
 
-/// The factor that is demanded unless anything else is.
-pub const DEFAULT_HOLD: f64 = 1.5;
 /// Samples of a motion, in Hz.
 const RATE_HZ: f64 = 100.0;
 /// Step of the differences that give the motion of the hand, in seconds.
@@ -47,11 +45,11 @@ impl FirmGrip {
     /// Of the object of a carrier in the hand that closed at a configuration (m, rad; one per joint); `None` where it cannot
     /// be computed, or no pad bears.
     pub fn new(problem: &Problem, carrier: &Carrier, closed_at: &[f64]) -> Option<Self> {
-        let firmness = problem.firmness(carrier)?;
+        let firmness = carrier.firmness(problem)?;
         Self::of(&firmness, problem.robot(), closed_at)
     }
 
-    /// The same of a firmness that is at hand.
+    /// The same of a firmness that is at hand, the hand closed at a configuration (m, rad; one per joint).
     pub fn of(firmness: &Firmness, robot: &Robot, closed_at: &[f64]) -> Option<Self> {
         let world_from_closed = *robot.frames_at(closed_at).link(robot.tip());
         let forces = firmness.grip(&world_from_closed)?;

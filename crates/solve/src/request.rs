@@ -1,11 +1,11 @@
 use cranny_grasp::{Grasp, GraspError, GraspSet, ScoreKind};
 use cranny_path::{AuditSettings, MotionLimits, TimingMethod};
 use cranny_plan::{Budget, OptimiseSettings, Planner, Registry, default_planner};
-use cranny_task::{Criterion, Goal, Problem, Stage, State, TaskError};
 use cranny_spatial::{EXACT_ROTATION_RAD, EXACT_TRANSLATION_M, Pose, PoseDifference, Vector};
+use cranny_task::{Criterion, Goal, Problem, Stage, State, TaskError};
 use serde_json::{Map, Value};
 
-use crate::{DEFAULT_HOLD, SolveError};
+use crate::SolveError;
 
 /// How a problem is to be solved. The same problem and request give the same way points on every machine, unless time
 /// cuts the search short.
@@ -72,6 +72,8 @@ impl Default for Request {
     }
 }
 
+/// The factor of a hold that is demanded unless another one is.
+pub const DEFAULT_HOLD: f64 = 1.5;
 /// No hold is demanded beyond this factor.
 const MOST_HOLD: f64 = 100.0;
 
@@ -219,7 +221,10 @@ impl Request {
     }
 
     /// A filter of the grasps of a stage that are left out; `None` where all are in.
-    pub(crate) fn left_out_filter(&self, stage: usize) -> Option<impl Fn(&Pose) -> bool + Send + Sync + use<>> {
+    pub(crate) fn left_out_filter(
+        &self,
+        stage: usize,
+    ) -> Option<impl Fn(&Pose) -> bool + Send + Sync + use<>> {
         let of_stage = self.left_out.iter().filter(|(of, _)| *of == stage);
         let poses: Vec<Pose> = of_stage.map(|(_, pose)| *pose).collect();
         (!poses.is_empty()).then_some(move |grasp: &Pose| {
@@ -250,5 +255,13 @@ impl Request {
         let default = default_planner(problem);
         let name = self.planner.as_deref().unwrap_or(default.name());
         Ok(self.registry.planner_with(name, &self.settings)?)
+    }
+
+    /// The planner of a pick that follows another: the one that is asked for, where it makes grasps of its own or takes a set
+    /// of them as this pick needs it; else the default one.
+    pub(crate) fn later_planner_for(&self, problem: &Problem) -> Result<Box<dyn Planner>, SolveError> {
+        let named = self.planner_for(problem)?;
+        let is_suited = named.makes_grasps() == problem.grasp_measure().is_some();
+        Ok(if is_suited { named } else { default_planner(problem) })
     }
 }

@@ -12,7 +12,9 @@ use cranny_plan::{
 };
 use cranny_robot::Robot;
 use cranny_spatial::{Pose, other_seed};
-use cranny_task::{Carrier, Criterion, FailureReason, GraspFilter, Problem, Segment, Stage, StatesAlong, give_clearances};
+use cranny_task::{
+    Carrier, Criterion, FailureReason, GraspFilter, Problem, Segment, Stage, StatesAlong, give_clearances,
+};
 
 use crate::chain::{Chain, Piece};
 use crate::hold::hold_firmly;

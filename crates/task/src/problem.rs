@@ -10,7 +10,7 @@ use strum::{EnumString, IntoStaticStr};
 use crate::grasping::firmness::{Firmness, Weights};
 use crate::grasping::grasp_filter::GraspFilter;
 use crate::grasping::grasp_poses;
-use crate::{Carrier, FailureReason, GraspMeasure, NotChecked, PlaceGoal, TaskError};
+use crate::{FailureReason, GraspMeasure, NotChecked, PlaceGoal, TaskError};
 
 /// What a path must do, and what makes it valid. Start and goal fit the robot, and the robot is the one that the check
 /// was made for: whoever has a problem need not look again.
@@ -201,11 +201,9 @@ impl Problem {
         Self { weights: Arc::new(Weights::new(masses_kg)), ..self }
     }
 
-    /// The firmness of grasps of the object of a carrier, where it stands in its cell; `None` where it cannot be computed
-    /// ([`Firmness`]).
-    pub fn firmness(&self, carrier: &Carrier) -> Option<Firmness> {
-        let body = carrier.hand().target();
-        Firmness::new(carrier.cell(), body, self.frictions.get(body).copied().flatten(), &self.weights)
+    /// The firmness of grasps of a body, where it stands in a cell; `None` where it cannot be computed ([`Firmness`]).
+    pub(crate) fn firmness(&self, cell: &Cell, body: usize) -> Option<Firmness> {
+        Firmness::new(cell, body, self.frictions.get(body).copied().flatten(), &self.weights)
     }
 
     /// The same problem from another start (m, rad; one per joint).

@@ -35,7 +35,7 @@ const MOST_APPROACHES: usize = 360;
 #[pyo3(
     signature = (mesh, gripper=None, *, count=200, candidates=None, friction=DEFAULT_FRICTION, approaches=12,
         approach_m=APPROACH_M, bare=false, seed=0),
-    text_signature = "(mesh, gripper=None, *, count=200, candidates=None, friction=0.24, approaches=12, \
+    text_signature = "(mesh, gripper=None, *, count=200, candidates=None, friction=0.35, approaches=12, \
         approach_m=0.05, bare=False, seed=0)"
 )]
 #[allow(clippy::too_many_arguments, reason = "the keywords of the Python function")]

@@ -2,12 +2,12 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use cranny_collision::{Body, World};
-use cranny_grasp::{FirstApproach, Hand, SamplerSettings};
+use cranny_grasp::{ASSUMED_DENSITY, FirstApproach, Hand, HeldObject, LoadMeasure, Pads, SamplerSettings};
 use cranny_scenario::{
-    DEFAULT_FRICTION, ObjectType, OpenOptions, Scenario, ScenarioError, filter_around_object, is_scenario,
-    panda_hand, read_gripper,
+    DEFAULT_FRICTION, ObjectType, OpenOptions, Scenario, ScenarioError, TargetPhysics, filter_around_object,
+    is_scenario, panda_hand, read_gripper,
 };
-use cranny_shape::{Solid, Surface, TriangleSoup};
+use cranny_shape::{ShapeError, Solid, Surface, TriangleSoup, UnionMoments};
 use cranny_spatial::{Pose, Vector};
 use cranny_task::{APPROACH_M, HandFilter, robot_hand};
 
@@ -24,6 +24,7 @@ use crate::number_argument::{positive, whole};
   cranny grasps sample flat_screwdriver --gripper wide.yaml --depth -10 5
   cranny grasps sample 021 -o ball.csv          what the hand can take in a scenario
   cranny grasps sample my_shelf -o my_shelf/grasps.csv
+  cranny grasps sample 031 --hold 2 -o firm.csv
 
 Poses are written in the frame of the object, those of a scenario in its planning frame, as its grasps.csv has
 them: the 16 numbers of each row by row, score, width (and robust score with the number of its trials, where
@@ -47,7 +48,7 @@ pub struct SampleArguments {
     /// How to choose
     #[arg(long, value_enum, default_value = "covering")]
     pub choose: GraspChoice,
-    /// Coefficient of friction [default: the object's own, 0.24 for a mesh]
+    /// Coefficient of friction [default: the object's own, 0.35 for a mesh]
     #[arg(long, value_name = "MU")]
     pub friction: Option<f64>,
     /// Gripper, as YAML [default: the hand of the scenario's robot; for an object the built-in robot's]
@@ -71,6 +72,13 @@ pub struct SampleArguments {
     /// Length of the straight approach that must be free, in millimetres
     #[arg(long, value_name = "MM", default_value_t = APPROACH_M * 1000.0)]
     pub approach: f64,
+    /// Keep only grasps that hold the object at rest by this factor at least, and neither turn nor shift it much while the
+    /// hand closes: what `plan --place` takes
+    #[arg(long, value_name = "FACTOR", value_parser = positive)]
+    pub hold: Option<f64>,
+    /// Mass of the object for `--hold`, in kilograms [default: its own; where that is not known, by 400 kg/m³]
+    #[arg(long, value_name = "KG", value_parser = positive, requires = "hold")]
+    pub mass: Option<f64>,
     /// Do not ask whether the hand collides with the object or the ground
     #[arg(long)]
     pub bare: bool,
@@ -89,6 +97,7 @@ pub struct Subject {
     /// In the frame that grasps are written in.
     pub mesh: TriangleSoup,
     friction: f64,
+    mass_kg: Option<f64>,
     place: Place,
     hand: Hand,
 }
@@ -121,9 +130,9 @@ impl Subject {
             let scale = Vector::repeat(arguments.scale);
             let mesh = TriangleSoup::load(path, scale).map_err(ScenarioError::from)?;
             let (name, friction) = (arguments.object.clone(), DEFAULT_FRICTION);
-            return Ok(Self { name, mesh, friction, place: Place::Nowhere, hand });
+            return Ok(Self { name, mesh, friction, mass_kg: None, place: Place::Nowhere, hand });
         }
-        let ObjectType { name, mesh, friction, stable_poses, .. } = object::open(&arguments.object)?;
+        let ObjectType { name, mesh, friction, mass_kg, stable_poses, .. } = object::open(&arguments.object)?;
         let place = match arguments.pose {
             None => Place::Nowhere,
             Some(index) => {
@@ -134,7 +143,7 @@ impl Subject {
                 Place::Ground { ground_from_object: stable.ground_from_body }
             }
         };
-        Ok(Self { name, mesh, friction, place, hand })
+        Ok(Self { name, mesh, friction, mass_kg: Some(mass_kg), place, hand })
     }
 
     /// The target where it stands, with everything around it and the hand of the scenario's robot.
@@ -159,8 +168,10 @@ impl Subject {
                 return Err(Failure::Flag { flag: "gripper", problem });
             }
         };
+        let TargetPhysics { mass_kg, friction, .. } = scenario.target_physics();
         let (name, place) = (scenario.id, Place::Scene(scenario.world));
-        Ok(Self { name, mesh, friction: DEFAULT_FRICTION, place, hand })
+        let friction = friction.unwrap_or(DEFAULT_FRICTION);
+        Ok(Self { name, mesh, friction, mass_kg, place, hand })
     }
 
     /// The filter of the hand against the object and what is around it; an object with holes is only a surface.
@@ -177,6 +188,35 @@ impl Subject {
             Place::Nowhere => {}
         }
         Ok(filter_around_object(&self.hand, &self.mesh, surface, bodies, approach_m)?)
+    }
+
+    /// The measure of loads, if grasps are to be firm.
+    pub fn firmness(&self, arguments: &SampleArguments) -> Result<Option<(LoadMeasure, f64)>, Failure> {
+        let Some(factor) = arguments.hold else { return Ok(None) };
+        let refuse = |problem: String| Failure::Flag { flag: "hold", problem };
+        let Some(pads) = Pads::of(&self.hand) else {
+            return Err(refuse(format!(
+                "hand '{}' has no two flat pads that close on each other",
+                self.hand.name
+            )));
+        };
+        let closed = |fault: ShapeError| refuse(format!("the object has no mass: {fault}"));
+        let moments = UnionMoments::of_mesh(&self.mesh).map_err(closed)?.moments;
+        let mass_kg = arguments.mass.or(self.mass_kg).unwrap_or(ASSUMED_DENSITY * moments.volume_m3);
+        let object = HeldObject {
+            surface: Surface::new(&self.mesh).map_err(closed)?,
+            mass_kg,
+            center: moments.center,
+            inertia_kg_m2: moments.inertia_per_mass_m2 * mass_kg,
+            friction: arguments.friction.unwrap_or(self.friction),
+        };
+        let up = match &self.place {
+            Place::Scene(world) => world.up(),
+            Place::Ground { ground_from_object } => ground_from_object.rotation.inverse() * Vector::z(),
+            Place::Nowhere => Vector::z(),
+        };
+        let force_n = self.hand.closing_force_n;
+        Ok(Some((LoadMeasure::new(object, pads, force_n, up, Vec::new()), factor)))
     }
 
     pub fn settings(&self, arguments: &SampleArguments) -> SamplerSettings {

@@ -114,6 +114,9 @@ struct Sampled {
     merged: usize,
     best_score: f64,
     mean_score: f64,
+    /// Factor of the hold that was demanded.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    hold: Option<f64>,
     stopped: bool,
     /// Candidates that are kept until the same command goes on.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -132,15 +135,25 @@ fn sample(arguments: &SampleArguments, output: Output) -> Result<Answer, Failure
     let settings = subject.settings(arguments);
     let filter =
         if arguments.bare { None } else { Some(subject.filter(&surface, arguments.approach / 1000.0)?) };
+    let firmness = subject.firmness(arguments)?;
     let stop = stop_on_interrupt()?;
+    let filters = (arguments.approach, arguments.bare, arguments.hold, arguments.mass);
     let unfinished = Unfinished::beside(
         &arguments.output,
-        &[&format!("{subject:?}"), &format!("{settings:?} {:?} {}", arguments.approach, arguments.bare)],
+        &[&format!("{subject:?}"), &format!("{settings:?} {filters:?}")],
         output,
     )?;
     let known = unfinished.rows::<Sampling>()?.pop().unwrap_or_default();
     let progress = bar(settings.count as u64, output.quiet);
-    let accept = |sampled: &SampledGrasp| filter.as_ref().is_none_or(|f| f.is_free(&sampled.grasp));
+    let is_firm = |grasp: &Grasp| {
+        firmness.as_ref().is_none_or(|(measure, factor)| {
+            let pose = &grasp.world_from_gripper;
+            measure.is_firm(pose, *factor) && measure.is_seated(pose)
+        })
+    };
+    let accept = |sampled: &SampledGrasp| {
+        is_firm(&sampled.grasp) && filter.as_ref().is_none_or(|f| f.is_free(&sampled.grasp))
+    };
     // Better now than after a million contacts in vain.
     let too_wide = TooWide::of(&surface, &settings, 0.0);
     let mut going_on = |count| {
@@ -178,6 +191,7 @@ fn sample(arguments: &SampleArguments, output: Output) -> Result<Answer, Failure
         best_score: scores().fold(0.0, f64::max),
         // The sum of nothing is −0.
         mean_score: (scores().sum::<f64>() + 0.0) / chosen.len().max(1) as f64,
+        hold: arguments.hold,
         stopped: kept_in.is_some(),
         unfinished: kept_in,
         too_wide,
@@ -218,7 +232,8 @@ impl Sampled {
             "contacts",
             format!("{} from {}", counted(self.pairs, "pair"), counted(self.first_contacts, "first contact")),
         );
-        line("left out", format!("{} hand collides, {} the same as another", self.rejected, self.merged));
+        let rejected = if self.hold.is_some() { "hand collides or does not hold" } else { "hand collides" };
+        line("left out", format!("{} {rejected}, {} the same as another", self.rejected, self.merged));
         line("score", format!("{:.3} on average, {:.3} at best", self.mean_score, self.best_score));
         if let Some(file) = &self.unfinished {
             line(

@@ -2,7 +2,9 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use cranny_file::counted;
 use cranny_grasp::Hand;
+use cranny_plan::Unobserved;
 use cranny_record::{PlanFile, read_waypoints};
 use cranny_scenario::{OpenOptions, TargetPhysics};
 use cranny_sim::{
@@ -50,6 +52,7 @@ impl InsteadArguments {
   cranny simulate plan 035 035.plan.json --record run.glb     or .gif, to be looked at
   cranny simulate plan 021 021.plan.json --lift 50 --json
   cranny simulate plan 213 213.plan.json                     of several steps
+  cranny simulate plan 213 213.plan.json --replan            measured after each, and planned anew
   cranny simulate plan 012 012.plan.json --disturb 1         with everything a little wrong
   cranny simulate plan 012 012.plan.json --export run.json   for MuJoCo
 
@@ -79,6 +82,10 @@ pub struct SimulatePlanArguments {
     /// and robot.yaml beside it
     #[arg(long, value_name = "FILE")]
     pub robot: Option<PathBuf>,
+    /// Measure after each pick: plan the rest anew where an object is off by more than the plan forgives, and the pick too
+    /// where it does not stand where it was to be
+    #[arg(long)]
+    pub replan: bool,
     /// Write the plan, of one pick, as a document for another engine, which `cranny.mujoco_grasps.run_plan` runs in MuJoCo
     #[arg(long, value_name = "FILE")]
     pub export: Option<PathBuf>,
@@ -154,24 +161,39 @@ pub fn run(arguments: &SimulatePlanArguments, output: Output) -> Result<Answer, 
     }
     let bar = progress::bar(count as u64, output.quiet);
     bar.set_message("picks");
-    let mut runs = execution.run(&picks, || bar.inc(1))?;
+    let (mut runs, replanned) = match (&plan, arguments.replan) {
+        (Some(plan), true) => {
+            let margins = plan.margins;
+            let problem = scenario.problem(margins)?;
+            let done = || bar.inc(1);
+            let found = execution.run_replanning(plan, (&problem, margins), &mut Unobserved, done)?;
+            let executed = found.executed(&scenario.id);
+            (found.runs, Some(executed))
+        }
+        (None, true) => {
+            return Err(refused("way points alone are no plan of stages to be planned anew".to_owned()));
+        }
+        (_, false) => (execution.run(&picks, || bar.inc(1))?, None),
+    };
     bar.finish_and_clear();
     if let Some((file, kind)) = recorded {
         recording::write(&recording::of_picks(&scenario, &mut runs), file, kind, output)?;
     }
     let nothing = || Failure::NoTarget { id: scenario.id.clone() };
-    let executed = ExecutedPlan::of(&scenario.id, count, &runs).ok_or_else(nothing)?;
+    let executed = replanned.or_else(|| ExecutedPlan::of(&scenario.id, count, &runs)).ok_or_else(nothing)?;
     text::answer(&executed, || page(&executed, count), output)?;
     Ok(if executed.is_as_planned() { Answer::Done } else { Answer::No })
 }
 
 fn page(executed: &ExecutedPlan, count: usize) -> String {
-    let (scenario, steps) = match executed {
+    let (scenario, steps, new_plans) = match executed {
         ExecutedPlan::One { scenario, row } => return page_of(scenario, row),
-        ExecutedPlan::Several { scenario, steps, .. } => (scenario, steps),
+        ExecutedPlan::Several { scenario, steps, new_plans, .. } => (scenario, steps, new_plans),
     };
     let there = steps.iter().filter(|step| step.row.is_as_planned()).count();
-    let mut page = format!("{scenario}: {there} of {count} steps as planned\n");
+    let anew =
+        new_plans.map_or_else(String::new, |new_plans| format!(", {}", counted(new_plans, "new plan")));
+    let mut page = format!("{scenario}: {there} of {count} steps as planned{anew}\n");
     for (index, step) in steps.iter().enumerate() {
         let _ = write!(page, "step {}, {}", index + 1, page_of(&step.object, &step.row));
     }
@@ -200,7 +222,7 @@ fn page_of(name: &str, row: &PlanRow) -> String {
     let (pushed, rose) = (millimetres(row.pushed_m), millimetres(row.rose_m));
     let _ = writeln!(page, "  the object was pushed by {pushed} before, and rose by {rose}");
     let end = if row.released.is_some() { "until it was released" } else { "to the end" };
-    let stayed = match (row.is_kept, row.is_in_hand) {
+    let stayed = match (row.is_kept, row.is_in_hand || row.released.is_some()) {
         (true, _) => format!("stayed in the hand {end}"),
         (false, true) => format!("stayed in the hand {end}, but slipped too far"),
         (false, false) => format!("did NOT stay in the hand {end}"),

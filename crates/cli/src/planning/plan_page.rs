@@ -103,9 +103,15 @@ fn held(plan: &PlanFile) -> Option<String> {
     let at_least = |factor: f64| cranny_file::at_least(factor, 1.0, 1);
     let mut held = match factor {
         Some(factor) => {
-            format!("by a factor of {} along the whole motion, {} at rest", at_least(factor), at_least(at_rest))
+            format!(
+                "by a factor of {} along the whole motion, {} at rest",
+                at_least(factor),
+                at_least(at_rest)
+            )
         }
-        None => format!("by a factor of {} at rest (without times there is no other load)", at_least(at_rest)),
+        None => {
+            format!("by a factor of {} at rest (without times there is no other load)", at_least(at_rest))
+        }
     };
     if let Some(slowest) = plan.segments.iter().filter_map(|segment| segment.speed).reduce(f64::min) {
         let _ = write!(held, "; slowed down to {} % of the speed for it", at_least(slowest * 100.0));
@@ -303,10 +309,9 @@ pub fn page(answered: &Answered, grasps: &GraspSet) -> String {
     };
     about_path(answered, grasps, &mut line);
     for tried in &plan.tries {
-        let PlanTry { seed, outcome, kept, as_planned, .. } = tried;
-        let stayed = if *kept { "stayed in the hand" } else { "did not stay in the hand" };
+        let PlanTry { seed, outcome, as_planned, .. } = tried;
         let result = if *as_planned { "as planned" } else { "not as planned" };
-        line("physics", format!("seed {seed}: {outcome}, {result}; the object {stayed}"));
+        line("physics", format!("seed {seed}: {outcome}, {result}"));
     }
     line("search", searched(statistics));
     if statistics.ik_attempts > 0 {

@@ -5,12 +5,8 @@ use cranny_spatial::{Point, Pose, Vector};
 use crate::{Course, HeldObject, Load, LoadMeasure, LoadState, Pads};
 
 /// The rubber tips of a Franka hand.
-const FRANKA: Pads = Pads {
-    middle_m: [0.0, 0.0],
-    half_m: [0.00875, 0.00925],
-    opening_m: 0.08,
-    faces_m: [0.04, -0.04],
-};
+const FRANKA: Pads =
+    Pads { middle_m: [0.0, 0.0], half_m: [0.00875, 0.00925], opening_m: 0.08, faces_m: [0.04, -0.04] };
 
 /// A bar along x, 30 mm wide, of 0.3 kg, held beside its centre of mass with 20 N.
 fn bar(beside_m: f64, friction: f64, states: Vec<LoadState>) -> Load {

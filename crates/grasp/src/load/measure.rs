@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::load::between::Between;
 use crate::load::limit_surface::limit_factor;
 use crate::load::patch::Patch;
-use crate::load::seat::Seat;
+use crate::load::seat::{HARD_PAD, SOFT_PAD, Seat};
 use crate::{LoadState, Pads};
 
 /// An object to be held, in a frame of its own or any other: that of the poses of the grasps.
@@ -82,6 +82,10 @@ pub const ASSUMED_DENSITY: f64 = 400.0;
 const GRAVITY: f64 = 9.81;
 /// The couple between the pads has this arm at least, in metres.
 const LEAST_WIDTH_M: f64 = 0.002;
+/// A seated object turns by this much at most while the hand closes, in radians (3°) …
+const MOST_TURN_RAD: f64 = 0.052_36;
+/// … and is displaced by this much, in metres.
+const MOST_SHIFT_M: f64 = 0.003;
 /// A grasp that no load moves is this firm.
 const FIRMEST: f64 = 1e6;
 
@@ -94,9 +98,10 @@ impl LoadMeasure {
 
     /// The load of a grasp whose gripper frame is at a pose in the frame of the object.
     pub fn of(&self, object_from_gripper: &Pose) -> Load {
-        let (seat, held) = self.seated(object_from_gripper, self.object.friction);
+        let between = Between::new(&self.object.surface, object_from_gripper, &self.pads);
+        let seat = Seat::of(&between, SOFT_PAD, self.force_n, self.object.friction);
         let Some(seat) = seat else { return Load::NOTHING };
-        let Some(held) = held else {
+        let Some(held) = self.held(object_from_gripper, &between, &seat) else {
             return Load { shift_m: seat.shift_m, width_m: seat.width_m, ..Load::NOTHING };
         };
         let at_rest = 1.0 / held.exact_use(&LoadState::GRAVITY).max(1.0 / FIRMEST);
@@ -107,42 +112,46 @@ impl LoadMeasure {
 
     /// The forces of a grasp whose gripper frame is at a pose in the frame of the object; `None` if no pad bears.
     pub fn grip(&self, object_from_gripper: &Pose) -> Option<GripForces> {
-        self.seated(object_from_gripper, self.object.friction).1.map(GripForces)
-    }
-
-    /// Turn (rad) and displacement (m) of the object while the hand closes as if no friction resisted its turns: as far as
-    /// it may move. `None` with nothing between the pads.
-    pub fn free_seating(&self, object_from_gripper: &Pose) -> Option<(f64, f64)> {
-        self.seated(object_from_gripper, 0.0).0.map(|seat| (seat.turn(), seat.shift_m.abs()))
-    }
-
-    fn seated(&self, object_from_gripper: &Pose, friction: f64) -> (Option<Seat>, Option<Held>) {
         let between = Between::new(&self.object.surface, object_from_gripper, &self.pads);
-        let Some(seat) = Seat::of(&between, self.force_n, friction) else { return (None, None) };
-        let held = match [0, 1].map(|pad| Patch::of(&between, &seat.pressures[pad])) {
-            [Some(first), Some(second)] => Some(Held::new(self, object_from_gripper, &seat, [first, second])),
-            _ => None,
+        let held = |hardness: f64| {
+            let seat = Seat::of(&between, hardness, self.force_n, self.object.friction)?;
+            self.held(object_from_gripper, &between, &seat)
         };
-        (Some(seat), held)
+        Some(GripForces([held(SOFT_PAD)?, held(HARD_PAD)?]))
+    }
+
+    /// True for a grasp whose hand holds the object at rest by at least this factor, however soft its pads are.
+    pub fn is_firm(&self, object_from_gripper: &Pose, factor: f64) -> bool {
+        self.grip(object_from_gripper).is_some_and(|grip| grip.factor(&LoadState::GRAVITY) >= factor)
+    }
+
+    /// True for a grasp whose hand neither turns the object by more than 3° nor shifts it by more than 3 mm while it closes,
+    /// even if no friction resists: what is put down then stands as it was picked up.
+    pub fn is_seated(&self, object_from_gripper: &Pose) -> bool {
+        let between = Between::new(&self.object.surface, object_from_gripper, &self.pads);
+        let free = Seat::of(&between, SOFT_PAD, self.force_n, 0.0);
+        free.is_some_and(|seat| seat.turn() <= MOST_TURN_RAD && seat.shift_m.abs() <= MOST_SHIFT_M)
+    }
+
+    fn held(&self, object_from_gripper: &Pose, between: &Between, seat: &Seat) -> Option<Held> {
+        let [first, second] = [0, 1].map(|pad| Patch::of(between, &seat.pressures[pad]));
+        Some(Held::new(self, object_from_gripper, seat, [first?, second?]))
     }
 }
 
-/// The forces with which two pads hold an object, ready to be loaded in many ways.
+/// The forces with which two pads, soft or hard, hold an object, ready to be loaded in many ways.
 #[derive(Clone, Debug)]
-pub struct GripForces(Held);
+pub struct GripForces([Held; 2]);
 
 /// Share of the ellipsoid's factor that is safe: an edge slips at 0.87 of it, a face at 0.93.
 const SAFE_SHARE: f64 = 0.87;
 
 impl GripForces {
-    /// The factor by which the loads of a motion may grow until a pad slips, from the ellipsoid, on the safe side.
+    /// The factor by which the loads of a motion may grow until a pad slips, however soft it is: from the ellipsoid, on the
+    /// safe side.
     pub fn factor(&self, state: &LoadState) -> f64 {
-        SAFE_SHARE / self.0.r#use(state).max(SAFE_SHARE / FIRMEST)
-    }
-
-    /// The same under gravity alone, in the attitude in which the hand closed, exactly.
-    pub fn at_rest(&self) -> f64 {
-        1.0 / self.0.exact_use(&LoadState::GRAVITY).max(1.0 / FIRMEST)
+        let most = self.0.iter().map(|held| held.r#use(state)).fold(0.0, f64::max);
+        SAFE_SHARE / most.max(SAFE_SHARE / FIRMEST)
     }
 }
 

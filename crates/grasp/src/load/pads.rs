@@ -25,7 +25,7 @@ const LEAST_ALONG_Y: f64 = 0.99;
 const RAYS: [usize; 2] = [32, 64];
 
 impl Pads {
-    /// The pads of a hand: those that are stated, as far as the fingers reach, else the rectangle in which the inner sides
+    /// The pads of a hand: those that are stated, as far as they lie on what of the fingers is foremost, else the rectangle in which the inner sides
     /// of both fingers lie foremost. `None` for a hand that has not two fingers that move towards each other along y, or
     /// whose fingers have no surface.
     pub fn of(hand: &Hand) -> Option<Self> {
@@ -45,7 +45,7 @@ impl Pads {
             let side = -finger.stroke_m.y.signum();
             let inner = InnerSide::of(hand, finger.parts.clone(), side)?;
             *face_m = side * inner.foremost_m;
-            let [from, to] = if hand.pads.is_some() { inner.extent_m } else { inner.foremost_extent_m };
+            let [from, to] = inner.extent_m;
             for axis in 0..2 {
                 low[axis] = low[axis].max(from[axis]);
                 high[axis] = high[axis].min(to[axis]);
@@ -62,10 +62,8 @@ impl Pads {
 struct InnerSide {
     /// Distance of its foremost point from the middle, in metres.
     foremost_m: f64,
-    /// Lower and upper corner along x and z of all that faces the other finger, in metres.
+    /// Lower and upper corner along x and z of what lies foremost, in metres.
     extent_m: [[f64; 2]; 2],
-    /// The same of what lies foremost.
-    foremost_extent_m: [[f64; 2]; 2],
 }
 
 impl InnerSide {
@@ -93,18 +91,14 @@ impl InnerSide {
         }
         // Half a step beyond the outermost rays.
         let step = [half.x / RAYS[0] as f64, half.z / RAYS[1] as f64];
-        let extent = |depth_m: f64| {
-            let mut extent_m = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
-            for (at, _) in felt.iter().filter(|(_, distance_m)| *distance_m <= foremost_m + depth_m) {
-                for axis in 0..2 {
-                    extent_m[0][axis] = extent_m[0][axis].min(at[axis] - step[axis]);
-                    extent_m[1][axis] = extent_m[1][axis].max(at[axis] + step[axis]);
-                }
+        let mut extent_m = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
+        for (at, _) in felt.iter().filter(|(_, distance_m)| *distance_m <= foremost_m + DEPTH_M) {
+            for axis in 0..2 {
+                extent_m[0][axis] = extent_m[0][axis].min(at[axis] - step[axis]);
+                extent_m[1][axis] = extent_m[1][axis].max(at[axis] + step[axis]);
             }
-            extent_m
-        };
-        let (extent_m, foremost_extent_m) = (extent(f64::INFINITY), extent(DEPTH_M));
-        (!felt.is_empty()).then_some(Self { foremost_m, extent_m, foremost_extent_m })
+        }
+        (!felt.is_empty()).then_some(Self { foremost_m, extent_m })
     }
 }
 

@@ -3,7 +3,9 @@ use cranny_spatial::nalgebra::{Matrix4, Vector4};
 use crate::load::between::Between;
 
 /// Pressure of a soft pad by its depth, in N/m³: pressed with 70 N, 17.5 × 18.5 mm give way by 0.4 mm.
-const SOFT_PAD: f64 = 5e8;
+pub(crate) const SOFT_PAD: f64 = 5e8;
+/// The same of a hard one: by 0.02 mm, so that it bears on few points.
+pub(crate) const HARD_PAD: f64 = 20.0 * SOFT_PAD;
 /// Turn at which friction against turning has set in, in radians.
 const SETTING_IN_RAD: f64 = 2e-3;
 /// A trace of stiffness against turning, in N m, so that the least energy is one point.
@@ -32,9 +34,9 @@ impl Seat {
         self.turn_rad[0].hypot(self.turn_rad[1])
     }
 
-    /// The least of the energy of two beds of springs, the work of the closing force (N) and that of friction against
+    /// The least of the energy of two beds of springs of a hardness (N/m³), the work of the closing force (N) and that of friction against
     /// turning between the pads, over opening, shift and two small turns: damped Newton. `None` with nothing between them.
-    pub fn of(between: &Between, force_n: f64, friction: f64) -> Option<Self> {
+    pub fn of(between: &Between, hardness: f64, force_n: f64, friction: f64) -> Option<Self> {
         let cells = &between.cells;
         let count = cells.len() as f64;
         let high = cells.iter().map(|cell| cell.upper).fold(f64::NEG_INFINITY, f64::max);
@@ -47,7 +49,7 @@ impl Seat {
             cells.iter().map(|cell| cell.x).sum::<f64>() / count,
             cells.iter().map(|cell| cell.z).sum::<f64>() / count,
         ];
-        let stiffness = SOFT_PAD * between.cell_area_m2;
+        let stiffness = hardness * between.cell_area_m2;
         let resist = friction * force_n * width_m;
         let rows: Vec<[f64; 2]> = cells.iter().map(|cell| [cell.x - middle[0], cell.z - middle[1]]).collect();
         let depths = |v: &Vector4<f64>, cell: usize| {

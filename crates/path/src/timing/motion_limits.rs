@@ -122,6 +122,23 @@ mod tests {
     }
 
     #[test]
+    fn at_a_share_of_the_speed_a_motion_takes_so_much_longer() {
+        let names = ["a".to_owned(), "b".to_owned()];
+        let limits = [joint(1.0, Some(2.0), Some(20.0)), joint(0.5, Some(1.0), Some(10.0))];
+        let path = vec![vec![0.0, 0.0], vec![0.4, -0.3], vec![0.1, 0.2]];
+        for method in [TimingMethod::TimeOptimal, TimingMethod::JerkLimited] {
+            let whole = MotionLimits::new(&names, &limits, method).unwrap();
+            let duration_s =
+                |limits: &MotionLimits| crate::Trajectory::along(&path, limits).unwrap().duration_s();
+            let ratio = duration_s(&whole.slowed(0.4).unwrap()) / duration_s(&whole);
+            assert!((ratio - 2.5).abs() < 1e-3, "{method:?}: {ratio}");
+            for share in [0.0, 1.1, f64::NAN] {
+                assert!(matches!(whole.slowed(share), Err(PathError::Speed { .. })));
+            }
+        }
+    }
+
+    #[test]
     fn a_missing_limit_is_refused_by_joint_and_file() {
         let names = ["shoulder".to_owned(), "elbow".to_owned()];
         let refusal = |limits: &[JointLimits], method| {

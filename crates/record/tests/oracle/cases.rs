@@ -84,7 +84,9 @@ fn placed(scenario: &Scenario, problem: &Problem) -> Option<Vec<Vec<Vec<f64>>>> 
     }
     let stages = vec![Stage::pick(), Stage::place(&goal.name), Stage::home()];
     let problem = problem.clone().with_places(&[goal]);
-    let answer = solve(&problem, &Request { stages, ..Request::default() }, &mut Unobserved).unwrap();
+    // Shapes are judged here, not how firmly they are held.
+    let request = Request { stages, hold: None, ..Request::default() };
+    let answer = solve(&problem, &request, &mut Unobserved).unwrap();
     assert!(answer.segments.is_empty() || answer.is_solved(), "{:?}", answer.audit);
     let pieces: Vec<_> = answer.segments.into_iter().map(|segment| segment.waypoints).collect();
     (!pieces.is_empty()).then_some(pieces)
@@ -92,7 +94,7 @@ fn placed(scenario: &Scenario, problem: &Problem) -> Option<Vec<Vec<Vec<f64>>>> 
 
 /// Lift-off and carry of a task that takes the target home.
 fn carried(problem: &Problem) -> Option<[Vec<Vec<f64>>; 2]> {
-    let request = Request { stages: vec![Stage::pick(), Stage::home()], ..Request::default() };
+    let request = Request { stages: vec![Stage::pick(), Stage::home()], hold: None, ..Request::default() };
     let answer = solve(problem, &request, &mut Unobserved).unwrap();
     assert!(answer.segments.is_empty() || answer.is_solved(), "{:?}", answer.audit);
     let [_, lift_off, carry] = &answer.segments[..] else { return None };

@@ -5,7 +5,9 @@ use strum::{EnumString, IntoStaticStr, VariantArray};
 
 use crate::family::resized::{resized, scaled};
 use crate::object::builtin::{self, builtin_object};
-use crate::{FamilyError, ObjectSource, ObjectType, Obstacle, RecipeBody, RecipeShape, ScenarioError, TargetPhysics};
+use crate::{
+    FamilyError, ObjectSource, ObjectType, Obstacle, RecipeBody, RecipeShape, ScenarioError, TargetPhysics,
+};
 
 /// The paper's environments, each with one dial that makes it harder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, EnumString, IntoStaticStr, VariantArray)]

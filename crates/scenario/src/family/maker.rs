@@ -13,8 +13,8 @@ use crate::family::kind::Resting;
 use crate::named_task::STEPS;
 use crate::robot::short_arm::{self, ALL_POSES_DOF};
 use crate::{
-    Family, NamedTask, PAPER_FRICTION, Placement, Recipe, RecipeBody, RecipeRobot, ScenarioError,
-    SceneScale, TargetPhysics,
+    Family, NamedTask, PAPER_FRICTION, Placement, Recipe, RecipeBody, RecipeRobot, ScenarioError, SceneScale,
+    TargetPhysics,
 };
 
 /// Makes scenarios of one family: its object at rest, and grasps of the object sampled once for all.

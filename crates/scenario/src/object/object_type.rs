@@ -2,11 +2,11 @@ use std::path::Path;
 
 use cranny_grasp::{ASSUMED_FRICTION, HeldObject};
 use cranny_shape::{
-    ConvexParts, DecompositionSettings, RepairedMesh, Roundness, ShapeError, Solid, StablePose, Surface, TriangleSoup,
-    UnionMoments, distinct_poses, stable_poses,
+    ConvexParts, DecompositionSettings, RepairedMesh, Roundness, ShapeError, Solid, StablePose, Surface,
+    TriangleSoup, UnionMoments, distinct_poses, stable_poses,
 };
-use cranny_spatial::{Point, Pose};
 use cranny_spatial::nalgebra::Matrix3;
+use cranny_spatial::{Point, Pose};
 
 use crate::{ObjectError, ScenarioError};
 

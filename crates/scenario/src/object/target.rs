@@ -97,12 +97,9 @@ fn object_of_shapes(body: &Body, settings: &ObjectSettings) -> Result<TargetObje
     }
     let parts = ConvexParts::measured(&mesh, hulls)?;
     let is_exact = |part: &Part| !matches!(part.solid.outline(), Outline::Other | Outline::HalfSpace);
-    let in_object =
-        |part: &Part| (world_from_object.inverse() * part.world_from_solid, part.solid.clone());
-    let solids = match body.parts.iter().all(is_exact) {
-        true => body.parts.iter().map(in_object).collect(),
-        false => Vec::new(),
-    };
+    let in_object = |part: &Part| (world_from_object.inverse() * part.world_from_solid, part.solid.clone());
+    let solids =
+        if body.parts.iter().all(is_exact) { body.parts.iter().map(in_object).collect() } else { Vec::new() };
     let object = ObjectType { solids, ..ObjectType::of_parts(mesh, parts, settings)? };
     Ok(TargetObject { object, world_from_object })
 }

@@ -45,7 +45,7 @@ pub struct GraspRun {
     pub contact_force_n: f64,
     /// Where the object ended, in the planning frame.
     pub world_from_object: Pose,
-    /// True if a finger touched it when the course had ended, before the hand opened again.
+    /// True if a finger touches it there.
     pub is_in_hand: bool,
     /// Pose of the object when the hand opened again to release it, in the planning frame; `None` if it did not.
     pub world_from_released: Option<Pose>,

@@ -116,8 +116,7 @@ impl GraspTest {
         body.set_linear_damping(SETTLING_DAMPING);
         body.set_angular_damping(SETTLING_DAMPING);
         let rolling = self.object.rolling(self.physics.rolling_m, &Disturbance::default());
-        (self.world_from_object, _) =
-            come_to_rest(&mut world, (object, &rolling), STILL_S, SETTLING_S);
+        (self.world_from_object, _) = come_to_rest(&mut world, (object, &rolling), STILL_S, SETTLING_S);
     }
 }
 

@@ -5,8 +5,8 @@ use rayon::prelude::*;
 
 use crate::grasping::grasp_test::{STILL_S, whole_steps};
 use crate::gripper::Gripper;
-use crate::rolling::Rolling;
 use crate::object_model::STILL_M_PER_S;
+use crate::rolling::Rolling;
 use crate::{Disturbance, GraspOutcome, GraspRun, GraspTest, Piece, RecordedBody, Recording, engine};
 
 /// What the fingers get beyond the time that their stroke takes, in seconds: to push a heavy object along.
@@ -44,9 +44,8 @@ pub(crate) struct GraspTrial<'a> {
     steps_open: u32,
     /// Once the hand opens again: after which step, and how far its fingers had closed, in metres.
     opens_from: Option<(u32, f64)>,
-    /// Pose of the object at that time, and whether a finger touched it.
+    /// Pose of the object at that time.
     world_from_released: Option<Pose>,
-    was_in_hand: bool,
     recording: Option<Recording>,
     /// What the recording has, besides object and hand.
     recorded: Vec<RigidBodyHandle>,
@@ -85,7 +84,6 @@ impl<'a> GraspTrial<'a> {
             steps_open: 0,
             opens_from: None,
             world_from_released: None,
-            was_in_hand: false,
             recording: None,
             recorded: Vec::new(),
         };
@@ -264,8 +262,7 @@ impl<'a> GraspTrial<'a> {
             }
         }
         let error = self.error(&closed_from_object, &self.hand_from_object());
-        self.was_in_hand = self.is_touched();
-        let outcome = if !self.was_in_hand {
+        let outcome = if !self.is_touched() {
             GraspOutcome::Dropped
         } else if self.is_held(error) {
             GraspOutcome::Held
@@ -328,7 +325,7 @@ impl<'a> GraspTrial<'a> {
             held_s,
             contact_force_n,
             world_from_object: self.world_from_object(),
-            is_in_hand: self.was_in_hand,
+            is_in_hand: self.is_touched(),
             world_from_released: self.world_from_released,
             simulated_s: self.time_s(),
             recording: self.recording,

@@ -68,8 +68,14 @@ impl ArmModel {
     }
 
     /// Has the bodies of the arm be at a configuration (m, rad; one per joint) at the end of the next step; the pose of the
-    /// robot's tip there.
-    pub fn aim(&self, robot: &Robot, q: &[f64], bodies: &[RigidBodyHandle], world: &mut PhysicsWorld) -> Pose {
+    /// robot's tip there, in the planning frame (`world_from_tip`).
+    pub fn aim(
+        &self,
+        robot: &Robot,
+        q: &[f64],
+        bodies: &[RigidBodyHandle],
+        world: &mut PhysicsWorld,
+    ) -> Pose {
         let frames = robot.frames_at(q);
         for (body, handle) in self.bodies.iter().zip(bodies) {
             world.bodies[*handle].set_next_kinematic_position(engine::pose(frames.link(body.link)));

@@ -12,7 +12,7 @@ pub(crate) struct Lift {
 const RUNG_M: f64 = 0.001;
 
 impl Lift {
-    /// From a configuration, as far as inverse kinematics go without a jump.
+    /// From a configuration (m, rad; one per joint), as far as inverse kinematics go without a jump.
     pub fn new(robot: &Robot, from: &[f64], lift_m: f64) -> Self {
         let world_from_gripper = *robot.frames_at(from).link(robot.tip());
         let mut solver = IkSolver::new(robot, IkSettings::default());

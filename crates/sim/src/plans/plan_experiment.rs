@@ -48,7 +48,9 @@ impl PlanExperiment {
         Ok(Self {
             experiment: test.experiment(&[grasp]),
             held: poses(motion.held_s(), &|time_s| motion.held(time_s)),
-            left: motion.left_s().map_or_else(Vec::new, |left_s| poses(left_s, &|time_s| motion.left(time_s))),
+            left: motion
+                .left_s()
+                .map_or_else(Vec::new, |left_s| poses(left_s, &|time_s| motion.left(time_s))),
             world_from_planned: motion.planned(test.world_from_object()).as_ref().map(Into::into),
             placed_m: PlacedError::MOST_M,
             placed_rad: PlacedError::MOST_RAD,

@@ -61,6 +61,9 @@ pub enum ExecutedPlan {
         scenario: String,
         /// True if all objects are where the plan has them.
         as_planned: bool,
+        /// Number of times that the rest was planned anew, if that was allowed.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        new_plans: Option<usize>,
         /// Up to the first pick whose object is not let go where another follows.
         steps: Vec<ExecutedPick>,
     },
@@ -88,7 +91,7 @@ impl ExecutedPlan {
         let pick = |pick: &PickRun| ExecutedPick { object: pick.object.clone(), row: PlanRow::of(&pick.run) };
         let steps: Vec<ExecutedPick> = runs.iter().map(pick).collect();
         let as_planned = steps.len() == count && steps.iter().all(|pick| pick.row.is_as_planned());
-        (count > 1).then_some(Self::Several { scenario, as_planned, steps })
+        (count > 1).then_some(Self::Several { scenario, as_planned, new_plans: None, steps })
     }
 
     /// True if all objects are where the plan has them.

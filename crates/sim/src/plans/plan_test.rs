@@ -101,8 +101,7 @@ impl Prescribed {
     /// Has arm and hand be at a configuration (m, rad; one per joint) at the end of the next step.
     fn aim(&self, plan: &PlanTest, q: &[f64], trial: &mut GraspTrial<'_>) {
         let palm = trial.gripper.palm;
-        let world_from_hand =
-            plan.arm.aim(&plan.robot, q, &self.arm, &mut trial.world) * self.tip_from_hand;
+        let world_from_hand = plan.arm.aim(&plan.robot, q, &self.arm, &mut trial.world) * self.tip_from_hand;
         trial.world.bodies[palm].set_next_kinematic_position(engine::pose(&world_from_hand));
     }
 }
@@ -150,14 +149,7 @@ impl<'a> Execution<'a> {
             let sample = path.sample(path.duration_s() * f64::from(step) / f64::from(steps));
             self.hand.aim(self.test, &sample.position, &mut self.trial);
             self.trial.step_open();
-            touched(
-                self.test,
-                &self.trial,
-                &self.hand.arm,
-                self.began_steps,
-                false,
-                &mut self.contacts,
-            );
+            touched(self.test, &self.trial, &self.hand.arm, self.began_steps, false, &mut self.contacts);
         }
     }
 }
@@ -182,9 +174,12 @@ fn touched(
                 let points = pair.manifolds().iter().flat_map(|manifold| &manifold.points);
                 let depth_m = -points.map(|point| point.dist).fold(f64::INFINITY, f64::min);
                 let is_object = world.colliders[other].parent() == Some(trial.object);
-                if depth_m <= 0.0 || (is_object && is_lifting) {
+                // What is pushed away need not overlap at the end of a step.
+                let is_touched = depth_m > 0.0 || engine::normal_impulse(pair).norm() > 0.0;
+                if !is_touched || (is_object && is_lifting) {
                     continue;
                 }
+                let depth_m = depth_m.max(0.0);
                 let body = plan.name_of(other, is_object, trial);
                 let known = contacts.iter_mut().find(|contact| {
                     contact.link == link && contact.body == body && contact.is_lifting == is_lifting

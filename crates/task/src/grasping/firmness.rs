@@ -2,9 +2,7 @@ use std::fmt;
 use std::sync::OnceLock;
 
 use cranny_collision::{Body, Cell};
-use cranny_grasp::{
-    ASSUMED_DENSITY, ASSUMED_FRICTION, GripForces, HeldObject, LoadMeasure, LoadState, Pads,
-};
+use cranny_grasp::{ASSUMED_DENSITY, ASSUMED_FRICTION, GripForces, HeldObject, LoadMeasure, Pads};
 use cranny_robot::Robot;
 use cranny_shape::{Outline, Surface, TriangleSoup, UnionMoments, VolumeMoments};
 use cranny_spatial::Pose;
@@ -44,24 +42,17 @@ pub struct Firmness {
 
 impl fmt::Debug for Firmness {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.debug_struct("Firmness").field("is_mass_assumed", &self.is_mass_assumed).finish_non_exhaustive()
+        formatter
+            .debug_struct("Firmness")
+            .field("is_mass_assumed", &self.is_mass_assumed)
+            .finish_non_exhaustive()
     }
 }
-
-/// An object that turns farther than this while the hand closes is not put down as it was picked up, in radians (3°).
-const MOST_TURN_RAD: f64 = 0.052_36;
-/// The same of its displacement, in metres.
-const MOST_SHIFT_M: f64 = 0.003;
 
 impl Firmness {
     /// Of a body of the world of a cell, with a friction that may not be known ([`ASSUMED_FRICTION`]). `None` for a hand
     /// without two flat pads, or a body that encloses no volume.
-    pub(crate) fn new(
-        cell: &Cell,
-        body: usize,
-        friction: Option<f64>,
-        weights: &Weights,
-    ) -> Option<Self> {
+    pub(crate) fn new(cell: &Cell, body: usize, friction: Option<f64>, weights: &Weights) -> Option<Self> {
         let (pads, force_n) = weights.pads(cell.robot())?;
         let world = cell.world();
         let (soup, moments) = moments_of(&world.bodies()[body])?;
@@ -86,12 +77,10 @@ impl Firmness {
     /// Reason for which a grasp does not do for what follows: it slips under less than `factor` times the weight, or, where
     /// the object is put down again, it turns or shifts the object too far.
     pub fn fault_of(&self, world_from_tip: &Pose, factor: f64, is_put_down: bool) -> Option<FailureReason> {
-        if self.grip(world_from_tip).is_none_or(|grip| grip.factor(&LoadState::GRAVITY) < factor) {
+        if !self.measure.is_firm(world_from_tip, factor) {
             return Some(FailureReason::Slips);
         }
-        let seating = is_put_down.then(|| self.measure.free_seating(world_from_tip)).flatten();
-        let moves = |(turn_rad, shift_m): (f64, f64)| turn_rad > MOST_TURN_RAD || shift_m > MOST_SHIFT_M;
-        seating.is_some_and(moves).then_some(FailureReason::TurnsInHand)
+        (is_put_down && !self.measure.is_seated(world_from_tip)).then_some(FailureReason::TurnsInHand)
     }
 }
 

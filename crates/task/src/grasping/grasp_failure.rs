@@ -228,7 +228,8 @@ impl FailureReason {
                 "the hand holds the object too weakly there to carry it (`hold` demands less)".to_owned()
             }
             Self::TurnsInHand => {
-                "the hand turns or shifts the object there while it closes, so that it cannot be put down".to_owned()
+                "the hand turns or shifts the object there while it closes, so that it cannot be put down"
+                    .to_owned()
             }
             Self::ClosingCollides { first, second } => {
                 format!("reached, but the fingers cannot close: {first} against {second}")

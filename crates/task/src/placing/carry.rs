@@ -5,7 +5,7 @@ use cranny_robot::{Hold, IkSettings, IkSolver, between};
 use cranny_spatial::{Pose, Rotation, Vector};
 
 use crate::grasping::closing_hand::{ClosedHand, ClosingHand};
-use crate::{FailureReason, Problem, TaskError};
+use crate::{FailureReason, Firmness, Problem, TaskError};
 
 /// How an object leaves what it rests on.
 ///
@@ -92,6 +92,11 @@ impl Carrier {
             hand,
             resting,
         })
+    }
+
+    /// The firmness of grasps of the object, where it stands; `None` where it cannot be computed ([`Firmness`]).
+    pub fn firmness(&self, problem: &Problem) -> Option<Firmness> {
+        problem.firmness(&self.cell, self.hand.target())
     }
 
     /// The same object in the surroundings of another cell, which is to grasp it: far less work than from the start.

@@ -77,6 +77,13 @@ fn fault_of(
     if !(continues_stage || begins_stage && (before.is_some() || segment.stage == 0)) {
         return Some("is neither of the stage of the segment before it nor of the next");
     }
+    if segment.speed.is_some_and(|speed| !(speed > 0.0 && speed < 1.0)) {
+        return Some("has a speed that is no share of the limits");
+    }
+    let is_one_motion = |before: &Segment| before.mode.holds == segment.mode.holds;
+    if before.filter(|before| is_one_motion(before)).is_some_and(|before| before.speed != segment.speed) {
+        return Some("has another speed than the segment before it, with which it is one motion");
+    }
     let holds = segment.mode.holds;
     let was_held = before.is_some_and(|before| before.mode.holds);
     let closes = holds && !was_held;

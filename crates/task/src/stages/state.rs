@@ -5,7 +5,7 @@ use cranny_robot::{between, distance};
 use cranny_spatial::Pose;
 
 use crate::placing::placed::Placed;
-use crate::stages::segment::{MotionEnd, Segment};
+use crate::stages::segment::{Mode, MotionEnd, Segment};
 use crate::{Carrier, FailureReason, Goal, Grip, LiftOffSettings, Moved, Pick, Problem, Stage, TaskError};
 
 /// Between two configurations on the way back, in the metric of the joints (m, rad).
@@ -153,6 +153,20 @@ impl State {
     #[must_use]
     pub fn before_picking(&self, picking: &Problem) -> Self {
         Self { empty: picking.cell().unwrap_or(&self.empty).clone(), ..self.clone() }
+    }
+
+    /// A segment of a stage through way points (m, rad; one value per joint) with what is in the hand.
+    pub fn segment(&self, stage: usize, mode: Mode, waypoints: Vec<Vec<f64>>) -> Segment {
+        let segment = Segment::empty(stage, mode, waypoints);
+        match self.held() {
+            Some((carrier, grip)) => Segment {
+                attached: Some(carrier.object().to_owned()),
+                opening_m: Some(grip.opening_m),
+                uneven_m: Some(grip.uneven_m),
+                ..segment
+            },
+            None => segment,
+        }
     }
 
     /// Configurations (m, rad; one value per joint) along a path of such way points, from its begin on, as far as the

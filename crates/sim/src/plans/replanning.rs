@@ -1,0 +1,150 @@
+use cranny_collision::Margins;
+use cranny_plan::{Budget, Observer};
+use cranny_record::{PlanFile, PlanSource};
+use cranny_scenario::Scenario;
+use cranny_solve::{PoseRadius, Request, Timing, solve};
+use cranny_task::{Move, Problem, Stage};
+use serde_json::Map;
+
+use crate::{ExecutedPick, ExecutedPlan, PickPath, PickRun, PlanExecution, PlanRow, SimError};
+
+/// A plan of several picks that was executed with measurements in between.
+#[derive(Clone, Debug)]
+pub struct Replanned {
+    /// All picks, in the order in which they were executed, those that were repeated too.
+    pub runs: Vec<PickRun>,
+    /// Number of times that it was planned anew.
+    pub new_plans: usize,
+    /// True if each object is, in the end, where the plan has it.
+    pub as_planned: bool,
+}
+
+impl Replanned {
+    /// What came of it, for the scenario of that id.
+    pub fn executed(&self, scenario: &str) -> ExecutedPlan {
+        let pick = |pick: &PickRun| ExecutedPick { object: pick.object.clone(), row: PlanRow::of(&pick.run) };
+        ExecutedPlan::Several {
+            scenario: scenario.to_owned(),
+            as_planned: self.as_planned,
+            new_plans: Some(self.new_plans),
+            steps: self.runs.iter().map(pick).collect(),
+        }
+    }
+}
+
+/// A pick is repeated so often at most.
+const MOST_REPEATS: usize = 3;
+
+/// What is left of a task.
+struct Left {
+    picks: Vec<PickPath>,
+    /// All of its stages; those of a pick begin with it.
+    stages: Vec<Stage>,
+    /// How far an object may be from where the plan has it.
+    forgiven: Option<PoseRadius>,
+}
+
+impl PlanExecution<'_> {
+    /// Executes a plan of a problem with these margins and measures after each pick: where the object is off by more than
+    /// the plan forgives, the rest is planned anew in the measured world, and where it does not stand where it was to be, so
+    /// is the pick, without the grasp that slipped; `done` is called after each pick.
+    ///
+    /// # Errors
+    /// Those of [`Self::run`], [`PickPath::all_of`] and [`solve`].
+    pub fn run_replanning(
+        &self,
+        plan: &PlanFile,
+        (problem, margins): (&Problem, Margins),
+        observer: &mut dyn Observer,
+        mut done: impl FnMut(),
+    ) -> Result<Replanned, SimError> {
+        let home = problem.start().to_vec();
+        let mut left = Left::of(plan, problem)?;
+        let mut now = self.scenario.clone();
+        let mut request = Request {
+            budget: Budget::default(),
+            timing: Some(Timing::default()),
+            robustness: true,
+            // Each rest of the task has another first pick.
+            planner: None,
+            settings: Map::new(),
+            ..plan.request()
+        };
+        let (mut runs, mut new_plans, mut repeats) = (Vec::new(), 0, 0);
+        while !left.picks.is_empty() {
+            let pick = left.picks.remove(0);
+            let here = PlanExecution { scenario: &now, hand: self.hand.clone(), ..*self };
+            let Some(run) = here.run(std::slice::from_ref(&pick), &mut done)?.pop() else { break };
+            let row = PlanRow::of(&run.run);
+            let motion = run.run.grasp.world_from_object * run.world_from_object.inverse();
+            let (is_done, body) = (row.is_as_planned(), run.body);
+            let off = row.placed;
+            runs.push(run);
+            if !is_done && (row.released.is_none() && row.is_in_hand || repeats == MOST_REPEATS) {
+                return Ok(Replanned { runs, new_plans, as_planned: false });
+            }
+            now = now.with_moved(body, &motion, &pick.end)?;
+            let stages = if is_done { left.after_pick() } else { left.stages.clone() };
+            repeats = if is_done { 0 } else { repeats + 1 };
+            if is_done && stages.is_empty() {
+                break;
+            }
+            let forgives = |most: PoseRadius| {
+                off.is_some_and(|off| {
+                    off.translation_m <= most.translation_m && off.rotation_rad <= most.rotation_rad
+                })
+            };
+            if is_done && left.forgiven.is_some_and(forgives) {
+                left.stages = stages;
+                continue;
+            }
+            request.seed = request.seed.wrapping_add(1);
+            request.stages = stages.iter().map(|stage| at_home(stage, &home)).collect();
+            new_plans += 1;
+            // An object that has fallen where nothing can plan with it is an end, and no fault.
+            let Ok(Some(next)) = planned_anew(&now, margins, &request, observer) else {
+                return Ok(Replanned { runs, new_plans, as_planned: false });
+            };
+            left = Left { stages, ..next };
+        }
+        Ok(Replanned { runs, new_plans, as_planned: true })
+    }
+}
+
+impl Left {
+    fn of(plan: &PlanFile, problem: &Problem) -> Result<Self, SimError> {
+        let picks = PickPath::all_of(plan, problem)?;
+        let forgiven = plan.robustness.as_ref().and_then(|robustness| robustness.object);
+        Ok(Self { picks, stages: plan.stages(problem), forgiven })
+    }
+
+    /// The stages from the next pick on.
+    fn after_pick(&self) -> Vec<Stage> {
+        let picks = self.stages.iter().enumerate().filter(|(_, stage)| matches!(stage, Stage::Pick(_)));
+        picks.map(|(index, _)| index).nth(1).map_or_else(Vec::new, |next| self.stages[next..].to_vec())
+    }
+}
+
+/// A stage whose home is where the whole task began.
+fn at_home(stage: &Stage, home: &[f64]) -> Stage {
+    match stage {
+        Stage::Move(Move::Home) => Stage::Move(Move::Configurations(vec![home.to_vec()])),
+        other => other.clone(),
+    }
+}
+
+/// The rest of a task in a world as it was measured; `None` if no plan was found.
+fn planned_anew(
+    now: &Scenario,
+    margins: Margins,
+    request: &Request,
+    observer: &mut dyn Observer,
+) -> Result<Option<Left>, SimError> {
+    let problem = now.problem(margins)?;
+    let answer = solve(&problem, request, observer)?;
+    if !answer.is_solved() {
+        return Ok(None);
+    }
+    let source = PlanSource { scenario: now.id.clone(), margins, ..PlanSource::default() };
+    Left::of(&PlanFile::of(&answer, &source), &problem).map(Some)
+}
