@@ -381,10 +381,10 @@ class GraspModel:
         if unseen == "all":
             angle = 0.0
         elif isinstance(unseen, Mapping):
-            axes = [np.zeros(3), np.zeros(3)]
-            for axis, pose in zip(axes, (expected, actual), strict=True):
+            first, second = np.zeros(3), np.zeros(3)
+            for axis, pose in ((first, expected), (second, actual)):
                 self._mujoco.mju_rotVecQuat(axis, np.array(unseen["about"]), pose.quaternion)
-            angle = math.atan2(float(np.linalg.norm(np.cross(*axes))), float(np.dot(*axes)))
+            angle = math.atan2(float(np.linalg.norm(np.cross(first, second))), float(np.dot(first, second)))
         else:
             angle = float(np.linalg.norm(turn))
         return float(np.linalg.norm(a - b)), angle
