@@ -6,7 +6,7 @@ use cranny_spatial::{Point, Pose, Rotation, Vector};
 use crate::volume::pose_symmetry::distance_to_triangle;
 use crate::{Aabb, ShapeError, Surface, TriangleSoup, VolumeMoments};
 
-/// The turns of a body that nobody can see.
+/// Rotational symmetry of a body: the turns that leave its surface where it is.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Roundness {
     /// None: each turn is seen.
@@ -18,8 +18,9 @@ pub enum Roundness {
     Ball,
 }
 
-/// Share of a body's greatest extent by which its surface may miss itself when it is turned: a tube of 24 sides is round.
-const TOLERANCE_SHARE: f64 = 0.005;
+/// Share of the greatest distance from the axis, or the centre, by which a surface that is turned may miss itself: a tube of
+/// 24 sides is round.
+const TOLERANCE_SHARE: f64 = 0.01;
 /// Share by which two principal moments of inertia may differ and count as equal.
 const SAME_MOMENT_SHARE: f64 = 0.02;
 /// Turns about an axis that are tried, as shares of a whole one: none is a fraction of small numbers.
@@ -29,37 +30,38 @@ const MOST_VERTICES: usize = 400;
 
 impl Roundness {
     /// The roundness of the body that a mesh encloses, about its centre of mass: its surface, turned, misses itself by at
-    /// most 0.5 % of its extent.
+    /// most 1 % of its greatest distance from the axis.
     ///
     /// # Errors
     /// Those of [`VolumeMoments::of_mesh`].
     pub fn of_mesh(mesh: &TriangleSoup) -> Result<Self, ShapeError> {
         let (surface, moments) = (Surface::new(mesh)?, VolumeMoments::of_mesh(mesh)?);
         let center = moments.center;
-        let tolerance_m = TOLERANCE_SHARE * 2.0 * surface.aabb().half_extents.max();
         // The corners of a cube are as far out as each other, the middles of its triangles are not.
         let middle = |[a, b, c]: &[Point; 3]| Point::from((a.coords + b.coords + c.coords) / 3.0);
         let points = || mesh.vertices.iter().copied().chain(surface.corners.iter().map(middle));
         let radii = || points().map(|point| (point - center).norm());
         let (least, most) = radii().fold((f64::INFINITY, 0.0_f64), |(a, b), r| (a.min(r), b.max(r)));
-        if most - least <= tolerance_m {
+        if most - least <= TOLERANCE_SHARE * most {
             return Ok(Self::Ball);
         }
         let principal = SymmetricEigen::new(moments.inertia_per_mass_m2);
         let step = mesh.vertices.len().div_ceil(MOST_VERTICES).max(1);
-        let is_near = |point: &Point| {
+        let is_near = |point: &Point, tolerance_m: f64| {
             let region = Aabb { center: *point, half_extents: Vector::repeat(tolerance_m) };
             let corners = |triangle: u32| &surface.corners[triangle as usize];
             let mut near = surface.tree.near(&region);
             near.any(|triangle| distance_to_triangle(point, corners(triangle)) <= tolerance_m)
         };
         let is_round = |axis: &Unit<Vector>| {
+            let off_axis = |vertex: &Point| (vertex - center).cross(axis).norm();
+            let tolerance_m = TOLERANCE_SHARE * mesh.vertices.iter().map(off_axis).fold(0.0, f64::max);
             TURNS.iter().all(|share| {
                 let turn = Rotation::from_axis_angle(axis, TAU * share);
                 let about = Pose::translation(center.x, center.y, center.z)
                     * Pose::from_parts(Vector::zeros().into(), turn)
                     * Pose::translation(-center.x, -center.y, -center.z);
-                mesh.vertices.iter().step_by(step).all(|vertex| is_near(&(about * vertex)))
+                mesh.vertices.iter().step_by(step).all(|vertex| is_near(&(about * vertex), tolerance_m))
             })
         };
         let axis = |index: usize| {
@@ -73,7 +75,7 @@ impl Roundness {
         Ok(found.map_or(Self::None, Self::About))
     }
 
-    /// How far a body is seen to be turned between two orientations, in radians.
+    /// Angle between two orientations of a body, without the turns that leave its surface where it is, in radians.
     pub fn angle(&self, from: &Rotation, to: &Rotation) -> f64 {
         match self {
             Self::None => from.angle_to(to),
@@ -93,7 +95,9 @@ mod tests {
         let of = |solid: Solid| Roundness::of_mesh(&solid.tessellation().unwrap()).unwrap();
         assert_eq!(of(Solid::sphere(0.03).unwrap()), Roundness::Ball);
         assert_eq!(of(Solid::cuboid(Vector::repeat(0.02)).unwrap()), Roundness::None);
-        assert_eq!(of(Solid::cuboid(Vector::new(0.02, 0.02, 0.1)).unwrap()), Roundness::None);
+        for half_m in [0.1, 0.5] {
+            assert_eq!(of(Solid::cuboid(Vector::new(0.005, 0.005, half_m)).unwrap()), Roundness::None);
+        }
         // The third has three equal moments of inertia: h = √3 r.
         for half_m in [0.01, 0.06, 0.02 * 3.0_f64.sqrt()] {
             let Roundness::About(axis) = of(Solid::cylinder(half_m, 0.04).unwrap()) else {
