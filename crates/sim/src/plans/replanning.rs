@@ -47,7 +47,7 @@ struct Left {
 impl PlanExecution<'_> {
     /// Executes a plan of a problem with these margins and measures after each pick: where the object is off by more than
     /// the plan forgives, the rest is planned anew in the measured world, and where it does not stand where it was to be, so
-    /// is the pick, without the grasp that slipped; `done` is called after each pick.
+    /// is the pick; `done` is called after each pick.
     ///
     /// # Errors
     /// Those of [`Self::run`], [`PickPath::all_of`] and [`solve`].
@@ -74,7 +74,9 @@ impl PlanExecution<'_> {
         while !left.picks.is_empty() {
             let pick = left.picks.remove(0);
             let here = PlanExecution { scenario: &now, hand: self.hand.clone(), ..*self };
-            let Some(run) = here.run(std::slice::from_ref(&pick), &mut done)?.pop() else { break };
+            let Some(run) = here.run(std::slice::from_ref(&pick), &mut done)?.pop() else {
+                return Ok(Replanned { runs, new_plans, as_planned: false });
+            };
             let row = PlanRow::of(&run.run);
             let motion = run.run.grasp.world_from_object * run.world_from_object.inverse();
             let (is_done, body) = (row.is_as_planned(), run.body);
@@ -101,8 +103,13 @@ impl PlanExecution<'_> {
             request.seed = request.seed.wrapping_add(1);
             request.stages = stages.iter().map(|stage| at_home(stage, &home)).collect();
             new_plans += 1;
-            // An object that has fallen where nothing can plan with it is an end, and no fault.
-            let Ok(Some(next)) = planned_anew(&now, margins, &request, observer) else {
+            let next = match planned_anew(&now, margins, &request, observer) {
+                Ok(next) => next,
+                // An object that has fallen where no problem can have it is an end, and no fault.
+                Err(SimError::Solve(_) | SimError::Plan(_) | SimError::Scenario(_)) => None,
+                Err(fault) => return Err(fault),
+            };
+            let Some(next) = next else {
                 return Ok(Replanned { runs, new_plans, as_planned: false });
             };
             left = Left { stages, ..next };

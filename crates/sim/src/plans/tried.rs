@@ -1,8 +1,8 @@
 use cranny_plan::Observer;
 use cranny_record::{LeftOut, PlanFile, PlanSource, PlanTry};
-use cranny_scenario::{Scenario, TargetPhysics};
+use cranny_scenario::{ObjectError, Scenario, ScenarioError, TargetPhysics};
 use cranny_solve::{Answer, Request, solve};
-use cranny_task::{Mode, Problem, robot_hand};
+use cranny_task::{Mode, Pick, Problem, Stage, robot_hand};
 
 use crate::{Disturbance, ExecutedPlan, PickPath, PickRun, PlanExecution, PlanRow, SimError};
 
@@ -31,6 +31,7 @@ pub fn solve_in_physics(
     observer: &mut dyn Observer,
     mut tried: impl FnMut(&PlanTry),
 ) -> Result<Tried, SimError> {
+    check_masses(scenario, &request.stages)?;
     let mut request = request.clone();
     let mut last = Tried { answer: solve(problem, &request, observer)?, tries: Vec::new() };
     while last.answer.is_solved() && last.tries.len() < most {
@@ -50,6 +51,21 @@ pub fn solve_in_physics(
         last.answer = answer;
     }
     Ok(last)
+}
+
+/// Checks that the mass of each object that is picked is known, before a search takes its time.
+fn check_masses(scenario: &Scenario, stages: &[Stage]) -> Result<(), SimError> {
+    let own = [Stage::pick()];
+    for stage in if stages.is_empty() { &own[..] } else { stages } {
+        let Stage::Pick(Pick { object, .. }) = stage else { continue };
+        let picked =
+            object.as_ref().map_or_else(|| Ok(scenario.clone()), |name| scenario.with_target(name))?;
+        let target = picked.target.map(|target| picked.world.bodies()[target].name.clone());
+        if let Some(target) = target.filter(|_| picked.target_physics().mass_kg.is_none()) {
+            return Err(ScenarioError::from(ObjectError::NoMass { id: scenario.id.clone(), target }).into());
+        }
+    }
+    Ok(())
 }
 
 /// Executes an answer.
