@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 pub struct PlanTry {
     /// Seed by which it was found.
     pub seed: u64,
-    /// What became of the object, or of that of the first pick that failed: `held`, `placed`, `misplaced`, `slipped`, …
+    /// Fate of the object, or of that of the first pick that failed: `held`, `placed`, `misplaced`, `slipped`, …
     pub outcome: String,
     /// True if each object stayed in the hand until it was released, or to the end.
     pub kept: bool,

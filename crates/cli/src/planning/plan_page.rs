@@ -93,7 +93,7 @@ fn robust(robustness: &Robustness) -> String {
     format!("free with {} off", parts.into_iter().flatten().collect::<Vec<_>>().join("; "))
 }
 
-/// How firmly the hand holds what it carries.
+/// Firmness with which the hand holds its object, in words; `None` where nothing is carried.
 fn held(plan: &PlanFile) -> Option<String> {
     let carries = plan.segments.iter().any(|segment| segment.mode.holds);
     let Some(Hold { factor, at_rest, mass_assumed }) = plan.hold else {

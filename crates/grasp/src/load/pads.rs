@@ -25,9 +25,9 @@ const LEAST_ALONG_Y: f64 = 0.99;
 const RAYS: [usize; 2] = [32, 64];
 
 impl Pads {
-    /// The pads of a hand: those that are stated, as far as they lie on what of the fingers is foremost, else the rectangle in which the inner sides
-    /// of both fingers lie foremost. `None` for a hand that has not two fingers that move towards each other along y, or
-    /// whose fingers have no surface.
+    /// The pads of a hand: the rectangle in which the inner sides of both fingers lie foremost, and of it the part that is
+    /// stated, if one is. `None` for a hand that has not two fingers that move towards each other along y, or whose fingers
+    /// have no surface.
     pub fn of(hand: &Hand) -> Option<Self> {
         let [first, second] = &hand.fingers[..] else { return None };
         let along_y = |finger: &Finger| finger.stroke_m.y.abs() > LEAST_ALONG_Y * finger.stroke_m.norm();

@@ -34,8 +34,9 @@ impl Seat {
         self.turn_rad[0].hypot(self.turn_rad[1])
     }
 
-    /// The least of the energy of two beds of springs of a hardness (N/m³), the work of the closing force (N) and that of friction against
-    /// turning between the pads, over opening, shift and two small turns: damped Newton. `None` with nothing between them.
+    /// The least of the energy of two beds of springs of a hardness (N/m³), the work of the closing force (N) and that of
+    /// friction against turning between the pads, over opening, shift and two small turns: damped Newton. `None` with nothing
+    /// between them.
     pub fn of(between: &Between, hardness: f64, force_n: f64, friction: f64) -> Option<Self> {
         let cells = &between.cells;
         let count = cells.len() as f64;

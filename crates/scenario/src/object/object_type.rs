@@ -23,7 +23,7 @@ pub struct ObjectType {
     /// Its shape, exactly, as far as it is one or several of boxes, balls, cylinders and capsules, each at its pose; else
     /// empty. A ball that is a mesh rolls from facet to facet.
     pub solids: Vec<(Pose, Solid)>,
-    /// The turns of it that nobody can see.
+    /// Its rotational symmetry.
     pub roundness: Roundness,
     /// Its mass, in kilograms.
     pub mass_kg: f64,

@@ -28,7 +28,7 @@ pub struct Experiment {
     pub world_from_object: ExperimentPose,
     /// The object's centre of mass, in its frame, in metres.
     pub center_in_object: [f64; 3],
-    /// Turns of the object that nobody can see, and that do not count.
+    /// Turns that leave the surface of the object where it is: they do not count.
     pub unseen_turns: UnseenTurns,
     /// What each finger presses with, in newtons.
     pub closing_force_n: f64,
@@ -55,7 +55,7 @@ pub struct Experiment {
     pub grasps: Vec<ExperimentPose>,
 }
 
-/// Turns of an object that nobody can see.
+/// Turns that leave the surface of an object where it is.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum UnseenTurns {

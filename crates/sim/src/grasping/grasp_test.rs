@@ -123,8 +123,7 @@ impl GraspTest {
 /// An object that lies is still within this time, in seconds.
 const SETTLING_S: f64 = 2.0;
 
-/// What stands there has stood there for long: it sinks as if in oil, in 1/s, so that nothing that is put down a hair too
-/// high wanders off.
+/// Damping while an object settles, in 1/s, as if in oil: one that is put down a hair too high does not wander off.
 const SETTLING_DAMPING: f64 = 20.0;
 
 /// What has not moved for so long is at rest, in seconds.

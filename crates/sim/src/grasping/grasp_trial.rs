@@ -292,8 +292,7 @@ impl<'a> GraspTrial<'a> {
         }
     }
 
-    /// How far the centre of mass is from where it should be, in metres, and how far the object is seen to be turned, in
-    /// radians.
+    /// Displacement of the centre of mass, in metres, and turn that can be seen, in radians, between two poses.
     fn error(&self, expected: &Pose, actual: &Pose) -> (f64, f64) {
         let (center, roundness) = (self.test.object.center, self.test.object.roundness);
         let rotation_rad = roundness.angle(&expected.rotation, &actual.rotation);

@@ -84,12 +84,18 @@ impl Firmness {
     }
 }
 
-/// The triangles of a body in the planning frame, and how its volume is spread; `None` for one without an end.
-fn moments_of(body: &Body) -> Option<(TriangleSoup, VolumeMoments)> {
+/// The triangles of a body in the planning frame; `None` for one without an end.
+pub(crate) fn soup_in_world(body: &Body) -> Option<TriangleSoup> {
     let mut soup = TriangleSoup::default();
     for part in &body.parts {
         soup.append(&part.solid.tessellation()?, &part.world_from_solid);
     }
+    Some(soup)
+}
+
+/// The triangles of a body in the planning frame, and the moments of its volume; `None` for one without an end.
+fn moments_of(body: &Body) -> Option<(TriangleSoup, VolumeMoments)> {
+    let soup = soup_in_world(body)?;
     let is_simple = body.parts.len() == 1 && !matches!(body.parts[0].solid.outline(), Outline::Other);
     let moments = if is_simple {
         VolumeMoments::of_mesh(&soup).ok()?

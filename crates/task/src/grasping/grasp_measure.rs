@@ -1,10 +1,11 @@
 use cranny_collision::{Body, Cell};
 use cranny_grasp::{Contact, friction_needed, friction_score};
-use cranny_shape::{AreaDistribution, Surface, TriangleSoup};
+use cranny_shape::{AreaDistribution, Surface};
 use cranny_spatial::{Pose, Vector};
 
 use crate::TaskError;
 use crate::grasping::closing_hand::ClosingHand;
+use crate::grasping::firmness::soup_in_world;
 use crate::grasping::pad_contact::PadSurfaces;
 
 /// What grasps are measured by where no set of them is given: the surface of the target, how it slides, and the hand that
@@ -101,10 +102,6 @@ impl GraspMeasure {
 
 /// The triangles of a body; `None` for one without any, or without an end.
 fn surface_in_world(body: &Body) -> Option<Surface> {
-    let mut soup = TriangleSoup::default();
-    for part in &body.parts {
-        soup.append(&part.solid.tessellation()?, &part.world_from_solid);
-    }
-    let surface = Surface::new(&soup).ok()?;
+    let surface = Surface::new(&soup_in_world(body)?).ok()?;
     AreaDistribution::new(&surface).is_some().then_some(surface)
 }
