@@ -219,6 +219,7 @@ class Grasps:
         widths: ArrayLike | None = None,
         robust_scores: ArrayLike | None = None,
         robust_trials: ArrayLike | None = None,
+        loads: ArrayLike | None = None,
     ) -> Grasps: ...
     @staticmethod
     def load(path: _Path) -> Grasps: ...
@@ -233,6 +234,8 @@ class Grasps:
     def robust_scores(self) -> _Floats: ...
     @property
     def robust_trials(self) -> _Floats: ...
+    @property
+    def loads(self) -> _Floats: ...
     def by_score(self) -> NDArray[np.int64]: ...
     def nearest(self, pose: ArrayLike) -> tuple[int, float, float] | None: ...
     def covered_by(self, other: Grasps, *, threshold: float = 15.0) -> float: ...
@@ -445,7 +448,7 @@ def plan(
     time_limit_s: float = 120.0,
     iterations: int | None = None,
     margin_m: float = 0.0,
-    grasp_margin_m: float = 0.0,
+    grasp_margin_m: float | None = None,
     strict_pairs: bool = False,
     settings: Mapping[str, Any] | None = None,
     goal_threshold: float | None = None,
@@ -455,7 +458,7 @@ def plan(
     score_weight: float = 1.0,
     jerk_limited: bool = False,
     blend: bool = False,
-    score: str = "geometric",
+    score: str | None = None,
     min_score: float | None = None,
     carry: str | ArrayLike | None = None,
     place: str | None = None,

@@ -66,7 +66,7 @@ fn fingerprint(thing: &Bound<'_, PyAny>) -> u64 {
         for grasp in scenario.grasps.grasps() {
             print.pose(&grasp.world_from_gripper);
             let robust = grasp.robust.map(|robust| (robust.score(), robust.trials as f64)).unzip();
-            let known = [grasp.score, grasp.width_m, robust.0, robust.1];
+            let known = [grasp.score, grasp.width_m, robust.0, robust.1, grasp.load];
             print.numbers(&known.map(|value| value.unwrap_or(f64::NAN)));
         }
         if let Some(export) = &scenario.export {

@@ -72,9 +72,12 @@ pub fn seconds(what: &str, value: f64) -> PyResult<Duration> {
 ///
 /// `planner`: one of `planner_names()`; None: the best for the criterion. `settings`: what differs from its
 /// defaults. The same `seed` and `iterations` give the same way points on every machine; `time_limit_s` (s) may
-/// only cut the search short. `score`: which score of the grasps counts, "geometric" or "physics": the robust one,
-/// which every grasp must then have; `min_score`: the least that a grasp must have to be a goal (None: all are).
-/// `margin_m`, `grasp_margin_m`: clearances (m) that every proof must show;
+/// only cut the search short. `score`: score of the grasps that counts, "geometric", "physics" (the robust one,
+/// which every grasp must then have) or "load" (computed where it is not stated; None: the load under "exact" where each grasp
+/// has one and `min_score` is None, else geometric); `min_score`: the least score, or load, of a grasp that is a goal (None:
+/// all are).
+/// `margin_m`, `grasp_margin_m`: clearances (m) that every proof must show (None: 1 mm where the plan goes on from the grasp,
+/// else 0);
 /// `strict_pairs`: pairs of links of `plan.not_checked` are checked too, but for adjacent ones that are free nowhere. Under "paper",
 /// `goal_threshold` is the value of ½·mm + ½·deg below which the gripper has arrived (None: 50). A path under
 /// "exact" is then shortened, unless `shortcut` is False; with `optimise_s`, better paths are looked for so many
@@ -99,8 +102,8 @@ pub fn seconds(what: &str, value: f64) -> PyResult<Duration> {
 /// No path within the budget is an answer, no exception: see `plan.outcome`. Ctrl-C stops the search at once.
 #[pyfunction]
 #[pyo3(signature = (scenario, planner=None, *, seed=0, time_limit_s=120.0, iterations=None, margin_m=0.0,
-    grasp_margin_m=0.0, strict_pairs=false, settings=None, goal_threshold=None, shortcut=true, optimise_s=None,
-    cost="length", score_weight=1.0, jerk_limited=false, blend=false, score="geometric", min_score=None,
+    grasp_margin_m=None, strict_pairs=false, settings=None, goal_threshold=None, shortcut=true, optimise_s=None,
+    cost="length", score_weight=1.0, jerk_limited=false, blend=false, score=None, min_score=None,
     carry=None, place=None, task=None, then=None, clear_m=None, robust=None, hold=1.5, try_in_physics=None, watch=None))]
 #[allow(
     clippy::too_many_arguments,
@@ -114,7 +117,7 @@ pub fn plan(
     time_limit_s: f64,
     #[pyo3(from_py_with = whole::iterations)] iterations: Option<u64>,
     margin_m: f64,
-    grasp_margin_m: f64,
+    grasp_margin_m: Option<f64>,
     strict_pairs: bool,
     settings: Option<&Bound<'_, PyAny>>,
     goal_threshold: Option<f64>,
@@ -124,7 +127,7 @@ pub fn plan(
     score_weight: f64,
     jerk_limited: bool,
     blend: bool,
-    score: &str,
+    score: Option<&str>,
     min_score: Option<f64>,
     carry: Option<&Bound<'_, PyAny>>,
     place: Option<String>,
@@ -138,6 +141,9 @@ pub fn plan(
 ) -> PyResult<PyPlan> {
     let py = scenario.py();
     let robust = robust.map(radius_of).transpose()?;
+    let goes_on = carry.is_some() || place.is_some() || task.is_some();
+    let grasp_margin_m =
+        grasp_margin_m.unwrap_or_else(|| cranny_record::default_grasp_margin_m(goes_on, robust));
     let margins = Margins { margin_m, grasp_margin_m, ..Margins::default() };
     let margins = match (robust, scenario.cast::<PyScenario>()) {
         (None, _) => margins,
@@ -158,7 +164,9 @@ pub fn plan(
         seed,
         time_limit: seconds("time_limit_s", time_limit_s)?,
         iterations,
-        score: score.parse().map_err(|_| one_of("score", score, "'geometric' or 'physics'"))?,
+        score: score
+            .map(|kind| kind.parse().map_err(|_| one_of("score", kind, "'geometric', 'physics' or 'load'")))
+            .transpose()?,
         min_score,
         goal_threshold,
         keep_path: !shortcut,

@@ -4,7 +4,7 @@ use std::time::Duration;
 use clap::builder::ArgPredicate;
 use clap::{Args, ValueEnum};
 use cranny_collision::Margins;
-use cranny_grasp::ScoreKind;
+use cranny_grasp::{GraspSet, ScoreKind};
 use cranny_path::{CostKind, MAX_SAMPLE_RATE_HZ};
 use cranny_scenario::{Geometry, GivenGrasps};
 use cranny_solve::{DEFAULT_HOLD, PoseRadius};
@@ -39,7 +39,8 @@ pub struct MarginArguments {
     /// Clearance that every check and proof demands between any two things, in millimetres [default: 0]
     #[arg(long, value_name = "MM", value_parser = millimetres)]
     margin: Option<f64>,
-    /// The same for hand and fingers against the target and what carries it, in millimetres [default: 0]
+    /// The same for hand and fingers against the target and what carries it, in millimetres [default: 0; of a plan that
+    /// goes on from the grasp 1]
     #[arg(long, value_name = "MM", value_parser = millimetres)]
     grasp_margin: Option<f64>,
 }
@@ -132,12 +133,14 @@ pub struct PlanArguments {
     /// A setting of the planner, by its name in docs/planners.md; as often as there are settings
     #[arg(long, value_name = "NAME=VALUE", value_parser = setting)]
     pub set: Vec<(String, serde_json::Value)>,
-    /// Which score of the grasps counts, wherever one is better than another
-    #[arg(long, value_enum, default_value_t = ScoreArgument::Geometric)]
-    pub score: ScoreArgument,
-    /// Least score, of that kind, of a grasp that counts as a goal, from 0 to 1; those below it, or without one, do not
-    #[arg(long, value_name = "S", allow_negative_numbers = true, conflicts_with = "moveit")]
-    pub min_score: Option<f64>,
+    /// Score of the grasps that counts, wherever one is better than another [default: load under exact where the file states
+    /// it of each grasp and --min-score is not given, else geometric]
+    #[arg(long, value_enum)]
+    pub score: Option<ScoreArgument>,
+    /// Least score of a grasp that counts as a goal, from 0 to 1, or least load, from 0; those below it, or without one, do
+    /// not. A kind before it (load=2) is short for --score too
+    #[arg(long, value_name = "[KIND=]S", allow_hyphen_values = true, conflicts_with = "moveit", value_parser = least_score)]
+    pub min_score: Option<LeastScore>,
     /// Seed of all randomness: the same seed gives the same path
     #[arg(long, value_name = "N", default_value = "0", value_parser = whole(0..=u64::MAX))]
     pub seed: u64,
@@ -327,6 +330,8 @@ pub enum ScoreArgument {
     Geometric,
     /// The robust score, which every grasp must then have: how often it is held in physics, everything a little wrong
     Physics,
+    /// The factor by which gravity may grow before a pad slips, computed where the file of grasps does not state it
+    Load,
 }
 
 impl From<ScoreArgument> for ScoreKind {
@@ -334,6 +339,7 @@ impl From<ScoreArgument> for ScoreKind {
         match argument {
             ScoreArgument::Geometric => Self::Geometric,
             ScoreArgument::Physics => Self::Physics,
+            ScoreArgument::Load => Self::Load,
         }
     }
 }
@@ -353,6 +359,38 @@ impl From<GeometryArgument> for Geometry {
             GeometryArgument::Export => Self::Export,
         }
     }
+}
+
+/// A least score, of a kind if one is named.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LeastScore {
+    pub kind: Option<ScoreKind>,
+    pub least: f64,
+}
+
+impl LeastScore {
+    /// The grasps of a set that have at least this score; without a kind the geometric one.
+    pub fn among(&self, set: &GraspSet) -> GraspSet {
+        let kind = self.kind.unwrap_or(ScoreKind::Geometric);
+        let is_enough = |index: &usize| kind.of(&set.grasps()[*index]).is_some_and(|s| s >= self.least);
+        set.chosen(&(0..set.len()).filter(is_enough).collect::<Vec<usize>>())
+    }
+}
+
+pub fn least_score(text: &str) -> Result<LeastScore, String> {
+    let (kind, number) = match text.split_once('=') {
+        None => (None, text),
+        Some((kind, number)) => {
+            let known = ScoreArgument::from_str(kind, false);
+            let known = known.map_err(|_| format!("'{kind}' is none of geometric, physics and load"))?;
+            (Some(known.into()), number)
+        }
+    };
+    let least: f64 = number.trim().parse().map_err(|_| format!("'{number}' is no number"))?;
+    if !(least >= 0.0 && least.is_finite()) {
+        return Err(format!("'{number}' is no score; give a number from 0 to 1, or a load from 0"));
+    }
+    Ok(LeastScore { kind, least })
 }
 
 /// A value is a number, true or false, or else a text.

@@ -1,6 +1,7 @@
 //! `cranny scenario`, `object`, `robot`, `grasps`, `info` and `list`: what is planned with.
 
 pub(crate) mod grasp_choice;
+pub(crate) mod grasp_loads;
 pub(crate) mod grasp_subject;
 pub(crate) mod grasps;
 pub(crate) mod grasps_import;

@@ -1,5 +1,5 @@
 /// The columns of a `grasps.csv`, in the order in which they are written and, without a header, read.
-pub const COLUMNS: [&str; 20] = [
+pub const COLUMNS: [&str; 21] = [
     "t00",
     "t01",
     "t02",
@@ -20,6 +20,7 @@ pub const COLUMNS: [&str; 20] = [
     "width_m",
     "robust_score",
     "robust_trials",
+    "load",
 ];
 
 /// Number of the columns that every file has: those of the pose.

@@ -4,7 +4,7 @@ use crate::csv_columns::{COLUMNS, POSE_COLUMNS};
 /// Place of each of the [`COLUMNS`] in the lines of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CsvHeader {
-    places: [Option<usize>; 20],
+    places: [Option<usize>; COLUMNS.len()],
     /// Number of columns that the header names; `None` without a header.
     named: Option<usize>,
 }
@@ -25,7 +25,7 @@ impl CsvHeader {
         if names().any(|name| name.parse::<f64>().is_ok()) || names().all(str::is_empty) {
             return Ok(None);
         }
-        let mut places = [None; 20];
+        let mut places = [None; COLUMNS.len()];
         let mut named = 0;
         for (place, name) in names().enumerate() {
             let column = place + 1;

@@ -5,7 +5,7 @@ use cranny_file::did_you_mean;
 use crate::csv_columns::COLUMNS;
 
 const EXPECTED_COLUMNS: &str =
-    "t00 to t33 (the pose, row by row), score, width_m, robust_score and robust_trials";
+    "t00 to t33 (the pose, row by row), score, width_m, robust_score, robust_trials and load";
 
 /// What can be wrong with grasps or a file of them. The message is complete in itself: file and line where
 /// there is one.
@@ -58,6 +58,14 @@ pub enum GraspError {
         grasp: usize,
         /// The offending value, in metres.
         width_m: f64,
+    },
+    /// A load is negative or not finite.
+    #[error("the load of grasp {grasp} must be a finite factor, at least 0, but is {load}")]
+    Load {
+        /// Index of the grasp, from 0.
+        grasp: usize,
+        /// The offending value.
+        load: f64,
     },
     /// A robust score is no share of its trials.
     #[error(

@@ -8,8 +8,8 @@ use crate::homogeneous::{pose_of_rows, rows_of_pose};
 use crate::{Grasp, GraspError, GraspSet, RobustScore};
 
 /// The grasps of a `grasps.csv`: a line for each, the 16 numbers of `planning_from_gripper` row by row
-/// (metres), then score and width (m), then robust score and the number of its trials. All after the pose may be
-/// empty or absent, as in the files of the paper's release. A first line that holds no number at all is a header, which
+/// (metres), then score and width (m), then robust score and the number of its trials, then the load. All after the pose
+/// may be empty or absent, as in the files of the paper's release. A first line that holds no number at all is a header, which
 /// names the columns and their order.
 ///
 /// # Errors
@@ -69,7 +69,7 @@ pub fn check_csv(path: &Path, text: &str) -> (GraspSet, Vec<GraspError>) {
 }
 
 /// Writes what [`read_csv`] reads, with a header; what is not known stays empty, and where no grasp has a robust
-/// score there are no columns for it.
+/// score, or none a load, there is no column for it.
 ///
 /// # Errors
 /// [`GraspError::Unwritable`].
@@ -82,7 +82,11 @@ pub fn write_csv(path: &Path, grasps: &GraspSet) -> Result<(), GraspError> {
 pub fn csv_text(grasps: &GraspSet) -> String {
     let mut text = String::new();
     let is_robust = grasps.grasps().iter().any(|grasp| grasp.robust.is_some());
-    text.push_str(&COLUMNS[..if is_robust { 20 } else { 18 }].join(","));
+    let is_loaded = grasps.grasps().iter().any(|grasp| grasp.load.is_some());
+    let [known, robust, loaded] = [&COLUMNS[..18], &COLUMNS[18..20], &COLUMNS[20..]];
+    let optional = [(is_robust, robust), (is_loaded, loaded)].into_iter().filter(|(is_there, _)| *is_there);
+    let named: Vec<&str> = known.iter().chain(optional.flat_map(|(_, names)| names)).copied().collect();
+    text.push_str(&named.join(","));
     text.push('\n');
     for grasp in grasps.grasps() {
         for number in rows_of_pose(&grasp.world_from_gripper) {
@@ -96,6 +100,9 @@ pub fn csv_text(grasps: &GraspSet) -> String {
             }
             None if is_robust => text.push_str(",,"),
             None => {}
+        }
+        if is_loaded {
+            let _ = write!(text, ",{}", or_empty(grasp.load));
         }
         text.push('\n');
     }
@@ -123,9 +130,9 @@ fn parse(header: &CsvHeader, line: &str, place: usize) -> Result<Grasp, GraspErr
         *entry = number(header.place(column).ok_or(GraspError::NumberCount { actual })?)?;
     }
     let world_from_gripper = pose_of_rows(&rows)?;
-    let [score, width_m, robust_score, robust_trials] =
-        [0, 1, 2, 3].map(|further| optional(POSE_COLUMNS + further));
-    let (score, width_m) = (score?, width_m?);
+    let [score, width_m, robust_score, robust_trials, load] =
+        [0, 1, 2, 3, 4].map(|further| optional(POSE_COLUMNS + further));
+    let (score, width_m, load) = (score?, width_m?, load?);
     let robust = match (robust_score?, robust_trials?) {
         (None, None) => None,
         (Some(score), Some(trials)) => {
@@ -137,7 +144,7 @@ fn parse(header: &CsvHeader, line: &str, place: usize) -> Result<Grasp, GraspErr
         }
         _ => return Err(GraspError::HalfRobust),
     };
-    Ok(Grasp { world_from_gripper, score, width_m, robust })
+    Ok(Grasp { world_from_gripper, score, width_m, robust, load })
 }
 
 #[cfg(test)]
@@ -170,6 +177,7 @@ mod tests {
                 score: (index % 3 > 0).then(|| random.uniform()),
                 width_m: (index % 2 > 0).then_some(0.0647),
                 robust: (index % 5 > 0).then_some(RobustScore { trials: 32, held: index % 33 }),
+                load: (index % 7 > 0).then(|| 9.0 * random.uniform()),
             })
             .collect();
         let written = GraspSet::new(grasps).unwrap();
@@ -179,7 +187,7 @@ mod tests {
         let read = read_csv(&path).unwrap();
         assert_eq!(read.len(), 50);
         for (a, b) in written.grasps().iter().zip(read.grasps()) {
-            assert_eq!((a.score, a.width_m, a.robust), (b.score, b.width_m, b.robust));
+            assert_eq!((a.score, a.width_m, a.robust, a.load), (b.score, b.width_m, b.robust, b.load));
             let difference = PoseDifference::between(&a.world_from_gripper, &b.world_from_gripper);
             assert!(difference.translation_m == 0.0 && difference.rotation_rad < 1e-14);
         }
@@ -209,6 +217,17 @@ mod tests {
     }
 
     #[test]
+    fn a_file_has_a_column_for_loads_only_where_there_are_any() {
+        let pose = COLUMNS[..16].join(",");
+        let read = read(&format!("{pose},load\n{IDENTITY},2.5\n{IDENTITY}\n")).unwrap();
+        assert_eq!(read.grasps().iter().map(|grasp| grasp.load).collect::<Vec<_>>(), [Some(2.5), None]);
+        let text = csv_text(&read);
+        let lines: Vec<&str> = text.lines().collect();
+        assert!(lines[0].ends_with(",t33,score,width_m,load"), "{}", lines[0]);
+        assert!(lines[1].ends_with(",1,,,2.5") && lines[2].ends_with(",1,,,"), "{text}");
+    }
+
+    #[test]
     fn faults_name_file_and_line() {
         let after_one = |line: &str| fault(&format!("{IDENTITY}\n{line}\n"));
         let fifteen = after_one(&IDENTITY[2..]);
@@ -231,7 +250,8 @@ mod tests {
         assert!(after_one(&format!("{IDENTITY},,,NaN,32")).contains("number 19 is 'NaN'"));
         assert!(after_one(&format!("{IDENTITY},,,0.5")).contains("there is only one; give both"));
         assert!(after_one(&format!("{IDENTITY},,,,32")).contains("there is only one; give both"));
-        assert!(after_one(&format!("{IDENTITY},0,0,0,1,0")).contains("21 numbers instead of 16"));
+        assert!(after_one(&format!("{IDENTITY},,,,,-1")).contains("the load of grasp 1"));
+        assert!(after_one(&format!("{IDENTITY},0,0,0,1,0,0")).contains("22 numbers instead of 16"));
     }
 
     #[test]

@@ -1,7 +1,8 @@
 use cranny_spatial::{Pose, PoseDifference, Rotation};
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::{GraspError, RobustScore, ScoreKind};
+use crate::{GraspError, LoadMeasure, RobustScore, ScoreKind};
 
 /// One way to hold the object.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -15,9 +16,17 @@ pub struct Grasp {
     pub width_m: Option<f64>,
     /// How it does in physics when everything is a little wrong, where that was tried.
     pub robust: Option<RobustScore>,
+    /// Factor by which gravity may grow before a pad slips, where that was computed: [`Load::at_rest`](crate::Load::at_rest).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub load: Option<f64>,
 }
 
 impl Grasp {
+    /// A grasp of which nothing but the pose of the gripper frame is known.
+    pub fn at(world_from_gripper: Pose) -> Self {
+        Self { world_from_gripper, score: None, width_m: None, robust: None, load: None }
+    }
+
     /// The same grasp with the fingers swapped: turned by 180° about the approach direction.
     #[must_use]
     pub fn twin(&self) -> Self {
@@ -47,6 +56,9 @@ impl Grasp {
                 trials: trials as f64,
             });
         }
+        if let Some(load) = self.load.filter(|load| !(load.is_finite() && *load >= 0.0)) {
+            return Err(GraspError::Load { grasp: place, load });
+        }
         Ok(self)
     }
 
@@ -69,7 +81,8 @@ impl GraspSet {
     ///
     /// # Errors
     /// [`GraspError::NotFinite`] for a pose that is not finite, [`GraspError::Score`] for a score outside
-    /// [0, 1], [`GraspError::Width`] for a negative width, [`GraspError::Robust`] for more held than tried.
+    /// [0, 1], [`GraspError::Width`] for a negative width, [`GraspError::Robust`] for more held than tried,
+    /// [`GraspError::Load`] for a load that is negative or not finite.
     pub fn new(grasps: Vec<Grasp>) -> Result<Self, GraspError> {
         for (grasp, g) in grasps.iter().enumerate() {
             g.checked(grasp)?;
@@ -105,14 +118,41 @@ impl GraspSet {
         Self { grasps: self.grasps.iter().map(moved).collect() }
     }
 
-    /// The same grasps, each with the score of this kind, if it has one, as its [`score`](Grasp::score).
+    /// The same grasps, each with the score of this kind, if it has one, as its [`score`](Grasp::score): of a load λ
+    /// λ / (1 + λ).
     #[must_use]
     pub fn scored_by(&self, kind: ScoreKind) -> Self {
         let scored = |grasp: &Grasp| match kind {
             ScoreKind::Geometric => *grasp,
             ScoreKind::Physics => Grasp { score: grasp.robust.map(|robust| robust.score()), ..*grasp },
+            ScoreKind::Load => Grasp { score: grasp.load.map(|load| load / (1.0 + load)), ..*grasp },
         };
         Self { grasps: self.grasps.iter().map(scored).collect() }
+    }
+
+    /// The same grasps with the load of each, computed by a measure that has the frame of their poses.
+    #[must_use]
+    pub fn with_loads(&self, measure: &LoadMeasure) -> Self {
+        let loaded = |grasp: &Grasp| {
+            let load = Some(measure.of(&grasp.world_from_gripper).at_rest);
+            Grasp { load, ..*grasp }
+        };
+        Self { grasps: self.grasps.par_iter().map(loaded).collect() }
+    }
+
+    /// The grasps at these indices, in their order.
+    ///
+    /// # Panics
+    /// For an index that no grasp has.
+    #[must_use]
+    pub fn chosen(&self, indices: &[usize]) -> Self {
+        Self { grasps: indices.iter().map(|index| self.grasps[*index]).collect() }
+    }
+
+    /// The same grasps, the load of none known: for another hand.
+    #[must_use]
+    pub fn without_loads(&self) -> Self {
+        Self { grasps: self.grasps.iter().map(|grasp| Grasp { load: None, ..*grasp }).collect() }
     }
 
     /// Indices from the highest score down; unscored grasps follow in the order of the file.
@@ -140,7 +180,7 @@ mod tests {
 
     fn grasp(score: Option<f64>) -> Grasp {
         let pose = Pose::new(Vector::new(0.1, 0.2, 0.3), Vector::new(0.4, -0.1, 0.9));
-        Grasp { world_from_gripper: pose, score, width_m: None, robust: None }
+        Grasp { score, ..Grasp::at(pose) }
     }
 
     #[test]

@@ -451,6 +451,7 @@ fn scored(object_from_gripper: Pose, contacts: [Contact; 2], friction: f64) -> S
         score: Some(friction_score(friction_needed(a, b), friction)),
         width_m: Some((b.point_in_object - a.point_in_object).norm()),
         robust: None,
+        load: None,
     };
     SampledGrasp { grasp, contacts }
 }

@@ -13,7 +13,7 @@ fn grasps(count: usize, seed: u64) -> Vec<Grasp> {
         .map(|_| {
             let origin = Vector::new(random.uniform(), random.uniform(), random.uniform()) * 0.05;
             let world_from_gripper = Pose::from_parts(origin.into(), random.rotation());
-            Grasp { world_from_gripper, score: None, width_m: None, robust: None }
+            Grasp::at(world_from_gripper)
         })
         .collect()
 }

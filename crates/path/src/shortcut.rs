@@ -354,8 +354,7 @@ impl<'a> Hold<'a> {
         /// radians: far less than what separates a grasp from a miss.
         const TOLERANCE: f64 = 1e-6;
         let frames = robot.frames_at(end);
-        let grasp =
-            Grasp { world_from_gripper: *frames.link(robot.tip()), score: None, width_m: None, robust: None };
+        let grasp = Grasp::at(*frames.link(robot.tip()));
         let settings = IkSettings {
             translation_tolerance_m: TOLERANCE,
             rotation_tolerance_rad: TOLERANCE,

@@ -139,7 +139,7 @@ fn a_path_that_ends_elsewhere_is_told() {
 
 fn ball_grasp(at: [f64; 3], score: f64) -> Grasp {
     let world_from_gripper = Pose::translation(at[0], at[1], at[2]);
-    Grasp { world_from_gripper, score: Some(score), width_m: None, robust: None }
+    Grasp { score: Some(score), ..Grasp::at(world_from_gripper) }
 }
 
 #[test]
@@ -162,7 +162,7 @@ fn the_end_is_measured_at_the_nearest_grasp_or_its_twin() {
 fn a_gripper_that_is_turned_too_far_has_not_arrived() {
     for (degrees, has_arrived) in [(0.9_f64, true), (1.1, false)] {
         let turned = Pose::new(TO.into(), Vector::new(degrees.to_radians(), 0.0, 0.0));
-        let grasp = Grasp { world_from_gripper: turned, score: None, width_m: None, robust: None };
+        let grasp = Grasp::at(turned);
         let verification = verify_path(&exact(&ball(), Vec::new(), &FROM, grasps(vec![grasp])), &[FROM, TO]);
         assert_eq!(verification.valid, has_arrived, "{degrees}");
         let goal = verification.goal.expect("the only grasp");

@@ -51,8 +51,7 @@ fn problem(q: &[f64]) -> Problem {
 
 fn problem_of(robot: Arc<Robot>, start: [f64; 6], q: &[f64]) -> Problem {
     let frames = robot.frames_at(q);
-    let grasp =
-        Grasp { world_from_gripper: *frames.link(robot.tip()), score: None, width_m: None, robust: None };
+    let grasp = Grasp::at(*frames.link(robot.tip()));
     let world = World::new(vec![block("post", [0.45, 0.35, 0.5], [0.03, 0.03, 0.3])]).expect("a good pose");
     let goal = Goal::Grasps(GraspSet::new(vec![grasp]).expect("a good pose"));
     Problem::exact(robot, world, None, start.to_vec(), goal, Margins::default()).expect("a good problem")

@@ -20,7 +20,7 @@ fn ball() -> Body {
 }
 
 fn grasp(pose: Pose) -> Grasp {
-    Grasp { world_from_gripper: pose, score: None, width_m: None, robust: None }
+    Grasp::at(pose)
 }
 
 /// From above: z of the gripper down.

@@ -27,9 +27,9 @@ pub struct Ask {
     pub time_limit: Duration,
     /// Iterations after which it ends; `None`: any number.
     pub iterations: Option<u64>,
-    /// Score of the grasps that counts.
-    pub score: ScoreKind,
-    /// Least score of a grasp.
+    /// Score of the grasps that counts; `None`: as a request decides ([`Request::score`]).
+    pub score: Option<ScoreKind>,
+    /// Least score, or load, of a grasp.
     pub min_score: Option<f64>,
     /// Threshold of the paper's criterion.
     pub goal_threshold: Option<f64>,
@@ -93,7 +93,7 @@ impl Default for Ask {
             seed: 0,
             time_limit: budget.time,
             iterations: None,
-            score: ScoreKind::default(),
+            score: None,
             min_score: None,
             goal_threshold: None,
             keep_path: false,
@@ -212,6 +212,13 @@ impl Ask {
         };
         Ok((vec![Stage::pick(), Stage::Move(goal)], None))
     }
+}
+
+/// Clearance between the open hand and what it is to pick up that a plan demands unless another is given, in metres, where
+/// `goes_on` from the grasp: what a hand grazes does not stand any more where it closes. Where an error of the pose is to be
+/// forgiven, its margin stands in.
+pub fn default_grasp_margin_m(goes_on: bool, robust: Option<PoseRadius>) -> f64 {
+    if goes_on && robust.is_none() { 1e-3 } else { 0.0 }
 }
 
 /// Margins that forgive an error of the pose of a scenario's target too, if one is to be forgiven.

@@ -237,7 +237,7 @@ impl PlanFile {
             settings: self.settings.as_object().cloned().unwrap_or_default(),
             budget: Budget { iterations: self.statistics.iterations, time: Duration::MAX },
             seed: self.seed,
-            score: self.score,
+            score: Some(self.score),
             min_score: self.min_score,
             goal_threshold: self.goal_threshold,
             keep_path: self.shortening.is_none(),

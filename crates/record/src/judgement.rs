@@ -54,7 +54,7 @@ const GRASPS: &str = "grasps";
 const OF_GRASPS: [&str; 5] = ["grasp", "translation_error_m", "rotation_error_rad", "own_grasp", "picks"];
 
 /// Keys whose values are measured again.
-const MEASURED: [&str; 18] = [
+const MEASURED: [&str; 19] = [
     "task_name",
     "task",
     "picks",
@@ -73,10 +73,11 @@ const MEASURED: [&str; 18] = [
     "timing",
     "robustness",
     "hold",
+    "hold_demanded",
 ];
 
 /// Keys of which nothing is measured: they record how the path was found.
-const RECORD: [&str; 16] = [
+const RECORD: [&str; 15] = [
     "planner",
     "settings",
     "score",
@@ -91,7 +92,6 @@ const RECORD: [&str; 16] = [
     "no_grasp",
     "min_score",
     "below_min_score",
-    "hold_demanded",
     "tries",
 ];
 
@@ -185,7 +185,12 @@ impl PlanFile {
             Some(along) => Hold::of(problem, along, &self.segments, self.timing_asked())?,
             None => None,
         };
-        let measured = Self { robustness, hold, ..self.measured(task, (along, problem), &audit, settings)? };
+        // No plan demands more than it holds.
+        let met =
+            |demanded: f64| hold.map_or(demanded, |hold| demanded.min(hold.factor.unwrap_or(hold.at_rest)));
+        let hold_demanded = self.hold_demanded.map(met);
+        let measured = self.measured(task, (along, problem), &audit, settings)?;
+        let measured = Self { robustness, hold, hold_demanded, ..measured };
         let (stated, found) = (figures(self), figures(&measured));
         let is_stated = |key: &&str| is_stated(&stated[*key]);
         let mut judgement = self.judgement(task, audit, measured);

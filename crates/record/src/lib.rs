@@ -16,7 +16,7 @@ mod trajectory;
 mod trajectory_csv;
 mod waypoints;
 
-pub use ask::{Ask, CarryWord, TaskWord, margins_forgiving};
+pub use ask::{Ask, CarryWord, TaskWord, default_grasp_margin_m, margins_forgiving};
 pub use betterment::{PlanOptimisation, PlanShortening};
 pub use error::RecordError;
 pub use file::{PlanBudget, PlanFile, PlanSource};

@@ -53,7 +53,7 @@ fn verdicts_are_exact_with_the_target_in_the_hand() {
         let carrier = Carrier::new(&problem, LiftOffSettings::default()).unwrap();
         for seed in 0..2 {
             let stages = vec![Stage::pick(), Stage::home()];
-            let request = Request { stages, seed, ..Request::default() };
+            let request = Request { stages, seed, hold: None, ..Request::default() };
             let answer = solve(&problem, &request, &mut Unobserved).unwrap();
             let grip = carrier.close(answer.segments[0].waypoints.last().unwrap()).unwrap();
             let cell = grip.cells()[1];

@@ -13,7 +13,8 @@ fn planned(id: &str, stages: Vec<Stage>) -> (Problem, PlanSource, Value) {
     let source = PlanSource { scenario: id.to_owned(), ..PlanSource::default() };
     let problem = scenario.problem(source.margins).unwrap();
     let timing = Some(Timing::default());
-    let request = Request { stages, timing, robustness: true, ..Request::default() };
+    let score = Some(cranny_grasp::ScoreKind::Geometric);
+    let request = Request { stages, timing, score, robustness: true, ..Request::default() };
     let answer = solve(&problem, &request, &mut Unobserved).unwrap();
     (problem, source.clone(), serde_json::to_value(PlanFile::of(&answer, &source)).unwrap())
 }

@@ -7,7 +7,7 @@ use cranny_grasp::GraspSet;
 use cranny_robot::Robot;
 use cranny_shape::Surface;
 use cranny_spatial::Pose;
-use cranny_task::{Criterion, Goal, Pick, PlaceGoal, Problem, Stage, TaskError};
+use cranny_task::{Criterion, Goal, Pick, PlaceGoal, Problem, Stage, TaskError, Weight};
 use strum::{EnumString, IntoStaticStr};
 
 use crate::robot::hand;
@@ -143,9 +143,13 @@ impl Scenario {
         let physics: Vec<TargetPhysics> = bodies.map(of_body).collect();
         let frictions: Vec<Option<f64>> =
             physics.iter().map(|physics| physics.friction.or(Some(DEFAULT_FRICTION))).collect();
-        let masses_kg: Vec<Option<f64>> = physics.iter().map(|physics| physics.mass_kg).collect();
+        let of_target = |body| self.target_weight().filter(|_| self.target == Some(body));
+        let weights = physics.iter().enumerate().map(|(body, physics)| {
+            of_target(body).unwrap_or(Weight { mass_kg: physics.mass_kg, moments: None })
+        });
+        let weights: Vec<Weight> = weights.collect();
         let problem = self.problem_with_grasp_set(margins)?.with_places(&self.places);
-        let problem = problem.with_frictions(&frictions).with_weights(&masses_kg);
+        let problem = problem.with_frictions(&frictions).with_weights(&weights);
         if self.has_grasp_set {
             return Ok(problem);
         }

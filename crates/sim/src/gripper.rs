@@ -2,8 +2,8 @@ use cranny_grasp::{Hand, Pads};
 use cranny_spatial::{Point, Pose, Vector};
 use rapier3d_f64::math::Matrix;
 use rapier3d_f64::prelude::{
-    Collider, ColliderHandle, MassProperties, PhysicsWorld, PrismaticJoint, PrismaticJointBuilder,
-    RigidBodyBuilder, RigidBodyHandle,
+    Collider, ColliderHandle, ContactManifold, ContactPair, MassProperties, PhysicsWorld, PrismaticJoint,
+    PrismaticJointBuilder, RigidBodyBuilder, RigidBodyHandle,
 };
 
 use crate::{Physics, Piece, PieceShape, SimError, engine};
@@ -217,25 +217,47 @@ impl<'a> Gripper<'a> {
         }
     }
 
+    /// True if each finger bears on another body with a face: three corners overlap in one contact. Of the step just done.
+    pub fn bears_on_faces(&self, world: &PhysicsWorld, other: RigidBodyHandle) -> bool {
+        let is_face = |manifold: &ContactManifold| {
+            manifold.points.iter().filter(|point| point.dist <= 0.0).count() >= FACE_CORNERS
+        };
+        self.fingers.iter().all(|&finger| {
+            contacts(world, finger, other).any(|(pair, _)| pair.manifolds().iter().any(is_face))
+        })
+    }
+
     /// With what each finger presses on another body, in newtons; `None` where it does not touch it. Of the step just
     /// done.
     pub fn pressures(&self, world: &PhysicsWorld, other: RigidBodyHandle) -> Vec<Option<f64>> {
-        let is_of = |collider: ColliderHandle, body| world.colliders[collider].parent() == Some(body);
         let pressure = |&finger: &RigidBodyHandle| {
-            let pairs = world.bodies[other].colliders().iter().flat_map(|&own| world.contact_pairs_with(own));
-            pairs
-                .filter(|pair| pair.has_any_active_contact())
-                .filter_map(|pair| match (is_of(pair.collider1, finger), is_of(pair.collider2, finger)) {
-                    (false, false) => None,
-                    (true, _) => Some(engine::normal_impulse(pair)),
-                    (false, true) => Some(-engine::normal_impulse(pair)),
-                })
+            contacts(world, finger, other)
+                .filter(|(pair, _)| pair.has_any_active_contact())
+                .map(|(pair, side)| engine::normal_impulse(pair) * side)
                 .reduce(|a, b| a + b)
                 .map(|impulse| impulse.norm() / self.physics.step_s)
         };
         self.fingers.iter().map(pressure).collect()
     }
 }
+
+/// Contacts of a finger with another body, with 1 where the finger is the first of the pair, else −1.
+fn contacts(
+    world: &PhysicsWorld,
+    finger: RigidBodyHandle,
+    other: RigidBodyHandle,
+) -> impl Iterator<Item = (&ContactPair, f64)> {
+    let is_of = move |collider: ColliderHandle| world.colliders[collider].parent() == Some(finger);
+    let pairs = world.bodies[other].colliders().iter().flat_map(|&own| world.contact_pairs_with(own));
+    pairs.filter_map(move |pair| match (is_of(pair.collider1), is_of(pair.collider2)) {
+        (false, false) => None,
+        (true, _) => Some((pair, 1.0)),
+        (false, true) => Some((pair, -1.0)),
+    })
+}
+
+/// Number of overlapping corners that make a face.
+const FACE_CORNERS: usize = 3;
 
 /// Of the inertia of a finger's body, in metres: about its size.
 pub(crate) const FINGER_RADIUS_M: f64 = 0.02;

@@ -91,7 +91,7 @@ pub(crate) fn come_to_rest(
     let (mut passed_s, mut since_s) = (0.0, 0.0);
     while passed_s < limit_s && since_s < still_s {
         rolling.resist(world, body);
-        engine::step(world);
+        engine::step(world, false);
         passed_s += step_s;
         let body = &world.bodies[body];
         let is_still = body.linvel().length() < STILL_M_PER_S && body.angvel().length() < STILL_RAD_PER_S;

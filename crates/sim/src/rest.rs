@@ -60,7 +60,7 @@ impl Rest {
         let mut passed_s = 0.0;
         while passed_s < WATCHED_S {
             rolling.resist(&mut world, body);
-            engine::step(&mut world);
+            engine::step(&mut world, false);
             passed_s += step_s;
         }
         let after = engine::to_pose(world.bodies[body].position());

@@ -13,7 +13,7 @@ use crate::hold::FirmGrip;
 use crate::look_ahead::LookAhead;
 use crate::onward::{Towards, Way, onward};
 use crate::place_search::{PlaceSearch, PutDowns, Spoiled};
-use crate::refusals::Refusals;
+use crate::refusals::{Demanded, Refusals};
 use crate::{Request, SolveError};
 
 /// A segment, and the problem that it solves where it can be shortened.
@@ -198,7 +198,9 @@ impl<'a> Chain<'a> {
             Some(carrier) => {
                 let blocked = self.grasp_filter(index, carrier, places.as_ref());
                 let left_out = self.request.left_out_filter(index);
-                let firm = firmness.clone().zip(demanded).map(|(firm, hold)| (firm, hold, places.is_some()));
+                let (is_put_down, is_own) = (places.is_some(), picking.grasp_measure().is_some());
+                let firm = firmness.clone().zip(demanded);
+                let firm = firm.map(|(firmness, factor)| Demanded { firmness, factor, is_put_down, is_own });
                 picking.clone().with_grasp_filter(refusals.filter(left_out, firm, blocked))
             }
             None => picking.clone(),

@@ -1,4 +1,4 @@
-use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicI32, AtomicU32, Ordering};
 use std::sync::{Arc, OnceLock};
 
 use cranny_spatial::Pose;
@@ -14,12 +14,29 @@ pub(crate) struct Refusals {
     is_any_left: AtomicBool,
     /// The firmness that is demanded, if any is.
     firm: OnceLock<Demanded>,
+    /// Number of grasps of the planner's own that were refused as unsteady.
+    unsteady: AtomicI32,
     /// True if no grasp of the set is firm, once that was asked.
     is_each_weak: OnceLock<bool>,
 }
 
-/// The firmness that is demanded of a grasp: by which factor, and whether its object is put down again.
-pub(crate) type Demanded = (Arc<Firmness>, f64, bool);
+/// The firmness that is demanded of a grasp.
+#[derive(Clone)]
+pub(crate) struct Demanded {
+    pub firmness: Arc<Firmness>,
+    /// Factor by which gravity may grow, at least.
+    pub factor: f64,
+    /// True if the object is put down again.
+    pub is_put_down: bool,
+    /// True if the planner makes grasps of its own: of these it takes steady ones first, near the centre of mass, with which
+    /// the hand holds its object in any attitude.
+    pub is_own: bool,
+}
+
+/// The factor in any attitude that is demanded of own grasps at first …
+const STEADY: f64 = 1.0;
+/// … and of that, the share that is left after each refusal: where none is to be had, others do soon.
+const LEFT_PER_REFUSAL: f64 = 0.98;
 
 impl Refusals {
     /// A filter, whose verdicts are counted, of grasps that are left out, too weak, or of no use for what follows; each by
@@ -37,11 +54,24 @@ impl Refusals {
         GraspFilter::new(move |world_from_tip| {
             let is_left_out = left_out.as_ref().is_some_and(|is_left_out| is_left_out(world_from_tip));
             let weak = || {
-                let (firmness, factor, is_put_down) = firm.as_ref()?;
+                let Demanded { firmness, factor, is_put_down, .. } = firm.as_ref()?;
                 firmness.fault_of(world_from_tip, *factor, *is_put_down)
             };
             let fault = is_left_out.then_some(FailureReason::LeftOut).or_else(weak);
-            counts.counted(fault.or_else(|| blocked(world_from_tip)))
+            let fault = counts.counted(fault.or_else(|| blocked(world_from_tip)));
+            let own = firm.as_ref().filter(|firm| firm.is_own && fault.is_none());
+            fault.or_else(|| counts.unsteady(own?, world_from_tip))
+        })
+    }
+
+    /// Refuses an own grasp that is not steady, of many each time fewer.
+    fn unsteady(&self, own: &Demanded, world_from_tip: &Pose) -> Option<FailureReason> {
+        let least = STEADY * LEFT_PER_REFUSAL.powi(self.unsteady.load(Ordering::Relaxed));
+        let is_steady =
+            own.firmness.grip(world_from_tip).is_some_and(|grip| grip.factor_in_any_attitude() >= least);
+        (!is_steady).then(|| {
+            self.unsteady.fetch_add(1, Ordering::Relaxed);
+            FailureReason::Slips
         })
     }
 
@@ -49,7 +79,8 @@ impl Refusals {
     pub fn is_each_weak(&self, picking: &Problem) -> bool {
         *self.is_each_weak.get_or_init(|| {
             let set = picking.grasps().filter(|_| picking.grasp_measure().is_none());
-            let (Some((firmness, factor, is_put_down)), Some(set)) = (self.firm.get(), set) else {
+            let (Some(Demanded { firmness, factor, is_put_down, .. }), Some(set)) = (self.firm.get(), set)
+            else {
                 return false;
             };
             let is_weak = |pose: &Pose| firmness.fault_of(pose, *factor, *is_put_down).is_some();

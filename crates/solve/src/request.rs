@@ -21,10 +21,11 @@ pub struct Request {
     pub budget: Budget,
     /// What all randomness is drawn from.
     pub seed: u64,
-    /// Which score of the grasps counts, wherever one is better than another. Default: the geometric one.
-    pub score: ScoreKind,
-    /// Least score of that kind, in [0, 1], of the grasps that are goals: those below it, or without a score, are none.
-    /// Default: all are.
+    /// Score of the grasps that counts, wherever one is better than another. Default: the load under `exact` where each
+    /// grasp has one and no least score is demanded, else the geometric score.
+    pub score: Option<ScoreKind>,
+    /// Least score of that kind, in [0, 1], or least load, of the grasps that are goals: those below it, or without a score,
+    /// are none. Default: all are.
     pub min_score: Option<f64>,
     /// Under `paper`: arrived where ½·mm + ½·deg is below this, at least 0. Default: what the problem says.
     pub goal_threshold: Option<f64>,
@@ -57,7 +58,7 @@ impl Default for Request {
             settings: Map::new(),
             budget: Budget::default(),
             seed: 0,
-            score: ScoreKind::default(),
+            score: None,
             min_score: None,
             goal_threshold: None,
             keep_path: false,
@@ -179,30 +180,46 @@ impl Request {
     /// The problem with the grasps of a score of at least `least`, and which those are.
     fn above(&self, least: f64, problem: &Problem) -> Result<(Problem, Vec<usize>), SolveError> {
         let refuse = |problem| SolveError::Request { field: "min_score", problem };
-        if !(0.0..=1.0).contains(&least) {
-            return Err(refuse(format!("'{least}' is no score; give a number from 0 to 1")));
+        let kind = self.score_of(problem);
+        let (most, range) = match kind {
+            ScoreKind::Load => (f64::MAX, "load; give a number from 0"),
+            ScoreKind::Geometric | ScoreKind::Physics => (1.0, "score; give a number from 0 to 1"),
+        };
+        if !(0.0..=most).contains(&least) {
+            return Err(refuse(format!("'{least}' is no {range}")));
         }
         let grasps = match problem.grasps() {
             Some(grasps) if problem.grasp_measure().is_none() => grasps.grasps(),
             _ => return Err(refuse("there is no set of grasps whose scores could be compared".to_owned())),
         };
-        let is_goal = |grasp: &Grasp| grasp.score.is_some_and(|score| score >= least);
+        let is_goal = |grasp: &Grasp| kind.of(grasp).is_some_and(|score| score >= least);
         let (numbers, chosen): (Vec<usize>, Vec<Grasp>) =
             grasps.iter().copied().enumerate().filter(|(_, grasp)| is_goal(grasp)).unzip();
         if chosen.is_empty() {
-            let best = grasps.iter().filter_map(|grasp| grasp.score).reduce(f64::max);
+            let best = grasps.iter().filter_map(|grasp| kind.of(grasp)).reduce(f64::max);
             let best = best.map_or("none has a score".to_owned(), |best| format!("the best score is {best}"));
-            return Err(refuse(format!(
-                "no grasp has a {} score of {least} or more; {best}",
-                self.score.name()
-            )));
+            return Err(refuse(format!("no grasp has a {} score of {least} or more; {best}", kind.name())));
         }
         let set = GraspSet::new(chosen).map_err(|fault| refuse(fault.to_string()))?;
         Ok((problem.with_goal(Goal::Grasps(set))?, numbers))
     }
 
+    /// The kind of score that counts of the grasps of a problem.
+    pub(crate) fn score_of(&self, problem: &Problem) -> ScoreKind {
+        let has_loads = || {
+            let set = problem.grasps().filter(|_| problem.criterion() == Criterion::Exact);
+            set.is_some_and(|set| !set.is_empty() && set.grasps().iter().all(|grasp| grasp.load.is_some()))
+        };
+        match self.score {
+            Some(kind) => kind,
+            None if self.min_score.is_none() && has_loads() => ScoreKind::Load,
+            None => ScoreKind::Geometric,
+        }
+    }
+
     fn scored(&self, problem: &Problem) -> Result<Problem, SolveError> {
-        if self.score == ScoreKind::default() {
+        let kind = self.score_of(problem);
+        if kind == ScoreKind::Geometric {
             return Ok(problem.clone());
         }
         let refuse = |problem| SolveError::Request { field: "score", problem };
@@ -212,12 +229,21 @@ impl Request {
         let grasps = problem
             .grasps()
             .ok_or_else(|| refuse("the goal is a configuration, which has no score".to_owned()))?;
-        // Those without are no goals where a least score is asked for.
-        let blank = grasps.grasps().iter().position(|grasp| grasp.robust.is_none());
-        if let Some(grasp) = blank.filter(|_| self.min_score.is_none()) {
-            return Err(refuse(GraspError::NoRobustScore { grasp }.to_string()));
-        }
-        Ok(problem.with_goal(Goal::Grasps(grasps.scored_by(self.score)))?)
+        let blank = || grasps.grasps().iter().position(|grasp| kind.of(grasp).is_none());
+        let computed = match (kind, blank()) {
+            (ScoreKind::Load, Some(_)) => Some(problem.loaded_grasps().ok_or_else(|| {
+                let lacking = "the load of a grasp needs two flat pads that close on each other, and a target that \
+                               encloses a volume";
+                refuse(lacking.to_owned())
+            })?),
+            // Those without are no goals where a least score is demanded.
+            (_, Some(grasp)) if self.min_score.is_none() => {
+                return Err(refuse(GraspError::NoRobustScore { grasp }.to_string()));
+            }
+            _ => None,
+        };
+        let scored = computed.as_ref().unwrap_or(grasps).scored_by(kind);
+        Ok(problem.with_goal(Goal::Grasps(scored))?)
     }
 
     /// A filter of the grasps of a stage that are left out; `None` where all are in.

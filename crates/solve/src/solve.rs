@@ -164,7 +164,7 @@ fn solve_asked(
         planner: planner.name().to_owned(),
         settings: planner.settings(),
         criterion: problem.criterion(),
-        score: request.score,
+        score: request.score_of(problem),
         min_score: request.min_score,
         below_min_score: None,
         goal_threshold: problem.goal_threshold(),

@@ -12,7 +12,7 @@ mod stages;
 pub use configuration_fault::ConfigurationFault;
 pub use error::TaskError;
 pub use grasping::closing_hand::{ClosedHand, ClosingHand};
-pub use grasping::firmness::Firmness;
+pub use grasping::firmness::{Firmness, Weight};
 pub use grasping::grasp_failure::{FailureReason, GraspFailure};
 pub use grasping::grasp_filter::GraspFilter;
 pub use grasping::grasp_measure::GraspMeasure;

@@ -7,7 +7,7 @@ use cranny_spatial::PoseDifference;
 use serde::{Deserialize, Serialize};
 use strum::{EnumString, IntoStaticStr};
 
-use crate::grasping::firmness::{Firmness, Weights};
+use crate::grasping::firmness::{Firmness, Weight, Weights};
 use crate::grasping::grasp_filter::GraspFilter;
 use crate::grasping::grasp_poses;
 use crate::{FailureReason, GraspMeasure, NotChecked, PlaceGoal, TaskError};
@@ -195,10 +195,17 @@ impl Problem {
         Self { frictions: frictions.into(), ..self }
     }
 
-    /// The same problem where bodies, by index, weigh this much, in kilograms, as far as that is known.
+    /// The same problem where bodies, by index, have these weights, as far as they are known.
     #[must_use]
-    pub fn with_weights(self, masses_kg: &[Option<f64>]) -> Self {
-        Self { weights: Arc::new(Weights::new(masses_kg)), ..self }
+    pub fn with_weights(self, weights: &[Weight]) -> Self {
+        Self { weights: Arc::new(Weights::new(weights)), ..self }
+    }
+
+    /// The grasps of the target with the load of each; `None` where there are none, or no load can be computed
+    /// ([`Firmness`]).
+    pub fn loaded_grasps(&self) -> Option<GraspSet> {
+        let firmness = self.firmness(self.cell()?, self.target?)?;
+        Some(self.grasps()?.with_loads(firmness.measure()))
     }
 
     /// The firmness of grasps of a body, where it stands in a cell; `None` where it cannot be computed ([`Firmness`]).

@@ -28,30 +28,35 @@ pub struct PyGrasps {
 impl PyGrasps {
     /// Grasps at `poses` (N, 4, 4). `scores` (N,) in [0, 1] and `widths` (N,) in metres; NaN, or None for all:
     /// not known. `robust_scores` (N,) in [0, 1] are the shares of `robust_trials` (N,) in which a grasp was held in
-    /// physics, with everything a little wrong (`simulate_grasps`); both or neither is known of a grasp.
+    /// physics, with everything a little wrong (`simulate_grasps`); both or neither is known of a grasp. `loads` (N,) are
+    /// factors by which gravity may grow before a pad slips.
     #[new]
-    #[pyo3(signature = (poses, scores=None, *, widths=None, robust_scores=None, robust_trials=None))]
+    #[pyo3(signature = (poses, scores=None, *, widths=None, robust_scores=None, robust_trials=None, loads=None))]
     fn new(
         poses: &Bound<'_, PyAny>,
         scores: Option<&Bound<'_, PyAny>>,
         widths: Option<&Bound<'_, PyAny>>,
         robust_scores: Option<&Bound<'_, PyAny>>,
         robust_trials: Option<&Bound<'_, PyAny>>,
+        loads: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let (_, poses) = array::poses(poses, "poses")?;
         let scores = known(scores, "scores", poses.len())?;
         let widths = known(widths, "widths", poses.len())?;
         let robust_scores = known(robust_scores, "robust_scores", poses.len())?;
         let robust_trials = known(robust_trials, "robust_trials", poses.len())?;
+        let loads = known(loads, "loads", poses.len())?;
         let mut grasps = Vec::new();
         for (index, world_from_gripper) in poses.into_iter().enumerate() {
             let robust = robust(index, robust_scores[index], robust_trials[index])?;
-            grasps.push(Grasp { world_from_gripper, score: scores[index], width_m: widths[index], robust });
+            let (score, width_m, load) = (scores[index], widths[index], loads[index]);
+            grasps.push(Grasp { world_from_gripper, score, width_m, robust, load });
         }
         Ok(Self { set: GraspSet::new(grasps).map_err(fault)? })
     }
 
-    /// Reads a `grasps.csv`: 16 numbers of the pose row by row, score, width, robust score and robust trials in each line.
+    /// Reads a `grasps.csv`: 16 numbers of the pose row by row, score, width, robust score, robust trials and
+    /// load in each line.
     #[staticmethod]
     fn load(path: PathBuf) -> PyResult<Self> {
         Ok(Self { set: read_csv(&path).map_err(fault)? })
@@ -92,6 +97,12 @@ impl PyGrasps {
         self.each(py, |grasp| grasp.robust.map(|robust| robust.trials as f64))
     }
 
+    /// Factor by which gravity may grow before a pad slips, (N,); NaN where it was not computed.
+    #[getter]
+    fn loads<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        self.each(py, |grasp| grasp.load)
+    }
+
     /// Indices (N,) from the highest score down; unscored grasps come last.
     fn by_score<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<i64>>> {
         shaped(py, self.set.by_score().into_iter().map(array::index).collect(), &[self.set.len()])
@@ -127,7 +138,7 @@ impl PyGrasps {
             let Pose { translation, rotation } = &grasp.world_from_gripper;
             let unknown = |value: Option<f64>| value.unwrap_or(f64::NAN);
             let robust = grasp.robust.map(|robust| (robust.score(), robust.trials as f64)).unzip();
-            let known = [grasp.score, grasp.width_m, robust.0, robust.1].map(unknown);
+            let known = [grasp.score, grasp.width_m, robust.0, robust.1, grasp.load].map(unknown);
             translation.vector.iter().chain(rotation.coords.iter()).copied().chain(known).collect::<Vec<_>>()
         });
         let rows = shaped(py, numbers.collect(), &[set.len(), ROW])?;
@@ -139,25 +150,26 @@ impl PyGrasps {
     }
 }
 
-/// Numbers of a grasp in a pickle: translation, rotation (x, y, z, w), score, width, robust score and its trials.
-const ROW: usize = 11;
+/// Numbers of a grasp in a pickle: translation, rotation (x, y, z, w), score, width, robust score and its trials, load.
+const ROW: usize = 12;
 
 /// Grasps as they were pickled.
 #[pyfunction]
 #[pyo3(name = "_restored_grasps")]
 pub fn restored_grasps(rows: &Bound<'_, PyAny>) -> PyResult<PyGrasps> {
     let numbers = Numbers::read(rows, "rows")?;
-    let [_, ROW] = *numbers.shape() else { return Err(numbers.wrong_shape("(N, 11)")) };
+    let [_, ROW] = *numbers.shape() else { return Err(numbers.wrong_shape("(N, 12)")) };
     let mut grasps = Vec::new();
     for (index, row) in numbers.values()?.as_chunks::<ROW>().0.iter().enumerate() {
         let &[x, y, z, i, j, k, w, ref figures @ ..] = row;
         let rotation = Rotation::new_unchecked(Quaternion::new(w, i, j, k));
-        let [score, width_m, robust_score, robust_trials] = figures.map(known_number);
+        let [score, width_m, robust_score, robust_trials, load] = figures.map(known_number);
         grasps.push(Grasp {
             world_from_gripper: Pose::from_parts(Vector::new(x, y, z).into(), rotation),
             score,
             width_m,
             robust: robust(index, robust_score, robust_trials)?,
+            load,
         });
     }
     Ok(PyGrasps { set: GraspSet::new(grasps).map_err(fault)? })

@@ -118,6 +118,8 @@ export interface Grasp {
   score: number | null;
   /** Of the fingers' opening. */
   width_m: number | null;
+  /** Factor by which gravity may grow before a pad slips. */
+  load: number | null;
   /** What is known of inverse kinematics there. */
   ik: "solved" | "hand-collides" | "out-of-reach" | "no-solution" | "unknown" | string;
 }

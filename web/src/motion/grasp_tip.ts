@@ -102,6 +102,7 @@ export class GraspTip {
     const line = (name: string, value: string): HTMLElement =>
       element("div", {}, element("span", { class: "soft" }, name), element("span", {}, value));
     const lines = [element("b", {}, `Grasp ${grasp.index}`), line("score", score(grasp.score))];
+    if (grasp.load !== null) lines.push(line("load", grasp.load.toFixed(2)));
     if (grasp.width_m !== null) lines.push(line("width", `${(1000 * grasp.width_m).toFixed(1)} mm`));
     lines.push(line("IK", words(grasp.ik)));
     const taken = this.plans.filter(({ plan }) => plan.grasp === grasp.index).map(({ plan }) => plan.name);

@@ -110,6 +110,7 @@ test("a grasp that is pointed at says its score, its width and what IK knows", (
       `Grasp ${grasp.index}`,
       grasp.score?.toFixed(2) ?? "—",
       "40.0 mm",
+      "2.50",
       grasp.ik.replaceAll("-", " "),
     ]) {
       assert.ok(said.includes(part), `${said} lacks ${part}`);

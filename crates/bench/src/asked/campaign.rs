@@ -292,7 +292,7 @@ impl Campaign {
         let asked = cranny_solve::Request {
             registry: registry.clone(),
             planner: Some(name.clone()),
-            score: *score,
+            score: Some(*score),
             min_score: *min_score,
             stages: stages.clone(),
             ..cranny_solve::Request::default()

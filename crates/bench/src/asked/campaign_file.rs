@@ -185,8 +185,12 @@ impl PlannerEntry {
         let has_settings = !settings.is_empty();
         let call = match (planner, exec, released) {
             (Some(planner), None, None) => {
-                if let Some(wrong) = min_score.filter(|least| !(0.0..=1.0).contains(least)) {
-                    return Err(format!("`min_score` is {wrong}, but a score is from 0 to 1"));
+                let (most, range) = match score {
+                    Some(ScoreKind::Load) => (f64::MAX, "a load is a number from 0"),
+                    _ => (1.0, "a score is from 0 to 1"),
+                };
+                if let Some(wrong) = min_score.filter(|least| !(0.0..=most).contains(least)) {
+                    return Err(format!("`min_score` is {wrong}, but {range}"));
                 }
                 PlannerCall::BuiltIn { planner, settings, score: score.unwrap_or_default(), min_score }
             }

@@ -71,7 +71,7 @@ pub fn run(
                 registry: registry.clone(),
                 planner: Some(planner.clone()),
                 settings: planner_settings.clone(),
-                score: *score,
+                score: Some(*score),
                 min_score: *min_score,
                 budget: Budget {
                     iterations: trial.iteration_limit.unwrap_or(u64::MAX),

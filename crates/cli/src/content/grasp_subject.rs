@@ -2,15 +2,16 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use cranny_collision::{Body, World};
-use cranny_grasp::{ASSUMED_DENSITY, FirstApproach, Hand, HeldObject, LoadMeasure, Pads, SamplerSettings};
+use cranny_grasp::{FirstApproach, Hand, HeldObject, LoadMeasure, Pads, SamplerSettings};
 use cranny_scenario::{
     DEFAULT_FRICTION, ObjectType, OpenOptions, Scenario, ScenarioError, TargetPhysics, filter_around_object,
     is_scenario, panda_hand, read_gripper,
 };
-use cranny_shape::{ShapeError, Solid, Surface, TriangleSoup, UnionMoments};
+use cranny_shape::{Solid, Surface, TriangleSoup, UnionMoments, VolumeMoments};
 use cranny_spatial::{Pose, Vector};
 use cranny_task::{APPROACH_M, HandFilter, robot_hand};
 
+use crate::arguments::ScoreArgument;
 use crate::content::grasp_choice::GraspChoice;
 use crate::content::object;
 use crate::failure::Failure;
@@ -27,8 +28,9 @@ use crate::number_argument::{positive, whole};
   cranny grasps sample 031 --hold 2 -o firm.csv
 
 Poses are written in the frame of the object, those of a scenario in its planning frame, as its grasps.csv has
-them: the 16 numbers of each row by row, score, width (and robust score with the number of its trials, where
-`cranny simulate grasps -o` wrote them). The score is 1 for contacts that need no friction and 0
+them: the 16 numbers of each row by row, score, width, load (and robust score with the number of its trials, where
+`cranny simulate grasps -o` wrote them). The load is the factor by which gravity may grow, in the attitude of the
+grasp, before a pad slips; an object without a volume has none. The score is 1 for contacts that need no friction and 0
 for those that need all there is. In a scenario, a grasp is kept if the hand is free of everything there, at
 the grasp and on the way.")]
 pub struct SampleArguments {
@@ -76,9 +78,12 @@ pub struct SampleArguments {
     /// hand closes: what `plan --place` takes
     #[arg(long, value_name = "FACTOR", value_parser = positive)]
     pub hold: Option<f64>,
-    /// Mass of the object for `--hold`, in kilograms [default: its own; where that is not known, by 400 kg/m³]
-    #[arg(long, value_name = "KG", value_parser = positive, requires = "hold")]
+    /// Mass of the object for its load, in kilograms [default: its own; where that is not known, by 400 kg/m³]
+    #[arg(long, value_name = "KG", value_parser = positive)]
     pub mass: Option<f64>,
+    /// Write the grasps of the highest score of this kind first [default: in the order in which they are chosen]
+    #[arg(long, value_enum, value_name = "KIND")]
+    pub sort: Option<ScoreArgument>,
     /// Do not ask whether the hand collides with the object or the ground
     #[arg(long)]
     pub bare: bool,
@@ -98,6 +103,8 @@ pub struct Subject {
     pub mesh: TriangleSoup,
     friction: f64,
     mass_kg: Option<f64>,
+    /// How its mass is spread, where a file states it.
+    moments: Option<VolumeMoments>,
     place: Place,
     hand: Hand,
 }
@@ -130,9 +137,19 @@ impl Subject {
             let scale = Vector::repeat(arguments.scale);
             let mesh = TriangleSoup::load(path, scale).map_err(ScenarioError::from)?;
             let (name, friction) = (arguments.object.clone(), DEFAULT_FRICTION);
-            return Ok(Self { name, mesh, friction, mass_kg: None, place: Place::Nowhere, hand });
+            return Ok(Self {
+                name,
+                mesh,
+                friction,
+                mass_kg: None,
+                moments: None,
+                place: Place::Nowhere,
+                hand,
+            });
         }
-        let ObjectType { name, mesh, friction, mass_kg, stable_poses, .. } = object::open(&arguments.object)?;
+        let object = object::open(&arguments.object)?;
+        let moments = Some(object.mass_moments());
+        let ObjectType { name, mesh, friction, mass_kg, stable_poses, .. } = object;
         let place = match arguments.pose {
             None => Place::Nowhere,
             Some(index) => {
@@ -143,7 +160,7 @@ impl Subject {
                 Place::Ground { ground_from_object: stable.ground_from_body }
             }
         };
-        Ok(Self { name, mesh, friction, mass_kg: Some(mass_kg), place, hand })
+        Ok(Self { name, mesh, friction, mass_kg: Some(mass_kg), moments, place, hand })
     }
 
     /// The target where it stands, with everything around it and the hand of the scenario's robot.
@@ -169,9 +186,11 @@ impl Subject {
             }
         };
         let TargetPhysics { mass_kg, friction, .. } = scenario.target_physics();
+        let stated = scenario.target_weight().and_then(|weight| weight.moments);
+        let moments = stated.zip(scenario.world_from_object()).map(|(stated, world)| stated.moved(&world));
         let (name, place) = (scenario.id, Place::Scene(scenario.world));
         let friction = friction.unwrap_or(DEFAULT_FRICTION);
-        Ok(Self { name, mesh, friction, mass_kg, place, hand })
+        Ok(Self { name, mesh, friction, mass_kg, moments, place, hand })
     }
 
     /// The filter of the hand against the object and what is around it; an object with holes is only a surface.
@@ -190,33 +209,36 @@ impl Subject {
         Ok(filter_around_object(&self.hand, &self.mesh, surface, bodies, approach_m)?)
     }
 
-    /// The measure of loads, if grasps are to be firm.
-    pub fn firmness(&self, arguments: &SampleArguments) -> Result<Option<(LoadMeasure, f64)>, Failure> {
-        let Some(factor) = arguments.hold else { return Ok(None) };
-        let refuse = |problem: String| Failure::Flag { flag: "hold", problem };
+    /// The measure of loads, and whether the mass is assumed; an error where there is none and grasps are to be firm.
+    pub fn firmness(&self, arguments: &SampleArguments) -> Result<Option<(LoadMeasure, bool)>, Failure> {
+        let lacking = |problem: String| match arguments.hold {
+            Some(_) => Err(Failure::Flag { flag: "hold", problem }),
+            None => Ok(None),
+        };
         let Some(pads) = Pads::of(&self.hand) else {
-            return Err(refuse(format!(
+            return lacking(format!(
                 "hand '{}' has no two flat pads that close on each other",
                 self.hand.name
-            )));
+            ));
         };
-        let closed = |fault: ShapeError| refuse(format!("the object has no mass: {fault}"));
-        let moments = UnionMoments::of_mesh(&self.mesh).map_err(closed)?.moments;
-        let mass_kg = arguments.mass.or(self.mass_kg).unwrap_or(ASSUMED_DENSITY * moments.volume_m3);
-        let object = HeldObject {
-            surface: Surface::new(&self.mesh).map_err(closed)?,
-            mass_kg,
-            center: moments.center,
-            inertia_kg_m2: moments.inertia_per_mass_m2 * mass_kg,
-            friction: arguments.friction.unwrap_or(self.friction),
+        let mass_kg = arguments.mass.or(self.mass_kg);
+        let friction = arguments.friction.unwrap_or(self.friction);
+        let even = || UnionMoments::of_mesh(&self.mesh).map(|union| union.moments);
+        let held = self
+            .moments
+            .map_or_else(even, Ok)
+            .and_then(|moments| HeldObject::new(&self.mesh, &moments, mass_kg, friction));
+        let object = match held {
+            Ok(object) => object,
+            Err(fault) => return lacking(format!("the object has no mass: {fault}")),
         };
         let up = match &self.place {
             Place::Scene(world) => world.up(),
             Place::Ground { ground_from_object } => ground_from_object.rotation.inverse() * Vector::z(),
             Place::Nowhere => Vector::z(),
         };
-        let force_n = self.hand.closing_force_n;
-        Ok(Some((LoadMeasure::new(object, pads, force_n, up, Vec::new()), factor)))
+        let measure = LoadMeasure::new(object, pads, self.hand.closing_force_n, up, Vec::new());
+        Ok(Some((measure, mass_kg.is_none())))
     }
 
     pub fn settings(&self, arguments: &SampleArguments) -> SamplerSettings {

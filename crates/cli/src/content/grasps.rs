@@ -13,7 +13,8 @@ use cranny_shape::Surface;
 use cranny_task::{APPROACH_M, HandFilter, robot_hand};
 use serde::Serialize;
 
-use crate::arguments::Output;
+use crate::arguments::{LeastScore, Output, ScoreArgument, least_score};
+use crate::content::grasp_loads::{GraspLoads, sorted};
 use crate::content::grasp_subject::{SampleArguments, Subject};
 use crate::content::grasps_import::ImportArguments;
 use crate::failure::Failure;
@@ -49,9 +50,11 @@ pub enum GraspsCommand {
 #[command(after_help = "Examples:
   cranny grasps filter 021 -o free.csv
   cranny grasps filter my_shelf --grasps mine.csv --approach 30 -o free.csv
+  cranny grasps filter 031 --min-score load=2 --sort load -o firm.csv
 
 Grasps of a file are those of the scenario's planning frame. A grasp stays if the hand, or the hand turned by
-180°, is free at it and along the approach.")]
+180°, is free at it and along the approach. The load of each, the factor by which gravity may grow before a pad
+slips, is computed and written beside its score.")]
 pub struct FilterArguments {
     /// Built-in scenario, or the folder of one
     #[arg(value_name = "ID")]
@@ -65,6 +68,12 @@ pub struct FilterArguments {
     /// Length of the straight approach that must be free, in millimetres
     #[arg(long, value_name = "MM", default_value_t = APPROACH_M * 1000.0)]
     pub approach: f64,
+    /// Keep only grasps of at least this score, from 0 to 1, or of this load, from 0: `load=2`. Without a kind: geometric
+    #[arg(long, value_name = "[KIND=]S", allow_hyphen_values = true, value_parser = least_score)]
+    pub min_score: Option<LeastScore>,
+    /// Write the grasps of the highest score of this kind first
+    #[arg(long, value_enum, value_name = "KIND")]
+    pub sort: Option<ScoreArgument>,
 }
 
 #[derive(Clone, Debug, Args)]
@@ -117,6 +126,9 @@ struct Sampled {
     /// Factor of the hold that was demanded.
     #[serde(skip_serializing_if = "Option::is_none")]
     hold: Option<f64>,
+    /// Loads of the grasps, where they can be computed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    load: Option<GraspLoads>,
     stopped: bool,
     /// Candidates that are kept until the same command goes on.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -137,6 +149,7 @@ fn sample(arguments: &SampleArguments, output: Output) -> Result<Answer, Failure
         if arguments.bare { None } else { Some(subject.filter(&surface, arguments.approach / 1000.0)?) };
     let firmness = subject.firmness(arguments)?;
     let stop = stop_on_interrupt()?;
+    let demand = firmness.as_ref().and_then(|(measure, _)| Some((measure, arguments.hold?)));
     let filters = (arguments.approach, arguments.bare, arguments.hold, arguments.mass);
     let unfinished = Unfinished::beside(
         &arguments.output,
@@ -146,9 +159,9 @@ fn sample(arguments: &SampleArguments, output: Output) -> Result<Answer, Failure
     let known = unfinished.rows::<Sampling>()?.pop().unwrap_or_default();
     let progress = bar(settings.count as u64, output.quiet);
     let is_firm = |grasp: &Grasp| {
-        firmness.as_ref().is_none_or(|(measure, factor)| {
+        demand.is_none_or(|(measure, factor)| {
             let pose = &grasp.world_from_gripper;
-            measure.is_firm(pose, *factor) && measure.is_seated(pose)
+            measure.is_firm(pose, factor) && measure.is_seated(pose)
         })
     };
     let accept = |sampled: &SampledGrasp| {
@@ -192,12 +205,20 @@ fn sample(arguments: &SampleArguments, output: Output) -> Result<Answer, Failure
         // The sum of nothing is −0.
         mean_score: (scores().sum::<f64>() + 0.0) / chosen.len().max(1) as f64,
         hold: arguments.hold,
+        load: None,
         stopped: kept_in.is_some(),
         unfinished: kept_in,
         too_wide,
         file: None,
     };
-    let set = GraspSet::new(chosen).map_err(ScenarioError::from)?;
+    let mut set = GraspSet::new(chosen).map_err(ScenarioError::from)?;
+    if let Some((measure, is_mass_assumed)) = &firmness {
+        set = set.with_loads(measure);
+        sampled.load = GraspLoads::of(&set, *is_mass_assumed);
+    }
+    if let Some(kind) = arguments.sort {
+        set = sorted(&set, kind.into());
+    }
     if !set.is_empty() {
         output_file::write(&arguments.output, FileKind::Grasps, csv_text(&set).as_bytes(), output)?;
         sampled.file = Some(arguments.output.clone());
@@ -235,6 +256,9 @@ impl Sampled {
         let rejected = if self.hold.is_some() { "hand collides or does not hold" } else { "hand collides" };
         line("left out", format!("{} {rejected}, {} the same as another", self.rejected, self.merged));
         line("score", format!("{:.3} on average, {:.3} at best", self.mean_score, self.best_score));
+        if let Some(load) = &self.load {
+            line("load", load.text());
+        }
         if let Some(file) = &self.unfinished {
             line(
                 "stopped",
@@ -258,6 +282,11 @@ struct Filtered {
     scenario: String,
     grasps: usize,
     free: usize,
+    /// Grasps among the free ones that are left out for their score.
+    below_min_score: usize,
+    /// Loads of the grasps that stay, where they can be computed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    load: Option<GraspLoads>,
     blocked_by: Vec<Blocking>,
     /// True if Ctrl-C left grasps unprocessed.
     stopped: bool,
@@ -306,14 +335,27 @@ fn filter(arguments: &FilterArguments, output: Output) -> Result<Answer, Failure
     let mut filtered = Filtered {
         scenario: scenario.id.clone(),
         grasps: tried,
-        free: free.len(),
+        free: 0,
+        below_min_score: 0,
+        load: None,
         blocked_by: blocked_by.map(|(body, grasps)| Blocking { body, grasps }).collect(),
         stopped: tried < set.len(),
         file: None,
     };
-    if let Some(path) = arguments.output.as_ref().filter(|_| !free.is_empty()) {
-        let free = GraspSet::new(free).map_err(ScenarioError::from)?;
-        filtered.file = Some(written(path, &free, filtered.stopped, output)?);
+    let free = GraspSet::new(free).map_err(ScenarioError::from)?;
+    let firmness = scenario.firmness();
+    let loaded = firmness.as_ref().map_or_else(|| free.clone(), |known| free.with_loads(known.measure()));
+    let mut stays = match arguments.min_score {
+        None => loaded,
+        Some(least) => least.among(&loaded),
+    };
+    (filtered.free, filtered.below_min_score) = (stays.len(), free.len() - stays.len());
+    filtered.load = firmness.and_then(|known| GraspLoads::of(&stays, known.is_mass_assumed));
+    if let Some(kind) = arguments.sort {
+        stays = sorted(&stays, kind.into());
+    }
+    if let Some(path) = arguments.output.as_ref().filter(|_| !stays.is_empty()) {
+        filtered.file = Some(written(path, &stays, filtered.stopped, output)?);
     }
     text::answer(&filtered, || filtered.page(), output)?;
     Ok(if filtered.free > 0 && !filtered.stopped { Answer::Done } else { Answer::No })
@@ -321,9 +363,18 @@ fn filter(arguments: &FilterArguments, output: Output) -> Result<Answer, Failure
 
 impl Filtered {
     fn page(&self) -> String {
-        let Self { scenario, grasps, free, .. } = self;
-        let mut page =
-            format!("{scenario}: the hand alone can take {free} of {}\n", counted(*grasps, "grasp"));
+        let Self { scenario, grasps, free, below_min_score, .. } = self;
+        let mut page = format!(
+            "{scenario}: the hand alone can take {} of {}\n",
+            free + below_min_score,
+            counted(*grasps, "grasp")
+        );
+        if *below_min_score > 0 {
+            let _ = writeln!(page, "  {below_min_score:>5}  of a lower score than demanded");
+        }
+        if let Some(load) = &self.load {
+            let _ = writeln!(page, "  load {}", load.text());
+        }
         for Blocking { body, grasps } in &self.blocked_by {
             let _ = writeln!(page, "  {grasps:>5}  blocked by {body}");
         }

@@ -1,14 +1,19 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use cranny_collision::Margins;
 use cranny_file::counted;
+use cranny_grasp::ScoreKind;
 use cranny_plan::Registry;
-use cranny_record::{Ask, CarryWord, PlanFile, PlanSource, TaskWord, read_waypoints, write_trajectory_csv};
+use cranny_record::{
+    Ask, CarryWord, PlanFile, PlanSource, TaskWord, default_grasp_margin_m, read_waypoints,
+    write_trajectory_csv,
+};
 use cranny_scenario::STEPS;
 use cranny_sim::{Tried, solve_in_physics};
 use cranny_solve::solve;
 
-use crate::arguments::{Output, PlanArguments};
+use crate::arguments::{CriterionArgument, Output, PlanArguments};
 use crate::failure::Failure;
 use crate::file_kind::FileKind;
 use crate::planning::ik;
@@ -20,7 +25,14 @@ use crate::{Answer, output_file, start, text};
 
 pub fn run(arguments: &PlanArguments, registry: &Registry, output: Output) -> Result<Answer, Failure> {
     let begin = Instant::now();
-    let demand = Demand { robust: arguments.robust, ..Demand::default() };
+    let PlanArguments { carry, place, steps, named_task, robust, .. } = arguments;
+    let goes_on = carry.is_some() || place.is_some() || *steps || named_task.is_some();
+    let grasp_margin_m = match arguments.task.criterion {
+        Some(CriterionArgument::Paper) => 0.0,
+        _ => default_grasp_margin_m(goes_on, *robust),
+    };
+    let margins = Margins { grasp_margin_m, ..Margins::default() };
+    let demand = Demand { robust: *robust, margins, ..Demand::default() };
     let PlanTask { source, grasps, problem, deviations, scenario } =
         PlanTask::open(&arguments.task, &arguments.moveit, demand, output)?;
     let preparation_time_s = begin.elapsed().as_secs_f64();
@@ -117,8 +129,8 @@ fn ask(arguments: &PlanArguments, joints: usize) -> Result<Ask, Failure> {
         seed: arguments.seed,
         time_limit: arguments.time_limit,
         iterations: arguments.iterations,
-        score: arguments.score.into(),
-        min_score: arguments.min_score,
+        score: score(arguments)?,
+        min_score: arguments.min_score.map(|least| least.least),
         goal_threshold: arguments.goal_threshold,
         keep_path: arguments.no_shortcut,
         optimise: arguments.optimise,
@@ -139,6 +151,19 @@ fn ask(arguments: &PlanArguments, joints: usize) -> Result<Ask, Failure> {
         hold: arguments.hold,
         ..Ask::default()
     })
+}
+
+/// The kind of score that is asked for, by either of its flags.
+fn score(arguments: &PlanArguments) -> Result<Option<ScoreKind>, Failure> {
+    let asked = arguments.score.map(ScoreKind::from);
+    match (asked, arguments.min_score.and_then(|least| least.kind)) {
+        (Some(asked), Some(of_least)) if asked != of_least => {
+            let (asked, of_least) = (asked.name(), of_least.name());
+            let problem = format!("its kind, {of_least}, is not that of --score, {asked}");
+            Err(Failure::Flag { flag: "min-score", problem })
+        }
+        (asked, of_least) => Ok(asked.or(of_least)),
+    }
 }
 
 fn destination(arguments: &PlanArguments, id: &str, output: Output) -> Result<PathBuf, Failure> {

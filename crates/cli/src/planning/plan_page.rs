@@ -197,10 +197,12 @@ fn about_path(answered: &Answered, grasps: &GraspSet, line: &mut dyn FnMut(&str,
     {
         let count = grasps.len();
         let ends_at = &grasps.grasps()[grasp];
-        let (name, score) = match plan.score {
-            ScoreKind::Geometric => ("score", ends_at.score),
-            ScoreKind::Physics => ("robust score", ends_at.robust.map(|robust| robust.score())),
+        let name = match plan.score {
+            ScoreKind::Geometric => "score",
+            ScoreKind::Physics => "robust score",
+            ScoreKind::Load => "load",
         };
+        let score = plan.score.of(ends_at);
         let left_out = match (plan.min_score, plan.below_min_score) {
             (Some(least), Some(below)) => format!("; {below} below {least} are no goals"),
             _ => String::new(),

@@ -67,7 +67,7 @@ pub fn read(bytes: &[u8], settings: &ImportSettings) -> Result<Read, String> {
         }
         let world_from_gripper = pose_of_rows(rows).map_err(|fault| format!("grasp {place}: {fault}"))?;
         let score = held.as_ref().map(|held| held[place]);
-        read.push(place, Grasp { world_from_gripper, score, width_m: None, robust: None })?;
+        read.push(place, Grasp { score, ..Grasp::at(world_from_gripper) })?;
     }
     read.notes.push(match held {
         Some(_) => "the score is 1 where the object stayed in the gripper (flex/object_in_gripper), else 0"

@@ -96,7 +96,7 @@ fn poses(array: Array, name: &str, scores: &Column, widths: &Column, mask: &Colu
         }
         let world_from_gripper = pose_of_rows(rows).map_err(|fault| format!("grasp {place}: {fault}"))?;
         let (score, width_m) = (known(scores, place), known(widths, place));
-        read.push(place, Grasp { world_from_gripper, score, width_m, robust: None })?;
+        read.push(place, Grasp { score, width_m, ..Grasp::at(world_from_gripper) })?;
     }
     Ok(read)
 }

@@ -59,7 +59,7 @@ pub fn read_group(array: Array, settings: &ImportSettings) -> Result<Read, Strin
         }
         let world_from_gripper = pose * tips(depth_m);
         let score = Some(score / greatest);
-        read.push(place, Grasp { world_from_gripper, score, width_m: Some(width_m), robust: None })?;
+        read.push(place, Grasp { score, width_m: Some(width_m), ..Grasp::at(world_from_gripper) })?;
     }
     if greatest > 1.0 {
         read.notes.push(format!("scores are divided by the greatest, {greatest}"));
@@ -144,7 +144,7 @@ fn labels(
         let world_from_gripper = Pose::from_parts(at.into(), turn) * tips(depth_m);
         read.push(
             place,
-            Grasp { world_from_gripper, score: Some(score), width_m: Some(width_m), robust: None },
+            Grasp { score: Some(score), width_m: Some(width_m), ..Grasp::at(world_from_gripper) },
         )?;
     }
     scores.end("scores")?;

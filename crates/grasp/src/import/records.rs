@@ -224,7 +224,7 @@ fn graspgen(file: GraspGen, settings: &ImportSettings) -> Result<Read, String> {
             Label::Is(is_held) => f64::from(u8::from(is_held)),
             Label::Score(score) => score,
         });
-        read.push(place, Grasp { world_from_gripper, score, width_m: None, robust: None })?;
+        read.push(place, Grasp { score, ..Grasp::at(world_from_gripper) })?;
     }
     read.notes.push(match object_in_gripper {
         Some(_) => "the score is object_in_gripper".to_owned(),
@@ -272,7 +272,7 @@ fn isaac(file: &IsaacGrasps) -> Result<Read, String> {
         }
         let world_from_gripper =
             Pose::from_parts(Vector::from(*position).into(), Rotation::from_quaternion(quaternion));
-        let grasp = Grasp { world_from_gripper, score: *confidence, width_m: None, robust: None };
+        let grasp = Grasp { score: *confidence, ..Grasp::at(world_from_gripper) };
         read.push(place, grasp).map_err(|fault| format!("grasp '{name}': {fault}"))?;
     }
     let frame = |name: &Option<String>| name.clone().unwrap_or_else(|| "not named".to_owned());

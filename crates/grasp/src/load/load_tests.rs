@@ -32,6 +32,45 @@ fn a_bar_held_beside_its_centre_needs_the_friction_of_statics() {
     }
 }
 
+/// A wedge that widens along x is squeezed out unless friction exceeds what the slope of its sides takes of it; a roof whose
+/// ridge lies under the pads is not.
+#[test]
+fn a_wedge_slips_out_where_its_slope_exceeds_friction() {
+    let slope = 0.3;
+    let load = |widths: [f64; 3], friction: f64| {
+        let mut outline = Vec::new();
+        for (x, width_m) in [-0.06, 0.0, 0.06].into_iter().zip(widths) {
+            outline.push(Point::new(x, 0.5 * width_m, 0.0));
+        }
+        for (x, width_m) in [0.06, 0.0, -0.06].into_iter().zip([widths[2], widths[1], widths[0]]) {
+            outline.push(Point::new(x, -0.5 * width_m, 0.0));
+        }
+        let at = |z: f64| outline.iter().map(move |corner| corner + Vector::z() * z);
+        let vertices: Vec<Point> = at(-0.03).chain(at(0.03)).collect();
+        let mut triangles = vec![[0, 1, 4], [0, 4, 5], [1, 2, 3], [1, 3, 4]];
+        triangles.extend([[6, 10, 7], [6, 11, 10], [7, 9, 8], [7, 10, 9]]);
+        for side in 0..6 {
+            let next = (side + 1) % 6;
+            triangles.extend([[side, side + 6, next], [next, side + 6, next + 6]]);
+        }
+        let object = HeldObject {
+            surface: Surface::new(&TriangleSoup { vertices, triangles, ..TriangleSoup::default() }).unwrap(),
+            mass_kg: 0.1,
+            center: Point::origin(),
+            inertia_kg_m2: Matrix3::identity() * 1e-4,
+            friction,
+        };
+        LoadMeasure::new(object, FRANKA, 40.0, Vector::z(), Vec::new()).of(&Pose::identity()).at_rest
+    };
+    let rise = 2.0 * slope * 0.06;
+    let wedge = |friction: f64| load([0.04 - rise, 0.04, 0.04 + rise], friction);
+    let taken = 0.7 * slope;
+    assert_eq!(wedge(0.99 * taken), 0.0);
+    let (more, less) = (wedge(taken + 0.2), wedge(taken + 0.1));
+    assert!((more / less - 2.0).abs() < 1e-6, "{more} with twice the friction that is left, {less}");
+    assert!(load([0.04 - rise, 0.04, 0.04 - rise], 0.2) > 1.0);
+}
+
 #[test]
 fn a_lift_costs_as_much_as_it_accelerates() {
     let lift = LoadState { lift: 2.31, ..LoadState::GRAVITY };

@@ -1,7 +1,8 @@
+use std::f64::consts::PI;
 use std::fmt;
 
-use cranny_shape::Surface;
-use cranny_spatial::nalgebra::{Matrix3, Vector3};
+use cranny_shape::{ShapeError, Surface, TriangleSoup, VolumeMoments};
+use cranny_spatial::nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 use cranny_spatial::{Point, Pose, Vector};
 use serde::{Deserialize, Serialize};
 
@@ -24,6 +25,29 @@ pub struct HeldObject {
     pub inertia_kg_m2: Matrix3<f64>,
     /// The coefficient of friction between it and the pads.
     pub friction: f64,
+}
+
+impl HeldObject {
+    /// An object of uniform density: its surface (m, normals outwards), the moments of its volume, its mass (kg; that of
+    /// [`ASSUMED_DENSITY`] if it is not stated) and its coefficient of friction.
+    ///
+    /// # Errors
+    /// [`ShapeError`] for a mesh without a surface.
+    pub fn new(
+        mesh: &TriangleSoup,
+        moments: &VolumeMoments,
+        mass_kg: Option<f64>,
+        friction: f64,
+    ) -> Result<Self, ShapeError> {
+        let mass_kg = mass_kg.unwrap_or(ASSUMED_DENSITY * moments.volume_m3);
+        Ok(Self {
+            surface: Surface::new(mesh)?,
+            mass_kg,
+            center: moments.center,
+            inertia_kg_m2: moments.inertia_per_mass_m2 * mass_kg,
+            friction,
+        })
+    }
 }
 
 /// Firmness of a grasp: the factor by which loads may grow until a pad slips. Below 1 a pad slips for as long as they last.
@@ -52,9 +76,11 @@ impl Load {
 /// 1. The sides of the object between the pads, over 24 cells.
 /// 2. Where it comes to rest between them (least energy), and the pressure on each cell.
 /// 3. What the pads must give it: force and moment about the point midway between the centres of pressure.
-/// 4. Moments about x and z are first borne by a shift of pressure, the rest by a couple of friction forces; forces in
+/// 4. The force with which the pads squeeze it out: pressure times slope, where the object rises up to the border of a pad.
+///    It takes its part of friction.
+/// 5. Moments about x and z are first borne by a shift of pressure, the rest by a couple of friction forces; forces in
 ///    the plane of the pads and the moment about the closing axis by halves.
-/// 5. At rest: how far each pad is from its limit surface (Goyal, Ruina & Papadopoulos 1991, §2). In motion: from the
+/// 6. At rest: how far each pad is from its limit surface (Goyal, Ruina & Papadopoulos 1991, §2). In motion: from the
 ///    ellipsoid of Howe & Cutkosky 1996, whole, which is up to 7 % too large for a face, 13 % for an edge.
 #[derive(Clone)]
 pub struct LoadMeasure {
@@ -82,10 +108,15 @@ pub const ASSUMED_DENSITY: f64 = 400.0;
 const GRAVITY: f64 = 9.81;
 /// The couple between the pads has this arm at least, in metres.
 const LEAST_WIDTH_M: f64 = 0.002;
+/// An object that is held firmly turns by this much at most while the hand closes, in radians (8°).
+const MOST_FIRM_TURN_RAD: f64 = 0.139_63;
 /// A seated object turns by this much at most while the hand closes, in radians (3°) …
 const MOST_TURN_RAD: f64 = 0.052_36;
 /// … and is displaced by this much, in metres.
 const MOST_SHIFT_M: f64 = 0.003;
+/// Share of the squeeze that is taken from friction: its direction and that of the load are seldom one. Of 0.5, 0.7 and 1 this
+/// foretells best which grasps hold (`benchmarks/load.md`).
+const SQUEEZE_SHARE: f64 = 0.7;
 /// A grasp that no load moves is this firm.
 const FIRMEST: f64 = 1e6;
 
@@ -115,14 +146,19 @@ impl LoadMeasure {
         let between = Between::new(&self.object.surface, object_from_gripper, &self.pads);
         let held = |hardness: f64| {
             let seat = Seat::of(&between, hardness, self.force_n, self.object.friction)?;
-            self.held(object_from_gripper, &between, &seat)
+            Some((self.held(object_from_gripper, &between, &seat)?, seat.turn()))
         };
-        Some(GripForces([held(SOFT_PAD)?, held(HARD_PAD)?]))
+        let ((soft, turn_rad), (hard, _)) = (held(SOFT_PAD)?, held(HARD_PAD)?);
+        Some(GripForces { held: [soft, hard], turn_rad })
     }
 
-    /// True for a grasp whose hand holds the object at rest by at least this factor, however soft its pads are.
+    /// True for a grasp whose hand holds the object at rest by at least this factor, however soft its pads are, and turns it by
+    /// at most 8° while it closes: what turns farther, such as a rim, comes to rest otherwise than computed.
     pub fn is_firm(&self, object_from_gripper: &Pose, factor: f64) -> bool {
-        self.grip(object_from_gripper).is_some_and(|grip| grip.factor(&LoadState::GRAVITY) >= factor)
+        let is_firm = |grip: GripForces| {
+            grip.turn_rad <= MOST_FIRM_TURN_RAD && grip.factor(&LoadState::GRAVITY) >= factor
+        };
+        self.grip(object_from_gripper).is_some_and(is_firm)
     }
 
     /// True for a grasp whose hand neither turns the object by more than 3° nor shifts it by more than 3 mm while it closes,
@@ -134,14 +170,18 @@ impl LoadMeasure {
     }
 
     fn held(&self, object_from_gripper: &Pose, between: &Between, seat: &Seat) -> Option<Held> {
-        let [first, second] = [0, 1].map(|pad| Patch::of(between, &seat.pressures[pad]));
+        let [first, second] = [0, 1].map(|pad| Patch::of(between, seat, pad));
         Some(Held::new(self, object_from_gripper, seat, [first?, second?]))
     }
 }
 
 /// The forces with which two pads, soft or hard, hold an object, ready to be loaded in many ways.
 #[derive(Clone, Debug)]
-pub struct GripForces([Held; 2]);
+pub struct GripForces {
+    held: [Held; 2],
+    /// Turn of the object while the hand closes, in radians.
+    turn_rad: f64,
+}
 
 /// Share of the ellipsoid's factor that is safe: an edge slips at 0.87 of it, a face at 0.93.
 const SAFE_SHARE: f64 = 0.87;
@@ -150,9 +190,33 @@ impl GripForces {
     /// The factor by which the loads of a motion may grow until a pad slips, however soft it is: from the ellipsoid, on the
     /// safe side.
     pub fn factor(&self, state: &LoadState) -> f64 {
-        let most = self.0.iter().map(|held| held.r#use(state)).fold(0.0, f64::max);
+        let most = self.held.iter().map(|held| held.r#use(state)).fold(0.0, f64::max);
         SAFE_SHARE / most.max(SAFE_SHARE / FIRMEST)
     }
+
+    /// The factor by which gravity may grow until a pad slips in the worst of 26 attitudes: those in which an axis, an edge or
+    /// a corner of a cube about the hand points upwards.
+    pub fn factor_in_any_attitude(&self) -> f64 {
+        let steps = || [-1.0, 0.0, 1.0].into_iter();
+        let attitudes =
+            steps().flat_map(|x| steps().flat_map(move |y| steps().map(move |z| Vector::new(x, y, z))));
+        let up = self.held[0].up;
+        let turns = attitudes.filter_map(|other| {
+            let other = other.try_normalize(0.0)?;
+            Some(
+                Rotation3::rotation_between(&other, &up)
+                    .unwrap_or_else(|| Rotation3::from_axis_angle(&across(&up), PI)),
+            )
+        });
+        turns.map(|turn| self.factor(&LoadState { turn, ..LoadState::GRAVITY })).fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// A direction at right angles to another.
+fn across(direction: &Vector) -> Unit<Vector> {
+    let mut helper = Vector::zeros();
+    helper[direction.iamin()] = 1.0;
+    Unit::new_normalize(direction.cross(&helper))
 }
 
 /// An object between the pads, in the gripper frame.
@@ -165,7 +229,9 @@ struct Held {
     center_in_gripper: Vector,
     inertia: Matrix3<f64>,
     up: Vector,
-    friction: f64,
+    /// Coefficient of friction that is left where pads press on slopes, and friction has to keep the object from being squeezed
+    /// out. Squeezes that are opposite turn it instead, which the seat considers.
+    spare_friction: f64,
     force_n: f64,
     /// Moments about x and z that a shift of pressure bears, in N m.
     borne: [f64; 2],
@@ -183,6 +249,7 @@ impl Held {
         let [a, b] = &patches;
         let about =
             Vector::new(0.5 * (a.center_m[0] + b.center_m[0]), 0.0, 0.5 * (a.center_m[1] + b.center_m[1]));
+        let squeeze = [0, 1].map(|axis| 0.5 * (a.squeeze[axis] + b.squeeze[axis]));
         let borne = [1, 0].map(|axis: usize| 0.5 * measure.force_n * (a.half_m[axis] + b.half_m[axis]));
         Self {
             mass_kg: object.mass_kg,
@@ -190,7 +257,7 @@ impl Held {
             center_in_gripper,
             inertia: rotation.matrix() * object.inertia_kg_m2 * rotation.matrix().transpose(),
             up: rotation * measure.up,
-            friction: object.friction,
+            spare_friction: (object.friction - SQUEEZE_SHARE * squeeze[0].hypot(squeeze[1])).max(0.0),
             force_n: measure.force_n,
             borne,
             width_m: seat.width_m.max(LEAST_WIDTH_M),
@@ -225,11 +292,11 @@ impl Held {
     /// Share of the ellipsoid that the more loaded pad uses; endless where a pad lifts off.
     fn r#use(&self, state: &LoadState) -> f64 {
         let uses = self.demands(state).into_iter().zip(&self.patches).map(|((normal_n, pull), patch)| {
-            if normal_n <= 0.0 {
+            if normal_n <= 0.0 || self.spare_friction <= 0.0 {
                 return f64::INFINITY;
             }
             let turning = pull.z / patch.arm_m;
-            (pull.x * pull.x + pull.y * pull.y + turning * turning).sqrt() / (self.friction * normal_n)
+            (pull.x * pull.x + pull.y * pull.y + turning * turning).sqrt() / (self.spare_friction * normal_n)
         });
         uses.fold(0.0, f64::max)
     }
@@ -238,14 +305,14 @@ impl Held {
     fn exact_use(&self, state: &LoadState) -> f64 {
         let uses = self.demands(state).into_iter().zip(&self.patches).map(|((normal_n, pull), patch)| {
             let borne: f64 = patch.points.iter().map(|(_, load)| load).sum();
-            if normal_n <= 0.0 {
+            if normal_n <= 0.0 || self.spare_friction <= 0.0 {
                 return f64::INFINITY;
             }
             if pull.norm() == 0.0 {
                 return 0.0;
             }
             let factor = limit_factor(&patch.points, pull, patch.point_arm_m);
-            borne / (self.friction * normal_n * factor)
+            borne / (self.spare_friction * normal_n * factor)
         });
         uses.fold(0.0, f64::max)
     }

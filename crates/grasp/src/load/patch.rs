@@ -1,5 +1,6 @@
-use crate::load::between::Between;
+use crate::load::between::{Between, CELLS, Cell};
 use crate::load::limit_surface::LoadedPoint;
+use crate::load::seat::Seat;
 
 /// Arm of the torsion of the smallest patch, in metres: of a Hertz patch of radius 3.14 mm, as a ball of 33 mm makes in a
 /// pad that gives way by 0.3 mm, 3π/16 of its radius.
@@ -20,11 +21,14 @@ pub(crate) struct Patch {
     pub points: Vec<LoadedPoint>,
     /// Arm on which each of the points turns besides, in metres.
     pub point_arm_m: f64,
+    /// Force along x and z with which the pad squeezes the object out along its plane, as a share of the pressing force.
+    pub squeeze: [f64; 2],
 }
 
 impl Patch {
-    /// The patch of a pad by the forces on its cells (N; one per cell); `None` where none bears.
-    pub fn of(between: &Between, pressure: &[f64]) -> Option<Self> {
+    /// The patch of a pad, 0 at +y and 1 at −y, on a seated object; `None` where none bears.
+    pub fn of(between: &Between, seat: &Seat, pad: usize) -> Option<Self> {
+        let pressure = &seat.pressures[pad];
         let total: f64 = pressure.iter().sum();
         if total <= 0.0 {
             return None;
@@ -42,19 +46,49 @@ impl Patch {
         let arm_m =
             points.iter().map(|([x, z], load)| load * x.hypot(*z).hypot(point_arm_m)).sum::<f64>() / total;
         let greatest = pressure.iter().copied().fold(0.0, f64::max);
-        let extent = |of: fn(&crate::load::between::Cell) -> f64| {
+        let extent = |of: fn(&Cell) -> f64| {
             let most = bearing().filter(|(_, load)| **load > BEARS * greatest).map(|(cell, _)| of(cell));
             let (low, high) = most.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
                 (low.min(value), high.max(value))
             });
             0.5 * (high - low)
         };
+        let squeezed = bearing().fold([0.0; 2], |sum, (cell, load)| {
+            [0, 1].map(|axis| sum[axis] + load * squeeze(between, seat, pad, cell, axis))
+        });
         Some(Self {
             center_m,
             arm_m,
             half_m: [extent(|cell| cell.x), extent(|cell| cell.z)],
             points,
             point_arm_m,
+            squeeze: squeezed.map(|force| force / total),
         })
     }
 }
+
+/// Rise of a seated object towards a pad along an axis (0: x, 1: z) at a cell, if it goes on rising to the border of the pad:
+/// there the pad presses on a slope. A rise that ends under the pad ends at a summit, on which the pad lies flat.
+fn squeeze(between: &Between, seat: &Seat, pad: usize, cell: &Cell, axis: usize) -> f64 {
+    let side = [1.0, -1.0][pad];
+    let height = |cell: &Cell| {
+        let turned = seat.turn_rad[0] * cell.x + seat.turn_rad[1] * cell.z;
+        side * ([cell.upper, cell.lower][pad] + turned)
+    };
+    let rise = cell.rise[pad][axis] + side * seat.turn_rad[axis];
+    let mut at = cell.at;
+    let mut highest = height(cell);
+    loop {
+        let next = at[axis].checked_add_signed(if rise > 0.0 { 1 } else { -1 });
+        let Some(next) = next.filter(|next| *next < CELLS[axis]) else { return rise };
+        at[axis] = next;
+        let above = between.grid[at[0]][at[1]].map(|index| height(&between.cells[index]));
+        match above.filter(|above| *above >= highest - LEVEL_M) {
+            Some(above) => highest = above,
+            None => return 0.0,
+        }
+    }
+}
+
+/// Surfaces that differ by less are level, in metres.
+const LEVEL_M: f64 = 1e-6;

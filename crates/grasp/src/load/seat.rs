@@ -60,11 +60,11 @@ impl Seat {
         };
         let energy = |v: &Vector4<f64>| {
             let springs: f64 = (0..cells.len()).map(|cell| depths(v, cell)).map(|[a, b]| a * a + b * b).sum();
-            let turning = |turn: f64| turn.hypot(SETTING_IN_RAD) - SETTING_IN_RAD;
+            let turning = v[2].hypot(v[3]).hypot(SETTING_IN_RAD) - SETTING_IN_RAD;
             0.5 * stiffness * springs
                 + 2.0 * force_n * v[0]
                 + 0.5 * TRACE * (v[2] * v[2] + v[3] * v[3])
-                + resist * (turning(v[2]) + turning(v[3]))
+                + resist * turning
         };
         let mut v = Vector4::new(0.5 * (high - low) - 1e-4, -0.5 * (high + low), 0.0, 0.0);
         let mut value = energy(&v);
@@ -81,11 +81,11 @@ impl Seat {
                     }
                 }
             }
-            for axis in 2..4 {
-                let steep = v[axis].hypot(SETTING_IN_RAD);
-                slope[axis] += resist * v[axis] / steep;
-                curve[(axis, axis)] += resist * SETTING_IN_RAD.powi(2) / steep.powi(3);
-            }
+            let turn = Vector4::new(0.0, 0.0, v[2], v[3]);
+            let steep = turn.norm().hypot(SETTING_IN_RAD);
+            slope += turn * (resist / steep);
+            let level = Matrix4::from_diagonal(&Vector4::new(0.0, 0.0, 1.0, 1.0)) / steep;
+            curve += (level - turn * turn.transpose() / steep.powi(3)) * resist;
             let Some(mut step) = curve.cholesky().map(|curve| -curve.solve(&slope)) else { break };
             for (axis, most) in [3e-3, 3e-3, 0.1, 0.1].into_iter().enumerate() {
                 step[axis] = step[axis].clamp(-most, most);

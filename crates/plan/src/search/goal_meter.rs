@@ -88,9 +88,7 @@ mod tests {
             let translation = Vector::new(random.uniform(), random.uniform(), random.uniform());
             Pose::from_parts(translation.into(), random.rotation())
         };
-        let grasps: Vec<Grasp> = (0..50)
-            .map(|_| Grasp { world_from_gripper: pose(), score: None, width_m: None, robust: None })
-            .collect();
+        let grasps: Vec<Grasp> = (0..50).map(|_| Grasp::at(pose())).collect();
         let set = GraspSet::new(grasps).unwrap();
         let mut meter = GoalMeter::new(&set);
         let grippers: Vec<Pose> = (0..500).map(|_| pose()).collect();

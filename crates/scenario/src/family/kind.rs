@@ -56,6 +56,8 @@ pub(crate) struct Resting {
     shape: RecipeShape,
     /// What a scenario has to say of it, because its shape does not.
     pub given_physics: TargetPhysics,
+    /// Its mass and friction, whatever states them.
+    pub physics: TargetPhysics,
     /// Its turn at rest, as in the paper.
     pub ground_from_object: Rotation,
     /// The origin of its frame above the ground, in metres.
@@ -299,9 +301,10 @@ impl Family {
         } else {
             (mesh, shape, given_physics)
         };
+        let physics = given_physics.or(physics);
         let (middle, half) = bounds(&mesh, &ground_from_object);
         let lift_m = half.z - middle.z;
-        Ok(Resting { mesh, name, shape, given_physics, ground_from_object, lift_m, middle })
+        Ok(Resting { mesh, name, shape, given_physics, physics, ground_from_object, lift_m, middle })
     }
 }
 

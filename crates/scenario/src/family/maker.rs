@@ -7,7 +7,7 @@ use cranny_grasp::{
 use cranny_robot::RobotError;
 use cranny_shape::{Solid, Surface};
 use cranny_spatial::{Pose, Stream, Vector};
-use cranny_task::{APPROACH_M, HandFilter, Pick, PlaceGoal, PlaceSpot, Stage, robot_hand};
+use cranny_task::{APPROACH_M, Firmness, HandFilter, Pick, PlaceGoal, PlaceSpot, Stage, Weight, robot_hand};
 
 use crate::family::kind::Resting;
 use crate::named_task::STEPS;
@@ -97,6 +97,7 @@ impl FamilyMaker {
         };
         let found = sample_grasps(&Surface::new(mesh)?, &settings, &accept, &mut go_on)?;
         let candidates: Vec<Grasp> = found.grasps.iter().map(|sampled| sampled.grasp).collect();
+        let candidates = with_loads(&resting, &hand, candidates)?;
         let few = covering_subset(&candidates, GRASPS, COVERAGE_THRESHOLD);
         let few = few.into_iter().map(|index| candidates[index]).collect();
         Ok(Self { family, robot, scale, resting, hand, candidates, few })
@@ -264,4 +265,19 @@ impl FamilyMaker {
             ik: Vec::new(),
         })
     }
+}
+
+/// Grasps of a resting object, poses in its frame, with the load of each, where it can be computed.
+fn with_loads(resting: &Resting, hand: &Hand, grasps: Vec<Grasp>) -> Result<Vec<Grasp>, ScenarioError> {
+    let placement = Placement { x_m: 0.0, y_m: 0.0, yaw_rad: 0.0 };
+    let world = World::new(vec![resting.body(&placement, 0.0).body(&Pose::identity())?])?;
+    let physics = resting.physics;
+    let weight = Weight { mass_kg: physics.mass_kg, moments: None };
+    let Some(firmness) = Firmness::by_hand(&world, 0, hand, (physics.friction, weight)) else {
+        return Ok(grasps);
+    };
+    let scene_from_object = resting.scene_from_object(&placement, 0.0);
+    let loads = GraspSet::new(grasps.clone())?.moved(&scene_from_object).with_loads(firmness.measure());
+    let loads = loads.grasps().iter().map(|grasp| grasp.load);
+    Ok(grasps.into_iter().zip(loads).map(|(grasp, load)| Grasp { load, ..grasp }).collect())
 }

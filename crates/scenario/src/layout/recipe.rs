@@ -140,11 +140,13 @@ impl Recipe {
         .with_checked_start(id)
     }
 
-    /// The same for another robot, which starts where its own files say, if they do.
+    /// The same for another robot, which starts where its own files state, if they do; the loads of grasps were those of the
+    /// hand before.
     fn for_robot(&self, robot: RecipeRobot) -> Self {
         let moved = robot.planning_from_scene() * self.robot.scene_from_root;
         let start = robot.robot.default_start().map_or_else(|| self.start.clone(), <[f64]>::to_vec);
-        Self { grasps: self.grasps.moved(&moved), ik: Vec::new(), start, robot, ..self.clone() }
+        let grasps = self.grasps.moved(&moved).without_loads();
+        Self { grasps, ik: Vec::new(), start, robot, ..self.clone() }
     }
 
     /// How the target weighs and slides: as the recipe says, else as its object does.

@@ -49,7 +49,7 @@ pub(crate) fn read(path: &Path) -> Result<GraspSet, ScenarioError> {
         let rows: [f64; 16] = std::array::from_fn(|entry| rows[entry]);
         let scene_from_array = pose_of_rows(&rows).map_err(|reason| in_file(index, &reason))?;
         let world_from_gripper = planning_from_scene() * scene_from_array * swap_axes();
-        grasps.push(Grasp { world_from_gripper, score: None, width_m: None, robust: None });
+        grasps.push(Grasp::at(world_from_gripper));
     }
     Ok(GraspSet::new(grasps)?)
 }

@@ -3,7 +3,7 @@ use std::path::Path;
 use cranny_grasp::{ASSUMED_FRICTION, HeldObject};
 use cranny_shape::{
     ConvexParts, DecompositionSettings, RepairedMesh, Roundness, ShapeError, Solid, StablePose, Surface,
-    TriangleSoup, UnionMoments, distinct_poses, stable_poses,
+    TriangleSoup, UnionMoments, VolumeMoments, distinct_poses, stable_poses,
 };
 use cranny_spatial::nalgebra::Matrix3;
 use cranny_spatial::{Point, Pose};
@@ -148,6 +148,15 @@ impl ObjectType {
             inertia_kg_m2: self.inertia_kg_m2,
             friction: self.friction,
         })
+    }
+
+    /// Its moments in its own frame, as its file states them.
+    pub fn mass_moments(&self) -> VolumeMoments {
+        VolumeMoments {
+            volume_m3: self.volume_m3,
+            center: self.center_of_mass,
+            inertia_per_mass_m2: self.inertia_kg_m2 / self.mass_kg,
+        }
     }
 
     /// The volume of its mesh, as a body of a world.

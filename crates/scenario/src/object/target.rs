@@ -3,6 +3,7 @@
 use cranny_collision::{Body, Part};
 use cranny_shape::{ConvexParts, DecompositionSettings, Outline, TriangleSoup};
 use cranny_spatial::{Pose, Vector};
+use cranny_task::{Firmness, Weight, robot_hand};
 
 use crate::object::physics::TargetPhysics;
 use crate::{
@@ -34,6 +35,22 @@ impl Scenario {
     pub fn target_physics(&self) -> TargetPhysics {
         let of_object = self.placed_object().map(|(source, _)| source.physics());
         self.given_physics.or(of_object.unwrap_or_default())
+    }
+
+    /// The firmness of grasps of the target by the robot's hand, by the mass and friction of [`Self::target_physics`]; `None`
+    /// where it cannot be computed ([`Firmness`]).
+    pub fn firmness(&self) -> Option<Firmness> {
+        self.robot.hand()?;
+        let (friction, weight) = (self.target_physics().friction, self.target_weight()?);
+        Firmness::by_hand(&self.world, self.target?, &robot_hand(&self.robot), (friction, weight))
+    }
+
+    /// Mass of the target, and how it is spread where an object's file states it; `None` without a target.
+    pub fn target_weight(&self) -> Option<Weight> {
+        self.target?;
+        let own = self.placed_object().and_then(|(source, _)| source.own());
+        let moments = own.map(ObjectType::mass_moments);
+        Some(Weight { mass_kg: self.target_physics().mass_kg, moments })
     }
 
     /// The target as an object that can be weighed and dropped; None where there is no target. Mass and friction

@@ -1,5 +1,5 @@
 use cranny_spatial::nalgebra::Matrix3;
-use cranny_spatial::{Point, Vector};
+use cranny_spatial::{Point, Pose, Vector};
 
 use crate::inside::closed_mesh::{check_closed, check_indices};
 use crate::{ShapeError, TriangleSoup};
@@ -17,6 +17,17 @@ pub struct VolumeMoments {
 }
 
 impl VolumeMoments {
+    /// The same moments in another frame.
+    #[must_use]
+    pub fn moved(&self, other_from_own: &Pose) -> Self {
+        let turn = other_from_own.rotation.to_rotation_matrix();
+        Self {
+            center: other_from_own * self.center,
+            inertia_per_mass_m2: turn.matrix() * self.inertia_per_mass_m2 * turn.matrix().transpose(),
+            ..*self
+        }
+    }
+
     /// The moments of the volume that `soup` encloses: sums over the tetrahedra between each triangle and one point,
     /// signed (Blow & Binstock 2004, "How to find the inertia tensor (or other mass properties) of a 3D solid body
     /// represented by a triangle mesh", whole).

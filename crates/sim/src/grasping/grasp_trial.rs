@@ -198,7 +198,8 @@ impl<'a> GraspTrial<'a> {
         };
         self.gripper.drive(&mut self.world, driven_m);
         self.rolling.resist(&mut self.world, self.object);
-        engine::step(&mut self.world);
+        let are_faces = self.gripper.bears_on_faces(&self.world, self.object);
+        engine::step(&mut self.world, are_faces);
         self.steps += 1;
         self.record();
     }

@@ -1,26 +1,35 @@
 use std::fmt;
 use std::sync::OnceLock;
 
-use cranny_collision::{Body, Cell};
-use cranny_grasp::{ASSUMED_DENSITY, ASSUMED_FRICTION, GripForces, HeldObject, LoadMeasure, Pads};
+use cranny_collision::{Body, Cell, World};
+use cranny_grasp::{ASSUMED_FRICTION, GripForces, Hand, HeldObject, LoadMeasure, Pads};
 use cranny_robot::Robot;
-use cranny_shape::{Outline, Surface, TriangleSoup, UnionMoments, VolumeMoments};
+use cranny_shape::{Outline, TriangleSoup, UnionMoments, VolumeMoments};
 use cranny_spatial::Pose;
 
 use crate::{FailureReason, robot_hand};
 
-/// Masses of the bodies of a world, and the pads that hold them: what is known of loads beside shapes and friction.
+/// Mass of a body, and how it is spread, as far as that is stated.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Weight {
+    /// In kilograms.
+    pub mass_kg: Option<f64>,
+    /// Centre of mass and inertia, in the frame of the first solid of the body; `None`: of even density.
+    pub moments: Option<VolumeMoments>,
+}
+
+/// Weights of the bodies of a world, and the pads that hold them: what is known of loads beside shapes and friction.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Weights {
-    /// In kilograms, by index of the body; `None`, and beyond the end: not stated.
-    pub masses_kg: Vec<Option<f64>>,
+    /// By index of the body; beyond the end none is stated.
+    of_bodies: Vec<Weight>,
     /// Pads and closing force (N) of the robot's hand, once they are asked for.
     pads: OnceLock<Option<(Pads, f64)>>,
 }
 
 impl Weights {
-    pub fn new(masses_kg: &[Option<f64>]) -> Self {
-        Self { masses_kg: masses_kg.to_vec(), pads: OnceLock::new() }
+    pub fn new(of_bodies: &[Weight]) -> Self {
+        Self { of_bodies: of_bodies.to_vec(), pads: OnceLock::new() }
     }
 
     fn pads(&self, robot: &Robot) -> Option<(Pads, f64)> {
@@ -36,7 +45,7 @@ impl Weights {
 #[derive(Clone)]
 pub struct Firmness {
     measure: LoadMeasure,
-    /// True if the mass is not stated, and was assumed from the volume ([`ASSUMED_DENSITY`]).
+    /// True if the mass is not stated, and was assumed from the volume ([`ASSUMED_DENSITY`](cranny_grasp::ASSUMED_DENSITY)).
     pub is_mass_assumed: bool,
 }
 
@@ -53,20 +62,43 @@ impl Firmness {
     /// Of a body of the world of a cell, with a friction that may not be known ([`ASSUMED_FRICTION`]). `None` for a hand
     /// without two flat pads, or a body that encloses no volume.
     pub(crate) fn new(cell: &Cell, body: usize, friction: Option<f64>, weights: &Weights) -> Option<Self> {
-        let (pads, force_n) = weights.pads(cell.robot())?;
-        let world = cell.world();
-        let (soup, moments) = moments_of(&world.bodies()[body])?;
-        let stated_kg = weights.masses_kg.get(body).copied().flatten();
-        let mass_kg = stated_kg.unwrap_or(ASSUMED_DENSITY * moments.volume_m3);
-        let object = HeldObject {
-            surface: Surface::new(&soup).ok()?,
-            mass_kg,
-            center: moments.center,
-            inertia_kg_m2: moments.inertia_per_mass_m2 * mass_kg,
-            friction: friction.unwrap_or(ASSUMED_FRICTION),
+        let weight = weights.of_bodies.get(body).copied().unwrap_or_default();
+        Self::in_world(cell.world(), body, weights.pads(cell.robot())?, (friction, weight))
+    }
+
+    /// The firmness of grasps of a body of a world by a hand, with the friction ([`ASSUMED_FRICTION`] if it is not stated) and
+    /// the weight (if no mass is stated, that of [`ASSUMED_DENSITY`](cranny_grasp::ASSUMED_DENSITY)) of the body. `None` for a hand without two flat pads,
+    /// or a body that encloses no volume.
+    pub fn by_hand(
+        world: &World,
+        body: usize,
+        hand: &Hand,
+        (friction, weight): (Option<f64>, Weight),
+    ) -> Option<Self> {
+        Self::in_world(world, body, (Pads::of(hand)?, hand.closing_force_n), (friction, weight))
+    }
+
+    fn in_world(
+        world: &World,
+        body: usize,
+        (pads, force_n): (Pads, f64),
+        (friction, weight): (Option<f64>, Weight),
+    ) -> Option<Self> {
+        let body = &world.bodies()[body];
+        let soup = soup_in_world(body)?;
+        let moments = match weight.moments {
+            Some(stated) => stated.moved(&body.parts.first()?.world_from_solid),
+            None => even_moments(body, &soup)?,
         };
+        let friction = friction.unwrap_or(ASSUMED_FRICTION);
+        let object = HeldObject::new(&soup, &moments, weight.mass_kg, friction).ok()?;
         let measure = LoadMeasure::new(object, pads, force_n, world.up(), Vec::new());
-        Some(Self { measure, is_mass_assumed: stated_kg.is_none() })
+        Some(Self { measure, is_mass_assumed: weight.mass_kg.is_none() })
+    }
+
+    /// The measure of the loads of grasps, whose poses are in the planning frame.
+    pub fn measure(&self) -> &LoadMeasure {
+        &self.measure
     }
 
     /// The forces of a grasp with the tip at a pose; `None` if no pad bears.
@@ -93,14 +125,11 @@ pub(crate) fn soup_in_world(body: &Body) -> Option<TriangleSoup> {
     Some(soup)
 }
 
-/// The triangles of a body in the planning frame, and the moments of its volume; `None` for one without an end.
-fn moments_of(body: &Body) -> Option<(TriangleSoup, VolumeMoments)> {
-    let soup = soup_in_world(body)?;
+/// The moments of the volume of a body of these triangles; `None` where it encloses none.
+fn even_moments(body: &Body, soup: &TriangleSoup) -> Option<VolumeMoments> {
     let is_simple = body.parts.len() == 1 && !matches!(body.parts[0].solid.outline(), Outline::Other);
-    let moments = if is_simple {
-        VolumeMoments::of_mesh(&soup).ok()?
-    } else {
-        UnionMoments::of_mesh(&soup).ok()?.moments
-    };
-    Some((soup, moments))
+    if is_simple {
+        return VolumeMoments::of_mesh(soup).ok();
+    }
+    Some(UnionMoments::of_mesh(soup).ok()?.moments)
 }

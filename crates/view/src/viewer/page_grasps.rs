@@ -11,6 +11,7 @@ pub(crate) struct PageGrasp {
     world_from_gripper: [f64; 7],
     score: Option<f64>,
     width_m: Option<f64>,
+    load: Option<f64>,
     ik: &'static str,
 }
 
@@ -34,6 +35,7 @@ pub(crate) fn all(grasps: &GraspSet, statuses: &[IkStatus], plans: &[PagePlan]) 
         world_from_gripper: number_row::pose(&grasp.world_from_gripper),
         score: grasp.score,
         width_m: grasp.width_m,
+        load: grasp.load,
         ik,
     };
     grasps.map(page_grasp).collect()

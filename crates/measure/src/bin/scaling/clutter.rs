@@ -50,7 +50,7 @@ impl Clutter {
             if cell.is_free(&q, &mut scratch) {
                 let frames = clutter.robot.frames_at(&q);
                 let world_from_gripper = *frames.link(clutter.robot.tip());
-                clutter.grasps.push(Grasp { world_from_gripper, score: None, width_m: None, robust: None });
+                clutter.grasps.push(Grasp::at(world_from_gripper));
                 kept_free.push(frames);
             }
         }
