@@ -372,7 +372,7 @@ impl LeastScore {
     /// The grasps of a set that have at least this score; without a kind the geometric one.
     pub fn among(&self, set: &GraspSet) -> GraspSet {
         let kind = self.kind.unwrap_or(ScoreKind::Geometric);
-        let is_enough = |index: &usize| kind.of(&set.grasps()[*index]).is_some_and(|s| s >= self.least);
+        let is_enough = |index: &usize| set.grasps()[*index].score_of(kind).is_some_and(|s| s >= self.least);
         set.chosen(&(0..set.len()).filter(is_enough).collect::<Vec<usize>>())
     }
 }

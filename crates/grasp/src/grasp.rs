@@ -37,6 +37,15 @@ impl Grasp {
         twin
     }
 
+    /// The score of a kind: in [0, 1], but a load is any number from 0.
+    pub fn score_of(&self, kind: ScoreKind) -> Option<f64> {
+        match kind {
+            ScoreKind::Geometric => self.score,
+            ScoreKind::Physics => self.robust.map(|robust| robust.score()),
+            ScoreKind::Load => self.load,
+        }
+    }
+
     /// The grasp, if it is one; errors call it by its `place` in its set.
     pub(crate) fn checked(self, place: usize) -> Result<Self, GraspError> {
         let pose = &self.world_from_gripper;
@@ -122,10 +131,10 @@ impl GraspSet {
     /// λ / (1 + λ).
     #[must_use]
     pub fn scored_by(&self, kind: ScoreKind) -> Self {
-        let scored = |grasp: &Grasp| match kind {
-            ScoreKind::Geometric => *grasp,
-            ScoreKind::Physics => Grasp { score: grasp.robust.map(|robust| robust.score()), ..*grasp },
-            ScoreKind::Load => Grasp { score: grasp.load.map(|load| load / (1.0 + load)), ..*grasp },
+        let scored = |grasp: &Grasp| {
+            let score = grasp.score_of(kind);
+            let score = if kind == ScoreKind::Load { score.map(|load| load / (1.0 + load)) } else { score };
+            Grasp { score, ..*grasp }
         };
         Self { grasps: self.grasps.iter().map(scored).collect() }
     }

@@ -1,4 +1,3 @@
-use crate::Grasp;
 use serde::{Deserialize, Serialize};
 use strum::{EnumString, IntoStaticStr};
 
@@ -20,14 +19,5 @@ impl ScoreKind {
     /// What files and flags call it.
     pub fn name(self) -> &'static str {
         self.into()
-    }
-
-    /// The score of this kind of a grasp: in [0, 1], but a load is any number from 0.
-    pub fn of(self, grasp: &Grasp) -> Option<f64> {
-        match self {
-            Self::Geometric => grasp.score,
-            Self::Physics => grasp.robust.map(|robust| robust.score()),
-            Self::Load => grasp.load,
-        }
     }
 }

@@ -190,7 +190,7 @@ impl PlanFile {
             |demanded: f64| hold.map_or(demanded, |hold| demanded.min(hold.factor.unwrap_or(hold.at_rest)));
         let hold_demanded = self.hold_demanded.map(met);
         let measured = self.measured(task, (along, problem), &audit, settings)?;
-        let measured = Self { robustness, hold, hold_demanded, ..measured };
+        let measured = Self { robustness, hold_demanded, hold, ..measured };
         let (stated, found) = (figures(self), figures(&measured));
         let is_stated = |key: &&str| is_stated(&stated[*key]);
         let mut judgement = self.judgement(task, audit, measured);

@@ -192,11 +192,11 @@ impl Request {
             Some(grasps) if problem.grasp_measure().is_none() => grasps.grasps(),
             _ => return Err(refuse("there is no set of grasps whose scores could be compared".to_owned())),
         };
-        let is_goal = |grasp: &Grasp| kind.of(grasp).is_some_and(|score| score >= least);
+        let is_goal = |grasp: &Grasp| grasp.score_of(kind).is_some_and(|score| score >= least);
         let (numbers, chosen): (Vec<usize>, Vec<Grasp>) =
             grasps.iter().copied().enumerate().filter(|(_, grasp)| is_goal(grasp)).unzip();
         if chosen.is_empty() {
-            let best = grasps.iter().filter_map(|grasp| kind.of(grasp)).reduce(f64::max);
+            let best = grasps.iter().filter_map(|grasp| grasp.score_of(kind)).reduce(f64::max);
             let best = best.map_or("none has a score".to_owned(), |best| format!("the best score is {best}"));
             return Err(refuse(format!("no grasp has a {} score of {least} or more; {best}", kind.name())));
         }
@@ -229,7 +229,7 @@ impl Request {
         let grasps = problem
             .grasps()
             .ok_or_else(|| refuse("the goal is a configuration, which has no score".to_owned()))?;
-        let blank = || grasps.grasps().iter().position(|grasp| kind.of(grasp).is_none());
+        let blank = || grasps.grasps().iter().position(|grasp| grasp.score_of(kind).is_none());
         let computed = match (kind, blank()) {
             (ScoreKind::Load, Some(_)) => Some(problem.loaded_grasps().ok_or_else(|| {
                 let lacking = "the load of a grasp needs two flat pads that close on each other, and a target that \

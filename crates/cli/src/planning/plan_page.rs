@@ -202,7 +202,7 @@ fn about_path(answered: &Answered, grasps: &GraspSet, line: &mut dyn FnMut(&str,
             ScoreKind::Physics => "robust score",
             ScoreKind::Load => "load",
         };
-        let score = plan.score.of(ends_at);
+        let score = ends_at.score_of(plan.score);
         let left_out = match (plan.min_score, plan.below_min_score) {
             (Some(least), Some(below)) => format!("; {below} below {least} are no goals"),
             _ => String::new(),

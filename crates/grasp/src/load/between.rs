@@ -60,8 +60,8 @@ impl Between {
             let n = gripper_from_object * normal;
             [-n.x, -n.z].map(|across| (across / n.y.abs().max(LEAST_FACING)).clamp(-STEEPEST, STEEPEST))
         };
-        for i in 0..CELLS[0] {
-            for k in 0..CELLS[1] {
+        for (i, column) in grid.iter_mut().enumerate() {
+            for (k, place) in column.iter_mut().enumerate() {
                 let (x, z) = (at(0, i), at(1, k));
                 let origin = object_from_gripper * Point::new(x, -out_m, z);
                 let hits = surface.ray_hits(&origin, &along, 2.0 * out_m);
@@ -69,7 +69,7 @@ impl Between {
                 let Some((first, last)) = hits.first().zip(hits.last()) else { continue };
                 let inside_from = if first.normal.dot(&along) > 0.0 { 0.0 } else { first.distance_m };
                 let inside_to = if last.normal.dot(&along) < 0.0 { 2.0 * out_m } else { last.distance_m };
-                grid[i][k] = Some(cells.len());
+                *place = Some(cells.len());
                 let (lower, upper) = (inside_from - out_m, inside_to - out_m);
                 let rise = [rise(&last.normal), rise(&first.normal)];
                 cells.push(Cell { x, z, lower, upper, at: [i, k], rise });
