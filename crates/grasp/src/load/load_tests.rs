@@ -54,7 +54,7 @@ fn a_wedge_slips_out_where_its_slope_exceeds_friction() {
             triangles.extend([[side, side + 6, next], [next, side + 6, next + 6]]);
         }
         let object = HeldObject {
-            surface: Surface::new(&TriangleSoup { vertices, triangles, ..TriangleSoup::default() }).unwrap(),
+            surface: Surface::new(&TriangleSoup { vertices, triangles }).unwrap(),
             mass_kg: 0.1,
             center: Point::origin(),
             inertia_kg_m2: Matrix3::identity() * 1e-4,
@@ -65,7 +65,7 @@ fn a_wedge_slips_out_where_its_slope_exceeds_friction() {
     let rise = 2.0 * slope * 0.06;
     let wedge = |friction: f64| load([0.04 - rise, 0.04, 0.04 + rise], friction);
     let taken = 0.7 * slope;
-    assert_eq!(wedge(0.99 * taken), 0.0);
+    assert!(wedge(0.99 * taken) < 1e-9);
     let (more, less) = (wedge(taken + 0.2), wedge(taken + 0.1));
     assert!((more / less - 2.0).abs() < 1e-6, "{more} with twice the friction that is left, {less}");
     assert!(load([0.04 - rise, 0.04, 0.04 - rise], 0.2) > 1.0);
