@@ -141,7 +141,10 @@ pub fn plan(
 ) -> PyResult<PyPlan> {
     let py = scenario.py();
     let robust = robust.map(radius_of).transpose()?;
-    let goes_on = carry.is_some() || place.is_some() || task.is_some();
+    let is_exact = scenario
+        .cast::<PyScenario>()
+        .is_ok_and(|scenario| scenario.get().scenario.criterion == cranny_task::Criterion::Exact);
+    let goes_on = is_exact && (carry.is_some() || place.is_some() || task.is_some());
     let grasp_margin_m =
         grasp_margin_m.unwrap_or_else(|| cranny_record::default_grasp_margin_m(goes_on, robust));
     let margins = Margins { margin_m, grasp_margin_m, ..Margins::default() };

@@ -60,7 +60,7 @@ def test_physics_counts_where_a_plan_is_asked_so() -> None:
     )
     plan = cranny.plan(scenario.with_grasps(robust), "ik-rrt", iterations=3000, score="physics")
     assert (plan.grasp, plan.report["score"]) == (139, "physics")
-    with pytest.raises(ValueError, match="'geometric' or 'physics'"):
+    with pytest.raises(ValueError, match="'geometric', 'physics' or 'load'"):
         cranny.plan(scenario, score="best")
 
 

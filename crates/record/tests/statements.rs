@@ -121,7 +121,8 @@ fn what_is_left_out_makes_no_other_statement_true() {
         let found = judge(&other);
         assert_eq!((keys(&found), &*found.differs[0].key), (vec!["clearance_m".to_owned()], key));
     }
-    let mut other = changed(&plan, "/grasp", json!(0));
+    let another = (plan["grasp"].as_u64().unwrap() + 1) % 200;
+    let mut other = changed(&plan, "/grasp", json!(another));
     assert_eq!(keys(&judge(&other)), ["grasp"]);
     other["grasps"] = json!("gone.csv");
     assert!(judge(&other).audit.valid);

@@ -123,6 +123,17 @@ impl FirmGrip {
         slowed.map(|state| self.forces.factor(&state)).fold(f64::INFINITY, f64::min)
     }
 
+    /// The least factor along segments in their time; `None` for a robot without the limits for one.
+    fn factor_of(
+        &self,
+        problem: &Problem,
+        leg: &[Segment],
+        timing: Timing,
+    ) -> Result<Option<f64>, PlanError> {
+        let Some(timed) = TaskTrajectory::of(timing, problem.robot(), None, leg)? else { return Ok(None) };
+        Ok(Some(self.factor(&self.states(problem.robot(), timed.reach())?, 1.0)))
+    }
+
     /// The greatest share of the speed at which loads may grow by a factor; `None` if they may at no speed.
     fn fastest(&self, states: &[LoadState], demanded: f64) -> Option<f64> {
         if self.factor(states, 1.0) >= demanded {
@@ -159,11 +170,22 @@ pub(crate) fn hold_firmly(
             return Ok(Err(FailureReason::Slips));
         }
         let Some(leg) = timing.along(problem.robot(), None, &path)? else { continue };
-        let Some(share) = grip.fastest(&grip.states(problem.robot(), &leg)?, demanded) else {
+        let Some(mut share) = grip.fastest(&grip.states(problem.robot(), &leg)?, demanded) else {
             return Ok(Err(FailureReason::Slips));
         };
-        for segment in &mut segments[range.clone()] {
-            segment.speed = (share < 1.0).then_some(share);
+        // Samples of the slower motion may lie nearer to where its load is greatest.
+        loop {
+            for segment in &mut segments[range.clone()] {
+                segment.speed = (share < 1.0).then_some(share);
+            }
+            let found = grip.factor_of(problem, &segments[range.clone()], timing)?;
+            if found.is_none_or(|factor| factor >= demanded) {
+                break;
+            }
+            share -= SPEED_STEP;
+            if share <= 0.0 {
+                return Ok(Err(FailureReason::Slips));
+            }
         }
     }
     measured(problem, &grips, segments, timing).map(Ok)
@@ -212,11 +234,7 @@ fn measured(
     let mut hold: Option<Hold> = None;
     for (range, grip) in grips {
         let leg = &segments[range.clone()];
-        let timed = TaskTrajectory::of(timing, problem.robot(), None, leg)?;
-        let factor = match &timed {
-            Some(timed) => Some(grip.factor(&grip.states(problem.robot(), timed.reach())?, 1.0)),
-            None => None,
-        };
+        let factor = grip.factor_of(problem, leg, timing)?;
         let at_rest = grip.at_rest(problem.robot(), &joined(leg));
         let of_leg = Hold { factor, at_rest, mass_assumed: grip.is_mass_assumed };
         hold = Some(hold.map_or(of_leg, |hold| Hold {

@@ -13,7 +13,7 @@ use cranny_scenario::STEPS;
 use cranny_sim::{Tried, solve_in_physics};
 use cranny_solve::solve;
 
-use crate::arguments::{CriterionArgument, Output, PlanArguments};
+use crate::arguments::{Output, PlanArguments};
 use crate::failure::Failure;
 use crate::file_kind::FileKind;
 use crate::planning::ik;
@@ -27,11 +27,7 @@ pub fn run(arguments: &PlanArguments, registry: &Registry, output: Output) -> Re
     let begin = Instant::now();
     let PlanArguments { carry, place, steps, named_task, robust, .. } = arguments;
     let goes_on = carry.is_some() || place.is_some() || *steps || named_task.is_some();
-    let grasp_margin_m = match arguments.task.criterion {
-        Some(CriterionArgument::Paper) => 0.0,
-        _ => default_grasp_margin_m(goes_on, *robust),
-    };
-    let margins = Margins { grasp_margin_m, ..Margins::default() };
+    let margins = Margins { grasp_margin_m: default_grasp_margin_m(goes_on, *robust), ..Margins::default() };
     let demand = Demand { robust: *robust, margins, ..Demand::default() };
     let PlanTask { source, grasps, problem, deviations, scenario } =
         PlanTask::open(&arguments.task, &arguments.moveit, demand, output)?;

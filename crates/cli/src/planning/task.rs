@@ -54,6 +54,8 @@ impl Task {
             grasps: arguments.grasps.clone().unwrap_or(grasps),
         };
         let scenario = open_scenario(&arguments.id, &options, output)?;
+        // Nothing checks a margin under `paper`.
+        let margins = if scenario.criterion == Criterion::Exact { margins } else { Margins::default() };
         let margins = cranny_record::margins_forgiving(&scenario, arguments.margins.or(margins), robust)
             .map_err(|_| {
                 let problem = "there is no target that could be elsewhere".to_owned();
