@@ -73,7 +73,7 @@ pub fn seconds(what: &str, value: f64) -> PyResult<Duration> {
 /// `planner`: one of `planner_names()`; None: the best for the criterion. `settings`: what differs from its
 /// defaults. The same `seed` and `iterations` give the same way points on every machine; `time_limit_s` (s) may
 /// only cut the search short. `score`: score of the grasps that counts, "geometric", "physics" (the robust one,
-/// which every grasp must then have) or "load" (computed where it is not stated; None: the load under "exact" where each grasp
+/// which every grasp must then have) or "load" (computed; None: the stated load under "exact" where each grasp
 /// has one and `min_score` is None, else geometric); `min_score`: the least score, or load, of a grasp that is a goal (None:
 /// all are).
 /// `margin_m`, `grasp_margin_m`: clearances (m) that every proof must show (None: 1 mm where the plan goes on from the grasp,

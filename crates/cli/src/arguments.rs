@@ -107,6 +107,7 @@ const MOST_TRIES: u64 = 1000;
   cranny plan path/to/scenario --task tidy
   cranny plan 021 --grasps scored.csv --score physics    see `cranny simulate grasps --trials`
   cranny plan 021 --grasps scored.csv --score physics --min-score 0.8
+  cranny plan 031 --place outside --min-score load=3
   cranny plan 021 --grasps none
   cranny plan --moveit scene0001.yaml request0001.yaml
   cranny plan 021 --json --quiet", mut_arg("id", |id| id
@@ -330,7 +331,7 @@ pub enum ScoreArgument {
     Geometric,
     /// The robust score, which every grasp must then have: how often it is held in physics, everything a little wrong
     Physics,
-    /// The factor by which gravity may grow before a pad slips, computed where the file of grasps does not state it
+    /// The factor by which gravity may grow before a pad slips, computed anew whatever the file of grasps states
     Load,
 }
 

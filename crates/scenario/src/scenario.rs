@@ -143,11 +143,11 @@ impl Scenario {
         let physics: Vec<TargetPhysics> = bodies.map(of_body).collect();
         let frictions: Vec<Option<f64>> =
             physics.iter().map(|physics| physics.friction.or(Some(DEFAULT_FRICTION))).collect();
-        let of_target = |body| self.target_weight().filter(|_| self.target == Some(body));
-        let weights = physics.iter().enumerate().map(|(body, physics)| {
-            of_target(body).unwrap_or(Weight { mass_kg: physics.mass_kg, moments: None })
-        });
-        let weights: Vec<Weight> = weights.collect();
+        let stated = |physics: &TargetPhysics| Weight { mass_kg: physics.mass_kg, moments: None };
+        let mut weights: Vec<Weight> = physics.iter().map(stated).collect();
+        if let (Some(target), Some(weight)) = (self.target, self.target_weight()) {
+            weights[target] = weight;
+        }
         let problem = self.problem_with_grasp_set(margins)?.with_places(&self.places);
         let problem = problem.with_frictions(&frictions).with_weights(&weights);
         if self.has_grasp_set {

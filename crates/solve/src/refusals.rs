@@ -71,7 +71,7 @@ impl Refusals {
             own.firmness.grip(world_from_tip).is_some_and(|grip| grip.factor_in_any_attitude() >= least);
         (!is_steady).then(|| {
             self.unsteady.fetch_add(1, Ordering::Relaxed);
-            FailureReason::Slips
+            FailureReason::Unsteady
         })
     }
 

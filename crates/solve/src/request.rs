@@ -229,21 +229,21 @@ impl Request {
         let grasps = problem
             .grasps()
             .ok_or_else(|| refuse("the goal is a configuration, which has no score".to_owned()))?;
-        let blank = || grasps.grasps().iter().position(|grasp| grasp.score_of(kind).is_none());
-        let computed = match (kind, blank()) {
-            (ScoreKind::Load, Some(_)) => Some(problem.loaded_grasps().ok_or_else(|| {
+        // Stated loads serve for the order of preference alone; those that are asked for are computed.
+        if self.score == Some(ScoreKind::Load) {
+            let loaded = problem.loaded_grasps().ok_or_else(|| {
                 let lacking = "the load of a grasp needs two flat pads that close on each other, and a target that \
                                encloses a volume";
                 refuse(lacking.to_owned())
-            })?),
-            // Those without are no goals where a least score is demanded.
-            (_, Some(grasp)) if self.min_score.is_none() => {
-                return Err(refuse(GraspError::NoRobustScore { grasp }.to_string()));
-            }
-            _ => None,
-        };
-        let scored = computed.as_ref().unwrap_or(grasps).scored_by(kind);
-        Ok(problem.with_goal(Goal::Grasps(scored))?)
+            })?;
+            return Ok(problem.with_goal(Goal::Grasps(loaded.scored_by(kind)))?);
+        }
+        // Those without are no goals where a least score is demanded.
+        let blank = grasps.grasps().iter().position(|grasp| grasp.score_of(kind).is_none());
+        if let Some(grasp) = blank.filter(|_| self.min_score.is_none()) {
+            return Err(refuse(GraspError::NoRobustScore { grasp }.to_string()));
+        }
+        Ok(problem.with_goal(Goal::Grasps(grasps.scored_by(kind)))?)
     }
 
     /// A filter of the grasps of a stage that are left out; `None` where all are in.

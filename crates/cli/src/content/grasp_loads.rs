@@ -12,7 +12,7 @@ pub struct GraspLoads {
     mass_assumed: bool,
 }
 
-/// Of grasps with this load, 95 in 100 hold in physics.
+/// Load from which a grasp counts as firm: most of these hold in physics (`benchmarks/load.md`).
 const FIRM: f64 = 2.0;
 
 impl GraspLoads {

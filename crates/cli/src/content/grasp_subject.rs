@@ -103,7 +103,7 @@ pub struct Subject {
     pub mesh: TriangleSoup,
     friction: f64,
     mass_kg: Option<f64>,
-    /// How its mass is spread, where a file states it.
+    /// Moments of its mass, where a file states them.
     moments: Option<VolumeMoments>,
     place: Place,
     hand: Hand,

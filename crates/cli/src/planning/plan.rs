@@ -86,7 +86,10 @@ pub fn run(arguments: &PlanArguments, registry: &Registry, output: Output) -> Re
     if !solved && !output.quiet {
         ik::filled_hand(&problem)?;
     }
-    text::answer(&answered, || plan_page::page(&answered, &grasps), output)?;
+    // A load that is printed is computed, and not what a file states of it.
+    let computed =
+        || Some(&plan).filter(|plan| plan.score == ScoreKind::Load).and_then(|_| problem.loaded_grasps());
+    text::answer(&answered, || plan_page::page(&answered, &computed().unwrap_or(grasps)), output)?;
     Ok(if solved { Answer::Done } else { Answer::No })
 }
 

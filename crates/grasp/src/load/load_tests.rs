@@ -1,5 +1,5 @@
 use cranny_shape::{Surface, TriangleSoup};
-use cranny_spatial::nalgebra::Matrix3;
+use cranny_spatial::nalgebra::{Matrix3, Rotation3};
 use cranny_spatial::{Point, Pose, Vector};
 
 use crate::{Course, HeldObject, Load, LoadMeasure, LoadState, Pads};
@@ -69,6 +69,33 @@ fn a_wedge_slips_out_where_its_slope_exceeds_friction() {
     let (more, less) = (wedge(taken + 0.2), wedge(taken + 0.1));
     assert!((more / less - 2.0).abs() < 1e-6, "{more} with twice the friction that is left, {less}");
     assert!(load([0.04 - rise, 0.04, 0.04 - rise], 0.2) > 1.0);
+}
+
+/// A bar that is level at rest holds least where it stands on end or across; held at its middle, gravity has no lever.
+#[test]
+fn no_attitude_holds_less_than_the_worst() {
+    let half = Vector::new(0.15, 0.015, 0.015);
+    let object = HeldObject {
+        surface: Surface::new(&Surface::cuboid_soup(&half)).unwrap(),
+        mass_kg: 0.3,
+        center: Point::origin(),
+        inertia_kg_m2: Matrix3::from_diagonal(&Vector::new(4.5e-5, 2.3e-3, 2.3e-3)),
+        friction: 0.5,
+    };
+    let measure = LoadMeasure::new(object, FRANKA, 20.0, Vector::z(), Vec::new());
+    let worst = [0.0, 0.02, 0.04].map(|beside_m| {
+        let grip = measure.grip(&Pose::translation(beside_m, 0.0, 0.0)).unwrap();
+        let worst = grip.factor_in_any_attitude();
+        for turn in [Vector::zeros(), Vector::x(), Vector::y() * 2.0, Vector::new(1.0, -1.0, 0.5)] {
+            // The attitudes are no more than 28° from one of those that are tried.
+            let turn = Rotation3::new(turn);
+            let other = grip.factor(&LoadState { turn, ..LoadState::GRAVITY });
+            assert!(other > 0.85 * worst, "{beside_m} m, {turn}: {other} below {worst}");
+        }
+        assert!(worst <= grip.factor(&LoadState::GRAVITY));
+        worst
+    });
+    assert!(worst[0] > worst[1] && worst[1] > worst[2], "{worst:?}");
 }
 
 #[test]

@@ -102,12 +102,14 @@ pub(crate) fn open_texts(
     };
     let criterion = options.criterion.or(file.criterion).unwrap_or_default();
     let grasps_file = folder.join(GRASPS_FILE);
-    let grasps = match &texts.grasps {
+    let stated = match &texts.grasps {
         Some(text) => parse_csv(&grasps_file, text)?,
         None if target.is_some() => GraspSet::default(),
         // Without anything to grasp there is nothing to make grasps of.
         None => parse_csv(&grasps_file, &grasps_text(&grasps_file)?)?,
     };
+    // Loads are those of the hand that the scenario names.
+    let grasps = if options.robot.is_some() { stated.without_loads() } else { stated };
     Scenario {
         id,
         criterion,

@@ -2,8 +2,8 @@ use std::path::Path;
 
 use cranny_grasp::{ASSUMED_FRICTION, HeldObject};
 use cranny_shape::{
-    ConvexParts, DecompositionSettings, RepairedMesh, Roundness, ShapeError, Solid, StablePose, Surface,
-    TriangleSoup, UnionMoments, VolumeMoments, distinct_poses, stable_poses,
+    ConvexParts, DecompositionSettings, RepairedMesh, Roundness, ShapeError, Solid, StablePose, TriangleSoup,
+    UnionMoments, VolumeMoments, distinct_poses, stable_poses,
 };
 use cranny_spatial::nalgebra::Matrix3;
 use cranny_spatial::{Point, Pose};
@@ -141,13 +141,7 @@ impl ObjectType {
     /// The object in its own frame, as a hand holds it ([`LoadMeasure`](cranny_grasp::LoadMeasure)); `None` for one without
     /// a surface.
     pub fn held(&self) -> Option<HeldObject> {
-        Some(HeldObject {
-            surface: Surface::new(&self.mesh).ok()?,
-            mass_kg: self.mass_kg,
-            center: self.center_of_mass,
-            inertia_kg_m2: self.inertia_kg_m2,
-            friction: self.friction,
-        })
+        HeldObject::new(&self.mesh, &self.mass_moments(), Some(self.mass_kg), self.friction).ok()
     }
 
     /// Its moments in its own frame, as its file states them.

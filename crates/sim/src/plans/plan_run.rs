@@ -72,7 +72,7 @@ impl PlacedError {
     /// See [`Self::MOST_M`].
     pub const MOST_RAD: f64 = std::f64::consts::PI / 18.0;
 
-    /// Of an object that is at a pose instead of the planned one; turns that leave its surface where it is do not count.
+    /// Error of an object that is at a pose instead of the planned one; turns that leave its surface where it is do not count.
     pub(crate) fn between(planned: &Pose, actual: &Pose, object: &ObjectModel) -> Self {
         let translation_m = (actual * object.center - planned * object.center).norm();
         let rotation_rad = object.roundness.angle(&planned.rotation, &actual.rotation);

@@ -67,8 +67,8 @@ impl Firmness {
     }
 
     /// The firmness of grasps of a body of a world by a hand, with the friction ([`ASSUMED_FRICTION`] if it is not stated) and
-    /// the weight (if no mass is stated, that of [`ASSUMED_DENSITY`](cranny_grasp::ASSUMED_DENSITY)) of the body. `None` for a hand without two flat pads,
-    /// or a body that encloses no volume.
+    /// the weight (if no mass is stated, that of [`ASSUMED_DENSITY`](cranny_grasp::ASSUMED_DENSITY)) of the body. `None` for a
+    /// hand without two flat pads, or a body that encloses no volume.
     pub fn by_hand(
         world: &World,
         body: usize,

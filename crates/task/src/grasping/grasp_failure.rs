@@ -115,6 +115,8 @@ pub enum FailureReason {
     LeftOut,
     /// The pads would slip under less than the loads that were to be held.
     Slips,
+    /// The hand holds the object there, but not in each attitude, and steadier grasps were tried first.
+    Unsteady,
     /// The hand turns or shifts the object too far while it closes for it to be put down where it is to stand.
     TurnsInHand,
     /// The fingers met something on their way to the object:
@@ -226,6 +228,10 @@ impl FailureReason {
             Self::LeftOut => "left out: it failed in physics".to_owned(),
             Self::Slips => {
                 "the hand holds the object too weakly there to carry it (`hold` demands less)".to_owned()
+            }
+            Self::Unsteady => {
+                "the hand does not hold the object there in each attitude, and steadier grasps were tried first"
+                    .to_owned()
             }
             Self::TurnsInHand => {
                 "the hand turns or shifts the object there while it closes, so that it cannot be put down"
