@@ -221,6 +221,7 @@ fn places_that_are_none_are_refused_and_those_that_hold_nothing_are_told() {
         (with("moon", pose, size_m), clear(CLEAR_M), "moon"),
         (with(&on, tilted, size_m), clear(CLEAR_M), "not level"),
         (with(&on, pose, [0.1, f64::NAN]), clear(CLEAR_M), "no size"),
+        (problem.clone().with_weights(&[]), clear(CLEAR_M), "ball rolls away from 'outside'"),
         (problem.clone(), clear(-0.1), "no clearance"),
         (problem.clone(), clear(f64::INFINITY), "no clearance"),
     ] {

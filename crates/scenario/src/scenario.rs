@@ -143,7 +143,11 @@ impl Scenario {
         let physics: Vec<TargetPhysics> = bodies.map(of_body).collect();
         let frictions: Vec<Option<f64>> =
             physics.iter().map(|physics| physics.friction.or(Some(DEFAULT_FRICTION))).collect();
-        let stated = |physics: &TargetPhysics| Weight { mass_kg: physics.mass_kg, moments: None };
+        let stated = |physics: &TargetPhysics| Weight {
+            mass_kg: physics.mass_kg,
+            moments: None,
+            rolling_m: physics.rolling_m,
+        };
         let mut weights: Vec<Weight> = physics.iter().map(stated).collect();
         if let (Some(target), Some(weight)) = (self.target, self.target_weight()) {
             weights[target] = weight;

@@ -27,7 +27,7 @@ pub struct Problem {
     places: Arc<[PlaceGoal]>,
     /// Coefficients of friction of bodies against the pads, by index.
     frictions: Arc<[Option<f64>]>,
-    weights: Arc<Weights>,
+    pub(crate) weights: Arc<Weights>,
     validity: Validity,
 }
 

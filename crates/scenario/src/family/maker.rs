@@ -272,7 +272,7 @@ fn with_loads(resting: &Resting, hand: &Hand, grasps: Vec<Grasp>) -> Result<Vec<
     let placement = Placement { x_m: 0.0, y_m: 0.0, yaw_rad: 0.0 };
     let world = World::new(vec![resting.body(&placement, 0.0).body(&Pose::identity())?])?;
     let physics = resting.physics;
-    let weight = Weight { mass_kg: physics.mass_kg, moments: None };
+    let weight = Weight { mass_kg: physics.mass_kg, ..Weight::default() };
     let Some(firmness) = Firmness::by_hand(&world, 0, hand, (physics.friction, weight)) else {
         return Ok(grasps);
     };

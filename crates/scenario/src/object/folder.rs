@@ -220,6 +220,6 @@ impl RestingPose {
         let [x, y, z, w] = self.quaternion_xyzw;
         let rotation = Rotation::from_quaternion(Quaternion::new(w, x, y, z));
         let ground_from_body = Pose::from_parts(Vector::from(self.position).into(), rotation);
-        StablePose { ground_from_body, probability: self.probability }
+        StablePose { ground_from_body, probability: self.probability, tilt_rad: None }
     }
 }

@@ -45,12 +45,14 @@ impl Scenario {
         Firmness::by_hand(&self.world, self.target?, &robot_hand(&self.robot), (friction, weight))
     }
 
-    /// Mass of the target, and how it is spread where an object's file states it; `None` without a target.
+    /// Mass and resistance to rolling of the target, and how its mass is spread where an object's file states it; `None`
+    /// without a target.
     pub fn target_weight(&self) -> Option<Weight> {
         self.target?;
         let own = self.placed_object().and_then(|(source, _)| source.own());
         let moments = own.map(ObjectType::mass_moments);
-        Some(Weight { mass_kg: self.target_physics().mass_kg, moments })
+        let TargetPhysics { mass_kg, rolling_m, .. } = self.target_physics();
+        Some(Weight { mass_kg, moments, rolling_m })
     }
 
     /// The target as an object that can be weighed and dropped; None where there is no target. Mass and friction

@@ -15,6 +15,8 @@ pub struct StablePose {
     pub ground_from_body: Pose,
     /// How likely it is that the body, dropped at a uniformly random rotation, ends on this face.
     pub probability: f64,
+    /// Least angle by which the body must be tilted to fall onto another face, in radians; `None`: not computed.
+    pub tilt_rad: Option<f64>,
 }
 
 /// The stable poses of a body with these `points` and that centre of mass, the likeliest first. Their
@@ -66,6 +68,7 @@ pub fn stable_poses(points: &[Point], center: &Point) -> Result<Vec<StablePose>,
         .map(|face| StablePose {
             ground_from_body: faces.resting(face, center),
             probability: probability[face] / total,
+            tilt_rad: Some(faces.tilt_rad(&hull, face, center)),
         })
         .collect();
     poses.sort_by(|a, b| b.probability.total_cmp(&a.probability));
@@ -147,17 +150,26 @@ impl Faces {
 
     /// The face onto which a body that stands on `face` rolls; `None` if it stays.
     fn rolls_to(&self, hull: &TriangleSoup, face: usize, center: &Point) -> Option<usize> {
+        (self.beyond(hull, face, center)).filter(|farthest| farthest.0 > 0.0).map(|farthest| farthest.1)
+    }
+
+    /// Least angle, in radians, by which a body that stays on `face` must be tilted to roll over an edge of it.
+    fn tilt_rad(&self, hull: &TriangleSoup, face: usize, center: &Point) -> f64 {
+        let height_m = self.heights[face] - self.normals[face].dot(&center.coords);
+        self.beyond(hull, face, center).map_or(0.0, |(beyond_m, _)| libm::atan2(-beyond_m, height_m))
+    }
+
+    /// Distance (m) by which the vertical from the centre of mass is beyond the edge that it is farthest beyond, negative
+    /// within the face, and the face on the other side of that edge.
+    fn beyond(&self, hull: &TriangleSoup, face: usize, center: &Point) -> Option<(f64, usize)> {
         let normal = self.normals[face];
         let beyond = |ends: &[u32; 2]| {
             let [from, to] = ends.map(|vertex| hull.vertices[vertex as usize]);
             let outwards = (to - from).cross(&normal).try_normalize(0.0).unwrap_or_else(Vector::zeros);
             (center - from).dot(&outwards)
         };
-        let farthest = self.edges[face]
-            .iter()
-            .map(|(ends, other)| (beyond(ends), *other))
-            .max_by(|a, b| a.0.total_cmp(&b.0))?;
-        (farthest.0 > 0.0).then_some(farthest.1)
+        let edges = self.edges[face].iter().map(|(ends, other)| (beyond(ends), *other));
+        edges.max_by(|a, b| a.0.total_cmp(&b.0))
     }
 
     fn resting(&self, face: usize, center: &Point) -> Pose {

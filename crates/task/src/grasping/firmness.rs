@@ -9,13 +9,15 @@ use cranny_spatial::Pose;
 
 use crate::{FailureReason, robot_hand};
 
-/// Mass of a body, and how it is spread, as far as that is stated.
+/// Mass of a body, how it is spread, and its resistance to rolling, as far as that is stated.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Weight {
     /// In kilograms.
     pub mass_kg: Option<f64>,
     /// Centre of mass and inertia, in the frame of the first solid of the body; `None`: of even density.
     pub moments: Option<VolumeMoments>,
+    /// Arm of the normal force that a turn on what the body stands on has to overcome, in metres; `None`: not stated.
+    pub rolling_m: Option<f64>,
 }
 
 /// Weights of the bodies of a world, and the pads that hold them: what is known of loads beside shapes and friction.
@@ -30,6 +32,11 @@ pub(crate) struct Weights {
 impl Weights {
     pub fn new(of_bodies: &[Weight]) -> Self {
         Self { of_bodies: of_bodies.to_vec(), pads: OnceLock::new() }
+    }
+
+    /// The weight of a body, by index.
+    pub fn of_body(&self, body: usize) -> Weight {
+        self.of_bodies.get(body).copied().unwrap_or_default()
     }
 
     fn pads(&self, robot: &Robot) -> Option<(Pads, f64)> {
@@ -62,8 +69,7 @@ impl Firmness {
     /// Of a body of the world of a cell, with a friction that may not be known ([`ASSUMED_FRICTION`]). `None` for a hand
     /// without two flat pads, or a body that encloses no volume.
     pub(crate) fn new(cell: &Cell, body: usize, friction: Option<f64>, weights: &Weights) -> Option<Self> {
-        let weight = weights.of_bodies.get(body).copied().unwrap_or_default();
-        Self::in_world(cell.world(), body, weights.pads(cell.robot())?, (friction, weight))
+        Self::in_world(cell.world(), body, weights.pads(cell.robot())?, (friction, weights.of_body(body)))
     }
 
     /// The firmness of grasps of a body of a world by a hand, with the friction ([`ASSUMED_FRICTION`] if it is not stated) and

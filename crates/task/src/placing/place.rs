@@ -10,9 +10,11 @@ use crate::placing::placement::Placement;
 use crate::placing::rests::{rests, stable_rests};
 use crate::{Carrier, FailureReason, Grip, PlaceGoal, PlaceSpot, TaskError};
 
-/// An object is let go so far above what it is put down on, in metres: far less than matters to it, and far more than
-/// the errors of inverse kinematics.
-const GAP_M: f64 = 3e-4;
+/// Height above its support at which an object is let go, in metres: below 0.1 mm, and far more than the errors of inverse
+/// kinematics.
+const GAP_M: f64 = 8e-5;
+/// Distance of a place beside a body from it, in metres.
+const BESIDE_M: f64 = 3e-4;
 /// How far above it may be at most, in metres.
 const MOST_ABOVE_M: f64 = 1e-3;
 /// An object at a given pose is within this of a stable one, as the chord of an angle (20°): one that is round rolls a little
@@ -93,7 +95,9 @@ impl Placer {
         let extent = carrier.resting().extent().clone();
         let level_from_world = carrier.hand().holding().world().world_from_level().inverse();
         let rests = match &goal.spot {
-            PlaceSpot::Target(_) => stable_rests(body, &extent, &level_from_world, 0.0).unwrap_or_default(),
+            PlaceSpot::Target(_) => {
+                stable_rests(body, &extent, &level_from_world, [0.0; 2]).unwrap_or_default()
+            }
             PlaceSpot::Surface { .. } => rests(body, &extent, &level_from_world),
         };
         let placer = Self {
@@ -264,7 +268,7 @@ impl Placer {
                 At::Beside(_) if !self.neighbours.is_empty() => {
                     let chosen = draw.number / PATTERNS % (2 * self.neighbours.len());
                     let [low, high] = self.neighbours[chosen / 2][axis];
-                    if chosen.is_multiple_of(2) { high + GAP_M - low_m } else { low - GAP_M - high_m }
+                    if chosen.is_multiple_of(2) { high + BESIDE_M - low_m } else { low - BESIDE_M - high_m }
                 }
                 At::Share(share) | At::Beside(share) => first + share * (last - first),
             }

@@ -1,4 +1,8 @@
+use cranny_shape::Roundness;
 use cranny_spatial::Pose;
+
+use crate::Problem;
+use crate::grasping::firmness::soup_in_world;
 
 /// Where an object can be put down.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,7 +29,34 @@ pub enum PlaceSpot {
     Target(Pose),
 }
 
+/// What is round lies if its axis is within this of level, as a cosine (5°).
+const LYING: f64 = 0.0872;
+
 impl PlaceGoal {
+    /// Reason, in words, for which a body of the world of a problem rolls away from here: it is a ball, or lies on its round
+    /// side, and no resistance to rolling is stated for it.
+    pub(crate) fn rolls_away(&self, problem: &Problem, body: usize) -> Option<String> {
+        let resists = problem.weights.of_body(body).rolling_m.is_some_and(|rolling_m| rolling_m > 0.0);
+        let world = problem.cell().filter(|_| !resists)?.world();
+        let body = &world.bodies()[body];
+        let roundness = Roundness::of_mesh(&soup_in_world(body)?).ok()?;
+        let rolls = match (roundness, &self.spot) {
+            (Roundness::Ball, _) => true,
+            (Roundness::About(axis), PlaceSpot::Target(pose)) => {
+                let turned = pose.rotation * body.parts.first()?.world_from_solid.rotation.inverse();
+                (turned * axis).dot(&world.up()).abs() < LYING
+            }
+            _ => false,
+        };
+        rolls.then(|| {
+            format!(
+                "{} rolls away from '{}': no resistance to rolling is stated for it (`rolling_m`, in metres; 0.0003 for a \
+                 hard ball)",
+                body.name, self.name
+            )
+        })
+    }
+
     /// The same in a frame in which the one that it is in has this pose.
     #[must_use]
     pub fn seen_from(&self, new_from_old: &Pose) -> Self {

@@ -141,28 +141,32 @@ impl Stage {
     /// [`TaskError::Stage`] names the first that cannot follow, or that names what there is not; those of
     /// [`Problem::with_goal`] for configurations that do not fit the robot.
     pub fn check_all(stages: &[Self], problem: &Problem) -> Result<(), TaskError> {
-        let mut is_held = false;
+        let mut held = None;
         for (index, stage) in stages.iter().enumerate() {
             let refuse = |problem: String| Err(TaskError::Stage { stage: index, problem });
             match stage {
-                Self::Pick(_) if is_held => return refuse("the hand already holds an object".to_owned()),
+                Self::Pick(_) if held.is_some() => {
+                    return refuse("the hand already holds an object".to_owned());
+                }
                 Self::Pick(pick) => {
-                    pick.body(problem)?;
+                    held = Some(pick.body(problem)?);
                     if pick.object_margin_m.is_some_and(|margin_m| !(margin_m.is_finite() && margin_m >= 0.0))
                     {
                         return refuse("the clearance demanded about the object is none".to_owned());
                     }
-                    is_held = true;
                 }
                 Self::Place(_) | Self::Move(Move::Region(Region { moved: Moved::Object, .. }))
-                    if !is_held =>
+                    if held.is_none() =>
                 {
                     return refuse("nothing is in the hand; a pick has to come before it".to_owned());
                 }
                 Self::Move(goal) => goal.check(index, problem)?,
                 Self::Place(place) => {
-                    problem.place(&place.place)?;
-                    is_held = false;
+                    let goal = problem.place(&place.place)?;
+                    let rolls = held.take().and_then(|body| goal.rolls_away(problem, body));
+                    if let Some(reason) = rolls {
+                        return refuse(reason);
+                    }
                 }
             }
         }
