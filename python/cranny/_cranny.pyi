@@ -584,6 +584,7 @@ def run_campaign(
     margin_m: float,
     grasp_margin_m: float,
     robust: tuple[float, float] | None,
+    hold: float | None,
     sandbox: str,
     again: list[str],
     shard: tuple[int, int] | None,

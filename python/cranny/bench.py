@@ -145,6 +145,7 @@ def run(
     margin_m: float = 0.0,
     grasp_margin_m: float = 0.0,
     robust: tuple[float, float] | None = None,
+    hold: float | None = None,
     sandbox: str = "auto",
     again: Sequence[str] = (),
     shard: tuple[int, int] | None = None,
@@ -157,7 +158,8 @@ def run(
     stays. With more than one of `workers`, times are not those of a machine at rest, and the results say so.
     With `carry`, "home", "out" or "place", the target is carried on once it is grasped; with `task` the task of that name
     is done in each scenario. `robust`: how far (m, rad) it may
-    be from where it is thought to be. With `grasps`, "none", no set of grasps is
+    be from where it is thought to be; `hold`: factor by which the hand of a built-in planner holds what it carries (None:
+    1.5). With `grasps`, "none", no set of grasps is
     given, for planners that make grasps of their own. `margin_m` and `grasp_margin_m` are the
     clearances (m) that each path must keep: between any two things, and between the hand and what it grasps.
     `sandbox`: "auto" runs the programs of others within the walls that the machine has, "off" without, "require" within
@@ -197,6 +199,7 @@ def run(
         margin_m=margin_m,
         grasp_margin_m=grasp_margin_m,
         robust=robust,
+        hold=hold,
         sandbox=sandbox,
         again=list(again),
         shard=shard,

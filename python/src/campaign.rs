@@ -45,7 +45,7 @@ where
 /// these change; or None.
 #[pyfunction]
 #[pyo3(signature = (scenarios, planners, output, worker, *, criteria, runs, first_seed, time_limit_s, iterations,
-    memory_limit_mb, workers, judge_both, measure_clearance, carry, task, grasps, margin_m, grasp_margin_m, robust, sandbox, again, shard, command,
+    memory_limit_mb, workers, judge_both, measure_clearance, carry, task, grasps, margin_m, grasp_margin_m, robust, hold, sandbox, again, shard, command,
     heard=None))]
 #[allow(clippy::too_many_arguments, reason = "what a campaign is")]
 pub fn run_campaign(
@@ -69,6 +69,7 @@ pub fn run_campaign(
     margin_m: f64,
     grasp_margin_m: f64,
     robust: Option<(f64, f64)>,
+    hold: Option<f64>,
     sandbox: &str,
     again: Vec<String>,
     shard: Option<(u64, u64)>,
@@ -92,6 +93,7 @@ pub fn run_campaign(
             task,
             margins: Margins { margin_m, grasp_margin_m, ..Margins::default() },
             robust: robust.map(|(translation_m, rotation_rad)| PoseRadius { translation_m, rotation_rad }),
+            hold,
             without_grasp_set: grasps.map_or(Ok(false), without_grasp_set)?,
         },
         exceptions: Vec::new(),

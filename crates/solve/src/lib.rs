@@ -19,7 +19,7 @@ pub use answer::{Answer, Optimisation, Shortening, Timed};
 pub use error::SolveError;
 pub use hold::Hold;
 pub use ik_status::ik_statuses;
-pub use request::{DEFAULT_HOLD, Request, Timing};
+pub use request::{DEFAULT_HOLD, MOST_HOLD, Request, Timing};
 pub use robustness::{JointRadius, PoseRadius, Robustness};
 pub use solve::solve;
 pub use task_trajectory::{CLOSING_S, HandMotion, TaskTrajectory};

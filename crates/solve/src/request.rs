@@ -75,8 +75,8 @@ impl Default for Request {
 
 /// The factor of a hold that is demanded unless another one is.
 pub const DEFAULT_HOLD: f64 = 1.5;
-/// No hold is demanded beyond this factor.
-const MOST_HOLD: f64 = 100.0;
+/// Greatest factor of a hold that may be demanded.
+pub const MOST_HOLD: f64 = 100.0;
 
 /// How a path gets its time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

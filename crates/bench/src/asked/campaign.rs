@@ -4,6 +4,7 @@ use std::time::Duration;
 use cranny_grasp::ScoreKind;
 use cranny_plan::{Budget, Registry, Unobserved};
 use cranny_scenario::Recipe;
+use cranny_solve::MOST_HOLD;
 use cranny_task::{Carrier, Criterion, Goal, LiftOffSettings, Problem, Stage};
 
 use crate::asked::scenario_choice::{choose_scenarios, matches};
@@ -370,6 +371,9 @@ impl Campaign {
             checked_margin(error.translation_m)?;
             checked_turn(error.rotation_rad)?;
         }
+        if let Some(hold) = self.demand.hold {
+            checked_hold(hold)?;
+        }
         // What a file of results can hold.
         let last_seed = self.first_seed.checked_add(most_runs.unwrap_or(0));
         if last_seed.is_none_or(|seed| i64::try_from(seed).is_err()) {
@@ -403,6 +407,14 @@ pub(crate) fn checked_turn(value: f64) -> Result<f64, BenchError> {
         return Ok(value);
     }
     Err(BenchError::Range { what: "a turn", value, range: "from 0 to π" })
+}
+
+/// A factor of a hold that is demanded, if it can be one.
+pub(crate) fn checked_hold(value: f64) -> Result<f64, BenchError> {
+    if (0.0..=MOST_HOLD).contains(&value) {
+        return Ok(value);
+    }
+    Err(BenchError::Range { what: "a hold", value, range: "from 0 to 100" })
 }
 
 /// A clearance that is demanded, in metres, if it can be one.

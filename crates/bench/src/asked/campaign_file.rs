@@ -11,7 +11,7 @@ use serde::Deserialize;
 use serde_json::{Map, Value};
 use serde_saphyr::{Location, Spanned};
 
-use crate::asked::campaign::{checked_margin, checked_time_limit, checked_turn};
+use crate::asked::campaign::{checked_hold, checked_margin, checked_time_limit, checked_turn};
 use crate::asked::scenario_choice::matches;
 use crate::{BenchError, Campaign, CampaignPlanner, CarryTo, Exception, PathDemand, PlannerCall};
 
@@ -51,6 +51,8 @@ struct CampaignEntry {
     robust_m: Option<Spanned<f64>>,
     #[serde(default)]
     robust_rad: Option<Spanned<f64>>,
+    #[serde(default)]
+    hold: Option<Spanned<f64>>,
     #[serde(default)]
     exceptions: Vec<Spanned<ExceptionEntry>>,
 }
@@ -136,6 +138,7 @@ impl Campaign {
             translation_m: checked(entry.robust_m, 0.0, checked_margin)?,
             rotation_rad: checked(entry.robust_rad, 0.0, checked_turn)?,
         });
+        let hold = entry.hold.is_some().then(|| checked(entry.hold, 0.0, checked_hold)).transpose()?;
         let mut exceptions = Vec::new();
         for Spanned { value: ExceptionEntry { scenario, planner, time_limit_s }, referenced, .. } in
             entry.exceptions
@@ -170,6 +173,7 @@ impl Campaign {
                 task: entry.task,
                 margins,
                 robust,
+                hold,
                 without_grasp_set: entry.grasps.is_some(),
             },
             exceptions,

@@ -2,7 +2,7 @@ use std::collections::BTreeMap;
 
 use cranny_collision::Margins;
 use cranny_scenario::{GivenGrasps, Scenario, ScenarioError};
-use cranny_solve::PoseRadius;
+use cranny_solve::{DEFAULT_HOLD, PoseRadius};
 use cranny_task::Stage;
 use serde_json::Value;
 
@@ -22,6 +22,9 @@ pub struct PathDemand {
     pub margins: Margins,
     /// How far the target may be from where it is thought to be. Default: it is there.
     pub robust: Option<PoseRadius>,
+    /// Factor by which the hand holds at least what a built-in planner carries, from 0 (nothing demanded). Default:
+    /// [`DEFAULT_HOLD`].
+    pub hold: Option<f64>,
     /// Whether no set of grasps is given, so that a path ends at a grasp that its planner made. Default: one is.
     pub without_grasp_set: bool,
 }
@@ -33,6 +36,7 @@ const MARGIN: &str = "margin_m";
 const GRASP_MARGIN: &str = "grasp_margin_m";
 const ROBUST_M: &str = "robust_m";
 const ROBUST_RAD: &str = "robust_rad";
+const HOLD: &str = "hold";
 /// The only word for grasps that there is.
 const NONE: &str = "none";
 
@@ -70,6 +74,9 @@ impl PathDemand {
         if let Some(task) = &self.task {
             all.insert(TASK, task.as_str().into());
         }
+        if let Some(hold) = self.hold.filter(|hold| *hold != DEFAULT_HOLD) {
+            all.insert(HOLD, hold.into());
+        }
         if self.without_grasp_set {
             all.insert(Self::GRASPS, NONE.into());
         }
@@ -105,6 +112,7 @@ impl PathDemand {
             robust: number(ROBUST_M)
                 .or_else(|| number(ROBUST_RAD))
                 .map(|_| PoseRadius { translation_m: metres(ROBUST_M), rotation_rad: metres(ROBUST_RAD) }),
+            hold: number(HOLD),
             without_grasp_set: all.get(Self::GRASPS).and_then(Value::as_str) == Some(NONE),
         }
     }
@@ -131,11 +139,13 @@ mod tests {
             PathDemand { margins, ..PathDemand::default() },
             PathDemand { carry: Some(CarryTo::Out), margins, ..PathDemand::default() },
             PathDemand { without_grasp_set: true, ..PathDemand::default() },
+            PathDemand { hold: Some(0.0), ..PathDemand::default() },
             PathDemand {
                 carry: Some(CarryTo::Home),
                 task: None,
                 margins,
                 robust: Some(PoseRadius { translation_m: 0.0, rotation_rad: 0.1 }),
+                hold: Some(2.5),
                 without_grasp_set: true,
             },
         ] {

@@ -76,7 +76,8 @@ impl OpenedScenarios {
             return Err(BenchError::ChangedScenario { scenario, source_name });
         }
         // Where an object is carried to plays no part.
-        let demand = PathDemand { carry: None, task: None, ..PathDemand::of_settings(&trial.settings) };
+        let demand =
+            PathDemand { carry: None, task: None, hold: None, ..PathDemand::of_settings(&trial.settings) };
         let key = (source.to_owned(), criterion.name(), format!("{demand:?}"));
         if let Some(opened) = self.opened.get(&key) {
             return Ok(opened.clone());

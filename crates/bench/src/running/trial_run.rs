@@ -3,7 +3,7 @@ use std::time::Duration;
 use cranny_file::system;
 use cranny_path::{AuditSettings, Clearances, audit_task};
 use cranny_plan::{Budget, Observer, Registry};
-use cranny_solve::solve;
+use cranny_solve::{DEFAULT_HOLD, solve};
 use cranny_task::{Criterion, Goal, Stage, joined};
 
 use crate::foreign::foreign_planner::{ForeignPlanner, ForeignTask};
@@ -80,6 +80,7 @@ pub fn run(
                 seed: trial.seed,
                 keep_path: true,
                 stages: stages.clone(),
+                hold: demand.hold.or(Some(DEFAULT_HOLD)),
                 // A path to one goal is judged below.
                 audit: if aimed.is_some() {
                     AuditSettings { clearances: Clearances::None, ..settings }

@@ -99,6 +99,9 @@ pub struct RunArguments {
     /// Demand that the target may be so far from where it is thought to be, as `plan --robust` does
     #[arg(long, value_name = "MM,DEG", value_parser = pose_error)]
     robust: Option<PoseRadius>,
+    /// Demand that the hand holds what it carries by this factor, as `plan --hold` does [default: 1.5]
+    #[arg(long, value_name = "FACTOR", allow_negative_numbers = true)]
+    hold: Option<f64>,
     /// Give no set of grasps: `none`. Planners then make grasps of their own, which the judge measures on the target's mesh
     #[arg(long, value_name = "none", value_parser = ["none"])]
     grasps: Option<String>,
@@ -276,6 +279,7 @@ fn campaign(arguments: &RunArguments, registry: &Registry) -> Result<Campaign, F
     campaign.demand.carry = arguments.carry.or(campaign.demand.carry);
     campaign.demand.task = arguments.task.clone().or(campaign.demand.task.take());
     campaign.demand.robust = arguments.robust.or(campaign.demand.robust);
+    campaign.demand.hold = arguments.hold.or(campaign.demand.hold);
     campaign.demand.without_grasp_set |= arguments.grasps.is_some();
     campaign.demand.margins = arguments.margins.or(campaign.demand.margins);
     campaign.measure_clearance &= !arguments.no_clearance;
