@@ -86,6 +86,16 @@ fn check_names_every_problem_and_says_no() {
     let output = cranny(path, &["scenario", "check", "mine"]);
     assert_eq!(output.status.code(), Some(1));
     assert!(said(&output).contains("the start is not free"), "{}", said(&output));
+    std::fs::write(&file, yaml).expect("written");
+    done(path, &["grasps", "filter", "mine", "-o", "loaded.csv"]);
+    let loaded = std::fs::read_to_string(path.join("loaded.csv")).expect("grasps");
+    std::fs::write(path.join("mine/grasps.csv"), &loaded).expect("written");
+    assert!(done(path, &["scenario", "check", "mine"]).contains("sound"));
+    let (before_load, _) = loaded.trim_end().rsplit_once(',').expect("a load in the last row");
+    std::fs::write(path.join("mine/grasps.csv"), format!("{before_load},77\n")).expect("written");
+    let output = cranny(path, &["scenario", "check", "mine"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(said(&output).contains("1 grasp with a false load"), "{}", said(&output));
 }
 
 #[test]

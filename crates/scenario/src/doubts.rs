@@ -1,6 +1,6 @@
 use cranny_collision::{Body, Part, World};
 use cranny_file::counted;
-use cranny_grasp::{SamplerSettings, TooWide};
+use cranny_grasp::{GraspSet, SamplerSettings, TooWide};
 use cranny_robot::{Link, Robot};
 use cranny_shape::{Surface, separation};
 use cranny_spatial::{Point, Pose};
@@ -75,6 +75,9 @@ pub fn wide_opening(robot: &Robot) -> Option<String> {
     })
 }
 
+/// Share of a load, at least of a load of 1, by which a stated one may be off: digits in a file.
+const LOAD_OFF_SHARE: f64 = 0.01;
+
 /// A target may lie so deep in what it rests on, and so high above it, in metres: settled objects do by a few tenths.
 const LOOSE_M: f64 = 2e-3;
 
@@ -120,6 +123,39 @@ impl Scenario {
             ));
         }
         odd
+    }
+
+    /// Number of grasps whose stated load differs from the computed one, with the first of them, in words; `None` if none
+    /// does.
+    ///
+    /// # Errors
+    /// Reason, in words, for which stated loads were not compared.
+    pub fn false_loads(&self) -> Result<Option<String>, String> {
+        let stated: Vec<usize> =
+            (0..self.grasps.len()).filter(|index| self.grasps.grasps()[*index].load.is_some()).collect();
+        if stated.is_empty() {
+            return Ok(None);
+        }
+        let firmness = self.firmness().ok_or_else(|| {
+            "stated loads of grasps were not compared: they are computed for a hand with two flat pads and a target that \
+             encloses a volume"
+                .to_owned()
+        })?;
+        let chosen = self.grasps.chosen(&stated);
+        let computed = chosen.with_loads(firmness.measure());
+        let loads = |set: &GraspSet| set.grasps().iter().filter_map(|grasp| grasp.load).collect::<Vec<f64>>();
+        let pairs = stated.into_iter().zip(loads(&chosen).into_iter().zip(loads(&computed)));
+        let is_false = |(_, (stated, computed)): &(usize, (f64, f64))| {
+            (stated - computed).abs() > LOAD_OFF_SHARE * computed.max(1.0)
+        };
+        let wrong: Vec<_> = pairs.filter(is_false).collect();
+        Ok(wrong.first().map(|(grasp, (stated, computed))| {
+            format!(
+                "{} with a false load: grasp {grasp} states {stated:.2}, computed from mass, friction and pads it is \
+                 {computed:.2} (`cranny grasps filter` writes computed ones)",
+                counted(wrong.len(), "grasp")
+            )
+        }))
     }
 
     /// What is wrong with the set of grasps, if it is of another place than the target: none of them has anything of it

@@ -321,6 +321,10 @@ fn checked(id: &str, output: Output) -> Result<Answer, Failure> {
         let faults = crate::start::faults(&problem);
         problems.extend(faults.into_iter().map(|fault| format!("the start is not free: {fault}")));
         problems.extend(scenario.misplaced_grasps());
+        match scenario.false_loads() {
+            Ok(fault) => problems.extend(fault),
+            Err(note) => notes.push(note),
+        }
         match Rest::of_target(&scenario) {
             Ok(rest) => problems.extend(rest.and_then(|rest| restless_target(&scenario, &rest))),
             Err(fault) => notes.push(format!("whether the target rests was not simulated: {fault}")),
