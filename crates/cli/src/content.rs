@@ -10,3 +10,4 @@ pub(crate) mod list;
 pub(crate) mod object;
 pub(crate) mod robot;
 pub(crate) mod scenario;
+pub(crate) mod scenario_check;

@@ -1,7 +1,7 @@
+use cranny_collision::World;
 use cranny_shape::Roundness;
 use cranny_spatial::Pose;
 
-use crate::Problem;
 use crate::grasping::firmness::soup_in_world;
 
 /// Where an object can be put down.
@@ -33,11 +33,12 @@ pub enum PlaceSpot {
 const LYING: f64 = 0.0872;
 
 impl PlaceGoal {
-    /// Reason, in words, for which a body of the world of a problem rolls away from here: it is a ball, or lies on its round
-    /// side, and no resistance to rolling is stated for it.
-    pub(crate) fn rolls_away(&self, problem: &Problem, body: usize) -> Option<String> {
-        let resists = problem.weights.of_body(body).rolling_m.is_some_and(|rolling_m| rolling_m > 0.0);
-        let world = problem.cell().filter(|_| !resists)?.world();
+    /// Reason, in words, for which a body of a world, with this resistance to rolling (m), rolls away from here: it is a ball,
+    /// or lies on its round side, and no resistance is stated.
+    pub(crate) fn rolls_away(&self, world: &World, body: usize, rolling_m: Option<f64>) -> Option<String> {
+        if rolling_m.is_some_and(|rolling_m| rolling_m > 0.0) {
+            return None;
+        }
         let body = &world.bodies()[body];
         let roundness = Roundness::of_mesh(&soup_in_world(body)?).ok()?;
         let rolls = match (roundness, &self.spot) {

@@ -163,7 +163,9 @@ impl Stage {
                 Self::Move(goal) => goal.check(index, problem)?,
                 Self::Place(place) => {
                     let goal = problem.place(&place.place)?;
-                    let rolls = held.take().and_then(|body| goal.rolls_away(problem, body));
+                    let rolls = held.take().zip(problem.cell()).and_then(|(body, cell)| {
+                        goal.rolls_away(cell.world(), body, problem.weights.of_body(body).rolling_m)
+                    });
                     if let Some(reason) = rolls {
                         return refuse(reason);
                     }

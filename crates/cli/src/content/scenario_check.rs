@@ -1,0 +1,102 @@
+use std::fmt::Write;
+
+use cranny_collision::Margins;
+use cranny_scenario::{OpenOptions, Scenario, check, model_notes};
+use cranny_sim::Rest;
+use serde::Serialize;
+
+use crate::arguments::Output;
+use crate::failure::Failure;
+use crate::{Answer, text};
+
+/// What `scenario check --json` prints.
+#[derive(Serialize)]
+struct Checked {
+    scenario: String,
+    sound: bool,
+    problems: Vec<String>,
+    /// Properties that do not make it unsound.
+    notes: Vec<String>,
+}
+
+/// Checks a scenario and prints what is wrong with it.
+pub fn checked(id: &str, output: Output) -> Result<Answer, Failure> {
+    let mut problems: Vec<String> = check(id)?.iter().map(ToString::to_string).collect();
+    let mut notes = Vec::new();
+    if problems.is_empty() {
+        let scenario = Scenario::open(id, &OpenOptions::default())?;
+        notes = model_notes(&scenario.robot, &scenario.world);
+        let problem = scenario.problem(Margins::default())?;
+        let faults = crate::start::faults(&problem);
+        problems.extend(faults.into_iter().map(|fault| format!("the start is not free: {fault}")));
+        problems.extend(scenario.misplaced_grasps());
+        match scenario.false_loads() {
+            Ok(fault) => problems.extend(fault),
+            Err(note) => notes.push(note),
+        }
+        match Rest::of_target(&scenario) {
+            Ok(rest) => problems.extend(rest.and_then(|rest| restless_target(&scenario, &rest))),
+            Err(fault) => notes.push(format!("whether the target rests was not simulated: {fault}")),
+        }
+        notes.extend(scenario.odd_places());
+        notes.extend(scenario.too_wide_target());
+        if let Some(cell) = problem.cell() {
+            let mut scratch = cell.scratch();
+            let is_free = |grasp: &cranny_grasp::Grasp| {
+                [grasp.world_from_gripper, grasp.twin().world_from_gripper]
+                    .iter()
+                    .any(|pose| cell.hand_is_free(pose, &mut scratch))
+            };
+            if scenario.has_grasp_set && !scenario.grasps.grasps().iter().any(is_free) {
+                let count = scenario.grasps.len();
+                problems.push(format!("the hand collides at every one of the {count} grasps"));
+            }
+        }
+    }
+    let checked = Checked { scenario: id.to_owned(), sound: problems.is_empty(), problems, notes };
+    text::answer(&checked, || checked.page(), if checked.sound { output } else { output.aloud() })?;
+    Ok(if checked.sound { Answer::Done } else { Answer::No })
+}
+
+/// Fault of a target that does not stay where it stands; `None` for one that does.
+fn restless_target(scenario: &Scenario, rest: &Rest) -> Option<String> {
+    if rest.is_at_rest() {
+        return None;
+    }
+    let name = scenario.target.map_or("", |target| &scenario.world.bodies()[target].name);
+    let place = rest.world_from_object.translation.vector;
+    let turn = rest.world_from_object.rotation.coords;
+    Some(format!(
+        "the target '{name}' does not rest where it stands: in 2 s it moves by {} and turns by {}, to position [{:.4}, \
+         {:.4}, {:.4}], quaternion_xyzw [{:.4}, {:.4}, {:.4}, {:.4}] in the planning frame (an object that rolls stays with \
+         `rolling_m` under `target`)",
+        text::millimetres(rest.moved_m),
+        text::degrees(rest.turned_rad),
+        place.x,
+        place.y,
+        place.z,
+        turn.x,
+        turn.y,
+        turn.z,
+        turn.w,
+    ))
+}
+
+impl Checked {
+    fn page(&self) -> String {
+        let mut page = String::new();
+        for problem in &self.problems {
+            let _ = writeln!(page, "{problem}");
+        }
+        for note in &self.notes {
+            let _ = writeln!(page, "note: {note}");
+        }
+        let id = &self.scenario;
+        let _ = match self.problems.len() {
+            0 => writeln!(page, "{id}: sound"),
+            1 => writeln!(page, "{id}: 1 problem"),
+            count => writeln!(page, "{id}: {count} problems"),
+        };
+        page
+    }
+}
