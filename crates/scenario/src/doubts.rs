@@ -75,9 +75,8 @@ pub fn wide_opening(robot: &Robot) -> Option<String> {
     })
 }
 
-/// Share of a load, at least of a load of 1, by which a stated one may be off. The patch of a pad is a grid: on a can it
-/// makes 11 % whether the load was computed in the frame of the object or of the scene.
-const LOAD_OFF_SHARE: f64 = 0.25;
+/// Share of a load, at least of a load of 1, by which a stated one may be off: digits in a file.
+const LOAD_OFF_SHARE: f64 = 0.01;
 
 /// A target may lie so deep in what it rests on, and so high above it, in metres: settled objects do by a few tenths.
 const LOOSE_M: f64 = 2e-3;
@@ -126,7 +125,7 @@ impl Scenario {
         odd
     }
 
-    /// Number of grasps whose stated load differs from the computed one, with the first of them, in words; `None` if none
+    /// The number of grasps whose stated load differs from the computed one, with the first of them, in words; `None` if none
     /// does.
     ///
     /// # Errors

@@ -138,7 +138,7 @@ impl Campaign {
             translation_m: checked(entry.robust_m, 0.0, checked_margin)?,
             rotation_rad: checked(entry.robust_rad, 0.0, checked_turn)?,
         });
-        let hold = entry.hold.is_some().then(|| checked(entry.hold, 0.0, checked_hold)).transpose()?;
+        let hold = entry.hold.map(|hold| checked(Some(hold), 0.0, checked_hold)).transpose()?;
         let mut exceptions = Vec::new();
         for Spanned { value: ExceptionEntry { scenario, planner, time_limit_s }, referenced, .. } in
             entry.exceptions

@@ -75,7 +75,7 @@ impl OpenedScenarios {
             let (scenario, source_name) = (trial.scenario.clone(), source.to_owned());
             return Err(BenchError::ChangedScenario { scenario, source_name });
         }
-        // Where an object is carried to plays no part.
+        // Where an object is carried to, and how firmly it is held, plays no part.
         let demand =
             PathDemand { carry: None, task: None, hold: None, ..PathDemand::of_settings(&trial.settings) };
         let key = (source.to_owned(), criterion.name(), format!("{demand:?}"));

@@ -9,7 +9,7 @@ use cranny_scenario::{
 };
 use cranny_shape::{Solid, Surface, TriangleSoup, UnionMoments, VolumeMoments};
 use cranny_spatial::{Pose, Vector};
-use cranny_task::{APPROACH_M, HandFilter, robot_hand};
+use cranny_task::{APPROACH_M, Firmness, HandFilter, Weight, robot_hand};
 
 use crate::arguments::ScoreArgument;
 use crate::content::grasp_choice::GraspChoice;
@@ -103,7 +103,7 @@ pub struct Subject {
     pub mesh: TriangleSoup,
     friction: f64,
     mass_kg: Option<f64>,
-    /// Moments of its mass, where a file states them.
+    /// Moments of its mass in the frame of the object, where a file states them.
     moments: Option<VolumeMoments>,
     place: Place,
     hand: Hand,
@@ -115,10 +115,9 @@ enum Place {
     /// Nothing.
     Nowhere,
     /// The ground that it rests on.
-    Ground {
-        ground_from_object: Pose,
-    },
-    Scene(World),
+    Ground { ground_from_object: Pose },
+    /// The world of a scenario, and the object in it, by index.
+    Scene { world: World, target: usize },
 }
 
 impl Subject {
@@ -186,9 +185,9 @@ impl Subject {
             }
         };
         let TargetPhysics { mass_kg, friction, .. } = scenario.target_physics();
-        let stated = scenario.target_weight().and_then(|weight| weight.moments);
-        let moments = stated.zip(scenario.world_from_object()).map(|(stated, world)| stated.moved(&world));
-        let (name, place) = (scenario.id, Place::Scene(scenario.world));
+        let moments = scenario.target_weight().and_then(|weight| weight.moments);
+        let Some(target) = scenario.target else { return Err(Failure::NoTarget { id: scenario.id }) };
+        let (name, place) = (scenario.id, Place::Scene { world: scenario.world, target });
         let friction = friction.unwrap_or(DEFAULT_FRICTION);
         Ok(Self { name, mesh, friction, mass_kg, moments, place, hand })
     }
@@ -197,7 +196,7 @@ impl Subject {
     pub fn filter(&self, surface: &Surface, approach_m: f64) -> Result<HandFilter, Failure> {
         let mut bodies = Vec::new();
         match &self.place {
-            Place::Scene(world) => {
+            Place::Scene { world, .. } => {
                 let filter = HandFilter::new(&self.hand, world.clone(), approach_m);
                 return Ok(filter.map_err(ScenarioError::from)?);
             }
@@ -223,6 +222,14 @@ impl Subject {
         };
         let mass_kg = arguments.mass.or(self.mass_kg);
         let friction = arguments.friction.unwrap_or(self.friction);
+        if let Place::Scene { world, target } = &self.place {
+            let weight = Weight { mass_kg, moments: self.moments, rolling_m: None };
+            let firmness = Firmness::by_hand(world, *target, &self.hand, (Some(friction), weight));
+            return match firmness {
+                Some(firmness) => Ok(Some((firmness.measure().clone(), firmness.is_mass_assumed))),
+                None => lacking("the object encloses no volume".to_owned()),
+            };
+        }
         let even = || UnionMoments::of_mesh(&self.mesh).map(|union| union.moments);
         let held = self
             .moments
@@ -233,9 +240,8 @@ impl Subject {
             Err(fault) => return lacking(format!("the object has no mass: {fault}")),
         };
         let up = match &self.place {
-            Place::Scene(world) => world.up(),
             Place::Ground { ground_from_object } => ground_from_object.rotation.inverse() * Vector::z(),
-            Place::Nowhere => Vector::z(),
+            Place::Nowhere | Place::Scene { .. } => Vector::z(),
         };
         let measure = LoadMeasure::new(object, pads, self.hand.closing_force_n, up, Vec::new());
         Ok(Some((measure, mass_kg.is_none())))

@@ -9,7 +9,7 @@ use crate::arguments::Output;
 use crate::failure::Failure;
 use crate::{Answer, text};
 
-/// What `scenario check --json` prints.
+/// The document of `scenario check --json`.
 #[derive(Serialize)]
 struct Checked {
     scenario: String,

@@ -316,9 +316,9 @@ impl Placer {
         let up_in_held = world_from_held.rotation.inverse() * self.up();
         let tilt = |rest: &Rotation| (rest.inverse() * Vector::z() - up_in_held).norm();
         let tilt_rad = self.rests.iter().map(tilt).reduce(f64::min).unwrap_or(0.0);
-        let tilted = |most_rad: f64| {
+        let tilted = |most_rad: f64, among: &str| {
             (tilt_rad.is_nan() || tilt_rad > most_rad)
-                .then(|| format!("it is {:.2}° from any way to rest", tilt_rad.to_degrees()))
+                .then(|| format!("it is {:.2}° from any way to rest{among}", tilt_rad.to_degrees()))
         };
         let (on, world_from_surface, size_m) = match &self.goal.spot {
             PlaceSpot::Target(pose) => {
@@ -327,7 +327,7 @@ impl Placer {
                     let (mm, degrees) = (off.translation_m * 1e3, off.rotation_rad.to_degrees());
                     return Some(format!("it is {mm:.2} mm and {degrees:.2}° from where it is to be"));
                 }
-                return self.fault_of_rest(resting, None).or_else(|| tilted(MOST_TILT_RAD));
+                return self.fault_of_rest(resting, None).or_else(|| tilted(MOST_TILT_RAD, ""));
             }
             PlaceSpot::Surface { on, pose, size_m } => (on, pose, size_m),
         };
@@ -337,7 +337,7 @@ impl Placer {
         if !(-CONTACT_ALLOWANCE_M..=MOST_ABOVE_M).contains(&above_m) {
             return Some(format!("it is {:.2} mm above '{name}'", above_m * 1e3));
         }
-        if let Some(fault) = tilted(EXACT_ROTATION_RAD) {
+        if let Some(fault) = tilted(EXACT_ROTATION_RAD, " that is likely and stays in a tilt of 5°") {
             return Some(fault);
         }
         let over_m = self.over_edge_m(world_from_surface, size_m, world_from_held);

@@ -29,11 +29,11 @@ pub enum PlaceSpot {
     Target(Pose),
 }
 
-/// What is round lies if its axis is within this of level, as a cosine (5°).
+/// Cosine of the least angle between the vertical and the axis of a round body that lies on its side: 5° from level.
 const LYING: f64 = 0.0872;
 
 impl PlaceGoal {
-    /// Reason, in words, for which a body of a world, with this resistance to rolling (m), rolls away from here: it is a ball,
+    /// The reason, in words, for which a body of a world, with this resistance to rolling (m), rolls away from here: it is a ball,
     /// or lies on its round side, and no resistance is stated.
     pub(crate) fn rolls_away(&self, world: &World, body: usize, rolling_m: Option<f64>) -> Option<String> {
         if rolling_m.is_some_and(|rolling_m| rolling_m > 0.0) {

@@ -4,14 +4,15 @@ use cranny_spatial::{Rotation, Vector};
 
 /// Ways to rest that are less likely when the object is dropped are not asked for.
 const LEAST_PROBABILITY: f64 = 0.05;
-/// Where an object rests in another way than now, it stands within a tilt of so much (5°).
+/// Least tilt in which a way to rest other than the present one must stay, in radians (5°).
 const LEAST_TILT_RAD: f64 = 0.0873;
 /// At rest, an object is within this of a stable pose, as the chord of an angle (rad): such a one is tried first.
 const AS_IT_RESTS_RAD: f64 = 0.1;
 
 /// The rotations of a body's first solid in which it rests on level ground, turns about the vertical aside, from a frame
-/// whose z axis is up: those that are likely ([`stable_rests`]) and stay in a tilt of 5°, first the one in which it is now. A sphere rests in any,
-/// and so does, for want of better, what has no volume or stays in no such tilt: of these the present one.
+/// whose z axis is up: those that are likely ([`stable_rests`]) and stay in a tilt of 5°, first the one in which it is now.
+/// A sphere rests in any, and so does, for want of better, what has no volume or stays in no such tilt: of these the
+/// present one.
 pub(crate) fn rests(body: &Body, extent: &Extent, level_from_world: &Rotation) -> Vec<Rotation> {
     let stable = stable_rests(body, extent, level_from_world, [LEAST_PROBABILITY, LEAST_TILT_RAD]);
     stable.filter(|rests| !rests.is_empty()).unwrap_or_else(|| {
@@ -23,8 +24,8 @@ pub(crate) fn rests(body: &Body, extent: &Extent, level_from_world: &Rotation) -
     })
 }
 
-/// The rotations of all stable poses of a body ([`stable_poses`]) of at least this probability and tilt (rad), with the centre of
-/// mass that its extent gives, first the one in which it is now, which is among them in any case;
+/// The rotations of all stable poses of a body ([`stable_poses`]) of at least this probability and tilt (rad), with the
+/// centre of mass that its extent gives, first the one in which it is now, which is among them in any case;
 /// `None` for a sphere and for what has no volume.
 pub(crate) fn stable_rests(
     body: &Body,
@@ -49,8 +50,8 @@ pub(crate) fn stable_rests(
     let rotations = stable.iter().enumerate().filter_map(|(index, pose)| {
         let rest = pose.ground_from_body.rotation;
         let is_likely = index == 0 || pose.probability >= least_probability;
-        let is_likely = is_likely && pose.tilt_rad.is_some_and(|tilt_rad| tilt_rad >= least_tilt_rad);
-        (is_likely || is_now(&rest)).then_some(rest)
+        let is_steady = pose.tilt_rad.is_some_and(|tilt_rad| tilt_rad >= least_tilt_rad);
+        ((is_likely && is_steady) || is_now(&rest)).then_some(rest)
     });
     let mut rests: Vec<Rotation> = rotations.collect();
     rests.sort_by_key(|rest| !is_now(rest));
