@@ -51,8 +51,8 @@ impl PlaceGoal {
         };
         rolls.then(|| {
             format!(
-                "{} rolls away from '{}': no resistance to rolling is stated for it (`rolling_m`, in metres; 0.0003 for a \
-                 hard ball)",
+                "{} rolls away from '{}': no resistance to rolling is stated for it (`rolling_m` beside its `mass_kg`, in metres; \
+                 0.0003 for a hard ball)",
                 body.name, self.name
             )
         })
