@@ -178,8 +178,7 @@ fn scene_of(scenario: &Scenario, plan: Option<&PyPlan>, rate_hz: f64) -> PyResul
 /// When a plan is where, if it is one for the robot of the scenario.
 fn timed_in(scenario: &Scenario, plan: &PyPlan) -> PyResult<Option<TaskTrajectory>> {
     plan.file.check_joints(Path::new(IN_MEMORY), &scenario.robot).map_err(fault)?;
-    let cell = plan.task.problem.cell().map(AsRef::as_ref);
-    plan.file.trajectory(&scenario.robot, cell).map_err(fault)
+    plan.file.trajectory(&scenario.robot).map_err(fault)
 }
 
 fn standard_view(name: &str) -> PyResult<StandardView> {

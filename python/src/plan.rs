@@ -292,7 +292,7 @@ impl PyPlan {
         let judged = || {
             Ok::<_, PlanError>((
                 file.judge(&task.source, &task.problem, AuditSettings::default())?,
-                file.trajectory(task.problem.robot(), task.problem.cell().map(AsRef::as_ref))?,
+                file.trajectory(task.problem.robot())?,
             ))
         };
         let (judgement, trajectory) = py.detach(judged).map_err(fault)?;

@@ -1,12 +1,13 @@
 //! `plan`: from a task to a proven, timed path.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
 
 use cranny_collision::Margins;
-use cranny_path::{AuditSettings, audit_with};
+use cranny_path::{AuditSettings, TimingMethod, audit_with};
 use cranny_plan::Observer;
-use cranny_record::{Ask, CarryWord, PlanFile, TaskWord};
+use cranny_record::{Ask, CarryWord, PaceWord, PaceWords, PlanFile, TaskWord, mode_of};
 use cranny_robot::Robot;
 use cranny_sim::{Tried, solve_in_physics};
 use cranny_solve::{PoseRadius, solve};
@@ -35,6 +36,21 @@ fn carry_of(value: &Bound<'_, PyAny>, robot: &Robot) -> PyResult<CarryWord> {
         };
     }
     Ok(CarryWord::Configurations(Configurations::read(value, "carry", robot)?.rows(robot.dof())?))
+}
+
+/// Limits of motions: a number, or numbers by mode.
+fn pace_of(what: &str, value: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<PaceWord>> {
+    let Some(value) = value else { return Ok(Vec::new()) };
+    if let Ok(value) = value.extract::<f64>() {
+        return Ok(vec![PaceWord { mode: None, value }]);
+    }
+    let expected = || bad_value(format!("{what} is no number, and no dict from modes to numbers"));
+    let by_mode: BTreeMap<String, f64> = value.extract().map_err(|_| expected())?;
+    let word = |(name, value): (String, f64)| {
+        let mode = if name == "all" { None } else { Some(mode_of(&name).map_err(bad_value)?) };
+        Ok(PaceWord { mode, value })
+    };
+    by_mode.into_iter().map(word).collect()
 }
 
 /// The name of a task, or its stages.
@@ -84,8 +100,11 @@ pub fn seconds(what: &str, value: f64) -> PyResult<Duration> {
 /// seconds: those that cost less, by `cost` ("length", each joint weighted by how far it moves the arm, in metres; "l2",
 /// plain; "time", the seconds of the trajectory; "clearance", the length, up to eleven times as much where the robot is
 /// nearer than 20 mm to the world) less `score_weight` for a grasp of score 1. The path gets its time:
-/// `jerk_limited` within limits of jerk too, `blend` with corners cut where that is proven free; a robot without the
-/// limits for either is refused, for neither its plan has no time. `carry`: "home", "out", or a configuration (dof,) or
+/// `jerk_limited` within limits of jerk too (None: where the robot states them; True: a robot without them is refused);
+/// corners are rounded where the curve is proven free, unless `blend` is False. `speed`, `acceleration`: shares, above 0 and
+/// at most 1, of the joints' limits; `tool_speed_m_s`: greatest speed of the gripper frame in m/s; each a number for all
+/// motions, or a dict from modes ("reach", "carry", …; "all") to numbers. An object is put down with 0.1 m/s at most unless
+/// `tool_speed_m_s` states another speed for "set-down". `carry`: "home", "out", or a configuration (dof,) or
 /// several (N, dof), where the target is carried to once it is grasped; "out" is anywhere it is `clear_m` (m) clear of all
 /// bodies but floors. A grasp that it cannot be carried away from is none, and `plan.segments` are the pieces. `place`: the
 /// name of one of `scenario.places`, where the target is put down instead; the hand opens, goes `clear_m` off it, and the
@@ -103,7 +122,8 @@ pub fn seconds(what: &str, value: f64) -> PyResult<Duration> {
 #[pyfunction]
 #[pyo3(signature = (scenario, planner=None, *, seed=0, time_limit_s=120.0, iterations=None, margin_m=0.0,
     grasp_margin_m=None, strict_pairs=false, settings=None, goal_threshold=None, shortcut=true, optimise_s=None,
-    cost="length", score_weight=1.0, jerk_limited=false, blend=false, score=None, min_score=None,
+    cost="length", score_weight=1.0, jerk_limited=None, blend=true, speed=None,
+    acceleration=None, tool_speed_m_s=None, score=None, min_score=None,
     carry=None, place=None, task=None, then=None, clear_m=None, robust=None, hold=1.5, try_in_physics=None, watch=None))]
 #[allow(
     clippy::too_many_arguments,
@@ -125,8 +145,11 @@ pub fn plan(
     optimise_s: Option<f64>,
     cost: &str,
     score_weight: f64,
-    jerk_limited: bool,
+    jerk_limited: Option<bool>,
     blend: bool,
+    speed: Option<&Bound<'_, PyAny>>,
+    acceleration: Option<&Bound<'_, PyAny>>,
+    tool_speed_m_s: Option<&Bound<'_, PyAny>>,
     score: Option<&str>,
     min_score: Option<f64>,
     carry: Option<&Bound<'_, PyAny>>,
@@ -176,8 +199,17 @@ pub fn plan(
         optimise: optimise_s.map(|time_s| seconds("optimise_s", time_s)).transpose()?,
         cost: cost.parse().map_err(|_| one_of("cost", cost, "'length', 'l2', 'time' or 'clearance'"))?,
         score_weight,
-        jerk_limited,
-        blend,
+        timing: jerk_limited.map(
+            |limited| {
+                if limited { TimingMethod::JerkLimited } else { TimingMethod::TimeOptimal }
+            },
+        ),
+        stops: !blend,
+        paces: PaceWords {
+            speed: pace_of("speed", speed)?,
+            acceleration: pace_of("acceleration", acceleration)?,
+            tool_speed: pace_of("tool_speed_m_s", tool_speed_m_s)?,
+        },
         carry: carry.map(|carry| carry_of(carry, asked.problem.robot())).transpose()?,
         place,
         task: task.map(task_of).transpose()?,

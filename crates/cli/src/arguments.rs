@@ -5,7 +5,8 @@ use clap::builder::ArgPredicate;
 use clap::{Args, ValueEnum};
 use cranny_collision::Margins;
 use cranny_grasp::{GraspSet, ScoreKind};
-use cranny_path::{CostKind, MAX_SAMPLE_RATE_HZ};
+use cranny_path::{CostKind, MAX_SAMPLE_RATE_HZ, TimingMethod};
+use cranny_record::PaceWord;
 use cranny_scenario::{Geometry, GivenGrasps};
 use cranny_solve::{DEFAULT_HOLD, PoseRadius};
 use cranny_task::{AfterPlacing, Criterion};
@@ -207,12 +208,29 @@ pub struct PlanArguments {
     /// every joint, at so many samples a second
     #[arg(long, value_name = "HZ", value_parser = sample_rate)]
     pub rate: Option<f64>,
-    /// Time the path under limits of jerk too, not of velocity and acceleration alone
-    #[arg(long)]
+    /// Limits that the trajectory keeps [default: jerk-limited where the robot states limits of jerk, else
+    /// time-optimal]
+    #[arg(long, value_enum)]
+    pub timing: Option<TimingArgument>,
+    /// Short for --timing jerk-limited
+    #[arg(long, conflicts_with = "timing")]
     pub jerk_limited: bool,
-    /// Cut corners of the path where its clearance proves that free, instead of a stop at each
-    #[arg(long, conflicts_with = "jerk_limited")]
+    /// Stop at each corner of the path, instead of rounding those whose curve is proven free
+    #[arg(long)]
+    pub stop_at_corners: bool,
+    /// Round corners, the default
+    #[arg(long, hide = true, conflicts_with = "stop_at_corners")]
     pub blend: bool,
+    /// Share of the joints' limits of velocity, above 0 and at most 1, of all motions or of one kind (carry=0.2); repeatable
+    #[arg(long, value_name = "[MODE=]SHARE")]
+    pub speed: Vec<PaceWord>,
+    /// The same of the limits of acceleration
+    #[arg(long, value_name = "[MODE=]SHARE")]
+    pub acceleration: Vec<PaceWord>,
+    /// Greatest speed of the gripper frame in m/s, of all motions or of one kind (carry=0.25); repeatable [default:
+    /// set-down=0.1]
+    #[arg(long, value_name = "[MODE=]M/S")]
+    pub tool_speed: Vec<PaceWord>,
     /// Where to write the plan, a failed search too [default: ID.plan.json in this folder, solved plans alone]
     #[arg(long, short, value_name = "FILE")]
     pub output: Option<PathBuf>,
@@ -321,6 +339,23 @@ impl From<CostArgument> for CostKind {
             CostArgument::L2 => Self::L2,
             CostArgument::Time => Self::Time,
             CostArgument::Clearance => Self::Clearance,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum TimingArgument {
+    /// Those of velocity and acceleration: the fastest
+    TimeOptimal,
+    /// Those of jerk too: accelerations change smoothly
+    JerkLimited,
+}
+
+impl From<TimingArgument> for TimingMethod {
+    fn from(argument: TimingArgument) -> Self {
+        match argument {
+            TimingArgument::TimeOptimal => Self::TimeOptimal,
+            TimingArgument::JerkLimited => Self::JerkLimited,
         }
     }
 }

@@ -210,9 +210,9 @@ impl PlanReader {
     }
 
     /// The plan of a task, as that of the scenario if it has the same stages.
-    pub fn plan(&self, stages: Vec<Stage>, blend: bool) -> Value {
+    pub fn plan(&self, stages: Vec<Stage>, rounds: bool) -> Value {
         let problem = self.scenario.problem(self.source.margins).unwrap();
-        let timing = Some(Timing { blend, ..Timing::default() });
+        let timing = Some(Timing { stops: !rounds, ..Timing::default() });
         let request = Request { stages, timing, robustness: true, ..Request::default() };
         let answer = solve(&problem, &request, &mut Unobserved).unwrap();
         assert!(answer.is_solved());
@@ -264,11 +264,11 @@ fn no_key_of_a_plan_is_changed_unseen() {
     };
     let carry = |goal: Move| vec![Stage::pick(), Stage::Move(goal)];
     check("a reach", "021", &|reader| reader.plan(Vec::new(), false), 60);
-    check("cut corners", "021", &|reader| reader.plan(Vec::new(), true), 8);
-    check("a carry", "035", &|reader| reader.plan(carry(Move::Home), false), 15);
+    check("rounded corners", "021", &|reader| reader.plan(Vec::new(), true), 8);
+    check("a carry", "035", &|reader| reader.plan(carry(Move::Home), true), 15);
     check("a carry out", "035", &|reader| reader.plan(carry(Move::Clear { clear_m: 0.05 }), false), 4);
     let place = vec![Stage::pick(), Stage::place("outside"), Stage::home()];
-    check("a place", "012", &|reader| reader.plan(place.clone(), false), 8);
+    check("a place", "012", &|reader| reader.plan(place.clone(), true), 8);
     let steps = |reader: &PlanReader| reader.plan(reader.scenario.task(STEPS).unwrap().stages.clone(), false);
     check("steps", "235", &steps, 4);
     assert!(silent.is_empty(), "{silent:#?}");

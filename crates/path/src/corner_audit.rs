@@ -1,36 +1,67 @@
-use cranny_collision::{Cell, Contact, Measuring, Motion, Scratch};
-use cranny_task::Problem;
+use cranny_collision::{Cell, Motion};
+use cranny_task::{RoundedCorner, Segment, StatesAlong};
 
-use crate::{Audit, AuditSettings, Clearances, CutCorner, Violation};
+use crate::{Audit, AuditSettings, Clearances, Violation};
 
-/// Judges the corners that a trajectory along a path cuts, and adds that to what was found of its edges: a verdict, and
-/// clearances, that hold for the edges and for the curve that is executed. Under `paper` there is nothing to judge.
+/// How far the clearance of a rounded corner may lie below the truth, as a share of it.
+const SHARE: f64 = 0.02;
+
+/// Judges the rounded corners of segments, and adds that to what was found of their edges: a verdict, and clearances, that
+/// hold for the edges and for the curve that is executed. Edges are counted through all segments.
 ///
-/// Every chord of a corner is proven to keep what is demanded and, besides, its distance from the curve. The clearance of a
-/// corner, certified from below, counts for both edges between which it lies.
-pub fn audit_cut_corners(
-    problem: &Problem,
-    corners: &[CutCorner],
-    settings: AuditSettings,
+/// Every curve is proven from its control points in the state along its segment, where an object in the hand is an obstacle
+/// to what carries it; the clearance, certified from below, counts for both edges between which it lies.
+pub(crate) fn audit_corners(
     audit: &mut Audit,
+    segments: &[Segment],
+    along: &StatesAlong,
+    settings: AuditSettings,
 ) {
-    let Some(cell) = problem.cell().filter(|_| !corners.is_empty()) else { return };
-    let scratch = &mut cell.scratch();
-    for corner in corners {
-        let fault = corner.chords.windows(2).find_map(|chord| fault_of(cell, chord, corner, scratch));
-        let clearance_m = match (&fault, settings.clearances) {
-            (None, Clearances::None) => continue,
-            (None, _) => clearance_m(cell, corner, scratch),
-            (Some(_), _) => Ok(Some(0.0)),
+    let mut before = 0;
+    for (segment, state) in segments.iter().zip(&along.states) {
+        if !segment.corners.is_empty() {
+            let judge = CornerJudge { cell: state.cell(), settings };
+            for corner in &segment.corners {
+                judge.judge(audit, corner, before + corner.waypoint);
+            }
+        }
+        before += segment.waypoints.len().saturating_sub(1);
+    }
+    audit.valid = audit.violations.is_empty();
+}
+
+struct CornerJudge<'a> {
+    cell: &'a Cell,
+    settings: AuditSettings,
+}
+
+impl CornerJudge<'_> {
+    /// Judges a corner that lies between an edge and the one before it.
+    fn judge(&self, audit: &mut Audit, corner: &RoundedCorner, edge: usize) {
+        let (cell, points) = (self.cell, &corner.control_points);
+        let (reach, scratch) = (cell.reach(), &mut cell.scratch());
+        let fault = match cell.curve_is_free(points, &reach, scratch) {
+            Motion::Contact { contact, .. } | Motion::Unresolved { contact, .. } => {
+                Some(Violation::of_contact(cell, edge - 1, 1.0, &contact))
+            }
+            // Its ends lie on edges, and it in the triangle of way points, whose limits are judged.
+            Motion::Proven | Motion::OutOfLimits { .. } => None,
         };
-        let (clearance_m, contradiction) = match clearance_m {
+        let measured = match (&fault, self.settings.clearances) {
+            (None, Clearances::None) => return,
+            (None, _) => cell.curve_clearance(points, SHARE, &reach, scratch),
+            (Some(_), _) => Ok(0.0),
+        };
+        let (clearance_m, contradiction) = match measured {
             Ok(clearance_m) => (clearance_m, None),
-            // The corner lies where its first edge ends.
-            Err(contact) => (Some(0.0), Some(Violation::of_contact(cell, corner.edges[0], 1.0, &contact))),
+            Err(contact) => (0.0, Some(Violation::of_contact(cell, edge - 1, 1.0, &contact))),
         };
         audit.violations.extend(fault.or(contradiction));
+        if !clearance_m.is_finite() {
+            return;
+        }
         let lower = |known: &mut Option<f64>| {
-            *known = known.iter().copied().chain(clearance_m).reduce(f64::min);
+            *known = Some(known.map_or(clearance_m, |known| known.min(clearance_m)));
         };
         let of_edges = audit.clearance_m;
         lower(&mut audit.clearance_m);
@@ -38,38 +69,12 @@ pub fn audit_cut_corners(
             // A pair that limits an edge is not what limits the corner.
             audit.clearance_limit = None;
         }
-        if settings.clearances == Clearances::OfEdges {
-            for edge in corner.edges {
-                lower(&mut audit.clearances_per_edge_m[edge]);
+        if self.settings.clearances == Clearances::OfEdges {
+            for edge in [edge - 1, edge] {
+                if let Some(known) = audit.clearances_per_edge_m.get_mut(edge) {
+                    lower(known);
+                }
             }
         }
     }
-    audit.valid = audit.violations.is_empty();
-}
-
-/// Violation by a chord of a corner, if there is one.
-fn fault_of(cell: &Cell, chord: &[Vec<f64>], corner: &CutCorner, scratch: &mut Scratch) -> Option<Violation> {
-    match cell.motion_beyond(corner.deviation_m, &chord[0], &chord[1], scratch) {
-        Motion::Contact { contact, .. } | Motion::Unresolved { contact, .. } => {
-            Some(Violation::of_contact(cell, corner.edges[0], 1.0, &contact))
-        }
-        Motion::Proven | Motion::OutOfLimits { .. } => None,
-    }
-}
-
-/// The least distance along a corner, in metres, certified from below; `None` where there is nothing to touch.
-///
-/// # Errors
-/// A pair that was measured closer than it may be, whatever was proven.
-fn clearance_m(cell: &Cell, corner: &CutCorner, scratch: &mut Scratch) -> Result<Option<f64>, Contact> {
-    let (mut seen_m, mut least_m) = (f64::INFINITY, f64::INFINITY);
-    for chord in corner.chords.windows(2) {
-        let measuring = Measuring { below_m: seen_m, ..Measuring::default() };
-        let measured = cell.measure_motion([&chord[0], &chord[1]], measuring, scratch);
-        if let Some((_, contact)) = measured.contradiction {
-            return Err(contact);
-        }
-        (seen_m, least_m) = (measured.seen_m, least_m.min(measured.least_m));
-    }
-    Ok(least_m.is_finite().then(|| (least_m - corner.deviation_m).max(0.0)))
 }

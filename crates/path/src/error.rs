@@ -32,18 +32,14 @@ pub enum PathError {
         /// The limit.
         value: f64,
     },
-    /// A share of the speed is none.
-    #[error("{share} is no share of the speed; it must be above 0 and at most 1")]
-    Speed {
-        /// The share.
-        share: f64,
+    /// A corner is not rounded evenly under these limits of velocity.
+    #[error(
+        "the corner at way point {waypoint} is not rounded evenly: it was made for joints with other limits of velocity"
+    )]
+    UnevenCorner {
+        /// Index of the way point.
+        waypoint: usize,
     },
-    /// Corners are cut under limits of acceleration only.
-    #[error("corners cannot be cut where jerk is limited: a parabola begins with a jump of the acceleration")]
-    BlendedJerk,
-    /// Corners are cut on the way to a grasp only.
-    #[error("corners cannot be cut where an object is carried: what is in the hand was not compared there")]
-    BlendedTask,
     /// A trajectory cannot be sampled at this rate.
     #[error("a trajectory is sampled at more than 0 and at most {greatest_hz} Hz, not at {rate_hz}")]
     SampleRate {

@@ -17,7 +17,6 @@ mod wall_clock;
 
 pub use audit::{Audit, AuditSettings, Clearances, arrival_at, audit, audit_with, path_length};
 pub use clearance_limit::{AppliedMargin, ClearanceLimit};
-pub use corner_audit::audit_cut_corners;
 pub use error::PathError;
 pub use grasp_judge::GraspJudge;
 pub use joint_metric::JointMetric;
@@ -26,7 +25,8 @@ pub use pick_audit::PickAudit;
 pub use shortcut::{STOP, ShortcutSettings, Shortened, Shortener, shortcut};
 pub use step::{RELEASED_STEP_M, Stepper};
 pub use task_audit::{audit_along, audit_task};
-pub use timing::corner_blend::CutCorner;
 pub use timing::motion_limits::{MotionLimits, TimingMethod};
+pub use timing::piece_limits::EdgePace;
+pub use timing::rounding::CurvedPath;
 pub use timing::trajectory::{MAX_SAMPLE_RATE_HZ, Trajectory, TrajectorySample, sample_times};
 pub use violation::{Cause, GoalError, JointOffset, Location, Violation};

@@ -4,6 +4,7 @@ use cranny_task::{
     StatesAlong, are_complete, check_segments, joined,
 };
 
+use crate::corner_audit::audit_corners;
 use crate::{Audit, AuditSettings, Cause, Location, PathError, PickAudit, Violation, audit_with};
 
 /// Tolerance on the finger opening that is stated, in metres.
@@ -66,6 +67,7 @@ pub fn audit_along(
         }
         before += segment.waypoints.len() - 1;
     }
+    audit_corners(&mut audit, known, along, settings);
     match &along.stopped {
         Some(reason) => {
             audit.violations.push(Violation::at_way_point(before, Cause::Grip { reason: reason.clone() }));

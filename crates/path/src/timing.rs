@@ -1,9 +1,10 @@
 //! When to be where on a path: limits, laws of time, trajectories.
 
-pub(crate) mod corner_blend;
-pub(crate) mod jerk_limited;
 pub(crate) mod motion_limits;
 pub(crate) mod path_curve;
+pub(crate) mod piece_limits;
+pub(crate) mod rounding;
+pub(crate) mod s_curve;
 pub(crate) mod time_law;
 pub(crate) mod time_optimal;
 #[cfg(test)]

@@ -3,13 +3,13 @@
 use cranny_collision::{Body, Margins, World};
 use cranny_grasp::Grasp;
 use cranny_path::{
-    Audit, AuditSettings, MotionLimits, TimingMethod, Trajectory, Violation, audit, audit_cut_corners,
+    Audit, AuditSettings, CurvedPath, MotionLimits, TimingMethod, Trajectory, Violation, audit, audit_task,
     path_length,
 };
 use cranny_robot::{JointLimits, JointUnit};
 use cranny_shape::Solid;
 use cranny_spatial::{CONTACT_M, Pose, Vector};
-use cranny_task::{Goal, Problem};
+use cranny_task::{Goal, Problem, Segment, Stage};
 
 use crate::fixture::{ball, block, exact, grasps, paper};
 
@@ -57,7 +57,7 @@ fn kinds(verification: &Audit) -> Vec<&'static str> {
 
 /// The clearance of the edges is not that of the curve that cuts their corner past a post.
 #[test]
-fn the_clearance_of_a_path_whose_corners_are_cut_is_that_of_the_curve() {
+fn the_clearance_of_a_path_with_rounded_corners_is_that_of_the_curve() {
     let corner = [[-0.98, 0.0, 0.0], [0.0; 3], [0.0, 0.98, 0.0]];
     let path = corner.map(|q| q.to_vec());
     let post = |at: f64| {
@@ -76,13 +76,15 @@ fn the_clearance_of_a_path_whose_corners_are_cut_is_that_of_the_curve() {
         unit: JointUnit::Metre,
     };
     let limits = MotionLimits::new(cell.robot().joint_names(), &[joint; 3], TimingMethod::TimeOptimal);
-    let trajectory = Trajectory::blended(&path, &limits.expect("limits"), cell).expect("a trajectory");
+    let limits = limits.expect("limits");
+    let corners = CurvedPath::stopping(&path).rounded(&limits, |_, _| true);
+    let curved = CurvedPath { corners: &corners, ..CurvedPath::stopping(&path) };
+    let trajectory = Trajectory::along_curve(&curved, &limits).expect("a trajectory");
     let edges = verify_path(&problem, &corner);
-    let settings = AuditSettings::default();
     let judged = |problem: &Problem| {
-        let mut judged = verify_path(problem, &corner);
-        audit_cut_corners(problem, trajectory.cut_corners(), settings, &mut judged);
-        judged
+        let segment = Segment { corners: corners.clone(), ..Segment::reach(path.to_vec(), Vec::new()) };
+        let stages = Stage::of_goal(problem);
+        audit_task(problem, &stages, &[segment], AuditSettings::default()).expect("a path")
     };
     let curve = judged(&problem);
     assert!(curve.valid, "{:?}", curve.violations);
@@ -91,7 +93,7 @@ fn the_clearance_of_a_path_whose_corners_are_cut_is_that_of_the_curve() {
     let samples = trajectory.samples(2000.0).expect("samples");
     let seen_m =
         samples.map(|sample| cell.clearance(&sample.position, &mut scratch)).fold(f64::INFINITY, f64::min);
-    assert!(of_curve_m <= seen_m && of_curve_m > seen_m - 1e-4, "{of_curve_m} {seen_m}");
+    assert!(of_curve_m <= seen_m && of_curve_m > 0.98 * seen_m - 1e-4, "{of_curve_m} {seen_m}");
     assert!(of_curve_m < of_edges_m - 5e-3, "{of_curve_m} {of_edges_m}");
     assert_eq!(curve.clearances_per_edge_m, [Some(of_curve_m); 2]);
     // A cell that asks for more than the curve keeps, and one in which it meets something.

@@ -9,7 +9,7 @@ use cranny_solve::{DEFAULT_HOLD, PoseRadius, Request, Timing};
 use cranny_task::{AfterPlacing, CLEAR_M, Move, PlaceAt, Problem, Stage};
 use serde_json::{Map, Value};
 
-use crate::RecordError;
+use crate::{PaceWords, RecordError};
 
 /// What is asked of a planner, in the words of flags and keywords: the only place where they become a [`Request`].
 #[derive(Clone, Debug)]
@@ -41,10 +41,12 @@ pub struct Ask {
     pub cost: CostKind,
     /// Weight of a grasp's score against the cost.
     pub score_weight: f64,
-    /// Times the path under limits of jerk too.
-    pub jerk_limited: bool,
-    /// Cuts corners.
-    pub blend: bool,
+    /// Limits that the time of the path keeps; `None`: those of jerk too where the robot states them.
+    pub timing: Option<TimingMethod>,
+    /// Stops at each corner, and rounds none.
+    pub stops: bool,
+    /// Speeds of the motions.
+    pub paces: PaceWords,
     /// Demands a trajectory.
     pub is_timing_demanded: bool,
     /// End of a carry.
@@ -100,8 +102,9 @@ impl Default for Ask {
             optimise: None,
             cost: CostKind::default(),
             score_weight: OptimiseSettings::default().score_weight,
-            jerk_limited: false,
-            blend: false,
+            timing: None,
+            stops: false,
+            paces: PaceWords::default(),
             is_timing_demanded: false,
             carry: None,
             place: None,
@@ -133,7 +136,6 @@ impl Ask {
             }
             _ => stages,
         };
-        let method = if self.jerk_limited { TimingMethod::JerkLimited } else { TimingMethod::TimeOptimal };
         let request = Request {
             registry: self.registry.clone(),
             planner: self.planner.clone(),
@@ -151,7 +153,12 @@ impl Ask {
                 ..OptimiseSettings::default()
             }),
             stages,
-            timing: Some(Timing { method, blend: self.blend, is_demanded: self.is_timing_demanded }),
+            timing: Some(Timing {
+                method: self.timing,
+                stops: self.stops,
+                is_demanded: self.is_timing_demanded,
+            }),
+            paces: self.paces.paces()?,
             audit: AuditSettings::default(),
             robustness: true,
             hold: Some(self.hold),

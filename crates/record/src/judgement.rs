@@ -2,7 +2,7 @@ use cranny_collision::Margins;
 use cranny_path::{Audit, AuditSettings, Clearances, path_length};
 use cranny_plan::{Outcome, PlanError};
 use cranny_scenario::NamedTask;
-use cranny_solve::{Hold, Robustness, TaskTrajectory};
+use cranny_solve::{Hold, Robustness};
 use cranny_task::{NotChecked, Problem, Segment, Stage, StatesAlong, give_clearances};
 use serde::Serialize;
 use serde_json::Value;
@@ -175,12 +175,10 @@ impl PlanFile {
         let along = self.states(problem)?;
         let along = along.as_ref();
         // The radii take as long as the verdict.
-        let (audit, robustness) = rayon::join(
-            || self.audit_along(along, problem, settings),
-            || self.measured_robustness(along, problem),
-        );
+        let (audit, robustness) =
+            rayon::join(|| self.audit_along(along, problem, settings), || self.measured_robustness(along));
         let Some(audit) = audit? else { return Ok(None) };
-        let robustness = robustness?.filter(|_| audit.valid);
+        let robustness = robustness.filter(|_| audit.valid);
         let hold = match along.filter(|_| self.hold.is_some() && audit.valid) {
             Some(along) => Hold::of(problem, along, &self.segments, self.timing_asked())?,
             None => None,
@@ -243,18 +241,9 @@ impl PlanFile {
     }
 
     /// The radii where the file states some.
-    fn measured_robustness(
-        &self,
-        along: Option<&StatesAlong>,
-        problem: &Problem,
-    ) -> Result<Option<Robustness>, PlanError> {
-        let Some(along) = along.filter(|_| self.robustness.is_some() && !self.waypoints.is_empty()) else {
-            return Ok(None);
-        };
-        let cell = problem.cell().filter(|_| self.is_blended()).map(AsRef::as_ref);
-        let trajectory = cell.map(|cell| self.trajectory(problem.robot(), Some(cell))).transpose()?.flatten();
-        let corners = trajectory.as_ref().map_or(&[][..], TaskTrajectory::cut_corners);
-        Ok(Robustness::of(along, &self.segments, corners))
+    fn measured_robustness(&self, along: Option<&StatesAlong>) -> Option<Robustness> {
+        let along = along.filter(|_| self.robustness.is_some() && !self.waypoints.is_empty())?;
+        Robustness::of(along, &self.segments)
     }
 
     /// The task of this name as its scenario has it, where the two differ in more than the distances that are demanded.
@@ -273,9 +262,8 @@ impl PlanFile {
         audit: &Audit,
         settings: AuditSettings,
     ) -> Result<Self, PlanError> {
-        let cell = problem.cell().map(AsRef::as_ref);
         let timing = match &self.timing {
-            Some(_) if audit.valid => self.trajectory(problem.robot(), cell)?.as_ref().map(PlanTiming::of),
+            Some(_) if audit.valid => self.trajectory(problem.robot())?.as_ref().map(PlanTiming::of),
             _ => None,
         };
         let (clearance_m, clearances_per_edge_m) = match settings.clearances {

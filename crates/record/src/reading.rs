@@ -2,7 +2,7 @@ use std::path::Path;
 
 use cranny_plan::Statistics;
 use cranny_scenario::ScenarioError;
-use cranny_task::{Move, Stage, check_segments, joined};
+use cranny_task::{Criterion, Move, Pace, Stage, check_segments, joined};
 use serde::Deserialize;
 use serde_json::{Map, Value};
 
@@ -33,8 +33,8 @@ fn check_task(path: &Path, plan: &PlanFile) -> Result<(), RecordError> {
         "its segments are not its way points and clearances".to_owned()
     } else if ends.any(|ends| ends.is_empty() || ends.iter().any(|end| end.len() != joints)) {
         format!("its 'task' moves to no configuration of {joints} values")
-    } else if !plan.task.is_empty() && plan.timing.as_ref().is_some_and(|timing| timing.blended) {
-        "its 'timing' is 'blended', but corners are not cut where an object is carried".to_owned()
+    } else if plan.criterion == Criterion::Paper && plan.segments.iter().any(|s| !s.corners.is_empty()) {
+        "its corners are rounded, but nothing is proven of them under 'paper'".to_owned()
     } else {
         return Ok(());
     };
@@ -84,7 +84,9 @@ impl PlanFile {
         };
         plan.check_waypoints(path, plan.joint_names.len())?;
         check_task(path, &plan)?;
-        Ok(plan)
+        // Plans of earlier versions cut corners by curves that no file states: their time cannot be computed anew.
+        let is_rounded = plan.segments.iter().any(|segment| !segment.corners.is_empty());
+        Ok(Self { timing: plan.timing.clone().filter(|timing| is_rounded || !timing.blended), ..plan })
     }
 
     fn of_value(path: &Path, plan: Map<String, Value>) -> Result<Self, RecordError> {
@@ -147,7 +149,12 @@ impl PlanFile {
         let left_out = self.tries.iter().filter_map(|tried| tried.left_out.as_ref());
         let left_out = left_out.flat_map(|grasp| grasp.world_from_gripper.into_iter().flatten());
         let hold = self.hold.iter().flat_map(|hold| hold.factor.into_iter().chain([hold.at_rest]));
-        let speeds = self.segments.iter().filter_map(|segment| segment.speed);
+        let speeds = self.segments.iter().flat_map(|segment| {
+            let points = segment.corners.iter().flat_map(|corner| corner.control_points.iter().flatten());
+            let Pace { velocity, acceleration, tool_m_s } = segment.pace;
+            let paces = [velocity, acceleration].into_iter().chain(tool_m_s).chain(segment.speed);
+            points.copied().chain(paces)
+        });
         let fields: [(&'static str, Vec<f64>); 16] = [
             ("own_grasp", own_grasp.collect()),
             ("waypoints", self.waypoints.concat()),

@@ -3,17 +3,17 @@ use cranny_solve::TaskTrajectory;
 use serde::{Deserialize, Serialize};
 
 /// When a path is run through. With the limits of the robot it determines the trajectory:
-/// [`Trajectory::along`](cranny_path::Trajectory::along) the way points by the same method, or [`Trajectory::blended`](cranny_path::Trajectory::blended).
+/// [`Trajectory::along_curve`](cranny_path::Trajectory::along_curve) the way points and rounded corners by the same method.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlanTiming {
     /// How the path was given its time.
     pub method: TimingMethod,
-    /// Whether corners are cut where that is proven, instead of a stop at each.
+    /// Whether a corner is rounded, instead of a stop at each.
     pub blended: bool,
     /// From the first way point to the last, in seconds.
     pub duration_s: f64,
-    /// When each way point is passed, or its cut corner half passed, in seconds.
+    /// When each way point is passed, or its rounded corner half passed, in seconds.
     pub waypoint_times_s: Vec<f64>,
     /// From when to when the hand closes or opens, in seconds, each time.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -25,7 +25,7 @@ impl PlanTiming {
     pub(crate) fn of(trajectory: &TaskTrajectory) -> Self {
         Self {
             method: trajectory.method(),
-            blended: trajectory.is_blended(),
+            blended: trajectory.is_rounded(),
             duration_s: trajectory.duration_s(),
             waypoint_times_s: trajectory.waypoint_times_s(),
             hand_s: trajectory.hand_motions().iter().map(|motion| [motion.from_s, motion.until_s]).collect(),

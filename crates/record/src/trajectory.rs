@@ -1,43 +1,23 @@
 use std::path::Path;
 
-use cranny_collision::Cell;
-use cranny_path::{Audit, AuditSettings, audit_along, audit_cut_corners, audit_task};
+use cranny_path::{Audit, AuditSettings, audit_along, audit_task};
 use cranny_plan::PlanError;
 use cranny_robot::Robot;
 use cranny_scenario::ScenarioError;
 use cranny_solve::{TaskTrajectory, Timing};
-use cranny_task::{Problem, Segment, Stage, StatesAlong, TaskError, joined, legs};
+use cranny_task::{Problem, Stage, StatesAlong, TaskError, joined, legs};
 
 use crate::PlanFile;
 
 impl PlanFile {
-    /// When to be where on the path, computed anew from the limits of the robot: as the plan's timing says; where it
-    /// has none, as fast as those of velocity and acceleration allow. `None` for a plan without a path, and for a
-    /// robot without the limits that this needs. `cell` is asked only where corners are to be cut ([`Self::is_blended`]).
+    /// When to be where on the path, computed anew from the limits of the robot: as the plan's timing states; where it
+    /// has none, as fast as the limits allow. `None` for a plan without a path, and for a robot without the limits that this
+    /// needs.
     ///
     /// # Errors
     /// [`PlanError`] for what is no path of the robot.
-    pub fn trajectory(
-        &self,
-        robot: &Robot,
-        cell: Option<&Cell>,
-    ) -> Result<Option<TaskTrajectory>, PlanError> {
-        self.trajectory_of(robot, cell, &self.segments)
-    }
-
-    /// The same of some of its segments.
-    ///
-    /// # Errors
-    /// As [`Self::trajectory`].
-    pub fn trajectory_of(
-        &self,
-        robot: &Robot,
-        cell: Option<&Cell>,
-        segments: &[Segment],
-    ) -> Result<Option<TaskTrajectory>, PlanError> {
-        // What the plan's own margins allow is what was executed, whatever others are demanded of it now.
-        let cell = cell.map(|cell| cell.with_margins(self.margins)).transpose().map_err(TaskError::from)?;
-        TaskTrajectory::of(self.timing_asked(), robot, cell.as_ref(), segments)
+    pub fn trajectory(&self, robot: &Robot) -> Result<Option<TaskTrajectory>, PlanError> {
+        TaskTrajectory::of(self.timing_asked(), robot, &self.segments)
     }
 
     /// The stages of the task in a problem.
@@ -50,11 +30,6 @@ impl PlanFile {
         legs(&self.segments).next().map(joined).unwrap_or_default()
     }
 
-    /// Whether its time is that of cut corners.
-    pub fn is_blended(&self) -> bool {
-        self.timing_asked().blend
-    }
-
     /// The state along each segment; `None` under `paper`.
     ///
     /// # Errors
@@ -63,10 +38,10 @@ impl PlanFile {
         StatesAlong::of(problem, &self.stages(problem), &self.segments)
     }
 
-    pub(crate) fn timing_asked(&self) -> Timing {
+    /// How the path gets its time.
+    pub fn timing_asked(&self) -> Timing {
         self.timing.as_ref().map_or_else(Timing::default, |timing| Timing {
-            method: timing.method,
-            blend: timing.blended,
+            method: Some(timing.method),
             ..Timing::default()
         })
     }
@@ -94,24 +69,10 @@ impl PlanFile {
             Some(along) => audit_along(problem, &stages, (&self.segments, along), settings)?,
             None => audit_task(problem, &stages, &self.segments, settings)?,
         };
-        let audit = if self.is_blended() { self.with_cut_corners(problem, audit, settings)? } else { audit };
         let first = audit.picks.first().map(|pick| pick.stage).zip(self.own_grasp);
         let others = self.picks.iter().filter_map(|pick| Some((pick.stage, pick.own_grasp?)));
         let said: Vec<_> = first.into_iter().chain(others).collect();
         Ok(Some(audit.with_said_grasps(&said)))
-    }
-
-    /// The audit of the edges, extended by that of the corners that the trajectory cuts.
-    fn with_cut_corners(
-        &self,
-        problem: &Problem,
-        mut audit: Audit,
-        settings: AuditSettings,
-    ) -> Result<Audit, PlanError> {
-        if let Some(trajectory) = self.trajectory(problem.robot(), problem.cell().map(AsRef::as_ref))? {
-            audit_cut_corners(problem, trajectory.cut_corners(), settings, &mut audit);
-        }
-        Ok(audit)
     }
 
     /// Whether the plan, which was read from `path`, moves the joints of a robot.
@@ -132,7 +93,7 @@ impl PlanFile {
 mod tests {
     use cranny_collision::Margins;
     use cranny_path::{TimingMethod, Trajectory};
-    use cranny_task::Mode;
+    use cranny_task::{Mode, Segment};
 
     use super::*;
     use crate::PlanTiming;
@@ -158,8 +119,8 @@ mod tests {
         let scenario = Scenario::open("021", &OpenOptions::default()).unwrap();
         let problem = scenario.problem(Margins::default()).unwrap();
         let (plan, robot) = (plan(&scenario), &scenario.robot);
-        assert_eq!(plan.trajectory(robot, None).unwrap().unwrap().method(), TimingMethod::TimeOptimal);
-        let method = TimingMethod::JerkLimited;
+        assert_eq!(plan.trajectory(robot).unwrap().unwrap().method(), TimingMethod::JerkLimited);
+        let method = TimingMethod::TimeOptimal;
         let timing = PlanTiming {
             method,
             blended: false,
@@ -168,10 +129,10 @@ mod tests {
             hand_s: Vec::new(),
         };
         let smooth = PlanFile { timing: Some(timing), ..plan.clone() };
-        assert_eq!(smooth.trajectory(robot, None).unwrap().unwrap().method(), method);
+        assert_eq!(smooth.trajectory(robot).unwrap().unwrap().method(), method);
         let none = PlanFile { waypoints: Vec::new(), segments: Vec::new(), ..plan };
         assert!(
-            none.trajectory(robot, None).unwrap().is_none()
+            none.trajectory(robot).unwrap().is_none()
                 && none.audit(&problem, AuditSettings::default()).unwrap().is_none()
         );
     }
@@ -192,9 +153,8 @@ mod tests {
         assert_eq!(reaching.reach(), [start.clone(), end.clone(), start.clone()]);
         let carrying = PlanFile { segments: [there, back].concat(), ..reaching.clone() };
         assert_eq!(carrying.reach(), reaching.reach());
-        assert!(!carrying.is_blended());
         let durations = |plan: &PlanFile| {
-            let timed = plan.trajectory(&scenario.robot, None).unwrap().unwrap();
+            let timed = plan.trajectory(&scenario.robot).unwrap().unwrap();
             (timed.reach().duration_s(), timed.legs().get(1).map(Trajectory::duration_s))
         };
         let (reach_s, none) = durations(&reaching);

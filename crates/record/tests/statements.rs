@@ -210,7 +210,6 @@ fn ends_and_times_that_no_path_can_have_are_refused() {
         let fault = read(&other).unwrap_err().to_string();
         assert!(fault.contains("x.plan.json") && fault.contains(says), "{fault}");
     };
-    refused(changed(&plan, "/timing/blended", json!(true)), "corners are not cut where an object is carried");
     refused(changed(&plan, "/task/1/move", json!([])), "moves to no configuration");
     refused(changed(&plan, "/task/1/move", json!([[0.0]])), "moves to no configuration");
     refused(

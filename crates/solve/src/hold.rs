@@ -130,7 +130,7 @@ impl FirmGrip {
         leg: &[Segment],
         timing: Timing,
     ) -> Result<Option<f64>, PlanError> {
-        let Some(timed) = TaskTrajectory::of(timing, problem.robot(), None, leg)? else { return Ok(None) };
+        let Some(timed) = TaskTrajectory::of(timing, problem.robot(), leg)? else { return Ok(None) };
         Ok(Some(self.factor(&self.states(problem.robot(), timed.reach())?, 1.0)))
     }
 
@@ -169,8 +169,11 @@ pub(crate) fn hold_firmly(
         if grip.at_rest(problem.robot(), &path) < demanded {
             return Ok(Err(FailureReason::Slips));
         }
-        let Some(leg) = timing.along(problem.robot(), None, &path)? else { continue };
-        let Some(mut share) = grip.fastest(&grip.states(problem.robot(), &leg)?, demanded) else {
+        let Some(leg) = TaskTrajectory::of(timing, problem.robot(), &segments[range.clone()])? else {
+            continue;
+        };
+        let states = grip.states(problem.robot(), leg.reach())?;
+        let Some(mut share) = grip.fastest(&states, demanded) else {
             return Ok(Err(FailureReason::Slips));
         };
         // Samples of the slower motion may lie nearer to where its load is greatest.

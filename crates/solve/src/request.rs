@@ -1,11 +1,12 @@
 use cranny_grasp::{Grasp, GraspError, GraspSet, ScoreKind};
-use cranny_path::{AuditSettings, MotionLimits, TimingMethod};
+use cranny_path::{AuditSettings, MotionLimits, PathError, TimingMethod, Trajectory};
 use cranny_plan::{Budget, OptimiseSettings, Planner, Registry, default_planner};
+use cranny_robot::Robot;
 use cranny_spatial::{EXACT_ROTATION_RAD, EXACT_TRANSLATION_M, Pose, PoseDifference, Vector};
 use cranny_task::{Criterion, Goal, Problem, Stage, State, TaskError};
 use serde_json::{Map, Value};
 
-use crate::SolveError;
+use crate::{Paces, SolveError};
 
 /// How a problem is to be solved. The same problem and request give the same way points on every machine, unless time
 /// cuts the search short.
@@ -37,6 +38,8 @@ pub struct Request {
     pub stages: Vec<Stage>,
     /// How the path gets its time; `None` where nobody asks for a trajectory.
     pub timing: Option<Timing>,
+    /// How fast motions may be, besides the limits of the robot.
+    pub paces: Paces,
     /// What is judged of the path.
     pub audit: AuditSettings,
     /// Whether it is worked out how far things may be from where a path that holds has them: some milliseconds an edge.
@@ -65,6 +68,7 @@ impl Default for Request {
             optimise: None,
             stages: Vec::new(),
             timing: None,
+            paces: Paces::default(),
             audit: AuditSettings::default(),
             robustness: false,
             hold: Some(DEFAULT_HOLD),
@@ -81,13 +85,35 @@ pub const MOST_HOLD: f64 = 100.0;
 /// How a path gets its time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Timing {
-    /// Within limits of velocity and acceleration, or of jerk too.
-    pub method: TimingMethod,
-    /// Cut corners where that is proven free, instead of a stop at each.
-    pub blend: bool,
+    /// Within limits of velocity and acceleration, or of jerk too; `None`: of jerk too where the robot states them.
+    pub method: Option<TimingMethod>,
+    /// Stop at each corner, and do not round those whose curve is proven free.
+    pub stops: bool,
     /// Whether a robot without the limits that this needs is refused, and not answered without a trajectory. A jerk
-    /// limit and cut corners are always demanded.
+    /// limit is always demanded.
     pub is_demanded: bool,
+}
+
+impl Timing {
+    /// The limits of a robot that it needs.
+    ///
+    /// # Errors
+    /// As [`MotionLimits::new`].
+    pub fn limits(self, robot: &Robot) -> Result<MotionLimits, PathError> {
+        match self.method {
+            Some(method) => MotionLimits::of(robot, method),
+            None => MotionLimits::smoothest(robot),
+        }
+    }
+
+    /// A path of way points (m, rad; one value per joint) in time, with a stop at each corner; `None` for a robot without the
+    /// limits that this needs.
+    ///
+    /// # Errors
+    /// As [`Trajectory::along`].
+    pub fn along(self, robot: &Robot, path: &[Vec<f64>]) -> Result<Option<Trajectory>, PathError> {
+        self.limits(robot).ok().map(|limits| Trajectory::along(path, &limits)).transpose()
+    }
 }
 
 impl Request {
@@ -141,23 +167,13 @@ impl Request {
                 return refuse("criterion", problem.to_owned());
             }
             Stage::check_all(&self.stages, problem)?;
-            if self.timing.is_some_and(|timing| timing.blend) {
-                let problem = "corners are not cut where an object is in the hand; leave this out";
-                return refuse("blend", problem.to_owned());
-            }
         }
-        let Some(Timing { method, blend, is_demanded }) = self.timing else { return Ok(()) };
-        if blend && method == TimingMethod::JerkLimited {
-            return refuse(
-                "blend",
-                "corners are cut without limits of jerk; ask for one or the other".to_owned(),
-            );
+        if let Some((name, value, values)) = self.paces.fault() {
+            return refuse("pace", format!("'{value}' is no {name}; give a number {values}"));
         }
-        if blend && is_paper {
-            return refuse("blend", "only under the exact criterion is a cut corner proven".to_owned());
-        }
-        if is_demanded || blend || method == TimingMethod::JerkLimited {
-            MotionLimits::of(problem.robot(), method)?;
+        let Some(timing) = self.timing else { return Ok(()) };
+        if timing.is_demanded || timing.method == Some(TimingMethod::JerkLimited) {
+            timing.limits(problem.robot())?;
         }
         Ok(())
     }

@@ -1,5 +1,4 @@
-use cranny_collision::{Cell, Levers, PairGroup, StandingClearance};
-use cranny_path::CutCorner;
+use cranny_collision::{Cell, Chords, Levers, PairGroup, StandingClearance};
 use cranny_spatial::CONTACT_M;
 use cranny_task::{Segment, StatesAlong};
 use serde::{Deserialize, Serialize};
@@ -8,7 +7,7 @@ use serde::{Deserialize, Serialize};
 /// error by itself, and certified. `None`: however far, nothing is there to touch.
 ///
 /// The law: an error moves nothing farther than the least distance of the pairs that it moves against each other. Measured are
-/// all edges, the curve of every corner that is cut, and, where the object is carried, the fingers while the hand closes and
+/// all edges, the curve of every rounded corner, and, where the object is carried, the fingers while the hand closes and
 /// opens.
 ///
 /// | error of | pairs | during |
@@ -85,9 +84,9 @@ impl JointRadius {
 }
 
 impl Robustness {
-    /// Robustness of segments that are proven, with the state along each, and of the corners that their trajectory cuts;
-    /// `None` where a segment has no way point.
-    pub fn of(along: &StatesAlong, segments: &[Segment], cut_corners: &[CutCorner]) -> Option<Self> {
+    /// Robustness of segments that are proven, rounded corners included, with the state along each; `None` where a segment
+    /// has no way point.
+    pub fn of(along: &StatesAlong, segments: &[Segment]) -> Option<Self> {
         let mut all = Self::default();
         let states = || along.states.iter();
         for (index, (segment, state)) in segments.iter().zip(states()).enumerate() {
@@ -98,7 +97,8 @@ impl Robustness {
             let cell = state.cell();
             let mut rooms = vec![Rooms::along(cell, path, 0.0)];
             rooms.extend(
-                cut_corners.iter().map(|corner| Rooms::along(cell, &corner.chords, corner.deviation_m)),
+                rounded_corners(cell, segment)
+                    .map(|Chords { waypoints, deviation_m }| Rooms::along(cell, &waypoints, deviation_m)),
             );
             // The hand closes on, or opens off, what it holds along one of two segments.
             let next = states().nth(index + 1).filter(|next| next.held().is_some() != state.held().is_some());
@@ -121,6 +121,19 @@ impl Robustness {
         }
         Some(all)
     }
+}
+
+/// The rounded corners of a segment as chords, the finer the nearer something is.
+fn rounded_corners(cell: &Cell, segment: &Segment) -> impl Iterator<Item = Chords> {
+    /// Deviation as a share of the clearance, and its bounds, in metres.
+    const DEVIATION: f64 = 0.02;
+    const DEVIATIONS_M: [f64; 2] = [1e-5, 2e-3];
+    let reach = cell.reach();
+    segment.corners.iter().map(move |corner| {
+        let clearance_m = segment.clearances_m.get(corner.waypoint).copied().flatten();
+        let tolerance_m = clearance_m.map_or(DEVIATIONS_M[1], |clearance_m| DEVIATION * clearance_m);
+        Cell::chords_of(&corner.control_points, tolerance_m.clamp(DEVIATIONS_M[0], DEVIATIONS_M[1]), &reach)
+    })
 }
 
 /// Distances, in metres, by which the pairs that an error moves against each other are apart during some motion, less what
@@ -216,7 +229,7 @@ mod tests {
         let problem = Problem::exact(Arc::new(robot), world, None, start.clone(), goal, Margins::default());
         let segments = [Segment::reach(vec![start, end], Vec::new())];
         let along = StatesAlong::of(&problem.expect("a problem"), &[Stage::home()], &segments);
-        Robustness::of(&along.expect("states").expect("a cell"), &segments, &[]).expect("way points")
+        Robustness::of(&along.expect("states").expect("a cell"), &segments).expect("way points")
     }
 
     #[test]

@@ -2,10 +2,7 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 use std::time::Instant;
 
-use cranny_collision::Cell;
-use cranny_path::{
-    MotionLimits, ShortcutSettings, Trajectory, audit_along, audit_cut_corners, audit_task, shortcut,
-};
+use cranny_path::{ShortcutSettings, audit_along, audit_task, shortcut};
 use cranny_plan::{
     Budget, Improvement, NoGrasp, Observer, OptimiseSettings, Outcome, PlanError, PlanReport, Planner, Reach,
     Statistics, Unobserved, better, optimise, search,
@@ -18,6 +15,7 @@ use cranny_task::{
 
 use crate::chain::{Chain, Piece};
 use crate::hold::hold_firmly;
+use crate::rounding::round_corners;
 use crate::{
     Answer, Hold, Optimisation, Request, Robustness, Shortening, SolveError, TaskTrajectory, Timed, Timing,
 };
@@ -28,11 +26,10 @@ use crate::{
 ///    only if there is one through all that follow (see `chain.rs`).
 /// 2. A path under `exact` is shortened, unless it is to be kept or was bettered; that of `reach` to a grasp or a
 ///    configuration is bettered a little ([`OptimiseSettings::delivery`]).
-/// 3. Motions with an object in the hand are slowed down until the hand holds it firmly, if that is demanded
-///    ([`Request::hold`]).
-/// 4. Whatever was found is judged like anybody's path before it is called solved.
-/// 5. A path that holds gets its time, if that is asked; where corners are cut, the curve is judged too, and all that is
-///    measured holds for it.
+/// 3. If a trajectory is asked, corners are rounded where the curve is proven free. Motions with an object in the hand are
+///    slowed down until the hand holds it firmly, if that is demanded ([`Request::hold`]).
+/// 4. Whatever was found is judged like anybody's path, curves included, before it is called solved.
+/// 5. A path that holds gets its time, if that is asked.
 /// 6. How far things may be from where it has them is worked out, if that is asked.
 /// 7. A path that turns a joint half a turn beyond need is not delivered before other seeds were tried: see
 ///    [`Robot::needless_turn`].
@@ -128,10 +125,10 @@ fn solve_asked(
     // 3.
     let firm = firm(problem, &stages, request, ([segments, unshortened], carrier.as_ref()))?;
     let is_firm = firm.is_some();
-    let (mut segments, along, hold) = firm.unwrap_or_default();
+    let (mut segments, along, hold, rounding_s) = firm.unwrap_or_default();
     let outcome = if is_firm { outcome } else { Outcome::GaveUp };
     // 4.
-    let mut audit = match (&segments[..], &along) {
+    let audit = match (&segments[..], &along) {
         ([], _) => None,
         (segments, Some(along)) => Some(audit_along(problem, &stages, (segments, along), request.audit)?),
         (segments, None) => Some(audit_task(problem, &stages, segments, request.audit)?),
@@ -139,12 +136,10 @@ fn solve_asked(
     // 5.
     let holds = outcome == Outcome::Solved && audit.as_ref().is_some_and(|audit| audit.valid);
     let timed = match request.timing {
-        Some(timing) if holds => timed(problem, timing, &segments)?,
+        Some(timing) if holds => timed(problem, timing, &segments, rounding_s)?,
         _ => None,
     };
-    let cut_corners = timed.as_ref().map_or(&[][..], |timed| timed.trajectory.cut_corners());
-    if let Some(audit) = &mut audit {
-        audit_cut_corners(problem, cut_corners, request.audit, audit);
+    if let Some(audit) = &audit {
         give_clearances(&mut segments, &audit.clearances_per_edge_m);
     }
     let not_checked = audit.as_ref().map_or_else(|| problem.not_checked(), |audit| audit.not_checked.clone());
@@ -157,8 +152,8 @@ fn solve_asked(
     // 6.
     let holds = holds && audit.as_ref().is_some_and(|audit| audit.valid);
     let robustness = along.filter(|_| request.robustness && holds);
-    let robustness = robustness.and_then(|along| Robustness::of(&along, &segments, cut_corners));
-    let limits = request.timing.map(|timing| MotionLimits::of(problem.robot(), timing.method));
+    let robustness = robustness.and_then(|along| Robustness::of(&along, &segments));
+    let limits = request.timing.map(|timing| timing.limits(problem.robot()));
     let untimed = limits.and_then(Result::err).map(|fault| fault.to_string());
     Ok(Answer {
         planner: planner.name().to_owned(),
@@ -254,8 +249,8 @@ fn found_in_stages(
     Ok(Found { report, segments, unshortened, shortening, optimisation, carrier })
 }
 
-/// Segments, the states along them, and how firmly the hand holds what it carries.
-type Firm = (Vec<Segment>, Option<StatesAlong>, Option<Hold>);
+/// Segments, the states along them, how firmly the hand holds what it carries, and the seconds in which corners were rounded.
+type Firm = (Vec<Segment>, Option<StatesAlong>, Option<Hold>, f64);
 
 /// Step 3: the first of these paths on which the hand holds what it carries, as fast as it does; `None` where it does on
 /// none. A shortened path turns the object otherwise than the one that was found.
@@ -271,7 +266,15 @@ fn firm(
         return Ok(Some(Firm::default()));
     }
     for mut segments in paths.into_iter().filter(|path| !path.is_empty()) {
+        for segment in &mut segments {
+            segment.pace = request.paces.of(segment.mode);
+        }
         let along = StatesAlong::with_carrier(problem, stages, &segments, carrier)?;
+        let begin = Instant::now();
+        if let Some(along) = along.as_ref().filter(|_| request.timing.is_some_and(|timing| !timing.stops)) {
+            round_corners(problem.robot(), along, &mut segments, timing);
+        }
+        let rounding_s = begin.elapsed().as_secs_f64();
         let hold = match (request.hold, &along) {
             (Some(demanded), Some(along)) if along.stopped.is_none() => {
                 hold_firmly(problem, along, &mut segments, (timing, demanded))?
@@ -279,7 +282,7 @@ fn firm(
             _ => Ok(None),
         };
         if let Ok(hold) = hold {
-            return Ok(Some((segments, along, hold)));
+            return Ok(Some((segments, along, hold, rounding_s)));
         }
     }
     Ok(None)
@@ -363,11 +366,15 @@ fn searched(
 }
 
 /// Step 5 for a path that holds; `None` for a robot without the limits for it.
-fn timed(problem: &Problem, timing: Timing, segments: &[Segment]) -> Result<Option<Timed>, PlanError> {
+fn timed(
+    problem: &Problem,
+    timing: Timing,
+    segments: &[Segment],
+    rounding_s: f64,
+) -> Result<Option<Timed>, PlanError> {
     let begin = Instant::now();
-    let cell = problem.cell().map(Arc::as_ref);
-    let trajectory = TaskTrajectory::of(timing, problem.robot(), cell, segments)?;
-    Ok(trajectory.map(|trajectory| Timed { trajectory, time_s: begin.elapsed().as_secs_f64() }))
+    let trajectory = TaskTrajectory::of(timing, problem.robot(), segments)?;
+    Ok(trajectory.map(|trajectory| Timed { trajectory, time_s: rounding_s + begin.elapsed().as_secs_f64() }))
 }
 
 /// Step 2 for a path to the goal of a problem.
@@ -389,37 +396,4 @@ fn shortened(
     }
     let time_s = begin.elapsed().as_secs_f64();
     Ok((report, Shortening { attempts: settings.attempts, searches, time_s }))
-}
-
-impl Timing {
-    /// A path of way points (m, rad; one value per joint) in time; `None` for a robot without the limits that this
-    /// needs. Corners are cut in `cell`; where none are to be cut, none is needed.
-    ///
-    /// # Errors
-    /// [`PlanError`] for a path that cannot be timed.
-    pub fn along(
-        self,
-        robot: &Robot,
-        cell: Option<&Cell>,
-        path: &[Vec<f64>],
-    ) -> Result<Option<Trajectory>, PlanError> {
-        self.along_at(robot, cell, path, 1.0)
-    }
-
-    /// The same at a share of the speed ([`MotionLimits::slowed`]).
-    pub(crate) fn along_at(
-        self,
-        robot: &Robot,
-        cell: Option<&Cell>,
-        path: &[Vec<f64>],
-        share: f64,
-    ) -> Result<Option<Trajectory>, PlanError> {
-        let Ok(limits) = MotionLimits::of(robot, self.method) else { return Ok(None) };
-        let limits = limits.slowed(share)?;
-        let trajectory = match cell.filter(|_| self.blend) {
-            Some(cell) => Trajectory::blended(path, &limits, cell)?,
-            None => Trajectory::along(path, &limits)?,
-        };
-        Ok(Some(trajectory))
-    }
 }

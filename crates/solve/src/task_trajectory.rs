@@ -1,8 +1,7 @@
-use cranny_collision::Cell;
-use cranny_path::{CutCorner, TimingMethod, Trajectory, TrajectorySample, sample_times};
+use cranny_path::{CurvedPath, EdgePace, TimingMethod, Trajectory, TrajectorySample, sample_times};
 use cranny_plan::PlanError;
 use cranny_robot::{PadDistance, Robot};
-use cranny_task::{Segment, joined};
+use cranny_task::{Segment, joined, joined_corners};
 
 use crate::Timing;
 
@@ -50,20 +49,13 @@ impl TaskTrajectory {
         self
     }
 
-    /// Of segments that follow each other, with the stops that the changes of mode need; corners are cut in `cell`.
+    /// Of segments that follow each other, with the stops that the changes of mode need, along their rounded corners.
     /// `None` for a robot without the limits that this needs, or no path.
     ///
     /// # Errors
-    /// [`PlanError`] for a path that cannot be timed; [`PathError::BlendedTask`](cranny_path::PathError::BlendedTask) for corners cut where an object is carried.
-    pub fn of(
-        timing: Timing,
-        robot: &Robot,
-        cell: Option<&Cell>,
-        segments: &[Segment],
-    ) -> Result<Option<Self>, PlanError> {
-        if timing.blend && segments.len() > 1 {
-            return Err(cranny_path::PathError::BlendedTask.into());
-        }
+    /// [`PlanError`] for a path that cannot be timed.
+    pub fn of(timing: Timing, robot: &Robot, segments: &[Segment]) -> Result<Option<Self>, PlanError> {
+        let Ok(limits) = timing.limits(robot) else { return Ok(None) };
         let hand_opens_m = robot.hand().map(|hand| hand.description.opening_m);
         let (mut legs, mut openings_m) = (Vec::new(), Vec::new());
         for leg in cranny_task::legs(segments) {
@@ -71,10 +63,9 @@ impl TaskTrajectory {
             if way.is_empty() {
                 continue;
             }
-            let slowest = leg.iter().filter_map(|segment| segment.speed).reduce(f64::min);
-            let trajectory = timing.along_at(robot, cell, &way, slowest.unwrap_or(1.0))?;
-            let Some(trajectory) = trajectory else { return Ok(None) };
-            legs.push(trajectory);
+            let (corners, paces) = (joined_corners(leg), edge_paces(leg));
+            let curved = CurvedPath { waypoints: &way, corners: &corners, paces: &paces, robot: Some(robot) };
+            legs.push(Trajectory::along_curve(&curved, &limits)?);
             openings_m.push(leg[0].opening_m.or(hand_opens_m).unwrap_or(0.0));
         }
         let pads = robot.hand().map(|hand| hand.pads.clone());
@@ -96,14 +87,9 @@ impl TaskTrajectory {
         self.reach().method()
     }
 
-    /// Whether a corner is cut.
-    pub fn is_blended(&self) -> bool {
-        self.legs.iter().any(Trajectory::is_blended)
-    }
-
-    /// The corners that are cut: of a path that is nothing but a way to the grasp.
-    pub fn cut_corners(&self) -> &[CutCorner] {
-        self.reach().cut_corners()
+    /// Whether a corner is rounded.
+    pub fn is_rounded(&self) -> bool {
+        self.legs.iter().any(Trajectory::is_rounded)
     }
 
     /// The names of the joints, in the order of every sample.
@@ -191,4 +177,15 @@ impl TaskTrajectory {
     ) -> Result<impl Iterator<Item = TrajectorySample> + use<'_>, PlanError> {
         Ok(sample_times(self.duration_s(), rate_hz)?.map(|time_s| self.sample(time_s)))
     }
+}
+
+/// The limits of each edge of segments between two moves of the hand: the slowest of them counts for all, for they are one
+/// motion.
+pub(crate) fn edge_paces(leg: &[Segment]) -> Vec<EdgePace> {
+    let share = leg.iter().filter_map(|segment| segment.speed).fold(1.0, f64::min);
+    let of_segment = |segment: &Segment| {
+        let edges = segment.waypoints.len().saturating_sub(1);
+        std::iter::repeat_n(EdgePace { pace: segment.pace, share }, edges)
+    };
+    leg.iter().flat_map(of_segment).collect()
 }

@@ -1,5 +1,7 @@
 //! Tasks: stages, the segments of their paths, and the states between.
 
+pub(crate) mod corner;
+pub(crate) mod pace;
 pub(crate) mod region;
 pub(crate) mod segment;
 pub(crate) mod stage;

@@ -34,7 +34,7 @@ fn carried() -> &'static Carried {
         let answer = solve(&problem, &request, &mut Unobserved).unwrap();
         assert!(answer.is_solved());
         let plan = PlanFile::of(&answer, &PlanSource { scenario: "031".to_owned(), ..PlanSource::default() });
-        let timed = plan.trajectory(&scenario.robot, None).unwrap().unwrap();
+        let timed = plan.trajectory(&scenario.robot).unwrap().unwrap();
         Carried { scenario, problem, plan, timed }
     })
 }

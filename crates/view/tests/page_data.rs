@@ -34,9 +34,8 @@ fn cell(problem: &Problem) -> &Cell {
 fn plan(name: &str, waypoints: &[Vec<f64>], scenario: &Scenario) -> PagePlan {
     let problem = problem(scenario);
     let has_path = !waypoints.is_empty();
-    let trajectory = has_path
-        .then(|| Timing::default().along(&scenario.robot, None, waypoints).expect("a path"))
-        .flatten();
+    let trajectory =
+        has_path.then(|| Timing::default().along(&scenario.robot, waypoints).expect("a path")).flatten();
     let verification = has_path.then(|| audit(&problem, waypoints).expect("a path"));
     PagePlan::of_waypoints(name, waypoints, &scenario.robot, trajectory.as_ref(), verification)
         .expect("a plan")

@@ -22,7 +22,7 @@ fn bent_path(scenario: &Scenario) -> ShownPath {
     let mut end = middle.clone();
     (end[2], end[5], end[7]) = (0.6, -1.6, 2.2);
     let waypoints = [scenario.start.clone(), middle, end];
-    let trajectory = Timing::default().along(&scenario.robot, None, &waypoints).expect("a path");
+    let trajectory = Timing::default().along(&scenario.robot, &waypoints).expect("a path");
     let path = ShownPath::of(&scenario.robot, &waypoints, trajectory.as_ref(), 4.0);
     path.expect("a path").expect("with way points")
 }

@@ -21,7 +21,7 @@ fn the_object_stays_where_the_hand_let_it_go() {
     let request = Request { stages, timing: Some(Timing::default()), ..Request::default() };
     let answer = solve(&problem, &request, &mut Unobserved).unwrap();
     let plan = PlanFile::of(&answer, &source("031"));
-    let timed = plan.trajectory(&scenario.robot, None).unwrap();
+    let timed = plan.trajectory(&scenario.robot).unwrap();
     for timed in [timed.as_ref(), None] {
         let path = ShownPath::of_plan(&scenario.robot, &plan, timed, 20.0).unwrap().unwrap();
         let [carry] = &path.carries[..] else { panic!("one thing is carried") };
@@ -63,7 +63,7 @@ fn several_steps_are_one_motion() {
     let request = Request { stages, timing: Some(Timing::default()), ..Request::default() };
     let answer = solve(&problem, &request, &mut Unobserved).unwrap();
     let plan = PlanFile::of(&answer, &source("213"));
-    let timed = plan.trajectory(&scenario.robot, None).unwrap();
+    let timed = plan.trajectory(&scenario.robot).unwrap();
     let path = ShownPath::of_plan(&scenario.robot, &plan, timed.as_ref(), 5.0).unwrap().unwrap();
     assert_eq!(path.carries.len(), 3);
     assert!((path.ends_s() - plan.timing.unwrap().duration_s).abs() < 1e-9);

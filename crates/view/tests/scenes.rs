@@ -22,7 +22,7 @@ fn moved(scenario: &Scenario) -> Vec<Vec<f64>> {
 }
 
 fn trajectory(scenario: &Scenario, waypoints: &[Vec<f64>]) -> Option<Trajectory> {
-    Timing::default().along(&scenario.robot, None, waypoints).unwrap()
+    Timing::default().along(&scenario.robot, waypoints).unwrap()
 }
 
 fn shown(scenario: &Scenario, waypoints: &[Vec<f64>], rate_hz: f64) -> ShownPath {

@@ -131,7 +131,7 @@ pub fn run(arguments: &SimulatePlanArguments, output: Output) -> Result<Answer, 
     } else {
         let reach = Segment::reach(read_waypoints(file, scenario.robot.dof())?, Vec::new());
         let end = reach.waypoints.last().cloned().unwrap_or_default();
-        let timed = TaskTrajectory::of(Timing::default(), &scenario.robot, None, &[reach])?;
+        let timed = TaskTrajectory::of(Timing::default(), &scenario.robot, &[reach])?;
         timed.map(|timed| vec![PickPath { object: None, timed, end }]).ok_or(SimError::NoTimes)
     };
     let picks = picks.map_err(|fault| match fault {

@@ -87,7 +87,7 @@ impl PageTask {
             let Some(plan) = read else {
                 let waypoints = read_waypoints(file, robot.dof())?;
                 let problem = tasks.problem(own.criterion, Margins::default(), None)?;
-                let trajectory = Timing::default().along(robot, None, &waypoints)?;
+                let trajectory = Timing::default().along(robot, &waypoints)?;
                 let verification = Some(audit(&problem, &waypoints)?);
                 let path =
                     PagePlan::of_waypoints(name, &waypoints, robot, trajectory.as_ref(), verification)?;
@@ -96,7 +96,7 @@ impl PageTask {
             };
             check_plan(file, plan, &shown.robot, &shown.id, "shown in")?;
             let problem = tasks.problem(plan.criterion, plan.margins, plan.goal_threshold)?;
-            let timed = plan.trajectory(robot, problem.cell().map(AsRef::as_ref))?;
+            let timed = plan.trajectory(robot)?;
             let task = plan.source_in(&shown, &PlanSource { margins: plan.margins, ..source.clone() });
             let verification = verdict(file, plan.judge(&task, &problem, AuditSettings::default())?)?;
             let along = if plan.task.len() > 1 { plan.states(&problem)? } else { None };

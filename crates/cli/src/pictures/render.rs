@@ -4,9 +4,8 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use cranny_plan::Registry;
 use cranny_record::{PlanFile, read_waypoints};
-use cranny_scenario::{GivenGrasps, OpenOptions, Scenario};
+use cranny_scenario::{GivenGrasps, OpenOptions};
 use cranny_solve::Timing;
-use cranny_task::Problem;
 use cranny_view::{
     Animation, Camera, PageServer, Picture, PictureSettings, Scene, SceneSettings, SeeThrough, ShownPath,
     StandardView,
@@ -345,16 +344,12 @@ pub fn scene(
         (Some(plan), Some(file)) => {
             check_plan(file, &plan, &scenario.robot, &scenario.id, "shown in")?;
             plan.check_task(&scenario)?;
-            // Time alone needs no cell, but where corners are to be cut.
-            let planned = Scenario { criterion: plan.criterion, ..scenario.clone() };
-            let problem = plan.is_blended().then(|| planned.problem(plan.margins)).transpose()?;
-            let cell = problem.as_ref().and_then(Problem::cell).map(AsRef::as_ref);
-            let timed = plan.trajectory(&scenario.robot, cell)?;
+            let timed = plan.trajectory(&scenario.robot)?;
             ShownPath::of_plan(&scenario.robot, &plan, timed.as_ref(), rate_hz)?
         }
         (None, Some(file)) => {
             let waypoints = read_waypoints(file, scenario.robot.dof())?;
-            let trajectory = Timing::default().along(&scenario.robot, None, &waypoints)?;
+            let trajectory = Timing::default().along(&scenario.robot, &waypoints)?;
             ShownPath::of(&scenario.robot, &waypoints, trajectory.as_ref(), rate_hz)?
         }
         (_, None) => None,

@@ -4,9 +4,10 @@ use std::time::Instant;
 use cranny_collision::Margins;
 use cranny_file::counted;
 use cranny_grasp::ScoreKind;
+use cranny_path::TimingMethod;
 use cranny_plan::Registry;
 use cranny_record::{
-    Ask, CarryWord, PlanFile, PlanSource, TaskWord, default_grasp_margin_m, read_waypoints,
+    Ask, CarryWord, PaceWords, PlanFile, PlanSource, TaskWord, default_grasp_margin_m, read_waypoints,
     write_trajectory_csv,
 };
 use cranny_scenario::STEPS;
@@ -135,8 +136,16 @@ fn ask(arguments: &PlanArguments, joints: usize) -> Result<Ask, Failure> {
         optimise: arguments.optimise,
         cost: arguments.cost.into(),
         score_weight: arguments.score_weight,
-        jerk_limited: arguments.jerk_limited,
-        blend: arguments.blend,
+        timing: match arguments.timing {
+            Some(timing) => Some(timing.into()),
+            None => arguments.jerk_limited.then_some(TimingMethod::JerkLimited),
+        },
+        stops: arguments.stop_at_corners,
+        paces: PaceWords {
+            speed: arguments.speed.clone(),
+            acceleration: arguments.acceleration.clone(),
+            tool_speed: arguments.tool_speed.clone(),
+        },
         is_timing_demanded: arguments.rate.is_some(),
         carry: arguments.carry.as_deref().map(|given| carry(given, joints)).transpose()?,
         place: arguments.place.clone(),

@@ -143,7 +143,7 @@ fn placed(plan: &PlanFile) -> Vec<String> {
 
 /// When the path is run through, and what it took to find that.
 fn timed(timing: &PlanTiming, seconds: f64) -> String {
-    let corners = if timing.blended { ", corners cut where proven" } else { "" };
+    let corners = if timing.blended { ", corners rounded" } else { "" };
     let hand = timing.hand_s.iter().enumerate().map(|(index, [begin_s, end_s])| {
         let begins = if index == 0 { ", the hand" } else { " and" };
         let moves = if index % 2 == 0 { "closes" } else { "opens" };

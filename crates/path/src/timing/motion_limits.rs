@@ -13,7 +13,7 @@ pub enum TimingMethod {
     /// As fast as the limits of velocity and acceleration allow along the path (TOPP-RA).
     #[default]
     TimeOptimal,
-    /// Within the limits of jerk too: an S-curve between any two stops.
+    /// Within the limits of jerk too: S-curves along the lines, constant speed in rounded corners.
     JerkLimited,
 }
 
@@ -52,6 +52,15 @@ impl MotionLimits {
         Self::new(robot.joint_names(), robot.limits(), method)
     }
 
+    /// The limits of `robot` within those of jerk, where it states them for all joints; else as fast as those of velocity and
+    /// acceleration allow.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn smoothest(robot: &Robot) -> Result<Self, PathError> {
+        Self::of(robot, TimingMethod::JerkLimited).or_else(|_| Self::of(robot, TimingMethod::TimeOptimal))
+    }
+
     /// The limits of joints of these names, one entry for each.
     ///
     /// # Errors
@@ -86,25 +95,6 @@ impl MotionLimits {
         })
     }
 
-    /// The same at a share of the speed, above 0 and at most 1: the fastest motion within these limits takes 1/share times
-    /// as long, and has at each place the accelerations of the other times the square of it.
-    ///
-    /// # Errors
-    /// [`PathError::Speed`] for any other share.
-    pub fn slowed(&self, share: f64) -> Result<Self, PathError> {
-        if !(share > 0.0 && share <= 1.0) {
-            return Err(PathError::Speed { share });
-        }
-        let by = |limits: &[f64], factor: f64| limits.iter().map(|limit| limit * factor).collect();
-        Ok(Self {
-            method: self.method,
-            joint_names: self.joint_names.clone(),
-            velocity: by(&self.velocity, share),
-            acceleration: by(&self.acceleration, share.powi(2)),
-            jerk: by(&self.jerk, share.powi(3)),
-        })
-    }
-
     /// How the path is given its time.
     pub fn method(&self) -> TimingMethod {
         self.method
@@ -119,23 +109,6 @@ mod tests {
 
     fn joint(velocity: f64, acceleration: Option<f64>, jerk: Option<f64>) -> JointLimits {
         JointLimits { lower: -1.0, upper: 1.0, velocity, acceleration, jerk, unit: JointUnit::Radian }
-    }
-
-    #[test]
-    fn at_a_share_of_the_speed_a_motion_takes_so_much_longer() {
-        let names = ["a".to_owned(), "b".to_owned()];
-        let limits = [joint(1.0, Some(2.0), Some(20.0)), joint(0.5, Some(1.0), Some(10.0))];
-        let path = vec![vec![0.0, 0.0], vec![0.4, -0.3], vec![0.1, 0.2]];
-        for method in [TimingMethod::TimeOptimal, TimingMethod::JerkLimited] {
-            let whole = MotionLimits::new(&names, &limits, method).unwrap();
-            let duration_s =
-                |limits: &MotionLimits| crate::Trajectory::along(&path, limits).unwrap().duration_s();
-            let ratio = duration_s(&whole.slowed(0.4).unwrap()) / duration_s(&whole);
-            assert!((ratio - 2.5).abs() < 1e-3, "{method:?}: {ratio}");
-            for share in [0.0, 1.1, f64::NAN] {
-                assert!(matches!(whole.slowed(share), Err(PathError::Speed { .. })));
-            }
-        }
     }
 
     #[test]

@@ -1,8 +1,13 @@
-/// A path as a curve `q(s)`: straight lines along its edges, and between two of them either a stop or a
-/// parabola that cuts the corner.
+use cranny_task::RoundedCorner;
+
+use crate::PathError;
+
+/// A path as a curve `q(s)`: straight lines along its edges, and between two of them either a stop or a rounded corner
+/// ([`RoundedCorner`]).
 ///
 /// On a line `q' = dq/ds` is such that the slowest joint moves at its limit of velocity at `ṡ = 1`; `s` is
-/// thus in seconds at full speed. It counts from the last stop.
+/// thus in seconds at full speed. It counts from the last stop. On a rounded corner `q'` goes over smoothly from that of
+/// one line to that of the next, so that no joint is faster there than on both lines.
 #[derive(Clone, Debug)]
 pub(crate) struct PathCurve {
     pub pieces: Vec<Piece>,
@@ -10,7 +15,8 @@ pub(crate) struct PathCurve {
     pub waypoints: Vec<(usize, f64)>,
 }
 
-/// A line or a parabola: `q(s) = origin + slope·σ + ½·curvature·σ²` with `σ = s − begin` in [0, `length`].
+/// A line or a rounded corner: `q(s) = origin + slope·σ + turn·length·τ³(1 − τ/2)` with `σ = s − begin = τ·length` in [0,
+/// `length`].
 #[derive(Clone, Debug)]
 pub(crate) struct Piece {
     /// Whether the robot rests where the piece begins; `begin` is 0 then.
@@ -19,18 +25,31 @@ pub(crate) struct Piece {
     pub length: f64,
     pub origin: Vec<f64>,
     pub end: Vec<f64>,
+    /// At the beginning.
     pub slope: Vec<f64>,
-    /// `None` on a line.
-    pub curvature: Option<Vec<f64>>,
+    /// Change of the slope from beginning to end; `None` on a line.
+    pub turn: Option<Vec<f64>>,
+    /// Edges of the path that it lies on; twice the same for a line.
+    pub edges: [usize; 2],
+}
+
+/// First three derivatives of a joint by `s`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Derivatives {
+    pub first: f64,
+    pub second: f64,
+    pub third: f64,
 }
 
 /// Directions that differ by less, as a part of the joint's limit of velocity, are one: way points on a
 /// straight line differ from it by rounding, about 1e-15 of the length of an edge.
 const SAME_DIRECTION: f64 = 1e-9;
 
-/// A parabola begins and ends this far before the middle of an edge at most, as a part of the edge, so that
-/// some of every edge is a line.
-const LARGEST_BLEND: f64 = 0.49;
+/// A rounded corner takes at most this share of an edge, so that some of every edge is a line.
+const LARGEST_SHARE: f64 = 0.49;
+
+/// How far the lengths that a corner cuts off its two edges may differ, as a share of them.
+const UNEVEN: f64 = 1e-6;
 
 struct Edge {
     from: usize,
@@ -42,15 +61,15 @@ struct Edge {
 impl PathCurve {
     /// The curve along `path`, at least one way point (m, rad; one value per joint), by the limits `velocity` of the
     /// joints (m/s, rad/s; one per joint). At a way point k where the direction changes there is a stop, or, with
-    /// `blends[k] = r > 0`, a parabola from r before it to r after it (as `s`, at most 0.49 of either edge); a
-    /// missing blend is 0.
-    pub fn along(path: &[Vec<f64>], velocity: &[f64], blends: &[f64]) -> Self {
+    /// `radii[k] = r > 0`, a rounded corner from r before it to r after it (as `s`, at most 0.49 of either edge); a
+    /// missing radius is 0.
+    pub fn along(path: &[Vec<f64>], velocity: &[f64], radii: &[f64]) -> Self {
         let edges = edges(path, velocity);
-        // The blend at the end of edge e, 0 for none.
-        let blend = |e: usize| match (edges.get(e), edges.get(e + 1)) {
+        // The radius at the end of edge e, 0 for none.
+        let radius = |e: usize| match (edges.get(e), edges.get(e + 1)) {
             (Some(edge), Some(next)) if !is_straight_on(edge, next, velocity) => {
-                let wanted = blends.get(edge.to).copied().unwrap_or(0.0);
-                wanted.min(LARGEST_BLEND * edge.length.min(next.length)).max(0.0)
+                let wanted = radii.get(edge.to).copied().unwrap_or(0.0);
+                wanted.min(LARGEST_SHARE * edge.length.min(next.length)).max(0.0)
             }
             _ => 0.0,
         };
@@ -58,8 +77,8 @@ impl PathCurve {
         let mut waypoints = vec![(0, 0.0); path.len()];
         let mut s = 0.0;
         for (index, edge) in edges.iter().enumerate() {
-            let before = if index == 0 { 0.0 } else { blend(index - 1) };
-            let after = blend(index);
+            let before = if index == 0 { 0.0 } else { radius(index - 1) };
+            let after = radius(index);
             let after_stop =
                 index == 0 || (before <= 0.0 && !is_straight_on(&edges[index - 1], edge, velocity));
             if after_stop {
@@ -71,40 +90,92 @@ impl PathCurve {
             let corner = &path[edge.to];
             let end = if after > 0.0 { moved(corner, &edge.slope, -after) } else { corner.clone() };
             let origin = match pieces.last() {
-                Some(blend) if before > 0.0 => blend.end.clone(),
+                Some(rounded) if before > 0.0 => rounded.end.clone(),
                 _ => path[edge.from].clone(),
             };
             let length = edge.length - before - after;
             let slope = edge.slope.clone();
-            pieces.push(Piece { after_stop, begin: s, length, origin, end, slope, curvature: None });
+            let of_edge = [edge.to - 1; 2];
+            pieces.push(Piece {
+                after_stop,
+                begin: s,
+                length,
+                origin,
+                end,
+                slope,
+                turn: None,
+                edges: of_edge,
+            });
             s += length;
             waypoints[edge.to..].fill((pieces.len() - 1, s));
             if after > 0.0 {
                 waypoints[edge.to..edges[index + 1].to].fill((pieces.len(), s + after));
-                pieces.push(parabola(corner, &edge.slope, &edges[index + 1].slope, after, s));
+                let next = &edges[index + 1];
+                pieces.push(Piece {
+                    after_stop: false,
+                    begin: s,
+                    length: 2.0 * after,
+                    origin: moved(corner, &edge.slope, -after),
+                    end: moved(corner, &next.slope, after),
+                    slope: edge.slope.clone(),
+                    turn: Some(edge.slope.iter().zip(&next.slope).map(|(a, b)| b - a).collect()),
+                    edges: [edge.to - 1, next.to - 1],
+                });
                 s += 2.0 * after;
             }
         }
         Self { pieces, waypoints }
     }
 
-    /// The blends that [`Self::along`] takes along `path` (m, rad; one value per joint) under `velocity` (m/s, rad/s;
-    /// one per joint): one per way point, in seconds as `s` is, each the greatest that `proven` allows:
-    /// `proven(corner, (slope before, slope after), greatest)`.
-    pub fn blends(
+    /// The radii that [`Self::along`] takes along `path` (m, rad; one value per joint) under `velocity` (m/s, rad/s;
+    /// one per joint): one per way point, in seconds as `s` is, each as `chosen(way point, points, greatest)` says of the
+    /// greatest: `points(r)` are the two ends of the corner of radius r and the way point between.
+    pub fn radii(
         path: &[Vec<f64>],
         velocity: &[f64],
-        mut proven: impl FnMut(&[f64], (&[f64], &[f64]), f64) -> f64,
+        mut chosen: impl FnMut(usize, &dyn Fn(f64) -> [Vec<f64>; 3], f64) -> f64,
     ) -> Vec<f64> {
-        let mut blends = vec![0.0; path.len()];
+        let mut radii = vec![0.0; path.len()];
         for pair in edges(path, velocity).windows(2) {
             let [edge, next] = pair else { continue };
-            if !is_straight_on(edge, next, velocity) {
-                let greatest = LARGEST_BLEND * edge.length.min(next.length);
-                blends[edge.to] = proven(&path[edge.to], (&edge.slope, &next.slope), greatest);
+            if !is_straight_on(edge, next, velocity) && next.from + 1 == next.to && edge.from + 1 == edge.to {
+                let greatest = LARGEST_SHARE * edge.length.min(next.length);
+                let corner = &path[edge.to];
+                let points =
+                    |r: f64| [moved(corner, &edge.slope, -r), corner.clone(), moved(corner, &next.slope, r)];
+                radii[edge.to] = chosen(edge.to, &points, greatest);
             }
         }
-        blends
+        radii
+    }
+
+    /// The radii of rounded corners of a path.
+    ///
+    /// # Errors
+    /// [`PathError::UnevenCorner`] for one that was rounded for joints with other limits of velocity.
+    pub fn radii_of(
+        path: &[Vec<f64>],
+        velocity: &[f64],
+        corners: &[RoundedCorner],
+    ) -> Result<Vec<f64>, PathError> {
+        let mut radii = vec![0.0; path.len()];
+        for corner in corners {
+            let index = corner.waypoint;
+            let uneven = PathError::UnevenCorner { waypoint: index };
+            let Some([from, at, to]) = index.checked_sub(1).and_then(|from| path.get(from..from + 3)) else {
+                return Err(uneven);
+            };
+            let length = |a: &[f64], b: &[f64]| {
+                a.iter().zip(b).zip(velocity).map(|((a, b), v)| (a - b).abs() / v).fold(0.0, f64::max)
+            };
+            let [before, after] = corner.shares([from, at, to]);
+            let [before, after] = [before * length(from, at), after * length(at, to)];
+            if !((before - after).abs() <= UNEVEN * before.max(after)) {
+                return Err(uneven);
+            }
+            radii[index] = before.min(after);
+        }
+        Ok(radii)
     }
 
     /// The ranges of pieces from one stop to the next.
@@ -127,22 +198,46 @@ impl Piece {
             return self.end.clone();
         }
         let ratio = sigma / self.length;
-        match &self.curvature {
+        match &self.turn {
             // Rounding must not lead past an end, which may lie at a limit of the joint.
             None => (self.origin.iter().zip(&self.end))
                 .map(|(a, b)| (a + (b - a) * ratio).clamp(a.min(*b), a.max(*b)))
                 .collect(),
-            Some(curvature) => (self.origin.iter().zip(&self.slope).zip(curvature))
-                .map(|((q, slope), bend)| q + sigma * (slope + 0.5 * bend * sigma))
-                .collect(),
+            Some(turn) => {
+                let turned = self.length * ratio * ratio * ratio * (1.0 - 0.5 * ratio);
+                (self.origin.iter().zip(&self.slope).zip(turn))
+                    .map(|((q, slope), turn)| q + sigma * slope + turned * turn)
+                    .collect()
+            }
         }
     }
 
-    /// `dq/ds` and `d²q/ds²` of one joint at `s`.
-    pub fn derivatives(&self, joint: usize, s: f64) -> (f64, f64) {
-        let bend = self.curvature.as_ref().map_or(0.0, |c| c[joint]);
-        let sigma = (s - self.begin).clamp(0.0, self.length);
-        (self.slope[joint] + bend * sigma, bend)
+    /// The derivatives of one joint at `s`.
+    pub fn derivatives(&self, joint: usize, s: f64) -> Derivatives {
+        let slope = self.slope[joint];
+        let Some(turn) = self.turn.as_ref().map(|turn| turn[joint]) else {
+            return Derivatives { first: slope, ..Derivatives::default() };
+        };
+        let ratio = ((s - self.begin) / self.length).clamp(0.0, 1.0);
+        let rest = 1.0 - ratio;
+        Derivatives {
+            first: slope + turn * ratio * ratio * (3.0 - 2.0 * ratio),
+            second: turn * 6.0 * ratio * rest / self.length,
+            third: turn * 6.0 * (1.0 - 2.0 * ratio) / (self.length * self.length),
+        }
+    }
+
+    /// Bounds on the absolute derivatives of one joint along the piece, which they reach.
+    pub fn greatest(&self, joint: usize) -> Derivatives {
+        let first = self.slope[joint].abs();
+        let Some(turn) = self.turn.as_ref().map(|turn| turn[joint]) else {
+            return Derivatives { first, ..Derivatives::default() };
+        };
+        Derivatives {
+            first: first.max((self.slope[joint] + turn).abs()),
+            second: 1.5 * turn.abs() / self.length,
+            third: 6.0 * turn.abs() / (self.length * self.length),
+        }
     }
 }
 
@@ -165,19 +260,6 @@ fn edges(path: &[Vec<f64>], velocity: &[f64]) -> Vec<Edge> {
 fn is_straight_on(edge: &Edge, next: &Edge, velocity: &[f64]) -> bool {
     let slopes = edge.slope.iter().zip(&next.slope);
     slopes.zip(velocity).all(|((a, b), v)| (a - b).abs() <= SAME_DIRECTION * v)
-}
-
-/// The quadratic Bézier curve of `corner − r·before`, `corner`, `corner + r·after`, run through in `2r`.
-fn parabola(corner: &[f64], before: &[f64], after: &[f64], r: f64, begin: f64) -> Piece {
-    Piece {
-        after_stop: false,
-        begin,
-        length: 2.0 * r,
-        origin: moved(corner, before, -r),
-        end: moved(corner, after, r),
-        slope: before.to_vec(),
-        curvature: Some(before.iter().zip(after).map(|(a, b)| (b - a) / (2.0 * r)).collect()),
-    }
 }
 
 pub(crate) fn moved(q: &[f64], slope: &[f64], by: f64) -> Vec<f64> {
@@ -203,22 +285,65 @@ mod tests {
     }
 
     #[test]
-    fn a_blend_is_smooth_and_ends_on_the_edges() {
-        let curve = PathCurve::along(&corner(), &[1.0, 1.0], &[0.0, 0.5, 0.5, 0.25, 0.0]);
+    fn a_rounded_corner_has_two_continuous_derivatives_and_is_its_bezier_curve() {
+        let path = corner();
+        let curve = PathCurve::along(&path, &[1.0, 1.0], &[0.0, 0.5, 0.5, 0.25, 0.0]);
         assert_eq!(curve.runs().first(), Some(&(0..4)));
         assert_eq!(curve.waypoints[3], (2, 2.0));
-        let blend = &curve.pieces[2];
-        assert_eq!((&blend.origin, &blend.end), (&vec![1.75, 0.0], &vec![2.0, 0.25]));
+        let rounded = &curve.pieces[2];
+        assert_eq!((&rounded.origin, &rounded.end), (&vec![1.75, 0.0], &vec![2.0, 0.25]));
         for pair in curve.pieces.windows(2) {
             let s = pair[0].end_s();
             assert_eq!(pair[0].end, pair[1].origin);
             for joint in 0..2 {
                 let (before, after) = (pair[0].derivatives(joint, s), pair[1].derivatives(joint, s));
-                assert!((before.0 - after.0).abs() < 1e-12);
+                assert!((before.first - after.first).abs() < 1e-12);
+                assert!((before.second - after.second).abs() < 1e-12);
             }
         }
-        // The parabola passes a quarter of the way from the corner to the middle of its chord's ends.
-        let middle = blend.position(2.0);
-        assert!((middle[0] - 1.9375).abs() < 1e-12 && (middle[1] - 0.0625).abs() < 1e-12);
+        let points = RoundedCorner::new(3, [&rounded.origin, &path[3], &rounded.end]).control_points;
+        for k in 0..=20 {
+            let t = f64::from(k) / 20.0;
+            let s = rounded.begin + t * rounded.length;
+            let weights = [1.0, 4.0, 6.0, 4.0, 1.0];
+            for joint in 0..2 {
+                let bezier: f64 = (0..5)
+                    .map(|i| {
+                        weights[i as usize] * t.powi(i) * (1.0 - t).powi(4 - i) * points[i as usize][joint]
+                    })
+                    .sum();
+                assert!((rounded.position(s)[joint] - bezier).abs() < 1e-12);
+                let step = 1e-4;
+                let at = |s: f64| rounded.derivatives(joint, s);
+                let inner = s.clamp(rounded.begin + step, rounded.end_s() - step);
+                let (before, after, now) = (at(inner - step), at(inner + step), at(inner));
+                assert!(((after.first - before.first) / (2.0 * step) - now.second).abs() < 1e-4);
+                assert!(((after.second - before.second) / (2.0 * step) - now.third).abs() < 1e-4);
+                let most = rounded.greatest(joint);
+                assert!(now.first.abs() <= most.first && now.second.abs() <= most.second + 1e-12);
+                assert!(now.third.abs() <= most.third + 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn radii_are_those_of_the_control_points_and_of_these_limits_alone() {
+        let path = vec![vec![0.0, 0.0], vec![1.0, 0.0], vec![2.0, 3.0]];
+        let velocity = [1.0, 2.0];
+        let points = std::cell::RefCell::new(Vec::new());
+        let radii = PathCurve::radii(&path, &velocity, |at, of, greatest| {
+            points.borrow_mut().push((at, of(0.5 * greatest)));
+            0.5 * greatest
+        });
+        let (at, [before, corner, after]) = points.into_inner().remove(0);
+        let corner = RoundedCorner::new(at, [&before, &corner, &after]);
+        assert!(corner.rounds([&path[0], &path[1], &path[2]]));
+        let corners = [corner];
+        let found = PathCurve::radii_of(&path, &velocity, &corners).expect("even");
+        assert!((found[1] - radii[1]).abs() < 1e-12 && radii[1] > 0.2);
+        assert!(matches!(
+            PathCurve::radii_of(&path, &[1.0, 1.0], &corners),
+            Err(PathError::UnevenCorner { waypoint: 1 })
+        ));
     }
 }

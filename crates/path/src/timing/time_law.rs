@@ -50,6 +50,19 @@ impl TimeLaw {
         }
     }
 
+    /// The same, run through `factor` times as slowly.
+    pub fn slowed(mut self, factor: f64) -> Self {
+        self.duration_s *= factor;
+        for phase in &mut self.phases {
+            phase.begin_s *= factor;
+            phase.duration_s *= factor;
+            phase.state.speed /= factor;
+            phase.state.acceleration /= factor * factor;
+            phase.jerk /= factor * factor * factor;
+        }
+        self
+    }
+
     /// The piece and the state at time `t`, kept within the pieces of the phase; `None` outside
     /// [0, duration).
     pub fn at(&self, t: f64, curve: &PathCurve) -> Option<(usize, PathState)> {

@@ -1,5 +1,5 @@
-use crate::timing::motion_limits::MotionLimits;
-use crate::timing::path_curve::{PathCurve, Piece};
+use crate::timing::path_curve::{Derivatives, PathCurve, Piece};
+use crate::timing::piece_limits::PieceLimits;
 use crate::timing::time_law::{PathState, TimeLaw};
 
 /// The fastest way along `curve` under the limits of velocity and acceleration, at rest at every stop
@@ -8,26 +8,45 @@ use crate::timing::time_law::{PathState, TimeLaw};
 /// With `x = ṡ²` and `u = s̈` the acceleration of joint j is `q_j'(s)·u + q_j''(s)·x`, and over a stage of
 /// length Δ with constant u, `x` grows by `2Δu`.
 ///
-/// 1. The path is cut into stages: a line is one, a parabola many.
+/// 1. The path is cut into stages: a line is one, a rounded corner many.
 /// 2. Backward, the controllable sets: from which `x` can the end of a stage be reached within its own set?
 ///    Since every limit is symmetric, rest is always among them, so a set is [0, `greatest`].
 /// 3. Forward, greedily the greatest `x` that stays controllable.
+/// 4. Again with less of the limits of acceleration in corners, if one can be exceeded between the ends of a stage.
 ///
 /// On a line the limits of u are constant, so one stage holds the whole optimum: accelerate, cruise,
-/// decelerate. On a parabola `q'` is linear and `q''` constant, hence the acceleration of a joint is linear
-/// in s along a stage, and limits kept at both of its ends are kept between them: no limit is exceeded
-/// anywhere, not only on the grid. The limit of velocity is taken at the faster end of a stage.
-pub(crate) fn time_optimal(curve: &PathCurve, limits: &MotionLimits) -> TimeLaw {
-    on_grid(curve, limits, STAGES_PER_PARABOLA)
+/// decelerate. Along a stage of a corner the acceleration `a(s)` of a joint is at most `Δ²/8·sup|d²a/ds²|` from the line
+/// between its values at both ends, which keep the limits. The limit of velocity is taken at the faster end of a stage,
+/// for `q'` grows or falls all the way.
+pub(crate) fn time_optimal(curve: &PathCurve, limits: &[PieceLimits]) -> TimeLaw {
+    on_grid(curve, limits, STAGES_PER_CORNER)
 }
 
-pub(crate) fn on_grid(curve: &PathCurve, limits: &MotionLimits, stages_per_parabola: u32) -> TimeLaw {
+pub(crate) fn on_grid(curve: &PathCurve, limits: &[PieceLimits], stages_per_corner: u32) -> TimeLaw {
+    /// Repetitions of 4., each with twice the reserve that the one before lacked.
+    const MOST_REPETITIONS: usize = 4;
+    let mut used = 1.0;
+    let mut law = with_use(curve, limits, stages_per_corner, used);
+    for _ in 0..MOST_REPETITIONS {
+        let excess = excess(curve, limits, &law);
+        if excess <= 0.0 {
+            return law;
+        }
+        used *= 1.0 - (2.0 * excess).min(0.5);
+        law = with_use(curve, limits, stages_per_corner, used);
+    }
+    let excess = excess(curve, limits, &law);
+    if excess > 0.0 { law.slowed((1.0 + excess).sqrt()) } else { law }
+}
+
+/// 1. to 3. with a share of the limits of acceleration in corners.
+fn with_use(curve: &PathCurve, limits: &[PieceLimits], stages_per_corner: u32, used: f64) -> TimeLaw {
     // 1.
     let stages: Vec<Stage> = curve
         .pieces
         .iter()
         .enumerate()
-        .flat_map(|(index, piece)| Stage::of_piece(index, piece, limits, stages_per_parabola))
+        .flat_map(|(index, piece)| Stage::of_piece(index, piece, &limits[index], (stages_per_corner, used)))
         .collect();
     let mut cap = vec![f64::INFINITY; stages.len() + 1];
     for (index, stage) in stages.iter().enumerate() {
@@ -52,9 +71,31 @@ pub(crate) fn on_grid(curve: &PathCurve, limits: &MotionLimits, stages_per_parab
     law
 }
 
-/// Stages of a parabola. What this takes longer than a grid without limit is below a hundredth, where corners
-/// are cut as far as can be, and falls with the number of stages.
-const STAGES_PER_PARABOLA: u32 = 256;
+/// By how much accelerations can exceed their limits in corners, as a share of them; negative if they cannot.
+fn excess(curve: &PathCurve, limits: &[PieceLimits], law: &TimeLaw) -> f64 {
+    let mut most = -1.0_f64;
+    for phase in &law.phases {
+        let index = phase.pieces.start;
+        let piece = &curve.pieces[index];
+        let Some(turn) = &piece.turn else { continue };
+        let ends = [phase.state, phase.state.after(phase.duration_s, 0.0)];
+        let (width, u) = (ends[1].s - ends[0].s, phase.state.acceleration);
+        let x = ends[0].speed.max(ends[1].speed).powi(2);
+        for (joint, limit) in limits[index].acceleration.iter().enumerate() {
+            let at = ends.map(|end| piece.derivatives(joint, end.s));
+            let end = |k: usize| (at[k].first * u + at[k].second * ends[k].speed.powi(2)).abs();
+            // The third derivative is linear.
+            let fourth = 12.0 * turn[joint].abs() / piece.length.powi(3);
+            let bend = 5.0 * u.abs() * at[0].third.abs().max(at[1].third.abs()) + fourth * x;
+            most = most.max((end(0).max(end(1)) + 0.125 * width * width * bend) / limit - 1.0);
+        }
+    }
+    most
+}
+
+/// Stages of a rounded corner. What this takes longer than a grid without limit is below a hundredth, where corners
+/// are rounded as far as can be, and falls with the number of stages.
+const STAGES_PER_CORNER: u32 = 256;
 
 /// A slope below this part of its change over a stage is none: near such a turning point of a joint the
 /// bounds of u that its row gives are differences of large numbers. What is ignored is a hundredth of what
@@ -75,8 +116,8 @@ struct Stage {
 enum Rows {
     /// On a line: `|u| ≤ acceleration`.
     Line { acceleration: f64 },
-    /// On a parabola, at both ends of the stage.
-    Parabola(Vec<Row>),
+    /// On a rounded corner, at both ends of the stage.
+    Corner(Vec<Row>),
 }
 
 /// `|bend·x + slope·u| ≤ limit`, with `slope` ≥ 0.
@@ -95,40 +136,41 @@ struct Bound {
 }
 
 impl Stage {
-    fn of_piece(index: usize, piece: &Piece, limits: &MotionLimits, stages: u32) -> Vec<Self> {
+    fn of_piece(index: usize, piece: &Piece, limits: &PieceLimits, (stages, used): (u32, f64)) -> Vec<Self> {
         let joints = 0..limits.velocity.len();
         let least = |limits: &[f64]| {
             joints.clone().map(|j| limits[j] / piece.slope[j].abs()).fold(f64::INFINITY, f64::min)
         };
-        if piece.curvature.is_none() {
+        let most_x = limits.most_speed.powi(2);
+        if piece.turn.is_none() {
             return vec![Self {
                 piece: index,
                 after_stop: piece.after_stop,
                 begin: piece.begin,
                 length: piece.length,
-                cap: least(&limits.velocity).powi(2),
+                cap: least(&limits.velocity).powi(2).min(most_x),
                 rows: Rows::Line { acceleration: least(&limits.acceleration) },
             }];
         }
         let step = piece.length / f64::from(stages);
         let stage = |k: u32| {
             let begin = piece.begin + f64::from(k) * step;
-            let mut cap = f64::INFINITY;
+            let mut cap = most_x;
             let mut rows = Vec::with_capacity(2 * joints.len());
             for j in joints.clone() {
-                let (at_begin, bend) = piece.derivatives(j, begin);
-                let (at_end, _) = piece.derivatives(j, begin + step);
-                cap = cap.min((limits.velocity[j] / at_begin.abs().max(at_end.abs())).powi(2));
+                let [at_begin, at_end] = [begin, begin + step].map(|s| piece.derivatives(j, s));
+                cap = cap.min((limits.velocity[j] / at_begin.first.abs().max(at_end.first.abs())).powi(2));
                 // At the end `x` has grown by 2·step·u.
-                for slope in [at_begin, at_end + 2.0 * step * bend] {
-                    let is_flat = slope.abs() <= NO_SLOPE * step * bend.abs();
-                    let bend = if slope < 0.0 { -bend } else { bend };
+                let grown = at_end.first + 2.0 * step * at_end.second;
+                for (slope, Derivatives { second, .. }) in [(at_begin.first, at_begin), (grown, at_end)] {
+                    let is_flat = slope.abs() <= NO_SLOPE * step * second.abs();
+                    let bend = if slope < 0.0 { -second } else { second };
                     let slope = if is_flat { 0.0 } else { slope.abs() };
-                    rows.push(Row { bend, slope, limit: limits.acceleration[j] });
+                    rows.push(Row { bend, slope, limit: used * limits.acceleration[j] });
                 }
             }
             let after_stop = piece.after_stop && k == 0;
-            Self { piece: index, after_stop, begin, length: step, cap, rows: Rows::Parabola(rows) }
+            Self { piece: index, after_stop, begin, length: step, cap, rows: Rows::Corner(rows) }
         };
         (0..stages).map(stage).collect()
     }
@@ -137,7 +179,7 @@ impl Stage {
     fn greatest_begin(&self, cap: f64, end: f64) -> f64 {
         let rows = match &self.rows {
             Rows::Line { acceleration } => return cap.min(end + 2.0 * acceleration * self.length),
-            Rows::Parabola(rows) => rows,
+            Rows::Corner(rows) => rows,
         };
         let flat = rows.iter().filter(|row| row.slope <= 0.0 && row.bend != 0.0);
         let mut x = flat.map(|row| row.limit / row.bend.abs()).fold(cap, f64::min);
@@ -177,7 +219,7 @@ impl Stage {
     fn run(&self, x: f64, end: f64, law: &mut TimeLaw) -> f64 {
         match &self.rows {
             Rows::Line { acceleration } => self.run_line(x, end, *acceleration, law),
-            Rows::Parabola(rows) => {
+            Rows::Corner(rows) => {
                 let (_, upper) = self.bounds(rows, x, end);
                 let reached = (x + 2.0 * self.length * upper.value).clamp(0.0, end);
                 self.push(law, 0.0, self.length, (x, reached));

@@ -3,10 +3,13 @@ use copp::path::{Path, PathEvaluator2nd};
 use copp::solver::topp2_ra::{ReachSet2OptionsBuilder, Topp2ProblemBuilder, s_to_t_topp2, topp2_ra};
 use cranny_robot::{JointLimits, JointUnit};
 use cranny_spatial::Stream;
+use cranny_task::RoundedCorner;
 use proptest::prelude::*;
 
 use crate::timing::motion_limits::{MotionLimits, TimingMethod};
 use crate::timing::path_curve::PathCurve;
+use crate::timing::piece_limits::{EdgePace, PieceLimits};
+use crate::timing::rounding::CurvedPath;
 use crate::timing::time_optimal::{on_grid, time_optimal};
 use crate::timing::trajectory::{Trajectory, TrajectorySample};
 
@@ -18,15 +21,36 @@ fn limits() -> Vec<JointLimits> {
         upper: 3.0,
         velocity,
         acceleration: Some(acceleration),
-        jerk: None,
+        jerk: Some(20.0 * acceleration),
         unit: JointUnit::Radian,
     };
     [(1.0, 1.0), (1.0, 2.0), (2.2, 15.0), (2.2, 7.5), (2.6, 20.0)].map(joint).into()
 }
 
-fn motion_limits() -> MotionLimits {
+fn limits_by(method: TimingMethod) -> MotionLimits {
     let names: Vec<String> = (0..JOINTS).map(|j| format!("joint{j}")).collect();
-    MotionLimits::new(&names, &limits(), TimingMethod::TimeOptimal).expect("limits")
+    MotionLimits::new(&names, &limits(), method).expect("limits")
+}
+
+fn motion_limits() -> MotionLimits {
+    limits_by(TimingMethod::TimeOptimal)
+}
+
+/// A trajectory along a path whose corners have at most this radius, in seconds at full speed.
+fn rounded(path: &[Vec<f64>], limits: &MotionLimits, radius: f64) -> Trajectory {
+    let mut corners = Vec::new();
+    PathCurve::radii(path, &limits.velocity, |at, points, greatest| {
+        let [before, corner, after] = points(radius.min(greatest));
+        corners.push(RoundedCorner::new(at, [&before, &corner, &after]));
+        greatest
+    });
+    let curved = CurvedPath { corners: &corners, ..CurvedPath::stopping(path) };
+    Trajectory::along_curve(&curved, limits).expect("a trajectory")
+}
+
+/// The limits of each piece of a curve: those of the joints.
+fn of_pieces(curve: &PathCurve, limits: &MotionLimits) -> Vec<PieceLimits> {
+    PieceLimits::all_of(curve, limits, &[], None)
 }
 
 fn polyline(seed: u64, count: usize) -> Vec<Vec<f64>> {
@@ -34,16 +58,19 @@ fn polyline(seed: u64, count: usize) -> Vec<Vec<f64>> {
     (0..count).map(|_| (0..JOINTS).map(|_| stream.uniform_between(-3.0, 3.0)).collect()).collect()
 }
 
-/// The first joint that exceeds a limit along a blended path sampled at 1 kHz, and when (s).
-fn exceeded(seed: u64, count: usize, blend: f64) -> Option<(usize, f64)> {
+/// The first joint that exceeds a limit along a rounded path sampled at 1 kHz, and when (s).
+fn exceeded(method: TimingMethod, seed: u64, count: usize, radius: f64) -> Option<(usize, f64)> {
     let path = polyline(seed, count);
-    let blends = vec![blend; count];
-    let trajectory = Trajectory::with_blends(&path, &motion_limits(), &blends).expect("a trajectory");
+    let trajectory = rounded(&path, &limits_by(method), radius);
     let samples: Vec<_> = trajectory.samples(1000.0).expect("samples").collect();
     for (joint, limits) in limits().iter().enumerate() {
         let acceleration = limits.acceleration.expect("known");
         let stated = |s: &&TrajectorySample| {
             s.velocity[joint].abs() > limits.velocity || s.acceleration[joint].abs() > acceleration
+        };
+        let jerk = limits.jerk.filter(|_| method == TimingMethod::JerkLimited);
+        let is_jerky = |[a, b]: [&TrajectorySample; 2]| {
+            jerk.is_some_and(|jerk| (b.acceleration[joint] - a.acceleration[joint]).abs() > jerk * 1e-3)
         };
         // The last interval is shorter.
         let differences = |three: &&[TrajectorySample]| {
@@ -52,6 +79,7 @@ fn exceeded(seed: u64, count: usize, blend: f64) -> Option<(usize, f64)> {
             ((b - a) * 1000.0).abs() > limits.velocity
                 || (((c - b) - (b - a)) * 1e6).abs() > acceleration
                 || of_velocity.abs() > acceleration
+                || is_jerky([&three[0], &three[1]])
         };
         let found = samples.iter().find(stated).map(|sample| sample.time_s);
         let even = &samples[..samples.len() - 1];
@@ -66,12 +94,12 @@ fn exceeded(seed: u64, count: usize, blend: f64) -> Option<(usize, f64)> {
 /// less.
 fn greatest_use(curve: &PathCurve, limits: &MotionLimits, stages: u32) -> f64 {
     let mut most = 0.0_f64;
-    for phase in on_grid(curve, limits, stages).phases {
+    for phase in on_grid(curve, &of_pieces(curve, limits), stages).phases {
         let piece = &curve.pieces[phase.pieces.start];
         for state in [phase.state, phase.state.after(phase.duration_s, phase.jerk)] {
             for (joint, limit) in limits.acceleration.iter().enumerate() {
-                let (slope, bend) = piece.derivatives(joint, state.s);
-                let acceleration = slope * state.acceleration + bend * state.speed * state.speed;
+                let q = piece.derivatives(joint, state.s);
+                let acceleration = q.first * state.acceleration + q.second * state.speed * state.speed;
                 most = most.max(acceleration.abs() / limit);
             }
         }
@@ -83,8 +111,8 @@ fn greatest_use(curve: &PathCurve, limits: &MotionLimits, stages: u32) -> f64 {
 /// there has a slope of 1e-17, and gave bounds of u that were noise.
 #[test]
 fn a_joint_may_turn_back_on_the_edge_of_a_stage() {
-    let (limits, blends) = (motion_limits(), vec![10.0_f64.powf(-0.38683405671710996); 4]);
-    let curve = PathCurve::along(&polyline(15229711017748495913, 4), &limits.velocity, &blends);
+    let (limits, radii) = (motion_limits(), vec![10.0_f64.powf(-0.38683405671710996); 4]);
+    let curve = PathCurve::along(&polyline(15229711017748495913, 4), &limits.velocity, &radii);
     for stages in [2, 16, 32, 64, 100, 128, 256, 1024] {
         let most = greatest_use(&curve, &limits, stages);
         assert!(most < 1.0 + 1e-6, "{stages} stages: {most}");
@@ -96,20 +124,38 @@ proptest! {
 
     /// As in `every_limit_holds_at_1_khz`, for curves.
     #[test]
-    fn every_limit_holds_on_blended_paths(seed in any::<u64>(), count in 3usize..8, size in -4.0..0.5) {
-        let exceeded = exceeded(seed, count, 10.0_f64.powf(size));
-        prop_assert!(exceeded.is_none(), "{exceeded:?}");
+    fn every_limit_holds_on_rounded_paths(seed in any::<u64>(), count in 3usize..8, size in -4.0..0.5) {
+        for method in [TimingMethod::TimeOptimal, TimingMethod::JerkLimited] {
+            let exceeded = exceeded(method, seed, count, 10.0_f64.powf(size));
+            prop_assert!(exceeded.is_none(), "{method:?}: {exceeded:?}");
+        }
     }
 
-    /// Bigger blends are not promised to be faster, but each blend is faster than the stop it replaces.
+    /// Whatever sizes are proven, and at full and at less pace: never slower than a stop at each corner, and corners of the
+    /// sizes that were accepted alone.
     #[test]
-    fn a_blend_is_faster_than_a_stop(seed in any::<u64>(), count in 3usize..8) {
+    fn rounding_is_never_slower_than_stopping(seed in any::<u64>(), count in 3usize..8, share in 0.1..1.0) {
         let path = polyline(seed, count);
-        let limits = motion_limits();
-        let stopping = Trajectory::along(&path, &limits).expect("a trajectory").duration_s();
-        for r in [1e-6, 1e-3, 0.05] {
-            let blended = Trajectory::with_blends(&path, &limits, &vec![r; count]).expect("a trajectory");
-            prop_assert!(blended.duration_s() < stopping);
+        let pace = EdgePace { share, ..EdgePace::default() };
+        let paces = vec![pace; count];
+        for method in [TimingMethod::TimeOptimal, TimingMethod::JerkLimited] {
+            let limits = limits_by(method);
+            let stopping = CurvedPath { paces: &paces, ..CurvedPath::stopping(&path) };
+            let mut accepted = Vec::new();
+            let corners = stopping.rounded(&limits, |at, points| {
+                let is_small = points[0].iter().zip(&points[2]).all(|(a, b)| (a - b).abs() < 1.5 * share);
+                if is_small {
+                    accepted.push((at, points.clone()));
+                }
+                is_small
+            });
+            prop_assert!(corners.iter().all(|corner| accepted.contains(&(corner.waypoint, corner.control_points.clone()))));
+            let round = CurvedPath { corners: &corners, ..stopping };
+            let [round_s, stopping_s] =
+                [round, stopping].map(|path| Trajectory::along_curve(&path, &limits).expect("a trajectory").duration_s());
+            prop_assert!(round_s <= stopping_s, "{round_s} against {stopping_s}");
+            let full_s = Trajectory::along(&path, &limits).expect("a trajectory").duration_s();
+            prop_assert!((stopping_s * share / full_s - 1.0).abs() < 1e-9);
         }
     }
 
@@ -117,19 +163,19 @@ proptest! {
     fn a_finer_grid_hardly_shortens_the_time(seed in any::<u64>(), count in 3usize..8, size in -3.0..0.5) {
         let (path, limits) = (polyline(seed, count), motion_limits());
         let curve = PathCurve::along(&path, &limits.velocity, &vec![10.0_f64.powf(size); count]);
-        let taken = time_optimal(&curve, &limits).duration_s;
-        let fine = on_grid(&curve, &limits, 2048).duration_s;
+        let taken = time_optimal(&curve, &of_pieces(&curve, &limits)).duration_s;
+        let fine = on_grid(&curve, &of_pieces(&curve, &limits), 2048).duration_s;
         prop_assert!(fine <= taken * (1.0 + 1e-5) && taken <= fine * 1.01, "{taken} against {fine}");
     }
 
-    /// The stages of a parabola against the closed form of a line.
+    /// The stages of a corner against the closed form of a line.
     #[test]
-    fn a_line_taken_as_a_parabola_takes_as_long(seed in any::<u64>()) {
+    fn a_line_taken_as_a_corner_takes_as_long(seed in any::<u64>()) {
         let limits = motion_limits();
         let mut curve = PathCurve::along(&polyline(seed, 2), &limits.velocity, &[]);
-        let exact = time_optimal(&curve, &limits).duration_s;
-        curve.pieces[0].curvature = Some(vec![0.0; JOINTS]);
-        let staged = on_grid(&curve, &limits, 1000).duration_s;
+        let exact = time_optimal(&curve, &of_pieces(&curve, &limits)).duration_s;
+        curve.pieces[0].turn = Some(vec![0.0; JOINTS]);
+        let staged = on_grid(&curve, &of_pieces(&curve, &limits), 1000).duration_s;
         prop_assert!(staged >= exact * (1.0 - 1e-9) && staged <= exact * 1.0001, "{staged} against {exact}");
     }
 }
@@ -156,7 +202,8 @@ impl PathEvaluator2nd for Evaluator {
             for (joint, value) in position.iter().enumerate() {
                 let at = column * JOINTS + joint;
                 q[at] = *value;
-                (dq[at], ddq[at]) = pieces[piece].derivatives(joint, *s);
+                let of_joint = pieces[piece].derivatives(joint, *s);
+                (dq[at], ddq[at]) = (of_joint.first, of_joint.second);
             }
         }
         Ok(())
@@ -188,14 +235,14 @@ fn other_duration_s(curve: PathCurve, limits: &MotionLimits, stations: usize) ->
 }
 
 #[test]
-fn blended_paths_take_as_long_as_another_implementation_says() {
+fn rounded_paths_take_as_long_as_another_implementation_says() {
     const STATIONS: usize = 20_001;
     let limits = motion_limits();
     for (seed, size) in (0..12).zip([0.05, 0.3, 10.0].into_iter().cycle()) {
         let path = polyline(seed, 5);
-        let blends = vec![size; 5];
-        let curve = PathCurve::along(&path, &limits.velocity, &blends);
-        let ours = on_grid(&curve, &limits, 1024).duration_s;
+        let radii = vec![size; 5];
+        let curve = PathCurve::along(&path, &limits.velocity, &radii);
+        let ours = on_grid(&curve, &of_pieces(&curve, &limits), 1024).duration_s;
         let other = other_duration_s(curve, &limits, STATIONS);
         assert!((ours / other - 1.0).abs() < 2e-3, "seed {seed}: {ours} s, copp {other} s");
     }

@@ -1,20 +1,18 @@
-use cranny_collision::Cell;
 use cranny_task::TaskError;
 
 use crate::PathError;
-use crate::timing::corner_blend::{CutCorner, LinkReach, proven_blend};
-use crate::timing::jerk_limited::jerk_limited;
 use crate::timing::motion_limits::{MotionLimits, TimingMethod};
 use crate::timing::path_curve::PathCurve;
+use crate::timing::piece_limits::PieceLimits;
+use crate::timing::rounding::{CurvedPath, law};
 use crate::timing::time_law::TimeLaw;
-use crate::timing::time_optimal::time_optimal;
 
 /// A path with its time: where every joint is at any instant, how fast, and how hard it accelerates. It
 /// begins and ends at rest and keeps to every limit at every instant.
 #[derive(Clone, Debug)]
 pub struct Trajectory {
     method: TimingMethod,
-    cut_corners: Vec<CutCorner>,
+    is_rounded: bool,
     joint_names: Vec<String>,
     first: Vec<f64>,
     last: Vec<f64>,
@@ -40,7 +38,7 @@ pub struct TrajectorySample {
 pub const MAX_SAMPLE_RATE_HZ: f64 = 1e4;
 
 impl Trajectory {
-    /// The fastest trajectory exactly along the straight edges of `path` (m, rad; one value per joint), by the method
+    /// A fast trajectory exactly along the straight edges of `path` (m, rad; one value per joint), by the method
     /// of `limits`. It stops at each way point where the direction changes, and only there, so what is proven of the
     /// edges is proven of the trajectory.
     ///
@@ -48,38 +46,16 @@ impl Trajectory {
     /// [`PathError::EmptyPath`], [`TaskError::JointCount`] or [`TaskError::NotFinite`] for what is no path of
     /// these joints.
     pub fn along(path: &[Vec<f64>], limits: &MotionLimits) -> Result<Self, PathError> {
-        Self::with_blends(path, limits, &[])
+        Self::along_curve(&CurvedPath::stopping(path), limits)
     }
 
-    /// The fastest trajectory along `path` (m, rad; one value per joint) that cuts its corners by parabolas where the
-    /// clearance of `cell` proves these, and stops at the others. Each parabola is as large as was found to be
-    /// proven.
+    /// The same along a path with rounded corners, in which it does not stop: it is then nowhere but on the lines and on these
+    /// curves.
     ///
     /// # Errors
-    /// As [`Self::along`]; [`PathError::BlendedJerk`] where jerk is limited, which jumps at the ends of a
-    /// parabola.
-    pub fn blended(path: &[Vec<f64>], limits: &MotionLimits, cell: &Cell) -> Result<Self, PathError> {
-        if limits.method == TimingMethod::JerkLimited {
-            return Err(PathError::BlendedJerk);
-        }
-        // Refuses what is no path.
-        let stopping = Self::along(path, limits)?;
-        let reach = LinkReach::new(cell.robot());
-        let mut scratch = cell.scratch();
-        let blends = PathCurve::blends(path, &limits.velocity, |corner, slopes, greatest| {
-            proven_blend(cell, &reach, corner, slopes, greatest, &mut scratch)
-        });
-        let mut blended = Self::with_blends(path, limits, &blends)?;
-        blended.cut_corners = CutCorner::all_of(&blended.curve, &reach);
-        Ok(if blended.duration_s() < stopping.duration_s() { blended } else { stopping })
-    }
-
-    /// The same with parabolas instead of stops (see [`PathCurve::along`]), for `TimeOptimal` only.
-    pub(crate) fn with_blends(
-        path: &[Vec<f64>],
-        limits: &MotionLimits,
-        blends: &[f64],
-    ) -> Result<Self, PathError> {
+    /// As [`Self::along`]; [`PathError::UnevenCorner`] for a corner made for joints with other limits of velocity.
+    pub fn along_curve(of: &CurvedPath<'_>, limits: &MotionLimits) -> Result<Self, PathError> {
+        let path = of.waypoints;
         let (Some(first), Some(last)) = (path.first(), path.last()) else {
             return Err(PathError::EmptyPath);
         };
@@ -93,11 +69,10 @@ impl Trajectory {
                 return Err(TaskError::NotFinite { what, joint }.into());
             }
         }
-        let curve = PathCurve::along(path, &limits.velocity, blends);
-        let law = match limits.method {
-            TimingMethod::TimeOptimal => time_optimal(&curve, limits),
-            TimingMethod::JerkLimited => jerk_limited(&curve, limits),
-        };
+        let radii = PathCurve::radii_of(path, &limits.velocity, of.corners)?;
+        let curve = PathCurve::along(path, &limits.velocity, &radii);
+        let of_pieces = PieceLimits::all_of(&curve, limits, of.paces, of.robot);
+        let law = law(&curve, limits.method, &of_pieces);
         let mut waypoint_times_s: Vec<f64> =
             curve.waypoints.iter().map(|(piece, s)| law.time_of(*piece, *s)).collect();
         if let Some(time_s) = waypoint_times_s.last_mut() {
@@ -105,7 +80,7 @@ impl Trajectory {
         }
         Ok(Self {
             method: limits.method,
-            cut_corners: Vec::new(),
+            is_rounded: curve.pieces.iter().any(|piece| piece.turn.is_some()),
             joint_names: limits.joint_names.clone(),
             first: first.clone(),
             last: last.clone(),
@@ -120,14 +95,9 @@ impl Trajectory {
         self.method
     }
 
-    /// Whether it cuts a corner of its path instead of stopping there.
-    pub fn is_blended(&self) -> bool {
-        !self.cut_corners.is_empty()
-    }
-
-    /// The corners of its path that it cuts: there it leaves the edges, and what is measured along these does not hold for it.
-    pub fn cut_corners(&self) -> &[CutCorner] {
-        &self.cut_corners
+    /// Whether it rounds a corner of its path instead of stopping there.
+    pub fn is_rounded(&self) -> bool {
+        self.is_rounded
     }
 
     /// The names of the joints, in the order of every sample.
@@ -140,7 +110,7 @@ impl Trajectory {
         self.law.duration_s
     }
 
-    /// Times at which the way points of the path are passed (a corner that is cut: half passed), one per way point,
+    /// Times at which the way points of the path are passed (a rounded corner: half passed), one per way point,
     /// in seconds; ascending, from 0 to the duration.
     pub fn waypoint_times_s(&self) -> &[f64] {
         &self.waypoint_times_s
@@ -162,9 +132,7 @@ impl Trajectory {
         let piece = &self.curve.pieces[index];
         let derivatives = (0..self.first.len()).map(|joint| piece.derivatives(joint, state.s));
         let (velocity, acceleration) = derivatives
-            .map(|(slope, bend)| {
-                (slope * state.speed, slope * state.acceleration + bend * state.speed * state.speed)
-            })
+            .map(|q| (q.first * state.speed, q.first * state.acceleration + q.second * state.speed.powi(2)))
             .unzip();
         TrajectorySample { time_s, position: piece.position(state.s), velocity, acceleration }
     }

@@ -64,9 +64,8 @@ impl PickPath {
             let (cell, target) = picking.cell().zip(picking.target())?;
             Some(cell.world().bodies()[target].name.clone())
         };
-        let cell = problem.cell().map(AsRef::as_ref);
         let of_pick = |(index, segments): (usize, &[Segment])| {
-            let timed = plan.trajectory_of(problem.robot(), cell, segments)?;
+            let timed = TaskTrajectory::of(plan.timing_asked(), problem.robot(), segments)?;
             let timed = timed.ok_or(SimError::NoTimes)?;
             let end = segments.last().and_then(|last| last.waypoints.last()).cloned().unwrap_or_default();
             Ok(Self { object: picks.get(index).and_then(object), timed, end })

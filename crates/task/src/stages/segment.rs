@@ -1,6 +1,9 @@
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 
+use crate::stages::corner::RoundedCorner;
+use crate::stages::pace::Pace;
+
 /// Properties of a motion during which the hand does nothing (a mode: Hauser & Latombe 2010, §3).
 ///
 /// All code asks for these properties; the name is for files and people.
@@ -89,10 +92,17 @@ pub struct Segment {
     /// in it; accelerations have the square of it, jerks the cube. `None`: all of them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub speed: Option<f64>,
+    /// Limits that were asked for, besides those of the robot.
+    #[serde(default, skip_serializing_if = "Pace::is_full")]
+    pub pace: Pace,
     /// Way points: one value per joint each (m, rad).
     #[serde(default)]
     pub waypoints: Vec<Vec<f64>>,
-    /// Least distance along each edge, in metres, proven; `None` where nothing is near, empty without a proof.
+    /// Corners that the motion rounds instead of stopping there, in the order of its way points.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub corners: Vec<RoundedCorner>,
+    /// Least distance along each edge, in metres, proven; `None` where nothing is near, empty without a proof. Where a
+    /// corner between two edges is rounded, that of its curve counts for both.
     #[serde(default)]
     pub clearances_m: Vec<Option<f64>>,
 }
@@ -133,7 +143,9 @@ impl Segment {
             opening_m: None,
             uneven_m: None,
             speed: None,
+            pace: Pace::default(),
             waypoints,
+            corners: Vec::new(),
             clearances_m: Vec::new(),
         }
     }
@@ -157,6 +169,20 @@ pub fn joined(segments: &[Segment]) -> Vec<Vec<f64>> {
         joined.extend_from_slice(&segment.waypoints);
     }
     joined
+}
+
+/// The rounded corners of segments that follow each other, by the way points of [`joined`].
+pub fn joined_corners(segments: &[Segment]) -> Vec<RoundedCorner> {
+    let mut corners = Vec::new();
+    let mut before = 0;
+    for segment in segments {
+        let of_segment = segment.corners.iter();
+        corners.extend(
+            of_segment.map(|corner| RoundedCorner { waypoint: before + corner.waypoint, ..corner.clone() }),
+        );
+        before += segment.waypoints.len().saturating_sub(1);
+    }
+    corners
 }
 
 /// Gives each segment the clearances of its edges, those of all edges in metres.

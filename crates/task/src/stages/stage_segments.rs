@@ -84,6 +84,12 @@ fn fault_of(
     if before.filter(|before| is_one_motion(before)).is_some_and(|before| before.speed != segment.speed) {
         return Some("has another speed than the segment before it, with which it is one motion");
     }
+    if segment.pace.fault().is_some() {
+        return Some("has a pace that is no share of the limits");
+    }
+    if let Some(fault) = corner_fault(before, segment) {
+        return Some(fault);
+    }
     let holds = segment.mode.holds;
     let was_held = before.is_some_and(|before| before.mode.holds);
     let closes = holds && !was_held;
@@ -108,4 +114,41 @@ fn fault_of(
         Some(MotionEnd::Last) => next.is_some_and(|next| !next.mode.holds),
     };
     (!may_rest).then_some("may not touch what carries the object")
+}
+
+/// Returns the fault of the rounded corners of a segment: those of its way points in order, in the form of a corner of these
+/// edges, none where an object may touch what carries it, and where the segment before it ends only if the two are one motion
+/// of a stage, or the first of them lifts an object off.
+fn corner_fault(before: Option<&Segment>, segment: &Segment) -> Option<&'static str> {
+    let mut last = None;
+    for corner in &segment.corners {
+        let index = corner.waypoint;
+        if last.is_some_and(|last| index <= last) {
+            return Some("has rounded corners out of order");
+        }
+        last = Some(index);
+        let from = match index {
+            0 => before.filter(|before| are_joined(before, segment)).and_then(|before| {
+                let way = &before.waypoints;
+                way.len().checked_sub(2).map(|from| &way[from])
+            }),
+            _ => segment.waypoints.get(index - 1),
+        };
+        let ends = from.zip(segment.waypoints.get(index)).zip(segment.waypoints.get(index + 1));
+        let Some(((from, corner_at), to)) = ends.filter(|_| segment.mode.rests_at.is_none()) else {
+            return Some("rounds a corner where none may be");
+        };
+        if !corner.rounds([from, corner_at, to]) {
+            return Some("has a rounded corner that is none of its edges");
+        }
+    }
+    None
+}
+
+/// Whether a motion may go on from a segment to the next without a stop.
+pub fn are_joined(before: &Segment, next: &Segment) -> bool {
+    let lifts = before.mode.rests_at == Some(MotionEnd::First);
+    before.mode.holds == next.mode.holds
+        && next.mode.rests_at.is_none()
+        && (lifts || (before.stage == next.stage && before.mode.rests_at.is_none()))
 }

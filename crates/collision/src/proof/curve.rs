@@ -1,0 +1,272 @@
+use cranny_robot::between;
+use cranny_spatial::ROUNDING_M;
+
+use crate::Measuring;
+use crate::cell::{Cell, Scratch};
+use crate::proof::motion::Motion;
+use crate::proof::reach::Reach;
+use crate::touch::contact::Contact;
+
+/// Pieces of a curve that stray less than this from their chords, as the motion of any point, are not halved again, in
+/// metres: the resolution of a proof.
+const FINEST_M: f64 = 1e-6;
+
+/// A piece of a curve as the control points of its Bézier form, its parameters on the whole curve, and its distance from
+/// its chord.
+struct CurvePiece {
+    points: Vec<Vec<f64>>,
+    from: f64,
+    until: f64,
+    /// Bound on the distance of any point of the robot from where some point of the chord has it, in metres.
+    deviation_m: f64,
+}
+
+impl CurvePiece {
+    /// With the tube lemma: for chord points `c_i` of the control points `P_i`, the curve at t is the chord point
+    /// `Σ B_i(t) c_i` moved by `Σ B_i(t) (P_i − c_i)`, and the Bernstein polynomials `B_i` are a convex combination. So each
+    /// joint strays from some chord point by at most `max_i |P_i − c_i|`.
+    fn new(points: Vec<Vec<f64>>, [from, until]: [f64; 2], reach: &Reach) -> Self {
+        let (first, last) = (&points[0], &points[points.len() - 1]);
+        let weights = reach.weights();
+        let chord = |joint: usize| last[joint] - first[joint];
+        let length2: f64 = weights.iter().enumerate().map(|(joint, w)| (w * chord(joint)).powi(2)).sum();
+        let mut strays = vec![0.0_f64; first.len()];
+        for point in &points[1..points.len() - 1] {
+            let along: f64 = weights
+                .iter()
+                .enumerate()
+                .map(|(joint, w)| w * w * chord(joint) * (point[joint] - first[joint]))
+                .sum();
+            let share = if length2 > 0.0 { (along / length2).clamp(0.0, 1.0) } else { 0.0 };
+            for (joint, stray) in strays.iter_mut().enumerate() {
+                *stray = stray.max((point[joint] - first[joint] - share * chord(joint)).abs());
+            }
+        }
+        let deviation_m = reach.motion_m(|joint| strays[joint]) + ROUNDING_M;
+        Self { points, from, until, deviation_m }
+    }
+
+    fn chord(&self) -> [&[f64]; 2] {
+        [&self.points[0], &self.points[self.points.len() - 1]]
+    }
+
+    /// The two halves, by the construction of de Casteljau.
+    fn halves(&self, reach: &Reach) -> [Self; 2] {
+        let mut row = self.points.clone();
+        let (mut left, mut right) = (Vec::with_capacity(row.len()), Vec::with_capacity(row.len()));
+        while let (Some(first), Some(last)) = (row.first(), row.last()) {
+            left.push(first.clone());
+            right.push(last.clone());
+            row = row.windows(2).map(|pair| between(&pair[0], &pair[1], 0.5).collect()).collect();
+        }
+        right.reverse();
+        let middle = 0.5 * (self.from + self.until);
+        [Self::new(left, [self.from, middle], reach), Self::new(right, [middle, self.until], reach)]
+    }
+}
+
+/// A curve as a path of chords that it is near.
+#[derive(Clone, Debug)]
+pub struct Chords {
+    /// Way points on the curve: one value per joint each (m, rad).
+    pub waypoints: Vec<Vec<f64>>,
+    /// Bound on the distance of any point of the robot on the curve from where some point of the chords has it, and on the
+    /// change of any distance between two links, in metres.
+    pub deviation_m: f64,
+}
+
+impl Cell {
+    /// Proves the motion along a polynomial curve, given by the control points of its Bézier form (at least two; m, rad; one
+    /// value per joint each), or returns the fault; [`Self::motion_is_free`] is the case of two.
+    ///
+    /// Pieces of the curve are halved until each is proven: every chord keeps, besides the demanded distance, that by which
+    /// its piece strays from it. The parameter of a fault is accurate to the piece.
+    ///
+    /// # Panics
+    /// For fewer than two control points, or one without one value per joint.
+    pub fn curve_is_free(&self, control_points: &[Vec<f64>], reach: &Reach, scratch: &mut Scratch) -> Motion {
+        assert!(control_points.len() > 1, "a curve has two control points or more");
+        let mut work = vec![CurvePiece::new(control_points.to_vec(), [0.0, 1.0], reach)];
+        while let Some(piece) = work.pop() {
+            let beyond_limits = |q: &&Vec<f64>| self.robot().first_limit_violation(q);
+            let is_finest = piece.deviation_m <= FINEST_M;
+            if let Some(violation) = piece.points.iter().find_map(|q| beyond_limits(&q)) {
+                let [first, last] = piece.chord();
+                if is_finest || [first, last].iter().any(|q| !self.robot().within_limits(q)) {
+                    return Motion::OutOfLimits { joint: violation.joint };
+                }
+                work.extend(piece.halves(reach).into_iter().rev());
+                continue;
+            }
+            let [first, last] = piece.chord();
+            let at = |at: f64| piece.from + at * (piece.until - piece.from);
+            match self.motion_beyond(piece.deviation_m, first, last, scratch) {
+                Motion::Proven => {}
+                Motion::Contact { at: along, contact }
+                    if is_finest || contact.clearance_m + piece.deviation_m < contact.required_m =>
+                {
+                    return Motion::Contact { at: at(along), contact };
+                }
+                Motion::Unresolved { at: along, contact } if is_finest => {
+                    return Motion::Unresolved { at: at(along), contact };
+                }
+                _ => work.extend(piece.halves(reach).into_iter().rev()),
+            }
+        }
+        Motion::Proven
+    }
+
+    /// The least distance over all pairs along a curve (control points as in [`Self::curve_is_free`]) that is proven, in
+    /// metres: a proven lower bound, at most `share` of the truth, or 10 µm, too low; infinite if there is nothing to touch.
+    ///
+    /// # Errors
+    /// A pair that was measured closer than it may be, whatever was proven.
+    ///
+    /// # Panics
+    /// As [`Self::curve_is_free`].
+    pub fn curve_clearance(
+        &self,
+        control_points: &[Vec<f64>],
+        share: f64,
+        reach: &Reach,
+        scratch: &mut Scratch,
+    ) -> Result<f64, Contact> {
+        /// As exact as [`Self::least_clearance`], in metres.
+        const TOLERANCE_M: f64 = 1e-5;
+        assert!(control_points.len() > 1, "a curve has two control points or more");
+        let mut least_m = f64::INFINITY;
+        let mut work = vec![CurvePiece::new(control_points.to_vec(), [0.0, 1.0], reach)];
+        while let Some(piece) = work.pop() {
+            let measuring = Measuring { share: 0.5 * share, ..Measuring::default() };
+            let measured = self.measure_motion(piece.chord(), measuring, scratch);
+            let kept_m = measured.least_m - piece.deviation_m;
+            if kept_m >= least_m {
+                continue;
+            }
+            if piece.deviation_m <= TOLERANCE_M.max(0.5 * share * measured.least_m) {
+                if let Some((_, contact)) = measured.contradiction {
+                    return Err(contact);
+                }
+                least_m = kept_m;
+            } else {
+                work.extend(piece.halves(reach));
+            }
+        }
+        Ok(least_m.max(0.0))
+    }
+
+    /// A curve (control points as in [`Self::curve_is_free`]) as chords from which it strays by at most `tolerance_m` (m;
+    /// at least the resolution of a proof counts).
+    ///
+    /// # Panics
+    /// As [`Self::curve_is_free`].
+    pub fn chords_of(control_points: &[Vec<f64>], tolerance_m: f64, reach: &Reach) -> Chords {
+        assert!(control_points.len() > 1, "a curve has two control points or more");
+        let mut chords = Chords { waypoints: vec![control_points[0].clone()], deviation_m: 0.0 };
+        let mut work = vec![CurvePiece::new(control_points.to_vec(), [0.0, 1.0], reach)];
+        while let Some(piece) = work.pop() {
+            if piece.deviation_m <= tolerance_m.max(FINEST_M) {
+                chords.deviation_m = chords.deviation_m.max(piece.deviation_m);
+                chords.waypoints.push(piece.chord()[1].to_vec());
+            } else {
+                work.extend(piece.halves(reach).into_iter().rev());
+            }
+        }
+        chords
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use cranny_robot::{Robot, RobotOptions};
+    use cranny_shape::Solid;
+    use cranny_spatial::{Pose, Stream};
+
+    use super::*;
+    use crate::{Body, Margins, World};
+
+    const ARM: &str = r#"<robot name="arm">
+      <link name="base"/>
+      <link name="upper"><collision><origin xyz="0.2 0 0"/><geometry><box size="0.4 0.04 0.04"/></geometry></collision></link>
+      <link name="lower"><collision><origin xyz="0.15 0 0"/><geometry><box size="0.3 0.03 0.03"/></geometry></collision></link>
+      <joint name="slide" type="prismatic"><parent link="base"/><child link="cart"/><axis xyz="0 1 0"/>
+        <limit lower="-1" upper="1" velocity="1" effort="1"/></joint>
+      <link name="cart"/>
+      <joint name="turn" type="revolute"><parent link="cart"/><child link="upper"/><axis xyz="0 0 1"/>
+        <limit lower="-3" upper="3" velocity="1" effort="1"/></joint>
+      <joint name="elbow" type="revolute"><parent link="upper"/><child link="lower"/><origin xyz="0.4 0 0"/>
+        <axis xyz="0 0.6 0.8"/><limit lower="-2.5" upper="2.5" velocity="1" effort="1"/></joint>
+    </robot>"#;
+
+    fn at(points: &[Vec<f64>], t: f64) -> Vec<f64> {
+        let mut row = points.to_vec();
+        while row.len() > 1 {
+            row = row.windows(2).map(|pair| between(&pair[0], &pair[1], t).collect()).collect();
+        }
+        row.remove(0)
+    }
+
+    /// Curves of degree 1 to 5 among boxes: what is proven is free at every sample and keeps the clearance that is measured; a
+    /// bound that is a twentieth of the true one lets a contact pass. Hull inside the limits, so limits never decide.
+    #[test]
+    fn a_proven_curve_is_free_and_a_wrong_bound_is_caught() {
+        let robot = Robot::from_urdf_text(ARM, "arm.urdf", None, &RobotOptions::default()).expect("a URDF");
+        let robot = Arc::new(robot);
+        let (mut stream, mut proven, mut refused, mut false_proofs) = (Stream::new(3, 0), 0, 0, 0);
+        for round in 0..120_u32 {
+            let bodies = (0..12).map(|k| {
+                let mut at = || stream.uniform_between(-0.7, 0.7);
+                let pose = Pose::translation(at(), at(), at());
+                Body::new(&format!("ball{k}"), pose, Solid::sphere(0.04).expect("a positive radius"))
+            });
+            let world = World::new(bodies.collect()).expect("finite poses");
+            let cell = Cell::new(robot.clone(), world, Margins::default()).expect("good margins");
+            let degree = 1 + round as usize % 5;
+            let points: Vec<Vec<f64>> = (0..=degree)
+                .map(|_| {
+                    let widths = [0.4, 1.5, 1.5];
+                    widths.iter().map(|w| stream.uniform_between(-w, *w)).collect()
+                })
+                .collect();
+            let (reach, mut scratch) = (cell.reach(), cell.scratch());
+            let samples: Vec<Vec<f64>> = (0..=200).map(|k| at(&points, f64::from(k) / 200.0)).collect();
+            let seen_m =
+                samples.iter().map(|q| cell.clearance(q, &mut scratch)).fold(f64::INFINITY, f64::min);
+            let is_proven = |reach: &Reach, scratch: &mut Scratch| {
+                cell.curve_is_free(&points, reach, scratch).is_proven()
+            };
+            if is_proven(&reach, &mut scratch) {
+                proven += 1;
+                assert!(seen_m > 0.0, "round {round}");
+                let least_m = cell.curve_clearance(&points, 0.05, &reach, &mut scratch).expect("proven");
+                assert!(least_m <= seen_m + 1e-9, "{least_m} above {seen_m}");
+                assert!(least_m >= 0.94 * seen_m - 2e-3, "{least_m} far below {seen_m}");
+                let chords = Cell::chords_of(&points, 1e-3, &reach);
+                assert!(chords.deviation_m <= 1e-3);
+                let along = chords.waypoints.windows(2);
+                let chord_m = along.map(|chord| cell.least_clearance(&chord[0], &chord[1], &mut scratch));
+                assert!(chord_m.fold(f64::INFINITY, f64::min) <= seen_m + chords.deviation_m);
+            } else {
+                refused += 1;
+                assert!(seen_m < 1e-2, "a curve that keeps {seen_m} m was refused");
+                false_proofs += u32::from(is_proven(&reach.clone().times(0.05), &mut scratch));
+            }
+        }
+        assert!(proven > 20 && refused > 20 && false_proofs > 0, "{proven} {refused} {false_proofs}");
+    }
+
+    #[test]
+    fn a_curve_that_leaves_the_limits_is_refused_and_one_whose_hull_does_alone_is_not() {
+        let robot = Robot::from_urdf_text(ARM, "arm.urdf", None, &RobotOptions::default()).expect("a URDF");
+        let world = World::new(Vec::new()).expect("an empty world");
+        let cell = Cell::new(Arc::new(robot), world, Margins::default()).expect("good margins");
+        let (reach, mut scratch) = (cell.reach(), cell.scratch());
+        let hump = |top: f64| vec![vec![0.0, 0.0, 0.0], vec![top, 0.0, 0.0], vec![0.0, 0.1, 0.0]];
+        // A parabola rises half as high as its middle control point.
+        assert!(cell.curve_is_free(&hump(1.9), &reach, &mut scratch).is_proven());
+        let beyond = cell.curve_is_free(&hump(2.1), &reach, &mut scratch);
+        assert_eq!(beyond, Motion::OutOfLimits { joint: 0 });
+    }
+}

@@ -1,0 +1,137 @@
+use cranny_robot::{JointKind, Robot};
+use cranny_task::Pace;
+
+use crate::timing::motion_limits::MotionLimits;
+use crate::timing::path_curve::{PathCurve, Piece};
+
+/// Limits on one piece of a curve.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct PieceLimits {
+    /// Per joint, in its unit/s.
+    pub velocity: Vec<f64>,
+    /// Per joint, in its unit/s².
+    pub acceleration: Vec<f64>,
+    /// Per joint, in its unit/s³; infinite where jerk is not limited.
+    pub jerk: Vec<f64>,
+    /// Greatest `ṡ`.
+    pub most_speed: f64,
+}
+
+/// Limits of the edges of a path besides those of the joints.
+#[derive(Clone, Copy, Debug)]
+pub struct EdgePace {
+    /// Limits that were asked for.
+    pub pace: Pace,
+    /// Share of the speed: velocities, that of the tool too, have it, accelerations the square of it, jerks the cube.
+    pub share: f64,
+}
+
+impl Default for EdgePace {
+    fn default() -> Self {
+        Self { pace: Pace::default(), share: 1.0 }
+    }
+}
+
+impl PieceLimits {
+    /// Those of each piece of a curve, by the paces of the edges of its path (none: no further limits).
+    pub fn all_of(
+        curve: &PathCurve,
+        limits: &MotionLimits,
+        paces: &[EdgePace],
+        robot: Option<&Robot>,
+    ) -> Vec<Self> {
+        curve.pieces.iter().map(|piece| Self::of(piece, limits, paces, robot)).collect()
+    }
+
+    fn of(piece: &Piece, limits: &MotionLimits, paces: &[EdgePace], robot: Option<&Robot>) -> Self {
+        let of_edge = |edge: usize| paces.get(edge).copied().unwrap_or_default();
+        let both = piece.edges.map(of_edge);
+        let least = |of: fn(&EdgePace) -> f64| of(&both[0]).min(of(&both[1]));
+        let velocity = least(|edge| edge.share * edge.pace.velocity);
+        let acceleration = least(|edge| edge.share.powi(2) * edge.pace.acceleration);
+        let jerk = least(|edge| edge.share.powi(3));
+        let times = |limits: &[f64], share: f64| limits.iter().map(|limit| limit * share).collect();
+        let tool_m_s = both.iter().filter_map(|edge| Some(edge.share * edge.pace.tool_m_s?)).reduce(f64::min);
+        let most_speed = tool_m_s.zip(robot).map_or(f64::INFINITY, |(speed, robot)| {
+            let most = greatest_tool_slope(robot, piece);
+            if most > 0.0 { speed / most } else { f64::INFINITY }
+        });
+        Self {
+            velocity: times(&limits.velocity, velocity),
+            acceleration: times(&limits.acceleration, acceleration),
+            jerk: if limits.jerk.is_empty() {
+                vec![f64::INFINITY; limits.velocity.len()]
+            } else {
+                times(&limits.jerk, jerk)
+            },
+            most_speed,
+        }
+    }
+
+    /// Velocity, acceleration and jerk of a joint.
+    pub fn of_joint(&self, joint: usize) -> [f64; 3] {
+        [self.velocity[joint], self.acceleration[joint], self.jerk[joint]]
+    }
+}
+
+/// A bound on `|dp/ds|` of the origin of the gripper frame along a piece, in metres per unit of `s`, at most 1 % above the
+/// truth unless that takes more than 1024 samples.
+///
+/// At samples δ apart no point of the piece is farther than δ/2 from one, so the bound is the greatest sample plus δ/2 times
+/// a bound on `|d²p/ds²| ≤ Σ_i Σ_j |q_i'| |q_j'| r + Σ_j |q_j''| r`, where r bounds the distance of the origin from every
+/// axis of a joint that turns (`∂²p/∂q_i∂q_j = a_i × (a_j × (p − o_j))`).
+fn greatest_tool_slope(robot: &Robot, piece: &Piece) -> f64 {
+    const MOST_SAMPLES: u32 = 1024;
+    const EXCESS: f64 = 0.01;
+    /// Step of the difference quotient, as a share of the piece.
+    const STEP: f64 = 1e-5;
+    let joints = 0..piece.slope.len();
+    let reach_m = tip_reach_m(robot);
+    let most = |joint: usize| piece.greatest(joint);
+    let first: f64 = joints.clone().map(|joint| most(joint).first).sum();
+    let second: f64 = joints.map(|joint| most(joint).second).sum();
+    let bend = (first * first + second) * reach_m;
+    let mut frames = robot.frames();
+    let mut tip = |s: f64| {
+        robot.tip_kinematics(&piece.position(s), &mut frames);
+        frames.link(robot.tip()).translation.vector
+    };
+    let mut samples = 8;
+    loop {
+        let apart = piece.length / f64::from(samples);
+        let mut greatest = 0.0_f64;
+        for k in 0..samples {
+            let s = piece.begin + (f64::from(k) + 0.5) * apart;
+            let step = STEP * piece.length;
+            let slope = (tip(s + step) - tip(s - step)).norm() / (2.0 * step);
+            greatest = greatest.max(slope);
+        }
+        let beyond = 0.5 * apart * bend + 1e-6 * greatest;
+        if beyond <= EXCESS * greatest || samples >= MOST_SAMPLES || greatest == 0.0 {
+            return greatest + beyond;
+        }
+        samples *= 4;
+    }
+}
+
+/// A bound on the distance of the origin of the gripper frame from the axis of any joint that turns, times how much the
+/// joint's value turns it, at any configuration, in metres; at least 1, for joints that slide.
+fn tip_reach_m(robot: &Robot) -> f64 {
+    let frames = robot.frames_at(&vec![0.0; robot.dof()]);
+    let origin = |link: usize| frames.link(link).translation.vector;
+    let (mut distance_m, mut beyond, mut most_m) = (0.0, origin(robot.tip()), 1.0_f64);
+    for mover in robot.ancestors(robot.tip()).iter().rev() {
+        distance_m += (beyond - origin(mover.child_link)).norm();
+        beyond = origin(mover.child_link);
+        let scale = mover.multiplier.abs();
+        match mover.kind {
+            JointKind::Revolute => most_m = most_m.max(distance_m * scale * scale.max(1.0)),
+            JointKind::Prismatic => {
+                let limits = &robot.limits()[mover.joint];
+                distance_m += scale * limits.lower.abs().max(limits.upper.abs());
+                most_m = most_m.max(scale * scale.max(1.0));
+            }
+        }
+    }
+    most_m
+}

@@ -1,0 +1,122 @@
+use std::str::FromStr;
+
+use cranny_solve::Paces;
+use cranny_task::{Mode, Pace};
+
+use crate::RecordError;
+
+/// A number for all motions, or `MODE=NUMBER` for those of a mode (`carry=0.2`).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PaceWord {
+    /// The mode; `None`: all.
+    pub mode: Option<Mode>,
+    /// A share of the limits, or a speed in m/s.
+    pub value: f64,
+}
+
+impl FromStr for PaceWord {
+    type Err = String;
+
+    fn from_str(word: &str) -> Result<Self, String> {
+        let (mode, number) = match word.split_once('=') {
+            Some((mode, number)) => (Some(mode_of(mode.trim())?), number),
+            None => (None, word),
+        };
+        let value = number.trim().parse().map_err(|_| format!("'{number}' is no number"))?;
+        Ok(Self { mode, value })
+    }
+}
+
+/// The mode of a name.
+///
+/// # Errors
+/// A sentence that lists the names.
+pub fn mode_of(name: &str) -> Result<Mode, String> {
+    Mode::ALL.into_iter().find(|mode| mode.name == name).ok_or_else(|| {
+        let known = Mode::ALL.map(|mode| mode.name).join(", ");
+        format!("'{name}' is no mode of a motion ({known})")
+    })
+}
+
+/// Speeds as people set them; words for a mode go before those for all.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PaceWords {
+    /// Shares of the limits of velocity.
+    pub speed: Vec<PaceWord>,
+    /// Shares of the limits of acceleration.
+    pub acceleration: Vec<PaceWord>,
+    /// Greatest speeds of the gripper frame, in m/s.
+    pub tool_speed: Vec<PaceWord>,
+}
+
+impl PaceWords {
+    /// The paces that they ask for.
+    ///
+    /// # Errors
+    /// [`RecordError::Ask`] for a number that is none of its kind.
+    pub(crate) fn paces(&self) -> Result<Paces, RecordError> {
+        let kinds: [(&'static str, &[PaceWord], fn(&mut Pace, f64)); 3] = [
+            ("speed", &self.speed, |pace, share| pace.velocity = share),
+            ("acceleration", &self.acceleration, |pace, share| pace.acceleration = share),
+            ("tool_speed", &self.tool_speed, |pace, speed| pace.tool_m_s = Some(speed)),
+        ];
+        let mut all = Pace::default();
+        for (field, words, set) in kinds {
+            for PaceWord { mode, value } in words {
+                let mut alone = Pace::default();
+                set(&mut alone, *value);
+                if let Some((_, _, values)) = alone.fault() {
+                    let problem = format!("'{value}' is no such limit; give a number {values}");
+                    return Err(RecordError::Ask { field, problem });
+                }
+                if mode.is_none() {
+                    set(&mut all, *value);
+                }
+            }
+        }
+        let mut paces = Paces::new(all);
+        for (_, words, set) in kinds {
+            for PaceWord { mode, value } in words {
+                if let Some(mode) = mode {
+                    let mut pace = paces.of(*mode);
+                    set(&mut pace, *value);
+                    paces.of_modes.push((*mode, pace));
+                }
+            }
+        }
+        Ok(paces)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn words(speed: &[&str], tool_speed: &[&str]) -> PaceWords {
+        let parsed = |words: &[&str]| words.iter().map(|word| word.parse().unwrap()).collect();
+        PaceWords { speed: parsed(speed), tool_speed: parsed(tool_speed), ..PaceWords::default() }
+    }
+
+    #[test]
+    fn words_for_a_mode_go_before_those_for_all() {
+        let paces = words(&["carry=0.2", "0.5"], &["0.3"]).paces().unwrap();
+        let carry = Pace { velocity: 0.2, tool_m_s: Some(0.3), ..Pace::default() };
+        assert_eq!(paces.of(Mode::CARRY), carry);
+        assert_eq!(paces.of(Mode::REACH), Pace { velocity: 0.5, ..carry });
+        let set_down = Pace { velocity: 0.5, tool_m_s: Some(cranny_solve::SET_DOWN_M_S), ..Pace::default() };
+        assert_eq!(paces.of(Mode::SET_DOWN), set_down);
+        let faster = words(&[], &["set-down=0.4"]).paces().unwrap();
+        assert_eq!(faster.of(Mode::SET_DOWN).tool_m_s, Some(0.4));
+    }
+
+    #[test]
+    fn what_is_no_limit_is_refused_by_its_word() {
+        for value in ["0", "1.5", "nan", "carry=-1"] {
+            let fault = words(&[value], &[]).paces().unwrap_err().to_string();
+            assert!(fault.starts_with("speed: ") && fault.contains("above 0 and at most 1"), "{fault}");
+        }
+        assert!(words(&[], &["inf"]).paces().unwrap_err().to_string().starts_with("tool_speed: "));
+        assert!("fly=1".parse::<PaceWord>().unwrap_err().contains("reach, lift-off"));
+        assert!("carry=fast".parse::<PaceWord>().unwrap_err().contains("'fast' is no number"));
+    }
+}
