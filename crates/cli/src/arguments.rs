@@ -44,6 +44,16 @@ pub struct MarginArguments {
     /// goes on from the grasp 1]
     #[arg(long, value_name = "MM", value_parser = millimetres)]
     grasp_margin: Option<f64>,
+    /// Greatest tilt, in degrees, of what is held against how it stood when it was grasped, proven along the whole
+    /// motion; of bodies that scenario.yaml marks with `upright_deg`, the smaller counts
+    #[arg(long, value_name = "DEG", num_args = 0..=1, default_missing_value = "15", value_parser = tilt_degrees)]
+    upright: Option<f64>,
+}
+
+fn tilt_degrees(word: &str) -> Result<f64, String> {
+    let fault = || format!("'{word}' is no bound on a tilt; give degrees, above 0 and at most 180");
+    let degrees: f64 = word.parse().map_err(|_| fault())?;
+    if degrees > 0.0 && degrees <= 180.0 { Ok(degrees) } else { Err(fault()) }
 }
 
 impl MarginArguments {
@@ -52,6 +62,7 @@ impl MarginArguments {
         Margins {
             margin_m: self.margin.unwrap_or(otherwise.margin_m),
             grasp_margin_m: self.grasp_margin.unwrap_or(otherwise.grasp_margin_m),
+            tilt_rad: self.upright.map(f64::to_radians).or(otherwise.tilt_rad),
             ..otherwise
         }
     }

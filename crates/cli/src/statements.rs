@@ -57,11 +57,13 @@ impl Brought {
 
 /// The margins that are demanded, each with its name.
 pub fn demanded_margins(margins: &Margins) -> Vec<String> {
-    let Margins { margin_m, grasp_margin_m, object_margin_m } = *margins;
+    let Margins { margin_m, grasp_margin_m, object_margin_m, tilt_rad } = *margins;
     let margins =
         [("margin", margin_m), ("grasp margin", grasp_margin_m), ("object margin", object_margin_m)];
     let margins = margins.into_iter().filter(|(_, margin_m)| *margin_m > 0.0);
-    margins.map(|(name, margin_m)| format!("{name} {}", at_least_mm(margin_m))).collect()
+    let margins = margins.map(|(name, margin_m)| format!("{name} {}", at_least_mm(margin_m)));
+    let tilt = tilt_rad.map(|tilt_rad| format!("upright within {:.1}°", tilt_rad.to_degrees()));
+    margins.chain(tilt).collect()
 }
 
 /// Lines on everything in a plan file that is not its path.

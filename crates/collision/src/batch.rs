@@ -95,6 +95,15 @@ impl Cell {
         exact: impl Fn(usize, &mut [f64]),
         scratch: &mut Scratch,
     ) -> u32 {
+        let mut asked = asked;
+        if self.tilt.is_some() {
+            for lane in lanes_of(asked) {
+                let mut q = std::mem::take(&mut scratch.q);
+                exact(lane, &mut q);
+                asked &= !(u32::from(!self.keeps_tilt(&q, scratch)) << lane);
+                scratch.q = q;
+            }
+        }
         let Scratch { lanes, frames, q, .. } = scratch;
         lanes.travel.clear();
         let contact = self.lanes.check(level, lanes, asked, interest);

@@ -13,6 +13,7 @@ use crate::lane::lane_scratch::{LaneScratch, as_index};
 use crate::lane::lanes::Lanes;
 use crate::pair::pairs::{Held, Other, Pair, Pairs, PartPairs};
 use crate::pair::unchecked::Unchecked;
+use crate::proof::tilt::TiltLimit;
 use crate::proof::travel::Travel;
 use crate::proof::work_list::WorkList;
 use crate::touch::contact::{Collider, Contact};
@@ -35,6 +36,8 @@ pub struct Cell {
     /// Pairs of links that are checked though nothing new can come of it.
     pub(crate) asked_for: Arc<[(usize, usize)]>,
     pub(crate) lanes: Arc<Lanes>,
+    /// The bound on the tilt of what is held, if there is one.
+    pub(crate) tilt: Option<TiltLimit>,
 }
 
 /// What one asker needs to compute with; made by [`Cell::scratch`].
@@ -94,7 +97,7 @@ impl Cell {
         if let Some(held) = of_held {
             unchecked.extend(Unchecked::resting(held.link, held.spared, parts));
         }
-        Self {
+        let mut cell = Self {
             robot,
             body,
             around,
@@ -106,7 +109,10 @@ impl Cell {
             unchecked: unchecked.into(),
             asked_for,
             lanes: Arc::new(lanes),
-        }
+            tilt: None,
+        };
+        cell.tilt = cell.tilt_limit_of_held();
+        cell
     }
 
     /// What the cell is made of, to make another that differs in some of it.
@@ -196,14 +202,14 @@ impl Cell {
         }
     }
 
-    /// Whether every pair keeps its distance at `q` (m, rad; one per joint), joint limits aside: by exact distances alone,
-    /// the reference of [`Self::is_free`].
+    /// Whether every pair keeps its distance at `q` (m, rad; one per joint), and what is held its tilt, joint limits aside: by
+    /// exact distances alone, the reference of [`Self::is_free`].
     ///
     /// # Panics
     /// If `q` has not one value per joint.
     pub fn is_clear(&self, q: &[f64], scratch: &mut Scratch) -> bool {
         self.robot.forward_kinematics(q, &mut scratch.frames);
-        self.first_close_pair(&scratch.frames).is_none()
+        self.first_close_pair(&scratch.frames).is_none() && self.keeps_tilt(q, scratch)
     }
 
     /// The first pair that does not keep its distance.

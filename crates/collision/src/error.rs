@@ -24,6 +24,12 @@ pub enum CollisionError {
         /// The offending value.
         value: f64,
     },
+    /// A bound on the tilt of what is held is none.
+    #[error("a tilt of {:.3}° bounds nothing: it must be above 0° and at most 180°", tilt_rad.to_degrees())]
+    Tilt {
+        /// The bound, in radians.
+        tilt_rad: f64,
+    },
     /// Something cannot be held like that.
     #[error(
         "'{name}' cannot be held: it must have bounds, the hand be empty, its pose be within {} m of the tip, and the \

@@ -25,6 +25,7 @@ pub use proof::levers::Levers;
 pub use proof::measured_motion::{MeasuredMotion, Measuring, NearestPair};
 pub use proof::motion::Motion;
 pub use proof::reach::Reach;
+pub use proof::tilt::TiltLimit;
 pub use released::{ReleasedCheck, ReleasedScratch};
 pub use touch::closing::Closing;
 pub use touch::contact::{Collider, Contact};

@@ -16,11 +16,21 @@ pub struct Margins {
     /// far it may be from where it is thought to be. Default 0.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub object_margin_m: f64,
+    /// Greatest tilt of what is held, in radians, above 0 and at most π: of the direction in it that pointed up where it stood
+    /// when it was grasped, against up. Default: any; that of a body ([`Body::tilt_rad`](crate::Body::tilt_rad)) counts if
+    /// it is less.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tilt_rad: Option<f64>,
 }
 
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for it")]
 fn is_zero(margin_m: &f64) -> bool {
     *margin_m == 0.0
+}
+
+/// Whether something may be tilted by at most this angle.
+pub(crate) fn is_tilt(tilt_rad: f64) -> bool {
+    tilt_rad > 0.0 && tilt_rad <= std::f64::consts::PI
 }
 
 impl Margins {
@@ -29,6 +39,9 @@ impl Margins {
             if !(value.is_finite() && value >= 0.0) {
                 return Err(CollisionError::Margin { value });
             }
+        }
+        if let Some(tilt_rad) = self.tilt_rad.filter(|tilt_rad| !is_tilt(*tilt_rad)) {
+            return Err(CollisionError::Tilt { tilt_rad });
         }
         Ok(())
     }

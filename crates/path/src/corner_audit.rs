@@ -44,6 +44,9 @@ impl CornerJudge<'_> {
             Motion::Contact { contact, .. } | Motion::Unresolved { contact, .. } => {
                 Some(Violation::of_contact(cell, edge - 1, 1.0, &contact))
             }
+            Motion::Tilted { tilt_rad, most_rad, .. } => {
+                Some(Violation::tilted(edge - 1, 1.0, [tilt_rad, most_rad]))
+            }
             // Its ends lie on edges, and it in the triangle of way points, whose limits are judged.
             Motion::Proven | Motion::OutOfLimits { .. } => None,
         };

@@ -129,6 +129,13 @@ pub enum Cause {
         /// The length that is allowed, in metres.
         most_m: f64,
     },
+    /// What is held is tilted farther than it may be, or was not proven not to be.
+    Tilt {
+        /// The tilt, in radians.
+        tilt_rad: f64,
+        /// The tilt that is allowed, in radians.
+        most_rad: f64,
+    },
     /// The object is let go elsewhere than where it is to be put down.
     #[strum(to_string = "goal")]
     NotPlaced {
@@ -234,6 +241,11 @@ impl Violation {
         Self { at: Location::of_contact(cell, edge, along, contact), cause }
     }
 
+    /// What is held is tilted too far on an edge, by an angle and with one allowed, in radians.
+    pub(crate) fn tilted(edge: usize, along: f64, [tilt_rad, most_rad]: [f64; 2]) -> Self {
+        Self { at: Location { edge, along, pair: None }, cause: Cause::Tilt { tilt_rad, most_rad } }
+    }
+
     /// Name of its kind in files and `--json`.
     pub fn kind(&self) -> &'static str {
         (&self.cause).into()
@@ -321,6 +333,13 @@ impl fmt::Display for Violation {
                     if matches!(cause, Cause::LongLiftOff { .. }) { "lifted off" } else { "set down" };
                 write!(f, "{at}: {moved} over {length} mm, {most} mm are allowed")
             }
+            Cause::Tilt { tilt_rad, most_rad } => {
+                let [tilt, most] = [tilt_rad, most_rad].map(|angle| angle.to_degrees());
+                write!(
+                    f,
+                    "{at}: what is held is tilted by {tilt:.2}°, or not proven to be tilted by less, of {most:.2}° allowed"
+                )
+            }
             Cause::NotPlaced { fault } => write!(f, "{at}: the object is let go, but {fault}"),
             Cause::NotThere { fault } => write!(f, "{at}: {fault}"),
             Cause::NotClear { clearance_m, required_m } | Cause::NotOut { clearance_m, required_m } => {
@@ -377,6 +396,7 @@ impl Serialize for Violation {
                 ]
             }
             Cause::Unresolved { clearance_m } => &[("clearance_m", *clearance_m)],
+            Cause::Tilt { tilt_rad, most_rad } => &[("tilt_rad", *tilt_rad), ("most_rad", *most_rad)],
             Cause::Step { excess_m } => &[("excess_m", *excess_m)],
             Cause::Grasp { nearest: Some(nearest) } => &[
                 ("translation_error_m", nearest.translation_error_m),

@@ -6,7 +6,7 @@ use cranny_grasp::ScoreKind;
 use cranny_path::{AuditSettings, Clearances, path_length};
 use cranny_plan::{Budget, NoGrasp, Outcome, Statistics};
 use cranny_scenario::{Geometry, GivenGrasps, NamedTask, ScenarioError, write_whole_file};
-use cranny_solve::{Answer, Hold, Request, Robustness};
+use cranny_solve::{Answer, Hold, Request, Robustness, Tilt};
 use cranny_task::{Criterion, GraspFailure, NotChecked, OwnGrasp, Segment, Stage};
 use serde::{Deserialize, Serialize};
 
@@ -117,6 +117,9 @@ pub struct PlanFile {
     /// there is no proof.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub robustness: Option<Robustness>,
+    /// Tilt of what is held along the whole motion, proven; `None` where none is limited.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tilt: Option<Tilt>,
     /// Factor by which loads were to grow at least before what is in the hand slips; `None` where nothing was demanded.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hold_demanded: Option<f64>,
@@ -223,6 +226,7 @@ impl PlanFile {
                 .collect(),
             no_grasp: answer.no_grasp.clone(),
             robustness: answer.robustness,
+            tilt: answer.tilt,
             hold_demanded: answer.hold_demanded,
             hold: answer.hold,
             tries: Vec::new(),
@@ -356,6 +360,7 @@ mod tests {
             goal_faults: Vec::new(),
             no_grasp: None,
             robustness: None,
+            tilt: Some(Tilt { greatest_rad: 0.1 / 3.0, most_rad: 0.1 + 0.2 }),
             hold_demanded: Some(1.5),
             tries: Vec::new(),
             hold: Some(Hold { factor: Some(0.1 + 0.2), at_rest: 0.1 / 3.0, mass_assumed: true }),

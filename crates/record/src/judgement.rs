@@ -2,7 +2,7 @@ use cranny_collision::Margins;
 use cranny_path::{Audit, AuditSettings, Clearances, path_length};
 use cranny_plan::{Outcome, PlanError};
 use cranny_scenario::NamedTask;
-use cranny_solve::{Hold, Robustness};
+use cranny_solve::{Hold, Robustness, Tilt};
 use cranny_task::{NotChecked, Problem, Segment, Stage, StatesAlong, give_clearances};
 use serde::Serialize;
 use serde_json::Value;
@@ -54,7 +54,7 @@ const GRASPS: &str = "grasps";
 const OF_GRASPS: [&str; 5] = ["grasp", "translation_error_m", "rotation_error_rad", "own_grasp", "picks"];
 
 /// Keys whose values are measured again.
-const MEASURED: [&str; 19] = [
+const MEASURED: [&str; 20] = [
     "task_name",
     "task",
     "picks",
@@ -72,6 +72,7 @@ const MEASURED: [&str; 19] = [
     "segments",
     "timing",
     "robustness",
+    "tilt",
     "hold",
     "hold_demanded",
 ];
@@ -152,6 +153,7 @@ impl PlanFile {
             waypoints: Vec::new(),
             timing: None,
             robustness: None,
+            tilt: None,
             hold: None,
             ..self.clone()
         };
@@ -188,7 +190,9 @@ impl PlanFile {
             |demanded: f64| hold.map_or(demanded, |hold| demanded.min(hold.factor.unwrap_or(hold.at_rest)));
         let hold_demanded = self.hold_demanded.map(met);
         let measured = self.measured(task, (along, problem), &audit, settings)?;
-        let measured = Self { robustness, hold_demanded, hold, ..measured };
+        let tilt = along.filter(|_| self.tilt.is_some() && audit.valid);
+        let tilt = tilt.and_then(|along| Tilt::of(along, &self.segments));
+        let measured = Self { robustness, tilt, hold_demanded, hold, ..measured };
         let (stated, found) = (figures(self), figures(&measured));
         let is_stated = |key: &&str| is_stated(&stated[*key]);
         let mut judgement = self.judgement(task, audit, measured);
@@ -316,6 +320,7 @@ impl PlanFile {
             min_score: self.min_score,
             below_min_score: self.below_min_score,
             robustness: None,
+            tilt: None,
             hold_demanded: self.hold_demanded,
             tries: self.tries.clone(),
             hold: None,

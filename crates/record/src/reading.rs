@@ -155,7 +155,7 @@ impl PlanFile {
             let paces = [velocity, acceleration].into_iter().chain(tool_m_s).chain(segment.speed);
             points.copied().chain(paces)
         });
-        let fields: [(&'static str, Vec<f64>); 16] = [
+        let fields: [(&'static str, Vec<f64>); 17] = [
             ("own_grasp", own_grasp.collect()),
             ("waypoints", self.waypoints.concat()),
             ("clearances_per_edge_m", self.clearances_per_edge_m.iter().copied().flatten().collect()),
@@ -164,12 +164,19 @@ impl PlanFile {
             ("translation_error_m", self.translation_error_m.into_iter().collect()),
             ("rotation_error_rad", self.rotation_error_rad.into_iter().collect()),
             ("path_length", vec![self.path_length]),
-            ("margins", vec![self.margins.margin_m, self.margins.grasp_margin_m]),
+            (
+                "margins",
+                [self.margins.margin_m, self.margins.grasp_margin_m]
+                    .into_iter()
+                    .chain(self.margins.tilt_rad)
+                    .collect(),
+            ),
             ("budget", self.budget.time_limit_s.into_iter().collect()),
             ("statistics", times.to_vec()),
             ("timing", timing.copied().collect()),
             ("optimisation", optimisation.collect()),
             ("hold", hold.chain(self.hold_demanded).collect()),
+            ("tilt", self.tilt.iter().flat_map(|tilt| [tilt.greatest_rad, tilt.most_rad]).collect()),
             ("segments", speeds.collect()),
             ("tries", left_out.collect()),
         ];

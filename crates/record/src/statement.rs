@@ -104,6 +104,7 @@ impl Law {
         match key {
             "clearances_m" => Self::AtLeast,
             "opening_m" => Self::Judged,
+            "greatest_rad" => Self::AtMost,
             "mass_assumed" => Self::Equal,
             // Files of older versions do not have it.
             "uneven_m" => Self::Reported,

@@ -93,6 +93,6 @@ impl Obstacle {
             })
         };
         let parts = self.boxes().into_iter().map(part).collect::<Result<_, _>>()?;
-        Ok(Body { name: name.to_owned(), parts })
+        Ok(Body { name: name.to_owned(), parts, tilt_rad: None })
     }
 }

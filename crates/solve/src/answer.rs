@@ -3,7 +3,7 @@ use cranny_path::Audit;
 use cranny_plan::{Budget, Improvement, NoGrasp, OptimiseSettings, Outcome, Statistics};
 use cranny_task::{ConfigurationFault, Criterion, GraspFailure, NotChecked, Segment, Stage, joined};
 
-use crate::{Hold, Robustness, TaskTrajectory};
+use crate::{Hold, Robustness, TaskTrajectory, Tilt};
 
 /// What came of a request: everything that is told of it anywhere.
 #[derive(Clone, Debug)]
@@ -43,6 +43,8 @@ pub struct Answer {
     pub untimed: Option<String>,
     /// How far things may be from where the path has them, if it holds and that was asked.
     pub robustness: Option<Robustness>,
+    /// Tilt of what is held, of a path that holds, where it is limited.
+    pub tilt: Option<Tilt>,
     /// Factor of the hold that was demanded, if one was.
     pub hold_demanded: Option<f64>,
     /// Firmness with which the hand holds what it carries, of a path that holds; `None` where nothing is carried, or it

@@ -16,6 +16,7 @@ mod robustness;
 mod rounding;
 mod solve;
 mod task_trajectory;
+mod tilt;
 
 pub use answer::{Answer, Optimisation, Shortening, Timed};
 pub use error::SolveError;
@@ -26,3 +27,4 @@ pub use request::{DEFAULT_HOLD, MOST_HOLD, Request, Timing};
 pub use robustness::{JointRadius, PoseRadius, Robustness};
 pub use solve::solve;
 pub use task_trajectory::{CLOSING_S, HandMotion, TaskTrajectory};
+pub use tilt::Tilt;

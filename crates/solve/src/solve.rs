@@ -17,7 +17,8 @@ use crate::chain::{Chain, Piece};
 use crate::hold::hold_firmly;
 use crate::rounding::round_corners;
 use crate::{
-    Answer, Hold, Optimisation, Request, Robustness, Shortening, SolveError, TaskTrajectory, Timed, Timing,
+    Answer, Hold, Optimisation, Request, Robustness, Shortening, SolveError, TaskTrajectory, Tilt, Timed,
+    Timing,
 };
 
 /// Solves a problem as a request says.
@@ -151,6 +152,7 @@ fn solve_asked(
     let goal_faults = if outcome == Outcome::GoalsInvalid { first.goal_faults() } else { Vec::new() };
     // 6.
     let holds = holds && audit.as_ref().is_some_and(|audit| audit.valid);
+    let tilt = along.as_ref().filter(|_| holds).and_then(|along| Tilt::of(along, &segments));
     let robustness = along.filter(|_| request.robustness && holds);
     let robustness = robustness.and_then(|along| Robustness::of(&along, &segments));
     let limits = request.timing.map(|timing| timing.limits(problem.robot()));
@@ -173,6 +175,7 @@ fn solve_asked(
         timed,
         untimed,
         robustness,
+        tilt,
         hold_demanded: request.hold.filter(|_| !request.stages.is_empty()),
         hold: hold.filter(|_| holds),
         shortening,

@@ -210,7 +210,7 @@ impl ForeignFiles {
         let grasp = |grasp: &cranny_grasp::Grasp| json!({"pose": rows_of_pose(&grasp.world_from_gripper), "score": grasp.score});
         let export = self.released.join("export");
         let margins = problem.cell().map(|cell| cell.margins());
-        let Margins { margin_m, grasp_margin_m, object_margin_m } =
+        let Margins { margin_m, grasp_margin_m, object_margin_m, tilt_rad } =
             margins.unwrap_or(PathDemand::of_settings(&trial.settings).margins);
         json!({
             "protocol": 1,
@@ -231,6 +231,7 @@ impl ForeignFiles {
             "margin_m": margin_m,
             "grasp_margin_m": grasp_margin_m,
             "object_margin_m": object_margin_m,
+            "tilt_rad": tilt_rad,
             "files": {
                 "released": self.released,
                 "cranny": self.cranny,

@@ -6,7 +6,7 @@ use cranny_grasp::{GraspSet, ScoreKind};
 use cranny_path::ClearanceLimit;
 use cranny_plan::{Improvement, NoGrasp, Outcome, Statistics};
 use cranny_record::{PlanFile, PlanShortening, PlanTiming, PlanTry};
-use cranny_solve::{Hold, JointRadius, PoseRadius, Robustness};
+use cranny_solve::{Hold, JointRadius, PoseRadius, Robustness, Tilt};
 use cranny_task::{GraspFailure, MotionEnd, Move, Segment, Stage};
 use serde::Serialize;
 
@@ -241,6 +241,13 @@ fn about_path(answered: &Answered, grasps: &GraspSet, line: &mut dyn FnMut(&str,
     }
     if let Some(value) = held(plan) {
         line("holds", value);
+    }
+    if let Some(Tilt { greatest_rad, most_rad }) = plan.tilt {
+        let [greatest, most] = [greatest_rad, most_rad].map(f64::to_degrees);
+        line(
+            "upright",
+            format!("what is held is tilted by {greatest:.1}° at most, of {most:.1}° allowed, proven"),
+        );
     }
     for (name, lines) in [("carries", carried(plan)), ("puts down", placed(plan))] {
         for value in lines {

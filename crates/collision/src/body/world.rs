@@ -19,12 +19,14 @@ pub struct Body {
     pub name: String,
     /// The solids that it is made of.
     pub parts: Vec<Part>,
+    /// Greatest tilt of it in the hand against how it stood when it was grasped, in radians; `None`: any.
+    pub tilt_rad: Option<f64>,
 }
 
 impl Body {
     /// A body of one solid.
     pub fn new(name: impl Into<String>, world_from_solid: Pose, solid: Solid) -> Self {
-        Self { name: name.into(), parts: vec![Part { world_from_solid, solid }] }
+        Self { name: name.into(), parts: vec![Part { world_from_solid, solid }], tilt_rad: None }
     }
 
     /// The floor: everything below `height_m` in the planning frame.

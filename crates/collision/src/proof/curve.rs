@@ -19,6 +19,8 @@ struct CurvePiece {
     until: f64,
     /// Bound on the distance of any point of the robot from where some point of the chord has it, in metres.
     deviation_m: f64,
+    /// Bound on the angle by which the tip is turned from how that point has it, in radians.
+    turn_rad: f64,
 }
 
 impl CurvePiece {
@@ -43,7 +45,8 @@ impl CurvePiece {
             }
         }
         let deviation_m = reach.motion_m(|joint| strays[joint]) + ROUNDING_M;
-        Self { points, from, until, deviation_m }
+        let turn_rad = reach.turn_rad(|joint| strays[joint]);
+        Self { points, from, until, deviation_m, turn_rad }
     }
 
     fn chord(&self) -> [&[f64]; 2] {
@@ -100,6 +103,15 @@ impl Cell {
             }
             let [first, last] = piece.chord();
             let at = |at: f64| piece.from + at * (piece.until - piece.from);
+            if let Some(Motion::Tilted { at: along, tilt_rad, most_rad }) =
+                self.tilted(first, last, piece.turn_rad, scratch)
+            {
+                if is_finest || tilt_rad - piece.turn_rad > most_rad {
+                    return Motion::Tilted { at: at(along), tilt_rad, most_rad };
+                }
+                work.extend(piece.halves(reach).into_iter().rev());
+                continue;
+            }
             match self.motion_beyond(piece.deviation_m, first, last, scratch) {
                 Motion::Proven => {}
                 Motion::Contact { at: along, contact }
@@ -153,6 +165,33 @@ impl Cell {
             }
         }
         Ok(least_m.max(0.0))
+    }
+
+    /// The greatest tilt of what is held along a curve (control points as in [`Self::curve_is_free`]), in radians, from above
+    /// and to within some thousandths; 0 where no tilt is limited.
+    ///
+    /// # Panics
+    /// As [`Self::curve_is_free`].
+    pub fn greatest_tilt_on_curve_rad(
+        &self,
+        control_points: &[Vec<f64>],
+        reach: &Reach,
+        scratch: &mut Scratch,
+    ) -> f64 {
+        const TOLERANCE_RAD: f64 = 1e-3;
+        assert!(control_points.len() > 1, "a curve has two control points or more");
+        let mut greatest_rad = 0.0_f64;
+        let mut work = vec![CurvePiece::new(control_points.to_vec(), [0.0, 1.0], reach)];
+        while let Some(piece) = work.pop().filter(|_| self.tilt.is_some()) {
+            if piece.turn_rad > TOLERANCE_RAD && piece.deviation_m > FINEST_M {
+                work.extend(piece.halves(reach));
+            } else {
+                let [first, last] = piece.chord();
+                let of_chord_rad = self.greatest_tilt_rad(first, last, scratch);
+                greatest_rad = greatest_rad.max(of_chord_rad + piece.turn_rad);
+            }
+        }
+        greatest_rad
     }
 
     /// A curve (control points as in [`Self::curve_is_free`]) as chords from which it strays by at most `tolerance_m` (m;

@@ -32,6 +32,15 @@ pub enum Motion {
         /// The pair in doubt, its distance, and what is demanded.
         contact: Contact,
     },
+    /// What is held is tilted farther than it may be, or was not proven not to be.
+    Tilted {
+        /// Where, in [0, 1] along the motion.
+        at: f64,
+        /// The tilt there, in radians.
+        tilt_rad: f64,
+        /// The tilt that is allowed, in radians.
+        most_rad: f64,
+    },
     /// An end lies outside the joint limits.
     OutOfLimits {
         /// The first joint that does, by its index in the group.
@@ -91,7 +100,8 @@ struct Failure {
 impl Cell {
     /// Proves the straight motion from `a` to `b` (m, rad; one value per joint), or says what prevents it.
     ///
-    /// 1. The joint limits are a box, so the ends decide for the whole edge.
+    /// 1. The joint limits are a box, so the ends decide for the whole edge. The tilt of what is held, where it is limited, is
+    ///    bounded along it ([`TiltLimit`](crate::TiltLimit)).
     /// 2. Breadth first, coarse to fine: at the middle of an interval, a pair is certified for all of it if
     ///    its certified distance exceeds what is demanded by more than the pair can move within it. First in
     ///    lanes, many intervals at once, down to where the lanes cannot tell; what is left then, one
@@ -107,11 +117,23 @@ impl Cell {
                 return Motion::OutOfLimits { joint: violation.joint };
             }
         }
-        self.prove(a, b, scratch, Demand::default())
+        self.tilted(a, b, 0.0, scratch).unwrap_or_else(|| self.prove(a, b, scratch, Demand::default()))
+    }
+
+    /// The fault of the tilt along a motion that may be turned by so much more, in radians.
+    pub(crate) fn tilted(
+        &self,
+        a: &[f64],
+        b: &[f64],
+        beyond_rad: f64,
+        scratch: &mut Scratch,
+    ) -> Option<Motion> {
+        let (at, tilt_rad) = self.tilted_at(a, b, beyond_rad, scratch)?;
+        Some(Motion::Tilted { at, tilt_rad, most_rad: self.tilt?.most_rad })
     }
 
     /// [`Self::motion_is_free`] from `a` to `b` (m, rad; one per joint) where every pair must keep `beyond_m` metres
-    /// more than it demands, joint limits aside: of something whose place is known to within that.
+    /// more than it demands, joint limits and tilt aside: of something whose place is known to within that.
     ///
     /// # Panics
     /// If `a` or `b` has not one value per joint.
@@ -128,13 +150,14 @@ impl Cell {
     /// If `a` or `b` has not one value per joint.
     pub fn unproven_at(&self, effort: u64, a: &[f64], b: &[f64], scratch: &mut Scratch) -> Option<f64> {
         let beyond = [(a, 0.0), (b, 1.0)].into_iter().find(|(end, _)| !self.robot().within_limits(end));
-        beyond.map(|(_, at)| at).or_else(|| {
+        let beyond = beyond.map(|(_, at)| at);
+        beyond.or_else(|| self.tilted_at(a, b, 0.0, scratch).map(|(at, _)| at)).or_else(|| {
             let failure = self.first_failure(a, b, scratch, Demand { effort, ..Demand::default() });
             failure.map(|failure| failure.at)
         })
     }
 
-    /// [`Self::motion_is_free`] without joint limits.
+    /// [`Self::motion_is_free`] without joint limits and tilt.
     pub(crate) fn prove(&self, a: &[f64], b: &[f64], scratch: &mut Scratch, demand: Demand) -> Motion {
         let mut failure = self.first_failure(a, b, scratch, demand);
         if let Some(Failure { at, pair: None, .. }) = failure {

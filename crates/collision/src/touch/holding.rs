@@ -95,6 +95,7 @@ impl Cell {
             }
             held.hold = hold;
         }
+        cell.tilt = cell.tilt_limit_of_held();
         Ok(cell)
     }
 }

@@ -38,7 +38,7 @@ fn is_within_reach(problem: &Problem, goals: &GraspSet, [x, y]: [f64; 2]) -> boo
     let shifted = |body: &Body| {
         let part =
             |part: &Part| Part { world_from_solid: new_from_old * part.world_from_solid, ..part.clone() };
-        Body { name: body.name.clone(), parts: body.parts.iter().map(part).collect() }
+        Body { parts: body.parts.iter().map(part).collect(), ..body.clone() }
     };
     let bodies = cell.world().bodies().iter().map(shifted).collect();
     let shifted = World::new(bodies).map_err(Into::into).and_then(|world| {

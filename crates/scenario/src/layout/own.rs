@@ -239,6 +239,12 @@ impl Layout<'_> {
         joints.iter().map(value_of).collect()
     }
 
+    /// Greatest tilt of a body in the hand, in radians.
+    fn upright(&self, degrees: &Spanned<f64>) -> Result<f64, ScenarioError> {
+        let degrees = yaml::positive(self.path, "upright_deg", degrees.value, degrees.referenced)?;
+        Ok(degrees.min(180.0).to_radians())
+    }
+
     /// The body, and the object that it is, where it is one alone. A target is closed, an obstacle may have small holes.
     pub fn body(
         &self,
@@ -259,7 +265,8 @@ impl Layout<'_> {
             return Err(ScenarioError::ShapeCount { at: self.at(entry.name.referenced), actual: 0 });
         }
         let source = if sources.len() == 1 { sources.pop().flatten() } else { None };
-        Ok((Body { name: name.clone(), parts }, source))
+        let tilt_rad = entry.upright_deg.as_ref().map(|degrees| self.upright(degrees)).transpose()?;
+        Ok((Body { name: name.clone(), parts, tilt_rad }, source))
     }
 
     /// Where the target can be put down.

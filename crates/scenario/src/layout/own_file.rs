@@ -110,6 +110,9 @@ pub(crate) struct BodyEntry {
     /// Resistance to rolling on what it stands on (m): the arm on which the normal force stops a turn; at least 0.
     #[schemars(with = "Option<f64>")]
     pub rolling_m: Option<Spanned<f64>>,
+    /// Greatest tilt of it in the hand against how it stood when it was grasped, in degrees; above 0, at most 180.
+    #[schemars(with = "Option<f64>")]
+    pub upright_deg: Option<Spanned<f64>>,
 }
 
 /// A place where the target can be put down: a rectangle that lies on something, or a pose of the target.

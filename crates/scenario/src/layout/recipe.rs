@@ -188,7 +188,8 @@ impl RecipeBody {
         let part = |(body_from_shape, shape): &(Pose, RecipeShape)| -> Result<Part, ScenarioError> {
             Ok(Part { world_from_solid: planning_from_body * body_from_shape, solid: shape.solid()? })
         };
-        Ok(Body { name: self.name.clone(), parts: self.shapes.iter().map(part).collect::<Result<_, _>>()? })
+        let parts = self.shapes.iter().map(part).collect::<Result<_, _>>()?;
+        Ok(Body { name: self.name.clone(), parts, tilt_rad: None })
     }
 
     /// A body of the planning frame. It stands where its only shape does, or at the middle of its shapes.

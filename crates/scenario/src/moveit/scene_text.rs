@@ -133,7 +133,7 @@ impl<'a> Reader<'a> {
         if parts.is_empty() {
             return Err(MoveItError::NoShape { at, object: name }.into());
         }
-        Ok(Body { name, parts })
+        Ok(Body { name, parts, tilt_rad: None })
     }
 
     fn shape(&mut self, object: &str) -> Result<Solid, ScenarioError> {

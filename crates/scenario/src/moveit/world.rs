@@ -37,12 +37,16 @@ pub(crate) fn bodies(
             frames.find(&file, &object.header)? * file.optional_pose(object.pose.as_ref())?;
         bodies.push(file.body(object, &root_from_object)?);
     }
-    for Body { name, parts } in &world.text_bodies {
+    for Body { name, parts, tilt_rad } in &world.text_bodies {
         let placed = |part: &Part| Part {
             world_from_solid: frames.planning() * part.world_from_solid,
             solid: part.solid.clone(),
         };
-        bodies.push(Body { name: name.clone(), parts: parts.iter().map(placed).collect() });
+        bodies.push(Body {
+            name: name.clone(),
+            parts: parts.iter().map(placed).collect(),
+            tilt_rad: *tilt_rad,
+        });
     }
     Ok(bodies)
 }
@@ -121,7 +125,7 @@ impl MessageFile<'_> {
         if parts.is_empty() {
             return Err(MoveItError::NoShape { at: self.at(location), object: name.clone() }.into());
         }
-        Ok(Body { name: name.clone(), parts })
+        Ok(Body { name: name.clone(), parts, tilt_rad: None })
     }
 
     fn primitive(&self, object: &str, entry: &Spanned<PrimitiveEntry>) -> Result<Solid, ScenarioError> {

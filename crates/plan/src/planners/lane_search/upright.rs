@@ -1,0 +1,51 @@
+use cranny_robot::between;
+
+use crate::Observer;
+use crate::planners::lane_search::{Growth, LaneSearch, Way};
+
+/// Steps of one growth at most.
+const MOST_STEPS: usize = 16;
+
+/// A step is none unless the target comes nearer by this share of it: what slides along the bound without coming nearer goes
+/// on for ever.
+const LEAST_PROGRESS: f64 = 0.05;
+
+impl LaneSearch<'_> {
+    /// [`Self::grow`] where the tilt of what is held is bounded: in single steps, each moved to where the bound holds (the
+    /// constrained extension of Berenson, Srinivasa & Kuffner 2011, "Task Space Regions", §5), to the first that is not free,
+    /// or that comes no nearer to the target.
+    pub(super) fn grow_upright(
+        &mut self,
+        side: usize,
+        (from, way): (usize, Way),
+        target: &[f64],
+        observer: &mut dyn Observer,
+    ) -> Growth {
+        let (step, looks) = (self.settings.step, self.settings.looks);
+        let places: Vec<f64> = (1..=looks).map(|look| look as f64 / looks as f64).collect();
+        let (mut node, mut way) = (from, way);
+        for _ in 0..MOST_STEPS {
+            let q = self.sides[side].q(node).to_vec();
+            let far = self.sides[side].distance(&q, target);
+            let share = if far > step { step / far } else { 1.0 };
+            let mut next: Vec<f64> = between(&q, target, share).collect();
+            let is_within = self.cell.project_to_tilt(&mut next, &mut self.scratch);
+            let is_target = is_within && next == target;
+            let left = self.sides[side].distance(&next, target);
+            if !is_within || !(is_target || left <= far - LEAST_PROGRESS * step.min(far)) {
+                return Growth { node, is_target: false, is_open: false };
+            }
+            let free = self.cell.free_ahead(&q, &next, &places, &mut self.scratch);
+            self.statistics.collision_checks += looks as u64;
+            if free < looks || !self.is_below_bound(side, node, &next) {
+                return Growth { node, is_target: false, is_open: false };
+            }
+            node = self.add_node(side, &next, (node, way), observer);
+            way = Way::Turns;
+            if is_target {
+                return Growth { node, is_target: true, is_open: true };
+            }
+        }
+        Growth { node, is_target: false, is_open: true }
+    }
+}
