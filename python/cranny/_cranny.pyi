@@ -394,6 +394,8 @@ class Plan:
     @property
     def robustness(self) -> dict[str, Any] | None: ...
     @property
+    def tilt(self) -> dict[str, Any] | None: ...
+    @property
     def hold(self) -> dict[str, Any] | None: ...
     @property
     def tries(self) -> list[dict[str, Any]]: ...
@@ -461,6 +463,7 @@ def plan(
     speed: float | Mapping[str, float] | None = None,
     acceleration: float | Mapping[str, float] | None = None,
     tool_speed_m_s: float | Mapping[str, float] | None = None,
+    upright_deg: float | None = None,
     score: str | None = None,
     min_score: float | None = None,
     carry: str | ArrayLike | None = None,

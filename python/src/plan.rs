@@ -83,6 +83,13 @@ impl PyPlan {
         self.measured.robustness.as_ref().map(|robustness| python_of(py, robustness)).transpose()
     }
 
+    /// Tilt of what is held along the whole motion: a dictionary of "greatest_rad" (a proven upper bound) and "most_rad" (what
+    /// is allowed), in radians; None where no tilt is limited.
+    #[getter]
+    fn tilt<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        self.measured.tilt.as_ref().map(|tilt| python_of(py, tilt)).transpose()
+    }
+
     /// Firmness with which the hand holds what it carries: a dictionary of "factor" (by which all loads may grow before a pad
     /// slips, the least along the motion; None without times), "at_rest" (of the weight alone) and "mass_assumed"; None where
     /// nothing is carried, or it cannot be computed.

@@ -104,7 +104,8 @@ pub fn seconds(what: &str, value: f64) -> PyResult<Duration> {
 /// corners are rounded where the curve is proven free, unless `blend` is False. `speed`, `acceleration`: shares, above 0 and
 /// at most 1, of the joints' limits; `tool_speed_m_s`: greatest speed of the gripper frame in m/s; each a number for all
 /// motions, or a dict from modes ("reach", "carry", …; "all") to numbers. An object is put down with 0.1 m/s at most unless
-/// `tool_speed_m_s` states another speed for "set-down". `carry`: "home", "out", or a configuration (dof,) or
+/// `tool_speed_m_s` states another speed for "set-down". `upright_deg`: greatest tilt, above 0 and at most 180, of what is
+/// held against how it stood when it was grasped, proven along the whole motion; `plan.tilt` is what it is. `carry`: "home", "out", or a configuration (dof,) or
 /// several (N, dof), where the target is carried to once it is grasped; "out" is anywhere it is `clear_m` (m) clear of all
 /// bodies but floors. A grasp that it cannot be carried away from is none, and `plan.segments` are the pieces. `place`: the
 /// name of one of `scenario.places`, where the target is put down instead; the hand opens, goes `clear_m` off it, and the
@@ -123,7 +124,7 @@ pub fn seconds(what: &str, value: f64) -> PyResult<Duration> {
 #[pyo3(signature = (scenario, planner=None, *, seed=0, time_limit_s=120.0, iterations=None, margin_m=0.0,
     grasp_margin_m=None, strict_pairs=false, settings=None, goal_threshold=None, shortcut=true, optimise_s=None,
     cost="length", score_weight=1.0, jerk_limited=None, blend=true, speed=None,
-    acceleration=None, tool_speed_m_s=None, score=None, min_score=None,
+    acceleration=None, tool_speed_m_s=None, upright_deg=None, score=None, min_score=None,
     carry=None, place=None, task=None, then=None, clear_m=None, robust=None, hold=1.5, try_in_physics=None, watch=None))]
 #[allow(
     clippy::too_many_arguments,
@@ -150,6 +151,7 @@ pub fn plan(
     speed: Option<&Bound<'_, PyAny>>,
     acceleration: Option<&Bound<'_, PyAny>>,
     tool_speed_m_s: Option<&Bound<'_, PyAny>>,
+    upright_deg: Option<f64>,
     score: Option<&str>,
     min_score: Option<f64>,
     carry: Option<&Bound<'_, PyAny>>,
@@ -170,7 +172,11 @@ pub fn plan(
     let goes_on = is_exact && (carry.is_some() || place.is_some() || task.is_some());
     let grasp_margin_m =
         grasp_margin_m.unwrap_or_else(|| cranny_record::default_grasp_margin_m(goes_on, robust));
-    let margins = Margins { margin_m, grasp_margin_m, ..Margins::default() };
+    if let Some(degrees) = upright_deg.filter(|degrees| !(*degrees > 0.0 && *degrees <= 180.0)) {
+        return Err(bad_value(format!("upright_deg is {degrees}, but it must be above 0 and at most 180")));
+    }
+    let tilt_rad = upright_deg.map(f64::to_radians);
+    let margins = Margins { margin_m, grasp_margin_m, tilt_rad, ..Margins::default() };
     let margins = match (robust, scenario.cast::<PyScenario>()) {
         (None, _) => margins,
         (_, Ok(scenario)) => cranny_record::margins_forgiving(&scenario.get().scenario, margins, robust)

@@ -38,6 +38,7 @@ const SUMMARY: &str = "# Summary
   - [On a cluster](docs/cluster.md)
 - [Carrying things out](docs/carrying_out.md)
 - [Putting things down](docs/placing.md)
+- [Motions for a robot](docs/motions.md)
 - [Physics](docs/physics.md)
 
 # Reference

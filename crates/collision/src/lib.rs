@@ -12,6 +12,7 @@ mod released;
 mod touch;
 
 pub use body::extent::Extent;
+pub use body::tilt_limit::TiltLimit;
 pub use body::world::{Body, Part, World};
 pub use cell::{Cell, Scratch};
 pub use error::CollisionError;
@@ -25,7 +26,6 @@ pub use proof::levers::Levers;
 pub use proof::measured_motion::{MeasuredMotion, Measuring, NearestPair};
 pub use proof::motion::Motion;
 pub use proof::reach::Reach;
-pub use proof::tilt::TiltLimit;
 pub use released::{ReleasedCheck, ReleasedScratch};
 pub use touch::closing::Closing;
 pub use touch::contact::{Collider, Contact};

@@ -9,7 +9,8 @@ use cranny_spatial::{Pose, Stream, Vector};
 use proptest::prelude::*;
 
 const THING: [f64; 3] = [0.06, 0.03, 0.12];
-const MARGINS: Margins = Margins { margin_m: 0.004, grasp_margin_m: 0.001, object_margin_m: 0.0 };
+const MARGINS: Margins =
+    Margins { margin_m: 0.004, grasp_margin_m: 0.001, object_margin_m: 0.0, tilt_rad: None };
 
 /// An arm with two fingers that slide (`finger`: what moves the left one, with + or −), and what else it carries.
 fn arm(finger: &dyn Fn(f64) -> String, carried: &str) -> String {

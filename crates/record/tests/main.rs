@@ -15,3 +15,4 @@ mod quicker;
 mod released_layout;
 mod statements;
 mod tasks;
+mod upright;

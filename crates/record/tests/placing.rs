@@ -247,7 +247,7 @@ fn seen_from(cell: &Cell, root_from_planned: &Pose, only: Option<usize>) -> Worl
             },
             solid: part.solid.clone(),
         };
-        Body { name: body.name.clone(), parts: body.parts.iter().map(part).collect() }
+        Body { parts: body.parts.iter().map(part).collect(), ..body.clone() }
     });
     World::new(bodies.collect()).unwrap()
 }

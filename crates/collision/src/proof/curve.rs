@@ -128,7 +128,7 @@ impl Cell {
         Motion::Proven
     }
 
-    /// The least distance over all pairs along a curve (control points as in [`Self::curve_is_free`]) that is proven, in
+    /// The least distance over all pairs along a curve (control points: m, rad; one value per joint each) that is proven, in
     /// metres: a proven lower bound, at most `share` of the truth, or 10 µm, too low; infinite if there is nothing to touch.
     ///
     /// # Errors
@@ -167,7 +167,7 @@ impl Cell {
         Ok(least_m.max(0.0))
     }
 
-    /// The greatest tilt of what is held along a curve (control points as in [`Self::curve_is_free`]), in radians, from above
+    /// The greatest tilt of what is held along a curve (control points: m, rad; one value per joint each), in radians, from above
     /// and to within some thousandths; 0 where no tilt is limited.
     ///
     /// # Panics
@@ -194,7 +194,7 @@ impl Cell {
         greatest_rad
     }
 
-    /// A curve (control points as in [`Self::curve_is_free`]) as chords from which it strays by at most `tolerance_m` (m;
+    /// A curve (control points: m, rad; one value per joint each) as chords from which it strays by at most `tolerance_m` (m;
     /// at least the resolution of a proof counts).
     ///
     /// # Panics

@@ -107,7 +107,9 @@ proptest! {
             Motion::Unresolved { at, .. } => {
                 prop_assert!(cell.clearance(&between(&a, &b, at), &mut scratch) < required + 1e-5);
             }
-            Motion::OutOfLimits { .. } => prop_assert!(false, "both ends are within limits"),
+            Motion::OutOfLimits { .. } | Motion::Tilted { .. } => {
+                prop_assert!(false, "both ends are within limits, and nothing is held");
+            }
         }
     }
 

@@ -1,25 +1,7 @@
 use cranny_robot::{JointKind, between};
-use cranny_spatial::Vector;
 
+use crate::body::tilt_limit::TiltLimit;
 use crate::cell::{Cell, Scratch};
-
-/// A bound on the tilt of what is held: on the angle between the direction in it that pointed up where it stood when it was
-/// grasped, and up.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TiltLimit {
-    /// That direction in the frame of the robot's tip, of length 1.
-    pub axis_in_tip: Vector,
-    /// Up in the planning frame, of length 1.
-    pub up: Vector,
-    /// The greatest angle, in radians.
-    pub most_rad: f64,
-}
-
-impl TiltLimit {
-    fn angle_rad(&self, axis: &Vector) -> f64 {
-        libm::atan2(self.up.cross(axis).norm(), self.up.dot(axis))
-    }
-}
 
 /// Angles err by less, in radians: a limit that is kept to within this is kept.
 const ROUNDING_RAD: f64 = 1e-9;

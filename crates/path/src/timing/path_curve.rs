@@ -149,7 +149,8 @@ impl PathCurve {
         radii
     }
 
-    /// The radii of rounded corners of a path.
+    /// The radii of rounded corners of a path (m, rad; one value per joint), one per way point, in seconds as `s` is, under
+    /// limits of velocity (m/s, rad/s; one per joint).
     ///
     /// # Errors
     /// [`PathError::UnevenCorner`] for one that was rounded for joints with other limits of velocity.

@@ -29,7 +29,7 @@ impl<'a> CurvedPath<'a> {
 
     /// Its corners, each as large as serves the time best among the sizes that `proven` accepts: greatest first, then halved,
     /// with two steps of bisection. `proven` is given a way point and the control points of a corner there
-    /// ([`RoundedCorner`]). Corners of this path are disregarded.
+    /// ([`RoundedCorner`]; m, rad; one value per joint). Corners of this path are disregarded.
     ///
     /// Under limits of jerk a large corner is run through faster, but leaves less of its edges to gain speed on. So smaller
     /// sizes are tried, one corner after the other, as long as the whole takes less time. Where the path turns back, a stop

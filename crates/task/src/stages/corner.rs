@@ -45,7 +45,8 @@ impl RoundedCorner {
             })
     }
 
-    /// How much of the edges to the way points before and after it is cut off, as shares of these.
+    /// How much of the edges to the way points before and after it (m, rad; one value per joint) is cut off, as shares of
+    /// these.
     pub fn shares(&self, [from, corner, to]: [&[f64]; 3]) -> [f64; 2] {
         let [before, .., after] = &self.control_points;
         [share_on(corner, from, before), share_on(corner, to, after)]
