@@ -13,7 +13,6 @@ use crate::{PaceWords, RecordError};
 
 /// What is asked of a planner, in the words of flags and keywords: the only place where they become a [`Request`].
 #[derive(Clone, Debug)]
-#[expect(clippy::struct_excessive_bools, reason = "a flag of the command each")]
 pub struct Ask {
     /// The planners that there are.
     pub registry: Registry,

@@ -49,13 +49,16 @@ pub struct PaceWords {
     pub tool_speed: Vec<PaceWord>,
 }
 
+/// A writer of one limit of a pace.
+type SetLimit = fn(&mut Pace, f64);
+
 impl PaceWords {
     /// The paces that they ask for.
     ///
     /// # Errors
     /// [`RecordError::Ask`] for a number that is none of its kind.
     pub(crate) fn paces(&self) -> Result<Paces, RecordError> {
-        let kinds: [(&'static str, &[PaceWord], fn(&mut Pace, f64)); 3] = [
+        let kinds: [(&'static str, &[PaceWord], SetLimit); 3] = [
             ("speed", &self.speed, |pace, share| pace.velocity = share),
             ("acceleration", &self.acceleration, |pace, share| pace.acceleration = share),
             ("tool_speed", &self.tool_speed, |pace, speed| pace.tool_m_s = Some(speed)),

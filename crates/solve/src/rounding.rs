@@ -17,7 +17,9 @@ pub(crate) fn round_corners(robot: &Robot, along: &StatesAlong, segments: &mut [
         let leg = &mut segments[first..first + count];
         let states = along.states.get(first..).unwrap_or_default();
         first += count;
-        leg.iter_mut().for_each(|segment| segment.corners.clear());
+        for segment in leg.iter_mut() {
+            segment.corners.clear();
+        }
         let (way, paces) = (joined(leg), edge_paces(leg));
         // The segment of each way point, and its index there.
         let places: Vec<(usize, usize)> = (0..leg.len())
@@ -33,7 +35,7 @@ pub(crate) fn round_corners(robot: &Robot, along: &StatesAlong, segments: &mut [
             let Some(&(index, at)) = places.get(at).filter(|place| may_be_rounded(**place)) else {
                 return false;
             };
-            let Some(cell) = states.get(index).map(|state| state.cell()) else { return false };
+            let Some(cell) = states.get(index).map(cranny_task::State::cell) else { return false };
             let (reach, scratch) = provers[index].get_or_insert_with(|| (cell.reach(), cell.scratch()));
             let is_own = at > 0 || index > 0;
             is_own && cell.curve_is_free(control_points, reach, scratch).is_proven()

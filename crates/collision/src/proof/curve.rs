@@ -258,7 +258,7 @@ mod tests {
             let bodies = (0..12).map(|k| {
                 let mut at = || stream.uniform_between(-0.7, 0.7);
                 let pose = Pose::translation(at(), at(), at());
-                Body::new(&format!("ball{k}"), pose, Solid::sphere(0.04).expect("a positive radius"))
+                Body::new(format!("ball{k}"), pose, Solid::sphere(0.04).expect("a positive radius"))
             });
             let world = World::new(bodies.collect()).expect("finite poses");
             let cell = Cell::new(robot.clone(), world, Margins::default()).expect("good margins");

@@ -171,7 +171,8 @@ impl PathCurve {
             };
             let [before, after] = corner.shares([from, at, to]);
             let [before, after] = [before * length(from, at), after * length(at, to)];
-            if !((before - after).abs() <= UNEVEN * before.max(after)) {
+            let is_even = (before - after).abs() <= UNEVEN * before.max(after);
+            if !is_even {
                 return Err(uneven);
             }
             radii[index] = before.min(after);
@@ -307,13 +308,12 @@ mod tests {
             let t = f64::from(k) / 20.0;
             let s = rounded.begin + t * rounded.length;
             let weights = [1.0, 4.0, 6.0, 4.0, 1.0];
-            for joint in 0..2 {
-                let bezier: f64 = (0..5)
-                    .map(|i| {
-                        weights[i as usize] * t.powi(i) * (1.0 - t).powi(4 - i) * points[i as usize][joint]
-                    })
+            for (joint, position) in rounded.position(s).into_iter().enumerate() {
+                let bezier: f64 = (0..)
+                    .zip(weights.iter().zip(&points))
+                    .map(|(i, (weight, point))| weight * t.powi(i) * (1.0 - t).powi(4 - i) * point[joint])
                     .sum();
-                assert!((rounded.position(s)[joint] - bezier).abs() < 1e-12);
+                assert!((position - bezier).abs() < 1e-12);
                 let step = 1e-4;
                 let at = |s: f64| rounded.derivatives(joint, s);
                 let inner = s.clamp(rounded.begin + step, rounded.end_s() - step);
