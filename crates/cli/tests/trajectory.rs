@@ -31,7 +31,7 @@ fn numbers(value: &Value) -> Vec<f64> {
 fn a_rate_writes_the_trajectory_beside_the_plan() {
     let folder = folder();
     for (flags, method) in
-        [(&["--json"][..], "time-optimal"), (&["--json", "--jerk-limited"], "jerk-limited")]
+        [(&["--json"][..], "jerk-limited"), (&["--json", "--timing", "time-optimal"], "time-optimal")]
     {
         let arguments = [&["plan", "021", "--rate", "100", "-o", "here.plan.json"], flags].concat();
         let planned = cranny(folder.path(), &arguments);
@@ -71,25 +71,22 @@ fn every_plan_says_how_long_it_takes_and_writes_no_table_unasked() {
     let planned = cranny(folder.path(), &["plan", "021"]);
     assert_eq!(planned.status.code(), Some(0));
     let summary = String::from_utf8_lossy(&planned.stdout);
-    assert!(summary.contains("trajectory") && summary.contains("time-optimal"), "{summary}");
+    assert!(summary.contains("trajectory") && summary.contains("jerk-limited, corners rounded"), "{summary}");
     assert!(read(folder.path(), "021.plan.json").contains("\"waypoint_times_s\""));
     assert_eq!(std::fs::read_dir(folder.path()).expect("a folder").count(), 1);
 }
 
 #[test]
-fn corners_are_cut_on_demand_where_they_are_proven() {
+fn corners_are_rounded_where_they_are_proven_unless_stops_are_demanded() {
     let folder = folder();
     let duration_s = |flags: &[&str]| {
         let planned = cranny(folder.path(), &[&["plan", "021", "--json"], flags].concat());
         assert_eq!(planned.status.code(), Some(0));
         let answer: Value = serde_json::from_slice(&planned.stdout).expect("one JSON document");
-        assert_eq!(answer["timing"]["blended"], !flags.is_empty());
+        assert_eq!(answer["timing"]["blended"], flags.is_empty());
         answer["duration_s"].as_f64().expect("a duration")
     };
-    assert!(duration_s(&["--blend"]) < duration_s(&[]));
-    for flags in [&["--blend", "--jerk-limited"][..], &["--blend", "--criterion", "paper"]] {
-        assert_eq!(cranny(folder.path(), &[&["plan", "021"], flags].concat()).status.code(), Some(2));
-    }
+    assert!(duration_s(&[]) < duration_s(&["--stop-at-corners"]));
 }
 
 #[test]

@@ -1,6 +1,7 @@
 use cranny_collision::{Cell, Motion};
 use cranny_task::{RoundedCorner, Segment, StatesAlong};
 
+use crate::clearance_limit::ClearanceLimit;
 use crate::{Audit, AuditSettings, Clearances, Violation};
 
 /// How far the clearance of a rounded corner may lie below the truth, as a share of it.
@@ -53,11 +54,11 @@ impl CornerJudge<'_> {
         let measured = match (&fault, self.settings.clearances) {
             (None, Clearances::None) => return,
             (None, _) => cell.curve_clearance(points, SHARE, &reach, scratch),
-            (Some(_), _) => Ok(0.0),
+            (Some(_), _) => Ok((0.0, None)),
         };
-        let (clearance_m, contradiction) = match measured {
-            Ok(clearance_m) => (clearance_m, None),
-            Err(contact) => (0.0, Some(Violation::of_contact(cell, edge - 1, 1.0, &contact))),
+        let (clearance_m, nearest, contradiction) = match measured {
+            Ok((clearance_m, nearest)) => (clearance_m, nearest, None),
+            Err(contact) => (0.0, None, Some(Violation::of_contact(cell, edge - 1, 1.0, &contact))),
         };
         audit.violations.extend(fault.or(contradiction));
         if !clearance_m.is_finite() {
@@ -69,8 +70,7 @@ impl CornerJudge<'_> {
         let of_edges = audit.clearance_m;
         lower(&mut audit.clearance_m);
         if audit.clearance_m != of_edges {
-            // A pair that limits an edge is not what limits the corner.
-            audit.clearance_limit = None;
+            audit.clearance_limit = nearest.map(|nearest| ClearanceLimit::of(cell, &nearest));
         }
         if self.settings.clearances == Clearances::OfEdges {
             for edge in [edge - 1, edge] {

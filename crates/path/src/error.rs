@@ -32,11 +32,9 @@ pub enum PathError {
         /// The limit.
         value: f64,
     },
-    /// A corner is not rounded evenly under these limits of velocity.
-    #[error(
-        "the corner at way point {waypoint} is not rounded evenly: it was made for joints with other limits of velocity"
-    )]
-    UnevenCorner {
+    /// A rounded corner is none of the path.
+    #[error("the path has no corner at way point {waypoint}, where one is rounded")]
+    NoCorner {
         /// Index of the way point.
         waypoint: usize,
     },

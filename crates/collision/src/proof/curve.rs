@@ -1,11 +1,11 @@
 use cranny_robot::between;
 use cranny_spatial::ROUNDING_M;
 
-use crate::Measuring;
 use crate::cell::{Cell, Scratch};
-use crate::proof::motion::Motion;
+use crate::proof::motion::{Demand, Motion};
 use crate::proof::reach::Reach;
 use crate::touch::contact::Contact;
+use crate::{Measuring, NearestPair};
 
 /// Pieces of a curve that stray less than this from their chords, as the motion of any point, are not halved again, in
 /// metres: the resolution of a proof.
@@ -128,8 +128,45 @@ impl Cell {
         Motion::Proven
     }
 
+    /// Whether [`Self::curve_is_free`] (control points: m, rad; one value per joint each) is proven where every pair must keep
+    /// `beyond_m` metres more than it demands, without much effort: `false` too for a curve that passes something so closely that
+    /// it would take many pieces, or many intervals.
+    ///
+    /// # Panics
+    /// As [`Self::curve_is_free`].
+    pub fn curve_keeps(
+        &self,
+        beyond_m: f64,
+        control_points: &[Vec<f64>],
+        reach: &Reach,
+        scratch: &mut Scratch,
+    ) -> bool {
+        /// Pieces that stray by less from their chords are not halved, in metres.
+        const FINE_M: f64 = 5e-5;
+        /// Intervals that may need exact distances.
+        const EFFORT: u64 = 64;
+        assert!(control_points.len() > 1, "a curve has two control points or more");
+        let mut work = vec![CurvePiece::new(control_points.to_vec(), [0.0, 1.0], reach)];
+        while let Some(piece) = work.pop() {
+            let [first, last] = piece.chord();
+            let demand =
+                Demand { beyond_m: beyond_m + piece.deviation_m, effort: EFFORT, ..Demand::default() };
+            let holds = piece.points.iter().all(|q| self.robot().within_limits(q))
+                && self.tilted(first, last, piece.turn_rad, scratch).is_none()
+                && self.first_failure(first, last, scratch, demand).is_none();
+            if !holds {
+                if piece.deviation_m <= FINE_M {
+                    return false;
+                }
+                work.extend(piece.halves(reach).into_iter().rev());
+            }
+        }
+        true
+    }
+
     /// The least distance over all pairs along a curve (control points: m, rad; one value per joint each) that is proven, in
-    /// metres: a proven lower bound, at most `share` of the truth, or 10 µm, too low; infinite if there is nothing to touch.
+    /// metres: a proven lower bound, at most `share` of the truth, or 10 µm, too low; infinite if there is nothing to touch;
+    /// with the pair that limits it.
     ///
     /// # Errors
     /// A pair that was measured closer than it may be, whatever was proven.
@@ -142,11 +179,11 @@ impl Cell {
         share: f64,
         reach: &Reach,
         scratch: &mut Scratch,
-    ) -> Result<f64, Contact> {
+    ) -> Result<(f64, Option<NearestPair>), Contact> {
         /// As exact as [`Self::least_clearance`], in metres.
         const TOLERANCE_M: f64 = 1e-5;
         assert!(control_points.len() > 1, "a curve has two control points or more");
-        let mut least_m = f64::INFINITY;
+        let (mut least_m, mut limit) = (f64::INFINITY, None);
         let mut work = vec![CurvePiece::new(control_points.to_vec(), [0.0, 1.0], reach)];
         while let Some(piece) = work.pop() {
             let measuring = Measuring { share: 0.5 * share, ..Measuring::default() };
@@ -159,12 +196,12 @@ impl Cell {
                 if let Some((_, contact)) = measured.contradiction {
                     return Err(contact);
                 }
-                least_m = kept_m;
+                (least_m, limit) = (kept_m, measured.nearest);
             } else {
                 work.extend(piece.halves(reach));
             }
         }
-        Ok(least_m.max(0.0))
+        Ok((least_m.max(0.0), limit))
     }
 
     /// The greatest tilt of what is held along a curve (control points: m, rad; one value per joint each), in radians, from above
@@ -279,7 +316,7 @@ mod tests {
             if is_proven(&reach, &mut scratch) {
                 proven += 1;
                 assert!(seen_m > 0.0, "round {round}");
-                let least_m = cell.curve_clearance(&points, 0.05, &reach, &mut scratch).expect("proven");
+                let (least_m, _) = cell.curve_clearance(&points, 0.05, &reach, &mut scratch).expect("proven");
                 assert!(least_m <= seen_m + 1e-9, "{least_m} above {seen_m}");
                 assert!(least_m >= 0.94 * seen_m - 2e-3, "{least_m} far below {seen_m}");
                 let chords = Cell::chords_of(&points, 1e-3, &reach);

@@ -89,7 +89,7 @@ const MOST_FIRST_PASSES: f64 = 64.0;
 
 /// Where a proof ends without being one.
 #[derive(Clone, Copy, Debug)]
-struct Failure {
+pub(crate) struct Failure {
     /// In [0, 1] along the motion.
     at: f64,
     /// The pair that is in contact or in doubt; nothing where the lanes alone have seen contact.
@@ -184,7 +184,13 @@ impl Cell {
     }
 
     /// What keeps the proof from being one; a pair that it names stands as it is there in the frames of `scratch`.
-    fn first_failure(&self, a: &[f64], b: &[f64], scratch: &mut Scratch, demand: Demand) -> Option<Failure> {
+    pub(crate) fn first_failure(
+        &self,
+        a: &[f64],
+        b: &[f64],
+        scratch: &mut Scratch,
+        demand: Demand,
+    ) -> Option<Failure> {
         for (slope, (a, b)) in scratch.slope.iter_mut().zip(a.iter().zip(b)) {
             *slope = b - a;
         }

@@ -5,9 +5,11 @@ use crate::PathError;
 /// A path as a curve `q(s)`: straight lines along its edges, and between two of them either a stop or a rounded corner
 /// ([`RoundedCorner`]).
 ///
-/// On a line `q' = dq/ds` is such that the slowest joint moves at its limit of velocity at `ṡ = 1`; `s` is
-/// thus in seconds at full speed. It counts from the last stop. On a rounded corner `q'` goes over smoothly from that of
-/// one line to that of the next, so that no joint is faster there than on both lines.
+/// On the first line after a stop `q' = dq/ds` is such that the slowest joint moves at its limit of velocity at `ṡ = 1`;
+/// `s` is thus in seconds at full speed. It counts from the last stop. On a rounded corner `q'` goes over smoothly from
+/// that of one line to that of the next, so that no joint is faster there than on both lines. If the corner cuts off more
+/// of one edge than of the other, `q'` on the two lines differs by that ratio: at constant `ṡ` the robot then gains or
+/// loses speed in the corner.
 #[derive(Clone, Debug)]
 pub(crate) struct PathCurve {
     pub pieces: Vec<Piece>,
@@ -45,11 +47,34 @@ pub(crate) struct Derivatives {
 /// straight line differ from it by rounding, about 1e-15 of the length of an edge.
 const SAME_DIRECTION: f64 = 1e-9;
 
-/// A rounded corner takes at most this share of an edge, so that some of every edge is a line.
-const LARGEST_SHARE: f64 = 0.49;
+/// Rounded corners take at most this share of an edge, so that some of every edge is a line.
+pub(crate) const LARGEST_SHARE: f64 = 0.98;
 
-/// How far the lengths that a corner cuts off its two edges may differ, as a share of them.
-const UNEVEN: f64 = 1e-6;
+/// The greatest ratio of the lengths that a corner cuts off its two edges.
+pub(crate) const MOST_UNEVEN: f64 = 32.0;
+
+/// Lengths that a corner cuts off the edges before and after it, in seconds at full speed.
+pub(crate) type Cuts = [f64; 2];
+
+/// A way point at which the direction of a path changes.
+#[derive(Clone, Debug)]
+pub(crate) struct Corner {
+    pub waypoint: usize,
+    pub point: Vec<f64>,
+    /// Velocities of the joints before and after it, at full speed.
+    pub slopes: [Vec<f64>; 2],
+    /// Of the edges before and after it, in seconds at full speed.
+    pub lengths: [f64; 2],
+}
+
+impl Corner {
+    /// The corner that cuts this much off its edges.
+    pub fn rounded(&self, [before, after]: Cuts) -> RoundedCorner {
+        let [from, to] =
+            [moved(&self.point, &self.slopes[0], -before), moved(&self.point, &self.slopes[1], after)];
+        RoundedCorner::new(self.waypoint, [&from, &self.point, &to])
+    }
+}
 
 struct Edge {
     from: usize,
@@ -61,28 +86,26 @@ struct Edge {
 impl PathCurve {
     /// The curve along `path`, at least one way point (m, rad; one value per joint), by the limits `velocity` of the
     /// joints (m/s, rad/s; one per joint). At a way point k where the direction changes there is a stop, or, with
-    /// `radii[k] = r > 0`, a rounded corner from r before it to r after it (as `s`, at most 0.49 of either edge); a
-    /// missing radius is 0.
-    pub fn along(path: &[Vec<f64>], velocity: &[f64], radii: &[f64]) -> Self {
+    /// `cuts[k]` above 0, a rounded corner that cuts this much off both edges; missing cuts are 0.
+    pub fn along(path: &[Vec<f64>], velocity: &[f64], cuts: &[Cuts]) -> Self {
         let edges = edges(path, velocity);
-        // The radius at the end of edge e, 0 for none.
-        let radius = |e: usize| match (edges.get(e), edges.get(e + 1)) {
+        // The cuts at the end of edge e, 0 for none.
+        let cuts_after = |e: usize| match (edges.get(e), edges.get(e + 1)) {
             (Some(edge), Some(next)) if !is_straight_on(edge, next, velocity) => {
-                let wanted = radii.get(edge.to).copied().unwrap_or(0.0);
-                wanted.min(LARGEST_SHARE * edge.length.min(next.length)).max(0.0)
+                cuts.get(edge.to).copied().unwrap_or_default()
             }
-            _ => 0.0,
+            _ => [0.0; 2],
         };
         let mut pieces: Vec<Piece> = Vec::new();
         let mut waypoints = vec![(0, 0.0); path.len()];
-        let mut s = 0.0;
+        let (mut s, mut scale) = (0.0, 1.0);
         for (index, edge) in edges.iter().enumerate() {
-            let before = if index == 0 { 0.0 } else { radius(index - 1) };
-            let after = radius(index);
+            let [_, before] = if index == 0 { [0.0; 2] } else { cuts_after(index - 1) };
+            let [after, beyond] = cuts_after(index);
             let after_stop =
                 index == 0 || (before <= 0.0 && !is_straight_on(&edges[index - 1], edge, velocity));
             if after_stop {
-                s = 0.0;
+                (s, scale) = (0.0, 1.0);
             }
             if before <= 0.0 {
                 waypoints[edge.from..edge.to].fill((pieces.len(), s));
@@ -93,8 +116,8 @@ impl PathCurve {
                 Some(rounded) if before > 0.0 => rounded.end.clone(),
                 _ => path[edge.from].clone(),
             };
-            let length = edge.length - before - after;
-            let slope = edge.slope.clone();
+            let length = ((edge.length - before - after) / scale).max(0.0);
+            let slope = scaled(&edge.slope, scale);
             let of_edge = [edge.to - 1; 2];
             pieces.push(Piece {
                 after_stop,
@@ -109,75 +132,69 @@ impl PathCurve {
             s += length;
             waypoints[edge.to..].fill((pieces.len() - 1, s));
             if after > 0.0 {
-                waypoints[edge.to..edges[index + 1].to].fill((pieces.len(), s + after));
+                let half = after / scale;
+                waypoints[edge.to..edges[index + 1].to].fill((pieces.len(), s + half));
                 let next = &edges[index + 1];
+                let slope = scaled(&edge.slope, scale);
+                scale *= beyond / after;
+                let next_slope = scaled(&next.slope, scale);
                 pieces.push(Piece {
                     after_stop: false,
                     begin: s,
-                    length: 2.0 * after,
+                    length: 2.0 * half,
                     origin: moved(corner, &edge.slope, -after),
-                    end: moved(corner, &next.slope, after),
-                    slope: edge.slope.clone(),
-                    turn: Some(edge.slope.iter().zip(&next.slope).map(|(a, b)| b - a).collect()),
+                    end: moved(corner, &next.slope, beyond),
+                    turn: Some(slope.iter().zip(&next_slope).map(|(a, b)| b - a).collect()),
+                    slope,
                     edges: [edge.to - 1, next.to - 1],
                 });
-                s += 2.0 * after;
+                s += 2.0 * half;
             }
         }
         Self { pieces, waypoints }
     }
 
-    /// The radii that [`Self::along`] takes along `path` (m, rad; one value per joint) under `velocity` (m/s, rad/s;
-    /// one per joint): one per way point, in seconds as `s` is, each as `chosen(way point, points, greatest)` says of the
-    /// greatest: `points(r)` are the two ends of the corner of radius r and the way point between.
-    pub fn radii(
-        path: &[Vec<f64>],
-        velocity: &[f64],
-        mut chosen: impl FnMut(usize, &dyn Fn(f64) -> [Vec<f64>; 3], f64) -> f64,
-    ) -> Vec<f64> {
-        let mut radii = vec![0.0; path.len()];
-        for pair in edges(path, velocity).windows(2) {
-            let [edge, next] = pair else { continue };
-            if !is_straight_on(edge, next, velocity) && next.from + 1 == next.to && edge.from + 1 == edge.to {
-                let greatest = LARGEST_SHARE * edge.length.min(next.length);
-                let corner = &path[edge.to];
-                let points =
-                    |r: f64| [moved(corner, &edge.slope, -r), corner.clone(), moved(corner, &next.slope, r)];
-                radii[edge.to] = chosen(edge.to, &points, greatest);
-            }
-        }
-        radii
+    /// The way points of `path` (m, rad; one value per joint) at which a corner may be rounded, by the limits `velocity` of
+    /// the joints (m/s, rad/s; one per joint).
+    pub fn corners(path: &[Vec<f64>], velocity: &[f64]) -> Vec<Corner> {
+        let corner = |[edge, next]: [&Edge; 2]| {
+            let is_one = next.from + 1 == next.to && edge.from + 1 == edge.to;
+            (is_one && !is_straight_on(edge, next, velocity)).then(|| Corner {
+                waypoint: edge.to,
+                point: path[edge.to].clone(),
+                slopes: [edge.slope.clone(), next.slope.clone()],
+                lengths: [edge.length, next.length],
+            })
+        };
+        edges(path, velocity).windows(2).filter_map(|pair| corner([&pair[0], &pair[1]])).collect()
     }
 
-    /// The radii of rounded corners of a path (m, rad; one value per joint), one per way point, in seconds as `s` is, under
-    /// limits of velocity (m/s, rad/s; one per joint).
+    /// The cuts of rounded corners of a path (m, rad; one value per joint), one per way point, under limits of velocity
+    /// (m/s, rad/s; one per joint).
     ///
     /// # Errors
-    /// [`PathError::UnevenCorner`] for one that was rounded for joints with other limits of velocity.
-    pub fn radii_of(
+    /// [`PathError::NoCorner`] for one that is not at a corner of the path.
+    pub fn cuts_of(
         path: &[Vec<f64>],
         velocity: &[f64],
-        corners: &[RoundedCorner],
-    ) -> Result<Vec<f64>, PathError> {
-        let mut radii = vec![0.0; path.len()];
-        for corner in corners {
-            let index = corner.waypoint;
-            let uneven = PathError::UnevenCorner { waypoint: index };
-            let Some([from, at, to]) = index.checked_sub(1).and_then(|from| path.get(from..from + 3)) else {
-                return Err(uneven);
-            };
-            let length = |a: &[f64], b: &[f64]| {
-                a.iter().zip(b).zip(velocity).map(|((a, b), v)| (a - b).abs() / v).fold(0.0, f64::max)
-            };
-            let [before, after] = corner.shares([from, at, to]);
-            let [before, after] = [before * length(from, at), after * length(at, to)];
-            let is_even = (before - after).abs() <= UNEVEN * before.max(after);
-            if !is_even {
-                return Err(uneven);
+        rounded: &[RoundedCorner],
+    ) -> Result<Vec<Cuts>, PathError> {
+        let mut cuts = vec![[0.0; 2]; path.len()];
+        let corners = Self::corners(path, velocity);
+        for rounded in rounded {
+            let waypoint = rounded.waypoint;
+            let found = corners.iter().find(|corner| corner.waypoint == waypoint);
+            let corner = found.ok_or(PathError::NoCorner { waypoint })?;
+            let of = [
+                corner.lengths[0] * rounded.share_before(&path[waypoint - 1], &corner.point),
+                corner.lengths[1] * rounded.share_after(&corner.point, &path[waypoint + 1]),
+            ];
+            if !of.iter().all(|cut| *cut > 0.0) {
+                return Err(PathError::NoCorner { waypoint });
             }
-            radii[index] = before.min(after);
+            cuts[waypoint] = of;
         }
-        Ok(radii)
+        Ok(cuts)
     }
 
     /// The ranges of pieces from one stop to the next.
@@ -264,7 +281,11 @@ fn is_straight_on(edge: &Edge, next: &Edge, velocity: &[f64]) -> bool {
     slopes.zip(velocity).all(|((a, b), v)| (a - b).abs() <= SAME_DIRECTION * v)
 }
 
-pub(crate) fn moved(q: &[f64], slope: &[f64], by: f64) -> Vec<f64> {
+fn scaled(slope: &[f64], by: f64) -> Vec<f64> {
+    slope.iter().map(|slope| slope * by).collect()
+}
+
+fn moved(q: &[f64], slope: &[f64], by: f64) -> Vec<f64> {
     q.iter().zip(slope).map(|(q, slope)| q + slope * by).collect()
 }
 
@@ -289,11 +310,12 @@ mod tests {
     #[test]
     fn a_rounded_corner_has_two_continuous_derivatives_and_is_its_bezier_curve() {
         let path = corner();
-        let curve = PathCurve::along(&path, &[1.0, 1.0], &[0.0, 0.5, 0.5, 0.25, 0.0]);
+        let curve =
+            PathCurve::along(&path, &[1.0, 1.0], &[[0.0; 2], [0.5; 2], [0.5; 2], [0.25, 0.75], [0.0; 2]]);
         assert_eq!(curve.runs().first(), Some(&(0..4)));
         assert_eq!(curve.waypoints[3], (2, 2.0));
         let rounded = &curve.pieces[2];
-        assert_eq!((&rounded.origin, &rounded.end), (&vec![1.75, 0.0], &vec![2.0, 0.25]));
+        assert_eq!((&rounded.origin, &rounded.end), (&vec![1.75, 0.0], &vec![2.0, 0.75]));
         for pair in curve.pieces.windows(2) {
             let s = pair[0].end_s();
             assert_eq!(pair[0].end, pair[1].origin);
@@ -328,23 +350,17 @@ mod tests {
     }
 
     #[test]
-    fn radii_are_those_of_the_control_points_and_of_these_limits_alone() {
+    fn cuts_are_those_of_the_control_points_under_any_limits_of_velocity() {
         let path = vec![vec![0.0, 0.0], vec![1.0, 0.0], vec![2.0, 3.0]];
-        let velocity = [1.0, 2.0];
-        let points = std::cell::RefCell::new(Vec::new());
-        let radii = PathCurve::radii(&path, &velocity, |at, of, greatest| {
-            points.borrow_mut().push((at, of(0.5 * greatest)));
-            0.5 * greatest
-        });
-        let (at, [before, corner, after]) = points.into_inner().remove(0);
-        let corner = RoundedCorner::new(at, [&before, &corner, &after]);
-        assert!(corner.rounds([&path[0], &path[1], &path[2]]));
-        let corners = [corner];
-        let found = PathCurve::radii_of(&path, &velocity, &corners).expect("even");
-        assert!((found[1] - radii[1]).abs() < 1e-12 && radii[1] > 0.2);
-        assert!(matches!(
-            PathCurve::radii_of(&path, &[1.0, 1.0], &corners),
-            Err(PathError::UnevenCorner { waypoint: 1 })
-        ));
+        let corner = PathCurve::corners(&path, &[1.0, 2.0]).remove(0);
+        assert_eq!((corner.waypoint, corner.lengths), (1, [1.0, 1.5]));
+        let rounded = [corner.rounded([0.5, 0.9])];
+        assert!(rounded[0].rounds([&path[0], &path[1], &path[2]]));
+        let cuts = |velocity: &[f64]| PathCurve::cuts_of(&path, velocity, &rounded).expect("a corner")[1];
+        let is_near = |a: Cuts, b: Cuts| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12);
+        assert!(is_near(cuts(&[1.0, 2.0]), [0.5, 0.9]) && is_near(cuts(&[0.5, 0.5]), [1.0, 3.6]));
+        let straight = [path[0].clone(), path[1].clone(), vec![2.0, 0.0]];
+        let none = PathCurve::cuts_of(&straight, &[1.0, 2.0], &rounded);
+        assert!(matches!(none, Err(PathError::NoCorner { waypoint: 1 })));
     }
 }

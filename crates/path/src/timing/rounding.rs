@@ -2,7 +2,7 @@ use cranny_robot::Robot;
 use cranny_task::RoundedCorner;
 
 use crate::timing::motion_limits::{MotionLimits, TimingMethod};
-use crate::timing::path_curve::PathCurve;
+use crate::timing::path_curve::{Corner, Cuts, LARGEST_SHARE, MOST_UNEVEN, PathCurve};
 use crate::timing::piece_limits::{EdgePace, PieceLimits};
 use crate::timing::s_curve::s_curve;
 use crate::timing::time_law::TimeLaw;
@@ -27,65 +27,103 @@ impl<'a> CurvedPath<'a> {
         Self { waypoints, corners: &[], paces: &[], robot: None }
     }
 
-    /// Its corners, each as large as serves the time best among the sizes that `proven` accepts: greatest first, then halved,
-    /// with two steps of bisection. `proven` is given a way point and the control points of a corner there
-    /// ([`RoundedCorner`]; m, rad; one value per joint). Corners of this path are disregarded.
+    /// Its corners, each rounded as serves the time best among the sizes that `proven` accepts. `proven` is given a way point
+    /// and the control points of a corner there ([`RoundedCorner`]; m, rad; one value per joint). Corners of this path are
+    /// disregarded.
     ///
-    /// Under limits of jerk a large corner is run through faster, but leaves less of its edges to gain speed on. So smaller
-    /// sizes are tried, one corner after the other, as long as the whole takes less time. Where the path turns back, a stop
-    /// is faster than any smooth corner.
+    /// 1. The largest proven share of both edges of each corner: greatest first, then halved, with two steps of bisection.
+    /// 2. Descent along what each corner cuts off either edge, one after the other, as long as the whole takes less time.
+    ///
+    /// A large corner is run through faster, but leaves less of its edges to gain speed on; and one that cuts off more of one
+    /// edge than of the other is a change of speed. Where the path turns back, a stop may be faster than any smooth corner.
     pub fn rounded(
         &self,
         limits: &MotionLimits,
         mut proven: impl FnMut(usize, &[Vec<f64>; 5]) -> bool,
     ) -> Vec<RoundedCorner> {
-        let velocity = &limits.velocity;
-        let made = |at: usize, [before, corner, after]: &[Vec<f64>; 3]| {
-            RoundedCorner::new(at, [before, corner, after])
-        };
-        let mut accepts = |at: usize, points: &[Vec<f64>; 3]| proven(at, &made(at, points).control_points);
-        let greatest = PathCurve::radii(self.waypoints, velocity, |at, points, greatest| {
-            proven_radius(greatest, |r| accepts(at, &points(r)))
-        });
-        let radii = self.fastest(limits, &greatest);
-        let mut corners = Vec::new();
-        PathCurve::radii(self.waypoints, velocity, |at, points, _| {
-            let is_proven = radii[at] <= 0.0 || radii[at] >= greatest[at] || accepts(at, &points(radii[at]));
-            let radius = if is_proven { radii[at] } else { greatest[at] };
-            if radius > 0.0 {
-                corners.push(made(at, &points(radius)));
-            }
-            radius
-        });
-        corners
+        let corners = PathCurve::corners(self.waypoints, &limits.velocity);
+        let mut accepts =
+            |corner: &Corner, cuts: Cuts| proven(corner.waypoint, &corner.rounded(cuts).control_points);
+        let mut cuts = vec![[0.0; 2]; self.waypoints.len()];
+        // 1.
+        for corner in &corners {
+            let share = proven_share(|share| accepts(corner, corner.lengths.map(|length| share * length)));
+            cuts[corner.waypoint] = corner.lengths.map(|length| share * length);
+        }
+        // 2.
+        self.descend(limits, &corners, &mut cuts, accepts);
+        let is_rounded = |corner: &&Corner| cuts[corner.waypoint][0] > 0.0;
+        corners.iter().filter(is_rounded).map(|corner| corner.rounded(cuts[corner.waypoint])).collect()
     }
 
-    /// Radii up to `greatest` with which the path takes the least time that descent along one after the other finds.
-    fn fastest(&self, limits: &MotionLimits, greatest: &[f64]) -> Vec<f64> {
-        const ROUNDS: usize = 2;
-        let shares = match limits.method {
-            TimingMethod::TimeOptimal => &[1.0, 0.0][..],
-            TimingMethod::JerkLimited => &[1.0, 0.7, 0.4, 0.2, 0.08, 0.0],
-        };
-        let duration_s = |radii: &[f64]| {
-            let curve = PathCurve::along(self.waypoints, &limits.velocity, radii);
+    /// Improves what each corner cuts off its edges: 2. of [`Self::rounded`].
+    fn descend(
+        &self,
+        limits: &MotionLimits,
+        corners: &[Corner],
+        cuts: &mut [Cuts],
+        mut accepts: impl FnMut(&Corner, Cuts) -> bool,
+    ) {
+        const MOST_ROUNDS: usize = 4;
+        /// A round that saves less than this share of the time is the last.
+        const LEAST_GAIN: f64 = 1e-3;
+        let duration_s = |cuts: &[Cuts]| {
+            let curve = PathCurve::along(self.waypoints, &limits.velocity, cuts);
             // The speed of the tool, costly to bound, limits the same edges whatever the corners.
             law(&curve, limits.method, &PieceLimits::all_of(&curve, limits, self.paces, None)).duration_s
         };
-        let mut radii = greatest.to_vec();
-        let mut least_s = duration_s(&radii);
-        for _ in 0..ROUNDS {
-            for index in (0..radii.len()).filter(|index| greatest[*index] > 0.0) {
-                for share in shares {
-                    let before = std::mem::replace(&mut radii[index], share * greatest[index]);
-                    let found_s = duration_s(&radii);
-                    if found_s < least_s { least_s = found_s } else { radii[index] = before }
+        let mut least_s = duration_s(cuts);
+        for round in 0..MOST_ROUNDS {
+            let before_s = least_s;
+            for (index, corner) in corners.iter().enumerate() {
+                // What its neighbours leave of its edges.
+                let left = |other: Option<&Corner>, side: usize| {
+                    let taken = other.filter(|other| other.waypoint.abs_diff(corner.waypoint) == 1);
+                    corner.lengths[side] * LARGEST_SHARE
+                        - taken.map_or(0.0, |other| cuts[other.waypoint][1 - side])
+                };
+                let most =
+                    [left(index.checked_sub(1).map(|i| &corners[i]), 0), left(corners.get(index + 1), 1)];
+                for factors in if round == 0 { FIRST_STEPS } else { STEPS } {
+                    let was = cuts[corner.waypoint];
+                    let wanted = [0, 1].map(|side| (factors[side] * was[side]).min(most[side]));
+                    let [less, more] = [wanted[0].min(wanted[1]), wanted[0].max(wanted[1])];
+                    if wanted == was || (more > 0.0 && less * MOST_UNEVEN < more) {
+                        continue;
+                    }
+                    cuts[corner.waypoint] = wanted;
+                    let found_s = duration_s(cuts);
+                    if found_s < least_s && (more <= 0.0 || accepts(corner, wanted)) {
+                        least_s = found_s;
+                    } else {
+                        cuts[corner.waypoint] = was;
+                    }
                 }
             }
+            if before_s - least_s < LEAST_GAIN * least_s {
+                break;
+            }
         }
-        radii
     }
 }
+
+/// Factors of both cuts of a corner that are tried.
+const STEPS: &[[f64; 2]] = &[[1.25, 1.0], [1.0, 1.25], [0.8, 1.0], [1.0, 0.8], [0.8, 0.8], [1.25, 1.25]];
+
+/// Factors that are tried in the first round.
+const FIRST_STEPS: &[[f64; 2]] = &[
+    [0.5, 0.5],
+    [0.5, 0.5],
+    [0.5, 0.5],
+    [0.5, 1.0],
+    [1.0, 0.5],
+    [0.5, 1.0],
+    [1.0, 0.5],
+    [1.5, 1.0],
+    [1.0, 1.5],
+    [1.5, 1.5],
+    [0.0, 0.0],
+];
 
 /// The law of time along a curve by a method.
 pub(crate) fn law(curve: &PathCurve, method: TimingMethod, limits: &[PieceLimits]) -> TimeLaw {
@@ -95,21 +133,22 @@ pub(crate) fn law(curve: &PathCurve, method: TimingMethod, limits: &[PieceLimits
     }
 }
 
-/// The greatest found radius up to `greatest` that is proven; 0 for none.
-fn proven_radius(greatest: f64, mut is_proven: impl FnMut(f64) -> bool) -> f64 {
+/// The greatest found share of its edges up to a half with which a corner is proven; 0 for none.
+fn proven_share(mut is_proven: impl FnMut(f64) -> bool) -> f64 {
+    const GREATEST: f64 = 0.49;
     const HALVINGS: usize = 6;
     const BISECTIONS: usize = 2;
-    let mut radius = greatest;
+    let mut share = GREATEST;
     for halving in 0..=HALVINGS {
-        if is_proven(radius) {
-            let (mut proven, mut unproven) = (radius, 2.0 * radius);
+        if is_proven(share) {
+            let (mut proven, mut unproven) = (share, 2.0 * share);
             for _ in 0..if halving == 0 { 0 } else { BISECTIONS } {
                 let middle = 0.5 * (proven + unproven);
                 if is_proven(middle) { proven = middle } else { unproven = middle }
             }
             return proven;
         }
-        radius *= 0.5;
+        share *= 0.5;
     }
     0.0
 }

@@ -152,7 +152,7 @@ impl Span {
         if most <= from || self.is_rounded {
             return most.min(from);
         }
-        greatest(from, most, |to| self.change(from, to).length() <= self.length)
+        greatest(from, most, |to| self.change(from, to).length() / self.length - 1.0)
     }
 
     fn append(&self, [from, to]: [f64; 2], law: &mut TimeLaw) {
@@ -164,7 +164,7 @@ impl Span {
             return push((self.length / from, state, 0.0));
         }
         let needed = |peak: f64| self.change(from, peak).length() + self.change(to, peak).length();
-        let peak = greatest(from.max(to), self.speed, |peak| needed(peak) <= self.length);
+        let peak = greatest(from.max(to), self.speed, |peak| needed(peak) / self.length - 1.0);
         let (rise, fall) = (self.change(from, peak), self.change(to, peak));
         rise.phases(self.begin).into_iter().for_each(&mut push);
         let cruise = self.length - rise.length() - fall.length();
@@ -183,20 +183,37 @@ impl Span {
     }
 }
 
-/// The greatest value from `low` to `high` at which something holds that holds at `low` and up to some value.
-fn greatest(low: f64, high: f64, holds: impl Fn(f64) -> bool) -> f64 {
-    /// Halved until neighbouring numbers are left.
-    const HALVINGS: u32 = 100;
-    if holds(high) {
+/// The greatest value from `low` to `high` at which `excess`, which grows, is not above 0, as it is at `low`; by regula
+/// falsi (Illinois) within brackets.
+fn greatest(low: f64, high: f64, excess: impl Fn(f64) -> f64) -> f64 {
+    const MOST_STEPS: u32 = 100;
+    /// An excess that rounding leaves.
+    const NONE: f64 = 1e-14;
+    let mut above = excess(high);
+    if above <= 0.0 {
         return high;
     }
-    let (mut low, mut high) = (low, high);
-    for _ in 0..HALVINGS {
-        let middle = 0.5 * (low + high);
+    let (mut low, mut high, mut below) = (low, high, excess(low));
+    let mut was_below = None;
+    for _ in 0..MOST_STEPS {
+        let secant = high - above * (high - low) / (above - below);
+        let middle = if secant > low && secant < high { secant } else { 0.5 * (low + high) };
         if middle <= low || middle >= high {
             break;
         }
-        if holds(middle) { low = middle } else { high = middle }
+        let found = excess(middle);
+        let is_below = found <= 0.0;
+        // The end that stays a second time counts half, lest it stay for ever.
+        let half = if was_below == Some(is_below) { 0.5 } else { 1.0 };
+        if is_below {
+            (low, below, above) = (middle, found, half * above);
+        } else {
+            (high, above, below) = (middle, found, half * below);
+        }
+        was_below = Some(is_below);
+        if is_below && found >= -NONE {
+            break;
+        }
     }
     low
 }

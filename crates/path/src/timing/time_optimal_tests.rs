@@ -3,11 +3,10 @@ use copp::path::{Path, PathEvaluator2nd};
 use copp::solver::topp2_ra::{ReachSet2OptionsBuilder, Topp2ProblemBuilder, s_to_t_topp2, topp2_ra};
 use cranny_robot::{JointLimits, JointUnit};
 use cranny_spatial::Stream;
-use cranny_task::RoundedCorner;
 use proptest::prelude::*;
 
 use crate::timing::motion_limits::{MotionLimits, TimingMethod};
-use crate::timing::path_curve::PathCurve;
+use crate::timing::path_curve::{Cuts, PathCurve};
 use crate::timing::piece_limits::{EdgePace, PieceLimits};
 use crate::timing::rounding::CurvedPath;
 use crate::timing::time_optimal::{on_grid, time_optimal};
@@ -36,14 +35,20 @@ fn motion_limits() -> MotionLimits {
     limits_by(TimingMethod::TimeOptimal)
 }
 
-/// A trajectory along a path whose corners have at most this radius, in seconds at full speed.
-fn rounded(path: &[Vec<f64>], limits: &MotionLimits, radius: f64) -> Trajectory {
-    let mut corners = Vec::new();
-    PathCurve::radii(path, &limits.velocity, |at, points, greatest| {
-        let [before, corner, after] = points(radius.min(greatest));
-        corners.push(RoundedCorner::new(at, [&before, &corner, &after]));
-        greatest
-    });
+/// The cuts of a path: at each corner these, in seconds at full speed, but at most almost half of an edge.
+fn cuts(path: &[Vec<f64>], limits: &MotionLimits, wanted: Cuts) -> Vec<Cuts> {
+    let mut cuts = vec![[0.0; 2]; path.len()];
+    for corner in PathCurve::corners(path, &limits.velocity) {
+        cuts[corner.waypoint] = [0, 1].map(|side| wanted[side].min(0.49 * corner.lengths[side]));
+    }
+    cuts
+}
+
+/// A trajectory along a path with such cuts.
+fn rounded(path: &[Vec<f64>], limits: &MotionLimits, wanted: Cuts) -> Trajectory {
+    let cuts = cuts(path, limits, wanted);
+    let corners = PathCurve::corners(path, &limits.velocity);
+    let corners: Vec<_> = corners.iter().map(|corner| corner.rounded(cuts[corner.waypoint])).collect();
     let curved = CurvedPath { corners: &corners, ..CurvedPath::stopping(path) };
     Trajectory::along_curve(&curved, limits).expect("a trajectory")
 }
@@ -59,9 +64,9 @@ fn polyline(seed: u64, count: usize) -> Vec<Vec<f64>> {
 }
 
 /// The first joint that exceeds a limit along a rounded path sampled at 1 kHz, and when (s).
-fn exceeded(method: TimingMethod, seed: u64, count: usize, radius: f64) -> Option<(usize, f64)> {
+fn exceeded(method: TimingMethod, seed: u64, count: usize, wanted: Cuts) -> Option<(usize, f64)> {
     let path = polyline(seed, count);
-    let trajectory = rounded(&path, &limits_by(method), radius);
+    let trajectory = rounded(&path, &limits_by(method), wanted);
     let samples: Vec<_> = trajectory.samples(1000.0).expect("samples").collect();
     for (joint, limits) in limits().iter().enumerate() {
         let acceleration = limits.acceleration.expect("known");
@@ -111,8 +116,9 @@ fn greatest_use(curve: &PathCurve, limits: &MotionLimits, stages: u32) -> f64 {
 /// there has a slope of 1e-17, and gave bounds of u that were noise.
 #[test]
 fn a_joint_may_turn_back_on_the_edge_of_a_stage() {
-    let (limits, radii) = (motion_limits(), vec![10.0_f64.powf(-0.38683405671710996); 4]);
-    let curve = PathCurve::along(&polyline(15229711017748495913, 4), &limits.velocity, &radii);
+    let (limits, path) = (motion_limits(), polyline(15229711017748495913, 4));
+    let cuts = cuts(&path, &limits, [10.0_f64.powf(-0.38683405671710996); 2]);
+    let curve = PathCurve::along(&path, &limits.velocity, &cuts);
     for stages in [2, 16, 32, 64, 100, 128, 256, 1024] {
         let most = greatest_use(&curve, &limits, stages);
         assert!(most < 1.0 + 1e-6, "{stages} stages: {most}");
@@ -124,9 +130,9 @@ proptest! {
 
     /// As in `every_limit_holds_at_1_khz`, for curves.
     #[test]
-    fn every_limit_holds_on_rounded_paths(seed in any::<u64>(), count in 3usize..8, size in -4.0..0.5) {
+    fn every_limit_holds_on_rounded_paths(seed in any::<u64>(), count in 3usize..8, size in -4.0..0.5, ratio in -1.0..1.0) {
         for method in [TimingMethod::TimeOptimal, TimingMethod::JerkLimited] {
-            let exceeded = exceeded(method, seed, count, 10.0_f64.powf(size));
+            let exceeded = exceeded(method, seed, count, [size, size + ratio].map(|size| 10.0_f64.powf(size)));
             prop_assert!(exceeded.is_none(), "{method:?}: {exceeded:?}");
         }
     }
@@ -162,7 +168,8 @@ proptest! {
     #[test]
     fn a_finer_grid_hardly_shortens_the_time(seed in any::<u64>(), count in 3usize..8, size in -3.0..0.5) {
         let (path, limits) = (polyline(seed, count), motion_limits());
-        let curve = PathCurve::along(&path, &limits.velocity, &vec![10.0_f64.powf(size); count]);
+        let cuts = cuts(&path, &limits, [10.0_f64.powf(size); 2]);
+        let curve = PathCurve::along(&path, &limits.velocity, &cuts);
         let taken = time_optimal(&curve, &of_pieces(&curve, &limits)).duration_s;
         let fine = on_grid(&curve, &of_pieces(&curve, &limits), 2048).duration_s;
         prop_assert!(fine <= taken * (1.0 + 1e-5) && taken <= fine * 1.01, "{taken} against {fine}");
@@ -240,8 +247,8 @@ fn rounded_paths_take_as_long_as_another_implementation_says() {
     let limits = motion_limits();
     for (seed, size) in (0..12).zip([0.05, 0.3, 10.0].into_iter().cycle()) {
         let path = polyline(seed, 5);
-        let radii = vec![size; 5];
-        let curve = PathCurve::along(&path, &limits.velocity, &radii);
+        let cuts = cuts(&path, &limits, [size, 1.5 * size]);
+        let curve = PathCurve::along(&path, &limits.velocity, &cuts);
         let ours = on_grid(&curve, &of_pieces(&curve, &limits), 1024).duration_s;
         let other = other_duration_s(curve, &limits, STATIONS);
         assert!((ours / other - 1.0).abs() < 2e-3, "seed {seed}: {ours} s, copp {other} s");

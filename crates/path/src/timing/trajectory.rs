@@ -53,7 +53,7 @@ impl Trajectory {
     /// curves.
     ///
     /// # Errors
-    /// As [`Self::along`]; [`PathError::UnevenCorner`] for a corner made for joints with other limits of velocity.
+    /// As [`Self::along`]; [`PathError::NoCorner`] for a rounded corner where the path has none.
     pub fn along_curve(of: &CurvedPath<'_>, limits: &MotionLimits) -> Result<Self, PathError> {
         let path = of.waypoints;
         let (Some(first), Some(last)) = (path.first(), path.last()) else {
@@ -69,8 +69,8 @@ impl Trajectory {
                 return Err(TaskError::NotFinite { what, joint }.into());
             }
         }
-        let radii = PathCurve::radii_of(path, &limits.velocity, of.corners)?;
-        let curve = PathCurve::along(path, &limits.velocity, &radii);
+        let cuts = PathCurve::cuts_of(path, &limits.velocity, of.corners)?;
+        let curve = PathCurve::along(path, &limits.velocity, &cuts);
         let of_pieces = PieceLimits::all_of(&curve, limits, of.paces, of.robot);
         let law = law(&curve, limits.method, &of_pieces);
         let mut waypoint_times_s: Vec<f64> =

@@ -3,8 +3,8 @@ use serde::{Deserialize, Serialize};
 /// A rounded corner of a path: a curve that leaves one edge before a way point and joins the next one after it.
 ///
 /// The curve is a Bézier curve of degree 4 with control points `P_0 … P_4`: `P_2` is the way point, `P_0` lies on the edge
-/// before it, `P_4` on the edge after it, `P_1` and `P_3` half way. With edges run through at slopes u and v, and r the
-/// length cut off either, its slope is `u + h(τ)·(v − u)`, `h(τ) = τ²(3 − 2τ)`: first and second derivative are continuous.
+/// before it, `P_4` on the edge after it, `P_1` and `P_3` half way. Its slope goes over from `u = 2(P_2 − P_0)` to
+/// `v = 2(P_4 − P_2)` as `u + h(τ)·(v − u)`, `h(τ) = τ²(3 − 2τ)`: first and second derivative are continuous.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RoundedCorner {
@@ -27,7 +27,7 @@ impl RoundedCorner {
     }
 
     /// Whether the control points are those of a corner between the edges of these three way points (m, rad; one value per
-    /// joint each), which leaves more than half of neither edge.
+    /// joint each).
     pub fn rounds(&self, [from, corner, to]: [&[f64]; 3]) -> bool {
         let joints = corner.len();
         if self.control_points.iter().any(|point| point.len() != joints) {
@@ -41,15 +41,18 @@ impl RoundedCorner {
             && [(from, before), (to, after)].into_iter().all(|(end, point)| {
                 let share = share_on(corner, end, point);
                 let on_edge: Vec<f64> = corner.iter().zip(end).map(|(c, e)| c + share * (e - c)).collect();
-                share > 0.0 && share <= 0.5 && is_same(&on_edge, point)
+                share > 0.0 && share <= 1.0 && is_same(&on_edge, point)
             })
     }
 
-    /// How much of the edges to the way points before and after it (m, rad; one value per joint) is cut off, as shares of
-    /// these.
-    pub fn shares(&self, [from, corner, to]: [&[f64]; 3]) -> [f64; 2] {
-        let [before, .., after] = &self.control_points;
-        [share_on(corner, from, before), share_on(corner, to, after)]
+    /// Share of the edge from the way point before it that is cut off; way points in m and rad, one value per joint.
+    pub fn share_before(&self, from: &[f64], corner: &[f64]) -> f64 {
+        share_on(corner, from, &self.control_points[0])
+    }
+
+    /// Share of the edge to the way point after it that is cut off; way points in m and rad, one value per joint.
+    pub fn share_after(&self, corner: &[f64], to: &[f64]) -> f64 {
+        share_on(corner, to, &self.control_points[4])
     }
 }
 

@@ -120,13 +120,21 @@ fn fault_of(
 /// edges, none where an object may touch what carries it, and where the segment before it ends only if the two are one motion
 /// of a stage, or the first of them lifts an object off.
 fn corner_fault(before: Option<&Segment>, segment: &Segment) -> Option<&'static str> {
-    let mut last = None;
+    /// How much more than an edge two corners may cut off it: what rounds.
+    const OVERLAP: f64 = 1e-9;
+    let mut last = before.and_then(|before| {
+        let (corner, edge) = (before.corners.last()?, before.waypoints.last_chunk::<2>()?);
+        (corner.waypoint + 2 == before.waypoints.len()).then(|| corner.share_after(&edge[0], &edge[1]))
+    });
+    let mut next = 0;
     for corner in &segment.corners {
         let index = corner.waypoint;
-        if last.is_some_and(|last| index <= last) {
+        if index < next {
             return Some("has rounded corners out of order");
         }
-        last = Some(index);
+        // The corner before it ends on the same edge.
+        let taken = last.filter(|_| index == next).unwrap_or(0.0);
+        next = index + 1;
         let from = match index {
             0 => before.filter(|before| are_joined(before, segment)).and_then(|before| {
                 let way = &before.waypoints;
@@ -141,6 +149,10 @@ fn corner_fault(before: Option<&Segment>, segment: &Segment) -> Option<&'static 
         if !corner.rounds([from, corner_at, to]) {
             return Some("has a rounded corner that is none of its edges");
         }
+        if taken + corner.share_before(from, corner_at) > 1.0 + OVERLAP {
+            return Some("has two rounded corners that overlap");
+        }
+        last = Some(corner.share_after(corner_at, to));
     }
     None
 }
