@@ -7,6 +7,10 @@ use crate::proof::reach::Reach;
 use crate::touch::contact::Contact;
 use crate::{Measuring, NearestPair};
 
+/// Pieces that stray by more from their chords are halved unseen, in metres: hardly one in a confined space is proven, and to
+/// find that takes many exact distances.
+const COARSE_M: f64 = 0.01;
+
 /// Pieces of a curve that stray less than this from their chords, as the motion of any point, are not halved again, in
 /// metres: the resolution of a proof.
 const FINEST_M: f64 = 1e-6;
@@ -91,6 +95,10 @@ impl Cell {
         assert!(control_points.len() > 1, "a curve has two control points or more");
         let mut work = vec![CurvePiece::new(control_points.to_vec(), [0.0, 1.0], reach)];
         while let Some(piece) = work.pop() {
+            if piece.deviation_m > COARSE_M {
+                work.extend(piece.halves(reach).into_iter().rev());
+                continue;
+            }
             let beyond_limits = |q: &&Vec<f64>| self.robot().first_limit_violation(q);
             let is_finest = piece.deviation_m <= FINEST_M;
             if let Some(violation) = piece.points.iter().find_map(|q| beyond_limits(&q)) {
@@ -148,6 +156,10 @@ impl Cell {
         assert!(control_points.len() > 1, "a curve has two control points or more");
         let mut work = vec![CurvePiece::new(control_points.to_vec(), [0.0, 1.0], reach)];
         while let Some(piece) = work.pop() {
+            if piece.deviation_m > COARSE_M {
+                work.extend(piece.halves(reach).into_iter().rev());
+                continue;
+            }
             let [first, last] = piece.chord();
             let demand =
                 Demand { beyond_m: beyond_m + piece.deviation_m, effort: EFFORT, ..Demand::default() };

@@ -33,6 +33,7 @@ impl<'a> CurvedPath<'a> {
     ///
     /// 1. The largest proven share of both edges of each corner: greatest first, then halved, with two steps of bisection.
     /// 2. Descent along what each corner cuts off either edge, one after the other, as long as the whole takes less time.
+    /// 3. Proof of each corner that became smaller; of half of it where it is not proven, and so on.
     ///
     /// A large corner is run through faster, but leaves less of its edges to gain speed on; and one that cuts off more of one
     /// edge than of the other is a change of speed. Where the path turns back, a stop may be faster than any smooth corner.
@@ -51,30 +52,39 @@ impl<'a> CurvedPath<'a> {
             cuts[corner.waypoint] = corner.lengths.map(|length| share * length);
         }
         // 2.
-        self.descend(limits, &corners, &mut cuts, accepts);
+        let mut proven = cuts.clone();
+        let stopping_s = self.duration_s(limits, &vec![[0.0; 2]; cuts.len()]);
+        let mut least_s = self.duration_s(limits, &cuts);
+        self.descend(limits, &corners, [&mut cuts, &mut proven], &mut least_s, &mut accepts);
+        // 3.
+        for corner in &corners {
+            let cuts = &mut cuts[corner.waypoint];
+            let smaller = (0..FINAL_HALVINGS).map(|halving| cuts.map(|cut| cut * 0.5_f64.powi(halving)));
+            let is_proven = |cuts: &Cuts| *cuts == proven[corner.waypoint] || accepts(corner, *cuts);
+            *cuts = smaller.filter(|cuts| cuts[0] > 0.0).find(is_proven).unwrap_or_default();
+        }
+        if self.duration_s(limits, &cuts) > stopping_s {
+            return Vec::new();
+        }
         let is_rounded = |corner: &&Corner| cuts[corner.waypoint][0] > 0.0;
         corners.iter().filter(is_rounded).map(|corner| corner.rounded(cuts[corner.waypoint])).collect()
     }
 
-    /// Improves what each corner cuts off its edges: 2. of [`Self::rounded`].
+    /// Improves what each corner cuts off its edges: 2. of [`Self::rounded`]. Cuts that are larger than `proven` are proven
+    /// first; smaller ones are not yet.
     fn descend(
         &self,
         limits: &MotionLimits,
         corners: &[Corner],
-        cuts: &mut [Cuts],
-        mut accepts: impl FnMut(&Corner, Cuts) -> bool,
+        [cuts, proven]: [&mut [Cuts]; 2],
+        least_s: &mut f64,
+        accepts: &mut impl FnMut(&Corner, Cuts) -> bool,
     ) {
         const MOST_ROUNDS: usize = 4;
-        /// A round that saves less than this share of the time is the last.
+        /// A round that saves less than this share of the time is the last; for less no proof is tried.
         const LEAST_GAIN: f64 = 1e-3;
-        let duration_s = |cuts: &[Cuts]| {
-            let curve = PathCurve::along(self.waypoints, &limits.velocity, cuts);
-            // The speed of the tool, costly to bound, limits the same edges whatever the corners.
-            law(&curve, limits.method, &PieceLimits::all_of(&curve, limits, self.paces, None)).duration_s
-        };
-        let mut least_s = duration_s(cuts);
         for round in 0..MOST_ROUNDS {
-            let before_s = least_s;
+            let before_s = *least_s;
             for (index, corner) in corners.iter().enumerate() {
                 // What its neighbours leave of its edges.
                 let left = |other: Option<&Corner>, side: usize| {
@@ -84,6 +94,7 @@ impl<'a> CurvedPath<'a> {
                 };
                 let most =
                     [left(index.checked_sub(1).map(|i| &corners[i]), 0), left(corners.get(index + 1), 1)];
+                let proven = &mut proven[corner.waypoint];
                 for factors in if round == 0 { FIRST_STEPS } else { STEPS } {
                     let was = cuts[corner.waypoint];
                     let wanted = [0, 1].map(|side| (factors[side] * was[side]).min(most[side]));
@@ -92,20 +103,35 @@ impl<'a> CurvedPath<'a> {
                         continue;
                     }
                     cuts[corner.waypoint] = wanted;
-                    let found_s = duration_s(cuts);
-                    if found_s < least_s && (more <= 0.0 || accepts(corner, wanted)) {
-                        least_s = found_s;
+                    let found_s = self.duration_s(limits, cuts);
+                    let is_within = wanted[0] <= proven[0] && wanted[1] <= proven[1];
+                    let enough_s = if is_within { 0.0 } else { LEAST_GAIN * *least_s };
+                    if found_s < *least_s - enough_s && (is_within || accepts(corner, wanted)) {
+                        *least_s = found_s;
+                        if !is_within {
+                            *proven = wanted;
+                        }
                     } else {
                         cuts[corner.waypoint] = was;
                     }
                 }
             }
-            if before_s - least_s < LEAST_GAIN * least_s {
+            if before_s - *least_s < LEAST_GAIN * *least_s {
                 break;
             }
         }
     }
+
+    /// The duration with these cuts, but for a limit of the speed of the tool: costly to bound, it limits the same edges
+    /// whatever the corners.
+    fn duration_s(&self, limits: &MotionLimits, cuts: &[Cuts]) -> f64 {
+        let curve = PathCurve::along(self.waypoints, &limits.velocity, cuts);
+        law(&curve, limits.method, &PieceLimits::all_of(&curve, limits, self.paces, None)).duration_s
+    }
 }
+
+/// How often a corner is halved at most that descent made smaller than a proven one, and that is not proven itself.
+const FINAL_HALVINGS: i32 = 4;
 
 /// Factors of both cuts of a corner that are tried.
 const STEPS: &[[f64; 2]] = &[[1.25, 1.0], [1.0, 1.25], [0.8, 1.0], [1.0, 0.8], [0.8, 0.8], [1.25, 1.25]];
