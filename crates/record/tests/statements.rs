@@ -47,31 +47,42 @@ fn a_figure_beyond_what_is_measured_is_a_violation() {
     assert_eq!(serde_json::to_value(&own.measured).unwrap(), plan);
     assert!(own.compared.contains(&"robustness") && own.not_compared.contains(&"seed"));
     let clearance_m = plan["clearance_m"].as_f64().unwrap();
+    let base_m = plan["robustness"]["base"]["translation_m"].as_f64().unwrap() * 1.02;
+    let [false_mm, true_mm] = [1.02, 1.0].map(|share| format!("{:.2} mm", 1e3 * share * clearance_m));
+    let duration_s = plan["timing"]["duration_s"].as_f64().unwrap();
     for (pointer, value, says) in [
-        ("/clearance_m", json!(0.00509), "clearance_m: the file states 5.09 mm, measured 4.96 mm"),
+        (
+            "/clearance_m",
+            json!(1.02 * clearance_m),
+            format!("clearance_m: the file states {false_mm}, measured {true_mm}"),
+        ),
         (
             "/robustness/base/translation_m",
-            json!(0.01898),
-            "robustness.base.translation_m: the file states 18.98 mm",
+            json!(base_m),
+            format!("robustness.base.translation_m: the file states {:.2} mm", 1e3 * base_m),
         ),
-        ("/robustness/base", Value::Null, "robustness.base: the file states nothing"),
-        ("/outcome", json!("gave-up"), "outcome: the file states \"gave-up\", measured \"solved\""),
-        ("/path_length", json!(1.0), "path_length: the file states 1.00, measured 2.97"),
-        ("/grasp", json!(8), "grasp: the file states 8, measured 7"),
-        ("/timing/duration_s", json!(0.5), "timing.duration_s: the file states 0.50 s, measured 2.16 s"),
-        ("/timing/method", json!("jerk-limited"), "timing.duration_s: the file states"),
+        ("/robustness/base", Value::Null, "robustness.base: the file states nothing".into()),
+        ("/outcome", json!("gave-up"), "outcome: the file states \"gave-up\", measured \"solved\"".into()),
+        ("/path_length", json!(1.0), "path_length: the file states 1.00, measured 2.97".into()),
+        ("/grasp", json!(8), "grasp: the file states 8, measured 7".into()),
+        (
+            "/timing/duration_s",
+            json!(0.5),
+            format!("timing.duration_s: the file states 0.50 s, measured {duration_s:.2} s"),
+        ),
+        ("/timing/method", json!("time-optimal"), "timing.duration_s: the file states".into()),
     ] {
         let other = changed(&plan, pointer, value);
         let found = judge(&other, &source);
         let violations: Vec<String> = found.audit.violations.iter().map(ToString::to_string).collect();
         assert!(
-            !found.audit.valid && violations.iter().any(|line| line.starts_with(says)),
+            !found.audit.valid && violations.iter().any(|line| line.starts_with(&says)),
             "{says}: {violations:?}"
         );
         // In another task nothing is false, but all is named.
         let task = PlanSource { scenario: "mine".to_owned(), ..source.clone() };
         let found = judge(&other, &task);
-        let named = |statement: &dyn std::fmt::Display| statement.to_string().starts_with(says);
+        let named = |statement: &dyn std::fmt::Display| statement.to_string().starts_with(&says);
         assert!(found.audit.valid && found.differs.iter().any(|statement| named(statement)), "{says}");
     }
     // A smaller bound is true.

@@ -58,7 +58,7 @@ pub(crate) fn round_corners(robot: &Robot, along: &StatesAlong, segments: &mut [
 /// A lower bound of the least clearance of the edges of segments on which nothing may touch what carries it, in metres, near
 /// enough to the truth for a share of it to count; 0 where there is nothing to touch.
 fn least_clearance_m(leg: &[Segment], states: &[State]) -> f64 {
-    const SHARE: f64 = 0.1;
+    const SHARE: f64 = 0.02;
     let mut least_m = f64::INFINITY;
     for (segment, state) in leg.iter().zip(states).filter(|(segment, _)| segment.mode.rests_at.is_none()) {
         let (cell, scratch) = (state.cell(), &mut state.cell().scratch());

@@ -60,7 +60,7 @@ impl<'a> CurvedPath<'a> {
         for corner in &corners {
             let cuts = &mut cuts[corner.waypoint];
             let smaller = (0..FINAL_HALVINGS).map(|halving| cuts.map(|cut| cut * 0.5_f64.powi(halving)));
-            let is_proven = |cuts: &Cuts| *cuts == proven[corner.waypoint] || accepts(corner, *cuts);
+            let is_proven = |cuts: &Cuts| is_same(*cuts, proven[corner.waypoint]) || accepts(corner, *cuts);
             *cuts = smaller.filter(|cuts| cuts[0] > 0.0).find(is_proven).unwrap_or_default();
         }
         if self.duration_s(limits, &cuts) > stopping_s {
@@ -99,7 +99,7 @@ impl<'a> CurvedPath<'a> {
                     let was = cuts[corner.waypoint];
                     let wanted = [0, 1].map(|side| (factors[side] * was[side]).min(most[side]));
                     let [less, more] = [wanted[0].min(wanted[1]), wanted[0].max(wanted[1])];
-                    if wanted == was || (more > 0.0 && less * MOST_UNEVEN < more) {
+                    if is_same(wanted, was) || (more > 0.0 && less * MOST_UNEVEN < more) {
                         continue;
                     }
                     cuts[corner.waypoint] = wanted;
@@ -128,6 +128,10 @@ impl<'a> CurvedPath<'a> {
         let curve = PathCurve::along(self.waypoints, &limits.velocity, cuts);
         law(&curve, limits.method, &PieceLimits::all_of(&curve, limits, self.paces, None)).duration_s
     }
+}
+
+fn is_same(a: Cuts, b: Cuts) -> bool {
+    a.map(f64::to_bits) == b.map(f64::to_bits)
 }
 
 /// How often a corner is halved at most that descent made smaller than a proven one, and that is not proven itself.
