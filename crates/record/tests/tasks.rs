@@ -136,6 +136,16 @@ fn objects_are_put_so_that_there_is_room_for_the_later_ones() {
 }
 
 #[test]
+fn cans_and_mugs_are_carried_upright() {
+    let ask = Ask { place: Some("tray".to_owned()), ..Ask::default() };
+    for name in ["can_gap", "can_shelf", "mug_gap", "mug_shelf"] {
+        let (scenario, plan) = solved(&example(name), &ask);
+        assert!(judged(&scenario, &plan).audit.valid, "{name}");
+        assert!(plan.tilt.expect("a bound").greatest_rad <= 15_f64.to_radians(), "{name}: {:?}", plan.tilt);
+    }
+}
+
+#[test]
 fn an_object_is_brought_into_a_region_of_poses() {
     let ask = Ask { task: Some(TaskWord::Named("sort".to_owned())), ..Ask::default() };
     let (scenario, mut plan) = solved(&example("sort"), &ask);
