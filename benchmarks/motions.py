@@ -1,4 +1,4 @@
-"""Duration of smooth trajectories against those with stops, and the search for upright motions: `motions.py smooth|upright
+"""Duration of smooth trajectories against those with stops, and the search for upright motions: `motions.py smooth|upright|cups
 SEEDS`, with the command in `target/release`."""
 
 import json
@@ -10,6 +10,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 COMMAND = Path(__file__).resolve().parents[1] / "target/release/cranny"
+TASKS = Path(__file__).resolve().parents[1] / "examples/tasks"
 KINDS = {"reach": [], "carry": ["--carry", "home"], "place": ["--place", "outside"]}
 SCENARIOS = ["011", "013", "015", "021", "023", "025", "031", "033", "035", "041", "043", "045"]
 
@@ -17,23 +18,25 @@ SCENARIOS = ["011", "013", "015", "021", "023", "025", "031", "033", "035", "041
 def plan(folder: str, scenario: str, seed: int, flags: list[str]) -> dict[str, Any]:
     """The plan file of a scenario and seed."""
     file = Path(folder) / "x.plan.json"
-    command = [str(COMMAND), "plan", scenario, "--seed", str(seed), "-q", "-o", str(file), "--time-limit", "5", *flags]
-    subprocess.run(command, check=False, capture_output=True)
-    return dict(json.loads(file.read_text()))
+    command = [str(COMMAND), "plan", scenario, "--seed", str(seed), "--json", "-o", str(file), "--time-limit", "5", *flags]
+    answer = json.loads(subprocess.run(command, check=False, capture_output=True).stdout)
+    return dict(json.loads(file.read_text())) | {"timing_time_s": answer.get("timing_time_s")}
 
 
 def smooth(folder: str, seeds: int) -> None:
     """Durations as a share of those with a stop at each corner."""
     for kind, flags in KINDS.items():
-        shares = []
+        shares, rounding = [], []
         for scenario in SCENARIOS:
             for seed in range(seeds):
                 pair = [plan(folder, scenario, seed, [*flags, *more]) for more in ([], ["--stop-at-corners"])]
                 times = [found["timing"]["duration_s"] for found in pair if found.get("timing")]
                 if len(times) == 2:
                     shares.append(times[0] / times[1])
+                    rounding.append(1e3 * pair[0]["timing_time_s"])
         middle, mean = statistics.median(shares), statistics.mean(shares)
         print(f"{kind}: {len(shares)} plans, median {middle:.3f}, mean {mean:.3f}, {min(shares):.3f} to {max(shares):.3f}")
+        print(f"  to round and time: median {statistics.median(rounding):.1f}, max {max(rounding):.1f} ms")
 
 
 def upright(folder: str, seeds: int) -> None:
@@ -50,6 +53,23 @@ def upright(folder: str, seeds: int) -> None:
             print(kind, scenario, " | ".join(row), flush=True)
 
 
+def cups(folder: str, seeds: int) -> None:
+    """The same for the cans and mugs of `examples/tasks`."""
+    for name in ("can_shelf", "can_gap", "mug_shelf", "mug_gap"):
+        text = (TASKS / name / "scenario.yaml").read_text()
+        free = Path(folder) / name
+        free.mkdir()
+        free.joinpath("scenario.yaml").write_text(text.replace("  upright_deg: 15\n", ""))
+        row = []
+        for degrees in (None, 15, 5):
+            scenario, limit = (str(free), []) if degrees is None else (str(TASKS / name), ["--upright", str(degrees)])
+            found = [plan(folder, scenario, seed, ["--place", "tray", *limit]) for seed in range(seeds)]
+            times = [1e3 * plan["statistics"]["planning_time_s"] for plan in found]
+            solved = sum(plan["outcome"] == "solved" for plan in found)
+            row.append(f"{degrees}: {solved}/{seeds}, median {statistics.median(times):.1f}, max {max(times):.0f} ms")
+        print(name, " | ".join(row), flush=True)
+
+
 if __name__ == "__main__":
     with TemporaryDirectory() as temporary:
-        {"smooth": smooth, "upright": upright}[sys.argv[1]](temporary, int(sys.argv[2]))
+        {"smooth": smooth, "upright": upright, "cups": cups}[sys.argv[1]](temporary, int(sys.argv[2]))
