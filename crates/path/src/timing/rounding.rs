@@ -124,7 +124,17 @@ impl<'a> CurvedPath<'a> {
 
     /// The duration with these cuts, but for a limit of the speed of the tool: costly to bound, it limits the same edges
     /// whatever the corners.
+    ///
+    /// Infinite where uneven corners add up to a scale of `s` with which rounding would be felt.
     fn duration_s(&self, limits: &MotionLimits, cuts: &[Cuts]) -> f64 {
+        const MOST_SCALE: f64 = 4096.0;
+        let mut scale = 1.0;
+        for [before, after] in cuts.iter().filter(|cuts| cuts[0] > 0.0) {
+            scale *= after / before;
+            if scale.max(1.0 / scale) > MOST_SCALE {
+                return f64::INFINITY;
+            }
+        }
         let curve = PathCurve::along(self.waypoints, &limits.velocity, cuts);
         law(&curve, limits.method, &PieceLimits::all_of(&curve, limits, self.paces, None)).duration_s
     }

@@ -35,11 +35,14 @@ fn motion_limits() -> MotionLimits {
     limits_by(TimingMethod::TimeOptimal)
 }
 
-/// The cuts of a path: at each corner these, in seconds at full speed, but at most almost half of an edge.
+/// The cuts of a path: at each corner these, in seconds at full speed, or their reverse, but at most almost half of an edge.
 fn cuts(path: &[Vec<f64>], limits: &MotionLimits, wanted: Cuts) -> Vec<Cuts> {
     let mut cuts = vec![[0.0; 2]; path.len()];
     for corner in PathCurve::corners(path, &limits.velocity) {
-        cuts[corner.waypoint] = [0, 1].map(|side| wanted[side].min(0.49 * corner.lengths[side]));
+        let mut of = wanted;
+        // All the same way round, they would add up to a scale of ten thousands, and rounding with it.
+        of.rotate_left(corner.waypoint % 2);
+        cuts[corner.waypoint] = [0, 1].map(|side| of[side].min(0.49 * corner.lengths[side]));
     }
     cuts
 }
