@@ -69,7 +69,7 @@ fn a_plan_file_of_a_task_is_read_and_judged_and_lies_are_seen() {
     // Its request is the one that it was made by.
     let again = solve(&problem, &plan.request(), &mut Unobserved).unwrap();
     assert_eq!(again.waypoints(), plan.waypoints);
-    // What it says of the hand and of its end is looked at, along its edges alone.
+    // The hand and the end that it states are judged, along its edges alone.
     let mut plan = plan;
     plan.segments.iter_mut().for_each(|segment| segment.corners.clear());
     let kinds = |plan: &PlanFile| -> Vec<&str> {

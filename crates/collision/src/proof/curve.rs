@@ -53,6 +53,17 @@ impl CurvePiece {
         Self { points, from, until, deviation_m, turn_rad }
     }
 
+    /// A curve in pieces none of which strays by more than [`COARSE_M`], the last first.
+    fn of_curve(control_points: &[Vec<f64>], reach: &Reach) -> Vec<Self> {
+        assert!(control_points.len() > 1, "a curve has two control points or more");
+        let (mut work, mut pieces) =
+            (vec![Self::new(control_points.to_vec(), [0.0, 1.0], reach)], Vec::new());
+        while let Some(piece) = work.pop() {
+            if piece.deviation_m > COARSE_M { work.extend(piece.halves(reach)) } else { pieces.push(piece) }
+        }
+        pieces
+    }
+
     fn chord(&self) -> [&[f64]; 2] {
         [&self.points[0], &self.points[self.points.len() - 1]]
     }
@@ -92,13 +103,8 @@ impl Cell {
     /// # Panics
     /// For fewer than two control points, or one without one value per joint.
     pub fn curve_is_free(&self, control_points: &[Vec<f64>], reach: &Reach, scratch: &mut Scratch) -> Motion {
-        assert!(control_points.len() > 1, "a curve has two control points or more");
-        let mut work = vec![CurvePiece::new(control_points.to_vec(), [0.0, 1.0], reach)];
+        let mut work = CurvePiece::of_curve(control_points, reach);
         while let Some(piece) = work.pop() {
-            if piece.deviation_m > COARSE_M {
-                work.extend(piece.halves(reach).into_iter().rev());
-                continue;
-            }
             let beyond_limits = |q: &&Vec<f64>| self.robot().first_limit_violation(q);
             let is_finest = piece.deviation_m <= FINEST_M;
             if let Some(violation) = piece.points.iter().find_map(|q| beyond_limits(&q)) {
@@ -136,7 +142,7 @@ impl Cell {
         Motion::Proven
     }
 
-    /// Whether [`Self::curve_is_free`] (control points: m, rad; one value per joint each) is proven where every pair must keep
+    /// Proof of [`Self::curve_is_free`] (control points: m, rad; one value per joint each) where every pair must keep
     /// `beyond_m` metres more than it demands, without much effort: `false` too for a curve that passes something so closely that
     /// it would take many pieces, or many intervals.
     ///
@@ -153,13 +159,8 @@ impl Cell {
         const FINE_M: f64 = 5e-5;
         /// Intervals that may need exact distances.
         const EFFORT: u64 = 64;
-        assert!(control_points.len() > 1, "a curve has two control points or more");
-        let mut work = vec![CurvePiece::new(control_points.to_vec(), [0.0, 1.0], reach)];
+        let mut work = CurvePiece::of_curve(control_points, reach);
         while let Some(piece) = work.pop() {
-            if piece.deviation_m > COARSE_M {
-                work.extend(piece.halves(reach).into_iter().rev());
-                continue;
-            }
             let [first, last] = piece.chord();
             let demand =
                 Demand { beyond_m: beyond_m + piece.deviation_m, effort: EFFORT, ..Demand::default() };
@@ -297,13 +298,13 @@ mod tests {
     }
 
     /// Curves of degree 1 to 5 among boxes: what is proven is free at every sample and keeps the clearance that is measured; a
-    /// bound that is a five hundredth of the true one lets a contact pass. Hull inside the limits, so limits never decide.
+    /// bound that is a twentieth of the true one lets a contact pass. Hull inside the limits, so limits never decide.
     #[test]
     fn a_proven_curve_is_free_and_a_wrong_bound_is_caught() {
         let robot = Robot::from_urdf_text(ARM, "arm.urdf", None, &RobotOptions::default()).expect("a URDF");
         let robot = Arc::new(robot);
         let (mut stream, mut proven, mut refused, mut false_proofs) = (Stream::new(3, 0), 0, 0, 0);
-        for round in 0..120_u32 {
+        for round in 0..600_u32 {
             let bodies = (0..12).map(|k| {
                 let mut at = || stream.uniform_between(-0.7, 0.7);
                 let pose = Pose::translation(at(), at(), at());
@@ -339,7 +340,7 @@ mod tests {
             } else {
                 refused += 1;
                 assert!(seen_m < 1e-2, "a curve that keeps {seen_m} m was refused");
-                false_proofs += u32::from(is_proven(&reach.clone().times(0.002), &mut scratch));
+                false_proofs += u32::from(is_proven(&reach.clone().times(0.05), &mut scratch));
             }
         }
         assert!(proven > 20 && refused > 20 && false_proofs > 0, "{proven} {refused} {false_proofs}");

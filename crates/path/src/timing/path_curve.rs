@@ -63,7 +63,7 @@ pub(crate) struct Corner {
     pub point: Vec<f64>,
     /// Velocities of the joints before and after it, at full speed.
     pub slopes: [Vec<f64>; 2],
-    /// Of the edges before and after it, in seconds at full speed.
+    /// Lengths of the edges before and after it, in seconds at full speed.
     pub lengths: [f64; 2],
 }
 

@@ -144,7 +144,7 @@ fn is_same(a: Cuts, b: Cuts) -> bool {
     a.map(f64::to_bits) == b.map(f64::to_bits)
 }
 
-/// How often a corner is halved at most that descent made smaller than a proven one, and that is not proven itself.
+/// Most halvings of a corner that descent made smaller than a proven one, and that is not proven itself.
 const FINAL_HALVINGS: i32 = 4;
 
 /// Factors of both cuts of a corner that are tried.

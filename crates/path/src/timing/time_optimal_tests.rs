@@ -68,8 +68,6 @@ fn polyline(seed: u64, count: usize) -> Vec<Vec<f64>> {
 
 /// The first joint that exceeds a limit along a rounded path sampled at 1 kHz, and when (s).
 fn exceeded(method: TimingMethod, seed: u64, count: usize, wanted: Cuts) -> Option<(usize, f64)> {
-    /// What rounding of positions adds to their second difference.
-    const ROUNDING: f64 = 1e-5;
     let path = polyline(seed, count);
     let trajectory = rounded(&path, &limits_by(method), wanted);
     let samples: Vec<_> = trajectory.samples(1000.0).expect("samples").collect();
@@ -87,7 +85,7 @@ fn exceeded(method: TimingMethod, seed: u64, count: usize, wanted: Cuts) -> Opti
             let [a, b, c] = [0, 1, 2].map(|k| three[k].position[joint]);
             let of_velocity = (three[2].velocity[joint] - three[0].velocity[joint]) * 500.0;
             ((b - a) * 1000.0).abs() > limits.velocity
-                || (((c - b) - (b - a)) * 1e6).abs() > acceleration + ROUNDING
+                || (((c - b) - (b - a)) * 1e6).abs() > acceleration
                 || of_velocity.abs() > acceleration
                 || is_jerky([&three[0], &three[1]])
         };

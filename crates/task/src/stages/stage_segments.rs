@@ -120,7 +120,7 @@ fn fault_of(
 /// edges, none where an object may touch what carries it, and where the segment before it ends only if the two are one motion
 /// of a stage, or the first of them lifts an object off.
 fn corner_fault(before: Option<&Segment>, segment: &Segment) -> Option<&'static str> {
-    /// How much more than an edge two corners may cut off it: what rounds.
+    /// Rounding of the shares of an edge that two corners cut off.
     const OVERLAP: f64 = 1e-9;
     let mut last = before.and_then(|before| {
         let (corner, edge) = (before.corners.last()?, before.waypoints.last_chunk::<2>()?);
