@@ -1,12 +1,12 @@
 use std::sync::Arc;
 
 use cranny_robot::{LinkFrames, Robot};
-use cranny_shape::{Separation, Solid, overlap};
+use cranny_shape::{Range, Separation, Solid, overlap};
 use cranny_spatial::{CONTACT_M, Pose};
 
 use crate::body::cell_parts::{CellParts, Surroundings};
 use crate::body::held_body::HeldBody;
-use crate::body::link_body::{LinkBody, group_reaches, group_separation};
+use crate::body::link_body::{LinkBody, group_reaches, group_separation, group_separation_in};
 use crate::body::robot_body::RobotBody;
 use crate::body::tilt_limit::TiltLimit;
 use crate::body::world::{Part, World};
@@ -288,23 +288,34 @@ impl Cell {
     /// # Panics
     /// If `q` has not one value per joint.
     pub fn clearance(&self, q: &[f64], scratch: &mut Scratch) -> f64 {
-        self.nearest_where(q, &|pair| !pair.is_exempt(), scratch).0
+        self.nearest_where(q, f64::INFINITY, &|pair| !pair.is_exempt(), scratch).0
     }
 
-    /// The same over the pairs that are asked about, with the pair that has it.
+    /// The same over the pairs that are asked about, with the pair that has it; `below_m` (m) and no pair where none is nearer.
     pub(crate) fn nearest_where(
         &self,
         q: &[f64],
+        below_m: f64,
         is_asked: &dyn Fn(&Pair) -> bool,
         scratch: &mut Scratch,
     ) -> (f64, Option<Pair>) {
         self.robot.forward_kinematics(q, &mut scratch.frames);
-        let (mut least, mut nearest) = (f64::INFINITY, None);
-        for pair in self.pairs.iter().filter(is_asked) {
-            let is_farther = self.quick_bound(&pair, &scratch.frames, least) >= least;
+        let frames = &scratch.frames;
+        let asked = || self.pairs.iter().filter(is_asked);
+        // The pair that seems nearest first: it excludes most others.
+        let (mut least_bound, mut first) = (below_m, None);
+        for pair in asked() {
+            let bound = self.quick_bound(&pair, frames, least_bound);
+            if bound < least_bound {
+                (least_bound, first) = (bound, Some(pair));
+            }
+        }
+        let (mut least, mut nearest) = (below_m, None);
+        for pair in first.into_iter().chain(asked()) {
+            let is_farther = self.quick_bound(&pair, frames, least) >= least;
             // What is not a number is not farther: it is measured, and found in contact.
             if !is_farther {
-                let lower_m = self.distance(&pair, &scratch.frames, least).lower_m;
+                let lower_m = self.distance(&pair, frames, least).lower_m;
                 if lower_m < least {
                     (least, nearest) = (lower_m, Some(pair));
                 }
@@ -415,7 +426,12 @@ impl Cell {
     }
 
     pub(crate) fn distance(&self, pair: &Pair, frames: &LinkFrames, beyond_m: f64) -> Separation {
-        group_separation(self.placed(pair.first, frames), &self.placed_other(pair, frames), beyond_m)
+        self.distance_in(pair, frames, Range::to(beyond_m))
+    }
+
+    /// The distance of a pair as far as it matters.
+    pub(crate) fn distance_in(&self, pair: &Pair, frames: &LinkFrames, range: Range) -> Separation {
+        group_separation_in(self.placed(pair.first, frames), &self.placed_other(pair, frames), range)
     }
 
     /// The solids of the first thing of a pair, where they are.

@@ -19,7 +19,9 @@ pub use cuboid_run::cuboid_of_faces;
 pub use distance::ball_tree::{BallNode, BallTree};
 pub use distance::closest::closest_points;
 pub use distance::ray::RayHit;
-pub use distance::separation::{Overlap, Separation, overlap, quick_lower_bound, reaches, separation};
+pub use distance::separation::{
+    Overlap, Range, Separation, overlap, quick_lower_bound, reaches, separation, separation_in,
+};
 pub use error::ShapeError;
 pub use hulls::coarse_hull::CoarseHull;
 pub use hulls::convex_parts::{ConvexParts, DecompositionSettings, VolumeError};

@@ -1,11 +1,13 @@
+use std::sync::Arc;
+
 use cranny_spatial::{Point, Vector};
 
-use crate::distance::convex::{Convex, Core};
+use crate::distance::convex::{Convex, Core, HullPoints};
 use crate::distance::triangle_tree::TriangleTree;
 use crate::inside::disjoint_sets::DisjointSets;
 use crate::inside::enclosure::{Enclosure, Inside};
 use crate::inside::small_holes::{Closed, closed};
-use crate::{Aabb, Ball, Bounds, MeshRepairs, ShapeError, TriangleSoup, distance::parry};
+use crate::{Aabb, Ball, Bounds, MOST_HULL_CORNERS, MeshRepairs, ShapeError, TriangleSoup, distance::parry};
 
 /// A closed triangle mesh and the volume that it encloses.
 #[derive(Clone, Debug)]
@@ -13,6 +15,8 @@ pub(crate) struct Mesh {
     triangles: Vec<Convex>,
     balls: Vec<Ball>,
     tree: TriangleTree,
+    /// All vertices, whose hull contains the mesh; nothing for more than [`MOST_HULL_CORNERS`].
+    hull: Option<Core>,
     /// Nothing for a surface that encloses nothing.
     inside: Option<Inside>,
     witnesses: Vec<Point>,
@@ -59,7 +63,8 @@ impl Mesh {
     fn of_corners(corners: &[[Point; 3]], witnesses: Vec<Point>, repairs: MeshRepairs) -> Self {
         let triangles = corners.iter().map(triangle).collect();
         let balls = corners.iter().map(|t| Bounds::around(&t.map(|corner| (corner, 0.0))).ball).collect();
-        Self { triangles, balls, tree: TriangleTree::new(corners), inside: None, witnesses, repairs }
+        let tree = TriangleTree::new(corners);
+        Self { triangles, balls, tree, hull: hull_of(corners), inside: None, witnesses, repairs }
     }
 
     /// What was done to the file's triangles.
@@ -77,9 +82,9 @@ impl Mesh {
         &self.triangles
     }
 
-    /// A ball around each triangle.
-    pub fn balls(&self) -> &[Ball] {
-        &self.balls
+    /// A convex core that contains the mesh, and of which each corner is a vertex, unless there are too many.
+    pub fn hull(&self) -> Option<&Core> {
+        self.hull.as_ref()
     }
 
     /// The corners of all triangles.
@@ -100,6 +105,21 @@ impl Mesh {
         self.tree.near(region).collect()
     }
 
+    /// Calls `visit` with triangles within `reach_m` (m), as [`TriangleTree::nearest`]; `gap_m` bounds the distance of a ball (mesh
+    /// frame).
+    pub fn nearest_triangles(
+        &self,
+        gap_m: impl Fn(&Ball) -> f64,
+        reach_m: f64,
+        visit: impl Fn(u32, f64) -> f64,
+    ) {
+        let of_triangle = |triangle: u32, reach_m: f64| {
+            let is_far = gap_m(&self.balls[triangle as usize]) > reach_m;
+            if is_far { reach_m } else { visit(triangle, reach_m) }
+        };
+        self.tree.nearest(&gap_m, reach_m, of_triangle);
+    }
+
     /// Whether the volume contains `point` (mesh frame): bodies that touch or overlap are all full.
     pub fn contains(&self, point: &Point) -> bool {
         let corners = |triangle: u32| corners(&self.triangles[triangle as usize]);
@@ -110,6 +130,17 @@ impl Mesh {
     pub fn corners_near(&self, region: &Aabb) -> impl Iterator<Item = [Point; 3]> {
         self.tree.near(region).map(|triangle| corners(&self.triangles[triangle as usize]))
     }
+}
+
+fn hull_of(corners: &[[Point; 3]]) -> Option<Core> {
+    let mut vertices: Vec<Point> = corners.iter().flatten().copied().collect();
+    let order = |a: &Point, b: &Point| {
+        a.x.total_cmp(&b.x).then_with(|| a.y.total_cmp(&b.y)).then_with(|| a.z.total_cmp(&b.z))
+    };
+    vertices.sort_unstable_by(order);
+    vertices.dedup();
+    let vertices: Vec<_> = vertices.iter().map(parry::point).collect();
+    (vertices.len() <= MOST_HULL_CORNERS).then(|| Core::Hull(Arc::new(HullPoints::new(&vertices))))
 }
 
 /// Part of a triangle that has a positive height: a convex polygon, in order.

@@ -1,5 +1,5 @@
 use cranny_robot::{LinkFrames, Robot};
-use cranny_shape::{Bounds, Solid, quick_lower_bound, reaches};
+use cranny_shape::{Bounds, Range, Solid, quick_lower_bound, reaches};
 use cranny_spatial::{Point, Pose};
 
 use crate::Part;
@@ -75,14 +75,25 @@ pub(crate) fn group_separation<'a>(
     second: &(impl Iterator<Item = (Pose, &'a Solid)> + Clone),
     beyond_m: f64,
 ) -> cranny_shape::Separation {
-    let mut best = cranny_shape::Separation { lower_m: beyond_m, upper_m: f64::INFINITY };
+    group_separation_in(first, second, Range::to(beyond_m))
+}
+
+/// The same as far as it matters (see [`cranny_shape::separation_in`]).
+pub(crate) fn group_separation_in<'a>(
+    first: impl Iterator<Item = (Pose, &'a Solid)>,
+    second: &(impl Iterator<Item = (Pose, &'a Solid)> + Clone),
+    range: Range,
+) -> cranny_shape::Separation {
+    let mut best = cranny_shape::Separation { lower_m: range.beyond_m, upper_m: f64::INFINITY };
     for (pose_a, a) in first {
         for (pose_b, b) in second.clone() {
-            let reach = best.upper_m.min(beyond_m);
+            let reach = range.reach_m(best.upper_m);
             if quick_lower_bound(a, &pose_a, b, &pose_b, reach) > reach {
+                best.lower_m = best.lower_m.min(reach);
                 continue;
             }
-            let found = cranny_shape::separation(a, &pose_a, b, &pose_b, reach);
+            let nearer = Range { beyond_m: reach, ..range };
+            let found = cranny_shape::separation_in(a, &pose_a, b, &pose_b, nearer);
             best.lower_m = best.lower_m.min(found.lower_m);
             best.upper_m = best.upper_m.min(found.upper_m);
             if best.upper_m <= 0.0 {

@@ -62,7 +62,7 @@ impl Cell {
         [false, true].map(|is_own| {
             let is_asked =
                 |pair: &Pair| !pair.is_exempt() && matches!(pair.second, Other::Link { .. }) == is_own;
-            self.nearest_where(q, &is_asked, scratch).0.max(0.0)
+            self.nearest_where(q, f64::INFINITY, &is_asked, scratch).0.max(0.0)
         })
     }
 

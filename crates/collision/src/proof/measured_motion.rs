@@ -1,3 +1,4 @@
+use cranny_shape::Range;
 use cranny_spatial::{CONTACT_M, ROUNDING_M};
 
 use crate::Collider;
@@ -95,9 +96,9 @@ impl Cell {
         let is_asked = |pair: &Pair| {
             !pair.is_exempt() && measuring.group.is_none_or(|group| self.group_of(pair) == group)
         };
-        let [at_a, at_b] = [a, b].map(|q| self.nearest_where(q, &is_asked, scratch));
+        let at_a = self.nearest_where(a, measuring.below_m, &is_asked, scratch);
+        let at_b = self.nearest_where(b, at_a.0, &is_asked, scratch);
         let (mut least, mut nearest) = if at_b.0 < at_a.0 { at_b } else { at_a };
-        least = least.min(measuring.below_m);
         let mut contradiction = None;
         let all: Vec<u32> = self.all_pairs().filter(|pair| is_asked(&self.pairs.get(*pair))).collect();
         let mut open = std::collections::VecDeque::from([(0.5, 0.5, all)]);
@@ -123,7 +124,10 @@ impl Cell {
                     doubtful.push(index);
                     continue;
                 }
-                let gap = self.distance(pair, &scratch.frames, least.max(bar(least)).max(pair.required_m));
+                // Between the least distance and the bar it only matters that it is there.
+                let exact_below_m = least.max(pair.required_m);
+                let range = Range { beyond_m: exact_below_m.max(bar(least)), exact_below_m };
+                let gap = self.distance_in(pair, &scratch.frames, range);
                 if gap.lower_m < least {
                     (least, nearest) = (gap.lower_m, Some(*pair));
                 }

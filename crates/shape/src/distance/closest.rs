@@ -3,7 +3,7 @@ use cranny_spatial::{Point, Pose, Vector};
 use crate::distance::convex::Convex;
 use crate::distance::gjk::core_distance;
 use crate::solid::Kind;
-use crate::{Aabb, Solid, distance::parry, separation};
+use crate::{Aabb, Range, Solid, distance::parry, separation};
 
 /// Triangles are looked at that are this much farther than the nearest seems, in metres: above the stalling of the
 /// iteration on curved faces.
@@ -54,7 +54,7 @@ fn pieces_near<'a>(solid: &'a Solid, region: &Aabb) -> Vec<&'a Convex> {
 
 /// The closest points of two convex bodies, both in the frame of the first.
 fn convex_points(a: &Convex, b: &Convex, a_from_b: &Pose) -> Option<[Point; 2]> {
-    let found = core_distance(&a.core, &b.core, &parry::pose(a_from_b), f64::MAX);
+    let found = core_distance(&a.core, &b.core, &parry::pose(a_from_b), Range::to(f64::MAX));
     let [on_a, on_b] = found.way.map(parry::to_vector);
     let direction: Vector = (on_b - on_a).try_normalize(0.0)?;
     Some([(on_a + direction * a.radius_m).into(), (on_b - direction * b.radius_m).into()])

@@ -5,6 +5,7 @@
 use parry3d_f64::math::{Pose as ParryPose, Vector as ParryVector};
 use parry3d_f64::shape::SupportMap;
 
+use crate::Range;
 use crate::distance::convex::Core;
 
 /// The distance of two cores, from both sides: `lower_m ≤ distance ≤ upper_m`.
@@ -31,9 +32,12 @@ const MOST_STEPS: usize = 200;
 /// ([`cranny_spatial::ROUNDING_M`]).
 const ENOUGH_M: f64 = 1e-10;
 
-/// The distance of `a` and `b`. The search ends as soon as it is known to reach `beyond_m`.
-pub(crate) fn core_distance(a: &Core, b: &Core, a_from_b: &ParryPose, beyond_m: f64) -> CoreDistance {
-    search(a, b, a_from_b, |lower_m, _| lower_m >= beyond_m)
+/// The distance of `a` and `b`, as far as it matters.
+pub(crate) fn core_distance(a: &Core, b: &Core, a_from_b: &ParryPose, range: Range) -> CoreDistance {
+    let Range { beyond_m, exact_below_m } = range;
+    search(a, b, a_from_b, |lower_m, upper_m| {
+        lower_m >= beyond_m || (upper_m < beyond_m && lower_m >= exact_below_m)
+    })
 }
 
 /// Whether the distance of `a` and `b` is certified to reach `distance_m`: what [`core_distance`] would say, but the

@@ -1,3 +1,5 @@
+use std::cell::Cell;
+
 use cranny_spatial::{Point, Pose, Vector};
 use parry3d_f64::math::{Pose as ParryPose, Vector as ParryVector};
 use parry3d_f64::query::details::contact_support_map_support_map;
@@ -7,7 +9,7 @@ use crate::distance::convex::Convex;
 use crate::distance::gjk::{core_distance, core_reaches};
 use crate::mesh::Mesh;
 use crate::solid::Kind;
-use crate::{Aabb, Solid, distance::parry};
+use crate::{Aabb, Ball, Solid, distance::parry};
 
 /// The distance of two solids, from both sides: `lower_m ≤ distance ≤ upper_m`.
 ///
@@ -40,11 +42,33 @@ pub struct Overlap {
     pub point: Point,
 }
 
-/// The distance of two solids placed in a common frame.
-///
-/// The search may stop as soon as the distance is known to exceed `beyond_m`; then `upper_m` may be
-/// infinite. `lower_m ≥ beyond_m` exactly if the distance is certified to reach `beyond_m`. Solids are full:
-/// one inside the other is in contact.
+/// Distances that matter.
+#[derive(Clone, Copy, Debug)]
+pub struct Range {
+    /// The search may stop as soon as the distance is known to exceed this, in metres; then `upper_m` may be infinite.
+    pub beyond_m: f64,
+    /// Of a distance between this and `beyond_m`, in metres, nothing else may be known; infinite: all are measured.
+    pub exact_below_m: f64,
+}
+
+impl Range {
+    /// All distances up to `beyond_m`, in metres.
+    pub fn to(beyond_m: f64) -> Self {
+        Self { beyond_m, exact_below_m: f64::INFINITY }
+    }
+
+    /// Reach of a search that has found an upper bound of the distance, in metres.
+    #[must_use]
+    pub fn reach_m(&self, upper_m: f64) -> f64 {
+        if upper_m < self.beyond_m { upper_m.min(self.exact_below_m) } else { self.beyond_m }
+    }
+
+    fn grown(self, by_m: f64) -> Self {
+        Self { beyond_m: self.beyond_m + by_m, exact_below_m: self.exact_below_m + by_m }
+    }
+}
+
+/// The distance of two solids placed in a common frame: [`separation_in`] all distances up to `beyond_m`, in metres.
 pub fn separation(
     a: &Solid,
     common_from_a: &Pose,
@@ -52,21 +76,36 @@ pub fn separation(
     common_from_b: &Pose,
     beyond_m: f64,
 ) -> Separation {
+    separation_in(a, common_from_a, b, common_from_b, Range::to(beyond_m))
+}
+
+/// The distance of two solids placed in a common frame, as far as it matters.
+///
+/// With an infinite `exact_below_m`, `lower_m ≥ beyond_m` exactly if the distance is certified to reach `beyond_m`; else
+/// `lower_m ≥ exact_below_m` exactly if it is certified to reach the lesser of the two. Solids are full: one inside the other is
+/// in contact.
+pub fn separation_in(
+    a: &Solid,
+    common_from_a: &Pose,
+    b: &Solid,
+    common_from_b: &Pose,
+    range: Range,
+) -> Separation {
     match (a.kind(), b.kind()) {
         (Kind::HalfSpace, Kind::HalfSpace) => Separation::CONTACT,
         (Kind::HalfSpace, _) => above_plane(b, &common_from_a.inv_mul(common_from_b)),
         (_, Kind::HalfSpace) => above_plane(a, &common_from_b.inv_mul(common_from_a)),
         (Kind::Convex(one), Kind::Convex(other)) => {
-            convex_separation(one, other, &parry::pose(&common_from_a.inv_mul(common_from_b)), beyond_m)
+            convex_separation(one, other, &parry::pose(&common_from_a.inv_mul(common_from_b)), range)
         }
         (Kind::Mesh(mesh), Kind::Convex(convex)) => {
-            mesh_convex_separation(mesh, convex, b.aabb(), &common_from_a.inv_mul(common_from_b), beyond_m)
+            mesh_convex_separation(mesh, convex, b.aabb(), &common_from_a.inv_mul(common_from_b), range)
         }
         (Kind::Convex(convex), Kind::Mesh(mesh)) => {
-            mesh_convex_separation(mesh, convex, a.aabb(), &common_from_b.inv_mul(common_from_a), beyond_m)
+            mesh_convex_separation(mesh, convex, a.aabb(), &common_from_b.inv_mul(common_from_a), range)
         }
         (Kind::Mesh(one), Kind::Mesh(other)) => {
-            mesh_mesh_separation(one, other, &common_from_a.inv_mul(common_from_b), beyond_m)
+            mesh_mesh_separation(one, other, &common_from_a.inv_mul(common_from_b), range.beyond_m)
         }
     }
 }
@@ -137,9 +176,9 @@ fn below_plane(solid: &Solid, common_from_plane: &Pose, common_from_solid: &Pose
     (depth_m >= 0.0).then(|| Overlap { depth_m, point: common_from_plane * foot })
 }
 
-fn convex_separation(a: &Convex, b: &Convex, a_from_b: &ParryPose, beyond_m: f64) -> Separation {
+fn convex_separation(a: &Convex, b: &Convex, a_from_b: &ParryPose, range: Range) -> Separation {
     let radii = a.radius_m + b.radius_m;
-    let found = core_distance(&a.core, &b.core, a_from_b, beyond_m + radii);
+    let found = core_distance(&a.core, &b.core, a_from_b, range.grown(radii));
     Separation { lower_m: (found.lower_m - radii).max(0.0), upper_m: (found.upper_m - radii).max(0.0) }
 }
 
@@ -148,36 +187,43 @@ fn mesh_convex_separation(
     convex: &Convex,
     convex_box: &Aabb,
     mesh_from_convex: &Pose,
-    beyond_m: f64,
+    range: Range,
 ) -> Separation {
-    let box_in_mesh = convex_box.transformed(mesh_from_convex);
-    // 1. What is wholly inside touches no triangle.
-    if mesh.contains(&(mesh_from_convex * some_point(convex))) {
-        return Separation::CONTACT;
-    }
-    // 2. How far to look: no farther than any one triangle is.
     let relative = parry::pose(mesh_from_convex);
-    let first = convex_separation(&mesh.triangles()[0], convex, &relative, beyond_m);
-    let reach = beyond_m.min(first.upper_m);
-    if !reach.is_finite() {
+    // 1. The mesh is at least as far as the hull of its vertices.
+    let around =
+        mesh.hull().map(|hull| core_distance(hull, &convex.core, &relative, range.grown(convex.radius_m)));
+    let bound_m = around.map_or(0.0, |around| around.lower_m - convex.radius_m);
+    if bound_m >= range.beyond_m.min(range.exact_below_m) {
+        return Separation { lower_m: bound_m, upper_m: f64::INFINITY };
+    }
+    // 2. What is wholly inside touches no triangle.
+    if bound_m <= 0.0 && mesh.contains(&(mesh_from_convex * some_point(convex))) {
         return Separation::CONTACT;
     }
-    // 3. The nearest of the triangles within that reach.
-    let mut best = Separation { lower_m: reach, upper_m: first.upper_m };
-    for index in mesh.triangles_near(&box_in_mesh.grown(reach)) {
-        let (triangle, ball) = (&mesh.triangles()[index as usize], &mesh.balls()[index as usize]);
-        let reach = best.upper_m.min(beyond_m);
-        let center = mesh_from_convex.inverse_transform_point(&ball.center);
-        if convex_box.distance_to(&center) - ball.radius_m > reach {
-            continue;
-        }
-        best = best.least(convex_separation(triangle, convex, &relative, reach));
-        if best.upper_m <= 0.0 {
-            return Separation::CONTACT;
-        }
+    // 3. The nearest triangle, looked for no farther than any that was measured.
+    let best = Cell::new(Separation { lower_m: range.beyond_m, upper_m: f64::INFINITY });
+    let gap_m = |ball: &Ball| {
+        convex_box.distance_to(&mesh_from_convex.inverse_transform_point(&ball.center)) - ball.radius_m
+    };
+    mesh.nearest_triangles(gap_m, range.beyond_m, |index, reach_m| {
+        let nearer = Range { beyond_m: reach_m, ..range };
+        let found = convex_separation(&mesh.triangles()[index as usize], convex, &relative, nearer);
+        best.set(best.get().least(found));
+        let upper_m = best.get().upper_m;
+        if upper_m <= bound_m + ENOUGH_M { f64::MIN } else { range.reach_m(upper_m) }
+    });
+    // What was not looked for is at least as far as the reach, or the hull.
+    let Separation { lower_m, upper_m } = best.get();
+    if upper_m <= 0.0 || lower_m.is_nan() {
+        return Separation::CONTACT;
     }
-    best
+    let lower_m = lower_m.min(range.reach_m(upper_m));
+    Separation { lower_m: if upper_m <= bound_m + ENOUGH_M { bound_m } else { lower_m }, upper_m }
 }
+
+/// Bounds this close to each other are as good as one, in metres.
+const ENOUGH_M: f64 = 1e-9;
 
 fn mesh_mesh_separation(a: &Mesh, b: &Mesh, a_from_b: &Pose, beyond_m: f64) -> Separation {
     let b_from_a = a_from_b.inverse();
@@ -187,13 +233,14 @@ fn mesh_mesh_separation(a: &Mesh, b: &Mesh, a_from_b: &Pose, beyond_m: f64) -> S
         return Separation::CONTACT;
     }
     let relative = parry::pose(a_from_b);
-    let first = convex_separation(&a.triangles()[0], &b.triangles()[0], &relative, beyond_m);
+    let first = convex_separation(&a.triangles()[0], &b.triangles()[0], &relative, Range::to(beyond_m));
     let mut best = Separation { lower_m: beyond_m.min(first.upper_m), upper_m: first.upper_m };
     for triangle_b in b.triangles() {
         let reach = best.upper_m.min(beyond_m);
         let region = Aabb::around(&triangle_b.bounding_points(), 0.0).transformed(a_from_b).grown(reach);
         for index in a.triangles_near(&region) {
-            let pair = convex_separation(&a.triangles()[index as usize], triangle_b, &relative, reach);
+            let pair =
+                convex_separation(&a.triangles()[index as usize], triangle_b, &relative, Range::to(reach));
             best = best.least(pair);
         }
         if best.upper_m <= 0.0 {
@@ -249,7 +296,7 @@ fn mesh_overlap(
                 .map(|triangle| {
                     let probe = Convex::sharp(crate::distance::convex::Core::Point);
                     let at = parry::pose(&Pose::translation(point.x, point.y, point.z));
-                    convex_separation(triangle, &probe, &at, f64::MAX).upper_m
+                    convex_separation(triangle, &probe, &at, Range::to(f64::MAX)).upper_m
                 })
                 .fold(f64::INFINITY, f64::min);
             deepest = Some(Overlap { depth_m, point: common_from_mesh * point });

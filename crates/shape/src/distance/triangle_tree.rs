@@ -3,7 +3,7 @@ use parry3d_f64::bounding_volume::{Aabb as ParryAabb, BoundingVolume as _};
 use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhNode};
 use parry3d_f64::query::{Ray, RayCast as _};
 
-use crate::bound::Aabb;
+use crate::bound::{Aabb, Ball};
 use crate::distance::parry;
 
 /// A bounding volume hierarchy over triangles.
@@ -22,6 +22,18 @@ impl TriangleTree {
     pub fn near(&self, region: &Aabb) -> impl Iterator<Item = u32> {
         let region = BvhNode::leaf(parry_box(region), 0);
         self.tree.leaves(move |node| node.intersects(&region))
+    }
+
+    /// Calls `visit` with triangles and the reach, in metres, that the calls before returned, at first `reach_m`: those in balls
+    /// that `gap_m` has nearer than that reach, near ones mostly first.
+    pub fn nearest(&self, gap_m: impl Fn(&Ball) -> f64, reach_m: f64, visit: impl Fn(u32, f64) -> f64) {
+        let of_node = |node: &BvhNode, _| {
+            let center = Point::from(parry::to_vector(node.center()));
+            let radius_m = 0.5 * (node.maxs() - node.mins()).length();
+            // What is not a number is not far.
+            gap_m(&Ball { center, radius_m }).max(f64::MIN)
+        };
+        self.tree.find_best(reach_m, of_node, |triangle, reach_m| Some(visit(triangle, reach_m)));
     }
 
     /// The triangles whose boxes a segment meets, and perhaps some by whose boxes it passes within rounding.
