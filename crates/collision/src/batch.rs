@@ -5,6 +5,7 @@ use fearless_simd::Level;
 use crate::cell::{Cell, Scratch};
 use crate::lane::lane_bits::{first_lanes, lanes_of};
 use crate::lane::lanes::Interest;
+use crate::proof::course::Course;
 
 impl Cell {
     /// Whether `q` (m, rad; one per joint) is within the joint limits and every pair keeps its distance: the verdict of
@@ -76,7 +77,7 @@ impl Cell {
         let count = places.len();
         assert!(count <= LANES, "{count} configurations, at most {LANES} at once");
         assert!(a.len() == self.robot().dof() && b.len() == a.len(), "one value per joint");
-        scratch.lanes.set_lanes_along(a, b, places.iter().copied());
+        scratch.lanes.set_lanes_along(Course::Line([a, b]), places.iter().copied());
         let exact = |lane: usize, q: &mut [f64]| {
             q.iter_mut().zip(between(a, b, places[lane])).for_each(|(q, exact)| *q = exact);
         };

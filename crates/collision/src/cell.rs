@@ -14,6 +14,7 @@ use crate::lane::lane_scratch::{LaneScratch, as_index};
 use crate::lane::lanes::Lanes;
 use crate::pair::pairs::{Held, Other, Pair, Pairs, PartPairs};
 use crate::pair::unchecked::Unchecked;
+use crate::proof::course::Rates;
 use crate::proof::travel::Travel;
 use crate::proof::work_list::WorkList;
 use crate::touch::contact::{Collider, Contact};
@@ -46,7 +47,7 @@ pub struct Scratch {
     pub(crate) frames: LinkFrames,
     pub(crate) travel: Travel,
     pub(crate) q: Vec<f64>,
-    pub(crate) slope: Vec<f64>,
+    pub(crate) rates: Rates,
     /// How far each link body has moved, in metres.
     pub(crate) moved_m: Vec<f64>,
     pub(crate) work: WorkList,
@@ -193,7 +194,7 @@ impl Cell {
             frames,
             travel: Travel::new(&self.robot, &self.bodies),
             q: vec![0.0; self.robot.dof()],
-            slope: vec![0.0; self.robot.dof()],
+            rates: Rates::still(self.robot.dof()),
             moved_m: Vec::new(),
             work: WorkList::default(),
             next_work: WorkList::default(),

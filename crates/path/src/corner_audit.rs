@@ -53,7 +53,7 @@ impl CornerJudge<'_> {
         };
         let measured = match (&fault, self.settings.clearances) {
             (None, Clearances::None) => return,
-            (None, _) => cell.curve_clearance(points, SHARE, &reach, scratch),
+            (None, _) => cell.curve_clearance(points, SHARE, scratch),
             (Some(_), _) => Ok((0.0, None)),
         };
         let (clearance_m, nearest, contradiction) = match measured {

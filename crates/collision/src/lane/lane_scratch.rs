@@ -3,6 +3,7 @@ use cranny_spatial::{LANES, LaneArray, LaneVector};
 use fearless_simd::Simd;
 
 use crate::lane::lane_vector::BoxLanes;
+use crate::proof::course::Course;
 
 /// How far things may be from the configurations that are checked: all 0 for these alone, more for all
 /// that a motion passes between them.
@@ -10,7 +11,7 @@ use crate::lane::lane_vector::BoxLanes;
 pub(crate) struct LaneTravel {
     /// Per link body, against the world, in metres; of a motion, written by the check itself.
     pub bodies: Vec<LaneArray>,
-    /// The straight motion that all lanes lie on.
+    /// The motion that all lanes lie on.
     pub motion: LaneMotion,
     /// Per pair of links, against each other, in metres.
     pub link_pairs: Vec<f32>,
@@ -18,14 +19,14 @@ pub(crate) struct LaneTravel {
     pub joints: Vec<f32>,
 }
 
-/// A straight motion, of which each lane stands for the interval about its configuration: how far a body can move within
+/// A motion, of which each lane stands for the interval about its configuration: how far a body can move within
 /// that follows from its velocity there (see [`Travel`](crate::proof::travel::Travel)).
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LaneMotion {
     /// Half the width of the intervals, as a share of the motion; 0 where there is none.
     pub half_width: f32,
-    /// Per joint, in metres or radians along the whole of the motion.
-    pub rates: Vec<f32>,
+    /// Per joint and lane, in metres or radians per unit of its parameter.
+    pub rates: Vec<LaneArray>,
     /// Per link body.
     pub paces: Vec<LanePace>,
 }
@@ -125,17 +126,33 @@ impl LaneScratch {
         }
     }
 
-    /// Takes over configurations on the straight way from `a` (at 0) to `b` (at 1), both (m, rad; one per joint), the
-    /// first at the first of `places`. Lanes beyond these are at `a`.
+    /// Takes over configurations of a motion and its rates there, the first at the first of `places`. Lanes beyond these are at
+    /// its beginning.
     #[allow(
         clippy::cast_possible_truncation,
         reason = "lanes are `f32` by design; the slack of every comparison covers it"
     )]
-    pub fn set_lanes_along(&mut self, a: &[f64], b: &[f64], places: impl Iterator<Item = f64>) {
+    pub fn set_lanes_along(&mut self, course: Course<'_>, places: impl Iterator<Item = f64>) {
         let mut all = [0.0; LANES];
         all.iter_mut().zip(places).for_each(|(known, place)| *known = place);
-        for (lanes, (a, b)) in self.q.iter_mut().zip(a.iter().zip(b)) {
-            *lanes = all.map(|place| (a + (b - a) * place) as f32);
+        let rates = &mut self.travel.motion.rates;
+        rates.resize(self.q.len(), [0.0; LANES]);
+        match course {
+            Course::Line([a, b]) => {
+                for ((lanes, rates), (a, b)) in self.q.iter_mut().zip(rates).zip(a.iter().zip(b)) {
+                    *lanes = all.map(|place| (a + (b - a) * place) as f32);
+                    *rates = [(b - a) as f32; LANES];
+                }
+            }
+            Course::Curve(_) => {
+                let mut values = vec![0.0; self.q.len()];
+                for (lane, place) in all.into_iter().enumerate() {
+                    course.place(place, &mut values);
+                    self.q.iter_mut().zip(&values).for_each(|(lanes, value)| lanes[lane] = *value as f32);
+                    course.slope(place, &mut values);
+                    rates.iter_mut().zip(&values).for_each(|(lanes, value)| lanes[lane] = *value as f32);
+                }
+            }
         }
     }
 

@@ -6,6 +6,7 @@ use cranny_spatial::{CONTACT_M, Pose, ROUNDING_M, Rotation, Vector};
 
 use crate::body::extent::is_round;
 use crate::body::link_body::{LinkBody, group_separation};
+use crate::proof::course::Rates;
 use crate::proof::travel::{Travel, shared_joints};
 
 /// Result proven of two links for all values of the joints between them.
@@ -52,7 +53,7 @@ pub(crate) struct PairRanges<'a> {
     frames: LinkFrames,
     travel: Travel,
     q: Vec<f64>,
-    slope: Vec<f64>,
+    rates: Rates,
 }
 
 /// Greatest number of boxes for one pair: each takes some 10 to 200 µs.
@@ -75,7 +76,7 @@ impl<'a> PairRanges<'a> {
             frames: robot.frames(),
             travel: Travel::new(robot, bodies),
             q: robot.limits().iter().map(|limits| 0.5 * (limits.lower + limits.upper)).collect(),
-            slope: vec![0.0; robot.dof()],
+            rates: Rates::still(robot.dof()),
         }
     }
 
@@ -139,10 +140,10 @@ impl<'a> PairRanges<'a> {
 
     /// Puts the links where they are in the middle of a box, and bounds how far they move against each other within it (m).
     fn travel_m(&mut self, pair: (usize, usize), shared: usize, joints: &[usize], values: &JointBox) -> f64 {
-        self.slope.fill(0.0);
+        self.rates.now.fill(0.0);
         for (&joint, [lower, upper]) in joints.iter().zip(values) {
             self.q[joint] = 0.5 * (lower + upper);
-            self.slope[joint] = 0.5 * (upper - lower) * (1.0 + f64::EPSILON);
+            self.rates.now[joint] = 0.5 * (upper - lower) * (1.0 + f64::EPSILON);
         }
         self.robot.forward_kinematics(&self.q, &mut self.frames);
         self.slope_travel_m(pair, shared) + ROUNDING_M
@@ -151,7 +152,7 @@ impl<'a> PairRanges<'a> {
     fn slope_travel_m(&mut self, pair: (usize, usize), shared: usize) -> f64 {
         self.travel.forget();
         for body in [pair.0, pair.1] {
-            self.travel.know(self.robot, self.bodies, body, &self.frames, &self.slope, 1.0);
+            self.travel.know(self.robot, self.bodies, body, &self.frames, &self.rates, 1.0);
         }
         self.travel.between(pair.0, pair.1, shared)
     }
@@ -166,8 +167,8 @@ impl<'a> PairRanges<'a> {
     ) -> Option<[JointBox; 2]> {
         let mut most = (0.0, None);
         for (place, (&joint, [lower, upper])) in joints.iter().zip(&values).enumerate() {
-            self.slope.fill(0.0);
-            self.slope[joint] = 0.5 * (upper - lower);
+            self.rates.now.fill(0.0);
+            self.rates.now[joint] = 0.5 * (upper - lower);
             let travel_m = self.slope_travel_m(pair, shared);
             if travel_m > most.0 {
                 most = (travel_m, Some(place));

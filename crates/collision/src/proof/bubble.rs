@@ -1,9 +1,10 @@
-use cranny_robot::{JointKind, LinkFrames, between};
+use cranny_robot::{JointKind, LinkFrames};
 use cranny_spatial::{ROUNDING_M, Vector};
 
 use crate::cell::{Cell, Scratch};
 use crate::lane::lane_scratch::as_index;
 use crate::pair::pairs::{Other, Pair};
+use crate::proof::course::Course;
 
 /// A free configuration with how far everything is apart there, beyond what is demanded: from it alone follows how far the
 /// straight motions that begin there are free, in any number of directions, without another check of a shape.
@@ -119,21 +120,20 @@ impl Cell {
     /// If `target` has not one value per joint.
     pub fn free_share(&self, bubble: &Bubble, target: &[f64], scratch: &mut Scratch) -> f64 {
         assert_eq!(target.len(), self.robot().dof(), "one value per joint");
-        for (slope, (a, b)) in scratch.slope.iter_mut().zip(bubble.q.iter().zip(target)) {
-            *slope = b - a;
-        }
-        if !scratch.slope.iter().all(|slope| slope.is_finite()) {
+        let course = Course::Line([&bubble.q, target]);
+        scratch.rates.set(course);
+        if !scratch.rates.now.iter().all(|slope| slope.is_finite()) {
             return 0.0;
         }
         let mut free = 0.0;
         let mut ahead = FIRST_TRY;
         for _ in 0..MOST_LOOKS {
             // 1.
-            scratch.q.iter_mut().zip(between(&bubble.q, target, free)).for_each(|(q, at)| *q = at);
+            course.place(free, &mut scratch.q);
             self.robot().forward_kinematics(&scratch.q, &mut scratch.frames);
             // 2.
-            let Scratch { travel, slope, frames, .. } = &mut *scratch;
-            travel.update(self.robot(), &self.bodies, frames, slope, ahead, 1.0);
+            let Scratch { travel, rates, frames, .. } = &mut *scratch;
+            travel.update(self.robot(), &self.bodies, frames, rates, ahead, 1.0);
             let ease = self.ease(bubble, scratch);
             // Travel grows no slower than in proportion, so that a share in proportion is free.
             let gain = if ease >= 1.0 { ahead } else { ease * ahead * SAFE };

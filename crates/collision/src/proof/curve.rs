@@ -2,14 +2,11 @@ use cranny_robot::between;
 use cranny_spatial::ROUNDING_M;
 
 use crate::cell::{Cell, Scratch};
+use crate::proof::course::Course;
 use crate::proof::motion::{Demand, Motion};
 use crate::proof::reach::Reach;
 use crate::touch::contact::Contact;
 use crate::{Measuring, NearestPair};
-
-/// Pieces that stray by more from their chords are halved unseen, in metres: hardly one in a confined space is proven, and to
-/// find that takes many exact distances.
-const COARSE_M: f64 = 0.01;
 
 /// Pieces of a curve that stray less than this from their chords, as the motion of any point, are not halved again, in
 /// metres: the resolution of a proof.
@@ -53,17 +50,6 @@ impl CurvePiece {
         Self { points, from, until, deviation_m, turn_rad }
     }
 
-    /// A curve in pieces none of which strays by more than [`COARSE_M`], the last first.
-    fn of_curve(control_points: &[Vec<f64>], reach: &Reach) -> Vec<Self> {
-        assert!(control_points.len() > 1, "a curve has two control points or more");
-        let (mut work, mut pieces) =
-            (vec![Self::new(control_points.to_vec(), [0.0, 1.0], reach)], Vec::new());
-        while let Some(piece) = work.pop() {
-            if piece.deviation_m > COARSE_M { work.extend(piece.halves(reach)) } else { pieces.push(piece) }
-        }
-        pieces
-    }
-
     fn chord(&self) -> [&[f64]; 2] {
         [&self.points[0], &self.points[self.points.len() - 1]]
     }
@@ -97,54 +83,20 @@ impl Cell {
     /// Proves the motion along a polynomial curve, given by the control points of its Bézier form (at least two; m, rad; one
     /// value per joint each), or returns the fault; [`Self::motion_is_free`] is the case of two.
     ///
-    /// Pieces of the curve are halved until each is proven: every chord keeps, besides the demanded distance, that by which
-    /// its piece strays from it. The parameter of a fault is accurate to the piece.
+    /// 1. Joint limits hold for the control points of the pieces into which the curve is cut, and so for the pieces. Tilt is
+    ///    bounded along their chords, and by how far they stray from these.
+    /// 2. Distances as on a straight motion, by the velocity in the middle of each interval and bounds on `q'` and `q''`.
     ///
     /// # Panics
     /// For fewer than two control points, or one without one value per joint.
     pub fn curve_is_free(&self, control_points: &[Vec<f64>], reach: &Reach, scratch: &mut Scratch) -> Motion {
-        let mut work = CurvePiece::of_curve(control_points, reach);
-        while let Some(piece) = work.pop() {
-            let beyond_limits = |q: &&Vec<f64>| self.robot().first_limit_violation(q);
-            let is_finest = piece.deviation_m <= FINEST_M;
-            if let Some(violation) = piece.points.iter().find_map(|q| beyond_limits(&q)) {
-                let [first, last] = piece.chord();
-                if is_finest || [first, last].iter().any(|q| !self.robot().within_limits(q)) {
-                    return Motion::OutOfLimits { joint: violation.joint };
-                }
-                work.extend(piece.halves(reach).into_iter().rev());
-                continue;
-            }
-            let [first, last] = piece.chord();
-            let at = |at: f64| piece.from + at * (piece.until - piece.from);
-            if let Some(Motion::Tilted { at: along, tilt_rad, most_rad }) =
-                self.tilted(first, last, piece.turn_rad, scratch)
-            {
-                if is_finest || tilt_rad - piece.turn_rad > most_rad {
-                    return Motion::Tilted { at: at(along), tilt_rad, most_rad };
-                }
-                work.extend(piece.halves(reach).into_iter().rev());
-                continue;
-            }
-            match self.motion_beyond(piece.deviation_m, first, last, scratch) {
-                Motion::Proven => {}
-                Motion::Contact { at: along, contact }
-                    if is_finest || contact.clearance_m + piece.deviation_m < contact.required_m =>
-                {
-                    return Motion::Contact { at: at(along), contact };
-                }
-                Motion::Unresolved { at: along, contact } if is_finest => {
-                    return Motion::Unresolved { at: at(along), contact };
-                }
-                _ => work.extend(piece.halves(reach).into_iter().rev()),
-            }
-        }
-        Motion::Proven
+        let fault = self.fault_of_joints(control_points, FINEST_M, reach, scratch);
+        fault.unwrap_or_else(|| self.prove(Course::Curve(control_points), scratch, Demand::default()))
     }
 
     /// Proof of [`Self::curve_is_free`] (control points: m, rad; one value per joint each) where every pair must keep
     /// `beyond_m` metres more than it demands, without much effort: `false` too for a curve that passes something so closely that
-    /// it would take many pieces, or many intervals.
+    /// it would take many intervals.
     ///
     /// # Panics
     /// As [`Self::curve_is_free`].
@@ -159,22 +111,44 @@ impl Cell {
         const FINE_M: f64 = 5e-5;
         /// Intervals that may need exact distances.
         const EFFORT: u64 = 64;
-        let mut work = CurvePiece::of_curve(control_points, reach);
+        let demand = Demand { beyond_m, effort: EFFORT, ..Demand::default() };
+        self.fault_of_joints(control_points, FINE_M, reach, scratch).is_none()
+            && self.first_failure(Course::Curve(control_points), scratch, demand).is_none()
+    }
+
+    /// Step 1 of [`Self::curve_is_free`], with pieces that stray from their chords by at least `finest_m`, in metres, or half
+    /// of it.
+    fn fault_of_joints(
+        &self,
+        control_points: &[Vec<f64>],
+        finest_m: f64,
+        reach: &Reach,
+        scratch: &mut Scratch,
+    ) -> Option<Motion> {
+        assert!(control_points.len() > 1, "a curve has two control points or more");
+        let mut work = vec![CurvePiece::new(control_points.to_vec(), [0.0, 1.0], reach)];
         while let Some(piece) = work.pop() {
+            let is_finest = piece.deviation_m <= finest_m;
             let [first, last] = piece.chord();
-            let demand =
-                Demand { beyond_m: beyond_m + piece.deviation_m, effort: EFFORT, ..Demand::default() };
-            let holds = piece.points.iter().all(|q| self.robot().within_limits(q))
-                && self.tilted(first, last, piece.turn_rad, scratch).is_none()
-                && self.first_failure(first, last, scratch, demand).is_none();
-            if !holds {
-                if piece.deviation_m <= FINE_M {
-                    return false;
-                }
-                work.extend(piece.halves(reach).into_iter().rev());
+            let violation = piece.points.iter().find_map(|q| self.robot().first_limit_violation(q));
+            let fault = if let Some(violation) = violation {
+                let is_certain = [first, last].iter().any(|q| !self.robot().within_limits(q));
+                Some((Motion::OutOfLimits { joint: violation.joint }, is_certain))
+            } else if let Some(Motion::Tilted { at, tilt_rad, most_rad }) =
+                self.tilted(first, last, piece.turn_rad, scratch)
+            {
+                let at = piece.from + at * (piece.until - piece.from);
+                Some((Motion::Tilted { at, tilt_rad, most_rad }, tilt_rad - piece.turn_rad > most_rad))
+            } else {
+                None
+            };
+            match fault {
+                Some((fault, is_certain)) if is_finest || is_certain => return Some(fault),
+                Some(_) => work.extend(piece.halves(reach).into_iter().rev()),
+                None => {}
             }
         }
-        true
+        None
     }
 
     /// The least distance over all pairs along a curve (control points: m, rad; one value per joint each) that is proven, in
@@ -190,31 +164,15 @@ impl Cell {
         &self,
         control_points: &[Vec<f64>],
         share: f64,
-        reach: &Reach,
         scratch: &mut Scratch,
     ) -> Result<(f64, Option<NearestPair>), Contact> {
-        /// As exact as [`Self::least_clearance`], in metres.
-        const TOLERANCE_M: f64 = 1e-5;
         assert!(control_points.len() > 1, "a curve has two control points or more");
-        let (mut least_m, mut limit) = (f64::INFINITY, None);
-        let mut work = vec![CurvePiece::new(control_points.to_vec(), [0.0, 1.0], reach)];
-        while let Some(piece) = work.pop() {
-            let measuring = Measuring { share: 0.5 * share, ..Measuring::default() };
-            let measured = self.measure_motion(piece.chord(), measuring, scratch);
-            let kept_m = measured.least_m - piece.deviation_m;
-            if kept_m >= least_m {
-                continue;
-            }
-            if piece.deviation_m <= TOLERANCE_M.max(0.5 * share * measured.least_m) {
-                if let Some((_, contact)) = measured.contradiction {
-                    return Err(contact);
-                }
-                (least_m, limit) = (kept_m, measured.nearest);
-            } else {
-                work.extend(piece.halves(reach));
-            }
+        let measuring = Measuring { share, ..Measuring::default() };
+        let measured = self.measure(Course::Curve(control_points), measuring, scratch);
+        match measured.contradiction {
+            Some((_, contact)) => Err(contact),
+            None => Ok((measured.least_m, measured.nearest)),
         }
-        Ok((least_m.max(0.0), limit))
     }
 
     /// The greatest tilt of what is held along a curve (control points: m, rad; one value per joint each), in radians, from above
@@ -323,13 +281,10 @@ mod tests {
             let samples: Vec<Vec<f64>> = (0..=200).map(|k| at(&points, f64::from(k) / 200.0)).collect();
             let seen_m =
                 samples.iter().map(|q| cell.clearance(q, &mut scratch)).fold(f64::INFINITY, f64::min);
-            let is_proven = |reach: &Reach, scratch: &mut Scratch| {
-                cell.curve_is_free(&points, reach, scratch).is_proven()
-            };
-            if is_proven(&reach, &mut scratch) {
+            if cell.curve_is_free(&points, &reach, &mut scratch).is_proven() {
                 proven += 1;
                 assert!(seen_m > 0.0, "round {round}");
-                let (least_m, _) = cell.curve_clearance(&points, 0.05, &reach, &mut scratch).expect("proven");
+                let (least_m, _) = cell.curve_clearance(&points, 0.05, &mut scratch).expect("proven");
                 assert!(least_m <= seen_m + 1e-9, "{least_m} above {seen_m}");
                 assert!(least_m >= 0.94 * seen_m - 2e-3, "{least_m} far below {seen_m}");
                 let chords = Cell::chords_of(&points, 1e-3, &reach);
@@ -340,7 +295,9 @@ mod tests {
             } else {
                 refused += 1;
                 assert!(seen_m < 1e-2, "a curve that keeps {seen_m} m was refused");
-                false_proofs += u32::from(is_proven(&reach.clone().times(0.05), &mut scratch));
+                let wrong = Demand { factor: 0.05, ..Demand::default() };
+                let proof = cell.prove(Course::Curve(&points), &mut scratch, wrong);
+                false_proofs += u32::from(proof.is_proven());
             }
         }
         assert!(proven > 20 && refused > 20 && false_proofs > 0, "{proven} {refused} {false_proofs}");

@@ -7,6 +7,7 @@ use cranny_spatial::{ROUNDING_M, Vector};
 use crate::body::link_body::LinkBody;
 use crate::lane::single_frame::Verdict;
 use crate::pair::pairs::{Other, Pair};
+use crate::proof::course::Rates;
 use crate::proof::travel::Travel;
 
 /// Pairs of links whose pose against each other depends on the same one or two joints: links on either side
@@ -90,7 +91,7 @@ impl JointTable {
             frames: robot.frames(),
             travel: Travel::new(robot, bodies),
             q: robot.limits().iter().map(|limits| 0.5 * (limits.lower + limits.upper)).collect(),
-            slope: vec![0.0; robot.dof()],
+            rates: Rates::still(robot.dof()),
             doubts: Vec::new(),
         };
         for table in &mut tables {
@@ -206,7 +207,7 @@ struct Builder<'a> {
     frames: LinkFrames,
     travel: Travel,
     q: Vec<f64>,
-    slope: Vec<f64>,
+    rates: Rates,
     /// What is in doubt in the squares around the one at hand, from the outermost in: in each the doubts of one pair stand
     /// together.
     doubts: Vec<Doubt>,
@@ -267,12 +268,12 @@ impl Builder<'_> {
 
     /// Adds what is in doubt in the square.
     fn square(&mut self, table: &JointTable, corner: [usize; 2], side: usize, first_doubt: usize) -> u8 {
-        self.slope.fill(0.0);
+        self.rates.now.fill(0.0);
         for (joint, corner) in table.joints.into_iter().zip(corner) {
             let limits = &self.robot.limits()[joint];
             let cell = (limits.upper - limits.lower) / SIDE as f64;
             self.q[joint] = limits.lower + cell * (corner as f64 + 0.5 * side as f64);
-            self.slope[joint] = cell * (0.5 * side as f64 + overhang(limits));
+            self.rates.now[joint] = cell * (0.5 * side as f64 + overhang(limits));
         }
         self.robot.update_kinematics(&self.q, &table.joints, &mut self.frames);
         let (mut left, mut next, end) = (0, first_doubt, self.doubts.len());
@@ -289,13 +290,13 @@ impl Builder<'_> {
         left
     }
 
-    /// Certifies a pair for all configurations that are no farther from `q` than `slope` in any joint: each
-    /// lies on a straight motion from `q` whose slope is no greater. Of these doubts those that are left are added.
+    /// Certifies a pair for all configurations that are no farther from `q` than `rates` in any joint: each
+    /// lies on a straight motion from `q` whose rates are no greater. Of these doubts those that are left are added.
     fn pair(&mut self, pair: &Pair, doubts: std::ops::Range<usize>) -> Verdict {
         let Other::Link { body, shared_joints } = pair.second else { return Verdict::Doubt };
         self.travel.forget();
         for body in [pair.first, body] {
-            self.travel.know(self.robot, self.bodies, body, &self.frames, &self.slope, 1.0);
+            self.travel.know(self.robot, self.bodies, body, &self.frames, &self.rates, 1.0);
         }
         let travel_m = self.travel.between(pair.first, body, shared_joints) + ROUNDING_M;
         let links = [pair.first, body].map(|body| &self.bodies[body]);

@@ -2,6 +2,7 @@ use cranny_robot::JointKind;
 
 use crate::cell::{Cell, Scratch};
 use crate::pair::pairs::Other;
+use crate::proof::course::Course;
 
 /// How far errors of the joints, and of where the robot stands, can move what is checked along a path.
 ///
@@ -65,13 +66,11 @@ impl Cell {
             }
         }
         for edge in path.windows(2) {
-            let [a, b] = [&edge[0], &edge[1]];
-            for (slope, (a, b)) in scratch.slope.iter_mut().zip(a.iter().zip(b)) {
-                *slope = b - a;
-            }
+            let course = Course::Line([&edge[0], &edge[1]]);
+            scratch.rates.set(course);
             let half_width = 0.5 / f64::from(PIECES);
             for piece in 0..PIECES {
-                self.check_at(a, b, (2.0 * f64::from(piece) + 1.0) * half_width, half_width, scratch, 1.0);
+                self.check_at(course, (2.0 * f64::from(piece) + 1.0) * half_width, half_width, scratch, 1.0);
                 for (index, body) in self.bodies.iter().enumerate() {
                     let center = scratch.frames.link(body.link) * body.bounds.ball.center;
                     let ball_m = body.bounds.ball.radius_m + farther_m(index);

@@ -5,6 +5,7 @@ use crate::Collider;
 use crate::cell::{Cell, Scratch};
 use crate::pair::pair_group::PairGroup;
 use crate::pair::pairs::Pair;
+use crate::proof::course::Course;
 use crate::proof::motion::travel_of;
 use crate::touch::contact::Contact;
 
@@ -90,12 +91,21 @@ impl Cell {
         measuring: Measuring,
         scratch: &mut Scratch,
     ) -> MeasuredMotion {
-        for (slope, (a, b)) in scratch.slope.iter_mut().zip(a.iter().zip(b)) {
-            *slope = b - a;
-        }
+        self.measure(Course::Line([a, b]), measuring, scratch)
+    }
+
+    /// [`Self::measure_motion`] along any motion.
+    pub(crate) fn measure(
+        &self,
+        course: Course<'_>,
+        measuring: Measuring,
+        scratch: &mut Scratch,
+    ) -> MeasuredMotion {
+        scratch.rates.set(course);
         let is_asked = |pair: &Pair| {
             !pair.is_exempt() && measuring.group.is_none_or(|group| self.group_of(pair) == group)
         };
+        let [a, b] = course.ends();
         let at_a = self.nearest_where(a, measuring.below_m, &is_asked, scratch);
         let at_b = self.nearest_where(b, at_a.0, &is_asked, scratch);
         let (mut least, mut nearest) = if at_b.0 < at_a.0 { at_b } else { at_a };
@@ -110,7 +120,7 @@ impl Cell {
         // Branch and bound: an interval is done with a pair once the pair cannot come below the least
         // distance that was seen, save for the tolerance.
         while let Some((middle, half_width, pairs)) = open.pop_front() {
-            self.check_at(a, b, middle, half_width, scratch, 1.0);
+            self.check_at(course, middle, half_width, scratch, 1.0);
             let mut doubtful = Vec::new();
             for index in pairs {
                 let pair = &self.pairs.get(index);

@@ -1,4 +1,3 @@
-use cranny_robot::between;
 use cranny_spatial::{LANES, ROUNDING_M, simd_level};
 use fearless_simd::Level;
 
@@ -7,6 +6,9 @@ use crate::lane::lane_bits::{first_lanes, lanes_of};
 use crate::lane::lane_scratch::{LaneMotion, LanePace};
 use crate::lane::lanes::Interest;
 use crate::pair::pairs::{Other, Pair};
+use crate::proof::course::Course;
+#[cfg(doc)]
+use crate::proof::course::Rates;
 use crate::proof::travel::Pace;
 use crate::proof::work_list::{Interval, WorkList};
 use crate::touch::contact::Contact;
@@ -117,7 +119,8 @@ impl Cell {
                 return Motion::OutOfLimits { joint: violation.joint };
             }
         }
-        self.tilted(a, b, 0.0, scratch).unwrap_or_else(|| self.prove(a, b, scratch, Demand::default()))
+        self.tilted(a, b, 0.0, scratch)
+            .unwrap_or_else(|| self.prove(Course::Line([a, b]), scratch, Demand::default()))
     }
 
     /// The fault of the tilt along a motion that may be turned by so much more, in radians.
@@ -139,7 +142,7 @@ impl Cell {
     /// If `a` or `b` has not one value per joint.
     pub fn motion_beyond(&self, beyond_m: f64, a: &[f64], b: &[f64], scratch: &mut Scratch) -> Motion {
         assert!(a.len() == self.robot().dof() && b.len() == a.len(), "one value per joint");
-        self.prove(a, b, scratch, Demand { beyond_m, ..Demand::default() })
+        self.prove(Course::Line([a, b]), scratch, Demand { beyond_m, ..Demand::default() })
     }
 
     /// Parameter in [0, 1] at which the proof of [`Self::motion_is_free`] from `a` to `b` (m, rad; one per joint) fails; nothing
@@ -152,16 +155,17 @@ impl Cell {
         let beyond = [(a, 0.0), (b, 1.0)].into_iter().find(|(end, _)| !self.robot().within_limits(end));
         let beyond = beyond.map(|(_, at)| at);
         beyond.or_else(|| self.tilted_at(a, b, 0.0, scratch).map(|(at, _)| at)).or_else(|| {
-            let failure = self.first_failure(a, b, scratch, Demand { effort, ..Demand::default() });
+            let failure =
+                self.first_failure(Course::Line([a, b]), scratch, Demand { effort, ..Demand::default() });
             failure.map(|failure| failure.at)
         })
     }
 
-    /// [`Self::motion_is_free`] without joint limits and tilt.
-    pub(crate) fn prove(&self, a: &[f64], b: &[f64], scratch: &mut Scratch, demand: Demand) -> Motion {
-        let mut failure = self.first_failure(a, b, scratch, demand);
+    /// [`Self::motion_is_free`] along a motion, without joint limits and tilt.
+    pub(crate) fn prove(&self, course: Course<'_>, scratch: &mut Scratch, demand: Demand) -> Motion {
+        let mut failure = self.first_failure(course, scratch, demand);
         if let Some(Failure { at, pair: None, .. }) = failure {
-            self.check_at(a, b, at, 0.0, scratch, demand.factor);
+            self.check_at(course, at, 0.0, scratch, demand.factor);
             if let Some(pair) = self.first_close_pair(&scratch.frames) {
                 failure = Some(Failure { at, pair: Some(pair), is_contact: true });
             } else {
@@ -171,7 +175,7 @@ impl Cell {
                 scratch.work.pairs.extend(self.all_pairs());
                 let pairs = (0, self.pairs.len());
                 scratch.work.intervals.push(Interval { middle: 0.5, half_width: 0.5, pairs });
-                failure = self.certify_exactly(a, b, scratch, demand);
+                failure = self.certify_exactly(course, scratch, demand);
             }
         }
         let Some((Failure { at, is_contact, .. }, pair)) =
@@ -186,17 +190,14 @@ impl Cell {
     /// What keeps the proof from being one; a pair that it names stands as it is there in the frames of `scratch`.
     pub(crate) fn first_failure(
         &self,
-        a: &[f64],
-        b: &[f64],
+        course: Course<'_>,
         scratch: &mut Scratch,
         demand: Demand,
     ) -> Option<Failure> {
-        for (slope, (a, b)) in scratch.slope.iter_mut().zip(a.iter().zip(b)) {
-            *slope = b - a;
-        }
-        match self.certify_in_lanes(simd_level(), a, b, scratch, demand) {
+        scratch.rates.set(course);
+        match self.certify_in_lanes(simd_level(), course, scratch, demand) {
             Some(at) => Some(Failure { at, pair: None, is_contact: true }),
-            None => self.certify_exactly(a, b, scratch, demand),
+            None => self.certify_exactly(course, scratch, demand),
         }
     }
 
@@ -204,13 +205,12 @@ impl Cell {
     fn certify_in_lanes(
         &self,
         level: Level,
-        a: &[f64],
-        b: &[f64],
+        course: Course<'_>,
         scratch: &mut Scratch,
         demand: Demand,
     ) -> Option<f64> {
-        // How far everything can move along the whole edge bounds how far it can move in each part of it.
-        self.check_at(a, b, 0.5, 0.5, scratch, demand.factor);
+        // How far everything can move along the whole motion bounds how far it can move in each part of it.
+        self.check_at(course, 0.5, 0.5, scratch, demand.factor);
         let mut work = std::mem::take(&mut scratch.work);
         let mut next = std::mem::take(&mut scratch.next_work);
         let mut rest = std::mem::take(&mut scratch.rest);
@@ -231,10 +231,10 @@ impl Cell {
         while !work.intervals.is_empty() && contact_at.is_none() {
             next.clear();
             let share = 2.0 * half_width;
-            self.set_travel(a, b, share, demand, scratch);
+            self.set_travel(share, demand, scratch);
             for intervals in work.intervals.chunks(LANES) {
                 scratch.lanes.wanted.clear();
-                scratch.lanes.set_lanes_along(a, b, intervals.iter().map(|interval| interval.middle));
+                scratch.lanes.set_lanes_along(course, intervals.iter().map(|interval| interval.middle));
                 for (lane, Interval { pairs, .. }) in intervals.iter().enumerate() {
                     work.pairs[pairs.0..pairs.1].iter().for_each(|pair| scratch.lanes.want(*pair, lane));
                 }
@@ -306,7 +306,7 @@ impl Cell {
         clippy::cast_possible_truncation,
         reason = "lanes are `f32` by design; what is rounded away is added"
     )]
-    pub(crate) fn set_travel(&self, a: &[f64], b: &[f64], share: f64, demand: Demand, scratch: &mut Scratch) {
+    pub(crate) fn set_travel(&self, share: f64, demand: Demand, scratch: &mut Scratch) {
         /// The velocity of a point is off by less than this share of what its joints could add up to: a hundred times
         /// what `f32` rounds.
         const ROUNDED: f64 = 1e-4;
@@ -318,30 +318,22 @@ impl Cell {
             let beside = half_width * (0.5 * half_width * acceleration + ROUNDED * most);
             LanePace { most_m: lane(half_width * most), beside_m: lane(beside) }
         };
-        let LaneMotion { half_width: lanes_half_width, rates, paces } = &mut scratch.lanes.travel.motion;
+        let LaneMotion { half_width: lanes_half_width, paces, .. } = &mut scratch.lanes.travel.motion;
         *lanes_half_width = half_width as f32;
-        rates.clear();
-        rates.extend(scratch.slope.iter().map(|slope| *slope as f32));
         paces.clear();
         paces.extend((0..self.bodies.len()).map(pace));
         for (slot, pair) in self.lanes.link_pairs().enumerate() {
             scratch.lanes.travel.link_pairs[slot] = lane(travel_of(&self.pairs.get(pair), scratch) * share);
         }
         for (joint, travel) in scratch.lanes.travel.joints.iter_mut().enumerate() {
-            let turn = (0.5 * (b[joint] - a[joint]).abs() * share + ROUNDING_M) * (1.0 + 1e-6);
+            let turn = (0.5 * scratch.rates.most_of(joint) * share + ROUNDING_M) * (1.0 + 1e-6);
             // Tables know of nothing beyond what is demanded.
             *travel = if beyond_m > 0.0 { f32::INFINITY } else { turn as f32 };
         }
     }
 
     /// Steps 2 to 4 for what is in `scratch.work`, with exact distances.
-    fn certify_exactly(
-        &self,
-        a: &[f64],
-        b: &[f64],
-        scratch: &mut Scratch,
-        demand: Demand,
-    ) -> Option<Failure> {
+    fn certify_exactly(&self, course: Course<'_>, scratch: &mut Scratch, demand: Demand) -> Option<Failure> {
         let mut work = std::mem::take(&mut scratch.work);
         let mut next = std::mem::take(&mut scratch.next_work);
         let mut failure = None;
@@ -349,7 +341,7 @@ impl Cell {
         'levels: while !work.intervals.is_empty() {
             next.clear();
             for interval in &work.intervals {
-                self.place_at(a, b, interval.middle, scratch);
+                self.place_at(course, interval.middle, scratch);
                 scratch.travel.forget();
                 intervals += 1;
                 let begin = next.pairs.len();
@@ -388,21 +380,23 @@ impl Cell {
     /// Frames at `middle`, and how far everything can move within `half_width` of it.
     pub(crate) fn check_at(
         &self,
-        a: &[f64],
-        b: &[f64],
+        course: Course<'_>,
         middle: f64,
         half_width: f64,
         scratch: &mut Scratch,
         factor: f64,
     ) {
-        self.place_at(a, b, middle, scratch);
-        let Scratch { travel, frames, slope, .. } = scratch;
-        travel.update(self.robot(), &self.bodies, frames, slope, half_width, factor);
+        self.place_at(course, middle, scratch);
+        let Scratch { travel, frames, rates, .. } = scratch;
+        travel.update(self.robot(), &self.bodies, frames, rates, half_width, factor);
     }
 
-    /// Frames at `middle`.
-    fn place_at(&self, a: &[f64], b: &[f64], middle: f64, scratch: &mut Scratch) {
-        scratch.q.iter_mut().zip(between(a, b, middle)).for_each(|(q, between)| *q = between);
+    /// Frames and rates at `middle` of a motion whose rates are bounded already ([`Rates::set`]).
+    fn place_at(&self, course: Course<'_>, middle: f64, scratch: &mut Scratch) {
+        course.place(middle, &mut scratch.q);
+        if let Course::Curve(_) = course {
+            course.slope(middle, &mut scratch.rates.now);
+        }
         self.robot().forward_kinematics(&scratch.q, &mut scratch.frames);
     }
 
@@ -412,9 +406,9 @@ impl Cell {
             Other::Link { body, .. } => Some(body),
             Other::Part(_) => None,
         };
-        let Scratch { travel, frames, slope, .. } = scratch;
+        let Scratch { travel, frames, rates, .. } = scratch;
         for body in std::iter::once(pair.first).chain(other) {
-            travel.know(self.robot(), &self.bodies, body, frames, slope, half_width);
+            travel.know(self.robot(), &self.bodies, body, frames, rates, half_width);
         }
     }
 }

@@ -1,5 +1,6 @@
 use crate::cell::{Cell, Scratch};
 use crate::pair::pair_group::PairGroup;
+use crate::proof::course::Course;
 use crate::proof::motion::Demand;
 use crate::{Measuring, Motion};
 
@@ -31,7 +32,9 @@ impl Cell {
             let beyond_m = kept_m(least_m) - required_m;
             let demand = Demand { beyond_m, ..Demand::default() };
             // 2.
-            if beyond_m <= 0.0 || self.prove(&edge[0], &edge[1], scratch, demand) != Motion::Proven {
+            if beyond_m <= 0.0
+                || self.prove(Course::Line([&edge[0], &edge[1]]), scratch, demand) != Motion::Proven
+            {
                 // 3.
                 let ends = [&edge[0][..], &edge[1]];
                 least_m = self

@@ -11,6 +11,7 @@ use proptest::prelude::*;
 
 use crate::lane::lane_bits::first_lanes;
 use crate::lane::lanes::Interest;
+use crate::proof::course::{Course, Rates};
 use crate::proof::motion::Demand;
 use crate::proof::travel::Travel;
 use crate::{Body, Cell, Margins, Measuring, Motion, World};
@@ -151,17 +152,29 @@ proptest! {
     }
 }
 
-/// Whether some point of some link moves farther, within `half_width` of the middle of a random edge, than
-/// the bound (times `factor`) says.
+/// Points of a random motion: the ends of a line, or the control points of a curve of up to fourth degree.
+fn random_points(robot: &Robot, seed: u64, random: &mut Stream) -> Vec<Vec<f64>> {
+    (0..2 + seed % 4).map(|_| robot.random_configuration(random)).collect()
+}
+
+fn course_of(points: &[Vec<f64>]) -> Course<'_> {
+    if let [a, b] = points { Course::Line([a, b]) } else { Course::Curve(points) }
+}
+
+/// Whether some point of some link moves farther, within `half_width` of the middle of a random motion, than
+/// its bound, times `factor`.
 fn bound_is_broken(seed: u64, half_width: f64, factor: f64) -> bool {
     let (robot, mut random) = (arm(), Stream::new(seed, 2));
     let cell = cell(&robot, Vec::new(), 0.0);
-    let (a, b) = (robot.random_configuration(&mut random), robot.random_configuration(&mut random));
-    let slope: Vec<f64> = a.iter().zip(&b).map(|(a, b)| b - a).collect();
+    let points = random_points(&robot, seed, &mut random);
+    let course = course_of(&points);
+    let (mut rates, mut middle) = (Rates::still(robot.dof()), vec![0.0; robot.dof()]);
+    rates.set(course);
+    course.place(0.5, &mut middle);
     let mut travel = Travel::new(&robot, &cell.bodies);
-    travel.update(&robot, &cell.bodies, &robot.frames_at(&between(&a, &b, 0.5)), &slope, half_width, factor);
+    travel.update(&robot, &cell.bodies, &robot.frames_at(&middle), &rates, half_width, factor);
     (0..cell.bodies.len())
-        .any(|body| most_moved_m(&cell, body, [&a, &b], 0.5, half_width) > travel.of(body) + 1e-12)
+        .any(|body| most_moved_m(&cell, body, course, 0.5, half_width) > travel.of(body) + 1e-12)
 }
 
 /// The same for every one of the intervals that the lanes check at once.
@@ -169,29 +182,35 @@ fn bound_of_lanes_is_broken(seed: u64, half_width: f64, factor: f64) -> bool {
     let (robot, mut random) = (arm(), Stream::new(seed, 2));
     // The floor is what the lanes check.
     let cell = cell(&robot, vec![Body::floor(-9.0)], 0.0);
-    let (a, b) = (robot.random_configuration(&mut random), robot.random_configuration(&mut random));
+    let points = random_points(&robot, seed, &mut random);
+    let course = course_of(&points);
     let middles = (0..LANES).map(|lane| (lane as f64 + 0.5) / LANES as f64);
     let mut scratch = cell.scratch();
-    scratch.slope = a.iter().zip(&b).map(|(a, b)| b - a).collect();
-    cell.check_at(&a, &b, 0.5, 0.5, &mut scratch, factor);
-    cell.set_travel(&a, &b, 2.0 * half_width, Demand { factor, ..Demand::default() }, &mut scratch);
-    scratch.lanes.set_lanes_along(&a, &b, middles.clone());
+    scratch.rates.set(course);
+    cell.check_at(course, 0.5, 0.5, &mut scratch, factor);
+    cell.set_travel(2.0 * half_width, Demand { factor, ..Demand::default() }, &mut scratch);
+    scratch.lanes.set_lanes_along(course, middles.clone());
     cell.lanes.check(Level::new(), &mut scratch.lanes, first_lanes(LANES), Interest::Each);
     (0..cell.bodies.len()).any(|body| {
         let travels_m = &scratch.lanes.travel.bodies[body];
         middles.clone().zip(travels_m).any(|(middle, travel_m)| {
-            most_moved_m(&cell, body, [&a, &b], middle, half_width) > f64::from(*travel_m)
+            most_moved_m(&cell, body, course, middle, half_width) > f64::from(*travel_m)
         })
     })
 }
 
-/// How far some point of a body is from where it is in the middle of an interval of the edge, at samples.
-fn most_moved_m(cell: &Cell, body: usize, [a, b]: [&[f64]; 2], middle: f64, half_width: f64) -> f64 {
+/// How far some point of a body is from where it is in the middle of an interval of a motion, at samples.
+fn most_moved_m(cell: &Cell, body: usize, course: Course<'_>, middle: f64, half_width: f64) -> f64 {
     let (robot, link) = (cell.robot(), &cell.bodies[body]);
-    let here = *robot.frames_at(&between(a, b, middle)).link(link.link);
-    let there = (0..=20).map(|i| between(a, b, middle + half_width * (f64::from(i) / 10.0 - 1.0)));
+    let mut q = vec![0.0; robot.dof()];
+    let mut at = |t: f64| {
+        course.place(t, &mut q);
+        *robot.frames_at(&q).link(link.link)
+    };
+    let here = at(middle);
     let mut most_m: f64 = 0.0;
-    for there in there.map(|q| *robot.frames_at(&q).link(link.link)) {
+    for there in (0..=20).map(|i| middle + half_width * (f64::from(i) / 10.0 - 1.0)) {
+        let there = at(there);
         for (link_from_shape, solid) in &link.shapes {
             let (points, _) = solid.bounding_points().expect("links are bounded");
             let moved = points.iter().map(|p| link_from_shape * p).map(|p| (here * p - there * p).norm());
@@ -219,7 +238,8 @@ fn half_of_the_bound_lets_thin_plates_through() {
         let plate = plate_in_the_way(&robot, &a, &b, at, &mut random);
         let cell = cell(&robot, vec![plate], 0.0);
         assert!(!cell.motion_is_free(&a, &b, &mut cell.scratch()).is_proven());
-        cell.prove(&a, &b, &mut cell.scratch(), Demand { factor: 0.5, ..Demand::default() }).is_proven()
+        cell.prove(Course::Line([&a, &b]), &mut cell.scratch(), Demand { factor: 0.5, ..Demand::default() })
+            .is_proven()
     });
     assert!(missed.count() > 0);
 }

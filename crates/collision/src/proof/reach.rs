@@ -68,14 +68,6 @@ impl Reach {
         self.turns.iter().enumerate().map(|(joint, turn)| delta(joint).abs() * turn).sum()
     }
 
-    /// The same reach times a factor, for tests that see whether a wrong bound is caught.
-    #[doc(hidden)]
-    #[must_use]
-    pub fn times(mut self, factor: f64) -> Self {
-        self.per_joint_m.iter_mut().for_each(|reach_m| *reach_m *= factor);
-        self
-    }
-
     pub(crate) fn weights(&self) -> &[f64] {
         &self.per_joint_m
     }

@@ -2,10 +2,11 @@ use cranny_robot::{JointKind, LinkFrames, Robot};
 use cranny_spatial::Vector;
 
 use crate::body::link_body::LinkBody;
+use crate::proof::course::Rates;
 
-/// How far the links can move while the configuration runs along a straight edge.
+/// How far the links can move while the configuration runs along a motion.
 ///
-/// Let the edge be `q(t)`, with slope `Δq`, and let `h` be how far `t` strays from the configuration whose
+/// Let the motion be `q(t)`, with `|q'| ≤ Δq` (constant on a straight edge) and `|q''| ≤ β` (0 there), and let `h` be how far `t` strays from the configuration whose
 /// frames are given. Two bounds hold, and the smaller one counts.
 ///
 /// 1. By levers: a point of a link moves at most at `Σ_j a_j` per unit of `t`, `a_j = |Δq_j| · r_j`, with `r_j` its
@@ -15,12 +16,14 @@ use crate::body::link_body::LinkBody;
 ///    over all of them).
 /// 2. By velocity: what joints do to a point largely cancels out. With `v` and `ω` the velocity of the middle of the
 ///    ball around the link now and its angular velocity, `ρ` the ball's radius, and accelerations never greater than
-///    `α = Σ_j |Δq_j| · (a_j + 2 · Σ_{k beyond j} a_k)` over the joints that turn, no point moves farther than
+///    `α = Σ_j |Δq_j| · (a_j + 2 · Σ_{k beyond j} a_k)` over the joints that turn, and `Σ_j β_j · r_j` besides over all (1
+///    for `r_j` of a prismatic joint), no point moves farther than
 ///    `h · (|v| + |ω| · ρ) + ½ h² · α` (a Taylor model of first order, after Zhang, Redon, Lee & Kim 2007, "Continuous
 ///    collision detection for articulated models using Taylor models and temporal culling", whole; α is derived below).
 ///
 /// The acceleration of a point `p` beyond joints with axes `z_j` through `o_j` is the sum over j of
-/// `Δq_j · (ω_{j-1} × (z_j × (p − o_j)) + z_j × Σ_{k ≥ j} Δq_k · z_k × (p − o_k))`: that is where α comes from.
+/// `Δq_j · (ω_{j-1} × (z_j × (p − o_j)) + z_j × Σ_{k ≥ j} Δq_k · z_k × (p − o_k)) + q_j'' · z_j × (p − o_j)`: that is where
+/// α comes from.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Travel {
     /// For each link body the sums of the first bound over the joints from the k-th on, each already times `h`; one
@@ -72,20 +75,19 @@ impl Travel {
     }
 
     /// Bounds the motion of every link within `half_width` (of `t`) of the configuration of `frames`. `factor` is 1;
-    /// the tests set it lower to see that a wrong bound is caught. `slope` is the change of the joints per unit of
-    /// `t` (m, rad; one per joint).
+    /// the tests set it lower to see that a wrong bound is caught.
     pub fn update(
         &mut self,
         robot: &Robot,
         bodies: &[LinkBody],
         frames: &LinkFrames,
-        slope: &[f64],
+        rates: &Rates,
         half_width: f64,
         factor: f64,
     ) {
         self.forget();
         for index in 0..bodies.len() {
-            self.know(robot, bodies, index, frames, slope, half_width * factor);
+            self.know(robot, bodies, index, frames, rates, half_width * factor);
         }
     }
 
@@ -95,14 +97,14 @@ impl Travel {
         self.axes.fill(None);
     }
 
-    /// Bounds the motion of one link body along `slope` (m, rad; one per joint), unless that is known.
+    /// Bounds the motion of one link body, unless that is known.
     pub fn know(
         &mut self,
         robot: &Robot,
         bodies: &[LinkBody],
         index: usize,
         frames: &LinkFrames,
-        slope: &[f64],
+        rates: &Rates,
         half_width: f64,
     ) {
         if std::mem::replace(&mut self.is_known[index], true) {
@@ -115,8 +117,9 @@ impl Travel {
         // The origin of the joint beyond, and how far any point of the link can be from the one at hand by way of those.
         let (mut beyond, mut way_m) = (center, radius_m);
         for (k, ancestor) in robot.ancestors(body.link).iter().enumerate().rev() {
-            let rate = slope[ancestor.joint] * ancestor.multiplier;
-            let speed = rate.abs();
+            let rate = rates.now[ancestor.joint] * ancestor.multiplier;
+            let [speed, bend] = [rates.most_of(ancestor.joint), rates.bend_of(ancestor.joint)]
+                .map(|most| most * ancestor.multiplier.abs());
             if speed > 0.0 {
                 let known = &mut self.axes[ancestor.child_link];
                 let Axis { direction: axis, origin } = *known.get_or_insert_with(|| {
@@ -131,6 +134,7 @@ impl Travel {
                         JointKind::Prismatic => {
                             way_m += half_width * speed;
                             velocity += axis * rate;
+                            pace.acceleration += bend;
                             1.0
                         }
                         JointKind::Revolute => {
@@ -138,7 +142,7 @@ impl Travel {
                             let reach = (arm.norm() + radius_m + half_width * pace.most).min(way_m);
                             velocity += arm * rate;
                             turn += axis * rate;
-                            pace.acceleration += speed * (speed * reach + 2.0 * pace.most);
+                            pace.acceleration += speed * (speed * reach + 2.0 * pace.most) + bend * reach;
                             reach
                         }
                     };

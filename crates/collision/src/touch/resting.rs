@@ -6,6 +6,7 @@ use crate::body::extent::Extent;
 use crate::body::link_body::group_separation;
 use crate::body::world::{Body, Part};
 use crate::cell::{Cell, Scratch};
+use crate::proof::course::Course;
 use crate::touch::contact_patch::{Across, PlanePoint, distance_to_hull};
 use crate::touch::resting_face::{
     CONTACT_ALLOWANCE_M, Face, MOST_GAP_M, RESOLUTION_M, Standing, UNEVEN_M, lip,
@@ -230,13 +231,12 @@ impl Cell {
         assert!(a.len() == self.robot().dof() && b.len() == a.len(), "one value per joint");
         let held = self.bodies.iter().rposition(|body| Some(body.link) == self.robot().held_link());
         let held = held.expect("something is held");
-        for (slope, (a, b)) in scratch.slope.iter_mut().zip(a.iter().zip(b)) {
-            *slope = b - a;
-        }
+        let course = Course::Line([a, b]);
+        scratch.rates.set(course);
         let deepest_m = -CONTACT_ALLOWANCE_M - 2.0 * RESOLUTION_M;
         let mut open = vec![(0.5, 0.5)];
         while let Some((middle, half_width)) = open.pop() {
-            self.check_at(a, b, middle, half_width, scratch, 1.0);
+            self.check_at(course, middle, half_width, scratch, 1.0);
             let travel_m = scratch.travel.of(held);
             let world_from_held = self.world_from_held(scratch);
             for contact in &resting.contacts {

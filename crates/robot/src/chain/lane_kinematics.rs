@@ -213,15 +213,22 @@ impl LaneKinematics {
     /// # Panics
     /// If there are too few rates, frames or twists.
     #[inline(always)]
-    pub fn twists<S: Simd>(&self, simd: S, rates: &[f32], frames: &[LaneFrame], twists: &mut [LaneTwist]) {
+    pub fn twists<S: Simd>(
+        &self,
+        simd: S,
+        rates: &[LaneArray],
+        frames: &[LaneFrame],
+        twists: &mut [LaneTwist],
+    ) {
         twists[0] = LaneTwist::STILL;
         for (index, step) in self.steps.iter().enumerate() {
-            let (frame, rate) = (&frames[index + 1], rates[step.joint] * step.multiplier);
+            let (frame, rates) = (&frames[index + 1], &rates[step.joint]);
             let (done, rest) = twists.split_at_mut(index + 1);
             let (mut turn, mut velocity) =
                 done[step.parent].at(simd, &frames[step.parent], LaneVector::load(simd, &frame.origin));
-            if rate != 0.0 {
-                let moved = LaneVector::load(simd, &frame.axes[2]).times(f32x16::splat(simd, rate));
+            if rates.iter().any(|rate| *rate != 0.0) {
+                let rate = f32x16::from_slice(simd, rates) * f32x16::splat(simd, step.multiplier);
+                let moved = LaneVector::load(simd, &frame.axes[2]).times(rate);
                 match step.kind {
                     JointKind::Prismatic => velocity = velocity.plus(moved),
                     JointKind::Revolute => turn = turn.plus(moved),
