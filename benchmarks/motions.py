@@ -36,6 +36,7 @@ def smooth(folder: str, seeds: int) -> None:
                     rounding.append(1e3 * pair[0]["timing_time_s"])
         middle, mean = statistics.median(shares), statistics.mean(shares)
         print(f"{kind}: {len(shares)} plans, median {middle:.3f}, mean {mean:.3f}, {min(shares):.3f} to {max(shares):.3f}")
+        print("  of those with a corner:", f"{statistics.median([share for share in shares if share < 1]):.3f} of {sum(share < 1 for share in shares)}")
         print(f"  to round and time: median {statistics.median(rounding):.1f}, max {max(rounding):.1f} ms")
 
 

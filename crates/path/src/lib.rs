@@ -27,6 +27,7 @@ pub use step::{RELEASED_STEP_M, Stepper};
 pub use task_audit::{audit_along, audit_task};
 pub use timing::motion_limits::{MotionLimits, TimingMethod};
 pub use timing::piece_limits::EdgePace;
-pub use timing::rounding::CurvedPath;
+pub use timing::refinement::RefinedPath;
+pub use timing::rounding::{CurveProof, CurvedPath};
 pub use timing::trajectory::{MAX_SAMPLE_RATE_HZ, Trajectory, TrajectorySample, sample_times};
 pub use violation::{Cause, GoalError, JointOffset, Location, Violation};

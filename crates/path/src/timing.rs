@@ -3,6 +3,7 @@
 pub(crate) mod motion_limits;
 pub(crate) mod path_curve;
 pub(crate) mod piece_limits;
+pub(crate) mod refinement;
 pub(crate) mod rounding;
 pub(crate) mod s_curve;
 pub(crate) mod time_law;

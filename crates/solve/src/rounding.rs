@@ -1,7 +1,7 @@
-use cranny_collision::Measuring;
-use cranny_path::CurvedPath;
+use cranny_collision::{Measuring, Reach, Scratch};
+use cranny_path::{CurveProof, CurvedPath};
 use cranny_robot::Robot;
-use cranny_task::{RoundedCorner, Segment, State, StatesAlong, are_joined, joined};
+use cranny_task::{Mode, RoundedCorner, Segment, State, StatesAlong, are_joined, joined};
 
 use crate::Timing;
 use crate::task_trajectory::edge_paces;
@@ -9,11 +9,18 @@ use crate::task_trajectory::edge_paces;
 /// Share of the least clearance of the edges of a leg that its rounded corners keep.
 const KEPT_SHARE: f64 = 0.8;
 
-/// Rounds the corners of segments, each as far as its curve is proven free in the state along its segment, keeps
-/// [`KEPT_SHARE`] of the clearance of their edges, and serves the time ([`CurvedPath::rounded`]); where none is proven, and
-/// where a motion must end, the stop stays. Segments that follow each other are joined where [`are_joined`] allows it. A robot
-/// without the limits for a trajectory has none rounded.
-pub(crate) fn round_corners(robot: &Robot, along: &StatesAlong, segments: &mut [Segment], timing: Timing) {
+/// Gives segments a course that a robot runs along smoothly: rounds their corners and, if `may_move`, moves the way points of
+/// segments that lead past obstacles freely, as serves the time ([`CurvedPath::refined`]).
+///
+/// All of it is proven in the state along its segment, and keeps [`KEPT_SHARE`] of the clearance of the edges. Where nothing is
+/// proven, and where a motion must end, the stop stays. Segments that follow each other are joined where [`are_joined`] allows
+/// it. A robot without the limits for a trajectory has none rounded.
+pub(crate) fn smooth(
+    robot: &Robot,
+    along: &StatesAlong,
+    segments: &mut [Segment],
+    (timing, may_move): (Timing, bool),
+) {
     let Ok(limits) = timing.limits(robot) else { return };
     let mut first = 0;
     while first < segments.len() {
@@ -26,32 +33,83 @@ pub(crate) fn round_corners(robot: &Robot, along: &StatesAlong, segments: &mut [
             segment.corners.clear();
         }
         let (way, paces) = (joined(leg), edge_paces(leg));
-        // The segment of each way point, and its index there.
-        let places: Vec<(usize, usize)> = (0..leg.len())
-            .flat_map(|index| (0..leg[index].waypoints.len().saturating_sub(1)).map(move |at| (index, at)))
-            .collect();
-        let may_be_rounded = |(index, at): (usize, usize)| {
-            leg[index].mode.rests_at.is_none()
-                && (at > 0 || index > 0 && are_joined(&leg[index - 1], &leg[index]))
-        };
-        let kept_m = KEPT_SHARE * least_clearance_m(leg, states);
-        let mut provers: Vec<Option<_>> = leg.iter().map(|_| None).collect();
+        let mut proof = LegProof::new(leg, states);
         let curved = CurvedPath { paces: &paces, robot: Some(robot), ..CurvedPath::stopping(&way) };
-        let corners = curved.rounded(&limits, |at, control_points| {
-            let Some(&(index, at)) = places.get(at).filter(|place| may_be_rounded(**place)) else {
-                return false;
-            };
-            let Some(cell) = states.get(index).map(State::cell) else { return false };
-            let (reach, scratch) = provers[index].get_or_insert_with(|| (cell.reach(), cell.scratch()));
-            let is_own = at > 0 || index > 0;
-            let margins = cell.margins();
-            let beyond_m = (kept_m - margins.margin_m.min(margins.grasp_margin_m)).max(0.0);
-            is_own && cell.curve_keeps(beyond_m, control_points, reach, scratch)
-        });
-        for corner in corners {
+        let is_free = |at: usize| {
+            let (index, at) = proof.places[at];
+            may_move && at > 0 && FREE.contains(&leg[index].mode)
+        };
+        let movable: Vec<bool> = (0..proof.places.len()).map(is_free).collect();
+        let refined = curved.refined(&limits, |at| movable[at], &mut proof);
+        let places = proof.places;
+        for (at, (index, within)) in places.iter().enumerate().filter(|(at, _)| movable[*at]) {
+            leg[*index].waypoints[*within].clone_from(&refined.waypoints[at]);
+        }
+        for corner in refined.corners {
             let (index, waypoint) = places[corner.waypoint];
             leg[index].corners.push(RoundedCorner { waypoint, ..corner });
         }
+    }
+}
+
+/// Segments that lead anywhere past obstacles between their ends; others are straight for a reason.
+const FREE: [Mode; 3] = [Mode::REACH, Mode::CARRY, Mode::RETURN];
+
+/// Proofs for the segments of a leg, between whose ends the hand does not move.
+struct LegProof<'a> {
+    states: &'a [State],
+    /// The segment of each way point but the last, and its index there.
+    places: Vec<(usize, usize)>,
+    /// Whether a corner at each of these may be rounded.
+    may_be_rounded: Vec<bool>,
+    /// Clearance to keep, in metres.
+    kept_m: f64,
+    provers: Vec<Option<(Reach, Scratch)>>,
+}
+
+impl<'a> LegProof<'a> {
+    fn new(leg: &[Segment], states: &'a [State]) -> Self {
+        let places: Vec<(usize, usize)> = (0..leg.len())
+            .flat_map(|index| (0..leg[index].waypoints.len().saturating_sub(1)).map(move |at| (index, at)))
+            .collect();
+        let may_be_rounded = |(index, at): &(usize, usize)| {
+            leg[*index].mode.rests_at.is_none()
+                && (*at > 0 || *index > 0 && are_joined(&leg[index - 1], &leg[*index]))
+        };
+        Self {
+            states,
+            may_be_rounded: places.iter().map(may_be_rounded).collect(),
+            places,
+            kept_m: KEPT_SHARE * least_clearance_m(leg, states),
+            provers: leg.iter().map(|_| None).collect(),
+        }
+    }
+
+    /// Whether a curve (control points: m, rad; one value per joint each) in a segment keeps the clearance.
+    fn keeps(&mut self, segment: usize, control_points: &[Vec<f64>]) -> bool {
+        let Some(cell) = self.states.get(segment).map(State::cell) else { return false };
+        let (reach, scratch) = self.provers[segment].get_or_insert_with(|| (cell.reach(), cell.scratch()));
+        let margins = cell.margins();
+        let beyond_m = (self.kept_m - margins.margin_m.min(margins.grasp_margin_m)).max(0.0);
+        cell.curve_keeps(beyond_m, control_points, reach, scratch)
+    }
+}
+
+impl CurveProof for LegProof<'_> {
+    fn edge(&mut self, edge: usize, ends: [&[f64]; 2]) -> bool {
+        self.places
+            .get(edge)
+            .copied()
+            .is_some_and(|(segment, _)| self.keeps(segment, &ends.map(<[f64]>::to_vec)))
+    }
+
+    fn corner(&mut self, waypoint: usize, control_points: &[Vec<f64>; 5]) -> bool {
+        self.may_be_rounded.get(waypoint) == Some(&true)
+            && self
+                .places
+                .get(waypoint)
+                .copied()
+                .is_some_and(|(segment, _)| self.keeps(segment, control_points))
     }
 }
 

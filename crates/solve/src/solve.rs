@@ -15,7 +15,7 @@ use cranny_task::{
 
 use crate::chain::{Chain, Piece};
 use crate::hold::hold_firmly;
-use crate::rounding::round_corners;
+use crate::rounding::smooth;
 use crate::{
     Answer, Hold, Optimisation, Request, Robustness, Shortening, SolveError, TaskTrajectory, Tilt, Timed,
     Timing,
@@ -275,7 +275,8 @@ fn firm(
         let along = StatesAlong::with_carrier(problem, stages, &segments, carrier)?;
         let begin = Instant::now();
         if let Some(along) = along.as_ref().filter(|_| request.timing.is_some_and(|timing| !timing.stops)) {
-            round_corners(problem.robot(), along, &mut segments, timing);
+            let may_move = !request.keep_path && request.optimise.is_none();
+            smooth(problem.robot(), along, &mut segments, (timing, may_move));
         }
         let rounding_s = begin.elapsed().as_secs_f64();
         let hold = match (request.hold, &along) {

@@ -112,8 +112,12 @@ impl Cell {
         /// Intervals that may need exact distances.
         const EFFORT: u64 = 64;
         let demand = Demand { beyond_m, effort: EFFORT, ..Demand::default() };
+        let course = match control_points {
+            [a, b] => Course::Line([a, b]),
+            points => Course::Curve(points),
+        };
         self.fault_of_joints(control_points, FINE_M, reach, scratch).is_none()
-            && self.first_failure(Course::Curve(control_points), scratch, demand).is_none()
+            && self.first_failure(course, scratch, demand).is_none()
     }
 
     /// Step 1 of [`Self::curve_is_free`], with pieces that stray from their chords by at least `finest_m`, in metres, or half

@@ -21,15 +21,23 @@ pub struct CurvedPath<'a> {
     pub robot: Option<&'a Robot>,
 }
 
+/// Proofs that a curved path may be changed.
+pub trait CurveProof {
+    /// Whether an edge of the path, by its number, may lead between these ends (m, rad; one value per joint).
+    fn edge(&mut self, edge: usize, ends: [&[f64]; 2]) -> bool;
+
+    /// Whether a corner at a way point may have these control points ([`RoundedCorner`]; m, rad; one value per joint).
+    fn corner(&mut self, waypoint: usize, control_points: &[Vec<f64>; 5]) -> bool;
+}
+
 impl<'a> CurvedPath<'a> {
     /// A path with a stop at each corner, through way points (m, rad; one value per joint).
     pub fn stopping(waypoints: &'a [Vec<f64>]) -> Self {
         Self { waypoints, corners: &[], paces: &[], robot: None }
     }
 
-    /// Its corners, each rounded as serves the time best among the sizes that `proven` accepts. `proven` is given a way point
-    /// and the control points of a corner there ([`RoundedCorner`]; m, rad; one value per joint). Corners of this path are
-    /// disregarded.
+    /// Its corners, each rounded as serves the time best among the sizes that `proven` accepts ([`CurveProof::corner`]). Corners
+    /// of this path are disregarded.
     ///
     /// 1. The largest proven share of both edges of each corner: greatest first, then halved, with two steps of bisection.
     /// 2. Descent along what each corner cuts off either edge, one after the other, as long as the whole takes less time.
@@ -66,8 +74,14 @@ impl<'a> CurvedPath<'a> {
         if self.duration_s(limits, &cuts) > stopping_s {
             return Vec::new();
         }
-        let is_rounded = |corner: &&Corner| cuts[corner.waypoint][0] > 0.0;
-        corners.iter().filter(is_rounded).map(|corner| corner.rounded(cuts[corner.waypoint])).collect()
+        self.with_cuts(limits, &cuts)
+    }
+
+    /// The corners that have these cuts, one per way point.
+    pub(crate) fn with_cuts(&self, limits: &MotionLimits, cuts: &[Cuts]) -> Vec<RoundedCorner> {
+        let corners = PathCurve::corners(self.waypoints, &limits.velocity).into_iter();
+        let rounded = corners.filter(|corner| cuts[corner.waypoint][0] > 0.0);
+        rounded.map(|corner| corner.rounded(cuts[corner.waypoint])).collect()
     }
 
     /// Improves what each corner cuts off its edges: 2. of [`Self::rounded`]. Cuts that are larger than `proven` are proven
@@ -126,7 +140,7 @@ impl<'a> CurvedPath<'a> {
     /// whatever the corners.
     ///
     /// Infinite where uneven corners add up to a scale of `s` with which rounding would be felt.
-    fn duration_s(&self, limits: &MotionLimits, cuts: &[Cuts]) -> f64 {
+    pub(crate) fn duration_s(&self, limits: &MotionLimits, cuts: &[Cuts]) -> f64 {
         const MOST_SCALE: f64 = 4096.0;
         let mut scale = 1.0;
         for [before, after] in cuts.iter().filter(|cuts| cuts[0] > 0.0) {
