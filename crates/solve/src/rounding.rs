@@ -1,4 +1,4 @@
-use cranny_collision::{Measuring, Reach, Scratch};
+use cranny_collision::{Reach, Scratch};
 use cranny_path::{CurveProof, CurvedPath};
 use cranny_robot::Robot;
 use cranny_task::{Mode, RoundedCorner, Segment, State, StatesAlong, are_joined, joined};
@@ -116,14 +116,12 @@ impl CurveProof for LegProof<'_> {
 /// A lower bound of the least clearance of the edges of segments on which nothing may touch what carries it, in metres, near
 /// enough to the truth for a share of it to count; 0 where there is nothing to touch.
 fn least_clearance_m(leg: &[Segment], states: &[State]) -> f64 {
-    const SHARE: f64 = 0.02;
-    let mut least_m = f64::INFINITY;
-    for (segment, state) in leg.iter().zip(states).filter(|(segment, _)| segment.mode.rests_at.is_none()) {
-        let (cell, scratch) = (state.cell(), &mut state.cell().scratch());
-        for edge in segment.waypoints.windows(2) {
-            let measuring = Measuring { share: SHARE, below_m: least_m, ..Measuring::default() };
-            least_m = least_m.min(cell.measure_motion([&edge[0], &edge[1]], measuring, scratch).least_m);
-        }
-    }
+    const SHARE: f64 = 0.1;
+    let free = leg.iter().zip(states).filter(|(segment, _)| segment.mode.rests_at.is_none());
+    let of_segment = |(segment, state): (&Segment, &State)| {
+        let cell = state.cell();
+        cell.path_clearance(&segment.waypoints, SHARE, &mut cell.scratch())
+    };
+    let least_m = free.map(of_segment).fold(f64::INFINITY, f64::min);
     if least_m.is_finite() { least_m } else { 0.0 }
 }
