@@ -341,6 +341,12 @@ pub enum CostArgument {
     Time,
     /// Its length, up to eleven times as much where the robot is nearer than 20 mm to the world
     Clearance,
+    /// The path of the tool, in metres
+    Tool,
+    /// The angle by which the tool turns, in radians
+    Turn,
+    /// Seconds: of its trajectory, with 0.5 for a metre of the tool's path and 0.2 for a radian of its turn
+    Mix,
 }
 
 impl From<CostArgument> for CostKind {
@@ -350,6 +356,9 @@ impl From<CostArgument> for CostKind {
             CostArgument::L2 => Self::L2,
             CostArgument::Time => Self::Time,
             CostArgument::Clearance => Self::Clearance,
+            CostArgument::Tool => Self::Tool,
+            CostArgument::Turn => Self::Turn,
+            CostArgument::Mix => Self::Mix,
         }
     }
 }

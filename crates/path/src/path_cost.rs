@@ -2,7 +2,8 @@ use std::sync::Arc;
 
 use cranny_collision::{Cell, Scratch};
 use cranny_grasp::GraspSet;
-use cranny_robot::between;
+use cranny_robot::{Robot, between};
+use cranny_spatial::PoseDifference;
 use cranny_task::Problem;
 use serde::{Deserialize, Serialize};
 use strum::EnumString;
@@ -27,9 +28,21 @@ pub enum CostKind {
     /// Its length in the metric weighted by reach, each piece up to eleven times as long the nearer the robot comes there
     /// to the world than 20 mm: [`Self::PENALTY`], [`Self::WISHED_M`].
     Clearance,
+    /// Path of the origin of the gripper frame, in metres.
+    Tool,
+    /// Angle by which the gripper frame, with what it holds, turns, in radians.
+    Turn,
+    /// Seconds of the time-optimal trajectory along it, with [`Self::TOOL_S_PER_M`] for the path of the tool and
+    /// [`Self::TURN_S_PER_RAD`] for its turn.
+    Mix,
 }
 
 impl CostKind {
+    /// Worth of a metre of the tool's path under [`Self::Mix`], in seconds.
+    pub const TOOL_S_PER_M: f64 = 0.5;
+    /// Worth of a radian of the tool's turn under [`Self::Mix`], in seconds.
+    pub const TURN_S_PER_RAD: f64 = 0.2;
+
     /// Under [`Self::Clearance`] the robot is to keep so far off the world where it can, in metres: more than the errors
     /// of a calibrated arm, less than the openings that it must pass.
     pub const WISHED_M: f64 = 0.02;
@@ -41,7 +54,7 @@ impl CostKind {
 /// What a path costs: what is measured of it, minus the score of its grasp times a weight.
 ///
 /// Laws: a path costs the same forwards and backwards, and a way point on a straight edge adds nothing, but for
-/// [`CostKind::Clearance`], which is sampled (test `a_detour_costs_and_a_way_point_on_the_way_does_not`).
+/// clearances and paths of the tool, which are sampled (test `a_detour_costs_and_a_way_point_on_the_way_does_not`).
 #[derive(Clone, Debug)]
 pub struct PathCost {
     /// By which a search is bounded; it tells lengths from each other as the measure does, or nearly so.
@@ -50,7 +63,41 @@ pub struct PathCost {
     limits: Option<MotionLimits>,
     /// Where clearances are measured.
     cell: Option<Arc<Cell>>,
+    /// Where the path of the tool counts.
+    tool: Option<ToolCost>,
     score_weight: f64,
+}
+
+/// Worth of the path of the gripper frame of a robot.
+#[derive(Clone, Debug)]
+struct ToolCost {
+    robot: Arc<Robot>,
+    per_m: f64,
+    per_rad: f64,
+    metric: JointMetric,
+}
+
+impl ToolCost {
+    /// Cost of a straight edge: the sum over chords between samples.
+    fn of_edge(&self, a: &[f64], b: &[f64]) -> f64 {
+        /// Distance of samples in the metric by reach, in metres; at most so many for an edge.
+        const SPACING_M: f64 = 0.05;
+        const MOST: f64 = 1000.0;
+        let count = (self.metric.distance(a, b) / SPACING_M).ceil().clamp(1.0, MOST);
+        let mut frames = self.robot.frames();
+        let mut tip = |at: f64| {
+            self.robot.tip_kinematics(&between(a, b, at).collect::<Vec<f64>>(), &mut frames);
+            *frames.link(self.robot.tip())
+        };
+        let (mut before, mut total, mut at) = (tip(0.0), 0.0, 1.0);
+        while at <= count {
+            let here = tip((at / count).min(1.0));
+            let PoseDifference { translation_m, rotation_rad } = PoseDifference::between(&before, &here);
+            total += self.per_m * translation_m + self.per_rad * rotation_rad;
+            (before, at) = (here, at + 1.0);
+        }
+        total
+    }
 }
 
 impl PathCost {
@@ -58,26 +105,38 @@ impl PathCost {
     ///
     /// # Errors
     /// [`PathError::ScoreWeight`] unless the weight is finite and at least 0; those of [`MotionLimits::of`] for
-    /// [`CostKind::Time`]; [`TaskError::Goal`](cranny_task::TaskError::Goal) for [`CostKind::Clearance`] under another criterion than `exact`.
+    /// [`CostKind::Time`] and [`CostKind::Mix`]; [`TaskError::Goal`](cranny_task::TaskError::Goal) for [`CostKind::Clearance`] under another criterion than `exact`.
     pub fn new(problem: &Problem, kind: CostKind, score_weight: f64) -> Result<Self, PathError> {
         if !(score_weight.is_finite() && score_weight >= 0.0) {
             return Err(PathError::ScoreWeight { weight: score_weight });
         }
         let robot = problem.robot();
         let limits = match kind {
-            CostKind::Time => Some(MotionLimits::of(robot, TimingMethod::TimeOptimal)?),
-            CostKind::Length | CostKind::L2 | CostKind::Clearance => None,
+            CostKind::Time | CostKind::Mix => Some(MotionLimits::of(robot, TimingMethod::TimeOptimal)?),
+            _ => None,
         };
         let cell = match kind {
             CostKind::Clearance => Some(problem.exact_cell("cost")?.clone()),
-            CostKind::Length | CostKind::L2 | CostKind::Time => None,
+            _ => None,
         };
+        let worth = match kind {
+            CostKind::Tool => Some([1.0, 0.0]),
+            CostKind::Turn => Some([0.0, 1.0]),
+            CostKind::Mix => Some([CostKind::TOOL_S_PER_M, CostKind::TURN_S_PER_RAD]),
+            _ => None,
+        };
+        let tool = worth.map(|[per_m, per_rad]| ToolCost {
+            robot: robot.clone(),
+            per_m,
+            per_rad,
+            metric: JointMetric::by_reach(robot),
+        });
         let metric = match (kind, &limits) {
             (CostKind::L2, _) => JointMetric::plain(robot.dof()),
             (_, Some(limits)) => JointMetric::by_speed(limits),
             (_, None) => JointMetric::by_reach(robot),
         };
-        Ok(Self { metric, limits, cell, score_weight })
+        Ok(Self { metric, limits, cell, tool, score_weight })
     }
 
     /// The measure of a path of way points (m, rad; one value per joint), in the unit of its [`CostKind`].
@@ -86,12 +145,18 @@ impl PathCost {
     /// Those of [`Trajectory::along`] where time is measured.
     pub fn measure(&self, path: &[Vec<f64>]) -> Result<f64, PathError> {
         match (&self.limits, &self.cell) {
-            (Some(limits), _) => Ok(Trajectory::along(path, limits)?.duration_s()),
+            (Some(limits), _) => {
+                let tool = self
+                    .tool
+                    .iter()
+                    .flat_map(|tool| path.windows(2).map(|edge| tool.of_edge(&edge[0], &edge[1])));
+                Ok(Trajectory::along(path, limits)?.duration_s() + sum(tool))
+            }
             (None, Some(cell)) => {
                 let mut scratch = cell.scratch();
                 Ok(sum(path.windows(2).map(|edge| self.of_edge(&edge[0], &edge[1], &mut scratch))))
             }
-            (None, None) => Ok(self.length(path)),
+            (None, None) => Ok(sum(path.windows(2).map(|edge| self.least_of_edge(&edge[0], &edge[1])))),
         }
     }
 
@@ -106,9 +171,11 @@ impl PathCost {
 
     /// What a straight edge adds at least to a path that turns at both its ends; exactly, unless [`Self::is_of_the_world`].
     pub(crate) fn least_of_edge(&self, a: &[f64], b: &[f64]) -> f64 {
-        match &self.limits {
-            Some(limits) => rest_to_rest_s(a, b, limits),
-            None => self.metric.distance(a, b),
+        let tool = self.tool.as_ref().map(|tool| tool.of_edge(a, b));
+        match (&self.limits, tool) {
+            (Some(limits), tool) => rest_to_rest_s(a, b, limits) + tool.unwrap_or(0.0),
+            (None, Some(tool)) => tool,
+            (None, None) => self.metric.distance(a, b),
         }
     }
 

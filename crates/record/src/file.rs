@@ -6,7 +6,7 @@ use cranny_grasp::ScoreKind;
 use cranny_path::{AuditSettings, Clearances, path_length};
 use cranny_plan::{Budget, NoGrasp, Outcome, Statistics};
 use cranny_scenario::{Geometry, GivenGrasps, NamedTask, ScenarioError, write_whole_file};
-use cranny_solve::{Answer, Hold, Request, Robustness, Tilt};
+use cranny_solve::{Answer, Hold, Paces, Request, Robustness, Tilt, Timing};
 use cranny_task::{Criterion, GraspFailure, NotChecked, OwnGrasp, Segment, Stage};
 use serde::{Deserialize, Serialize};
 
@@ -236,6 +236,8 @@ impl PlanFile {
     /// The request that a plan was made by, where iterations alone end it: the time that a search took says nothing of
     /// this machine.
     pub fn request(&self) -> Request {
+        let mut paces = Paces::default();
+        paces.of_modes.extend(self.segments.iter().map(|segment| (segment.mode, segment.pace)));
         Request {
             planner: Some(self.planner.clone()),
             settings: self.settings.as_object().cloned().unwrap_or_default(),
@@ -248,6 +250,13 @@ impl PlanFile {
             stages: self.task.clone(),
             hold: self.hold_demanded,
             left_out: LeftOut::before_last(&self.tries),
+            paces,
+            // Way points lie where a motion with rounded corners takes less time.
+            timing: self.timing.as_ref().map(|timing| Timing {
+                method: Some(timing.method),
+                stops: !timing.blended,
+                is_demanded: false,
+            }),
             // How far the same path is from everything stands in the plan.
             audit: AuditSettings { clearances: Clearances::None, ..AuditSettings::default() },
             ..Request::default()

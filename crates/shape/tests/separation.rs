@@ -1,7 +1,9 @@
 //! Distances against oracles that are not GJK: closed formulas, samples of the surface, and other
 //! descriptions of the same body.
 
-use cranny_shape::{Solid, Surface, TriangleSoup, overlap, quick_lower_bound, reaches, separation};
+use cranny_shape::{
+    Range, Solid, Surface, TriangleSoup, overlap, quick_lower_bound, reaches, separation, separation_in,
+};
 use cranny_spatial::{Point, Pose, Stream, Vector};
 use proptest::prelude::*;
 
@@ -140,6 +142,23 @@ proptest! {
         let early = separation(&a, &pose_a, &b, &pose_b, beyond);
         prop_assert_eq!(early.lower_m >= beyond, whole.lower_m >= beyond);
         prop_assert!(early.lower_m <= whole.upper_m + 1e-12);
+    }
+
+    /// Distances below a bound are exact; of others it is known that they are not.
+    #[test]
+    fn what_matters_of_a_distance_is_the_same(seed in any::<u64>(), beyond_m in 0.0..0.3, exact_below_m in 0.0..0.3) {
+        let mut random = Stream::new(seed, 2);
+        let ((a, _), (b, _)) = (random_solid(&mut random), random_solid(&mut random));
+        let (pose_a, pose_b) = (random_pose(&mut random, 0.3), random_pose(&mut random, 0.3));
+        let whole = separation(&a, &pose_a, &b, &pose_b, FAR);
+        let found = separation_in(&a, &pose_a, &b, &pose_b, Range { beyond_m, exact_below_m });
+        let matters_m = beyond_m.min(exact_below_m);
+        prop_assert!(found.lower_m <= whole.upper_m + 1e-12);
+        if whole.lower_m >= matters_m {
+            prop_assert!(found.lower_m >= matters_m, "{found:?} {whole:?}");
+        } else {
+            prop_assert!((found.lower_m - whole.lower_m).abs() < 1e-7, "{found:?} {whole:?}");
+        }
     }
 
     #[test]

@@ -17,6 +17,7 @@ mod rounding;
 mod solve;
 mod task_trajectory;
 mod tilt;
+mod way_search;
 
 pub use answer::{Answer, Optimisation, Shortening, Timed};
 pub use error::SolveError;

@@ -2,24 +2,18 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 use std::time::Instant;
 
-use cranny_path::{ShortcutSettings, audit_along, audit_task, shortcut};
-use cranny_plan::{
-    Budget, Improvement, NoGrasp, Observer, OptimiseSettings, Outcome, PlanError, PlanReport, Planner, Reach,
-    Statistics, Unobserved, better, optimise, search,
-};
+use cranny_path::{CostKind, audit_along, audit_task};
+use cranny_plan::{Budget, NoGrasp, Observer, Outcome, PlanError, PlanReport, Unobserved};
 use cranny_robot::Robot;
 use cranny_spatial::{Pose, other_seed};
 use cranny_task::{
-    Carrier, Criterion, FailureReason, GraspFilter, Problem, Segment, Stage, StatesAlong, give_clearances,
+    Carrier, FailureReason, GraspFilter, Problem, Segment, Stage, StatesAlong, give_clearances,
 };
 
-use crate::chain::{Chain, Piece};
 use crate::hold::hold_firmly;
 use crate::rounding::smooth;
-use crate::{
-    Answer, Hold, Optimisation, Request, Robustness, Shortening, SolveError, TaskTrajectory, Tilt, Timed,
-    Timing,
-};
+use crate::way_search::{Found, found_alone, found_in_stages};
+use crate::{Answer, Hold, Request, Robustness, SolveError, TaskTrajectory, Tilt, Timed, Timing};
 
 /// Solves a problem as a request says.
 ///
@@ -27,7 +21,7 @@ use crate::{
 ///    only if there is one through all that follow (see `chain.rs`).
 /// 2. A path under `exact` is shortened, unless it is to be kept or was bettered; that of `reach` to a grasp or a
 ///    configuration is bettered a little ([`OptimiseSettings::delivery`]).
-/// 3. If a trajectory is asked, corners are rounded where the curve is proven free. Motions with an object in the hand are
+/// 3. If a trajectory is asked, corners are rounded and way points moved where that saves time and is proven free. Motions with an object in the hand are
 ///    slowed down until the hand holds it firmly, if that is demanded ([`Request::hold`]).
 /// 4. Whatever was found is judged like anybody's path, curves included, before it is called solved.
 /// 5. A path that holds gets its time, if that is asked.
@@ -188,70 +182,6 @@ fn solve_asked(
     })
 }
 
-/// Outcome of the search, and the segments as they are delivered.
-struct Found {
-    report: PlanReport,
-    segments: Vec<Segment>,
-    /// The segments as they were found, where they were shortened.
-    unshortened: Vec<Segment>,
-    shortening: Option<Shortening>,
-    optimisation: Option<Optimisation>,
-    /// The carrier of the first object.
-    carrier: Option<Arc<Carrier>>,
-}
-
-/// Steps 1 and 2 for the goal of the problem alone.
-fn found_alone(
-    problem: &Problem,
-    planner: &dyn Planner,
-    request: &Request,
-    observer: &mut dyn Observer,
-) -> Result<Found, SolveError> {
-    let (report, optimisation) = searched(planner, problem, request, observer)?;
-    observer.search_ended();
-    let is_shortened =
-        problem.criterion() == Criterion::Exact && optimisation.is_none() && !request.keep_path;
-    let (mut report, shortening) = if is_shortened && !report.path.is_empty() {
-        let (report, shortening) = shortened(problem, planner, report, request.seed)?;
-        (report, Some(shortening))
-    } else {
-        (report, None)
-    };
-    let path = std::mem::take(&mut report.path);
-    let segments = if path.is_empty() { Vec::new() } else { vec![Segment::reach(path, Vec::new())] };
-    Ok(Found { report, segments, unshortened: Vec::new(), shortening, optimisation, carrier: None })
-}
-
-/// Steps 1 and 2 for several stages: each segment that is not bound to what carries an object is shortened, or bettered,
-/// between its ends, for the hand holds an object as it stands where a segment ends.
-fn found_in_stages(
-    problem: &Problem,
-    planner: &dyn Planner,
-    (stages, request): (&[Stage], &Request),
-    observer: &mut dyn Observer,
-) -> Result<Found, SolveError> {
-    let chain = Chain::new(problem, stages, request)?;
-    let carrier = chain.first_carrier.clone();
-    let (report, pieces) = chain.search(planner, observer)?;
-    observer.search_ended();
-    let begin = Instant::now();
-    let is_found = !pieces.is_empty();
-    let unshortened = pieces.iter().map(|(segment, _)| segment.clone()).collect();
-    let (segments, optimisation) = match request.optimise.filter(|_| is_found) {
-        Some(settings) => {
-            let (segments, optimisation) = bettered(pieces, &report, (settings, request), observer)?;
-            (segments, Some(optimisation))
-        }
-        None if request.keep_path => (pieces.into_iter().map(|(segment, _)| segment).collect(), None),
-        None => (shortened_pieces(pieces, request.seed)?, None),
-    };
-    let is_shortened = is_found && optimisation.is_none() && !request.keep_path;
-    let attempts = ShortcutSettings::default().attempts;
-    let time_s = begin.elapsed().as_secs_f64();
-    let shortening = is_shortened.then_some(Shortening { attempts, searches: 0, time_s });
-    Ok(Found { report, segments, unshortened, shortening, optimisation, carrier })
-}
-
 /// Segments, the states along them, how firmly the hand holds what it carries, and the seconds in which corners were rounded.
 type Firm = (Vec<Segment>, Option<StatesAlong>, Option<Hold>, f64);
 
@@ -275,7 +205,11 @@ fn firm(
         let along = StatesAlong::with_carrier(problem, stages, &segments, carrier)?;
         let begin = Instant::now();
         if let Some(along) = along.as_ref().filter(|_| request.timing.is_some_and(|timing| !timing.stops)) {
-            let may_move = !request.keep_path && request.optimise.is_none();
+            // What was optimised for another cost stays as it is.
+            let is_by_time = request
+                .optimise
+                .is_none_or(|optimise| matches!(optimise.cost, CostKind::Time | CostKind::Mix));
+            let may_move = !request.keep_path && is_by_time;
             smooth(problem.robot(), along, &mut segments, (timing, may_move));
         }
         let rounding_s = begin.elapsed().as_secs_f64();
@@ -292,83 +226,6 @@ fn firm(
     Ok(None)
 }
 
-fn shortened_pieces(pieces: Vec<Piece>, seed: u64) -> Result<Vec<Segment>, PlanError> {
-    let settings = ShortcutSettings { seed, ..ShortcutSettings::default() };
-    let shortened = pieces.into_iter().map(|(segment, problem)| match problem {
-        Some(problem) => {
-            let waypoints = shortcut(&problem, &segment.waypoints, settings)?.path;
-            Ok(Segment { waypoints, ..segment })
-        }
-        None => Ok(segment),
-    });
-    shortened.collect()
-}
-
-/// The segments, each that can be bettered with an equal share of time and iterations; their costs are added up.
-fn bettered(
-    pieces: Vec<Piece>,
-    report: &PlanReport,
-    (settings, request): (OptimiseSettings, &Request),
-    observer: &mut dyn Observer,
-) -> Result<(Vec<Segment>, Optimisation), PlanError> {
-    let begin = Instant::now();
-    let free = pieces.iter().filter(|(_, problem)| problem.is_some()).count();
-    let time = settings.time / u32::try_from(free.max(1)).unwrap_or(u32::MAX);
-    let left = request.budget.iterations.saturating_sub(report.statistics.iterations);
-    let most = settings.iterations.min(left / free.max(1) as u64);
-    let of_piece = OptimiseSettings { time, iterations: most, score_weight: 0.0, ..settings };
-    let (mut segments, mut steps) = (Vec::new(), Vec::new());
-    let (mut iterations, mut first_cost) = (report.statistics.iterations, 0.0);
-    for (segment, problem) in pieces {
-        let Some(problem) = problem else {
-            segments.push(segment);
-            continue;
-        };
-        let statistics =
-            Statistics { planning_time_s: begin.elapsed().as_secs_f64(), ..Statistics::default() };
-        let path = segment.waypoints.clone();
-        let first = PlanReport { outcome: Outcome::Solved, path, statistics, failures: Vec::new() };
-        let found = better(&problem, first, of_piece, request.seed, observer)?;
-        let costs = found.improvements;
-        first_cost += costs.first().map_or(0.0, |first| first.cost);
-        steps.extend(costs.windows(2).map(|pair| {
-            let iterations = iterations + pair[1].iterations;
-            (pair[0].cost - pair[1].cost, Improvement { iterations, ..pair[1] })
-        }));
-        iterations += found.iterations;
-        segments.push(Segment { waypoints: found.report.path, ..segment });
-    }
-    let search_s = report.statistics.planning_time_s;
-    let first = Improvement { time_s: search_s, iterations: report.statistics.iterations, cost: first_cost };
-    let mut improvements = vec![first];
-    for (saved, step) in steps {
-        first_cost -= saved;
-        improvements.push(Improvement { cost: first_cost, time_s: search_s + step.time_s, ..step });
-    }
-    Ok((segments, Optimisation { settings, time_s: begin.elapsed().as_secs_f64(), iterations, improvements }))
-}
-
-/// Step 1: the search, and with `optimise` those for better paths.
-fn searched(
-    planner: &dyn Planner,
-    problem: &Problem,
-    request: &Request,
-    observer: &mut dyn Observer,
-) -> Result<(PlanReport, Option<Optimisation>), PlanError> {
-    let (budget, seed) = (&request.budget, request.seed);
-    let Some(settings) = request.optimise else {
-        return Ok((search(planner, problem, budget, seed, observer)?, None));
-    };
-    let optimised = optimise(planner, problem, budget, settings, seed, observer)?;
-    let optimisation = Optimisation {
-        settings,
-        time_s: optimised.time_s,
-        iterations: optimised.iterations,
-        improvements: optimised.improvements,
-    };
-    Ok((optimised.report, Some(optimisation)))
-}
-
 /// Step 5 for a path that holds; `None` for a robot without the limits for it.
 fn timed(
     problem: &Problem,
@@ -379,25 +236,4 @@ fn timed(
     let begin = Instant::now();
     let trajectory = TaskTrajectory::of(timing, problem.robot(), segments)?;
     Ok(trajectory.map(|trajectory| Timed { trajectory, time_s: rounding_s + begin.elapsed().as_secs_f64() }))
-}
-
-/// Step 2 for a path to the goal of a problem.
-fn shortened(
-    problem: &Problem,
-    planner: &dyn Planner,
-    mut report: PlanReport,
-    seed: u64,
-) -> Result<(PlanReport, Shortening), PlanError> {
-    let begin = Instant::now();
-    let settings = ShortcutSettings { seed, ..ShortcutSettings::default() };
-    let mut searches = 0;
-    // Only where the planner is the one that searches again is what it finds its own.
-    if planner.name() == Reach::default().name() {
-        let optimised = better(problem, report, OptimiseSettings::delivery(), seed, &mut Unobserved)?;
-        (report, searches) = (optimised.report, optimised.searches);
-    } else {
-        report.path = shortcut(problem, &report.path, settings)?.path;
-    }
-    let time_s = begin.elapsed().as_secs_f64();
-    Ok((report, Shortening { attempts: settings.attempts, searches, time_s }))
 }

@@ -209,7 +209,9 @@ fn most_moved_m(cell: &Cell, body: usize, course: Course<'_>, middle: f64, half_
     };
     let here = at(middle);
     let mut most_m: f64 = 0.0;
-    for there in (0..=20).map(|i| middle + half_width * (f64::from(i) / 10.0 - 1.0)) {
+    // Bounds on the rates of a curve hold between its ends.
+    let places = (0..=20).map(|i| (middle + half_width * (f64::from(i) / 10.0 - 1.0)).clamp(0.0, 1.0));
+    for there in places {
         let there = at(there);
         for (link_from_shape, solid) in &link.shapes {
             let (points, _) = solid.bounding_points().expect("links are bounded");

@@ -44,7 +44,7 @@ impl CurvedPath<'_> {
         proof: &mut impl CurveProof,
     ) -> RefinedPath {
         let corners = self.rounded(limits, |at, points| proof.corner(at, points));
-        let mut refined = RefinedPath { waypoints: self.waypoints.to_vec(), corners };
+        let refined = RefinedPath { waypoints: self.waypoints.to_vec(), corners };
         if refined.corners.is_empty() {
             return refined;
         }
@@ -62,9 +62,16 @@ impl CurvedPath<'_> {
                 break;
             }
         }
-        refined.waypoints.clone_from(&descent.waypoints);
-        refined.corners = descent.corners();
-        refined
+        let known = refined.corners;
+        let proven = |corner: RoundedCorner| {
+            let at = corner.waypoint;
+            let same = known.iter().find(|known| known.waypoint == at && !descent.is_touched[at]);
+            same.cloned().unwrap_or(corner)
+        };
+        RefinedPath {
+            corners: descent.corners().into_iter().map(proven).collect(),
+            waypoints: descent.waypoints,
+        }
     }
 }
 
@@ -76,6 +83,8 @@ struct Descent<'a> {
     /// Shares of both edges that the corner at each way point cuts off; 0 for none.
     shares: Vec<[f64; 2]>,
     least_s: f64,
+    /// Whether the corner at each way point is another by now.
+    is_touched: Vec<bool>,
     random: Stream,
 }
 
@@ -87,8 +96,10 @@ impl<'a> Descent<'a> {
             let [before, here, after] = [0, 1, 2].map(|k| &waypoints[corner.waypoint + k - 1]);
             shares[corner.waypoint] = [corner.share_before(before, here), corner.share_after(here, after)];
         }
+        let is_touched = vec![false; waypoints.len()];
+        let random = Stream::new(0, 0);
         let mut descent =
-            Self { path, limits, waypoints, shares, least_s: f64::INFINITY, random: Stream::new(0, 0) };
+            Self { path, limits, waypoints, shares, least_s: f64::INFINITY, is_touched, random };
         descent.least_s = descent.duration_s();
         descent
     }
@@ -185,6 +196,7 @@ impl<'a> Descent<'a> {
         let is_taken = self.is_proven(at, proof);
         if is_taken {
             self.least_s = duration_s;
+            self.is_touched[at - 1..=at + 1].fill(true);
         } else {
             self.waypoints[at] = was;
         }

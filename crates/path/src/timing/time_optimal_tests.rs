@@ -8,7 +8,7 @@ use proptest::prelude::*;
 use crate::timing::motion_limits::{MotionLimits, TimingMethod};
 use crate::timing::path_curve::{Cuts, PathCurve};
 use crate::timing::piece_limits::{EdgePace, PieceLimits};
-use crate::timing::rounding::CurvedPath;
+use crate::timing::rounding::{CurveProof, CurvedPath};
 use crate::timing::time_optimal::{on_grid, time_optimal};
 use crate::timing::trajectory::{Trajectory, TrajectorySample};
 
@@ -168,6 +168,35 @@ proptest! {
         }
     }
 
+    /// Never slower than the rounded path; what may not move stays; edges and corners are among those that were accepted, or as they
+    /// were.
+    #[test]
+    fn way_points_move_only_where_that_is_proven_and_saves_time(seed in any::<u64>(), count in 3usize..7, share in 0.1..1.0) {
+        let path = polyline(seed, count);
+        for method in [TimingMethod::TimeOptimal, TimingMethod::JerkLimited] {
+            let limits = limits_by(method);
+            let path = CurvedPath::stopping(&path);
+            let mut proof = Recorded { share, accepted: Vec::new() };
+            let corners = path.rounded(&limits, |at, points| proof.corner(at, points));
+            let mut proof = Recorded { share, accepted: Vec::new() };
+            let refined = path.refined(&limits, |at| at % 2 == 1, &mut proof);
+            for (at, (before, after)) in path.waypoints.iter().zip(&refined.waypoints).enumerate() {
+                prop_assert!(at % 2 == 1 && at + 1 < path.waypoints.len() || before == after);
+            }
+            for corner in &refined.corners {
+                prop_assert!(proof.accepted.contains(&corner.control_points.to_vec()));
+            }
+            for edge in refined.waypoints.windows(2) {
+                prop_assert!(path.waypoints.windows(2).any(|was| was == edge) || proof.accepted.contains(&edge.to_vec()));
+            }
+            let rounded = CurvedPath { corners: &corners, ..path };
+            let moved = CurvedPath { waypoints: &refined.waypoints, corners: &refined.corners, ..path };
+            let [moved_s, rounded_s] =
+                [moved, rounded].map(|path| Trajectory::along_curve(&path, &limits).expect("a trajectory").duration_s());
+            prop_assert!(moved_s <= rounded_s * (1.0 + 1e-9), "{moved_s} against {rounded_s}");
+        }
+    }
+
     #[test]
     fn a_finer_grid_hardly_shortens_the_time(seed in any::<u64>(), count in 3usize..8, size in -3.0..0.5) {
         let (path, limits) = (polyline(seed, count), motion_limits());
@@ -187,6 +216,33 @@ proptest! {
         curve.pieces[0].turn = Some(vec![0.0; JOINTS]);
         let staged = on_grid(&curve, &of_pieces(&curve, &limits), 1000).duration_s;
         prop_assert!(staged >= exact * (1.0 - 1e-9) && staged <= exact * 1.0001, "{staged} against {exact}");
+    }
+}
+
+/// Accepts what is small, and keeps it.
+struct Recorded {
+    share: f64,
+    accepted: Vec<Vec<Vec<f64>>>,
+}
+
+impl Recorded {
+    fn accept(&mut self, points: &[Vec<f64>]) -> bool {
+        let (first, last) = (&points[0], &points[points.len() - 1]);
+        let is_small = first.iter().zip(last).all(|(a, b)| (a - b).abs() < 3.0 * self.share);
+        if is_small {
+            self.accepted.push(points.to_vec());
+        }
+        is_small
+    }
+}
+
+impl CurveProof for Recorded {
+    fn edge(&mut self, _: usize, ends: [&[f64]; 2]) -> bool {
+        self.accept(&ends.map(<[f64]>::to_vec))
+    }
+
+    fn corner(&mut self, _: usize, control_points: &[Vec<f64>; 5]) -> bool {
+        self.accept(control_points)
     }
 }
 

@@ -1,0 +1,239 @@
+use std::sync::Arc;
+use std::time::Instant;
+
+use cranny_path::{PathCost, PathError, ShortcutSettings, shortcut};
+use cranny_plan::{
+    Budget, Improvement, Observer, OptimiseSettings, Outcome, PlanError, PlanReport, Planner, Reach,
+    Statistics, Unobserved, better, optimise, search,
+};
+use cranny_spatial::other_seed;
+use cranny_task::{Carrier, Criterion, Problem, Segment, Stage};
+
+use crate::chain::{Chain, Piece};
+use crate::{Optimisation, Request, Shortening, SolveError};
+
+/// Result of a search, and the segments as they are delivered.
+pub(crate) struct Found {
+    pub report: PlanReport,
+    pub segments: Vec<Segment>,
+    /// The segments as they were found, where they were shortened.
+    pub unshortened: Vec<Segment>,
+    pub shortening: Option<Shortening>,
+    pub optimisation: Option<Optimisation>,
+    /// The carrier of the first object.
+    pub carrier: Option<Arc<Carrier>>,
+}
+
+/// A path to the goal of the problem alone, shortened or optimised.
+pub(crate) fn found_alone(
+    problem: &Problem,
+    planner: &dyn Planner,
+    request: &Request,
+    observer: &mut dyn Observer,
+) -> Result<Found, SolveError> {
+    let (report, optimisation) = searched(planner, problem, request, observer)?;
+    observer.search_ended();
+    let is_shortened =
+        problem.criterion() == Criterion::Exact && optimisation.is_none() && !request.keep_path;
+    let (mut report, shortening) = if is_shortened && !report.path.is_empty() {
+        let (report, shortening) = shortened(problem, planner, report, request.seed)?;
+        (report, Some(shortening))
+    } else {
+        (report, None)
+    };
+    let path = std::mem::take(&mut report.path);
+    let segments = if path.is_empty() { Vec::new() } else { vec![Segment::reach(path, Vec::new())] };
+    Ok(Found { report, segments, unshortened: Vec::new(), shortening, optimisation, carrier: None })
+}
+
+/// Paths through several stages. Each segment that is not bound to what carries an object is shortened between its ends, for the
+/// hand holds an object as it stands where a segment ends; with `optimise`, the cheapest of several such tasks is improved
+/// ([`optimised`]).
+pub(crate) fn found_in_stages(
+    problem: &Problem,
+    planner: &dyn Planner,
+    (stages, request): (&[Stage], &Request),
+    observer: &mut dyn Observer,
+) -> Result<Found, SolveError> {
+    let chain = Chain::new(problem, stages, request)?;
+    let carrier = chain.first_carrier.clone();
+    let (report, pieces) = chain.search(planner, observer)?;
+    observer.search_ended();
+    let begin = Instant::now();
+    let as_found =
+        |pieces: &[Piece]| pieces.iter().map(|(segment, _)| segment.clone()).collect::<Vec<Segment>>();
+    let mut unshortened = as_found(&pieces);
+    let is_found = !pieces.is_empty();
+    let is_shortened = is_found && !request.keep_path;
+    let pieces = if is_shortened { shortened_pieces(pieces, request.seed)? } else { pieces };
+    let (segments, optimisation) = match request.optimise.filter(|_| is_found) {
+        Some(settings) => {
+            let first = (pieces, unshortened.clone());
+            let (best, optimisation) =
+                optimised(problem, planner, (stages, request), first, (&report, settings), observer)?;
+            unshortened = best.1;
+            (as_found(&best.0), Some(optimisation))
+        }
+        None => (as_found(&pieces), None),
+    };
+    let attempts = ShortcutSettings::default().attempts;
+    let shortening = (is_shortened && optimisation.is_none()).then(|| Shortening {
+        attempts,
+        searches: 0,
+        time_s: begin.elapsed().as_secs_f64(),
+    });
+    Ok(Found { report, segments, unshortened, shortening, optimisation, carrier })
+}
+
+/// Pieces of a task that are shortened, and the segments that they were made of.
+type Way = (Vec<Piece>, Vec<Segment>);
+
+/// The cheapest task that is found within the limits of time and iterations, at most as dear as the first.
+///
+/// 1. For half of the time and iterations whole tasks, each from another seed: with other grasps, configurations, places and
+///    paths.
+/// 2. For the rest better paths between the ends of the segments of the cheapest, one after the other ([`better`]).
+fn optimised(
+    problem: &Problem,
+    planner: &dyn Planner,
+    (stages, request): (&[Stage], &Request),
+    first: Way,
+    (report, settings): (&PlanReport, OptimiseSettings),
+    observer: &mut dyn Observer,
+) -> Result<(Way, Optimisation), SolveError> {
+    /// A search that takes so many times the iterations of the first, and some, is given up.
+    const PATIENCE: u64 = 4;
+    const LEAST_ITERATIONS: u64 = 1000;
+    let begin = Instant::now();
+    let first_s = report.statistics.planning_time_s;
+    let mut iterations = report.statistics.iterations;
+    let most_iterations = settings.iterations.min(request.budget.iterations);
+    let costs = TaskCost { problem, settings };
+    let mut best = first;
+    let mut cost = costs.of(&best.0)?;
+    let mut improvements = vec![Improvement { time_s: first_s, iterations, cost }];
+    // 1.
+    let most_of_search = PATIENCE.saturating_mul(iterations).max(LEAST_ITERATIONS);
+    for other in 1.. {
+        let left = (settings.time / 2).saturating_sub(begin.elapsed());
+        if left.is_zero() || iterations >= most_iterations / 2 || observer.should_stop() {
+            break;
+        }
+        let budget = Budget { iterations: most_of_search, time: left };
+        let again = Request { budget, seed: other_seed(request.seed, other), ..request.clone() };
+        let (report, pieces) = Chain::new(problem, stages, &again)?.search(planner, &mut Unobserved)?;
+        iterations += report.statistics.iterations.max(1);
+        if pieces.is_empty() {
+            continue;
+        }
+        let unshortened = pieces.iter().map(|(segment, _)| segment.clone()).collect();
+        let pieces = shortened_pieces(pieces, again.seed)?;
+        let found = costs.of(&pieces)?;
+        if found < cost {
+            cost = found;
+            best = (pieces, unshortened);
+            let time_s = first_s + begin.elapsed().as_secs_f64();
+            improvements.push(Improvement { time_s, iterations, cost });
+        }
+    }
+    // 2.
+    let free = best.0.iter().filter(|(_, problem)| problem.is_some()).count().max(1);
+    let time = settings.time.saturating_sub(begin.elapsed()) / u32::try_from(free).unwrap_or(u32::MAX);
+    let most = most_iterations.saturating_sub(iterations) / free as u64;
+    let of_piece = OptimiseSettings { time, iterations: most, score_weight: 0.0, ..settings };
+    for (segment, problem) in &mut best.0 {
+        let Some(problem) = problem else { continue };
+        let statistics =
+            Statistics { planning_time_s: begin.elapsed().as_secs_f64(), ..Statistics::default() };
+        let path = segment.waypoints.clone();
+        let before = PlanReport { outcome: Outcome::Solved, path, statistics, failures: Vec::new() };
+        let found = better(problem, before, of_piece, request.seed, observer)?;
+        let of_segment = PathCost::new(problem, settings.cost, 0.0)?;
+        let mut known = of_segment.measure(&segment.waypoints)?;
+        for step in found.improvements.iter().filter(|step| step.cost < known).copied().collect::<Vec<_>>() {
+            cost -= known - step.cost;
+            known = step.cost;
+            let time_s = first_s + step.time_s;
+            improvements.push(Improvement { time_s, iterations: iterations + step.iterations, cost });
+        }
+        iterations += found.iterations;
+        segment.waypoints = found.report.path;
+    }
+    let time_s = begin.elapsed().as_secs_f64();
+    Ok((best, Optimisation { settings, time_s, iterations, improvements }))
+}
+
+/// Costs of whole tasks.
+struct TaskCost<'a> {
+    problem: &'a Problem,
+    settings: OptimiseSettings,
+}
+
+impl TaskCost<'_> {
+    /// The sum over all segments, minus what the first grasp is worth.
+    fn of(&self, pieces: &[Piece]) -> Result<f64, PathError> {
+        let OptimiseSettings { cost, score_weight, .. } = self.settings;
+        let mut total = 0.0;
+        for (segment, problem) in pieces {
+            let measured = PathCost::new(problem.as_ref().unwrap_or(self.problem), cost, 0.0)?;
+            total += measured.measure(&segment.waypoints)?;
+        }
+        let of_grasp = PathCost::new(self.problem, cost, score_weight)?;
+        let grasp = pieces.first().and_then(|(segment, _)| segment.waypoints.last());
+        let score = grasp.and_then(|end| of_grasp.score_at(self.problem, end));
+        Ok(total - of_grasp.reward(score))
+    }
+}
+
+/// The pieces with shorter paths.
+fn shortened_pieces(pieces: Vec<Piece>, seed: u64) -> Result<Vec<Piece>, PlanError> {
+    let settings = ShortcutSettings { seed, ..ShortcutSettings::default() };
+    let shortened = pieces.into_iter().map(|(segment, problem)| {
+        let Some(problem) = problem else { return Ok((segment, None)) };
+        let waypoints = shortcut(&problem, &segment.waypoints, settings)?.path;
+        Ok((Segment { waypoints, ..segment }, Some(problem)))
+    });
+    shortened.collect()
+}
+
+/// The search, and with `optimise` those for better paths.
+fn searched(
+    planner: &dyn Planner,
+    problem: &Problem,
+    request: &Request,
+    observer: &mut dyn Observer,
+) -> Result<(PlanReport, Option<Optimisation>), PlanError> {
+    let (budget, seed) = (&request.budget, request.seed);
+    let Some(settings) = request.optimise else {
+        return Ok((search(planner, problem, budget, seed, observer)?, None));
+    };
+    let optimised = optimise(planner, problem, budget, settings, seed, observer)?;
+    let optimisation = Optimisation {
+        settings,
+        time_s: optimised.time_s,
+        iterations: optimised.iterations,
+        improvements: optimised.improvements,
+    };
+    Ok((optimised.report, Some(optimisation)))
+}
+
+/// A shorter path to the goal of a problem.
+fn shortened(
+    problem: &Problem,
+    planner: &dyn Planner,
+    mut report: PlanReport,
+    seed: u64,
+) -> Result<(PlanReport, Shortening), PlanError> {
+    let begin = Instant::now();
+    let settings = ShortcutSettings { seed, ..ShortcutSettings::default() };
+    let mut searches = 0;
+    // Only where the planner is the one that searches again is what it finds its own.
+    if planner.name() == Reach::default().name() {
+        let optimised = better(problem, report, OptimiseSettings::delivery(), seed, &mut Unobserved)?;
+        (report, searches) = (optimised.report, optimised.searches);
+    } else {
+        report.path = shortcut(problem, &report.path, settings)?.path;
+    }
+    let time_s = begin.elapsed().as_secs_f64();
+    Ok((report, Shortening { attempts: settings.attempts, searches, time_s }))
+}
