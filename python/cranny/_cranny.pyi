@@ -456,7 +456,7 @@ def plan(
     goal_threshold: float | None = None,
     shortcut: bool = True,
     optimise_s: float | None = None,
-    cost: str = "length",
+    cost: str | None = None,
     score_weight: float = 1.0,
     jerk_limited: bool | None = None,
     blend: bool = True,

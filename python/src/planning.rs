@@ -100,7 +100,8 @@ pub fn seconds(what: &str, value: f64) -> PyResult<Duration> {
 /// seconds: those that cost less, by `cost` ("length", each joint weighted by how far it moves the arm, in metres; "l2",
 /// plain; "time", the seconds of the trajectory; "clearance", the length, up to eleven times as much where the robot is
 /// nearer than 20 mm to the world; "tool", the path of the gripper frame in metres; "turn", its angle in radians; "mix", "time"
-/// with 0.5 s for a metre and 0.2 s for a radian of these) less `score_weight` for a grasp of score 1. The path gets its time:
+/// with 0.5 s for a metre and 0.2 s for a radian of these; None: "mix", or "length" for a robot without limits of
+/// acceleration) less `score_weight` for a grasp of score 1. The path gets its time:
 /// `jerk_limited` within limits of jerk too (None: where the robot states them; True: a robot without them is refused);
 /// corners are rounded where the curve is proven free, unless `blend` is False. `speed`, `acceleration`: shares, above 0 and
 /// at most 1, of the joints' limits; `tool_speed_m_s`: greatest speed of the gripper frame in m/s; each a number for all
@@ -124,7 +125,7 @@ pub fn seconds(what: &str, value: f64) -> PyResult<Duration> {
 #[pyfunction]
 #[pyo3(signature = (scenario, planner=None, *, seed=0, time_limit_s=120.0, iterations=None, margin_m=0.0,
     grasp_margin_m=None, strict_pairs=false, settings=None, goal_threshold=None, shortcut=true, optimise_s=None,
-    cost="length", score_weight=1.0, jerk_limited=None, blend=true, speed=None,
+    cost=None, score_weight=1.0, jerk_limited=None, blend=true, speed=None,
     acceleration=None, tool_speed_m_s=None, upright_deg=None, score=None, min_score=None,
     carry=None, place=None, task=None, then=None, clear_m=None, robust=None, hold=1.5, try_in_physics=None, watch=None))]
 #[allow(
@@ -145,7 +146,7 @@ pub fn plan(
     goal_threshold: Option<f64>,
     shortcut: bool,
     optimise_s: Option<f64>,
-    cost: &str,
+    cost: Option<&str>,
     score_weight: f64,
     jerk_limited: Option<bool>,
     blend: bool,
@@ -204,7 +205,12 @@ pub fn plan(
         goal_threshold,
         keep_path: !shortcut,
         optimise: optimise_s.map(|time_s| seconds("optimise_s", time_s)).transpose()?,
-        cost: cost.parse().map_err(|_| one_of("cost", cost, "'length', 'l2', 'time' or 'clearance'"))?,
+        cost: cost
+            .map(|cost| {
+                let known = "'length', 'l2', 'time', 'clearance', 'tool', 'turn' or 'mix'";
+                cost.parse().map_err(|_| one_of("cost", cost, known))
+            })
+            .transpose()?,
         score_weight,
         timing: jerk_limited.map(
             |limited| {

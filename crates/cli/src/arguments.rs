@@ -205,9 +205,9 @@ pub struct PlanArguments {
     /// the grasp
     #[arg(long, value_name = "SECONDS", value_parser = seconds, conflicts_with = "no_shortcut")]
     pub optimise: Option<Duration>,
-    /// What --optimise measures of a path
-    #[arg(long, value_enum, default_value_t = CostArgument::Length, requires = "optimise")]
-    pub cost: CostArgument,
+    /// What --optimise measures of a path [default: mix; length for a robot without limits of acceleration]
+    #[arg(long, value_enum, requires = "optimise")]
+    pub cost: Option<CostArgument>,
     /// What a grasp of score 1 is worth against one of score 0, in the unit of the cost
     #[arg(long, value_name = "W", default_value_t = 1.0, requires = "optimise")]
     pub score_weight: f64,

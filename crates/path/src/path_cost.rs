@@ -6,14 +6,14 @@ use cranny_robot::{Robot, between};
 use cranny_spatial::PoseDifference;
 use cranny_task::Problem;
 use serde::{Deserialize, Serialize};
-use strum::EnumString;
+use strum::{EnumString, IntoStaticStr};
 
 use crate::audit::end_score;
 use crate::joint_metric::JointMetric;
 use crate::{MotionLimits, PathError, TimingMethod, Trajectory};
 
 /// What is measured of a path.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, EnumString)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, EnumString, IntoStaticStr)]
 #[serde(rename_all = "lowercase")]
 #[strum(serialize_all = "lowercase")]
 pub enum CostKind {
@@ -38,6 +38,11 @@ pub enum CostKind {
 }
 
 impl CostKind {
+    /// Name in files and on the command line.
+    pub fn name(self) -> &'static str {
+        self.into()
+    }
+
     /// Worth of a metre of the tool's path under [`Self::Mix`], in seconds.
     pub const TOOL_S_PER_M: f64 = 0.5;
     /// Worth of a radian of the tool's turn under [`Self::Mix`], in seconds.

@@ -2,7 +2,7 @@ use std::time::Duration;
 
 use cranny_collision::Margins;
 use cranny_grasp::ScoreKind;
-use cranny_path::{AuditSettings, CostKind, TimingMethod};
+use cranny_path::{AuditSettings, CostKind, MotionLimits, TimingMethod};
 use cranny_plan::{Budget, OptimiseSettings, Registry};
 use cranny_scenario::{NamedTask, Scenario, ScenarioError};
 use cranny_solve::{DEFAULT_HOLD, PoseRadius, Request, Timing};
@@ -36,8 +36,8 @@ pub struct Ask {
     pub keep_path: bool,
     /// Time for better paths; `None`: none are looked for.
     pub optimise: Option<Duration>,
-    /// Cost of a path.
-    pub cost: CostKind,
+    /// Cost of a path; `None`: [`CostKind::Mix`] for a robot with limits of acceleration, else [`CostKind::Length`].
+    pub cost: Option<CostKind>,
     /// Weight of a grasp's score against the cost.
     pub score_weight: f64,
     /// Limits that the time of the path keeps; `None`: those of jerk too where the robot states them.
@@ -99,7 +99,7 @@ impl Default for Ask {
             goal_threshold: None,
             keep_path: false,
             optimise: None,
-            cost: CostKind::default(),
+            cost: None,
             score_weight: OptimiseSettings::default().score_weight,
             timing: None,
             stops: false,
@@ -148,7 +148,10 @@ impl Ask {
             optimise: self.optimise.map(|time| OptimiseSettings {
                 time,
                 score_weight: self.score_weight,
-                cost: self.cost,
+                cost: self.cost.unwrap_or_else(|| {
+                    let is_timed = MotionLimits::of(problem.robot(), TimingMethod::TimeOptimal).is_ok();
+                    if is_timed { CostKind::Mix } else { CostKind::Length }
+                }),
                 ..OptimiseSettings::default()
             }),
             stages,

@@ -134,7 +134,7 @@ fn ask(arguments: &PlanArguments, joints: usize) -> Result<Ask, Failure> {
         goal_threshold: arguments.goal_threshold,
         keep_path: arguments.no_shortcut,
         optimise: arguments.optimise,
-        cost: arguments.cost.into(),
+        cost: arguments.cost.map(Into::into),
         score_weight: arguments.score_weight,
         timing: match arguments.timing {
             Some(timing) => Some(timing.into()),

@@ -331,9 +331,12 @@ pub fn page(answered: &Answered, grasps: &GraspSet) -> String {
     if let (Some(shortening), Some(seconds)) = (&plan.shortening, answered.shortcut_time_s) {
         line("shortened", shortened(shortening, seconds));
     }
-    let improvements = plan.optimisation.as_ref().map_or(&[][..], |optimisation| &optimisation.improvements);
-    for Improvement { cost, iterations, time_s } in milestones(improvements) {
-        line("cost", format!("{cost:.3} after {time_s:.3} s, {}", counted(*iterations, "iteration")));
+    if let Some(optimisation) = &plan.optimisation {
+        let kind = optimisation.cost.name();
+        for Improvement { cost, iterations, time_s } in milestones(&optimisation.improvements) {
+            let iterations = counted(*iterations, "iteration");
+            line("cost", format!("{cost:.3} ({kind}) after {time_s:.3} s, {iterations}"));
+        }
     }
     blocked(plan, grasps.is_empty(), &mut line);
     for fault in &answered.start_faults {
