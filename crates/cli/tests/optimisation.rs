@@ -50,7 +50,7 @@ fn iterations_decide_the_path_and_the_page_says_how_its_cost_fell() {
         let costs = costs(&plan);
         assert!(told.len() > 1 && told.len() <= costs.len(), "{page}");
         for (line, cost) in [(told[0], costs[0]), (told[told.len() - 1], costs[costs.len() - 1])] {
-            assert!(line.contains(&format!(" {cost:.3} after ")), "{line}: {cost}");
+            assert!(line.contains(&format!(" {cost:.3} (mix) after ")), "{line}: {cost}");
         }
         plan["waypoints"].to_string()
     };

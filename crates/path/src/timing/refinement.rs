@@ -27,7 +27,7 @@ const LEAST_GAIN: f64 = 2e-3;
 
 /// Proofs of one step that are tried, and the share of the time that a step must save for one.
 const MOST_PROOFS: usize = 2;
-const WORTH_A_PROOF: f64 = 5e-4;
+const WORTH_A_PROOF: f64 = 1e-3;
 
 /// Steps aside that are tried where something is in the way, and their size as a share of the step.
 const MOST_ASIDE: usize = 3;
@@ -134,6 +134,8 @@ impl<'a> Descent<'a> {
     fn direction(&mut self, at: usize) -> Option<Vec<f64>> {
         /// Of the difference quotient, in seconds at full speed.
         const STEP_S: f64 = 1e-3;
+        /// What is less is none.
+        const LEAST_SLOPE: f64 = 1e-3;
         let here = self.waypoints[at].clone();
         let velocity = self.limits.velocity.clone();
         let mut slope = |joint: usize| {
@@ -143,8 +145,8 @@ impl<'a> Descent<'a> {
         };
         let slopes: Vec<f64> = (0..here.len()).map(&mut slope).collect();
         let greatest = slopes.iter().map(|slope| slope.abs()).fold(0.0, f64::max);
-        let is_known = greatest > 0.0 && greatest.is_finite();
-        is_known.then(|| slopes.iter().zip(&velocity).map(|(slope, v)| -slope / greatest * v).collect())
+        let is_felt = greatest > LEAST_SLOPE && greatest.is_finite();
+        is_felt.then(|| slopes.iter().zip(&velocity).map(|(slope, v)| -slope / greatest * v).collect())
     }
 
     /// Moves a way point, if that saves time and is proven, and returns the step for the next time, in seconds.

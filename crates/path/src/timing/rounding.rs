@@ -97,6 +97,8 @@ impl<'a> CurvedPath<'a> {
         const MOST_ROUNDS: usize = 4;
         /// A round that saves less than this share of the time is the last; for less no proof is tried.
         const LEAST_GAIN: f64 = 1e-3;
+        /// A corner whose size changes the time by less than this share is left as it is.
+        const NO_CHANGE: f64 = 1e-6;
         for round in 0..MOST_ROUNDS {
             let before_s = *least_s;
             for (index, corner) in corners.iter().enumerate() {
@@ -118,6 +120,10 @@ impl<'a> CurvedPath<'a> {
                     }
                     cuts[corner.waypoint] = wanted;
                     let found_s = self.duration_s(limits, cuts);
+                    if (found_s - *least_s).abs() < NO_CHANGE * *least_s {
+                        cuts[corner.waypoint] = was;
+                        break;
+                    }
                     let is_within = wanted[0] <= proven[0] && wanted[1] <= proven[1];
                     let enough_s = if is_within { 0.0 } else { LEAST_GAIN * *least_s };
                     if found_s < *least_s - enough_s && (is_within || accepts(corner, wanted)) {
