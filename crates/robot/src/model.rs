@@ -97,6 +97,15 @@ impl Robot {
         &self.limits
     }
 
+    /// The same robot with a joint, by its index, that stays between two values, in m or rad, besides its limits; limits that
+    /// exclude each other hold for no value.
+    #[must_use]
+    pub fn with_joint_between(mut self, joint: usize, lower: f64, upper: f64) -> Self {
+        let limits = &mut self.limits[joint];
+        (limits.lower, limits.upper) = (limits.lower.max(lower), limits.upper.min(upper));
+        self
+    }
+
     /// The link that reaches for grasps.
     pub fn tip(&self) -> usize {
         self.tip

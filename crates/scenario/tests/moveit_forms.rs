@@ -166,7 +166,25 @@ fn what_a_message_holds_and_is_not_read_is_refused_by_name() {
             "request.yaml",
             "path_constraints: {name: '', joint_constraints: []}",
             "path_constraints: {orientation_constraints: [{}]}",
-            "a path constraint",
+            "a path constraint of other things than joints",
+        ),
+        (
+            "request.yaml",
+            "path_constraints: {name: '', joint_constraints: []}",
+            "path_constraints: {joint_constraints: [{joint_name: j9, position: 0}]}",
+            "j9",
+        ),
+        (
+            "request.yaml",
+            "path_constraints: {name: '', joint_constraints: []}",
+            "path_constraints: {joint_constraints: [{joint_name: j1, position: 0, tolerance_above: -1}]}",
+            "a tolerance below 0",
+        ),
+        (
+            "request.yaml",
+            "path_constraints: {name: '', joint_constraints: []}",
+            "path_constraints: {joint_constraints: [{joint_name: j1, position: 99, tolerance_above: 1}]}",
+            "no value within the joint's limits keeps",
         ),
         ("request.yaml", "{constraints: []}", "{constraints: [{}]}", "a trajectory constraint"),
         ("request.yaml", "position_constraints: []", "position_constraints: [{}]", "no configuration"),
@@ -178,6 +196,22 @@ fn what_a_message_holds_and_is_not_read_is_refused_by_name() {
         assert!(said.contains(fault), "{to}\n{said}");
         folder.write(file, &original);
     }
+}
+
+#[test]
+fn a_joint_that_the_path_constraints_hold_has_their_limits() {
+    let folder = Folder::new();
+    let free = folder.open().unwrap().robot.limits()[1];
+    folder.changed(
+        "request.yaml",
+        "joint_constraints: []}",
+        "joint_constraints: [{joint_name: j1, position: 0.1, tolerance_above: 0.2, tolerance_below: 0.3}]}",
+    );
+    let robot = folder.open().unwrap().robot;
+    let held = robot.limits()[0];
+    assert!((held.lower + 0.2).abs() < 1e-12 && (held.upper - 0.3).abs() < 1e-12, "{held:?}");
+    assert_eq!(robot.limits()[1], free);
+    assert!(robot.within_limits(&[0.29, 0.0]) && !robot.within_limits(&[0.31, 0.0]));
 }
 
 #[test]

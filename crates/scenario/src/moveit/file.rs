@@ -355,16 +355,16 @@ pub(crate) struct TrajectoryConstraintsEntry {
     pub constraints: Vec<IgnoredAny>,
 }
 
-/// A `JointConstraint`; the goal is reached as it stands, without its tolerances.
+/// A `JointConstraint`; a goal is reached as it stands, without its tolerances.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct JointConstraintEntry {
     pub joint_name: Spanned<String>,
     pub position: Spanned<f64>,
     #[serde(default)]
-    tolerance_above: Passed,
+    pub tolerance_above: Option<Spanned<f64>>,
     #[serde(default)]
-    tolerance_below: Passed,
+    pub tolerance_below: Option<Spanned<f64>>,
     #[serde(default)]
     weight: Passed,
 }

@@ -1,4 +1,5 @@
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 use cranny_robot::{Location, RateScales, Robot};
 use serde_saphyr::Spanned;
@@ -72,10 +73,9 @@ impl Files<'_> {
         let (file, request) = (&self.request_file, &self.request);
         let attached = &request.start_state.attached_collision_objects;
         file.refuse(attached, "an attached object", "add it to the URDF")?;
-        if let Some(path) = &request.path_constraints
-            && (path.value.has_others() || !path.value.joints.is_empty())
-        {
-            return Err(file.unsupported(path.referenced, "a path constraint", "leave it out"));
+        if let Some(path) = request.path_constraints.as_ref().filter(|path| path.value.has_others()) {
+            let what = "a path constraint of other things than joints";
+            return Err(file.unsupported(path.referenced, what, "leave it out"));
         }
         if let Some(constraints) = &request.trajectory_constraints
             && !constraints.value.constraints.is_empty()
@@ -86,6 +86,39 @@ impl Files<'_> {
             return Err(file.unsupported(speed.referenced, "a limit of Cartesian speed", "leave it out"));
         }
         Ok(())
+    }
+
+    /// The robot with the joints of the group held as the path constraints demand: within the tolerances, at every instant.
+    pub fn with_held_joints(&self, robot: Arc<Robot>) -> Result<Arc<Robot>, ScenarioError> {
+        let file = &self.request_file;
+        let Some(path) = self.request.path_constraints.as_ref().filter(|path| !path.value.joints.is_empty())
+        else {
+            return Ok(robot);
+        };
+        let mut held = Arc::unwrap_or_clone(robot);
+        for constraint in &path.value.joints {
+            let (at, joint) = (file.at(constraint.joint_name.referenced), &constraint.joint_name.value);
+            let Some(index) = held.joint_names().iter().position(|name| name == joint) else {
+                let known = held.joint_names().join(", ");
+                return Err(ScenarioError::UnknownJoint { at, joint: joint.clone(), known });
+            };
+            let tolerance = |given: Option<&Spanned<f64>>| match given {
+                Some(given) if !(given.value >= 0.0 && given.value.is_finite()) => {
+                    Err(file.unsupported(given.referenced, "a tolerance below 0", "give one of at least 0"))
+                }
+                given => Ok(given.map_or(0.0, |given| given.value)),
+            };
+            let value = file.finite(&constraint.position)?;
+            let lower = value - tolerance(constraint.tolerance_below.as_ref())?;
+            let upper = value + tolerance(constraint.tolerance_above.as_ref())?;
+            held = held.with_joint_between(index, lower, upper);
+            let limits = &held.limits()[index];
+            if limits.lower > limits.upper {
+                let what = "a path constraint that no value within the joint's limits keeps";
+                return Err(file.unsupported(constraint.position.referenced, what, "widen its tolerances"));
+            }
+        }
+        Ok(Arc::new(held))
     }
 
     /// Shares of the velocity and acceleration limits that the request uses; 0 stands for a factor that is not given.
