@@ -18,9 +18,10 @@ pub use bound::{Aabb, Ball, Bounds};
 pub use cuboid_run::cuboid_of_faces;
 pub use distance::ball_tree::{BallNode, BallTree};
 pub use distance::closest::closest_points;
+pub use distance::range::Range;
 pub use distance::ray::RayHit;
 pub use distance::separation::{
-    Overlap, Range, Separation, overlap, quick_lower_bound, reaches, separation, separation_in,
+    Overlap, Separation, overlap, quick_lower_bound, reaches, separation, separation_in,
 };
 pub use error::ShapeError;
 pub use hulls::coarse_hull::CoarseHull;

@@ -7,7 +7,7 @@ use crate::distance::triangle_tree::TriangleTree;
 use crate::inside::disjoint_sets::DisjointSets;
 use crate::inside::enclosure::{Enclosure, Inside};
 use crate::inside::small_holes::{Closed, closed};
-use crate::{Aabb, Ball, Bounds, MOST_HULL_CORNERS, MeshRepairs, ShapeError, TriangleSoup, distance::parry};
+use crate::{Aabb, Ball, Bounds, MeshRepairs, ShapeError, TriangleSoup, distance::parry};
 
 /// A closed triangle mesh and the volume that it encloses.
 #[derive(Clone, Debug)]
@@ -15,7 +15,7 @@ pub(crate) struct Mesh {
     triangles: Vec<Convex>,
     balls: Vec<Ball>,
     tree: TriangleTree,
-    /// All vertices, whose hull contains the mesh; nothing for more than [`MOST_HULL_CORNERS`].
+    /// All vertices, whose hull contains the mesh; nothing for more than [`MOST_CORNERS`].
     hull: Option<Core>,
     /// Nothing for a surface that encloses nothing.
     inside: Option<Inside>,
@@ -132,6 +132,9 @@ impl Mesh {
     }
 }
 
+/// Of more vertices, a search through all takes longer than one through the triangles nearby.
+const MOST_CORNERS: usize = 16_000;
+
 fn hull_of(corners: &[[Point; 3]]) -> Option<Core> {
     let mut vertices: Vec<Point> = corners.iter().flatten().copied().collect();
     let order = |a: &Point, b: &Point| {
@@ -140,7 +143,7 @@ fn hull_of(corners: &[[Point; 3]]) -> Option<Core> {
     vertices.sort_unstable_by(order);
     vertices.dedup();
     let vertices: Vec<_> = vertices.iter().map(parry::point).collect();
-    (vertices.len() <= MOST_HULL_CORNERS).then(|| Core::Hull(Arc::new(HullPoints::new(&vertices))))
+    (vertices.len() <= MOST_CORNERS).then(|| Core::Hull(Arc::new(HullPoints::new(&vertices))))
 }
 
 /// Part of a triangle that has a positive height: a convex polygon, in order.

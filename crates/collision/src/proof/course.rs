@@ -20,7 +20,7 @@ pub(crate) struct Rates {
 }
 
 impl Course<'_> {
-    /// Writes `q(t)`.
+    /// Writes `q(t)` (m, rad; one per joint).
     pub fn place(self, t: f64, q: &mut [f64]) {
         match self {
             Self::Line([a, b]) => q.iter_mut().zip(between(a, b, t)).for_each(|(q, between)| *q = between),
@@ -30,7 +30,7 @@ impl Course<'_> {
         }
     }
 
-    /// First and last configuration.
+    /// First and last configuration (m, rad; one per joint).
     pub fn ends(&self) -> [&[f64]; 2] {
         match self {
             Self::Line(ends) => *ends,
@@ -38,7 +38,7 @@ impl Course<'_> {
         }
     }
 
-    /// Writes `q'(t)`.
+    /// Writes `q'(t)` (m, rad; one per joint).
     pub fn slope(self, t: f64, slope: &mut [f64]) {
         match self {
             Self::Line([a, b]) => {

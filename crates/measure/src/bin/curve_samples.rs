@@ -1,7 +1,7 @@
 //! Samples of smooth motions against all that they state; one thread.
 //!
 //! `curve_samples COUNT TILT_DEG SCENARIO…`: plans to reach, to carry home and to put down outside, with what is held tilted by at
-//! most TILT_DEG, seed after seed until they have COUNT rounded corners. Prints how many samples of their trajectories at 10 kHz
+//! most `TILT_DEG`, seed after seed until they have COUNT rounded corners. Prints how many samples of their trajectories at 10 kHz
 //! exceed a limit of position, velocity, acceleration or jerk by more than 1e-9 of it, and how many of 4000 samples of each
 //! corner are in contact (exact distances) or tilted farther; exits with 1 if any do.
 //!
@@ -128,9 +128,9 @@ impl Seen {
                     worst[3] = worst[3].max(jerk / limits.jerk.unwrap_or(f64::INFINITY));
                 }
             }
-            for kind in 0..4 {
-                self.beyond[kind] += u64::from(worst[kind] > 1.0 + RELATIVE);
-                self.greatest[kind] = self.greatest[kind].max(worst[kind]);
+            for ((beyond, greatest), worst) in self.beyond.iter_mut().zip(&mut self.greatest).zip(worst) {
+                *beyond += u64::from(worst > 1.0 + RELATIVE);
+                *greatest = greatest.max(worst);
             }
             before = Some(sample.acceleration);
         }

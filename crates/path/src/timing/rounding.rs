@@ -36,8 +36,8 @@ impl<'a> CurvedPath<'a> {
         Self { waypoints, corners: &[], paces: &[], robot: None }
     }
 
-    /// Its corners, each rounded as serves the time best among the sizes that `proven` accepts ([`CurveProof::corner`]). Corners
-    /// of this path are disregarded.
+    /// Its corners, each rounded as serves the time best among the sizes that `proven` accepts ([`CurveProof::corner`]; control points
+    /// in m, rad, one value per joint). Corners of this path are disregarded.
     ///
     /// 1. The largest proven share of both edges of each corner: greatest first, then halved, with two steps of bisection.
     /// 2. Descent along what each corner cuts off either edge, one after the other, as long as the whole takes less time.

@@ -9,7 +9,7 @@ use crate::distance::convex::Convex;
 use crate::distance::gjk::{core_distance, core_reaches};
 use crate::mesh::Mesh;
 use crate::solid::Kind;
-use crate::{Aabb, Ball, Solid, distance::parry};
+use crate::{Aabb, Ball, Range, Solid, distance::parry};
 
 /// The distance of two solids, from both sides: `lower_m ≤ distance ≤ upper_m`.
 ///
@@ -40,32 +40,6 @@ pub struct Overlap {
     pub depth_m: f64,
     /// A point in the overlap, in the common frame.
     pub point: Point,
-}
-
-/// Distances that matter.
-#[derive(Clone, Copy, Debug)]
-pub struct Range {
-    /// The search may stop as soon as the distance is known to exceed this, in metres; then `upper_m` may be infinite.
-    pub beyond_m: f64,
-    /// Of a distance between this and `beyond_m`, in metres, nothing else may be known; infinite: all are measured.
-    pub exact_below_m: f64,
-}
-
-impl Range {
-    /// All distances up to `beyond_m`, in metres.
-    pub fn to(beyond_m: f64) -> Self {
-        Self { beyond_m, exact_below_m: f64::INFINITY }
-    }
-
-    /// Reach of a search that has found an upper bound of the distance, in metres.
-    #[must_use]
-    pub fn reach_m(&self, upper_m: f64) -> f64 {
-        if upper_m < self.beyond_m { upper_m.min(self.exact_below_m) } else { self.beyond_m }
-    }
-
-    fn grown(self, by_m: f64) -> Self {
-        Self { beyond_m: self.beyond_m + by_m, exact_below_m: self.exact_below_m + by_m }
-    }
 }
 
 /// The distance of two solids placed in a common frame: [`separation_in`] all distances up to `beyond_m`, in metres.
