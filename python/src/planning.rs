@@ -100,7 +100,7 @@ pub fn seconds(what: &str, value: f64) -> PyResult<Duration> {
 /// seconds: those that cost less, by `cost` ("length", each joint weighted by how far it moves the arm, in metres; "l2",
 /// plain; "time", the seconds of the trajectory; "clearance", the length, up to eleven times as much where the robot is
 /// nearer than 20 mm to the world; "tool", the path of the gripper frame in metres; "turn", its angle in radians; "mix", "time"
-/// with 0.5 s for a metre and 0.2 s for a radian of these; None: "mix", or "length" for a robot without limits of
+/// with 1 s for a metre and 0.3 s for a radian of these; None: "mix", or "length" for a robot without limits of
 /// acceleration) less `score_weight` for a grasp of score 1. The path gets its time:
 /// `jerk_limited` within limits of jerk too (None: where the robot states them; True: a robot without them is refused);
 /// corners are rounded where the curve is proven free, unless `blend` is False. `speed`, `acceleration`: shares, above 0 and

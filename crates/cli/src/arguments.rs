@@ -345,7 +345,7 @@ pub enum CostArgument {
     Tool,
     /// The angle by which the tool turns, in radians
     Turn,
-    /// Seconds: of its trajectory, with 0.5 for a metre of the tool's path and 0.2 for a radian of its turn
+    /// Seconds: of its trajectory, with 1 for a metre of the tool's path and 0.3 for a radian of its turn
     Mix,
 }
 

@@ -44,9 +44,9 @@ impl CostKind {
     }
 
     /// Worth of a metre of the tool's path under [`Self::Mix`], in seconds.
-    pub const TOOL_S_PER_M: f64 = 0.5;
+    pub const TOOL_S_PER_M: f64 = 1.0;
     /// Worth of a radian of the tool's turn under [`Self::Mix`], in seconds.
-    pub const TURN_S_PER_RAD: f64 = 0.2;
+    pub const TURN_S_PER_RAD: f64 = 0.3;
 
     /// Under [`Self::Clearance`] the robot is to keep so far off the world where it can, in metres: more than the errors
     /// of a calibrated arm, less than the openings that it must pass.
