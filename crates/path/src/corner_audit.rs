@@ -1,7 +1,9 @@
 use cranny_collision::{Cell, Motion};
+use cranny_robot::JointLimits;
 use cranny_task::{RoundedCorner, Segment, StatesAlong};
 
 use crate::clearance_limit::ClearanceLimit;
+use crate::violation::{Cause, JointOffset};
 use crate::{Audit, AuditSettings, Clearances, Violation};
 
 /// How far the clearance of a rounded corner may lie below the truth, as a share of it.
@@ -48,8 +50,8 @@ impl CornerJudge<'_> {
             Motion::Tilted { tilt_rad, most_rad, .. } => {
                 Some(Violation::tilted(edge - 1, 1.0, [tilt_rad, most_rad]))
             }
-            // Its ends lie on edges, and it in the triangle of way points, whose limits are judged.
-            Motion::Proven | Motion::OutOfLimits { .. } => None,
+            Motion::OutOfLimits { joint } => Some(beyond_limits(cell, points, joint, edge)),
+            Motion::Proven => None,
         };
         let measured = match (&fault, self.settings.clearances) {
             (None, Clearances::None) => return,
@@ -80,4 +82,14 @@ impl CornerJudge<'_> {
             }
         }
     }
+}
+
+/// The fault of a corner at way point `at` whose control points (m, rad; one value per joint each) lie beyond a limit.
+fn beyond_limits(cell: &Cell, control_points: &[Vec<f64>], joint: usize, at: usize) -> Violation {
+    let robot = cell.robot();
+    let JointLimits { lower, upper, unit, .. } = robot.limits()[joint];
+    let excess = control_points.iter().map(|q| (lower - q[joint]).max(q[joint] - upper));
+    let off = excess.fold(0.0, f64::max);
+    let joint = robot.joint_names()[joint].clone();
+    Violation::at_way_point(at, Cause::JointLimit(JointOffset { joint, off, unit }))
 }

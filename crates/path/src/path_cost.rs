@@ -62,7 +62,7 @@ impl CostKind {
 /// clearances and paths of the tool, which are sampled (test `a_detour_costs_and_a_way_point_on_the_way_does_not`).
 #[derive(Clone, Debug)]
 pub struct PathCost {
-    /// By which a search is bounded; it tells lengths from each other as the measure does, or nearly so.
+    /// Metric by which a search is bounded; under costs of the tool it orders paths otherwise than the measure does.
     metric: JointMetric,
     /// Where time is measured.
     limits: Option<MotionLimits>,
@@ -85,8 +85,9 @@ struct ToolCost {
 impl ToolCost {
     /// Cost of a straight edge: the sum over chords between samples.
     fn of_edge(&self, a: &[f64], b: &[f64]) -> f64 {
-        /// Distance of samples in the metric by reach, in metres; at most so many for an edge.
+        /// Distance of samples in the metric by reach, in metres.
         const SPACING_M: f64 = 0.05;
+        /// Greatest number of chords of an edge.
         const MOST: f64 = 1000.0;
         let count = (self.metric.distance(a, b) / SPACING_M).ceil().clamp(1.0, MOST);
         let mut frames = self.robot.frames();

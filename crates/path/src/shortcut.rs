@@ -324,7 +324,8 @@ impl<'a> Shortener<'a> {
         let is_less = |new: &[f64]| {
             let opened: f64 = new[open.clone()].iter().sum();
             let kept = new.iter().sum::<f64>() - opened;
-            opened <= (1.0 - least_gain) * (before - kept)
+            // Under some costs edges cost nothing; what saves nothing there is not taken.
+            opened <= (1.0 - least_gain) * (before - kept) && (before > kept || least_gain <= 0.0)
         };
         // What a check against the world adds is asked last: it takes longest.
         let mut new: Vec<f64> = chain.windows(2).map(|edge| cost.least_of_edge(&edge[0], &edge[1])).collect();

@@ -15,8 +15,8 @@ use crate::{Budget, Observer, Outcome, PlanError, PlanReport, Planner, Reach, se
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OptimiseSettings {
     /// How long after the first path, the shortening of which is begun in any case. It may only cut short what the seed and
-    /// the iterations determine.
-    /// Default: 10 s.
+    /// the iterations determine; of a task of several stages half of it ends the search of whole tasks, if the iterations do
+    /// not. Default: 10 s.
     pub time: Duration,
     /// At most so many iterations of all searches together, the first included. Default: any number.
     pub iterations: u64,

@@ -3,13 +3,13 @@
 use cranny_collision::{Body, Margins, World};
 use cranny_grasp::Grasp;
 use cranny_path::{
-    Audit, AuditSettings, CurvedPath, MotionLimits, TimingMethod, Trajectory, Violation, audit, audit_task,
-    path_length,
+    Audit, AuditSettings, Clearances, CurvedPath, MotionLimits, TimingMethod, Trajectory, Violation, audit,
+    audit_task, path_length,
 };
 use cranny_robot::{JointLimits, JointUnit};
 use cranny_shape::Solid;
 use cranny_spatial::{CONTACT_M, Pose, Vector};
-use cranny_task::{Goal, Problem, Segment, Stage};
+use cranny_task::{Goal, Problem, RoundedCorner, Segment, Stage};
 
 use crate::fixture::{ball, block, exact, grasps, paper};
 
@@ -102,6 +102,23 @@ fn the_clearance_of_a_path_with_rounded_corners_is_that_of_the_curve() {
     let asking = Problem::exact(ball(), world(), None, corner[0].to_vec(), goal(), margins);
     assert_eq!(kinds(&judged(&asking.expect("a problem"))), ["clearance"]);
     assert_eq!(kinds(&judged(&exact(&ball(), vec![post(0.1225)], &corner[0], goal()))), ["contact"]);
+}
+
+/// A corner that begins beyond a limit by rounding is a fault, whether or not clearances are measured: no proof was tried.
+#[test]
+fn a_corner_beyond_a_limit_by_rounding_is_not_accepted() {
+    let path = [vec![-0.5, -1.0, 0.0], vec![0.5, -1.0, 0.0], vec![0.5, 0.5, 0.0]];
+    let judged = |below: f64| {
+        let from = [0.0, -1.0 - below, 0.0];
+        let corner = RoundedCorner::new(1, [&from, &path[1], &[0.5, -0.5, 0.0]]);
+        let problem =
+            exact(&ball(), Vec::new(), &[-0.5, -1.0, 0.0], Goal::Configurations(vec![path[2].clone()]));
+        let segment = Segment { corners: vec![corner], ..Segment::reach(path.to_vec(), Vec::new()) };
+        let settings = AuditSettings { clearances: Clearances::None, ..AuditSettings::default() };
+        audit_task(&problem, &Stage::of_goal(&problem), &[segment], settings).expect("a path")
+    };
+    assert!(judged(0.0).valid, "{:?}", judged(0.0).violations);
+    assert_eq!(kinds(&judged(5e-10)), ["joint-limit"]);
 }
 
 #[test]

@@ -178,7 +178,7 @@ fn what_a_message_holds_and_is_not_read_is_refused_by_name() {
             "request.yaml",
             "path_constraints: {name: '', joint_constraints: []}",
             "path_constraints: {joint_constraints: [{joint_name: j1, position: 0, tolerance_above: -1}]}",
-            "a tolerance below 0",
+            "a tolerance that is no finite number of at least 0",
         ),
         (
             "request.yaml",

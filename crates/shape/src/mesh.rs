@@ -132,7 +132,7 @@ impl Mesh {
     }
 }
 
-/// Of more vertices, a search through all takes longer than one through the triangles nearby.
+/// Greatest number of vertices through which a search is faster than one through the triangles nearby.
 const MOST_CORNERS: usize = 16_000;
 
 fn hull_of(corners: &[[Point; 3]]) -> Option<Core> {

@@ -37,7 +37,9 @@ pub(crate) fn smooth(
         let curved = CurvedPath { paces: &paces, robot: Some(robot), ..CurvedPath::stopping(&way) };
         let is_free = |at: usize| {
             let (index, at) = proof.places[at];
-            may_move && at > 0 && FREE.contains(&leg[index].mode)
+            // A longer way of the tool may take longer than the joints do.
+            let is_slow = leg[index].pace.tool_m_s.is_some();
+            may_move && at > 0 && FREE.contains(&leg[index].mode) && !is_slow
         };
         let movable: Vec<bool> = (0..proof.places.len()).map(is_free).collect();
         let refined = curved.refined(&limits, |at| movable[at], &mut proof);
@@ -116,7 +118,7 @@ impl CurveProof for LegProof<'_> {
 /// A lower bound of the least clearance of the edges of segments on which nothing may touch what carries it, in metres, near
 /// enough to the truth for a share of it to count; 0 where there is nothing to touch.
 fn least_clearance_m(leg: &[Segment], states: &[State]) -> f64 {
-    const SHARE: f64 = 0.1;
+    const SHARE: f64 = 0.04;
     let free = leg.iter().zip(states).filter(|(segment, _)| segment.mode.rests_at.is_none());
     let of_segment = |(segment, state): (&Segment, &State)| {
         let cell = state.cell();

@@ -2,7 +2,7 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 use std::time::Instant;
 
-use cranny_path::{CostKind, audit_along, audit_task};
+use cranny_path::{audit_along, audit_task};
 use cranny_plan::{Budget, NoGrasp, Observer, Outcome, PlanError, PlanReport, Unobserved};
 use cranny_robot::Robot;
 use cranny_spatial::{Pose, other_seed};
@@ -20,7 +20,7 @@ use crate::{Answer, Hold, Request, Robustness, SolveError, TaskTrajectory, Tilt,
 /// 1. The planner looks for a path; better ones are looked for if that is asked. Of several stages a path through one counts
 ///    only if there is one through all that follow (see `chain.rs`).
 /// 2. A path under `exact` is shortened, unless it is to be kept or was bettered; that of `reach` to a grasp or a
-///    configuration is bettered a little ([`OptimiseSettings::delivery`]).
+///    configuration is bettered a little ([`cranny_plan::OptimiseSettings::delivery`]).
 /// 3. If a trajectory is asked, corners are rounded and way points moved where that saves time and is proven free. Motions with an object in the hand are
 ///    slowed down until the hand holds it firmly, if that is demanded ([`Request::hold`]).
 /// 4. Whatever was found is judged like anybody's path, curves included, before it is called solved.
@@ -205,11 +205,8 @@ fn firm(
         let along = StatesAlong::with_carrier(problem, stages, &segments, carrier)?;
         let begin = Instant::now();
         if let Some(along) = along.as_ref().filter(|_| request.timing.is_some_and(|timing| !timing.stops)) {
-            // What was optimised for another cost stays as it is.
-            let is_by_time = request
-                .optimise
-                .is_none_or(|optimise| matches!(optimise.cost, CostKind::Time | CostKind::Mix));
-            let may_move = !request.keep_path && is_by_time;
+            // What was optimised costs what is stated.
+            let may_move = !request.keep_path && request.optimise.is_none();
             smooth(problem.robot(), along, &mut segments, (timing, may_move));
         }
         let rounding_s = begin.elapsed().as_secs_f64();

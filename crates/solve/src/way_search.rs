@@ -101,7 +101,7 @@ fn optimised(
     (report, settings): (&PlanReport, OptimiseSettings),
     observer: &mut dyn Observer,
 ) -> Result<(Way, Optimisation), SolveError> {
-    /// A search that takes so many times the iterations of the first, and some, is given up.
+    /// Greatest number of iterations of a search, as a multiple of those of the first, and at least.
     const PATIENCE: u64 = 4;
     const LEAST_ITERATIONS: u64 = 1000;
     let begin = Instant::now();
@@ -119,7 +119,7 @@ fn optimised(
         if left.is_zero() || iterations >= most_iterations / 2 || observer.should_stop() {
             break;
         }
-        let budget = Budget { iterations: most_of_search, time: left };
+        let budget = Budget { iterations: most_of_search.min(most_iterations / 2 - iterations), time: left };
         let again = Request { budget, seed: other_seed(request.seed, other), ..request.clone() };
         let (report, pieces) = Chain::new(problem, stages, &again)?.search(planner, &mut Unobserved)?;
         iterations += report.statistics.iterations.max(1);
@@ -146,18 +146,21 @@ fn optimised(
         let statistics =
             Statistics { planning_time_s: begin.elapsed().as_secs_f64(), ..Statistics::default() };
         let path = segment.waypoints.clone();
-        let before = PlanReport { outcome: Outcome::Solved, path, statistics, failures: Vec::new() };
-        let found = better(problem, before, of_piece, request.seed, observer)?;
+        let first = PlanReport { outcome: Outcome::Solved, path, statistics, failures: Vec::new() };
+        let found = better(problem, first, of_piece, request.seed, observer)?;
         let of_segment = PathCost::new(problem, settings.cost, 0.0)?;
-        let mut known = of_segment.measure(&segment.waypoints)?;
-        for step in found.improvements.iter().filter(|step| step.cost < known).copied().collect::<Vec<_>>() {
-            cost -= known - step.cost;
-            known = step.cost;
-            let time_s = first_s + step.time_s;
-            improvements.push(Improvement { time_s, iterations: iterations + step.iterations, cost });
+        let before = of_segment.measure(&segment.waypoints)?;
+        if found.improvements.last().is_some_and(|last| last.cost < before) {
+            let cheaper = found.improvements.iter().filter(|step| step.cost < before);
+            improvements.extend(cheaper.map(|step| Improvement {
+                time_s: first_s + step.time_s,
+                iterations: iterations + step.iterations,
+                cost: cost - (before - step.cost),
+            }));
+            cost = improvements.last().map_or(cost, |last| last.cost);
+            segment.waypoints = found.report.path;
         }
         iterations += found.iterations;
-        segment.waypoints = found.report.path;
     }
     let time_s = begin.elapsed().as_secs_f64();
     Ok((best, Optimisation { settings, time_s, iterations, improvements }))

@@ -9,7 +9,7 @@ pub(crate) enum Course<'a> {
     Curve(&'a [Vec<f64>]),
 }
 
-/// How fast the joints of a motion are, per unit of t (m, rad; one per joint).
+/// Velocities of the joints of a motion, per unit of t (m, rad; one per joint).
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Rates {
     /// `q'` at one configuration.
@@ -55,7 +55,7 @@ impl Course<'_> {
 }
 
 impl Rates {
-    /// Of joints that do not move.
+    /// Rates of joints that do not move.
     pub fn still(dof: usize) -> Self {
         Self { now: vec![0.0; dof], ..Self::default() }
     }
@@ -63,6 +63,9 @@ impl Rates {
     /// The rates in the middle of a motion, and bounds along all of it: a derivative of a curve lies within the hull of its
     /// control points, which are differences of those of the curve.
     pub fn set(&mut self, course: Course<'_>) {
+        if let Course::Curve(points) = course {
+            assert!(points.iter().all(|point| point.len() == self.now.len()), "one value per joint");
+        }
         course.slope(0.5, &mut self.now);
         self.most.clear();
         self.bend.clear();

@@ -13,7 +13,7 @@ use crate::proof::travel::Pace;
 use crate::proof::work_list::{Interval, WorkList};
 use crate::touch::contact::Contact;
 
-/// What is known about a straight motion from one configuration to another.
+/// Proof of a motion, or what prevents it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Motion {
     /// Every pair keeps its demanded distance at every point of the motion. By how much,
@@ -133,16 +133,6 @@ impl Cell {
     ) -> Option<Motion> {
         let (at, tilt_rad) = self.tilted_at(a, b, beyond_rad, scratch)?;
         Some(Motion::Tilted { at, tilt_rad, most_rad: self.tilt?.most_rad })
-    }
-
-    /// [`Self::motion_is_free`] from `a` to `b` (m, rad; one per joint) where every pair must keep `beyond_m` metres
-    /// more than it demands, joint limits and tilt aside: of something whose place is known to within that.
-    ///
-    /// # Panics
-    /// If `a` or `b` has not one value per joint.
-    pub fn motion_beyond(&self, beyond_m: f64, a: &[f64], b: &[f64], scratch: &mut Scratch) -> Motion {
-        assert!(a.len() == self.robot().dof() && b.len() == a.len(), "one value per joint");
-        self.prove(Course::Line([a, b]), scratch, Demand { beyond_m, ..Demand::default() })
     }
 
     /// Parameter in [0, 1] at which the proof of [`Self::motion_is_free`] from `a` to `b` (m, rad; one per joint) fails; nothing

@@ -132,9 +132,9 @@ impl<'a> Descent<'a> {
     /// Direction of steepest descent at a way point (m, rad; one per joint), of which the fastest joint takes a second; `None`
     /// where the duration does not change.
     fn direction(&mut self, at: usize) -> Option<Vec<f64>> {
-        /// Of the difference quotient, in seconds at full speed.
+        /// Step of the difference quotient, in seconds at full speed.
         const STEP_S: f64 = 1e-3;
-        /// What is less is none.
+        /// Least slope that counts.
         const LEAST_SLOPE: f64 = 1e-3;
         let here = self.waypoints[at].clone();
         let velocity = self.limits.velocity.clone();

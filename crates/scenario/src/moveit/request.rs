@@ -103,12 +103,17 @@ impl Files<'_> {
                 return Err(ScenarioError::UnknownJoint { at, joint: joint.clone(), known });
             };
             let tolerance = |given: Option<&Spanned<f64>>| match given {
-                Some(given) if !(given.value >= 0.0 && given.value.is_finite()) => {
-                    Err(file.unsupported(given.referenced, "a tolerance below 0", "give one of at least 0"))
-                }
+                Some(given) if !(given.value >= 0.0 && given.value.is_finite()) => Err(file.unsupported(
+                    given.referenced,
+                    "a tolerance that is no finite number of at least 0",
+                    "give one",
+                )),
                 given => Ok(given.map_or(0.0, |given| given.value)),
             };
-            let value = file.finite(&constraint.position)?;
+            let mut turned: Vec<f64> = held.limits().iter().map(|limits| limits.clamp(0.0)).collect();
+            turned[index] = file.finite(&constraint.position)?;
+            held.turn_into_limits(&mut turned);
+            let value = turned[index];
             let lower = value - tolerance(constraint.tolerance_below.as_ref())?;
             let upper = value + tolerance(constraint.tolerance_above.as_ref())?;
             held = held.with_joint_between(index, lower, upper);

@@ -3,7 +3,7 @@
 pub struct Range {
     /// The search may stop as soon as the distance is known to exceed this, in metres; then `upper_m` may be infinite.
     pub beyond_m: f64,
-    /// Of a distance between this and `beyond_m`, in metres, nothing else may be known; infinite: all are measured.
+    /// Distances between this and `beyond_m`, in metres, need not be measured; infinite: all are.
     pub exact_below_m: f64,
 }
 

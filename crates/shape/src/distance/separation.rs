@@ -189,11 +189,11 @@ fn mesh_convex_separation(
     });
     // What was not looked for is at least as far as the reach, or the hull.
     let Separation { lower_m, upper_m } = best.get();
-    if upper_m <= 0.0 || lower_m.is_nan() {
+    if upper_m <= 0.0 {
         return Separation::CONTACT;
     }
     let lower_m = lower_m.min(range.reach_m(upper_m));
-    Separation { lower_m: if upper_m <= bound_m + ENOUGH_M { bound_m } else { lower_m }, upper_m }
+    Separation { lower_m: if upper_m <= bound_m + ENOUGH_M { bound_m.max(0.0) } else { lower_m }, upper_m }
 }
 
 /// Bounds this close to each other are as good as one, in metres.
