@@ -332,7 +332,11 @@ fn faults_of_a_request_name_file_and_line() {
             "  - position_constraints: [{}]\n    joint_constraints",
             "is not supported",
         ),
-        ("planner_id: any", "path_constraints: {orientation_constraints: [{}]}", "a path constraint is not"),
+        (
+            "planner_id: any",
+            "path_constraints: {orientation_constraints: [{}]}",
+            "a path constraint of other",
+        ),
         (
             "  joint_state:\n",
             "  attached_collision_objects: [{}]\n  joint_state:\n",
