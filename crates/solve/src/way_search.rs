@@ -104,6 +104,8 @@ fn optimised(
     /// Greatest number of iterations of a search, as a multiple of those of the first, and at least.
     const PATIENCE: u64 = 4;
     const LEAST_ITERATIONS: u64 = 1000;
+    /// Least number of iterations for which a search counts: inverse kinematics takes its time too.
+    const LEAST_COUNTED: u64 = 100;
     let begin = Instant::now();
     let first_s = report.statistics.planning_time_s;
     let mut iterations = report.statistics.iterations;
@@ -122,7 +124,7 @@ fn optimised(
         let budget = Budget { iterations: most_of_search.min(most_iterations / 2 - iterations), time: left };
         let again = Request { budget, seed: other_seed(request.seed, other), ..request.clone() };
         let (report, pieces) = Chain::new(problem, stages, &again)?.search(planner, &mut Unobserved)?;
-        iterations += report.statistics.iterations.max(1);
+        iterations += report.statistics.iterations.max(LEAST_COUNTED);
         if pieces.is_empty() {
             continue;
         }
