@@ -108,6 +108,7 @@ const MOST_TRIES: u64 = 1000;
   cranny plan 021 --rate 100 --jerk-limited
   cranny plan 021 --optimise 5
   cranny plan 021 --optimise 0.1 --cost time --score-weight 0
+  cranny plan 043 --place outside --optimise 2
   cranny plan 021 --planner ik-rbt --set critical_m=0.05
   cranny plan 035 --carry home
   cranny plan 015 --carry out --clear 100
@@ -205,7 +206,7 @@ pub struct PlanArguments {
     /// the grasp
     #[arg(long, value_name = "SECONDS", value_parser = seconds, conflicts_with = "no_shortcut")]
     pub optimise: Option<Duration>,
-    /// What --optimise measures of a path [default: mix; length for a robot without limits of acceleration]
+    /// Measure of a path under --optimise [default: mix; length for a robot without limits of acceleration]
     #[arg(long, value_enum, requires = "optimise")]
     pub cost: Option<CostArgument>,
     /// What a grasp of score 1 is worth against one of score 0, in the unit of the cost

@@ -38,11 +38,6 @@ pub enum CostKind {
 }
 
 impl CostKind {
-    /// Name in files and on the command line.
-    pub fn name(self) -> &'static str {
-        self.into()
-    }
-
     /// Worth of a metre of the tool's path under [`Self::Mix`], in seconds.
     pub const TOOL_S_PER_M: f64 = 1.0;
     /// Worth of a radian of the tool's turn under [`Self::Mix`], in seconds.
@@ -54,6 +49,11 @@ impl CostKind {
     /// Under [`Self::Clearance`] a motion in contact is so many times longer than it is, besides: a detour of as much is
     /// worth it.
     pub const PENALTY: f64 = 10.0;
+
+    /// Name in files and on the command line.
+    pub fn name(self) -> &'static str {
+        self.into()
+    }
 }
 
 /// What a path costs: what is measured of it, minus the score of its grasp times a weight.
@@ -68,7 +68,7 @@ pub struct PathCost {
     limits: Option<MotionLimits>,
     /// Where clearances are measured.
     cell: Option<Arc<Cell>>,
-    /// Where the path of the tool counts.
+    /// Cost of the tool's path, for kinds under which it counts.
     tool: Option<ToolCost>,
     score_weight: f64,
 }

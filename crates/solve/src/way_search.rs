@@ -123,7 +123,7 @@ fn optimised(
         }
         let budget = Budget { iterations: most_of_search.min(most_iterations / 2 - iterations), time: left };
         let again = Request { budget, seed: other_seed(request.seed, other), ..request.clone() };
-        let (report, pieces) = Chain::new(problem, stages, &again)?.search(planner, &mut Unobserved)?;
+        let (report, pieces) = Chain::new(problem, stages, &again)?.search(planner, observer)?;
         iterations += report.statistics.iterations.max(LEAST_COUNTED);
         if pieces.is_empty() {
             continue;

@@ -161,7 +161,7 @@ fn course_of(points: &[Vec<f64>]) -> Course<'_> {
     if let [a, b] = points { Course::Line([a, b]) } else { Course::Curve(points) }
 }
 
-/// Whether some point of some link moves farther, within `half_width` of the middle of a random motion, than
+/// True if some point of some link moves farther, within `half_width` of the middle of a random motion, than
 /// its bound, times `factor`.
 fn bound_is_broken(seed: u64, half_width: f64, factor: f64) -> bool {
     let (robot, mut random) = (arm(), Stream::new(seed, 2));
@@ -199,7 +199,7 @@ fn bound_of_lanes_is_broken(seed: u64, half_width: f64, factor: f64) -> bool {
     })
 }
 
-/// How far some point of a body is from where it is in the middle of an interval of a motion, at samples.
+/// Greatest distance of a point of a body from its place in the middle of an interval of a motion, at samples.
 fn most_moved_m(cell: &Cell, body: usize, course: Course<'_>, middle: f64, half_width: f64) -> f64 {
     let (robot, link) = (cell.robot(), &cell.bodies[body]);
     let mut q = vec![0.0; robot.dof()];

@@ -4,7 +4,7 @@ use cranny_spatial::Vector;
 use crate::body::link_body::LinkBody;
 use crate::proof::course::Rates;
 
-/// How far the links can move while the configuration runs along a motion.
+/// Bounds on the motion of the links while the configuration runs along a motion.
 ///
 /// Let the motion be `q(t)`, with `|q'| ≤ Δq` (constant on a straight edge) and `|q''| ≤ β` (0 there), and let `h` be how far `t` strays from the configuration whose
 /// frames are given. Two bounds hold, and the smaller one counts.

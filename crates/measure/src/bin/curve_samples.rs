@@ -22,7 +22,7 @@ const RATE_HZ: f64 = 10_000.0;
 const SAMPLES: u32 = 4000;
 const RELATIVE: f64 = 1e-9;
 
-/// What was seen.
+/// Counts of samples.
 #[derive(Default)]
 struct Seen {
     plans: usize,

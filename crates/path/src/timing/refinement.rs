@@ -55,8 +55,10 @@ impl CurvedPath<'_> {
         let mut steps_s = vec![FIRST_STEP_S; self.waypoints.len()];
         for _ in 0..MOST_ROUNDS {
             let before_s = descent.least_s;
-            for &at in movable.iter().filter(|at| steps_s[**at] >= LEAST_STEP_S).collect::<Vec<_>>() {
-                steps_s[at] = descent.step(at, steps_s[at], proof);
+            for &at in &movable {
+                if steps_s[at] >= LEAST_STEP_S {
+                    steps_s[at] = descent.step(at, steps_s[at], proof);
+                }
             }
             if before_s - descent.least_s < LEAST_GAIN * before_s {
                 break;
