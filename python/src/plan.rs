@@ -83,6 +83,13 @@ impl PyPlan {
         self.measured.robustness.as_ref().map(|robustness| python_of(py, robustness)).transpose()
     }
 
+    /// Length, in the plain norm of the joints (m and rad alike), that every path of the task has at least, proven; None where it
+    /// is not known.
+    #[getter]
+    fn least_length(&self) -> Option<f64> {
+        self.measured.least_length
+    }
+
     /// Tilt of what is held along the whole motion: a dictionary of "greatest_rad" (a proven upper bound) and "most_rad" (what
     /// is allowed), in radians; None where no tilt is limited.
     #[getter]

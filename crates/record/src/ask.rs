@@ -163,6 +163,7 @@ impl Ask {
             paces: self.paces.paces()?,
             audit: AuditSettings::default(),
             robustness: true,
+            least_length: true,
             hold: Some(self.hold),
             left_out: Vec::new(),
         };

@@ -88,6 +88,9 @@ pub struct PlanFile {
     pub not_checked: Vec<NotChecked>,
     /// Length of the path in the plain norm of `q` (m and rad alike).
     pub path_length: f64,
+    /// Length that every path of the task has at least, proven; `None` where that was not asked, or is not known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub least_length: Option<f64>,
     /// The path, piece by piece: `waypoints` and `clearances_per_edge_m` are those of all pieces.
     #[serde(default)]
     pub segments: Vec<Segment>,
@@ -211,6 +214,7 @@ impl PlanFile {
             clearance_m: answer.audit.as_ref().and_then(|audit| audit.clearance_m),
             not_checked: answer.not_checked.clone(),
             path_length: path_length(&waypoints),
+            least_length: answer.least_length,
             segments: answer.segments.clone(),
             clearances_per_edge_m: clearances_m,
             waypoints,
@@ -336,6 +340,7 @@ mod tests {
             segments: vec![Segment::reach(waypoints.clone(), clearances_m.clone())],
             clearances_per_edge_m: clearances_m,
             path_length: std::f64::consts::SQRT_2,
+            least_length: Some(0.1 + 0.2),
             waypoints,
             timing: Some(PlanTiming {
                 method: TimingMethod::JerkLimited,

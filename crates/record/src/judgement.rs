@@ -2,7 +2,7 @@ use cranny_collision::Margins;
 use cranny_path::{Audit, AuditSettings, Clearances, path_length};
 use cranny_plan::{Outcome, PlanError};
 use cranny_scenario::NamedTask;
-use cranny_solve::{Hold, Robustness, Tilt};
+use cranny_solve::{Hold, Robustness, Tilt, least_length};
 use cranny_task::{NotChecked, Problem, Segment, Stage, StatesAlong, give_clearances};
 use serde::Serialize;
 use serde_json::Value;
@@ -54,7 +54,7 @@ const GRASPS: &str = "grasps";
 const OF_GRASPS: [&str; 5] = ["grasp", "translation_error_m", "rotation_error_rad", "own_grasp", "picks"];
 
 /// Keys whose values are measured again.
-const MEASURED: [&str; 20] = [
+const MEASURED: [&str; 21] = [
     "task_name",
     "task",
     "picks",
@@ -69,6 +69,7 @@ const MEASURED: [&str; 20] = [
     "clearance_m",
     "clearances_per_edge_m",
     "path_length",
+    "least_length",
     "segments",
     "timing",
     "robustness",
@@ -152,6 +153,7 @@ impl PlanFile {
             segments: Vec::new(),
             waypoints: Vec::new(),
             timing: None,
+            least_length: None,
             robustness: None,
             tilt: None,
             hold: None,
@@ -177,10 +179,12 @@ impl PlanFile {
         let along = self.states(problem)?;
         let along = along.as_ref();
         // The radii take as long as the verdict.
-        let (audit, robustness) =
-            rayon::join(|| self.audit_along(along, problem, settings), || self.measured_robustness(along));
+        let bounds = || (self.measured_robustness(along), self.measured_least_length(problem));
+        let (audit, (robustness, least_length)) =
+            rayon::join(|| self.audit_along(along, problem, settings), bounds);
         let Some(audit) = audit? else { return Ok(None) };
         let robustness = robustness.filter(|_| audit.valid);
+        let least_length = least_length.filter(|_| audit.valid);
         let hold = match along.filter(|_| self.hold.is_some() && audit.valid) {
             Some(along) => Hold::of(problem, along, &self.segments, self.timing_asked())?,
             None => None,
@@ -192,7 +196,7 @@ impl PlanFile {
         let measured = self.measured(task, (along, problem), &audit, settings)?;
         let tilt = along.filter(|_| self.tilt.is_some() && audit.valid);
         let tilt = tilt.and_then(|along| Tilt::of(along, &self.segments));
-        let measured = Self { robustness, tilt, hold_demanded, hold, ..measured };
+        let measured = Self { least_length, robustness, tilt, hold_demanded, hold, ..measured };
         let (stated, found) = (figures(self), figures(&measured));
         let is_stated = |key: &&str| is_stated(&stated[*key]);
         let mut judgement = self.judgement(task, audit, measured);
@@ -250,6 +254,12 @@ impl PlanFile {
         Robustness::of(along, &self.segments)
     }
 
+    /// The bound on the length of any path where the file states one.
+    fn measured_least_length(&self, problem: &Problem) -> Option<f64> {
+        self.least_length?;
+        least_length(problem, &self.task, path_length(&self.waypoints))
+    }
+
     /// The task of this name as its scenario has it, where the two differ in more than the distances that are demanded.
     fn own_task<'a>(&self, source: &'a PlanSource) -> Option<&'a NamedTask> {
         let named = source.task.as_ref()?;
@@ -258,7 +268,7 @@ impl PlanFile {
         (!is_same).then_some(named)
     }
 
-    /// The plan with every figure but its radii and its hold as it is measured: no field is left out, so that a new one needs a decision.
+    /// The plan with every figure but its bounds and its hold as it is measured: no field is left out, so that a new one needs a decision.
     fn measured(
         &self,
         task: &PlanSource,
@@ -307,6 +317,7 @@ impl PlanFile {
             clearance_m,
             not_checked: audit.not_checked.clone(),
             path_length: path_length(&self.waypoints),
+            least_length: None,
             segments: self.measured_segments(along, &clearances_per_edge_m),
             clearances_per_edge_m,
             waypoints: self.waypoints.clone(),

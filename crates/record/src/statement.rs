@@ -89,9 +89,12 @@ impl Law {
     /// The law of a key of a plan file.
     fn of(key: &str) -> Self {
         match key {
-            "clearance_m" | "clearances_per_edge_m" | "robustness" | "hold" | "hold_demanded" => {
-                Self::AtLeast
-            }
+            "clearance_m"
+            | "clearances_per_edge_m"
+            | "least_length"
+            | "robustness"
+            | "hold"
+            | "hold_demanded" => Self::AtLeast,
             "own_grasp" => Self::Judged,
             // Under `paper`, of the judge's own: which grasp is reached how exactly is measured.
             "goal_threshold" => Self::Reported,

@@ -8,6 +8,7 @@ mod carrying;
 mod contact;
 mod ik_statuses;
 mod lanes;
+mod lower_bound;
 mod moveit;
 mod old_formats;
 mod placing;

@@ -14,7 +14,8 @@ fn planned(id: &str, stages: Vec<Stage>) -> (Problem, PlanSource, Value) {
     let problem = scenario.problem(source.margins).unwrap();
     let timing = Some(Timing::default());
     let score = Some(cranny_grasp::ScoreKind::Geometric);
-    let request = Request { stages, timing, score, robustness: true, ..Request::default() };
+    let request =
+        Request { stages, timing, score, robustness: true, least_length: true, ..Request::default() };
     let answer = solve(&problem, &request, &mut Unobserved).unwrap();
     (problem, source.clone(), serde_json::to_value(PlanFile::of(&answer, &source)).unwrap())
 }
@@ -50,7 +51,9 @@ fn a_figure_beyond_what_is_measured_is_a_violation() {
     let base_m = plan["robustness"]["base"]["translation_m"].as_f64().unwrap() * 1.02;
     let [false_mm, true_mm] = [1.02, 1.0].map(|share| format!("{:.2} mm", 1e3 * share * clearance_m));
     let duration_s = plan["timing"]["duration_s"].as_f64().unwrap();
+    let least = plan["least_length"].as_f64().unwrap();
     for (pointer, value, says) in [
+        ("/least_length", json!(1.02 * least), "least_length: the file states".to_owned()),
         (
             "/clearance_m",
             json!(1.02 * clearance_m),

@@ -16,3 +16,4 @@ pub(crate) mod limits;
 pub(crate) mod moving_base;
 pub(crate) mod reach_bound;
 pub(crate) mod steadiness;
+pub(crate) mod tip_arms;

@@ -43,6 +43,9 @@ pub struct Answer {
     pub untimed: Option<String>,
     /// How far things may be from where the path has them, if it holds and that was asked.
     pub robustness: Option<Robustness>,
+    /// Length, in the plain norm of the joints, that every path of the task has at least, of a path that holds, if that was
+    /// asked and is known ([`least_length`](crate::least_length)).
+    pub least_length: Option<f64>,
     /// Tilt of what is held, of a path that holds, where it is limited.
     pub tilt: Option<Tilt>,
     /// Factor of the hold that was demanded, if one was.

@@ -2,15 +2,16 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 use std::time::Instant;
 
-use cranny_path::{audit_along, audit_task};
+use cranny_path::{audit_along, audit_task, path_length};
 use cranny_plan::{Budget, NoGrasp, Observer, Outcome, PlanError, PlanReport, Unobserved};
 use cranny_robot::Robot;
 use cranny_spatial::{Pose, other_seed};
 use cranny_task::{
-    Carrier, FailureReason, GraspFilter, Problem, Segment, Stage, StatesAlong, give_clearances,
+    Carrier, FailureReason, GraspFilter, Problem, Segment, Stage, StatesAlong, give_clearances, joined,
 };
 
 use crate::hold::hold_firmly;
+use crate::least_length::least_length;
 use crate::rounding::smooth;
 use crate::way_search::{Found, found_alone, found_in_stages};
 use crate::{Answer, Hold, Request, Robustness, SolveError, TaskTrajectory, Tilt, Timed, Timing};
@@ -26,7 +27,8 @@ use crate::{Answer, Hold, Request, Robustness, SolveError, TaskTrajectory, Tilt,
 /// 4. Whatever was found is judged like anybody's path, curves included, before it is called solved.
 /// 5. A path that holds gets its time, if that is asked.
 /// 6. How far things may be from where it has them is worked out, if that is asked.
-/// 7. A path that turns a joint half a turn beyond need is not delivered before other seeds were tried: see
+/// 7. The length of every path of the task is bounded from below, if that is asked ([`least_length`]).
+/// 8. A path that turns a joint half a turn beyond need is not delivered before other seeds were tried: see
 ///    [`Robot::needless_turn`].
 ///
 /// That there is no path is an answer ([`Outcome`]), no error.
@@ -41,7 +43,7 @@ pub fn solve(
     request.check(problem)?;
     let begin = Instant::now();
     let mut answer = solve_once(problem, request, observer)?;
-    // 7.
+    // 8.
     /// More seeds find little that these do not.
     const OTHER_SEEDS: u64 = 8;
     /// A search that takes so many times the iterations of the first, and some, is not waited for. What the request
@@ -74,25 +76,25 @@ fn needless_turn(robot: &Robot, answer: &Answer) -> f64 {
     turns.fold(0.0, f64::max)
 }
 
-/// Steps 1 to 6.
+/// Steps 1 to 7.
 fn solve_once(
     problem: &Problem,
     request: &Request,
     observer: &mut dyn Observer,
 ) -> Result<Answer, SolveError> {
     let (asked, numbers) = request.asked(problem)?;
-    let answer = solve_asked(&asked, request, observer)?;
+    let answer = solve_asked(&asked, request, (problem, observer))?;
     Ok(match (numbers, problem.grasps()) {
         (Some(numbers), Some(grasps)) => answer.with_grasp_numbers(&numbers, grasps.len()),
         _ => answer,
     })
 }
 
-/// The same of the problem as the request asks it.
+/// The same of the problem as the request asks it, which has some of the grasps of `whole`.
 fn solve_asked(
     problem: &Problem,
     request: &Request,
-    observer: &mut dyn Observer,
+    (whole, observer): (&Problem, &mut dyn Observer),
 ) -> Result<Answer, SolveError> {
     let stages = request.stages_of(problem);
     let first = request.first_problem(problem)?;
@@ -148,7 +150,12 @@ fn solve_asked(
     let holds = holds && audit.as_ref().is_some_and(|audit| audit.valid);
     let tilt = along.as_ref().filter(|_| holds).and_then(|along| Tilt::of(along, &segments));
     let robustness = along.filter(|_| request.robustness && holds);
-    let robustness = robustness.and_then(|along| Robustness::of(&along, &segments));
+    let robustness = || Robustness::of(&robustness?, &segments);
+    // 7. To whichever grasp: those that the request leaves out are no nearer.
+    let most = path_length(&joined(&segments));
+    let least = || least_length(whole, &request.stages, most);
+    let least = || if request.least_length && holds { least() } else { None };
+    let (robustness, least_length) = rayon::join(robustness, least);
     let limits = request.timing.map(|timing| timing.limits(problem.robot()));
     let untimed = limits.and_then(Result::err).map(|fault| fault.to_string());
     Ok(Answer {
@@ -169,6 +176,7 @@ fn solve_asked(
         timed,
         untimed,
         robustness,
+        least_length,
         tilt,
         hold_demanded: request.hold.filter(|_| !request.stages.is_empty()),
         hold: hold.filter(|_| holds),

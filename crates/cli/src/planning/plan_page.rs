@@ -93,6 +93,15 @@ fn robust(robustness: &Robustness) -> String {
     format!("free with {} off", parts.into_iter().flatten().collect::<Vec<_>>().join("; "))
 }
 
+/// Percentage by which the path is longer than any path of its task must be, in words; nothing where that is not known.
+fn beyond_least(plan: &PlanFile) -> String {
+    let share = plan.least_length.map(|least| plan.path_length / least - 1.0);
+    share.filter(|share| share.is_finite()).map_or_else(String::new, |share| {
+        let percent = cranny_file::at_most(100.0 * share, 1.0, 0);
+        format!(", at most {percent} % longer than any motion of this task")
+    })
+}
+
 /// Firmness with which the hand holds its object, in words; `None` where nothing is carried.
 fn held(plan: &PlanFile) -> Option<String> {
     let carries = plan.segments.iter().any(|segment| segment.mode.holds);
@@ -234,7 +243,8 @@ fn about_path(answered: &Answered, grasps: &GraspSet, line: &mut dyn FnMut(&str,
     }
     if !plan.waypoints.is_empty() {
         let points = counted(plan.waypoints.len(), "way point");
-        line("path", format!("{points}, length {}", cranny_file::at_most(plan.path_length, 1.0, 3)));
+        let length = cranny_file::at_most(plan.path_length, 1.0, 3);
+        line("path", format!("{points}, length {length}{}", beyond_least(plan)));
     }
     if let Some(robustness) = &plan.robustness {
         line("robust", robust(robustness));

@@ -94,10 +94,15 @@ impl DampedInverse {
     /// If `step` does not hold one value per column.
     pub fn step(&self, jacobian: &Jacobian, twist: &Twist, step: &mut [f64]) {
         assert_eq!(step.len(), jacobian.ncols(), "one value for each column");
-        let weights = self.factors.solve(twist);
+        let weights = self.dual(twist);
         for (value, column) in step.iter_mut().zip(jacobian.column_iter()) {
             *value = column.dot(&weights);
         }
+    }
+
+    /// `(JJᵀ + λ²I)⁻¹ v`: the weights with which the rows of J add up to [`Self::step`].
+    pub fn dual(&self, twist: &Twist) -> Twist {
+        self.factors.solve(twist)
     }
 
     /// Replaces `motion` (m, rad; one per joint) by its part that does not move the frame, `(I − J⁺J) motion`. With

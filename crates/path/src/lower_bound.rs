@@ -1,0 +1,584 @@
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
+use cranny_robot::{DampedInverse, Jacobian, JointKind, JointLimits, LinkFrames, Mover, Robot, Twist};
+use cranny_spatial::nalgebra::{Matrix3, Quaternion};
+use cranny_spatial::{EXACT_ROTATION_RAD, EXACT_TRANSLATION_M, Point, Pose, Rotation, Vector};
+use cranny_task::{Goal, Problem, gripper_poses};
+
+/// Greatest number of boxes, each with a cluster of grasps.
+const MOST_BOXES: usize = 5_000;
+
+/// Boxes whose joints have less than this half width are not split, in metres or radians.
+const FINEST: f64 = 1e-3;
+
+/// Damping of the pseudo-inverse that chooses a functional: any functional gives a true bound.
+const DAMPING: f64 = 0.4;
+
+/// Chord of the rotations of a cluster above which positions alone may bound it better.
+const MIXED: f64 = 0.2;
+
+/// Lengths err by less, from rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// A length, in the plain norm of `q` (m and rad alike), that no path from the start of a problem to its goal goes below: at
+/// most `most`, which is the length of a known path. `None` under another criterion than `exact`, and where the planner makes
+/// grasps of its own.
+///
+/// A path to configurations is at least as long as the straight line to the nearest. For grasps, the least distance of a
+/// configuration that reaches any of them, within the tolerance of `exact`, is bounded by best-first branch and bound over
+/// boxes of joint values (Land & Doig 1960, "An automatic method of solving discrete programming problems"). In a box with
+/// centre c and half widths h, a linear functional f of the pose of the tip satisfies
+///
+/// `f(q) ≤ f(c) + ∇f(c)·(q − c) + ½ Σ_ij min(M_ij, |∂_i∂_j f(c)| + ⅓ Σ_k T_ijk h_k) h_i h_j`,
+///
+/// M and T being bounds on its second and third derivatives. As f must reach its value at the grasp, this is one linear
+/// constraint on q, and the least distance from the start under it, within the box, is bounded by its dual. Obstacles play
+/// no part.
+pub fn least_length(problem: &Problem, most: f64) -> Option<f64> {
+    problem.cell()?;
+    match problem.goal() {
+        Goal::Configurations(ends) => {
+            let nearest = ends.iter().map(|end| least_distance(problem.robot(), problem.start(), end));
+            nearest.reduce(f64::min)
+        }
+        Goal::Grasps(grasps) if problem.grasp_measure().is_none() => {
+            let poses: Vec<Pose> = grasps.grasps().iter().flat_map(gripper_poses).collect();
+            Some(BoxSearch::new(problem.robot(), problem.start(), poses).least_distance(most, MOST_BOXES))
+        }
+        Goal::Grasps(_) => None,
+    }
+}
+
+/// The distance of two configurations; joints that have a full turn may be turned by one.
+fn least_distance(robot: &Robot, start: &[f64], end: &[f64]) -> f64 {
+    let mut end = end.to_vec();
+    robot.turn_towards(start, &mut end);
+    let squared: f64 = start.iter().zip(&end).map(|(a, b)| (a - b).powi(2)).sum();
+    (squared.sqrt() - ROUNDING).max(0.0)
+}
+
+/// A search for the box of joint values nearest to the start that may reach one of several poses of the tip.
+struct BoxSearch<'a> {
+    robot: &'a Robot,
+    start: &'a [f64],
+    clusters: PoseClusters,
+    movers: &'a [Mover],
+    /// Bound on the distance of the tip from the axis of each mover, whatever the joints do, in metres; 1 for one that slides.
+    arms_m: Vec<f64>,
+    /// Share of the error of a functional that counts: 1, and less to test that it must be.
+    error_factor: f64,
+}
+
+/// Joint values between `lower` and `upper` that may reach a cluster of poses, at `bound` from the start or farther.
+#[derive(Clone, Debug)]
+struct JointBox {
+    bound: f64,
+    lower: Vec<f64>,
+    upper: Vec<f64>,
+    cluster: usize,
+    split: Split,
+    /// Number of the box, by which equal ones are ordered.
+    number: usize,
+}
+
+/// Choice of how to split a box and its cluster in two.
+#[derive(Clone, Copy, Debug)]
+enum Split {
+    Joint(usize),
+    Cluster([usize; 2]),
+    /// It is not worth it.
+    Neither,
+}
+
+impl PartialEq for JointBox {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for JointBox {}
+
+impl PartialOrd for JointBox {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for JointBox {
+    /// The nearest box is the greatest, as the heap has it.
+    fn cmp(&self, other: &Self) -> Ordering {
+        other.bound.total_cmp(&self.bound).then(other.number.cmp(&self.number))
+    }
+}
+
+impl JointBox {
+    /// The two halves.
+    fn halves(self) -> Option<[Self; 2]> {
+        let mut halves = [self.clone(), self];
+        match halves[0].split {
+            Split::Joint(joint) => {
+                let middle = 0.5 * (halves[0].lower[joint] + halves[0].upper[joint]);
+                halves[0].upper[joint] = middle;
+                halves[1].lower[joint] = middle;
+            }
+            Split::Cluster(clusters) => {
+                halves.iter_mut().zip(clusters).for_each(|(half, cluster)| half.cluster = cluster);
+            }
+            Split::Neither => return None,
+        }
+        Some(halves)
+    }
+}
+
+impl<'a> BoxSearch<'a> {
+    fn new(robot: &'a Robot, start: &'a [f64], poses: Vec<Pose>) -> Self {
+        let movers = robot.ancestors(robot.tip());
+        let arms_m = robot.tip_arms_m(&Point::origin()).into_iter().map(|arm_m| arm_m + ROUNDING).collect();
+        Self { robot, start, clusters: PoseClusters::new(poses), movers, arms_m, error_factor: 1.0 }
+    }
+
+    /// A distance below which no configuration within limits reaches any of the poses, at most `most`.
+    fn least_distance(&self, most: f64, most_boxes: usize) -> f64 {
+        let within = |(&at, limits): (&f64, &JointLimits)| {
+            ((at - most).max(limits.lower), (at + most).min(limits.upper))
+        };
+        let (lower, upper) = self.start.iter().zip(self.robot.limits()).map(within).unzip();
+        let mut root = JointBox { bound: 0.0, lower, upper, cluster: 0, split: Split::Neither, number: 0 };
+        let mut model = BoxModel::new(self);
+        model.bound(self, &mut root);
+        let mut boxes = BinaryHeap::from([root]);
+        let mut count = 0;
+        while let Some(nearest) = boxes.pop() {
+            let bound = nearest.bound;
+            let halves = nearest.halves().filter(|_| bound < most && count < most_boxes);
+            let Some(halves) = halves else { return (bound.min(most) - ROUNDING).max(0.0) };
+            for mut half in halves {
+                count += 1;
+                half.number = count;
+                model.bound(self, &mut half);
+                boxes.extend((half.bound < most).then_some(half));
+            }
+        }
+        // Every box lies beyond.
+        (most - ROUNDING).max(0.0)
+    }
+}
+
+/// Kinematics in the centre of a box, and what follows from its widths.
+struct BoxModel {
+    frames: LinkFrames,
+    jacobian: Jacobian,
+    center: Vec<f64>,
+    /// Half width of each mover.
+    widths: Vec<f64>,
+    /// Bound on the distance of the tip from the axis of each mover in the box, in metres.
+    arms_m: Vec<f64>,
+    /// Axis of each mover, and `axis × (tip − origin)`, or the axis for one that slides.
+    axes: Vec<[Vector; 2]>,
+    gradient: Vec<f64>,
+    /// Share of each joint in the error of the last bound.
+    shares: Vec<f64>,
+}
+
+impl BoxModel {
+    fn new(search: &BoxSearch<'_>) -> Self {
+        let (robot, movers) = (search.robot, search.movers.len());
+        Self {
+            frames: robot.frames(),
+            jacobian: robot.empty_jacobian(),
+            center: vec![0.0; robot.dof()],
+            widths: vec![0.0; movers],
+            arms_m: vec![0.0; movers],
+            axes: vec![[Vector::zeros(); 2]; movers],
+            gradient: vec![0.0; robot.dof()],
+            shares: vec![0.0; robot.dof()],
+        }
+    }
+
+    /// Bounds the distance at which a box reaches its poses, and chooses how to split it.
+    fn bound(&mut self, search: &BoxSearch<'_>, of: &mut JointBox) {
+        self.place(search, of);
+        let cluster = &search.clusters.clusters[of.cluster];
+        let Some(inverse) = DampedInverse::new(&self.jacobian, DAMPING) else { return };
+        of.split = Split::Neither;
+        let mut greatest = f64::NEG_INFINITY;
+        // Positions alone count where the poses are turned too differently.
+        let is_mixed = cluster.chord > MIXED;
+        for only_position in [false, true].into_iter().take(1 + usize::from(is_mixed)) {
+            let functional = self.functional(search, &inverse, cluster, only_position);
+            let (bound, error) = self.distance(search, &functional, [&of.lower, &of.upper]);
+            of.bound = of.bound.max(bound);
+            // As the functional that bounds it best has it.
+            if bound > greatest {
+                greatest = bound;
+                let of_poses = functional.slack(cluster.radius_m, cluster.chord);
+                let widest = |a: &usize, b: &usize| self.shares[*a].total_cmp(&self.shares[*b]);
+                let joint = (0..self.shares.len()).max_by(widest);
+                let joint = joint.filter(|&joint| 0.5 * (of.upper[joint] - of.lower[joint]) > FINEST);
+                of.split = match (cluster.halves, joint) {
+                    (Some(halves), Some(_)) if of_poses > error => Split::Cluster(halves),
+                    (Some(halves), None) => Split::Cluster(halves),
+                    (_, Some(joint)) => Split::Joint(joint),
+                    (None, None) => Split::Neither,
+                };
+            }
+        }
+    }
+
+    /// Puts the robot into the centre of a box.
+    fn place(&mut self, search: &BoxSearch<'_>, of: &JointBox) {
+        let robot = search.robot;
+        for (center, (lower, upper)) in self.center.iter_mut().zip(of.lower.iter().zip(&of.upper)) {
+            *center = 0.5 * (lower + upper);
+        }
+        robot.tip_kinematics(&self.center, &mut self.frames);
+        robot.jacobian(&self.frames, robot.tip(), &mut self.jacobian);
+        let tip = self.frames.link(robot.tip()).translation.vector;
+        // From the tip back, by how much the tip moves within the box at most.
+        let mut moves_m = 0.0;
+        for (index, mover) in search.movers.iter().enumerate().rev() {
+            let joint = mover.joint;
+            let width = 0.5 * (of.upper[joint] - of.lower[joint]) * mover.multiplier.abs() * (1.0 + 1e-12);
+            let root_from_child = self.frames.link(mover.child_link);
+            let axis = root_from_child.rotation * mover.axis_in_child;
+            let arm = tip - root_from_child.translation.vector;
+            self.widths[index] = width;
+            self.axes[index] = match mover.kind {
+                JointKind::Revolute => [axis, axis.cross(&arm)],
+                JointKind::Prismatic => [Vector::zeros(), axis],
+            };
+            self.arms_m[index] = match mover.kind {
+                JointKind::Revolute => search.arms_m[index].min(arm.norm() + moves_m + ROUNDING),
+                JointKind::Prismatic => 1.0,
+            };
+            moves_m += width * self.arms_m[index];
+        }
+    }
+
+    /// A functional of the pose of the tip that grows towards a cluster of poses: the dual of the least motion there from the
+    /// start, as the Jacobian in the centre of the box has it.
+    fn functional(
+        &self,
+        search: &BoxSearch<'_>,
+        inverse: &DampedInverse,
+        cluster: &Cluster,
+        only_position: bool,
+    ) -> Functional {
+        let (tip, goal) = (self.frames.link(search.robot.tip()), &cluster.middle);
+        let turn = goal.rotation * tip.rotation.inverse();
+        let mut twist = Twist::zeros();
+        twist.fixed_rows_mut::<3>(0).copy_from(&(goal.translation.vector - tip.translation.vector));
+        twist.fixed_rows_mut::<3>(3).copy_from(&(turn.imag() * (2.0 * turn.w.signum())));
+        for (column, (start, center)) in
+            self.jacobian.column_iter().zip(search.start.iter().zip(&self.center))
+        {
+            twist.axpy(center - start, &column, 1.0);
+        }
+        let (force, torque) = if only_position {
+            // The direction alone counts.
+            (twist.fixed_rows::<3>(0).into_owned(), Vector::zeros())
+        } else {
+            let dual = inverse.dual(&twist);
+            (dual.fixed_rows::<3>(0).into_owned(), dual.fixed_rows::<3>(3).into_owned())
+        };
+        Functional::new(force, torque, cluster, tip)
+    }
+
+    /// Bound on the distance from the start of a configuration in the box at which the functional reaches its value at the
+    /// goal, infinite if none does; and the error of the functional in the box.
+    fn distance(
+        &mut self,
+        search: &BoxSearch<'_>,
+        of: &Functional,
+        [lower, upper]: [&[f64]; 2],
+    ) -> (f64, f64) {
+        let force_norm = of.force.norm();
+        self.gradient.fill(0.0);
+        self.shares.fill(0.0);
+        let is_turning = |i: &usize| search.movers[*i].kind == JointKind::Revolute;
+        let torque_norm = |i: usize| if is_turning(&i) { of.torque_norm } else { 0.0 };
+        let mut error = 0.0;
+        for (j, mover) in search.movers.iter().enumerate() {
+            let [axis, moves] = &self.axes[j];
+            self.gradient[mover.joint] += mover.multiplier * (of.force.dot(moves) + of.turn.dot(axis));
+            // Bound on second derivatives in which this is the later joint.
+            let most = force_norm * self.arms_m[j] + torque_norm(j);
+            let later = |k: usize| (force_norm * self.arms_m[k] + torque_norm(k)) * self.widths[k];
+            let later: f64 = (j + 1..search.movers.len()).filter(|_| is_turning(&j)).map(later).sum();
+            let before: f64 = (0..=j).filter(is_turning).map(|i| self.widths[i]).sum();
+            let third = most * before + later;
+            // A joint that slides turns nothing that follows it.
+            for i in (0..=j).filter(is_turning) {
+                let first = &self.axes[i][0];
+                let here = of.force.dot(&first.cross(moves)) + of.second(first, axis);
+                let second = most.min(here.abs() + third / 3.0);
+                let share = second * self.widths[i] * self.widths[j] * if i == j { 0.5 } else { 1.0 };
+                error += share;
+                self.shares[search.movers[i].joint] += share;
+                self.shares[mover.joint] += share;
+            }
+        }
+        let needed = of.rise - search.error_factor * error * (1.0 + 1e-9) - ROUNDING;
+        let bound = least_distance_above(&self.gradient, needed, &self.center, search.start, [lower, upper]);
+        (bound, error)
+    }
+}
+
+/// A linear functional of a pose, `force · p + ⟨V, R⟩`.
+struct Functional {
+    force: Vector,
+    /// Gradient of the second term by a turn in the centre of the box.
+    turn: Vector,
+    /// `R Vᵀ` in the centre.
+    product: Matrix3<f64>,
+    /// Bound on the sum of the singular values of V.
+    torque_norm: f64,
+    /// Growth from the centre of the box to any pose of the cluster, less the tolerance.
+    rise: f64,
+}
+
+impl Functional {
+    /// With V so that the second term grows with a turn about `torque`, between where the tip is and the cluster.
+    fn new(force: Vector, torque: Vector, cluster: &Cluster, tip: &Pose) -> Self {
+        let [here, there] = [tip, &cluster.middle].map(|pose| *pose.rotation.to_rotation_matrix().matrix());
+        // The mean of two rotations has no singular value above 1, and half a cross matrix two of half the norm.
+        let of_torque = torque.cross_matrix() * (here + there) * 0.25;
+        let product = here * of_torque.transpose();
+        let turn = Vector::new(
+            product[(1, 2)] - product[(2, 1)],
+            product[(2, 0)] - product[(0, 2)],
+            product[(0, 1)] - product[(1, 0)],
+        );
+        let rise = force.dot(&(cluster.middle.translation.vector - tip.translation.vector))
+            + of_torque.dot(&(there - here));
+        let functional = Self { force, turn, product, torque_norm: torque.norm(), rise };
+        let slack =
+            functional.slack(cluster.radius_m + EXACT_TRANSLATION_M, cluster.chord + EXACT_ROTATION_RAD);
+        Self { rise: rise - slack, ..functional }
+    }
+
+    /// Bound on its change where a pose is moved by `radius_m` and turned by a rotation of this chord.
+    fn slack(&self, radius_m: f64, chord: f64) -> f64 {
+        self.force.norm() * radius_m + self.torque_norm * chord
+    }
+
+    /// The second derivative of the second term by turns about two axes, the outer one first.
+    fn second(&self, outer: &Vector, inner: &Vector) -> f64 {
+        outer.dot(&(self.product * inner)) - outer.dot(inner) * self.product.trace()
+    }
+}
+
+/// Poses in a binary tree of clusters, the first of which holds all.
+struct PoseClusters {
+    clusters: Vec<Cluster>,
+}
+
+/// Poses within a radius of their middle: positions within `radius_m` metres, rotations within the chord `2 sin(angle/2)`.
+struct Cluster {
+    middle: Pose,
+    radius_m: f64,
+    chord: f64,
+    halves: Option<[usize; 2]>,
+}
+
+impl PoseClusters {
+    fn new(poses: Vec<Pose>) -> Self {
+        let mut clusters = Vec::with_capacity(2 * poses.len());
+        if !poses.is_empty() {
+            Self::add(poses, &mut clusters);
+        }
+        Self { clusters }
+    }
+
+    /// Adds a cluster with all below it, and returns its index.
+    fn add(poses: Vec<Pose>, clusters: &mut Vec<Cluster>) -> usize {
+        let index = clusters.len();
+        let first = &poses[0];
+        let count = poses.len() as f64;
+        let middle = poses.iter().map(|pose| pose.translation.vector).sum::<Vector>() / count;
+        let aligned = |pose: &Pose| {
+            let sign = pose.rotation.coords.dot(&first.rotation.coords).signum();
+            pose.rotation.into_inner() * sign
+        };
+        let mean =
+            poses.iter().map(aligned).fold(Quaternion::new(0.0, 0.0, 0.0, 0.0), |sum, turn| sum + turn);
+        let rotation = Rotation::try_new(mean, 1e-9).unwrap_or(first.rotation);
+        let middle = Pose::from_parts(middle.into(), rotation);
+        let apart = |a: &Pose, b: &Pose| {
+            let turn = a.rotation.inverse() * b.rotation;
+            ((a.translation.vector - b.translation.vector).norm(), 2.0 * turn.imag().norm())
+        };
+        let (radius_m, chord) = poses.iter().map(|pose| apart(&middle, pose)).fold(
+            (ROUNDING, ROUNDING),
+            |(radius_m, chord), (distance_m, turn)| {
+                (radius_m.max(distance_m + ROUNDING), chord.max(turn + ROUNDING))
+            },
+        );
+        clusters.push(Cluster { middle, radius_m, chord, halves: None });
+        // About the two that are farthest from each other, a radian counting as much as an arm's length.
+        const ARM_M: f64 = 0.5;
+        let distance = |a: &Pose, b: &Pose| {
+            let (distance_m, chord) = apart(a, b);
+            distance_m + ARM_M * chord
+        };
+        let far_from = |from: &Pose| {
+            poses.iter().max_by(|a, b| distance(from, a).total_cmp(&distance(from, b))).copied()
+        };
+        let ends = far_from(&middle).and_then(|one| Some([one, far_from(&one)?]));
+        if let Some([one, other]) = ends.filter(|[one, other]| distance(one, other) > ROUNDING) {
+            let (near, far) =
+                poses.into_iter().partition(|pose| distance(&one, pose) <= distance(&other, pose));
+            let halves = [near, far].map(|half| Self::add(half, clusters));
+            clusters[index].halves = Some(halves);
+        }
+        index
+    }
+}
+
+/// A lower bound of `min ‖q − start‖` over q between `lower` and `upper` with `gradient · (q − center) ≥ needed`; infinite if there
+/// is none. By weak duality, for any multiplier.
+fn least_distance_above(
+    gradient: &[f64],
+    needed: f64,
+    center: &[f64],
+    start: &[f64],
+    [lower, upper]: [&[f64]; 2],
+) -> f64 {
+    const ROUNDS: usize = 12;
+    let joints = || 0..gradient.len();
+    let most: f64 = joints().map(|j| gradient[j].abs() * 0.5 * (upper[j] - lower[j])).sum();
+    if most * (1.0 + 1e-12) < needed {
+        return f64::INFINITY;
+    }
+    let squared: f64 = gradient.iter().map(|g| g * g).sum();
+    let at = |multiplier: f64| {
+        let (mut reached, mut squares) = (0.0, 0.0);
+        for j in joints() {
+            let q = (start[j] + 0.5 * multiplier * gradient[j]).clamp(lower[j], upper[j]);
+            reached += gradient[j] * (q - center[j]);
+            squares += (q - start[j]).powi(2);
+        }
+        (needed - reached, squares)
+    };
+    let (mut multiplier, mut best) = (0.0, 0.0_f64);
+    for _ in 0..ROUNDS {
+        let (missing, squares) = at(multiplier);
+        best = best.max(squares + multiplier * missing);
+        if missing <= 1e-6 || squared <= 0.0 {
+            break;
+        }
+        // Joints that are not at a bound give at most this; the dual is concave, so that steps never go beyond its top.
+        multiplier += 2.0 * missing / squared;
+    }
+    best.max(0.0).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fmt::Write as _;
+
+    use cranny_robot::RobotOptions;
+    use cranny_spatial::Stream;
+
+    use super::*;
+
+    /// A base that slides along x and y, six or seven joints about random axes, and one that slides between them.
+    fn arm(stream: &mut Stream) -> Robot {
+        let turning = 6 + usize::from(stream.uniform() < 0.5);
+        let mut urdf = String::from("<robot name=\"arm\"><link name=\"l0\"/>");
+        let kinds = ["prismatic", "prismatic"].into_iter().chain(std::iter::repeat_n("revolute", turning));
+        let slide = 5;
+        for (index, kind) in kinds.enumerate() {
+            let kind = if index == slide { "prismatic" } else { kind };
+            let mut coordinate = |most: f64| stream.uniform_between(-most, most);
+            let axis = match index {
+                0 => [1.0, 0.0, 0.0],
+                1 => [0.0, 1.0, 0.0],
+                _ => [0; 3].map(|_| coordinate(1.0)),
+            };
+            let axis = axis.map(|value: f64| value.to_string()).join(" ");
+            let origin = [0; 3].map(|_| coordinate(0.3).to_string()).join(" ");
+            let most = if index == slide { 0.2 } else { 2.5 };
+            let next = index + 1;
+            let _ = write!(
+                urdf,
+                "<link name=\"l{next}\"/><joint name=\"j{index}\" type=\"{kind}\"><parent link=\"l{index}\"/>
+                 <child link=\"l{next}\"/><origin xyz=\"{origin}\"/><axis xyz=\"{axis}\"/>
+                 <limit lower=\"-{most}\" upper=\"{most}\" velocity=\"1\" effort=\"1\"/></joint>"
+            );
+        }
+        urdf.push_str("</robot>");
+        Robot::from_urdf_text(&urdf, "arm.urdf", None, &RobotOptions::default()).expect("a URDF")
+    }
+
+    /// Least distance, as far as steps within the null space find it, from `start` to a configuration with the pose at `end`.
+    fn relaxed(robot: &Robot, start: &[f64], end: &[f64]) -> f64 {
+        let (mut frames, mut jacobian) = (robot.frames(), robot.empty_jacobian());
+        let goal = *robot.frames_at(end).link(robot.tip());
+        let distance = |q: &[f64]| q.iter().zip(start).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+        let (mut q, mut best) = (end.to_vec(), distance(end));
+        for _ in 0..200 {
+            robot.tip_kinematics(&q, &mut frames);
+            let tip = frames.link(robot.tip());
+            robot.jacobian(&frames, robot.tip(), &mut jacobian);
+            let mut twist = Twist::zeros();
+            twist.fixed_rows_mut::<3>(0).copy_from(&(goal.translation.vector - tip.translation.vector));
+            let turn = (goal.rotation * tip.rotation.inverse()).scaled_axis();
+            twist.fixed_rows_mut::<3>(3).copy_from(&turn);
+            let inverse = DampedInverse::new(&jacobian, 1e-6).expect("damped");
+            let (mut step, mut back) = (vec![0.0; q.len()], vec![0.0; q.len()]);
+            inverse.step(&jacobian, &twist, &mut step);
+            back.iter_mut().zip(start.iter().zip(&q)).for_each(|(back, (a, b))| *back = 0.2 * (a - b));
+            inverse.project_to_null_space(&jacobian, &mut back);
+            for ((q, (step, back)), limits) in q.iter_mut().zip(step.iter().zip(&back)).zip(robot.limits()) {
+                *q = (*q + step + back).clamp(limits.lower, limits.upper);
+            }
+            if twist.norm() < 1e-4 {
+                best = best.min(distance(&q));
+            }
+        }
+        best
+    }
+
+    /// No configuration that reaches one of several poses, within the tolerance, is nearer than the bound, on random arms; a
+    /// search that leaves out the error of its functionals is wrong.
+    #[test]
+    fn no_configuration_at_a_goal_is_nearer_than_the_bound() {
+        let mut stream = Stream::new(5, 0);
+        let (mut ratios, mut false_bounds) = (Vec::new(), 0);
+        for round in 0..40 {
+            let robot = arm(&mut stream);
+            let mut draw = |share: f64| -> Vec<f64> {
+                robot
+                    .limits()
+                    .iter()
+                    .map(|l| stream.uniform_between(share * l.lower, share * l.upper))
+                    .collect()
+            };
+            let start = draw(0.5);
+            let ends: Vec<Vec<f64>> =
+                (0..3).map(|_| start.iter().zip(draw(0.4)).map(|(at, by)| at + by).collect()).collect();
+            let mut off = || stream.uniform_between(-1.0, 1.0);
+            let poses: Vec<Pose> = ends
+                .iter()
+                .map(|end| {
+                    let by = Vector::new(off(), off(), off()).normalize() * (0.99 * EXACT_TRANSLATION_M);
+                    let turn = Vector::new(off(), off(), off()).normalize() * (0.99 * EXACT_ROTATION_RAD);
+                    let tip = robot.frames_at(end).link(robot.tip()).to_owned();
+                    Pose::from_parts((tip.translation.vector + by).into(), Rotation::new(turn) * tip.rotation)
+                })
+                .collect();
+            let nearest = ends.iter().map(|end| relaxed(&robot, &start, end)).fold(f64::INFINITY, f64::min);
+            let mut search = BoxSearch::new(&robot, &start, poses);
+            let bound = search.least_distance(10.0, MOST_BOXES);
+            assert!(bound <= nearest, "round {round}: {bound} above {nearest}");
+            ratios.push(bound / nearest);
+            search.error_factor = 0.0;
+            false_bounds += u32::from(search.least_distance(10.0, 300) > nearest + 0.02);
+        }
+        ratios.sort_by(f64::total_cmp);
+        println!("{ratios:?} {false_bounds}");
+        assert!(ratios[20] > 0.5 && false_bounds > 0, "{ratios:?} {false_bounds}");
+    }
+}

@@ -1,0 +1,31 @@
+use cranny_spatial::Point;
+
+use crate::{JointKind, Robot};
+
+impl Robot {
+    /// Bounds on the distance of a point that is fixed to the tip from the axis of each joint that moves it, in the order of
+    /// [`Self::ancestors`], whatever the joints do within their limits: metres for a joint that turns, so metres per radian; 1
+    /// for one that slides. `point_in_tip`: metres.
+    ///
+    /// The distances between the frames of the joints add up, slides drawn out as far as they go.
+    pub fn tip_arms_m(&self, point_in_tip: &Point) -> Vec<f64> {
+        let frames = self.frames();
+        let mut after = (frames.link(self.tip()) * point_in_tip).coords;
+        let (mut arm_m, mut arms_m) = (0.0, Vec::new());
+        for mover in self.ancestors(self.tip()).iter().rev() {
+            let here = frames.link(mover.child_link).translation.vector;
+            arm_m += (after - here).norm();
+            after = here;
+            match mover.kind {
+                JointKind::Revolute => arms_m.push(arm_m),
+                JointKind::Prismatic => {
+                    let limits = self.limits()[mover.joint];
+                    arm_m += mover.multiplier.abs() * limits.lower.abs().max(limits.upper.abs());
+                    arms_m.push(1.0);
+                }
+            }
+        }
+        arms_m.reverse();
+        arms_m
+    }
+}
