@@ -1,4 +1,4 @@
-"""Duration of smooth trajectories against those with stops, and the search for upright motions: `motions.py smooth|upright|cups
+"""Duration of smooth trajectories against those with stops, and the search for upright motions: `motions.py smooth|upright|cups|bottles
 SEEDS`, with the command in `target/release`."""
 
 import json
@@ -10,6 +10,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 COMMAND = Path(__file__).resolve().parents[1] / "target/release/cranny"
+SCENARIOS_OF_OURS = Path(__file__).resolve().parents[1] / "crates/scenario/scenarios"
 TASKS = Path(__file__).resolve().parents[1] / "examples/tasks"
 KINDS = {"reach": [], "carry": ["--carry", "home"], "place": ["--place", "outside"]}
 SCENARIOS = ["011", "013", "015", "021", "023", "025", "031", "033", "035", "041", "043", "045"]
@@ -40,6 +41,13 @@ def smooth(folder: str, seeds: int) -> None:
         print(f"  to round and time: median {statistics.median(rounding):.1f}, max {max(rounding):.1f} ms")
 
 
+def of_plans(found: list[dict[str, Any]]) -> str:
+    """Number of plans that were found, and milliseconds of planning."""
+    times = [1e3 * plan["statistics"]["planning_time_s"] for plan in found]
+    solved = sum(plan["outcome"] == "solved" for plan in found)
+    return f"{solved}/{len(found)}, median {statistics.median(times):.1f}, max {max(times):.0f} ms"
+
+
 def upright(folder: str, seeds: int) -> None:
     """Plans that were found, and milliseconds of planning, without a bound on the tilt and with two."""
     for kind in ("carry", "place"):
@@ -48,10 +56,33 @@ def upright(folder: str, seeds: int) -> None:
             for degrees in (None, 15, 5):
                 flags = KINDS[kind] + ([] if degrees is None else ["--upright", str(degrees)])
                 found = [plan(folder, scenario, seed, flags) for seed in range(seeds)]
-                times = [1e3 * plan["statistics"]["planning_time_s"] for plan in found]
-                solved = sum(plan["outcome"] == "solved" for plan in found)
-                row.append(f"{degrees}: {solved}/{seeds}, median {statistics.median(times):.1f}, max {max(times):.0f} ms")
+                row.append(f"{degrees}: {of_plans(found)}")
             print(kind, scenario, " | ".join(row), flush=True)
+
+
+def bottles(folder: str, seeds: int) -> None:
+    """The same for a bottle of 0.5 l in the shelf of 011 to 015, in place of the screwdriver, put down outside."""
+    for number in range(1, 6):
+        text = (SCENARIOS_OF_OURS / f"01{number}" / "scenario.yaml").read_text()
+        before, after = text.split("target:")[0], text.split("places:")[1]
+        depth = 0.7 + 0.1 * (number - 1)
+        target = f"""target:
+  name: "bottle"
+  pose: {{position: [0.988, {depth:.3f}, 0.6]}}
+  shapes:
+    - cylinder: {{radius: 0.032, length: 0.2}}
+  mass_kg: 0.52
+  friction: 0.5
+"""
+        bottle = Path(folder) / f"bottle_01{number}"
+        bottle.mkdir()
+        row = []
+        for degrees in (None, 15, 5):
+            mark = "" if degrees is None else f"  upright_deg: {degrees}\n"
+            bottle.joinpath("scenario.yaml").write_text(before + target + mark + "places:" + after)
+            found = [plan(folder, str(bottle), seed, ["--place", "outside"]) for seed in range(seeds)]
+            row.append(f"{degrees}: {of_plans(found)}")
+        print(bottle.name, " | ".join(row), flush=True)
 
 
 def cups(folder: str, seeds: int) -> None:
@@ -65,12 +96,10 @@ def cups(folder: str, seeds: int) -> None:
         for degrees in (None, 15, 5):
             scenario, limit = (str(free), []) if degrees is None else (str(TASKS / name), ["--upright", str(degrees)])
             found = [plan(folder, scenario, seed, ["--place", "tray", *limit]) for seed in range(seeds)]
-            times = [1e3 * plan["statistics"]["planning_time_s"] for plan in found]
-            solved = sum(plan["outcome"] == "solved" for plan in found)
-            row.append(f"{degrees}: {solved}/{seeds}, median {statistics.median(times):.1f}, max {max(times):.0f} ms")
+            row.append(f"{degrees}: {of_plans(found)}")
         print(name, " | ".join(row), flush=True)
 
 
 if __name__ == "__main__":
     with TemporaryDirectory() as temporary:
-        {"smooth": smooth, "upright": upright, "cups": cups}[sys.argv[1]](temporary, int(sys.argv[2]))
+        {"smooth": smooth, "upright": upright, "cups": cups, "bottles": bottles}[sys.argv[1]](temporary, int(sys.argv[2]))

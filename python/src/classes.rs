@@ -96,6 +96,8 @@ pub struct Task {
     /// What a plan says that it is of.
     pub source: PlanSource,
     pub problem: Problem,
+    /// Greatest speed of the gripper frame, in m/s, that the problem demands.
+    pub tool_m_s: Option<f64>,
     /// What pictures are made of; a problem of others has none.
     pub scenario: Option<Arc<Scenario>>,
     /// The scenario or problem as it was given.

@@ -97,6 +97,13 @@ impl PyPlan {
         self.measured.tilt.as_ref().map(|tilt| python_of(py, tilt)).transpose()
     }
 
+    /// Distance of the tool within each of its bounds along the whole motion: dictionaries of "name" and "slack_m" or
+    /// "slack_rad" (a proven lower bound); empty where the tool is not bounded.
+    #[getter]
+    fn tool<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        python_of(py, &self.measured.tool)
+    }
+
     /// Firmness with which the hand holds what it carries: a dictionary of "factor" (by which all loads may grow before a pad
     /// slips, the least along the motion; None without times), "at_rest" (of the weight alone) and "mass_assumed"; None where
     /// nothing is carried, or it cannot be computed.

@@ -223,6 +223,7 @@ pub fn plan(
             acceleration: pace_of("acceleration", acceleration)?,
             tool_speed: pace_of("tool_speed_m_s", tool_speed_m_s)?,
         },
+        tool_m_s: asked.tool_m_s,
         carry: carry.map(|carry| carry_of(carry, asked.problem.robot())).transpose()?,
         place,
         task: task.map(task_of).transpose()?,

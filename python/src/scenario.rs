@@ -118,6 +118,7 @@ impl PyScenario {
             places: Vec::new(),
             tasks: Vec::new(),
             physics: std::collections::BTreeMap::new(),
+            joint_bounds: std::collections::BTreeMap::new(),
             export: None,
         };
         let made = Made::opened(&robot.py().get_type::<Self>().getattr("of")?, (robot, bodies), &keywords)?;

@@ -22,6 +22,7 @@ impl Task {
                     task: None,
                 },
                 problem: scenario.problem(margins)?,
+                tool_m_s: None,
                 scenario: Some(scenario.scenario.clone()),
                 given: value.clone().unbind(),
             });
@@ -38,6 +39,7 @@ impl Task {
                     task: None,
                 },
                 problem: problem.problem(margins)?,
+                tool_m_s: problem.problem.tool_speed_m_s,
                 scenario: None,
                 given: value.clone().unbind(),
             });

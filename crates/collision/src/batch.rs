@@ -97,11 +97,11 @@ impl Cell {
         scratch: &mut Scratch,
     ) -> u32 {
         let mut asked = asked;
-        if self.tilt.is_some() {
+        if !self.bounds.is_empty() {
             for lane in lanes_of(asked) {
                 let mut q = std::mem::take(&mut scratch.q);
                 exact(lane, &mut q);
-                asked &= !(u32::from(!self.keeps_tilt(&q, scratch)) << lane);
+                asked &= !(u32::from(!self.keeps_bounds(&q, scratch)) << lane);
                 scratch.q = q;
             }
         }

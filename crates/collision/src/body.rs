@@ -7,5 +7,5 @@ pub(crate) mod link_balls;
 pub(crate) mod link_body;
 pub(crate) mod part_tree;
 pub(crate) mod robot_body;
-pub(crate) mod tilt_limit;
+pub(crate) mod tool_bound;
 pub(crate) mod world;

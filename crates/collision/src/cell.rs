@@ -8,7 +8,7 @@ use crate::body::cell_parts::{CellParts, Surroundings};
 use crate::body::held_body::HeldBody;
 use crate::body::link_body::{LinkBody, group_reaches, group_separation, group_separation_in};
 use crate::body::robot_body::RobotBody;
-use crate::body::tilt_limit::TiltLimit;
+use crate::body::tool_bound::CellBound;
 use crate::body::world::{Part, World};
 use crate::lane::lane_scratch::{LaneScratch, as_index};
 use crate::lane::lanes::Lanes;
@@ -37,8 +37,8 @@ pub struct Cell {
     /// Pairs of links that are checked though nothing new can come of it.
     pub(crate) asked_for: Arc<[(usize, usize)]>,
     pub(crate) lanes: Arc<Lanes>,
-    /// The bound on the tilt of what is held, if there is one.
-    pub(crate) tilt: Option<TiltLimit>,
+    /// The bounds that the tool keeps, the last of them that on the tilt of what is held, if there is one.
+    pub(crate) bounds: Arc<[CellBound]>,
 }
 
 /// What one asker needs to compute with; made by [`Cell::scratch`].
@@ -60,7 +60,8 @@ impl Cell {
     /// Puts `robot` into `world`; every answer then demands `margins`.
     ///
     /// # Errors
-    /// [`CollisionError::Margin`] for a negative or infinite margin.
+    /// [`CollisionError::Margin`] for a negative or infinite margin, [`CollisionError::UnknownLink`] for a bound of a link that
+    /// the robot does not have.
     pub fn new(robot: Arc<Robot>, world: World, margins: Margins) -> Result<Self, CollisionError> {
         Ok(Self::of(CellParts::new(robot, world, margins, Vec::new())?))
     }
@@ -110,9 +111,9 @@ impl Cell {
             unchecked: unchecked.into(),
             asked_for,
             lanes: Arc::new(lanes),
-            tilt: None,
+            bounds: Arc::default(),
         };
-        cell.tilt = cell.tilt_limit_of_held();
+        cell.bounds = cell.all_bounds().into();
         cell
     }
 
@@ -203,14 +204,14 @@ impl Cell {
         }
     }
 
-    /// Whether every pair keeps its distance at `q` (m, rad; one per joint), and what is held its tilt, joint limits aside: by
+    /// Whether every pair keeps its distance at `q` (m, rad; one per joint), and the tool its bounds, joint limits aside: by
     /// exact distances alone, the reference of [`Self::is_free`].
     ///
     /// # Panics
     /// If `q` has not one value per joint.
     pub fn is_clear(&self, q: &[f64], scratch: &mut Scratch) -> bool {
         self.robot.forward_kinematics(q, &mut scratch.frames);
-        self.first_close_pair(&scratch.frames).is_none() && self.keeps_tilt(q, scratch)
+        self.first_close_pair(&scratch.frames).is_none() && self.keeps_bounds(q, scratch)
     }
 
     /// The first pair that does not keep its distance.

@@ -30,6 +30,21 @@ pub enum CollisionError {
         /// The bound, in radians.
         tilt_rad: f64,
     },
+    /// A bound is stated for a link that the robot does not have.
+    #[error("the robot has no link '{name}', which is bounded")]
+    UnknownLink {
+        /// The name of the link.
+        name: String,
+    },
+    /// A bound on the tool is none.
+    #[error(
+        "'{name}' bounds nothing: directions must have a length, an angle be above 0° and at most 180°, and sizes be positive \
+         and finite"
+    )]
+    ToolBound {
+        /// Its name.
+        name: String,
+    },
     /// Something cannot be held like that.
     #[error(
         "'{name}' cannot be held: it must have bounds, the hand be empty, its pose be within {} m of the tip, and the \

@@ -12,7 +12,7 @@ mod released;
 mod touch;
 
 pub use body::extent::Extent;
-pub use body::tilt_limit::TiltLimit;
+pub use body::tool_bound::{ToolBound, ToolRegion};
 pub use body::world::{Body, Part, World};
 pub use cell::{Cell, Scratch};
 pub use error::CollisionError;

@@ -12,6 +12,6 @@ pub(crate) mod path_clearance;
 #[cfg(test)]
 mod proof_tests;
 pub(crate) mod reach;
-pub(crate) mod tilt;
+pub(crate) mod tool;
 pub(crate) mod travel;
 pub(crate) mod work_list;

@@ -54,7 +54,7 @@ fn a_motion_past_a_plate_is_called_what_it_is() {
                 assert!(gap_m <= 1.5 * CONTACT_M, "{contact:?} at {gap_m} m");
             }
             Motion::OutOfLimits { joint } => panic!("joint {joint}"),
-            Motion::Tilted { .. } => panic!("nothing is held"),
+            Motion::OutOfBounds { .. } => panic!("nothing is bounded"),
         }
         let q: Vec<f64> = middle.iter().copied().collect();
         let mut scratch = cell.scratch();

@@ -17,3 +17,4 @@ mod resting;
 mod resting_faces;
 mod robot_bodies;
 mod self_pairs;
+mod tool_bounds;

@@ -430,8 +430,8 @@ fn judge_edge(
             return Err(vec![Violation::unresolved(cell, edge, at, &contact)]);
         }
         Motion::Contact { at, contact } => Some((at, contact)),
-        Motion::Tilted { at, tilt_rad, most_rad } => {
-            return Err(vec![Violation::tilted(edge, at, [tilt_rad, most_rad])]);
+        Motion::OutOfBounds { at, bound, by } => {
+            return Err(vec![Violation::out_of_bounds(cell, (edge, at), bound, by)]);
         }
         // The limits are judged at the way points; what touches on the way counts all the same.
         Motion::OutOfLimits { .. } => None,

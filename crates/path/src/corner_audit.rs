@@ -47,8 +47,8 @@ impl CornerJudge<'_> {
             Motion::Contact { contact, .. } | Motion::Unresolved { contact, .. } => {
                 Some(Violation::of_contact(cell, edge - 1, 1.0, &contact))
             }
-            Motion::Tilted { tilt_rad, most_rad, .. } => {
-                Some(Violation::tilted(edge - 1, 1.0, [tilt_rad, most_rad]))
+            Motion::OutOfBounds { bound, by, .. } => {
+                Some(Violation::out_of_bounds(cell, (edge - 1, 1.0), bound, by))
             }
             Motion::OutOfLimits { joint } => Some(beyond_limits(cell, points, joint, edge)),
             Motion::Proven => None,

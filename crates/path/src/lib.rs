@@ -9,6 +9,8 @@ mod joint_metric;
 mod lower_bound;
 mod path_cost;
 mod pick_audit;
+mod pose_clusters;
+mod pose_functional;
 mod shortcut;
 mod step;
 mod task_audit;

@@ -2,9 +2,11 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 use cranny_robot::{DampedInverse, Jacobian, JointKind, JointLimits, LinkFrames, Mover, Robot, Twist};
-use cranny_spatial::nalgebra::{Matrix3, Quaternion};
-use cranny_spatial::{EXACT_ROTATION_RAD, EXACT_TRANSLATION_M, Point, Pose, Rotation, Vector};
+use cranny_spatial::{Point, Pose, Vector};
 use cranny_task::{Goal, Problem, gripper_poses};
+
+use crate::pose_clusters::{Cluster, PoseClusters};
+use crate::pose_functional::Functional;
 
 /// Greatest number of boxes, each with a cluster of grasps.
 const MOST_BOXES: usize = 5_000;
@@ -27,7 +29,7 @@ const ROUNDING: f64 = 1e-9;
 ///
 /// A path to configurations is at least as long as the straight line to the nearest. For grasps, the least distance of a
 /// configuration that reaches any of them, within the tolerance of `exact`, is bounded by best-first branch and bound over
-/// boxes of joint values (Land & Doig 1960, "An automatic method of solving discrete programming problems"). In a box with
+/// boxes of joint values (Land & Doig 1960, "An automatic method of solving discrete programming problems", whole). In a box with
 /// centre c and half widths h, a linear functional f of the pose of the tip satisfies
 ///
 /// `f(q) ≤ f(c) + ∇f(c)·(q − c) + ½ Σ_ij min(M_ij, |∂_i∂_j f(c)| + ⅓ Σ_k T_ijk h_k) h_i h_j`,
@@ -134,7 +136,11 @@ impl JointBox {
 impl<'a> BoxSearch<'a> {
     fn new(robot: &'a Robot, start: &'a [f64], poses: Vec<Pose>) -> Self {
         let movers = robot.ancestors(robot.tip());
-        let arms_m = robot.tip_arms_m(&Point::origin()).into_iter().map(|arm_m| arm_m + ROUNDING).collect();
+        let arms_m = robot
+            .link_arms_m(robot.tip(), &Point::origin())
+            .into_iter()
+            .map(|arm_m| arm_m + ROUNDING)
+            .collect();
         Self { robot, start, clusters: PoseClusters::new(poses), movers, arms_m, error_factor: 1.0 }
     }
 
@@ -325,117 +331,6 @@ impl BoxModel {
     }
 }
 
-/// A linear functional of a pose, `force · p + ⟨V, R⟩`.
-struct Functional {
-    force: Vector,
-    /// Gradient of the second term by a turn in the centre of the box.
-    turn: Vector,
-    /// `R Vᵀ` in the centre.
-    product: Matrix3<f64>,
-    /// Bound on the sum of the singular values of V.
-    torque_norm: f64,
-    /// Growth from the centre of the box to any pose of the cluster, less the tolerance.
-    rise: f64,
-}
-
-impl Functional {
-    /// With V so that the second term grows with a turn about `torque`, between where the tip is and the cluster.
-    fn new(force: Vector, torque: Vector, cluster: &Cluster, tip: &Pose) -> Self {
-        let [here, there] = [tip, &cluster.middle].map(|pose| *pose.rotation.to_rotation_matrix().matrix());
-        // The mean of two rotations has no singular value above 1, and half a cross matrix two of half the norm.
-        let of_torque = torque.cross_matrix() * (here + there) * 0.25;
-        let product = here * of_torque.transpose();
-        let turn = Vector::new(
-            product[(1, 2)] - product[(2, 1)],
-            product[(2, 0)] - product[(0, 2)],
-            product[(0, 1)] - product[(1, 0)],
-        );
-        let rise = force.dot(&(cluster.middle.translation.vector - tip.translation.vector))
-            + of_torque.dot(&(there - here));
-        let functional = Self { force, turn, product, torque_norm: torque.norm(), rise };
-        let slack =
-            functional.slack(cluster.radius_m + EXACT_TRANSLATION_M, cluster.chord + EXACT_ROTATION_RAD);
-        Self { rise: rise - slack, ..functional }
-    }
-
-    /// Bound on its change where a pose is moved by `radius_m` and turned by a rotation of this chord.
-    fn slack(&self, radius_m: f64, chord: f64) -> f64 {
-        self.force.norm() * radius_m + self.torque_norm * chord
-    }
-
-    /// The second derivative of the second term by turns about two axes, the outer one first.
-    fn second(&self, outer: &Vector, inner: &Vector) -> f64 {
-        outer.dot(&(self.product * inner)) - outer.dot(inner) * self.product.trace()
-    }
-}
-
-/// Poses in a binary tree of clusters, the first of which holds all.
-struct PoseClusters {
-    clusters: Vec<Cluster>,
-}
-
-/// Poses within a radius of their middle: positions within `radius_m` metres, rotations within the chord `2 sin(angle/2)`.
-struct Cluster {
-    middle: Pose,
-    radius_m: f64,
-    chord: f64,
-    halves: Option<[usize; 2]>,
-}
-
-impl PoseClusters {
-    fn new(poses: Vec<Pose>) -> Self {
-        let mut clusters = Vec::with_capacity(2 * poses.len());
-        if !poses.is_empty() {
-            Self::add(poses, &mut clusters);
-        }
-        Self { clusters }
-    }
-
-    /// Adds a cluster with all below it, and returns its index.
-    fn add(poses: Vec<Pose>, clusters: &mut Vec<Cluster>) -> usize {
-        let index = clusters.len();
-        let first = &poses[0];
-        let count = poses.len() as f64;
-        let middle = poses.iter().map(|pose| pose.translation.vector).sum::<Vector>() / count;
-        let aligned = |pose: &Pose| {
-            let sign = pose.rotation.coords.dot(&first.rotation.coords).signum();
-            pose.rotation.into_inner() * sign
-        };
-        let mean =
-            poses.iter().map(aligned).fold(Quaternion::new(0.0, 0.0, 0.0, 0.0), |sum, turn| sum + turn);
-        let rotation = Rotation::try_new(mean, 1e-9).unwrap_or(first.rotation);
-        let middle = Pose::from_parts(middle.into(), rotation);
-        let apart = |a: &Pose, b: &Pose| {
-            let turn = a.rotation.inverse() * b.rotation;
-            ((a.translation.vector - b.translation.vector).norm(), 2.0 * turn.imag().norm())
-        };
-        let (radius_m, chord) = poses.iter().map(|pose| apart(&middle, pose)).fold(
-            (ROUNDING, ROUNDING),
-            |(radius_m, chord), (distance_m, turn)| {
-                (radius_m.max(distance_m + ROUNDING), chord.max(turn + ROUNDING))
-            },
-        );
-        clusters.push(Cluster { middle, radius_m, chord, halves: None });
-        // About the two that are farthest from each other, a radian counting as much as an arm's length.
-        const ARM_M: f64 = 0.5;
-        let distance = |a: &Pose, b: &Pose| {
-            let (distance_m, chord) = apart(a, b);
-            distance_m + ARM_M * chord
-        };
-        let far_from = |from: &Pose| {
-            poses.iter().max_by(|a, b| distance(from, a).total_cmp(&distance(from, b))).copied()
-        };
-        let ends = far_from(&middle).and_then(|one| Some([one, far_from(&one)?]));
-        if let Some([one, other]) = ends.filter(|[one, other]| distance(one, other) > ROUNDING) {
-            let (near, far) =
-                poses.into_iter().partition(|pose| distance(&one, pose) <= distance(&other, pose));
-            let halves = [near, far].map(|half| Self::add(half, clusters));
-            clusters[index].halves = Some(halves);
-        }
-        index
-    }
-}
-
 /// A lower bound of `min ‖q − start‖` over q between `lower` and `upper` with `gradient · (q − center) ≥ needed`; infinite if there
 /// is none. By weak duality, for any multiplier.
 fn least_distance_above(
@@ -479,7 +374,7 @@ mod tests {
     use std::fmt::Write as _;
 
     use cranny_robot::RobotOptions;
-    use cranny_spatial::Stream;
+    use cranny_spatial::{EXACT_ROTATION_RAD, EXACT_TRANSLATION_M, Rotation, Stream};
 
     use super::*;
 

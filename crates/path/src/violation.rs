@@ -1,6 +1,6 @@
 use std::fmt;
 
-use cranny_collision::{Cell, Contact};
+use cranny_collision::{Cell, Contact, ToolBound, ToolRegion};
 use cranny_file::distinct;
 use cranny_robot::JointUnit;
 use cranny_spatial::CONTACT_M;
@@ -136,6 +136,15 @@ pub enum Cause {
         /// The tilt that is allowed, in radians.
         most_rad: f64,
     },
+    /// The tool does not keep a bound, or was not proven to keep it.
+    Tool {
+        /// Name of the bound.
+        name: String,
+        /// The excess over it, in radians or metres; not above 0 where only the proof failed.
+        by: f64,
+        /// True for a bound on an angle.
+        is_angle: bool,
+    },
     /// The object is let go elsewhere than where it is to be put down.
     #[strum(to_string = "goal")]
     NotPlaced {
@@ -241,9 +250,20 @@ impl Violation {
         Self { at: Location::of_contact(cell, edge, along, contact), cause }
     }
 
-    /// What is held is tilted too far on an edge, by an angle and with one allowed, in radians.
-    pub(crate) fn tilted(edge: usize, along: f64, [tilt_rad, most_rad]: [f64; 2]) -> Self {
-        Self { at: Location { edge, along, pair: None }, cause: Cause::Tilt { tilt_rad, most_rad } }
+    /// The tool does not keep the bound of this number on an edge, with an excess over it in radians or metres.
+    pub(crate) fn out_of_bounds(cell: &Cell, (edge, along): (usize, f64), bound: usize, by: f64) -> Self {
+        let is_tilt = cell.tilt_bound() == Some(bound);
+        let cause = match cell.tool_bounds().nth(bound) {
+            Some(ToolBound { region: ToolRegion::Cone { most_rad, .. }, .. }) if is_tilt => {
+                Cause::Tilt { tilt_rad: by + most_rad, most_rad: *most_rad }
+            }
+            bound => Cause::Tool {
+                name: bound.map_or_else(String::new, |bound| bound.name.clone()),
+                by,
+                is_angle: bound.is_some_and(|bound| bound.region.is_of_angle()),
+            },
+        };
+        Self { at: Location { edge, along, pair: None }, cause }
     }
 
     /// Name of its kind in files and `--json`.
@@ -340,6 +360,14 @@ impl fmt::Display for Violation {
                     "{at}: what is held is tilted by {tilt:.2}°, or not proven to be tilted by less, of {most:.2}° allowed"
                 )
             }
+            Cause::Tool { name, by, is_angle } => {
+                let by = if *is_angle {
+                    format!("{:.2}°", by.to_degrees())
+                } else {
+                    format!("{:.2} mm", mm(*by))
+                };
+                write!(f, "{at}: the tool is {by} outside '{name}', or not proven to be within it")
+            }
             Cause::NotPlaced { fault } => write!(f, "{at}: the object is let go, but {fault}"),
             Cause::NotThere { fault } => write!(f, "{at}: {fault}"),
             Cause::NotClear { clearance_m, required_m } | Cause::NotOut { clearance_m, required_m } => {
@@ -397,6 +425,10 @@ impl Serialize for Violation {
             }
             Cause::Unresolved { clearance_m } => &[("clearance_m", *clearance_m)],
             Cause::Tilt { tilt_rad, most_rad } => &[("tilt_rad", *tilt_rad), ("most_rad", *most_rad)],
+            Cause::Tool { name, by, is_angle } => {
+                first = name;
+                &[(if *is_angle { "by_rad" } else { "by_m" }, *by)]
+            }
             Cause::Step { excess_m } => &[("excess_m", *excess_m)],
             Cause::Grasp { nearest: Some(nearest) } => &[
                 ("translation_error_m", nearest.translation_error_m),

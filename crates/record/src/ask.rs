@@ -46,6 +46,8 @@ pub struct Ask {
     pub stops: bool,
     /// Speeds of the motions.
     pub paces: PaceWords,
+    /// Greatest speed of the gripper frame, in m/s, that the problem demands where `paces` state none.
+    pub tool_m_s: Option<f64>,
     /// Demands a trajectory.
     pub is_timing_demanded: bool,
     /// End of a carry.
@@ -103,6 +105,7 @@ impl Default for Ask {
             score_weight: OptimiseSettings::default().score_weight,
             timing: None,
             stops: false,
+            tool_m_s: None,
             paces: PaceWords::default(),
             is_timing_demanded: false,
             carry: None,
@@ -160,7 +163,7 @@ impl Ask {
                 stops: self.stops,
                 is_demanded: self.is_timing_demanded,
             }),
-            paces: self.paces.paces()?,
+            paces: self.paces.paces(self.tool_m_s)?,
             audit: AuditSettings::default(),
             robustness: true,
             least_length: true,

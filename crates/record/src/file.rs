@@ -6,7 +6,7 @@ use cranny_grasp::ScoreKind;
 use cranny_path::{AuditSettings, Clearances, path_length};
 use cranny_plan::{Budget, NoGrasp, Outcome, Statistics};
 use cranny_scenario::{Geometry, GivenGrasps, NamedTask, ScenarioError, write_whole_file};
-use cranny_solve::{Answer, Hold, Paces, Request, Robustness, Tilt, Timing};
+use cranny_solve::{Answer, Hold, Paces, Request, Robustness, Tilt, Timing, ToolSlack};
 use cranny_task::{Criterion, GraspFailure, NotChecked, OwnGrasp, Segment, Stage};
 use serde::{Deserialize, Serialize};
 
@@ -123,6 +123,9 @@ pub struct PlanFile {
     /// Tilt of what is held along the whole motion, proven; `None` where none is limited.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tilt: Option<Tilt>,
+    /// Distance of the tool within each of its bounds along the whole motion, proven.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub tool: Vec<ToolSlack>,
     /// Factor by which loads were to grow at least before what is in the hand slips; `None` where nothing was demanded.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hold_demanded: Option<f64>,
@@ -231,6 +234,7 @@ impl PlanFile {
             no_grasp: answer.no_grasp.clone(),
             robustness: answer.robustness,
             tilt: answer.tilt,
+            tool: answer.tool.clone(),
             hold_demanded: answer.hold_demanded,
             hold: answer.hold,
             tries: Vec::new(),
@@ -374,6 +378,7 @@ mod tests {
             goal_faults: Vec::new(),
             no_grasp: None,
             robustness: None,
+            tool: vec![ToolSlack { name: "box".into(), slack_m: Some(0.1 / 7.0), slack_rad: None }],
             tilt: Some(Tilt { greatest_rad: 0.1 / 3.0, most_rad: 0.1 + 0.2 }),
             hold_demanded: Some(1.5),
             tries: Vec::new(),

@@ -2,7 +2,7 @@ use cranny_collision::Margins;
 use cranny_path::{Audit, AuditSettings, Clearances, path_length};
 use cranny_plan::{Outcome, PlanError};
 use cranny_scenario::NamedTask;
-use cranny_solve::{Hold, Robustness, Tilt, least_length};
+use cranny_solve::{Hold, Robustness, Tilt, ToolSlack, least_length};
 use cranny_task::{NotChecked, Problem, Segment, Stage, StatesAlong, give_clearances};
 use serde::Serialize;
 use serde_json::Value;
@@ -54,7 +54,7 @@ const GRASPS: &str = "grasps";
 const OF_GRASPS: [&str; 5] = ["grasp", "translation_error_m", "rotation_error_rad", "own_grasp", "picks"];
 
 /// Keys whose values are measured again.
-const MEASURED: [&str; 21] = [
+const MEASURED: [&str; 22] = [
     "task_name",
     "task",
     "picks",
@@ -74,6 +74,7 @@ const MEASURED: [&str; 21] = [
     "timing",
     "robustness",
     "tilt",
+    "tool",
     "hold",
     "hold_demanded",
 ];
@@ -156,6 +157,7 @@ impl PlanFile {
             least_length: None,
             robustness: None,
             tilt: None,
+            tool: Vec::new(),
             hold: None,
             ..self.clone()
         };
@@ -196,7 +198,9 @@ impl PlanFile {
         let measured = self.measured(task, (along, problem), &audit, settings)?;
         let tilt = along.filter(|_| self.tilt.is_some() && audit.valid);
         let tilt = tilt.and_then(|along| Tilt::of(along, &self.segments));
-        let measured = Self { least_length, robustness, tilt, hold_demanded, hold, ..measured };
+        let tool = along.filter(|_| !self.tool.is_empty() && audit.valid);
+        let tool = tool.map_or_else(Vec::new, |along| ToolSlack::all_of(along, &self.segments));
+        let measured = Self { least_length, robustness, tilt, tool, hold_demanded, hold, ..measured };
         let (stated, found) = (figures(self), figures(&measured));
         let is_stated = |key: &&str| is_stated(&stated[*key]);
         let mut judgement = self.judgement(task, audit, measured);
@@ -332,6 +336,7 @@ impl PlanFile {
             below_min_score: self.below_min_score,
             robustness: None,
             tilt: None,
+            tool: Vec::new(),
             hold_demanded: self.hold_demanded,
             tries: self.tries.clone(),
             hold: None,

@@ -53,17 +53,18 @@ pub struct PaceWords {
 type SetLimit = fn(&mut Pace, f64);
 
 impl PaceWords {
-    /// The paces that they ask for.
+    /// The paces that they ask for; `tool_m_s` is the greatest speed of the gripper frame, in m/s, where they state none for all
+    /// motions.
     ///
     /// # Errors
     /// [`RecordError::Ask`] for a number that is none of its kind.
-    pub(crate) fn paces(&self) -> Result<Paces, RecordError> {
+    pub(crate) fn paces(&self, tool_m_s: Option<f64>) -> Result<Paces, RecordError> {
         let kinds: [(&'static str, &[PaceWord], SetLimit); 3] = [
             ("speed", &self.speed, |pace, share| pace.velocity = share),
             ("acceleration", &self.acceleration, |pace, share| pace.acceleration = share),
             ("tool_speed", &self.tool_speed, |pace, speed| pace.tool_m_s = Some(speed)),
         ];
-        let mut all = Pace::default();
+        let mut all = Pace { tool_m_s, ..Pace::default() };
         for (field, words, set) in kinds {
             for PaceWord { mode, value } in words {
                 let mut alone = Pace::default();
@@ -102,23 +103,23 @@ mod tests {
 
     #[test]
     fn words_for_a_mode_go_before_those_for_all() {
-        let paces = words(&["carry=0.2", "0.5"], &["0.3"]).paces().unwrap();
+        let paces = words(&["carry=0.2", "0.5"], &["0.3"]).paces(None).unwrap();
         let carry = Pace { velocity: 0.2, tool_m_s: Some(0.3), ..Pace::default() };
         assert_eq!(paces.of(Mode::CARRY), carry);
         assert_eq!(paces.of(Mode::REACH), Pace { velocity: 0.5, ..carry });
         let set_down = Pace { velocity: 0.5, tool_m_s: Some(cranny_solve::SET_DOWN_M_S), ..Pace::default() };
         assert_eq!(paces.of(Mode::SET_DOWN), set_down);
-        let faster = words(&[], &["set-down=0.4"]).paces().unwrap();
+        let faster = words(&[], &["set-down=0.4"]).paces(None).unwrap();
         assert_eq!(faster.of(Mode::SET_DOWN).tool_m_s, Some(0.4));
     }
 
     #[test]
     fn what_is_no_limit_is_refused_by_its_word() {
         for value in ["0", "1.5", "nan", "carry=-1"] {
-            let fault = words(&[value], &[]).paces().unwrap_err().to_string();
+            let fault = words(&[value], &[]).paces(None).unwrap_err().to_string();
             assert!(fault.starts_with("speed: ") && fault.contains("above 0 and at most 1"), "{fault}");
         }
-        assert!(words(&[], &["inf"]).paces().unwrap_err().to_string().starts_with("tool_speed: "));
+        assert!(words(&[], &["inf"]).paces(None).unwrap_err().to_string().starts_with("tool_speed: "));
         assert!("fly=1".parse::<PaceWord>().unwrap_err().contains("reach, lift-off"));
         assert!("carry=fast".parse::<PaceWord>().unwrap_err().contains("'fast' is no number"));
     }

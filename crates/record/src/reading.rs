@@ -155,7 +155,7 @@ impl PlanFile {
             let paces = [velocity, acceleration].into_iter().chain(tool_m_s).chain(segment.speed);
             points.copied().chain(paces)
         });
-        let fields: [(&'static str, Vec<f64>); 17] = [
+        let fields: [(&'static str, Vec<f64>); 18] = [
             ("own_grasp", own_grasp.collect()),
             ("waypoints", self.waypoints.concat()),
             ("clearances_per_edge_m", self.clearances_per_edge_m.iter().copied().flatten().collect()),
@@ -177,6 +177,10 @@ impl PlanFile {
             ("optimisation", optimisation.collect()),
             ("hold", hold.chain(self.hold_demanded).collect()),
             ("tilt", self.tilt.iter().flat_map(|tilt| [tilt.greatest_rad, tilt.most_rad]).collect()),
+            (
+                "tool",
+                self.tool.iter().flat_map(|tool| tool.slack_m.into_iter().chain(tool.slack_rad)).collect(),
+            ),
             ("segments", speeds.collect()),
             ("tries", left_out.collect()),
         ];

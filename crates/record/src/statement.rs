@@ -105,7 +105,7 @@ impl Law {
     /// The law of a key within a value.
     fn within(self, key: &str) -> Self {
         match key {
-            "clearances_m" => Self::AtLeast,
+            "clearances_m" | "slack_m" | "slack_rad" => Self::AtLeast,
             "opening_m" => Self::Judged,
             "greatest_rad" => Self::AtMost,
             "mass_assumed" => Self::Equal,

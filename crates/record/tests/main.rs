@@ -16,4 +16,5 @@ mod quicker;
 mod released_layout;
 mod statements;
 mod tasks;
+mod tool_bounds;
 mod upright;

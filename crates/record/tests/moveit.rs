@@ -329,14 +329,10 @@ fn faults_of_a_request_name_file_and_line() {
         ),
         (
             "  - joint_constraints",
-            "  - position_constraints: [{}]\n    joint_constraints",
+            "  - position_constraints: [{link_name: hand, constraint_region: {}}]\n    joint_constraints",
             "is not supported",
         ),
-        (
-            "planner_id: any",
-            "path_constraints: {orientation_constraints: [{}]}",
-            "a path constraint of other",
-        ),
+        ("planner_id: any", "path_constraints: {visibility_constraints: [{}]}", "a visibility constraint"),
         (
             "  joint_state:\n",
             "  attached_collision_objects: [{}]\n  joint_state:\n",

@@ -130,6 +130,14 @@ pub enum ScenarioError {
         /// What is wrong, with a hint.
         problem: String,
     },
+    /// A bound that a file states is none.
+    #[error("{at}: {problem}")]
+    Bound {
+        /// Where.
+        at: Location,
+        /// What is wrong, with a hint.
+        problem: String,
+    },
     /// The start leaves a joint out.
     #[error("{at}: the start gives no value for joint '{joint}'")]
     MissingJoint {

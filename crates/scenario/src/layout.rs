@@ -6,6 +6,7 @@ pub(crate) mod identity;
 pub(crate) mod inspection;
 pub(crate) mod open;
 pub(crate) mod own;
+pub(crate) mod own_bounds;
 pub(crate) mod own_export;
 pub(crate) mod own_file;
 pub(crate) mod own_tasks;

@@ -50,6 +50,8 @@ pub struct Scenario {
     pub tasks: Vec<NamedTask>,
     /// Mass and friction of bodies besides the target, by name, as far as they are given.
     pub physics: BTreeMap<String, TargetPhysics>,
+    /// Values (m, rad) between which joints of `robot` stay besides their limits, by name, as far as they are given.
+    pub joint_bounds: BTreeMap<String, [f64; 2]>,
     /// The triangles, in the planning frame, that the `paper` criterion checks instead of the bodies of
     /// `world`: the released export.
     pub export: Option<Surface>,
@@ -221,7 +223,9 @@ impl Scenario {
             part.world_from_solid = lower * part.world_from_solid;
         }
         let places = self.places.iter().map(|place| place.seen_from(&lower)).collect();
-        Ok(Self { world: World::new(bodies)?, grasps: self.grasps.moved(&lower), places, ..self })
+        let bounds = self.world.tool_bounds().iter().map(|bound| bound.seen_from(&lower)).collect();
+        let world = self.world.with_bodies(bodies)?.with_tool_bounds(bounds)?;
+        Ok(Self { world, grasps: self.grasps.moved(&lower), places, ..self })
     }
 
     /// Checks that the start, which stands in `file`, has one value per joint.

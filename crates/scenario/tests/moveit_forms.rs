@@ -3,6 +3,7 @@
 
 use std::fs;
 
+use cranny_collision::ToolRegion;
 use cranny_scenario::{MoveItDeviation, MoveItProblem, read_moveit_scene};
 use cranny_spatial::Vector;
 
@@ -145,6 +146,52 @@ fn a_key_that_is_misspelt_is_refused_wherever_it_stands() {
 }
 
 #[test]
+fn path_constraints_that_cannot_be_kept_are_refused_by_name() {
+    let folder = Folder::new();
+    for (constraints, fault) in [
+        ("{orientation_constraints: [{}]}", "missing field `link_name`"),
+        ("{visibility_constraints: [{}]}", "a visibility constraint"),
+        (
+            "{position_constraints: [{link_name: thumb, constraint_region: {primitives: [{type: 1, dimensions: [1, 1, 1]}]}}]}",
+            "a link that the robot does not have",
+        ),
+        (
+            "{position_constraints: [{link_name: fore, constraint_region: {primitives: [{type: 3, dimensions: [1, 1]}]}}]}",
+            "no box of three dimensions and no sphere of one",
+        ),
+        (
+            "{position_constraints: [{link_name: fore, constraint_region: {primitives: [{type: 2, dimensions: [-1]}]}}]}",
+            "a dimension that is not positive",
+        ),
+        (
+            "{position_constraints: [{link_name: fore, constraint_region: {primitives: []}}]}",
+            "whose region is not one primitive",
+        ),
+        (
+            "{orientation_constraints: [{link_name: fore, absolute_x_axis_tolerance: 0.1, absolute_y_axis_tolerance: -0.1, absolute_z_axis_tolerance: 3}]}",
+            "an axis tolerance that is not positive",
+        ),
+        (
+            "{orientation_constraints: [{link_name: fore, absolute_x_axis_tolerance: 0.1, absolute_y_axis_tolerance: 0.1, absolute_z_axis_tolerance: 3, parameterization: 7}]}",
+            "an unknown parameterization",
+        ),
+        ("{joint_constraints: [{joint_name: j9, position: 0}]}", "j9"),
+        (
+            "{joint_constraints: [{joint_name: j1, position: 0, tolerance_above: -1}]}",
+            "a tolerance that is no finite number of at least 0",
+        ),
+        (
+            "{joint_constraints: [{joint_name: j1, position: 99, tolerance_above: 1}]}",
+            "no value within the joint's limits keeps",
+        ),
+    ] {
+        let request = REQUEST.replace("{name: '', joint_constraints: []}", constraints);
+        let said = folder.write("request.yaml", &request).fault();
+        assert!(said.contains(fault), "{constraints}\n{said}");
+    }
+}
+
+#[test]
 fn what_a_message_holds_and_is_not_read_is_refused_by_name() {
     let folder = Folder::new();
     for (file, from, to, fault) in [
@@ -162,33 +209,20 @@ fn what_a_message_holds_and_is_not_read_is_refused_by_name() {
         ("scene.yaml", "[true, false]]", "[false, false]]", "must be symmetric"),
         ("scene.yaml", "[{enabled: [false, true]}, ", "[", "must be symmetric, with 2 rows"),
         ("scene.yaml", "default_entry_names: []", "default_entry_names: [arm]", "a value for each default"),
-        (
-            "request.yaml",
-            "path_constraints: {name: '', joint_constraints: []}",
-            "path_constraints: {orientation_constraints: [{}]}",
-            "a path constraint of other things than joints",
-        ),
-        (
-            "request.yaml",
-            "path_constraints: {name: '', joint_constraints: []}",
-            "path_constraints: {joint_constraints: [{joint_name: j9, position: 0}]}",
-            "j9",
-        ),
-        (
-            "request.yaml",
-            "path_constraints: {name: '', joint_constraints: []}",
-            "path_constraints: {joint_constraints: [{joint_name: j1, position: 0, tolerance_above: -1}]}",
-            "a tolerance that is no finite number of at least 0",
-        ),
-        (
-            "request.yaml",
-            "path_constraints: {name: '', joint_constraints: []}",
-            "path_constraints: {joint_constraints: [{joint_name: j1, position: 99, tolerance_above: 1}]}",
-            "no value within the joint's limits keeps",
-        ),
         ("request.yaml", "{constraints: []}", "{constraints: [{}]}", "a trajectory constraint"),
-        ("request.yaml", "position_constraints: []", "position_constraints: [{}]", "no configuration"),
-        ("request.yaml", "max_cartesian_speed: 0", "max_cartesian_speed: 1", "Cartesian speed"),
+        (
+            "request.yaml",
+            "position_constraints: []",
+            "position_constraints: [{link_name: fore, constraint_region: {}}]",
+            "no configuration",
+        ),
+        ("request.yaml", "max_cartesian_speed: 0", "max_cartesian_speed: -1", "Cartesian speed that is none"),
+        (
+            "request.yaml",
+            "limited_link: ''\nmax_cartesian_speed: 0",
+            "limited_link: arm\nmax_cartesian_speed: 1",
+            "that is not the tip",
+        ),
         ("request.yaml", "factor: 0.5", "factor: 1.5", "a scaling factor outside 0 to 1"),
     ] {
         let original = fs::read_to_string(folder.path(file)).unwrap();
@@ -212,6 +246,46 @@ fn a_joint_that_the_path_constraints_hold_has_their_limits() {
     assert!((held.lower + 0.2).abs() < 1e-12 && (held.upper - 0.3).abs() < 1e-12, "{held:?}");
     assert_eq!(robot.limits()[1], free);
     assert!(robot.within_limits(&[0.29, 0.0]) && !robot.within_limits(&[0.31, 0.0]));
+}
+
+#[test]
+fn constraints_on_the_pose_of_the_tip_are_bounds_of_the_tool() {
+    let folder = Folder::new();
+    folder.changed(
+        "request.yaml",
+        "path_constraints: {name: '', joint_constraints: []}",
+        "path_constraints:
+  position_constraints:
+    - header: {frame_id: shelf}
+      link_name: flag
+      target_point_offset: {x: 0.1, y: 0, z: 0}
+      constraint_region:
+        primitives: [{type: 1, dimensions: [0.2, 0.4, 0.6]}]
+        primitive_poses: [{position: [1, 2, 3], orientation: [0, 0, 0, 1]}]
+  orientation_constraints:
+    - {link_name: fore, orientation: [0, 0, 0, 1], absolute_x_axis_tolerance: 0.2, absolute_y_axis_tolerance: 0.1,
+       absolute_z_axis_tolerance: 3.2}",
+    );
+    folder.changed("request.yaml", "max_cartesian_speed: 0", "max_cartesian_speed: 0.3");
+    let problem = folder.open().unwrap();
+    assert_eq!(problem.tool_speed_m_s, Some(0.3));
+    let [position, orientation] = problem.world.tool_bounds() else {
+        panic!("{:?}", problem.world.tool_bounds())
+    };
+    let ToolRegion::Box { point_in_link, world_from_box, half_m } = &position.region else {
+        panic!("{position:?}")
+    };
+    // The shelf is 1 m above the world.
+    assert!((point_in_link.coords - Vector::new(0.1, 0.0, 0.0)).norm() < 1e-12, "{point_in_link}");
+    assert_eq!(position.link.as_deref(), Some("flag"));
+    assert!((world_from_box.translation.vector - Vector::new(1.0, 2.0, 4.0)).norm() < 1e-12);
+    assert!((half_m - Vector::new(0.1, 0.2, 0.3)).norm() < 1e-12);
+    let ToolRegion::Cone { axis_in_link, toward, most_rad } = &orientation.region else {
+        panic!("{orientation:?}")
+    };
+    assert!((axis_in_link - Vector::z()).norm() < 1e-12 && (toward - Vector::z()).norm() < 1e-12);
+    assert!((most_rad - 0.1).abs() < 1e-12);
+    assert!(folder.deviations().iter().any(|deviation| deviation.contains("kept in cones")));
 }
 
 #[test]

@@ -3,7 +3,7 @@ use cranny_path::Audit;
 use cranny_plan::{Budget, Improvement, NoGrasp, OptimiseSettings, Outcome, Statistics};
 use cranny_task::{ConfigurationFault, Criterion, GraspFailure, NotChecked, Segment, Stage, joined};
 
-use crate::{Hold, Robustness, TaskTrajectory, Tilt};
+use crate::{Hold, Robustness, TaskTrajectory, Tilt, ToolSlack};
 
 /// What came of a request: everything that is told of it anywhere.
 #[derive(Clone, Debug)]
@@ -48,6 +48,8 @@ pub struct Answer {
     pub least_length: Option<f64>,
     /// Tilt of what is held, of a path that holds, where it is limited.
     pub tilt: Option<Tilt>,
+    /// Distance of the tool within each of its bounds, of a path that holds.
+    pub tool: Vec<ToolSlack>,
     /// Factor of the hold that was demanded, if one was.
     pub hold_demanded: Option<f64>,
     /// Firmness with which the hand holds what it carries, of a path that holds; `None` where nothing is carried, or it

@@ -30,4 +30,4 @@ pub use request::{DEFAULT_HOLD, MOST_HOLD, Request, Timing};
 pub use robustness::{JointRadius, PoseRadius, Robustness};
 pub use solve::solve;
 pub use task_trajectory::{CLOSING_S, HandMotion, TaskTrajectory};
-pub use tilt::Tilt;
+pub use tilt::{Tilt, ToolSlack};

@@ -14,7 +14,7 @@ use crate::hold::hold_firmly;
 use crate::least_length::least_length;
 use crate::rounding::smooth;
 use crate::way_search::{Found, found_alone, found_in_stages};
-use crate::{Answer, Hold, Request, Robustness, SolveError, TaskTrajectory, Tilt, Timed, Timing};
+use crate::{Answer, Hold, Request, Robustness, SolveError, TaskTrajectory, Tilt, Timed, Timing, ToolSlack};
 
 /// Solves a problem as a request says.
 ///
@@ -148,7 +148,9 @@ fn solve_asked(
     let goal_faults = if outcome == Outcome::GoalsInvalid { first.goal_faults() } else { Vec::new() };
     // 6.
     let holds = holds && audit.as_ref().is_some_and(|audit| audit.valid);
-    let tilt = along.as_ref().filter(|_| holds).and_then(|along| Tilt::of(along, &segments));
+    let proven = along.as_ref().filter(|_| holds);
+    let tilt = proven.and_then(|along| Tilt::of(along, &segments));
+    let tool = proven.map_or_else(Vec::new, |along| ToolSlack::all_of(along, &segments));
     let robustness = along.filter(|_| request.robustness && holds);
     let robustness = || Robustness::of(&robustness?, &segments);
     // 7. To whichever grasp: those that the request leaves out are no nearer.
@@ -178,6 +180,7 @@ fn solve_asked(
         robustness,
         least_length,
         tilt,
+        tool,
         hold_demanded: request.hold.filter(|_| !request.stages.is_empty()),
         hold: hold.filter(|_| holds),
         shortening,

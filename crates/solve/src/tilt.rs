@@ -1,4 +1,5 @@
-use cranny_task::{Segment, StatesAlong};
+use cranny_collision::ToolBound;
+use cranny_task::{Segment, State, StatesAlong};
 use serde::{Deserialize, Serialize};
 
 /// Tilt of what is held along a whole motion, where it is limited: of the direction in it that pointed up where it stood when
@@ -12,30 +13,66 @@ pub struct Tilt {
     pub most_rad: f64,
 }
 
+/// Least distance of the tool within one of its bounds along a whole motion.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ToolSlack {
+    /// Name of the bound.
+    pub name: String,
+    /// A proven lower bound, to within some thousandths, in metres; `None` for a bound on an angle.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub slack_m: Option<f64>,
+    /// The same in radians; `None` for a bound on a distance.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub slack_rad: Option<f64>,
+}
+
 impl Tilt {
     /// The tilt along segments, rounded corners included; of several limits the one that is nearest to being exceeded. `None`
     /// where none is demanded.
     pub fn of(along: &StatesAlong, segments: &[Segment]) -> Option<Self> {
-        let of_segment = |(state, segment): (&cranny_task::State, &Segment)| {
+        let of_segment = |(state, segment): (&State, &Segment)| {
             let cell = state.cell();
-            let most_rad = cell.tilt_limit()?.most_rad;
-            let (reach, scratch) = (cell.reach(), &mut cell.scratch());
-            let edges = segment.waypoints.windows(2);
-            let of_edges = edges.map(|edge| cell.greatest_tilt_rad(&edge[0], &edge[1], scratch));
-            let of_edges = of_edges.fold(0.0, f64::max);
-            let corners = segment.corners.iter().map(|corner| &corner.control_points);
-            let greatest_rad = corners
-                .map(|points| cell.greatest_tilt_on_curve_rad(points, &reach, scratch))
-                .fold(of_edges, f64::max);
-            // What is proven by a finer bisection.
-            Some(Self { greatest_rad: greatest_rad.min(most_rad), most_rad })
+            let bound = cell.tilt_bound()?;
+            let ToolBound { region, .. } = cell.tool_bounds().nth(bound)?;
+            let cranny_collision::ToolRegion::Cone { most_rad, .. } = *region else { return None };
+            let greatest_rad = (most_rad + greatest_excess(bound, state, segment)).max(0.0);
+            Some(Self { greatest_rad, most_rad })
         };
         let slack_rad = |tilt: &Self| tilt.most_rad - tilt.greatest_rad;
-        along
-            .states
-            .iter()
-            .zip(segments)
-            .filter_map(of_segment)
-            .min_by(|a, b| slack_rad(a).total_cmp(&slack_rad(b)))
+        let along = along.states.iter().zip(segments).filter_map(of_segment);
+        along.min_by(|a, b| slack_rad(a).total_cmp(&slack_rad(b)))
     }
+}
+
+impl ToolSlack {
+    /// The slack of each bound of the tool, the tilt of what is held aside, along segments, rounded corners included.
+    pub fn all_of(along: &StatesAlong, segments: &[Segment]) -> Vec<Self> {
+        let Some(state) = along.states.first() else { return Vec::new() };
+        let bounds = state.cell().world().tool_bounds().iter().enumerate();
+        let slack = |(index, bound): (usize, &ToolBound)| {
+            let along = along.states.iter().zip(segments);
+            let excesses = along.map(|(state, segment)| greatest_excess(index, state, segment));
+            let slack = -excesses.fold(f64::NEG_INFINITY, f64::max);
+            let is_angle = bound.region.is_of_angle();
+            let name = bound.name.clone();
+            Self { name, slack_m: (!is_angle).then_some(slack), slack_rad: is_angle.then_some(slack) }
+        };
+        bounds.map(slack).collect()
+    }
+}
+
+/// The greatest excess over a bound along a segment that is proven to keep it.
+fn greatest_excess(bound: usize, state: &State, segment: &Segment) -> f64 {
+    let cell = state.cell();
+    let (reach, scratch) = (cell.reach(), &mut cell.scratch());
+    let edges = segment.waypoints.windows(2);
+    let of_edges = edges.map(|edge| cell.greatest_excess(bound, &edge[0], &edge[1], scratch));
+    let of_edges = of_edges.fold(f64::NEG_INFINITY, f64::max);
+    let corners = segment.corners.iter().map(|corner| &corner.control_points);
+    let greatest = corners
+        .map(|points| cell.greatest_excess_on_curve(bound, points, &reach, scratch))
+        .fold(of_edges, f64::max);
+    // What is proven by a finer bisection.
+    greatest.min(0.0)
 }

@@ -2,7 +2,7 @@ use std::fmt;
 
 use cranny_file::distinct;
 use cranny_robot::LimitViolation;
-use cranny_spatial::CONTACT_M;
+use cranny_spatial::{CONTACT_M, ROUNDING_M};
 
 use crate::Problem;
 use crate::problem::Validity;
@@ -42,6 +42,15 @@ pub enum ConfigurationFault {
         /// The distance that is demanded, in metres.
         required_m: f64,
     },
+    /// The tool is not within a bound.
+    OutOfBounds {
+        /// Name of the bound.
+        name: String,
+        /// The excess over it, in radians or metres.
+        by: f64,
+        /// True for a bound on an angle.
+        is_angle: bool,
+    },
     /// Under `paper`: the released check refuses it, and gives no reason.
     Refused,
 }
@@ -75,7 +84,13 @@ impl Problem {
                     let (clearance_m, required_m) = (contact.clearance_m, contact.required_m);
                     ConfigurationFault::Clearance { first, second, clearance_m, required_m }
                 };
-                contacts.iter().map(fault).collect()
+                let bounds = cell.tool_bounds().enumerate().map(|(index, bound)| {
+                    let by = cell.tool_excess(index, q, &mut cell.scratch());
+                    let (name, is_angle) = (bound.name.clone(), bound.region.is_of_angle());
+                    ConfigurationFault::OutOfBounds { name, by, is_angle }
+                });
+                let is_exceeded = |fault: &ConfigurationFault| matches!(fault, ConfigurationFault::OutOfBounds { by, .. } if *by > -ROUNDING_M);
+                contacts.iter().map(fault).chain(bounds.filter(is_exceeded)).collect()
             }
             Validity::Paper { check, .. } => {
                 let is_free = check.is_free(q, &mut check.scratch());
@@ -103,6 +118,12 @@ impl fmt::Display for ConfigurationFault {
             Self::Clearance { first, second, clearance_m, required_m } => {
                 let [is, demanded] = distinct([clearance_m * 1e3, required_m * 1e3], 2);
                 write!(formatter, "{first} is {is} mm from {second}, but {demanded} mm is demanded")
+            }
+            Self::OutOfBounds { name, by, is_angle: true } => {
+                write!(formatter, "the tool is {:.2}° outside '{name}'", by.to_degrees())
+            }
+            Self::OutOfBounds { name, by, .. } => {
+                write!(formatter, "the tool is {:.2} mm outside '{name}'", by * 1e3)
             }
             Self::Refused => formatter
                 .write_str("the released check refuses it: a link touches, or is below the floor height"),

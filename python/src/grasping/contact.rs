@@ -103,8 +103,8 @@ impl PyMotion {
             Motion::Proven => Ok(Self { kind: "proven", at: None, contact: None, joint: None }),
             Motion::Contact { at, contact } => with("contact", *at, contact),
             Motion::Unresolved { at, contact } => with("unresolved", *at, contact),
-            Motion::Tilted { at, .. } => {
-                Ok(Self { kind: "tilted", at: Some(*at), contact: None, joint: None })
+            Motion::OutOfBounds { at, .. } => {
+                Ok(Self { kind: "out-of-bounds", at: Some(*at), contact: None, joint: None })
             }
             Motion::OutOfLimits { joint } => {
                 let joint = Some(cell.robot().joint_names()[*joint].clone());

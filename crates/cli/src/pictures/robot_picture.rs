@@ -46,6 +46,8 @@ fn scene(recipe: &RecipeRobot) -> Result<(Scene, Scenario), Failure> {
         places: Vec::new(),
         tasks: Vec::new(),
         physics: std::collections::BTreeMap::new(),
+        tool_bounds: Vec::new(),
+        joint_bounds: std::collections::BTreeMap::new(),
     };
     let scenario = recipe.scenario(recipe.robot.robot.name(), &OpenOptions::default())?;
     let frames = scenario.robot.frames_at(&scenario.start);

@@ -30,10 +30,10 @@ pub fn run(arguments: &PlanArguments, registry: &Registry, output: Output) -> Re
     let goes_on = carry.is_some() || place.is_some() || *steps || named_task.is_some();
     let margins = Margins { grasp_margin_m: default_grasp_margin_m(goes_on, *robust), ..Margins::default() };
     let demand = Demand { robust: *robust, margins, ..Demand::default() };
-    let PlanTask { source, grasps, problem, deviations, scenario } =
+    let PlanTask { source, grasps, problem, deviations, tool_m_s, scenario } =
         PlanTask::open(&arguments.task, &arguments.moveit, demand, output)?;
     let preparation_time_s = begin.elapsed().as_secs_f64();
-    let ask = Ask { registry: registry.clone(), ..ask(arguments, problem.robot().dof())? };
+    let ask = Ask { registry: registry.clone(), tool_m_s, ..ask(arguments, problem.robot().dof())? };
     let (request, task) = ask.request(&problem, scenario.as_ref())?;
     let source = PlanSource { task, ..source };
     // Better now than after the search.

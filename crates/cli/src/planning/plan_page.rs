@@ -6,7 +6,7 @@ use cranny_grasp::{GraspSet, ScoreKind};
 use cranny_path::ClearanceLimit;
 use cranny_plan::{Improvement, NoGrasp, Outcome, Statistics};
 use cranny_record::{PlanFile, PlanShortening, PlanTiming, PlanTry};
-use cranny_solve::{Hold, JointRadius, PoseRadius, Robustness, Tilt};
+use cranny_solve::{Hold, JointRadius, PoseRadius, Robustness, Tilt, ToolSlack};
 use cranny_task::{GraspFailure, MotionEnd, Move, Segment, Stage};
 use serde::Serialize;
 
@@ -258,6 +258,10 @@ fn about_path(answered: &Answered, grasps: &GraspSet, line: &mut dyn FnMut(&str,
             "upright",
             format!("what is held is tilted by {greatest:.1}° at most, of {most:.1}° allowed, proven"),
         );
+    }
+    for ToolSlack { name, slack_m, slack_rad } in &plan.tool {
+        let slack = slack_m.map(at_least_mm).or(slack_rad.map(at_least_degrees)).unwrap_or_default();
+        line("tool", format!("{slack} or more within '{name}', proven"));
     }
     for (name, lines) in [("carries", carried(plan)), ("puts down", placed(plan))] {
         for value in lines {

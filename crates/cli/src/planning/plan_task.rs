@@ -20,6 +20,8 @@ pub struct PlanTask {
     pub problem: Problem,
     /// Points at which the problem differs from its files, in sentences.
     pub deviations: Vec<String>,
+    /// Greatest speed of the gripper frame, in m/s, that the files demand.
+    pub tool_m_s: Option<f64>,
     /// The scenario; none for a problem in other people's files.
     pub scenario: Option<Scenario>,
 }
@@ -44,7 +46,7 @@ impl PlanTask {
         }
         let Task { scenario, problem, source } = Task::open(arguments, otherwise, output)?;
         let (grasps, scenario) = (scenario.grasps.clone(), Some(scenario));
-        Ok(Self { source, grasps, problem, deviations: Vec::new(), scenario })
+        Ok(Self { source, grasps, problem, deviations: Vec::new(), tool_m_s: None, scenario })
     }
 
     fn open_moveit(
@@ -72,7 +74,8 @@ impl PlanTask {
             margins,
             ..PlanSource::default()
         };
-        Ok(Self { source, grasps: GraspSet::default(), problem, deviations, scenario: None })
+        let (grasps, tool_m_s) = (GraspSet::default(), opened.tool_speed_m_s);
+        Ok(Self { source, grasps, problem, deviations, tool_m_s, scenario: None })
     }
 }
 

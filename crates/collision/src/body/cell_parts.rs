@@ -26,7 +26,8 @@ impl CellParts {
     /// Of an empty hand; the bodies to be grasped, and those that carry them, are given by index.
     ///
     /// # Errors
-    /// [`CollisionError::Margin`] for a negative or infinite margin.
+    /// [`CollisionError::Margin`] for a negative or infinite margin, [`CollisionError::UnknownLink`] for a bound of a link that
+    /// the robot does not have.
     pub fn new(
         robot: Arc<Robot>,
         world: World,
@@ -34,6 +35,11 @@ impl CellParts {
         grasp_bodies: Vec<usize>,
     ) -> Result<Self, CollisionError> {
         margins.check()?;
+        for link in world.tool_bounds().iter().filter_map(|bound| bound.link.as_ref()) {
+            if robot.link_index(link).is_none() {
+                return Err(CollisionError::UnknownLink { name: link.clone() });
+            }
+        }
         Ok(Self {
             body: RobotBody::of(&robot),
             robot,

@@ -2,6 +2,7 @@ use cranny_shape::{Ball, Solid};
 use cranny_spatial::{FARTHEST_M, Point, Pose, Rotation, Vector};
 
 use crate::CollisionError;
+use crate::body::tool_bound::ToolBound;
 
 /// One solid of a body, where it is.
 #[derive(Clone, Debug)]
@@ -59,6 +60,7 @@ impl Body {
 pub struct World {
     bodies: Vec<Body>,
     up: Upwards,
+    tool_bounds: Vec<ToolBound>,
 }
 
 /// The direction against gravity in the planning frame, a unit vector.
@@ -92,7 +94,7 @@ impl World {
         let mut planes = bodies.iter().flat_map(|body| &body.parts).filter(|part| part.solid.is_half_space());
         let floor = planes.next().filter(|_| planes.next().is_none());
         let up = floor.map(|floor| floor.world_from_solid.rotation * Vector::z());
-        let world = Self { bodies, up: Upwards::default() };
+        let world = Self { bodies, ..Self::default() };
         Ok(match up {
             Some(up) => world.with_up(&up),
             None => world,
@@ -106,12 +108,26 @@ impl World {
         Self { up: Upwards(if is_z { Vector::z() } else { *up }), ..self }
     }
 
-    /// The same gravity around other bodies.
+    /// The same world in which the tool keeps these bounds along every motion, and no others.
+    ///
+    /// # Errors
+    /// [`CollisionError::ToolBound`] for one that bounds nothing.
+    pub fn with_tool_bounds(self, tool_bounds: Vec<ToolBound>) -> Result<Self, CollisionError> {
+        tool_bounds.iter().try_for_each(ToolBound::check)?;
+        Ok(Self { tool_bounds, ..self })
+    }
+
+    /// The bounds that the tool keeps along every motion.
+    pub fn tool_bounds(&self) -> &[ToolBound] {
+        &self.tool_bounds
+    }
+
+    /// The same gravity and bounds around other bodies.
     ///
     /// # Errors
     /// As [`Self::new`].
     pub fn with_bodies(&self, bodies: Vec<Body>) -> Result<Self, CollisionError> {
-        Ok(Self::new(bodies)?.with_up(&self.up.0))
+        Ok(Self { tool_bounds: self.tool_bounds.clone(), ..Self::new(bodies)?.with_up(&self.up.0) })
     }
 
     /// The direction against gravity in the planning frame, a unit vector: objects rest on what is below them along it.

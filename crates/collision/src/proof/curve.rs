@@ -1,10 +1,12 @@
 use cranny_robot::between;
 use cranny_spatial::ROUNDING_M;
 
+use crate::body::tool_bound::CellBound;
 use crate::cell::{Cell, Scratch};
 use crate::proof::course::Course;
 use crate::proof::motion::{Demand, Motion};
 use crate::proof::reach::Reach;
+use crate::proof::tool::Excess;
 use crate::touch::contact::Contact;
 use crate::{Measuring, NearestPair};
 
@@ -20,8 +22,8 @@ struct CurvePiece {
     until: f64,
     /// Bound on the distance of any point of the robot from where some point of the chord has it, in metres.
     deviation_m: f64,
-    /// Bound on the angle by which the tip is turned from how that point has it, in radians.
-    turn_rad: f64,
+    /// Bound on the distance of each joint from its value at that point (m, rad).
+    strays: Vec<f64>,
 }
 
 impl CurvePiece {
@@ -30,7 +32,9 @@ impl CurvePiece {
     /// joint strays from some chord point by at most `max_i |P_i − c_i|`.
     fn new(points: Vec<Vec<f64>>, [from, until]: [f64; 2], reach: &Reach) -> Self {
         let (first, last) = (&points[0], &points[points.len() - 1]);
-        let weights = reach.weights();
+        // Joints that move no geometry may still move a link that is bounded.
+        const LEAST_WEIGHT_M: f64 = 0.01;
+        let weights: Vec<f64> = reach.weights().iter().map(|weight| weight.max(LEAST_WEIGHT_M)).collect();
         let chord = |joint: usize| last[joint] - first[joint];
         let length2: f64 = weights.iter().enumerate().map(|(joint, w)| (w * chord(joint)).powi(2)).sum();
         let mut strays = vec![0.0_f64; first.len()];
@@ -46,8 +50,7 @@ impl CurvePiece {
             }
         }
         let deviation_m = reach.motion_m(|joint| strays[joint]) + ROUNDING_M;
-        let turn_rad = reach.turn_rad(|joint| strays[joint]);
-        Self { points, from, until, deviation_m, turn_rad }
+        Self { points, from, until, deviation_m, strays }
     }
 
     fn chord(&self) -> [&[f64]; 2] {
@@ -83,8 +86,8 @@ impl Cell {
     /// Proves the motion along a polynomial curve, given by the control points of its Bézier form (at least two; m, rad; one
     /// value per joint each), or returns the fault; [`Self::motion_is_free`] is the case of two.
     ///
-    /// 1. Joint limits hold for the control points of the pieces into which the curve is cut, and so for the pieces. Tilt is
-    ///    bounded along their chords, and by how far they stray from these.
+    /// 1. Joint limits hold for the control points of the pieces into which the curve is cut, and so for the pieces. Bounds of
+    ///    the tool are proven along their chords, with how far the pieces stray from these.
     /// 2. Distances as on a straight motion, by the velocity in the middle of each interval and bounds on `q'` and `q''`.
     ///
     /// # Panics
@@ -132,19 +135,19 @@ impl Cell {
         assert!(control_points.len() > 1, "a curve has two control points or more");
         let mut work = vec![CurvePiece::new(control_points.to_vec(), [0.0, 1.0], reach)];
         while let Some(piece) = work.pop() {
-            let is_finest = piece.deviation_m <= finest_m;
+            let is_fine = |bound: &CellBound| bound.stray(&piece.strays) <= finest_m;
+            let is_finest = piece.deviation_m <= finest_m && self.bounds.iter().all(is_fine);
             let [first, last] = piece.chord();
             let violation = piece.points.iter().find_map(|q| self.robot().first_limit_violation(q));
             let fault = if let Some(violation) = violation {
                 let is_certain = [first, last].iter().any(|q| !self.robot().within_limits(q));
                 Some((Motion::OutOfLimits { joint: violation.joint }, is_certain))
-            } else if let Some(Motion::Tilted { at, tilt_rad, most_rad }) =
-                self.tilted(first, last, piece.turn_rad, scratch)
-            {
-                let at = piece.from + at * (piece.until - piece.from);
-                Some((Motion::Tilted { at, tilt_rad, most_rad }, tilt_rad - piece.turn_rad > most_rad))
             } else {
-                None
+                self.out_of_bounds_at(first, last, &piece.strays, scratch).map(|excess| {
+                    let at = piece.from + excess.at * (piece.until - piece.from);
+                    let is_certain = excess.by > self.bounds[excess.bound].stray(&piece.strays);
+                    (Motion::from(Excess { at, ..excess }), is_certain)
+                })
             };
             match fault {
                 Some((fault, is_certain)) if is_finest || is_certain => return Some(fault),
@@ -179,31 +182,32 @@ impl Cell {
         }
     }
 
-    /// The greatest tilt of what is held along a curve (control points: m, rad; one value per joint each), in radians, from above
-    /// and to within some thousandths; 0 where no tilt is limited.
+    /// The greatest excess over the tool's bound of this number along a curve (control points: m, rad; one value per joint
+    /// each), in radians or metres, from above and to within some thousandths.
     ///
     /// # Panics
-    /// As [`Self::curve_is_free`].
-    pub fn greatest_tilt_on_curve_rad(
+    /// As [`Self::curve_is_free`], or if there is no such bound.
+    pub fn greatest_excess_on_curve(
         &self,
+        bound: usize,
         control_points: &[Vec<f64>],
         reach: &Reach,
         scratch: &mut Scratch,
     ) -> f64 {
-        const TOLERANCE_RAD: f64 = 1e-3;
+        const TOLERANCE: f64 = 1e-3;
         assert!(control_points.len() > 1, "a curve has two control points or more");
-        let mut greatest_rad = 0.0_f64;
+        let mut greatest = f64::NEG_INFINITY;
         let mut work = vec![CurvePiece::new(control_points.to_vec(), [0.0, 1.0], reach)];
-        while let Some(piece) = work.pop().filter(|_| self.tilt.is_some()) {
-            if piece.turn_rad > TOLERANCE_RAD && piece.deviation_m > FINEST_M {
+        while let Some(piece) = work.pop() {
+            let stray = self.bounds[bound].stray(&piece.strays);
+            if stray > TOLERANCE {
                 work.extend(piece.halves(reach));
             } else {
                 let [first, last] = piece.chord();
-                let of_chord_rad = self.greatest_tilt_rad(first, last, scratch);
-                greatest_rad = greatest_rad.max(of_chord_rad + piece.turn_rad);
+                greatest = greatest.max(self.greatest_excess(bound, first, last, scratch) + stray);
             }
         }
-        greatest_rad
+        greatest
     }
 
     /// A curve (control points: m, rad; one value per joint each) as chords from which it strays by at most `tolerance_m` (m;

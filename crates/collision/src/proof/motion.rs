@@ -9,6 +9,7 @@ use crate::pair::pairs::{Other, Pair};
 use crate::proof::course::Course;
 #[cfg(doc)]
 use crate::proof::course::Rates;
+use crate::proof::tool::Excess;
 use crate::proof::travel::Pace;
 use crate::proof::work_list::{Interval, WorkList};
 use crate::touch::contact::Contact;
@@ -34,14 +35,14 @@ pub enum Motion {
         /// The pair in doubt, its distance, and what is demanded.
         contact: Contact,
     },
-    /// What is held is tilted farther than it may be, or was not proven not to be.
-    Tilted {
+    /// The tool does not keep a bound, or was not proven to keep it.
+    OutOfBounds {
         /// Where, in [0, 1] along the motion.
         at: f64,
-        /// The tilt there, in radians.
-        tilt_rad: f64,
-        /// The tilt that is allowed, in radians.
-        most_rad: f64,
+        /// The bound, by its number ([`Cell::tool_bounds`]).
+        bound: usize,
+        /// The excess over it there, in radians or metres.
+        by: f64,
     },
     /// An end lies outside the joint limits.
     OutOfLimits {
@@ -54,6 +55,12 @@ impl Motion {
     /// Whether the whole motion is certified.
     pub fn is_proven(&self) -> bool {
         matches!(self, Self::Proven)
+    }
+}
+
+impl From<Excess> for Motion {
+    fn from(Excess { at, bound, by }: Excess) -> Self {
+        Self::OutOfBounds { at, bound, by }
     }
 }
 
@@ -102,8 +109,8 @@ pub(crate) struct Failure {
 impl Cell {
     /// Proves the straight motion from `a` to `b` (m, rad; one value per joint), or says what prevents it.
     ///
-    /// 1. The joint limits are a box, so the ends decide for the whole edge. The tilt of what is held, where it is limited, is
-    ///    bounded along it ([`TiltLimit`](crate::TiltLimit)).
+    /// 1. The joint limits are a box, so the ends decide for the whole edge. The bounds of the tool, the tilt of what is held among
+    ///    them, are proven by bisection ([`Self::tool_bounds`]).
     /// 2. Breadth first, coarse to fine: at the middle of an interval, a pair is certified for all of it if
     ///    its certified distance exceeds what is demanded by more than the pair can move within it. First in
     ///    lanes, many intervals at once, down to where the lanes cannot tell; what is left then, one
@@ -119,20 +126,8 @@ impl Cell {
                 return Motion::OutOfLimits { joint: violation.joint };
             }
         }
-        self.tilted(a, b, 0.0, scratch)
-            .unwrap_or_else(|| self.prove(Course::Line([a, b]), scratch, Demand::default()))
-    }
-
-    /// The fault of the tilt along a motion that may be turned by so much more, in radians.
-    pub(crate) fn tilted(
-        &self,
-        a: &[f64],
-        b: &[f64],
-        beyond_rad: f64,
-        scratch: &mut Scratch,
-    ) -> Option<Motion> {
-        let (at, tilt_rad) = self.tilted_at(a, b, beyond_rad, scratch)?;
-        Some(Motion::Tilted { at, tilt_rad, most_rad: self.tilt?.most_rad })
+        let excess = self.out_of_bounds_at(a, b, &[], scratch);
+        excess.map_or_else(|| self.prove(Course::Line([a, b]), scratch, Demand::default()), Motion::from)
     }
 
     /// Parameter in [0, 1] at which the proof of [`Self::motion_is_free`] from `a` to `b` (m, rad; one per joint) fails; nothing
@@ -144,14 +139,14 @@ impl Cell {
     pub fn unproven_at(&self, effort: u64, a: &[f64], b: &[f64], scratch: &mut Scratch) -> Option<f64> {
         let beyond = [(a, 0.0), (b, 1.0)].into_iter().find(|(end, _)| !self.robot().within_limits(end));
         let beyond = beyond.map(|(_, at)| at);
-        beyond.or_else(|| self.tilted_at(a, b, 0.0, scratch).map(|(at, _)| at)).or_else(|| {
+        beyond.or_else(|| self.out_of_bounds_at(a, b, &[], scratch).map(|excess| excess.at)).or_else(|| {
             let failure =
                 self.first_failure(Course::Line([a, b]), scratch, Demand { effort, ..Demand::default() });
             failure.map(|failure| failure.at)
         })
     }
 
-    /// [`Self::motion_is_free`] along a motion, without joint limits and tilt.
+    /// [`Self::motion_is_free`] along a motion, without joint limits and bounds of the tool.
     pub(crate) fn prove(&self, course: Course<'_>, scratch: &mut Scratch, demand: Demand) -> Motion {
         let mut failure = self.first_failure(course, scratch, demand);
         if let Some(Failure { at, pair: None, .. }) = failure {

@@ -108,8 +108,8 @@ proptest! {
             Motion::Unresolved { at, .. } => {
                 prop_assert!(cell.clearance(&between(&a, &b, at), &mut scratch) < required + 1e-5);
             }
-            Motion::OutOfLimits { .. } | Motion::Tilted { .. } => {
-                prop_assert!(false, "both ends are within limits, and nothing is held");
+            Motion::OutOfLimits { .. } | Motion::OutOfBounds { .. } => {
+                prop_assert!(false, "both ends are within limits, and nothing is bounded");
             }
         }
     }

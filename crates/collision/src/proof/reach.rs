@@ -13,8 +13,6 @@ use crate::cell::Cell;
 pub struct Reach {
     /// Metres for a unit of each joint.
     per_joint_m: Vec<f64>,
-    /// By how much a unit of each joint turns the tip at most, in radians.
-    turns: Vec<f64>,
 }
 
 impl Cell {
@@ -47,13 +45,7 @@ impl Cell {
         for (joint, reach_m) in movers.into_iter().flatten() {
             per_joint_m[joint] += reach_m;
         }
-        let mut turns = vec![0.0; robot.dof()];
-        for mover in robot.ancestors(robot.tip()) {
-            if mover.kind == JointKind::Revolute {
-                turns[mover.joint] += mover.multiplier.abs();
-            }
-        }
-        Reach { per_joint_m, turns }
+        Reach { per_joint_m }
     }
 }
 
@@ -61,11 +53,6 @@ impl Reach {
     /// The bound for the joints moving by `delta` (m, rad), in metres.
     pub fn motion_m(&self, delta: impl Fn(usize) -> f64) -> f64 {
         self.per_joint_m.iter().enumerate().map(|(joint, reach_m)| delta(joint).abs() * reach_m).sum()
-    }
-
-    /// Bound on the turn of the tip for the joints moving by `delta` (m, rad), in radians.
-    pub(crate) fn turn_rad(&self, delta: impl Fn(usize) -> f64) -> f64 {
-        self.turns.iter().enumerate().map(|(joint, turn)| delta(joint).abs() * turn).sum()
     }
 
     pub(crate) fn weights(&self) -> &[f64] {

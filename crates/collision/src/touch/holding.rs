@@ -95,7 +95,7 @@ impl Cell {
             }
             held.hold = hold;
         }
-        cell.tilt = cell.tilt_limit_of_held();
+        cell.bounds = cell.all_bounds().into();
         Ok(cell)
     }
 }

@@ -99,11 +99,11 @@ impl Seen {
         let along = along.expect("a good path").expect("an exact problem");
         for (segment, state) in answer.segments.iter().zip(&along.states) {
             let (cell, mut scratch) = (state.cell(), state.cell().scratch());
-            let most_rad = cell.tilt_limit().map_or(f64::INFINITY, |limit| limit.most_rad);
             for q in segment_corners(segment) {
                 self.places += 1;
                 self.in_contact += u64::from(cell.first_contact(&q, &mut scratch).is_some());
-                self.tilted += u64::from(cell.tilt_rad(&q, &mut scratch) > most_rad);
+                let excess_rad = cell.tilt_bound().map(|bound| cell.tool_excess(bound, &q, &mut scratch));
+                self.tilted += u64::from(excess_rad.is_some_and(|excess_rad| excess_rad > 0.0));
             }
             self.corners += segment.corners.len();
         }

@@ -16,7 +16,7 @@ use crate::wall_clock::now;
 use crate::{Observer, Outcome, PathSearch, PlanError, PlanReport, Reach, Statistics};
 
 mod below;
-mod upright;
+mod within_bounds;
 
 /// After so many iterations the way may lead [`Reach::detour`] farther away: most problems are solved by then.
 const ITERATIONS_PER_DETOUR: u64 = 100;
@@ -332,8 +332,8 @@ impl<'a> LaneSearch<'a> {
         target: &[f64],
         observer: &mut dyn Observer,
     ) -> Growth {
-        if self.cell.tilt_limit().is_some() {
-            return self.grow_upright(side, (from, way), target, observer);
+        if self.cell.tool_bounds().len() > 0 {
+            return self.grow_within_bounds(side, (from, way), target, observer);
         }
         let Reach { step, looks, .. } = self.settings;
         let forest = &self.sides[side];

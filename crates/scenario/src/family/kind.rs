@@ -139,6 +139,7 @@ impl Family {
                 name: name.to_owned(),
                 scene_from_body: Pose::translation(x, y, z),
                 shapes: obstacle.boxes().into_iter().map(shape).collect(),
+                tilt_rad: None,
             }
         };
         let wall = Obstacle::WALL_SEGMENT;

@@ -261,6 +261,8 @@ impl FamilyMaker {
             places: vec![self.scale.place(family.outside())],
             tasks: Vec::new(),
             physics: BTreeMap::new(),
+            tool_bounds: Vec::new(),
+            joint_bounds: BTreeMap::new(),
             grasps: GraspSet::default(),
             ik: Vec::new(),
         })

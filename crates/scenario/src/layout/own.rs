@@ -75,6 +75,7 @@ pub(crate) fn open_texts(
     let file: ScenarioFile = yaml::parse(&path, &texts.scenario)?;
     let layout = Layout { folder, path: &path };
     let (robot, robot_source) = layout.robot(&file, options)?;
+    let robot = layout.with_bounded_joints(robot, &file)?;
     let planning_from_scene = layout.pose(file.frame.as_ref())?.inverse();
 
     let mut bodies: Vec<Body> = Vec::new();
@@ -100,6 +101,8 @@ pub(crate) fn open_texts(
         (None, Some(text)) => number_table::parse_configurations(&folder.join(IK_FILE), text, robot.dof())?,
         _ => Vec::new(),
     };
+    let world = World::new(bodies)?.with_up(&(planning_from_scene.rotation * Vector::z()));
+    let world = layout.with_tool_bounds((world, &robot), &file, &planning_from_scene)?;
     let criterion = options.criterion.or(file.criterion).unwrap_or_default();
     let grasps_file = folder.join(GRASPS_FILE);
     let stated = match &texts.grasps {
@@ -119,7 +122,7 @@ pub(crate) fn open_texts(
         },
         robot,
         robot_source,
-        world: World::new(bodies)?.with_up(&(planning_from_scene.rotation * Vector::z())),
+        world,
         target,
         target_source,
         given_physics,
@@ -129,6 +132,11 @@ pub(crate) fn open_texts(
         places,
         tasks: layout.tasks(&file, &planning_from_scene)?,
         physics: layout.physics_of_obstacles(&file)?,
+        joint_bounds: file
+            .joint_bounds
+            .iter()
+            .map(|(joint, between)| (joint.clone(), between.value))
+            .collect(),
         export: None,
     }
     .on_its_ground(options)?

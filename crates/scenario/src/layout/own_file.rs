@@ -58,6 +58,14 @@ pub(crate) struct ScenarioFile {
     /// Tasks of several stages (`cranny plan --task NAME`).
     #[serde(default)]
     pub tasks: Vec<TaskEntry>,
+    /// Bounds that the tool keeps along every motion.
+    #[serde(default)]
+    #[schemars(with = "Vec<ToolBoundEntry>")]
+    pub tool_bounds: Vec<Spanned<ToolBoundEntry>>,
+    /// Values (m, rad) between which a joint stays along every motion, besides its limits.
+    #[serde(default)]
+    #[schemars(with = "BTreeMap<String, [f64; 2]>")]
+    pub joint_bounds: BTreeMap<String, Spanned<[f64; 2]>>,
     #[schemars(with = "Option<CriterionName>")]
     pub criterion: Option<Criterion>,
 }
@@ -131,6 +139,32 @@ pub(crate) struct PlaceEntry {
     /// Instead of a rectangle: the pose that the target is to have.
     #[schemars(with = "Option<PoseEntry>")]
     pub target_pose: Option<Spanned<PoseEntry>>,
+}
+
+/// A bound on the tool: a box (`size`) or a ball (`radius`) in which a point of it stays, or a cone (`axis`, `toward`,
+/// `within_deg`) in which a direction of it does.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct ToolBoundEntry {
+    #[schemars(with = "String")]
+    pub name: Spanned<String>,
+    /// The link that is bounded; without it the gripper frame, whose z points out of the palm and y along the closing.
+    #[schemars(with = "Option<String>")]
+    pub link: Option<Spanned<String>>,
+    /// The point, in the frame of the link; without it its origin.
+    pub point: Option<[f64; 3]>,
+    /// Pose of the middle of the box or the ball.
+    #[schemars(with = "Option<PoseEntry>")]
+    pub pose: Option<Spanned<PoseEntry>>,
+    /// Full lengths of the box along x, y, z.
+    pub size: Option<[f64; 3]>,
+    pub radius: Option<f64>,
+    /// The direction, in the frame of the link.
+    pub axis: Option<[f64; 3]>,
+    /// The direction from which it differs by at most `within_deg`.
+    pub toward: Option<[f64; 3]>,
+    /// Greatest angle between both, in degrees; above 0, at most 180.
+    pub within_deg: Option<f64>,
 }
 
 /// A task: stages in order.

@@ -1,11 +1,13 @@
 use std::collections::BTreeMap;
 
-use cranny_collision::{Body, Part, World};
+use cranny_collision::{Body, Part, ToolBound, World};
 use cranny_grasp::GraspSet;
+use cranny_robot::Location;
 use cranny_shape::{Outline, ShapeError, Solid, TriangleSoup};
 use cranny_spatial::{Pose, Vector};
 use cranny_task::PlaceGoal;
 
+use crate::layout::own_bounds::bounded;
 use crate::{
     NamedTask, ObjectSource, OpenOptions, RecipeRobot, RobotSource, Scenario, ScenarioError, TargetPhysics,
 };
@@ -36,6 +38,10 @@ pub struct Recipe {
     pub tasks: Vec<NamedTask>,
     /// Mass and friction of obstacles, by name.
     pub physics: BTreeMap<String, TargetPhysics>,
+    /// Bounds of the tool, in the scene.
+    pub tool_bounds: Vec<ToolBound>,
+    /// As [`Scenario::joint_bounds`].
+    pub joint_bounds: BTreeMap<String, [f64; 2]>,
 }
 
 /// A body of a [`Recipe`].
@@ -47,6 +53,8 @@ pub struct RecipeBody {
     pub scene_from_body: Pose,
     /// What it is made of, each with its pose in the body.
     pub shapes: Vec<(Pose, RecipeShape)>,
+    /// As [`Body::tilt_rad`].
+    pub tilt_rad: Option<f64>,
 }
 
 /// A shape of a [`RecipeBody`]; sizes in metres.
@@ -104,6 +112,13 @@ impl Recipe {
             ik: scenario.ik.clone(),
             tasks: scenario.tasks.iter().map(|task| task.seen_from(&scene_from_planning)).collect(),
             physics: scenario.physics.clone(),
+            tool_bounds: scenario
+                .world
+                .tool_bounds()
+                .iter()
+                .map(|b| b.seen_from(&scene_from_planning))
+                .collect(),
+            joint_bounds: scenario.joint_bounds.clone(),
             places: scenario.places.iter().map(|place| place.seen_from(&scene_from_planning)).collect(),
         })
     }
@@ -119,10 +134,12 @@ impl Recipe {
             return self.for_robot(robot).scenario(id, &options);
         }
         let planning_from_scene = self.robot.planning_from_scene();
+        let place = Location { file: id.to_owned(), line: 1 };
+        let bounds = self.joint_bounds.iter().map(|(joint, between)| (joint, *between, &place));
         Scenario {
             id: id.to_owned(),
             criterion: options.criterion.unwrap_or_default(),
-            robot: self.robot.robot.clone(),
+            robot: bounded(self.robot.robot.clone(), bounds)?,
             robot_source: RobotSource::Other,
             world: self.world()?,
             target: self.target.as_ref().map(|_| self.obstacles.len()),
@@ -133,6 +150,7 @@ impl Recipe {
             has_grasp_set: true,
             tasks: self.tasks.iter().map(|task| task.seen_from(&planning_from_scene)).collect(),
             physics: self.physics.clone(),
+            joint_bounds: self.joint_bounds.clone(),
             places: self.places.iter().map(|place| place.seen_from(&planning_from_scene)).collect(),
             ik: self.ik.clone(),
             export: None,
@@ -164,14 +182,20 @@ impl Recipe {
         let bodies = self.obstacles.iter().chain(&self.target).map(|body| body.body(&planning_from_scene));
         let mut bodies: Vec<Body> = bodies.collect::<Result<_, _>>()?;
         bodies.push(Body::floor(-self.robot.scene_from_root.translation.z));
-        Ok(World::new(bodies)?)
+        let bounds = self.tool_bounds.iter().map(|bound| bound.seen_from(&planning_from_scene)).collect();
+        Ok(World::new(bodies)?.with_tool_bounds(bounds)?)
     }
 }
 
 impl RecipeBody {
     /// A body of one shape.
     pub(crate) fn new(name: &str, scene_from_body: Pose, shape: RecipeShape) -> Self {
-        Self { name: name.to_owned(), scene_from_body, shapes: vec![(Pose::identity(), shape)] }
+        Self {
+            name: name.to_owned(),
+            scene_from_body,
+            shapes: vec![(Pose::identity(), shape)],
+            tilt_rad: None,
+        }
     }
 
     /// The object that the body is, where it is one alone.
@@ -189,7 +213,7 @@ impl RecipeBody {
             Ok(Part { world_from_solid: planning_from_body * body_from_shape, solid: shape.solid()? })
         };
         let parts = self.shapes.iter().map(part).collect::<Result<_, _>>()?;
-        Ok(Body { name: self.name.clone(), parts, tilt_rad: None })
+        Ok(Body { name: self.name.clone(), parts, tilt_rad: self.tilt_rad })
     }
 
     /// A body of the planning frame. It stands where its only shape does, or at the middle of its shapes.
@@ -209,6 +233,7 @@ impl RecipeBody {
             name: body.name.clone(),
             scene_from_body,
             shapes: body.parts.iter().zip(&places).map(shape).collect::<Result<_, _>>()?,
+            tilt_rad: body.tilt_rad,
         })
     }
 }

@@ -3,8 +3,9 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
+use cranny_collision::{ToolBound, ToolRegion};
 use cranny_grasp::csv_text;
-use cranny_spatial::{Pose, Rotation};
+use cranny_spatial::{Point, Pose, Rotation};
 use cranny_task::{PlaceGoal, PlaceSpot};
 
 use crate::files::atomic_file::write_into;
@@ -74,11 +75,13 @@ impl Recipe {
             body.write(&mut text, "  - ", "    ");
             let physics = self.physics.get(&body.name).copied().unwrap_or_default();
             write_physics(&mut text, "    ", physics);
+            write_tilt(&mut text, "    ", body.tilt_rad);
         }
         if let Some(target) = &self.target {
             text.push_str("target:\n");
             target.write(&mut text, "  ", "  ");
             write_physics(&mut text, "  ", self.given_physics);
+            write_tilt(&mut text, "  ", target.tilt_rad);
         }
         if !self.places.is_empty() {
             text.push_str("places:\n");
@@ -97,6 +100,18 @@ impl Recipe {
                     row.as_object().into_iter().flatten().map(|(key, value)| format!("{key}: {value}"));
                 let _ = writeln!(text, "      - {{{}}}", keys.collect::<Vec<_>>().join(", "));
             }
+        }
+        if !self.tool_bounds.is_empty() {
+            text.push_str("tool_bounds:\n");
+        }
+        for bound in &self.tool_bounds {
+            write_bound(&mut text, bound);
+        }
+        if !self.joint_bounds.is_empty() {
+            text.push_str("joint_bounds:\n");
+        }
+        for (joint, [lower, upper]) in &self.joint_bounds {
+            let _ = writeln!(text, "  {}: [{lower}, {upper}]", serde_json::Value::from(joint.as_str()));
         }
         text
     }
@@ -204,6 +219,36 @@ const LEAST_TURN_RAD: f64 = 1e-12;
 pub(crate) fn file_name(name: &str) -> String {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "_-.".contains(c);
     name.chars().map(|c| if is_plain(c) { c } else { '_' }).collect()
+}
+
+fn write_tilt(text: &mut String, indent: &str, tilt_rad: Option<f64>) {
+    let _ = tilt_rad.map(|tilt_rad| writeln!(text, "{indent}upright_deg: {}", plain(tilt_rad.to_degrees())));
+}
+
+fn write_bound(text: &mut String, bound: &ToolBound) {
+    let _ = writeln!(text, "  - name: {}", serde_json::Value::from(bound.name.as_str()));
+    if let Some(link) = &bound.link {
+        let _ = writeln!(text, "    link: {}", serde_json::Value::from(link.as_str()));
+    }
+    let mut lines = |point: &Point, middle: &Pose, size: String| {
+        let pose = pose_text(middle).unwrap_or_else(|| "{}".to_owned());
+        let point = list(point.coords.as_slice());
+        let _ = writeln!(text, "    point: {point}\n    pose: {pose}\n    {size}");
+    };
+    match &bound.region {
+        ToolRegion::Box { point_in_link, world_from_box, half_m } => {
+            lines(point_in_link, world_from_box, format!("size: {}", list((half_m * 2.0).as_slice())));
+        }
+        ToolRegion::Ball { point_in_link, center, radius_m } => {
+            let middle = Pose::translation(center.x, center.y, center.z);
+            lines(point_in_link, &middle, format!("radius: {}", plain(*radius_m)));
+        }
+        ToolRegion::Cone { axis_in_link, toward, most_rad } => {
+            let [axis, toward] = [axis_in_link, toward].map(|direction| list(direction.as_slice()));
+            let degrees = plain(most_rad.to_degrees());
+            let _ = writeln!(text, "    axis: {axis}\n    toward: {toward}\n    within_deg: {degrees}");
+        }
+    }
 }
 
 fn write_physics(text: &mut String, indent: &str, physics: TargetPhysics) {

@@ -93,6 +93,7 @@ pub(crate) fn open_with(
         places: Vec::new(),
         tasks: Vec::new(),
         physics: BTreeMap::new(),
+        joint_bounds: BTreeMap::new(),
         ik,
         export: exported.map(|exported| exported.surface),
     }

@@ -95,6 +95,11 @@ pub enum MoveItDeviation {
         /// The name in the URDF.
         robot: String,
     },
+    /// An orientation constraint is kept as cones about axes of its link, which lie within its tolerances.
+    Cones {
+        /// The link.
+        link: String,
+    },
     /// The scene holds no object.
     EmptyWorld,
     /// Limits of joints are those of a `joint_limits.yaml`.
@@ -160,6 +165,10 @@ impl fmt::Display for MoveItDeviation {
             Self::OtherRobot { scene, robot } => {
                 write!(formatter, "the scene is that of robot '{scene}', the URDF describes '{robot}'")
             }
+            Self::Cones { link } => write!(
+                formatter,
+                "the orientation of '{link}' is kept in cones about its axes, which lie within the tolerances"
+            ),
             Self::EmptyWorld => {
                 formatter.write_str("the scene holds no object: nothing but the robot itself is in its way")
             }

@@ -285,11 +285,10 @@ pub(crate) struct RequestFile {
     // A hint for planners that begin from a trajectory.
     #[serde(default)]
     reference_trajectories: Passed,
-    // Whose speed `max_cartesian_speed` limits.
-    #[serde(default)]
-    cartesian_speed_limited_link: Passed,
-    #[serde(default)]
-    cartesian_speed_end_effector_link: Passed,
+    /// The link whose speed `max_cartesian_speed` limits; empty: the tip of the group.
+    pub cartesian_speed_limited_link: Option<Spanned<String>>,
+    /// Its earlier name.
+    pub cartesian_speed_end_effector_link: Option<Spanned<String>>,
 }
 
 /// A `RobotState`.
@@ -334,9 +333,9 @@ pub(crate) struct ConstraintsEntry {
     #[serde(rename = "joint_constraints")]
     pub joints: Vec<JointConstraintEntry>,
     #[serde(rename = "position_constraints")]
-    pub positions: Vec<IgnoredAny>,
+    pub positions: Vec<Spanned<PositionConstraintEntry>>,
     #[serde(rename = "orientation_constraints")]
-    pub orientations: Vec<IgnoredAny>,
+    pub orientations: Vec<Spanned<OrientationConstraintEntry>>,
     #[serde(rename = "visibility_constraints")]
     pub visibilities: Vec<IgnoredAny>,
 }
@@ -365,6 +364,48 @@ pub(crate) struct JointConstraintEntry {
     pub tolerance_above: Option<Spanned<f64>>,
     #[serde(default)]
     pub tolerance_below: Option<Spanned<f64>>,
+    #[serde(default)]
+    weight: Passed,
+}
+
+/// A `PositionConstraint`: a point of a link stays in a region.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct PositionConstraintEntry {
+    #[serde(default)]
+    pub header: HeaderEntry,
+    pub link_name: Spanned<String>,
+    #[serde(default)]
+    pub target_point_offset: Option<Components<3>>,
+    pub constraint_region: RegionEntry,
+    #[serde(default)]
+    weight: Passed,
+}
+
+/// A `BoundingVolume`.
+#[derive(Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub(crate) struct RegionEntry {
+    pub primitives: Vec<Spanned<PrimitiveEntry>>,
+    pub primitive_poses: Vec<Spanned<PoseEntry>>,
+    pub meshes: Vec<IgnoredAny>,
+    mesh_poses: Passed,
+}
+
+/// An `OrientationConstraint`.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct OrientationConstraintEntry {
+    #[serde(default)]
+    pub header: HeaderEntry,
+    #[serde(default)]
+    pub orientation: Option<Components<4>>,
+    pub link_name: Spanned<String>,
+    pub absolute_x_axis_tolerance: Spanned<f64>,
+    pub absolute_y_axis_tolerance: Spanned<f64>,
+    pub absolute_z_axis_tolerance: Spanned<f64>,
+    #[serde(default)]
+    pub parameterization: Option<NameOrNumber>,
     #[serde(default)]
     weight: Passed,
 }

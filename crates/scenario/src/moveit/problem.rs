@@ -30,6 +30,8 @@ pub struct MoveItProblem {
     pub goals: Vec<Vec<f64>>,
     /// Where the problem is not what the files say.
     pub deviations: Vec<MoveItDeviation>,
+    /// Greatest speed of the gripper frame, in m/s, that the request demands.
+    pub tool_speed_m_s: Option<f64>,
 }
 
 /// What `MoveIt` files leave open.
@@ -53,7 +55,7 @@ impl MoveItProblem {
     ///    the start state, within its limits; one that is fixed in the URDF, or follows another, has the value that
     ///    the URDF gives. Limits of a `joint_limits.yaml` near the robot's files take precedence over those of the
     ///    URDF. Joint constraints of `path_constraints` narrow them, for the whole motion; of a continuous joint held across
-    ///    a limit, the part on one side. Pairs of links are left unchecked as in the SRDF; the scene's
+    ///    a limit, the part on one side. Its constraints on positions and orientations are bounds of the tool. Pairs of links are left unchecked as in the SRDF; the scene's
     ///    `allowed_collision_matrix` can add checks of pairs that the SRDF disables, but removes none (see
     ///    [`MoveItDeviation`]).
     /// 2. The world is the scene's collision objects, at (frame · object pose · shape pose). The planning frame
@@ -88,9 +90,11 @@ impl MoveItProblem {
         let body_names: HashSet<&str> = bodies.iter().map(|body| body.name.as_str()).collect();
         let matrix = Matrix::new(&files.scene_file, &files.scene.allowed_collision_matrix)?;
         deviations.extend(matrix.checked(&robot, &body_names));
+        let tool_bounds = files.tool_bounds(&robot, &world_from_root, &mut deviations)?;
         Ok(Self {
+            tool_speed_m_s: files.tool_speed_m_s(&robot)?,
             id: scene.file_stem().unwrap_or(scene.as_os_str()).to_string_lossy().into_owned(),
-            world: World::new(bodies)?,
+            world: World::new(bodies)?.with_tool_bounds(tool_bounds)?,
             // 3.
             start: files.start(&robot, &state, &mut deviations)?,
             // 4.

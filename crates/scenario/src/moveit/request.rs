@@ -73,19 +73,35 @@ impl Files<'_> {
         let (file, request) = (&self.request_file, &self.request);
         let attached = &request.start_state.attached_collision_objects;
         file.refuse(attached, "an attached object", "add it to the URDF")?;
-        if let Some(path) = request.path_constraints.as_ref().filter(|path| path.value.has_others()) {
-            let what = "a path constraint of other things than joints";
-            return Err(file.unsupported(path.referenced, what, "leave it out"));
-        }
         if let Some(constraints) = &request.trajectory_constraints
             && !constraints.value.constraints.is_empty()
         {
             return Err(file.unsupported(constraints.referenced, "a trajectory constraint", "leave it out"));
         }
-        if let Some(speed) = request.max_cartesian_speed.as_ref().filter(|speed| speed.value != 0.0) {
-            return Err(file.unsupported(speed.referenced, "a limit of Cartesian speed", "leave it out"));
-        }
         Ok(())
+    }
+
+    /// Greatest speed of the gripper frame, in m/s, that the request demands; 0 stands for one that is not given.
+    pub fn tool_speed_m_s(&self, robot: &Robot) -> Result<Option<f64>, ScenarioError> {
+        let (file, request) = (&self.request_file, &self.request);
+        let Some(speed) = request.max_cartesian_speed.as_ref().filter(|speed| speed.value != 0.0) else {
+            return Ok(None);
+        };
+        if !(speed.value > 0.0 && speed.value.is_finite()) {
+            let hint = "give a positive one, in m/s";
+            return Err(file.unsupported(speed.referenced, "a limit of Cartesian speed that is none", hint));
+        }
+        let links = [&request.cartesian_speed_limited_link, &request.cartesian_speed_end_effector_link];
+        let named = links.into_iter().flatten().find(|link| !link.value.is_empty());
+        let tip = &robot.links()[robot.tip()].name;
+        match named.filter(|link| link.value != *tip) {
+            Some(link) => Err(file.unsupported(
+                link.referenced,
+                "a limit of the speed of a link that is not the tip of the group",
+                "name the tip",
+            )),
+            None => Ok(Some(speed.value)),
+        }
     }
 
     /// The robot with the joints of the group held as the path constraints demand: within the tolerances, at every instant.

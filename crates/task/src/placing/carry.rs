@@ -251,7 +251,7 @@ impl Carrier {
                 Motion::Contact { contact, .. } | Motion::Unresolved { contact, .. } => {
                     return Err(Some(contact.names(&grip.lifting)));
                 }
-                Motion::OutOfLimits { .. } | Motion::Tilted { .. } => return Err(None),
+                Motion::OutOfLimits { .. } | Motion::OutOfBounds { .. } => return Err(None),
             }
             if let Some((_, body)) = self.stays_off(&grip.lifting, resting, [last, &next], scratch) {
                 return Err(Some([self.object().to_owned(), self.body_name(body)]));

@@ -93,7 +93,7 @@ impl Placed {
                 Motion::Contact { contact, .. } | Motion::Unresolved { contact, .. } => {
                     return Err(Some(contact.names(&self.after)));
                 }
-                Motion::OutOfLimits { .. } | Motion::Tilted { .. } => return Err(None),
+                Motion::OutOfLimits { .. } | Motion::OutOfBounds { .. } => return Err(None),
             }
         }
         Ok(path)

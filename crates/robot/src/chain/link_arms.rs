@@ -3,16 +3,19 @@ use cranny_spatial::Point;
 use crate::{JointKind, Robot};
 
 impl Robot {
-    /// Bounds on the distance of a point that is fixed to the tip from the axis of each joint that moves it, in the order of
-    /// [`Self::ancestors`], whatever the joints do within their limits: metres for a joint that turns, so metres per radian; 1
-    /// for one that slides. `point_in_tip`: metres.
+    /// Bounds on the distance of a point that is fixed to a link from the axis of each joint that moves it, in the order of
+    /// [`Self::ancestors`], whatever the joints (m, rad) do within their limits: metres for a joint that turns, so metres per radian; 1
+    /// for one that slides; one value per joint that moves the link. `point_in_link`: metres.
     ///
     /// The distances between the frames of the joints add up, slides drawn out as far as they go.
-    pub fn tip_arms_m(&self, point_in_tip: &Point) -> Vec<f64> {
+    ///
+    /// # Panics
+    /// If there is no such link.
+    pub fn link_arms_m(&self, link: usize, point_in_link: &Point) -> Vec<f64> {
         let frames = self.frames();
-        let mut after = (frames.link(self.tip()) * point_in_tip).coords;
+        let mut after = (frames.link(link) * point_in_link).coords;
         let (mut arm_m, mut arms_m) = (0.0, Vec::new());
-        for mover in self.ancestors(self.tip()).iter().rev() {
+        for mover in self.ancestors(link).iter().rev() {
             let here = frames.link(mover.child_link).translation.vector;
             arm_m += (after - here).norm();
             after = here;

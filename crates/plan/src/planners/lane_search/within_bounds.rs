@@ -11,10 +11,10 @@ const MOST_STEPS: usize = 16;
 const LEAST_PROGRESS: f64 = 0.05;
 
 impl LaneSearch<'_> {
-    /// [`Self::grow`] where the tilt of what is held is bounded: in single steps, each moved to where the bound holds (the
+    /// [`Self::grow`] where the tool is bounded: in single steps, each moved to where the bounds hold (the
     /// constrained extension of Berenson, Srinivasa & Kuffner 2011, "Task Space Regions", §5), to the first that is not free,
     /// or that comes no nearer to the target.
-    pub(super) fn grow_upright(
+    pub(super) fn grow_within_bounds(
         &mut self,
         side: usize,
         (from, way): (usize, Way),
@@ -29,7 +29,7 @@ impl LaneSearch<'_> {
             let far = self.sides[side].distance(&q, target);
             let share = if far > step { step / far } else { 1.0 };
             let mut next: Vec<f64> = between(&q, target, share).collect();
-            let is_within = self.cell.project_to_tilt(&mut next, &mut self.scratch);
+            let is_within = self.cell.project_to_bounds(&mut next, &mut self.scratch);
             let is_target = is_within && next == target;
             let left = self.sides[side].distance(&next, target);
             if !is_within || !(is_target || left <= far - LEAST_PROGRESS * step.min(far)) {

@@ -1,0 +1,170 @@
+use cranny_robot::{JointKind, Robot};
+use cranny_spatial::{FARTHEST_M, Point, Pose, Vector};
+
+use crate::CollisionError;
+
+/// A bound that the tool keeps along every motion, under a name.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ToolBound {
+    /// Its name in reports.
+    pub name: String,
+    /// Name of the link that it bounds; `None`: the robot's tip.
+    pub link: Option<String>,
+    /// Poses of the link that keep it.
+    pub region: ToolRegion,
+}
+
+/// Poses of a link in the planning frame.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ToolRegion {
+    /// A direction of the link is within an angle of a direction in the planning frame.
+    Cone {
+        /// The direction in the frame of the link, of length 1.
+        axis_in_link: Vector,
+        /// The direction in the planning frame, of length 1.
+        toward: Vector,
+        /// The greatest angle, in radians, above 0 and at most π.
+        most_rad: f64,
+    },
+    /// A point of the link is in a box.
+    Box {
+        /// The point in the frame of the link, in metres.
+        point_in_link: Point,
+        /// Pose of the middle of the box in the planning frame.
+        world_from_box: Pose,
+        /// Half the edges of the box, in metres.
+        half_m: Vector,
+    },
+    /// A point of the link is in a ball.
+    Ball {
+        /// The point in the frame of the link, in metres.
+        point_in_link: Point,
+        /// The middle of the ball in the planning frame, in metres.
+        center: Point,
+        /// Radius of the ball, in metres.
+        radius_m: f64,
+    },
+}
+
+impl ToolRegion {
+    /// True for a bound on an angle (rad); others bound a distance (m).
+    pub fn is_of_angle(&self) -> bool {
+        matches!(self, Self::Cone { .. })
+    }
+
+    /// Excess of the link, with this pose in the planning frame, over the bound, in radians or metres; negative within it.
+    pub fn excess(&self, world_from_link: &Pose) -> f64 {
+        match self {
+            Self::Cone { axis_in_link, toward, most_rad } => {
+                angle_rad(toward, &(world_from_link.rotation * axis_in_link)) - most_rad
+            }
+            Self::Box { point_in_link, world_from_box, half_m } => {
+                let in_box = world_from_box.inverse_transform_point(&(world_from_link * point_in_link));
+                (in_box.coords.abs() - half_m).max()
+            }
+            Self::Ball { point_in_link, center, radius_m } => {
+                (world_from_link * point_in_link - center).norm() - radius_m
+            }
+        }
+    }
+
+    /// The same in a frame in which the one that it is in has this pose.
+    #[must_use]
+    pub fn seen_from(&self, new_from_old: &Pose) -> Self {
+        match self.clone() {
+            Self::Cone { axis_in_link, toward, most_rad } => {
+                Self::Cone { axis_in_link, toward: new_from_old.rotation * toward, most_rad }
+            }
+            Self::Box { point_in_link, world_from_box, half_m } => {
+                Self::Box { point_in_link, world_from_box: new_from_old * world_from_box, half_m }
+            }
+            Self::Ball { point_in_link, center, radius_m } => {
+                Self::Ball { point_in_link, center: new_from_old * center, radius_m }
+            }
+        }
+    }
+
+    /// Point of the link that is bounded; the origin of its frame where it is a direction.
+    pub(crate) fn point_in_link(&self) -> Point {
+        match self {
+            Self::Cone { .. } => Point::origin(),
+            Self::Box { point_in_link, .. } | Self::Ball { point_in_link, .. } => *point_in_link,
+        }
+    }
+}
+
+impl ToolBound {
+    /// As [`ToolRegion::seen_from`].
+    #[must_use]
+    pub fn seen_from(&self, new_from_old: &Pose) -> Self {
+        Self { region: self.region.seen_from(new_from_old), ..self.clone() }
+    }
+
+    /// # Errors
+    /// [`CollisionError::ToolBound`] for directions that are not of length 1, an angle outside (0, π], a size that is not
+    /// positive, or values that are not finite.
+    pub(crate) fn check(&self) -> Result<(), CollisionError> {
+        let is_unit = |v: &Vector| (v.norm() - 1.0).abs() < 1e-6;
+        let is_near = |v: &Vector| v.iter().all(|x| x.abs() <= FARTHEST_M);
+        let is_usable = match &self.region {
+            ToolRegion::Cone { axis_in_link, toward, most_rad } => {
+                is_unit(axis_in_link) && is_unit(toward) && crate::margins::is_tilt(*most_rad)
+            }
+            ToolRegion::Box { point_in_link, world_from_box, half_m } => {
+                let is_pose = is_near(&world_from_box.translation.vector)
+                    && world_from_box.rotation.coords.iter().all(|x| x.is_finite());
+                is_near(&point_in_link.coords)
+                    && is_pose
+                    && is_near(half_m)
+                    && half_m.iter().all(|x| *x > 0.0)
+            }
+            ToolRegion::Ball { point_in_link, center, radius_m } => {
+                is_near(&point_in_link.coords)
+                    && is_near(&center.coords)
+                    && *radius_m > 0.0
+                    && *radius_m <= FARTHEST_M
+            }
+        };
+        if is_usable { Ok(()) } else { Err(CollisionError::ToolBound { name: self.name.clone() }) }
+    }
+}
+
+/// The angle between two directions of length 1, in radians.
+pub(crate) fn angle_rad(a: &Vector, b: &Vector) -> f64 {
+    libm::atan2(a.cross(b).norm(), a.dot(b))
+}
+
+/// A bound as a cell proves it.
+#[derive(Clone, Debug)]
+pub(crate) struct CellBound {
+    pub bound: ToolBound,
+    /// The link, by index.
+    pub link: usize,
+    /// As [`Robot::link_arms_m`] of the point that is bounded.
+    pub arms_m: Vec<f64>,
+    /// Bound on the change of the excess by a unit of each joint.
+    per_joint: Vec<f64>,
+}
+
+impl CellBound {
+    /// A bound of a link that the robot has.
+    pub fn new(bound: ToolBound, robot: &Robot) -> Self {
+        let link = bound.link.as_deref().and_then(|link| robot.link_index(link)).unwrap_or(robot.tip());
+        let arms_m = robot.link_arms_m(link, &bound.region.point_in_link());
+        let mut per_joint = vec![0.0; robot.dof()];
+        for (mover, arm_m) in robot.ancestors(link).iter().zip(&arms_m) {
+            per_joint[mover.joint] += mover.multiplier.abs()
+                * match (bound.region.is_of_angle(), mover.kind) {
+                    (true, JointKind::Revolute) => 1.0,
+                    (true, JointKind::Prismatic) => 0.0,
+                    (false, _) => *arm_m,
+                };
+        }
+        Self { bound, link, arms_m, per_joint }
+    }
+
+    /// Bound on the change of the excess where each joint strays by this much (m, rad; one value per joint).
+    pub fn stray(&self, joints: &[f64]) -> f64 {
+        self.per_joint.iter().zip(joints).map(|(unit, stray)| unit * stray.abs()).sum()
+    }
+}

@@ -1,0 +1,287 @@
+use cranny_robot::{JointKind, LinkFrames, Mover, between};
+use cranny_spatial::Vector;
+
+use crate::ToolBound;
+use crate::body::tool_bound::{CellBound, ToolRegion};
+use crate::cell::{Cell, Scratch};
+
+/// Angles and distances err by less, in radians and metres: a bound that is kept to within this is kept.
+const ROUNDING: f64 = 1e-9;
+
+/// Bisection ends where the excess can change by no more than this within an interval, in radians and metres.
+const RESOLUTION: f64 = 1e-7;
+
+/// The greatest excess is known to within this, in radians and metres.
+const TOLERANCE: f64 = 1e-3;
+
+/// A bound that is not proven to be kept along a motion.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Excess {
+    /// Where, in [0, 1] along the motion.
+    pub at: f64,
+    /// The bound, by its number.
+    pub bound: usize,
+    /// The excess there, in radians or metres.
+    pub by: f64,
+}
+
+impl Cell {
+    /// The bounds that the tool keeps along every motion: those of the world
+    /// ([`World::with_tool_bounds`](crate::World::with_tool_bounds)), and last the tilt of what is held, where that is limited
+    /// ([`Self::tilt_bound`]).
+    pub fn tool_bounds(&self) -> impl ExactSizeIterator<Item = &ToolBound> {
+        self.bounds.iter().map(|bound| &bound.bound)
+    }
+
+    /// Number of the bound on the tilt of what is held; `None` where nothing is held, or no tilt is demanded
+    /// ([`Margins::tilt_rad`](crate::Margins::tilt_rad), [`Body::tilt_rad`](crate::Body::tilt_rad)).
+    pub fn tilt_bound(&self) -> Option<usize> {
+        self.limits_tilt().then(|| self.bounds.len() - 1)
+    }
+
+    fn limits_tilt(&self) -> bool {
+        self.bounds.len() > self.world().tool_bounds().len()
+    }
+
+    /// The bounds of a cell that is being made: of its world, and of what is held in its hand.
+    pub(crate) fn all_bounds(&self) -> Vec<CellBound> {
+        let all = self.world().tool_bounds().iter().cloned().chain(self.bound_of_held());
+        all.map(|bound| CellBound::new(bound, &self.robot)).collect()
+    }
+
+    /// The bound on the angle between the direction in what is held that pointed up where it stood when it was grasped, and
+    /// up.
+    fn bound_of_held(&self) -> Option<ToolBound> {
+        let held = self.held.as_ref()?;
+        let body = &self.world().bodies()[held.body];
+        let most_rad = self.margins.tilt_rad.into_iter().chain(body.tilt_rad).reduce(f64::min)?;
+        let toward = self.world().up();
+        let up_in_held = body.parts.first()?.world_from_solid.rotation.inverse() * toward;
+        let axis_in_link = held.hold.tip_from_held.rotation * up_in_held;
+        Some(ToolBound {
+            name: "tilt".to_owned(),
+            link: None,
+            region: ToolRegion::Cone { axis_in_link, toward, most_rad },
+        })
+    }
+
+    /// Excess of the tool at `q` (m, rad; one per joint) over the bound of this number, in radians or metres; negative within
+    /// it.
+    ///
+    /// # Panics
+    /// If `q` has not one value per joint, or there is no such bound.
+    pub fn tool_excess(&self, bound: usize, q: &[f64], scratch: &mut Scratch) -> f64 {
+        let bound = &self.bounds[bound];
+        self.place_links(std::slice::from_ref(bound), q, &mut scratch.frames);
+        bound.bound.region.excess(scratch.frames.link(bound.link))
+    }
+
+    /// Writes the frames of the links that are bounded, and of the joints that move them.
+    fn place_links(&self, bounds: &[CellBound], q: &[f64], frames: &mut LinkFrames) {
+        if bounds.iter().all(|bound| bound.link == self.robot.tip()) {
+            self.robot.tip_kinematics(q, frames);
+        } else {
+            self.robot.forward_kinematics(q, frames);
+        }
+    }
+
+    /// Whether the tool keeps all bounds at `q`.
+    pub(crate) fn keeps_bounds(&self, q: &[f64], scratch: &mut Scratch) -> bool {
+        (0..self.bounds.len()).all(|bound| self.tool_excess(bound, q, scratch) <= -ROUNDING)
+    }
+
+    /// The first bound that is not proven to be kept along the straight motion from `a` to `b`, each joint straying from it by
+    /// at most `strays` (m, rad; one per joint each). `None` where all are proven.
+    ///
+    /// Within η of the middle of an interval, with `ω_j = |b_j − a_j|` for each joint j that moves the link:
+    ///
+    /// - An angle changes at most at `Σ_j ω_j · min(sin ∠(a_j, fixed), sin ∠(a_j, axis))`, `a_j` being the axis of the joint: a
+    ///   turn about the fixed direction, or about the axis itself, changes nothing. The first angle changes by at most η
+    ///   times the sum of ω over the joints before j, the second over those after it.
+    /// - A point moves by its velocity in the middle times η, and by half of `Σ_ij ω_i ω_j r_max(i, j)` times η² more, r being
+    ///   its greatest distance from the axis of a joint.
+    ///
+    /// An interval whose excess is negative with all that is added keeps the bound; others are halved.
+    pub(crate) fn out_of_bounds_at(
+        &self,
+        a: &[f64],
+        b: &[f64],
+        strays: &[f64],
+        scratch: &mut Scratch,
+    ) -> Option<Excess> {
+        self.bounds.iter().enumerate().find_map(|(index, bound)| {
+            let most = -bound.stray(strays) - ROUNDING;
+            let mut work = vec![(0.5, 0.5)];
+            while let Some((middle, half_width)) = work.pop() {
+                let [by, greatest] = self.excess_within(bound, [a, b], (middle, half_width), scratch);
+                if greatest <= most {
+                    continue;
+                }
+                if by > most || greatest - by < RESOLUTION {
+                    return Some(Excess { at: middle, bound: index, by });
+                }
+                let half = 0.5 * half_width;
+                work.extend([(middle + half, half), (middle - half, half)]);
+            }
+            None
+        })
+    }
+
+    /// The greatest excess over the bound of this number along the straight motion from `a` to `b` (m, rad; one per joint), in
+    /// radians or metres, from above and to within a thousandth.
+    ///
+    /// # Panics
+    /// If `a` or `b` has not one value per joint, or there is no such bound.
+    pub fn greatest_excess(&self, bound: usize, a: &[f64], b: &[f64], scratch: &mut Scratch) -> f64 {
+        let bound = &self.bounds[bound];
+        let (mut seen, mut most) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
+        let mut work = vec![(0.5, 0.5)];
+        while let Some((middle, half_width)) = work.pop() {
+            let [by, greatest] = self.excess_within(bound, [a, b], (middle, half_width), scratch);
+            seen = seen.max(by);
+            if greatest <= seen + TOLERANCE {
+                most = most.max(greatest);
+            } else {
+                let half = 0.5 * half_width;
+                work.extend([(middle + half, half), (middle - half, half)]);
+            }
+        }
+        most + ROUNDING
+    }
+
+    /// The excess in the middle of an interval, and a bound on it within the interval.
+    fn excess_within(
+        &self,
+        bound: &CellBound,
+        [a, b]: [&[f64]; 2],
+        (middle, half_width): (f64, f64),
+        scratch: &mut Scratch,
+    ) -> [f64; 2] {
+        scratch.q.iter_mut().zip(between(a, b, middle)).for_each(|(q, value)| *q = value);
+        self.place_links(std::slice::from_ref(bound), &scratch.q, &mut scratch.frames);
+        let frames = &scratch.frames;
+        let link = frames.link(bound.link);
+        let movers = self.robot.ancestors(bound.link);
+        let rate = |mover: &Mover| (b[mover.joint] - a[mover.joint]) * mover.multiplier;
+        let is_turning = |mover: &&Mover| mover.kind == JointKind::Revolute;
+        let turn = |mover: &Mover| if is_turning(&mover) { rate(mover).abs() } else { 0.0 };
+        let by = bound.bound.region.excess(link);
+        let axis_of = |mover: &Mover| frames.link(mover.child_link).rotation * mover.axis_in_child;
+        if let ToolRegion::Cone { axis_in_link, toward, .. } = &bound.bound.region {
+            let axis = link.rotation * axis_in_link;
+            let mut after: f64 = movers.iter().map(turn).sum();
+            let (mut before, mut all) = (0.0, 0.0);
+            for mover in movers.iter().filter(|mover| turn(mover) > 0.0) {
+                let of_joint = axis_of(mover);
+                after -= turn(mover);
+                let to_fixed = of_joint.cross(toward).norm() + half_width * before;
+                let to_axis = of_joint.cross(&axis).norm() + half_width * after.max(0.0);
+                all += turn(mover) * to_fixed.min(to_axis).min(1.0);
+                before += turn(mover);
+            }
+            return [by, by + half_width * (all * (1.0 + 1e-9) + 1e-12)];
+        }
+        let point = link * bound.bound.region.point_in_link();
+        let (mut velocity, mut bend, mut before) = (Vector::zeros(), 0.0, 0.0);
+        for (mover, arm_m) in movers.iter().zip(&bound.arms_m) {
+            let rate = rate(mover);
+            let of_joint = axis_of(mover);
+            velocity += rate
+                * match mover.kind {
+                    JointKind::Revolute => {
+                        of_joint.cross(&(point.coords - frames.link(mover.child_link).translation.vector))
+                    }
+                    JointKind::Prismatic => of_joint,
+                };
+            bend += rate.abs() * arm_m * (turn(mover) + 2.0 * before);
+            before += turn(mover);
+        }
+        let bend = 0.5 * half_width * half_width * bend * (1.0 + 1e-9);
+        let most = match &bound.bound.region {
+            ToolRegion::Box { world_from_box, half_m, .. } => {
+                let in_box = world_from_box.inverse_transform_point(&point).coords.abs();
+                let velocity = world_from_box.inverse_transform_vector(&velocity).abs();
+                (in_box + velocity * half_width - half_m).max()
+            }
+            _ => by + velocity.norm() * half_width,
+        };
+        [by, most + bend]
+    }
+
+    /// Moves a configuration (m, rad; one per joint) at which the tool is out of its bounds to one near it at which it keeps
+    /// them with some reserve, by steps of Newton's method in the least joint motion, the bound that is exceeded farthest first;
+    /// false if it does not come to one.
+    ///
+    /// # Panics
+    /// If `q` has not one value per joint.
+    pub fn project_to_bounds(&self, q: &mut [f64], scratch: &mut Scratch) -> bool {
+        const STEPS_PER_BOUND: usize = 8;
+        if self.keeps_bounds(q, scratch) {
+            return true;
+        }
+        for _ in 0..STEPS_PER_BOUND * self.bounds.len() {
+            self.place_links(&self.bounds, q, &mut scratch.frames);
+            let excess = |bound: &&CellBound| {
+                let region = &bound.bound.region;
+                region.excess(scratch.frames.link(bound.link)) + reserve(region)
+            };
+            let farthest = self.bounds.iter().max_by(|a, b| excess(a).total_cmp(&excess(b)));
+            let Some(bound) = farthest.filter(|bound| excess(bound) > 0.0) else { return true };
+            let Some(gradient) = self.gradient(bound, q.len(), scratch) else { return false };
+            let squared: f64 = gradient.iter().map(|rate| rate * rate).sum();
+            if squared < 1e-9 {
+                return false;
+            }
+            let excess = excess(&bound) + 0.1 * reserve(&bound.bound.region);
+            for ((value, rate), limits) in q.iter_mut().zip(&gradient).zip(self.robot.limits()) {
+                *value = (*value - excess * rate / squared).clamp(limits.lower, limits.upper);
+            }
+        }
+        self.keeps_bounds(q, scratch)
+    }
+
+    /// Change of the excess over a bound by a unit of each joint, where the frames of `scratch` have its link.
+    fn gradient(&self, bound: &CellBound, dof: usize, scratch: &Scratch) -> Option<Vec<f64>> {
+        let frames = &scratch.frames;
+        let link = frames.link(bound.link);
+        let point = link * bound.bound.region.point_in_link();
+        // The excess grows with a motion of the point along this direction, or a turn about it.
+        let direction = match &bound.bound.region {
+            ToolRegion::Cone { axis_in_link, toward, .. } => {
+                toward.cross(&(link.rotation * axis_in_link)).try_normalize(1e-12)?
+            }
+            ToolRegion::Box { world_from_box, half_m, .. } => {
+                let in_box = world_from_box.inverse_transform_point(&point).coords;
+                let face = (in_box.abs() - half_m).imax();
+                let mut normal = Vector::zeros();
+                normal[face] = in_box[face].signum();
+                world_from_box.rotation * normal
+            }
+            ToolRegion::Ball { center, .. } => (point - center).try_normalize(1e-12)?,
+        };
+        let mut gradient = vec![0.0; dof];
+        for mover in self.robot.ancestors(bound.link) {
+            let root_from_child = frames.link(mover.child_link);
+            let axis = root_from_child.rotation * mover.axis_in_child;
+            let motion = match (bound.bound.region.is_of_angle(), mover.kind) {
+                (true, JointKind::Revolute) | (false, JointKind::Prismatic) => axis,
+                (true, JointKind::Prismatic) => continue,
+                (false, JointKind::Revolute) => {
+                    axis.cross(&(point.coords - root_from_child.translation.vector))
+                }
+            };
+            gradient[mover.joint] += mover.multiplier * motion.dot(&direction);
+        }
+        Some(gradient)
+    }
+}
+
+/// Distance within its bound, in radians or metres, to which a configuration is moved.
+fn reserve(region: &ToolRegion) -> f64 {
+    const SHARE: f64 = 0.1;
+    match region {
+        ToolRegion::Cone { most_rad, .. } => SHARE * most_rad,
+        ToolRegion::Box { half_m, .. } => SHARE * half_m.min(),
+        ToolRegion::Ball { radius_m, .. } => SHARE * radius_m,
+    }
+}

@@ -1,0 +1,126 @@
+//! Bounds of tool and joints in a `scenario.yaml`.
+
+use std::collections::HashSet;
+use std::sync::Arc;
+
+use cranny_collision::{ToolBound, ToolRegion, World};
+use cranny_robot::{Location, Robot};
+use cranny_spatial::{Point, Pose, Vector};
+use serde_saphyr::Spanned;
+
+use crate::ScenarioError;
+use crate::files::yaml;
+use crate::layout::own::Layout;
+use crate::layout::own_file::{ScenarioFile, ToolBoundEntry};
+
+impl Layout<'_> {
+    /// The world with the bounds that a file states for the tool.
+    pub fn with_tool_bounds(
+        &self,
+        (world, robot): (World, &Robot),
+        file: &ScenarioFile,
+        planning_from_scene: &Pose,
+    ) -> Result<World, ScenarioError> {
+        let mut names = HashSet::new();
+        let bounds = file.tool_bounds.iter().map(|entry| {
+            let name = &entry.value.name;
+            if !names.insert(&name.value) {
+                return Err(ScenarioError::NameTaken {
+                    at: self.at(name.referenced),
+                    name: name.value.clone(),
+                });
+            }
+            let link = entry.value.link.as_ref();
+            if let Some(link) = link.filter(|link| robot.link_index(&link.value).is_none()) {
+                let problem = format!("the robot has no link '{}'", link.value);
+                return Err(ScenarioError::Bound { at: self.at(link.referenced), problem });
+            }
+            let link = link.map(|link| link.value.clone());
+            let bound = ToolBound { name: name.value.clone(), link, region: self.region(entry)? };
+            Ok((bound.seen_from(planning_from_scene), self.at(entry.referenced)))
+        });
+        let (bounds, places): (Vec<_>, Vec<_>) = bounds.collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
+        for (bound, at) in bounds.iter().zip(places) {
+            if let Err(fault) = World::default().with_tool_bounds(vec![bound.clone()]) {
+                return Err(ScenarioError::Bound { at, problem: fault.to_string() });
+            }
+        }
+        Ok(world.with_tool_bounds(bounds)?)
+    }
+
+    /// The region of a bound, in the scene.
+    fn region(&self, entry: &Spanned<ToolBoundEntry>) -> Result<ToolRegion, ScenarioError> {
+        let ToolBoundEntry { point, pose, size, radius, axis, toward, within_deg, .. } = &entry.value;
+        let refuse = |problem: &str| {
+            Err(ScenarioError::Bound { at: self.at(entry.referenced), problem: problem.to_owned() })
+        };
+        let scene_from_middle = self.pose(pose.as_ref())?;
+        let point_in_link = Point::from(point.unwrap_or_default());
+        let unit = |direction: &[f64; 3]| Vector::from(*direction).try_normalize(1e-6).unwrap_or_default();
+        match (size, radius, (axis, toward, within_deg)) {
+            (Some(size), None, (None, None, None)) => Ok(ToolRegion::Box {
+                point_in_link,
+                world_from_box: scene_from_middle,
+                half_m: Vector::from(*size) * 0.5,
+            }),
+            (None, Some(radius), (None, None, None)) => Ok(ToolRegion::Ball {
+                point_in_link,
+                center: scene_from_middle * Point::origin(),
+                radius_m: *radius,
+            }),
+            (None, None, (Some(axis), Some(toward), Some(degrees))) => {
+                if point.is_some() || pose.is_some() {
+                    return refuse("a bound on a direction has neither `point` nor `pose`");
+                }
+                Ok(ToolRegion::Cone {
+                    axis_in_link: unit(axis),
+                    toward: unit(toward),
+                    most_rad: degrees.to_radians(),
+                })
+            }
+            _ => refuse(
+                "a bound on the tool has either the `size` of a box, the `radius` of a ball, or `axis`, `toward` and \
+                 `within_deg`",
+            ),
+        }
+    }
+
+    /// The robot with the joints that a file bounds.
+    pub fn with_bounded_joints(
+        &self,
+        robot: Arc<Robot>,
+        file: &ScenarioFile,
+    ) -> Result<Arc<Robot>, ScenarioError> {
+        let mut places = Vec::new();
+        for between in file.joint_bounds.values() {
+            for value in between.value {
+                yaml::finite(self.path, value, between.referenced)?;
+            }
+            places.push(self.at(between.referenced));
+        }
+        let bounds = file.joint_bounds.iter().zip(&places);
+        bounded(robot, bounds.map(|((joint, between), at)| (joint, between.value, at)))
+    }
+}
+
+/// The robot with joints that stay between two values (m, rad) each, besides their limits, as the place names them.
+pub(crate) fn bounded<'a>(
+    robot: Arc<Robot>,
+    bounds: impl Iterator<Item = (&'a String, [f64; 2], &'a Location)>,
+) -> Result<Arc<Robot>, ScenarioError> {
+    bounds.into_iter().try_fold(robot, |robot, (joint, [lower, upper], at)| {
+        let Some(index) = robot.joint_names().iter().position(|name| name == joint) else {
+            let known = robot.joint_names().join(", ");
+            return Err(ScenarioError::UnknownJoint { at: at.clone(), joint: joint.clone(), known });
+        };
+        let limits = robot.limits()[index];
+        if lower > upper || lower > limits.upper || upper < limits.lower {
+            let problem = format!(
+                "no value of {joint} lies in [{lower}, {upper}] and within its limits [{}, {}]; give the lower value first",
+                limits.lower, limits.upper
+            );
+            return Err(ScenarioError::Bound { at: at.clone(), problem });
+        }
+        Ok(Arc::new(Arc::unwrap_or_clone(robot).with_joint_between(index, lower, upper)))
+    })
+}
