@@ -85,14 +85,13 @@ def by_ompl(scenario: cranny.Scenario, start: list[float], goal: list[float], ax
     setup = geometric.SimpleSetup(information)
 
     def values(state: Any) -> Any:
-        return np.array([state[joint] for joint in range(dof)])
+        return np.array([space.getValueAddressAtIndex(state, joint) for joint in range(dof)])
 
     setup.setStateValidityChecker(lambda state: bool(cell.is_free(values(state))))
     ends = []
     for q in (start, goal):
-        state = information.allocState()
-        for joint, value in enumerate(q):
-            state[joint] = float(value)
+        state = space.allocState()
+        state.copy(np.array(q, dtype=float))
         ends.append(state)
     setup.setStartAndGoalStates(*ends)
     setup.setPlanner(geometric.RRTConnect(information))
@@ -118,7 +117,7 @@ def main() -> None:
                 scenario, start, goal, axis = task
                 asked = scenario.with_start(start).with_goals([goal])
                 plan = cranny.plan(asked, seed=seed, time_limit_s=LIMIT_S)
-                rows["reach"].append((plan.planning_time_s, plan.solved, plan.solved))
+                rows["reach"].append((plan.report["statistics"]["planning_time_s"], plan.solved, plan.solved))
                 rows["OMPL"].append(by_ompl(scenario, start, goal, axis, seed))
             for who, row in rows.items():
                 times = [1e3 * seconds for seconds, _, _ in row]

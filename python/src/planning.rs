@@ -7,7 +7,7 @@ use std::time::Duration;
 use cranny_collision::Margins;
 use cranny_path::{AuditSettings, TimingMethod, audit_with};
 use cranny_plan::Observer;
-use cranny_record::{Ask, CarryWord, PaceWord, PaceWords, PlanFile, TaskWord, mode_of};
+use cranny_record::{Ask, CarryWord, PaceWord, PaceWords, PlanFile, TaskWord};
 use cranny_robot::Robot;
 use cranny_sim::{Tried, solve_in_physics};
 use cranny_solve::{PoseRadius, solve};
@@ -47,7 +47,8 @@ fn pace_of(what: &str, value: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<PaceWor
     let expected = || bad_value(format!("{what} is no number, and no dict from modes to numbers"));
     let by_mode: BTreeMap<String, f64> = value.extract().map_err(|_| expected())?;
     let word = |(name, value): (String, f64)| {
-        let mode = if name == "all" { None } else { Some(mode_of(&name).map_err(bad_value)?) };
+        let mode =
+            if name == "all" { None } else { Some(cranny_task::Mode::of_name(&name).map_err(bad_value)?) };
         Ok(PaceWord { mode, value })
     };
     by_mode.into_iter().map(word).collect()

@@ -119,6 +119,7 @@ impl PyScenario {
             tasks: Vec::new(),
             physics: std::collections::BTreeMap::new(),
             joint_bounds: std::collections::BTreeMap::new(),
+            speeds: Vec::new(),
             export: None,
         };
         let made = Made::opened(&robot.py().get_type::<Self>().getattr("of")?, (robot, bodies), &keywords)?;

@@ -163,7 +163,10 @@ impl Ask {
                 stops: self.stops,
                 is_demanded: self.is_timing_demanded,
             }),
-            paces: self.paces.paces(self.tool_m_s)?,
+            paces: self
+                .paces
+                .after(scenario.map_or(&[], |scenario| &scenario.speeds))
+                .paces(self.tool_m_s)?,
             audit: AuditSettings::default(),
             robustness: true,
             least_length: true,

@@ -22,7 +22,7 @@ pub use betterment::{PlanOptimisation, PlanShortening};
 pub use error::RecordError;
 pub use file::{PlanBudget, PlanFile, PlanSource};
 pub use judgement::{Demanded, Judgement};
-pub use pace_words::{PaceWord, PaceWords, mode_of};
+pub use pace_words::{PaceWord, PaceWords};
 pub use plan_pick::PlanPick;
 pub use plan_try::{LeftOut, PlanTry};
 pub use statement::Statement;

@@ -1,5 +1,6 @@
 use std::str::FromStr;
 
+use cranny_scenario::StatedSpeed;
 use cranny_solve::Paces;
 use cranny_task::{Mode, Pace};
 
@@ -19,7 +20,7 @@ impl FromStr for PaceWord {
 
     fn from_str(word: &str) -> Result<Self, String> {
         let (mode, number) = match word.split_once('=') {
-            Some((mode, number)) => (Some(mode_of(mode.trim())?), number),
+            Some((mode, number)) => (Some(Mode::of_name(mode.trim())?), number),
             None => (None, word),
         };
         let value = number.trim().parse().map_err(|_| format!("'{number}' is no number"))?;
@@ -27,18 +28,7 @@ impl FromStr for PaceWord {
     }
 }
 
-/// The mode of a name.
-///
-/// # Errors
-/// A sentence that lists the names.
-pub fn mode_of(name: &str) -> Result<Mode, String> {
-    Mode::ALL.into_iter().find(|mode| mode.name == name).ok_or_else(|| {
-        let known = Mode::ALL.map(|mode| mode.name).join(", ");
-        format!("'{name}' is no mode of a motion ({known})")
-    })
-}
-
-/// Speeds as people set them; words for a mode go before those for all.
+/// Speeds as people set them; words for a mode go before those for all, later words before earlier ones.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PaceWords {
     /// Shares of the limits of velocity.
@@ -53,6 +43,19 @@ pub struct PaceWords {
 type SetLimit = fn(&mut Pace, f64);
 
 impl PaceWords {
+    /// Words for the speeds that a scenario states, and then these.
+    pub(crate) fn after(&self, stated: &[StatedSpeed]) -> Self {
+        let words = |of: fn(&StatedSpeed) -> Option<f64>, own: &[PaceWord]| {
+            let word = |speed: &StatedSpeed| Some(PaceWord { mode: speed.mode, value: of(speed)? });
+            stated.iter().filter_map(word).chain(own.iter().copied()).collect()
+        };
+        Self {
+            speed: words(|speed| speed.velocity, &self.speed),
+            acceleration: words(|speed| speed.acceleration, &self.acceleration),
+            tool_speed: words(|speed| speed.tool_m_s, &self.tool_speed),
+        }
+    }
+
     /// The paces that they ask for; `tool_m_s` is the greatest speed of the gripper frame, in m/s, where they state none for all
     /// motions.
     ///
@@ -111,6 +114,20 @@ mod tests {
         assert_eq!(paces.of(Mode::SET_DOWN), set_down);
         let faster = words(&[], &["set-down=0.4"]).paces(None).unwrap();
         assert_eq!(faster.of(Mode::SET_DOWN).tool_m_s, Some(0.4));
+    }
+
+    #[test]
+    fn what_is_asked_goes_before_what_a_scenario_states() {
+        let stated = [(None, 0.3), (Some(Mode::CARRY), 0.1)].map(|(mode, speed)| StatedSpeed {
+            mode,
+            velocity: Some(speed),
+            acceleration: None,
+            tool_m_s: Some(2.0 * speed),
+        });
+        let paces = words(&["0.5"], &["carry=0.25"]).after(&stated).paces(None).unwrap();
+        let reach = Pace { velocity: 0.5, tool_m_s: Some(0.6), ..Pace::default() };
+        assert_eq!(paces.of(Mode::REACH), reach);
+        assert_eq!(paces.of(Mode::CARRY), Pace { velocity: 0.1, tool_m_s: Some(0.25), ..Pace::default() });
     }
 
     #[test]

@@ -20,6 +20,9 @@ const BOUNDS: &str = "tool_bounds:
   - {name: around the table, point: [0, 0, 0.1], pose: {position: [1, 0, 0.5]}, radius: 1.2}
 joint_bounds:
   panda_joint1: [-0.3, 0.3]
+speeds:
+  all: {speed: 0.5, tool_speed_m_s: 0.4}
+  carry: {acceleration: 0.25}
 ";
 
 /// Scenario 021 with bounds, in a folder.
@@ -102,6 +105,8 @@ fn bounds_and_tilts_are_written_again() {
     let target = &read.world.bodies()[read.target.unwrap()];
     assert!((target.tilt_rad.unwrap() - 0.25).abs() < 1e-9);
     assert_eq!(read.joint_bounds, scenario.joint_bounds);
+    assert_eq!(read.speeds, scenario.speeds);
+    assert!(read.speeds.len() == 2 && read.speeds[0].mode.is_none() && read.speeds[0].tool_m_s == Some(0.4));
     assert_eq!(read.robot.limits(), scenario.robot.limits());
     let tips = [read.start.clone(), vec![0.3; 9]];
     let tips = tips.iter().map(|q| *read.robot.frames_at(q).link(read.robot.tip()));
@@ -125,6 +130,8 @@ fn a_bound_that_is_none_is_refused_with_its_line() {
             "'a' bounds nothing",
         ),
         ("tool_bounds: [{name: a, radius: 1}, {name: a, radius: 2}]\n", "'a'"),
+        ("speeds: {all: {speed: 1.5}}\n", "'1.5' is no such limit; give a number above 0 and at most 1"),
+        ("speeds: {fly: {speed: 1}}\n", "'fly' is no mode of a motion (reach,"),
         ("joint_bounds: {panda_joint1: [1, -1]}\n", "no value of panda_joint1"),
         ("joint_bounds: {panda_joint1: [8, 9]}\n", "no value of panda_joint1"),
         ("joint_bounds: {elbow: [0, 1]}\n", "elbow"),

@@ -15,6 +15,7 @@ mod obstacle;
 mod robot;
 mod scenario;
 mod schema;
+mod stated_speed;
 
 pub use catalogue::{BuiltInTask, CatalogueEntry, built_in, catalogue, insertions, sequences};
 pub use doubts::{brief_model_notes, model_notes, seen_only_links, wide_opening};
@@ -57,3 +58,4 @@ pub use robot::opening::measured_opening_m;
 pub use robot::source::{RecipeRobot, RobotSource};
 pub use scenario::{Geometry, OpenOptions, Scenario};
 pub use schema::SchemaFile;
+pub use stated_speed::StatedSpeed;

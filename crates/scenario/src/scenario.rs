@@ -12,7 +12,8 @@ use strum::{EnumString, IntoStaticStr};
 
 use crate::robot::hand;
 use crate::{
-    DEFAULT_FRICTION, GivenGrasps, NamedTask, ObjectSource, RobotSource, ScenarioError, TargetPhysics,
+    DEFAULT_FRICTION, GivenGrasps, NamedTask, ObjectSource, RobotSource, ScenarioError, StatedSpeed,
+    TargetPhysics,
 };
 
 /// A task: a robot, what stands around it, what it should grasp and how it may.
@@ -52,6 +53,8 @@ pub struct Scenario {
     pub physics: BTreeMap<String, TargetPhysics>,
     /// Values (m, rad) between which joints of `robot` stay besides their limits, by name, as far as they are given.
     pub joint_bounds: BTreeMap<String, [f64; 2]>,
+    /// Speeds of motions unless a plan is asked for others, those of all first.
+    pub speeds: Vec<StatedSpeed>,
     /// The triangles, in the planning frame, that the `paper` criterion checks instead of the bodies of
     /// `world`: the released export.
     pub export: Option<Surface>,

@@ -48,6 +48,7 @@ fn scene(recipe: &RecipeRobot) -> Result<(Scene, Scenario), Failure> {
         physics: std::collections::BTreeMap::new(),
         tool_bounds: Vec::new(),
         joint_bounds: std::collections::BTreeMap::new(),
+        speeds: Vec::new(),
     };
     let scenario = recipe.scenario(recipe.robot.robot.name(), &OpenOptions::default())?;
     let frames = scenario.robot.frames_at(&scenario.start);

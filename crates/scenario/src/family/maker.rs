@@ -263,6 +263,7 @@ impl FamilyMaker {
             physics: BTreeMap::new(),
             tool_bounds: Vec::new(),
             joint_bounds: BTreeMap::new(),
+            speeds: Vec::new(),
             grasps: GraspSet::default(),
             ik: Vec::new(),
         })

@@ -132,6 +132,7 @@ pub(crate) fn open_texts(
         places,
         tasks: layout.tasks(&file, &planning_from_scene)?,
         physics: layout.physics_of_obstacles(&file)?,
+        speeds: layout.speeds(&file)?,
         joint_bounds: file
             .joint_bounds
             .iter()

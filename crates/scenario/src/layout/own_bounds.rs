@@ -1,4 +1,4 @@
-//! Bounds of tool and joints in a `scenario.yaml`.
+//! Bounds of tool, joints and speeds in a `scenario.yaml`.
 
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -6,12 +6,14 @@ use std::sync::Arc;
 use cranny_collision::{ToolBound, ToolRegion, World};
 use cranny_robot::{Location, Robot};
 use cranny_spatial::{Point, Pose, Vector};
+use cranny_task::Mode;
 use serde_saphyr::Spanned;
 
 use crate::ScenarioError;
 use crate::files::yaml;
 use crate::layout::own::Layout;
-use crate::layout::own_file::{ScenarioFile, ToolBoundEntry};
+use crate::layout::own_file::{ScenarioFile, SpeedEntry, ToolBoundEntry};
+use crate::stated_speed::{ALL, StatedSpeed};
 
 impl Layout<'_> {
     /// The world with the bounds that a file states for the tool.
@@ -83,6 +85,25 @@ impl Layout<'_> {
                  `within_deg`",
             ),
         }
+    }
+
+    /// The speeds that a file states, those of all motions first.
+    pub fn speeds(&self, file: &ScenarioFile) -> Result<Vec<StatedSpeed>, ScenarioError> {
+        let speed = |(key, entry): (&String, &Spanned<SpeedEntry>)| {
+            let refuse = |problem| ScenarioError::Bound { at: self.at(entry.referenced), problem };
+            let mode = if key == ALL { None } else { Some(Mode::of_name(key).map_err(refuse)?) };
+            let SpeedEntry { speed, acceleration, tool_speed_m_s } = entry.value;
+            let stated = StatedSpeed { mode, velocity: speed, acceleration, tool_m_s: tool_speed_m_s };
+            match stated.fault() {
+                Some((value, values)) => {
+                    Err(refuse(format!("'{value}' is no such limit; give a number {values}")))
+                }
+                None => Ok(stated),
+            }
+        };
+        let mut speeds = file.speeds.iter().map(speed).collect::<Result<Vec<_>, _>>()?;
+        speeds.sort_by_key(|speed| speed.mode.is_some());
+        Ok(speeds)
     }
 
     /// The robot with the joints that a file bounds.

@@ -66,6 +66,11 @@ pub(crate) struct ScenarioFile {
     #[serde(default)]
     #[schemars(with = "BTreeMap<String, [f64; 2]>")]
     pub joint_bounds: BTreeMap<String, Spanned<[f64; 2]>>,
+    /// Speeds of motions unless a plan is asked for others: under `all` or a mode (`reach`, `lift-off`, `carry`, `set-down`,
+    /// `retreat`, `return`).
+    #[serde(default)]
+    #[schemars(with = "BTreeMap<String, SpeedEntry>")]
+    pub speeds: BTreeMap<String, Spanned<SpeedEntry>>,
     #[schemars(with = "Option<CriterionName>")]
     pub criterion: Option<Criterion>,
 }
@@ -139,6 +144,18 @@ pub(crate) struct PlaceEntry {
     /// Instead of a rectangle: the pose that the target is to have.
     #[schemars(with = "Option<PoseEntry>")]
     pub target_pose: Option<Spanned<PoseEntry>>,
+}
+
+/// Speeds of motions; what is left out is as fast as the robot.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct SpeedEntry {
+    /// Share of the limits of velocity, above 0 and at most 1.
+    pub speed: Option<f64>,
+    /// Share of the limits of acceleration, above 0 and at most 1.
+    pub acceleration: Option<f64>,
+    /// Greatest speed of the gripper frame (m/s).
+    pub tool_speed_m_s: Option<f64>,
 }
 
 /// A bound on the tool: a box (`size`) or a ball (`radius`) in which a point of it stays, or a cone (`axis`, `toward`,

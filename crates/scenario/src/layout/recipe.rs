@@ -9,7 +9,8 @@ use cranny_task::PlaceGoal;
 
 use crate::layout::own_bounds::bounded;
 use crate::{
-    NamedTask, ObjectSource, OpenOptions, RecipeRobot, RobotSource, Scenario, ScenarioError, TargetPhysics,
+    NamedTask, ObjectSource, OpenOptions, RecipeRobot, RobotSource, Scenario, ScenarioError, StatedSpeed,
+    TargetPhysics,
 };
 
 /// A scenario in the making: what its files will say. Poses are in the scene, whose floor is z = 0; grasps are in the
@@ -42,6 +43,8 @@ pub struct Recipe {
     pub tool_bounds: Vec<ToolBound>,
     /// As [`Scenario::joint_bounds`].
     pub joint_bounds: BTreeMap<String, [f64; 2]>,
+    /// As [`Scenario::speeds`].
+    pub speeds: Vec<StatedSpeed>,
 }
 
 /// A body of a [`Recipe`].
@@ -119,6 +122,7 @@ impl Recipe {
                 .map(|b| b.seen_from(&scene_from_planning))
                 .collect(),
             joint_bounds: scenario.joint_bounds.clone(),
+            speeds: scenario.speeds.clone(),
             places: scenario.places.iter().map(|place| place.seen_from(&scene_from_planning)).collect(),
         })
     }
@@ -151,6 +155,7 @@ impl Recipe {
             tasks: self.tasks.iter().map(|task| task.seen_from(&planning_from_scene)).collect(),
             physics: self.physics.clone(),
             joint_bounds: self.joint_bounds.clone(),
+            speeds: self.speeds.clone(),
             places: self.places.iter().map(|place| place.seen_from(&planning_from_scene)).collect(),
             ik: self.ik.clone(),
             export: None,

@@ -12,7 +12,7 @@ use crate::files::atomic_file::write_into;
 use crate::layout::own;
 use crate::layout::recipe::{Recipe, RecipeBody, RecipeShape};
 use crate::robot::in_folder::{ROBOT, write_robot};
-use crate::{NamedTask, ScenarioError, TargetPhysics};
+use crate::{NamedTask, ScenarioError, StatedSpeed, TargetPhysics};
 
 /// The folder of a scenario's meshes.
 const MESHES: &str = "meshes";
@@ -112,6 +112,15 @@ impl Recipe {
         }
         for (joint, [lower, upper]) in &self.joint_bounds {
             let _ = writeln!(text, "  {}: [{lower}, {upper}]", serde_json::Value::from(joint.as_str()));
+        }
+        if !self.speeds.is_empty() {
+            text.push_str("speeds:\n");
+        }
+        for speed in &self.speeds {
+            let StatedSpeed { velocity, acceleration, tool_m_s, .. } = speed;
+            let stated = [("speed", velocity), ("acceleration", acceleration), ("tool_speed_m_s", tool_m_s)];
+            let stated = stated.into_iter().filter_map(|(key, value)| Some(format!("{key}: {}", (*value)?)));
+            let _ = writeln!(text, "  {}: {{{}}}", speed.key(), stated.collect::<Vec<_>>().join(", "));
         }
         text
     }

@@ -94,6 +94,7 @@ pub(crate) fn open_with(
         tasks: Vec::new(),
         physics: BTreeMap::new(),
         joint_bounds: BTreeMap::new(),
+        speeds: Vec::new(),
         ik,
         export: exported.map(|exported| exported.surface),
     }

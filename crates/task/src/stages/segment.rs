@@ -48,6 +48,17 @@ impl Mode {
     /// All modes.
     pub const ALL: [Self; 6] =
         [Self::REACH, Self::LIFT_OFF, Self::CARRY, Self::SET_DOWN, Self::RETREAT, Self::RETURN];
+
+    /// The mode of a name.
+    ///
+    /// # Errors
+    /// A sentence that lists the names.
+    pub fn of_name(name: &str) -> Result<Self, String> {
+        Self::ALL.into_iter().find(|mode| mode.name == name).ok_or_else(|| {
+            let known = Self::ALL.map(|mode| mode.name).join(", ");
+            format!("'{name}' is no mode of a motion ({known})")
+        })
+    }
 }
 
 impl<'de> Deserialize<'de> for Mode {
