@@ -106,9 +106,11 @@ pub fn seconds(what: &str, value: f64) -> PyResult<Duration> {
 /// `jerk_limited` within limits of jerk too (None: where the robot states them; True: a robot without them is refused);
 /// corners are rounded where the curve is proven free, unless `blend` is False. `speed`, `acceleration`: shares, above 0 and
 /// at most 1, of the joints' limits; `tool_speed_m_s`: greatest speed of the gripper frame in m/s; each a number for all
-/// motions, or a dict from modes ("reach", "carry", …; "all") to numbers. An object is put down with 0.1 m/s at most unless
+/// motions, or a dict from modes ("reach", "carry", …; "all") to numbers; without them `speeds` of a `scenario.yaml`, and
+/// `max_cartesian_speed` of a MoveIt request, count. An object is put down with 0.1 m/s at most unless
 /// `tool_speed_m_s` states another speed for "set-down". `upright_deg`: greatest tilt, above 0 and at most 180, of what is
-/// held against how it stood when it was grasped, proven along the whole motion; `plan.tilt` is what it is. `carry`: "home", "out", or a configuration (dof,) or
+/// held against how it stood when it was grasped, proven along the whole motion; `plan.tilt` is what it is; `plan.tool` lists
+/// the bounds of the tool that the scenario states. `carry`: "home", "out", or a configuration (dof,) or
 /// several (N, dof), where the target is carried to once it is grasped; "out" is anywhere it is `clear_m` (m) clear of all
 /// bodies but floors. A grasp that it cannot be carried away from is none, and `plan.segments` are the pieces. `place`: the
 /// name of one of `scenario.places`, where the target is put down instead; the hand opens, goes `clear_m` off it, and the

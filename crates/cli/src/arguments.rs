@@ -234,13 +234,14 @@ pub struct PlanArguments {
     #[arg(long, hide = true, conflicts_with = "stop_at_corners")]
     pub blend: bool,
     /// Share of the joints' limits of velocity, above 0 and at most 1, of all motions or of one kind (carry=0.2); repeatable
+    /// [default: `speeds` of scenario.yaml, else 1]
     #[arg(long, value_name = "[MODE=]SHARE")]
     pub speed: Vec<PaceWord>,
     /// The same of the limits of acceleration
     #[arg(long, value_name = "[MODE=]SHARE")]
     pub acceleration: Vec<PaceWord>,
     /// Greatest speed of the gripper frame in m/s, of all motions or of one kind (carry=0.25); repeatable [default:
-    /// set-down=0.1]
+    /// `speeds` of scenario.yaml; set-down=0.1]
     #[arg(long, value_name = "[MODE=]M/S")]
     pub tool_speed: Vec<PaceWord>,
     /// Where to write the plan, a failed search too [default: ID.plan.json in this folder, solved plans alone]

@@ -36,10 +36,16 @@ pub enum CollisionError {
         /// The name of the link.
         name: String,
     },
+    /// A bound is stated for a finger, which the hand moves by itself.
+    #[error("link '{name}' is a finger, which the hand moves by itself: bound the palm or the gripper frame")]
+    FingerBound {
+        /// The name of the link.
+        name: String,
+    },
     /// A bound on the tool is none.
     #[error(
         "'{name}' bounds nothing: directions must have a length, an angle be above 0° and at most 180°, and sizes be positive \
-         and finite"
+         and at most 1000 m"
     )]
     ToolBound {
         /// Its name.

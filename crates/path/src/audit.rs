@@ -93,7 +93,7 @@ fn is_one_pick(picks: &[PickAudit]) -> bool {
 
 /// How far a path may begin from the start of its problem, per joint (m or rad): way points are often
 /// written with six digits.
-const START_TOLERANCE: f64 = 1e-5;
+pub(crate) const START_TOLERANCE: f64 = 1e-5;
 
 /// The length of a path of way points (m, rad; one value per joint): the sum of the L2 lengths of its edges in
 /// configuration space (m and rad mixed).

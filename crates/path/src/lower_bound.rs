@@ -5,6 +5,7 @@ use cranny_robot::{DampedInverse, Jacobian, JointKind, JointLimits, LinkFrames, 
 use cranny_spatial::{Point, Pose, Vector};
 use cranny_task::{Goal, Problem, gripper_poses};
 
+use crate::audit::START_TOLERANCE;
 use crate::pose_clusters::{Cluster, PoseClusters};
 use crate::pose_functional::Functional;
 
@@ -39,24 +40,30 @@ const ROUNDING: f64 = 1e-9;
 /// no part.
 pub fn least_length(problem: &Problem, most: f64) -> Option<f64> {
     problem.cell()?;
+    // By as much a path may begin and end elsewhere.
+    let tolerance = START_TOLERANCE * (problem.robot().dof() as f64).sqrt();
     match problem.goal() {
         Goal::Configurations(ends) => {
             let nearest = ends.iter().map(|end| least_distance(problem.robot(), problem.start(), end));
-            nearest.reduce(f64::min)
+            let least = nearest.reduce(f64::min)?.min(most);
+            Some((least - 2.0 * tolerance).max(0.0))
         }
         Goal::Grasps(grasps) if problem.grasp_measure().is_none() => {
             let poses: Vec<Pose> = grasps.grasps().iter().flat_map(gripper_poses).collect();
-            Some(BoxSearch::new(problem.robot(), problem.start(), poses).least_distance(most, MOST_BOXES))
+            if poses.is_empty() {
+                return None;
+            }
+            let search = BoxSearch::new(problem.robot(), problem.start(), poses);
+            Some((search.least_distance(most + tolerance, MOST_BOXES) - tolerance).clamp(0.0, most))
         }
         Goal::Grasps(_) => None,
     }
 }
 
-/// The distance of two configurations; joints that have a full turn may be turned by one.
+/// The distance of two configurations; joints without an end up to whole turns.
 fn least_distance(robot: &Robot, start: &[f64], end: &[f64]) -> f64 {
-    let mut end = end.to_vec();
-    robot.turn_towards(start, &mut end);
-    let squared: f64 = start.iter().zip(&end).map(|(a, b)| (a - b).powi(2)).sum();
+    let difference = |(joint, (a, b)): (usize, (&f64, &f64))| robot.joint_difference(joint, *a, *b);
+    let squared: f64 = start.iter().zip(end).enumerate().map(difference).map(|d| d * d).sum();
     (squared.sqrt() - ROUNDING).max(0.0)
 }
 
@@ -147,7 +154,8 @@ impl<'a> BoxSearch<'a> {
     /// A distance below which no configuration within limits reaches any of the poses, at most `most`.
     fn least_distance(&self, most: f64, most_boxes: usize) -> f64 {
         let within = |(&at, limits): (&f64, &JointLimits)| {
-            ((at - most).max(limits.lower), (at + most).min(limits.upper))
+            let lower = (at - most).max(limits.lower);
+            (lower, (at + most).min(limits.upper).max(lower))
         };
         let (lower, upper) = self.start.iter().zip(self.robot.limits()).map(within).unzip();
         let mut root = JointBox { bound: 0.0, lower, upper, cluster: 0, split: Split::Neither, number: 0 };
@@ -331,8 +339,8 @@ impl BoxModel {
     }
 }
 
-/// A lower bound of `min ‖q − start‖` over q between `lower` and `upper` with `gradient · (q − center) ≥ needed`; infinite if there
-/// is none. By weak duality, for any multiplier.
+/// A lower bound of `min ‖q − start‖` over q between `lower` and `upper` with `gradient · (q − center) ≥ needed`, by weak duality;
+/// infinite if there is none.
 fn least_distance_above(
     gradient: &[f64],
     needed: f64,

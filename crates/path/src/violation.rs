@@ -366,7 +366,7 @@ impl fmt::Display for Violation {
                 } else {
                     format!("{:.2} mm", mm(*by))
                 };
-                write!(f, "{at}: the tool is {by} outside '{name}', or not proven to be within it")
+                write!(f, "{at}: the bound '{name}' is exceeded by {by}, or not proven to be kept")
             }
             Cause::NotPlaced { fault } => write!(f, "{at}: the object is let go, but {fault}"),
             Cause::NotThere { fault } => write!(f, "{at}: {fault}"),
@@ -425,10 +425,7 @@ impl Serialize for Violation {
             }
             Cause::Unresolved { clearance_m } => &[("clearance_m", *clearance_m)],
             Cause::Tilt { tilt_rad, most_rad } => &[("tilt_rad", *tilt_rad), ("most_rad", *most_rad)],
-            Cause::Tool { name, by, is_angle } => {
-                first = name;
-                &[(if *is_angle { "by_rad" } else { "by_m" }, *by)]
-            }
+            Cause::Tool { by, is_angle, .. } => &[(if *is_angle { "by_rad" } else { "by_m" }, *by)],
             Cause::Step { excess_m } => &[("excess_m", *excess_m)],
             Cause::Grasp { nearest: Some(nearest) } => &[
                 ("translation_error_m", nearest.translation_error_m),
@@ -448,6 +445,9 @@ impl Serialize for Violation {
             for (name, value) in [("key", key), ("stated", stated), ("measured", measured)] {
                 row.serialize_entry(name, value)?;
             }
+        }
+        if let Cause::Tool { name, .. } = cause {
+            row.serialize_entry("bound", name)?;
         }
         unit.map_or(Ok(()), |unit| row.serialize_entry("unit", unit))?;
         row.end()

@@ -181,12 +181,11 @@ impl PlanFile {
         let along = self.states(problem)?;
         let along = along.as_ref();
         // The radii take as long as the verdict.
-        let bounds = || (self.measured_robustness(along), self.measured_least_length(problem));
-        let (audit, (robustness, least_length)) =
-            rayon::join(|| self.audit_along(along, problem, settings), bounds);
+        let (audit, robustness) =
+            rayon::join(|| self.audit_along(along, problem, settings), || self.measured_robustness(along));
         let Some(audit) = audit? else { return Ok(None) };
         let robustness = robustness.filter(|_| audit.valid);
-        let least_length = least_length.filter(|_| audit.valid);
+        let least_length = if audit.valid { self.measured_least_length(problem) } else { None };
         let hold = match along.filter(|_| self.hold.is_some() && audit.valid) {
             Some(along) => Hold::of(problem, along, &self.segments, self.timing_asked())?,
             None => None,
@@ -272,7 +271,8 @@ impl PlanFile {
         (!is_same).then_some(named)
     }
 
-    /// The plan with every figure but its bounds and its hold as it is measured: no field is left out, so that a new one needs a decision.
+    /// The plan with every figure but its bounds and its hold as it is measured: no field is left out, so that a new one needs
+    /// a decision.
     fn measured(
         &self,
         task: &PlanSource,

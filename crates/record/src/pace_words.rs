@@ -43,7 +43,7 @@ pub struct PaceWords {
 type SetLimit = fn(&mut Pace, f64);
 
 impl PaceWords {
-    /// Words for the speeds that a scenario states, and then these.
+    /// The words of a scenario followed by these.
     pub(crate) fn after(&self, stated: &[StatedSpeed]) -> Self {
         let words = |of: fn(&StatedSpeed) -> Option<f64>, own: &[PaceWord]| {
             let word = |speed: &StatedSpeed| Some(PaceWord { mode: speed.mode, value: of(speed)? });

@@ -89,7 +89,7 @@ fn a_plan_of_the_scenario_without_bounds_is_none_in_it() {
     let kinds: Vec<&str> = judged.audit.violations.iter().map(cranny_path::Violation::kind).collect();
     assert!(!kinds.is_empty() && kinds.iter().all(|kind| *kind == "tool"), "{kinds:?}");
     let start = problem.configuration_faults(problem.start());
-    assert!(start[0].to_string().contains("outside 'low'"), "{start:?}");
+    assert!(start[0].to_string().contains("the bound 'low' is exceeded by"), "{start:?}");
 }
 
 #[test]
@@ -134,6 +134,11 @@ fn a_bound_that_is_none_is_refused_with_its_line() {
         ("speeds: {fly: {speed: 1}}\n", "'fly' is no mode of a motion (reach,"),
         ("joint_bounds: {panda_joint1: [1, -1]}\n", "no value of panda_joint1"),
         ("joint_bounds: {panda_joint1: [8, 9]}\n", "no value of panda_joint1"),
+        (
+            "tool_bounds: [{name: a, link: panda_leftfinger, radius: 1}]\n",
+            "is a finger, which the hand moves",
+        ),
+        ("tool_bounds: [{name: a, link: elbow, radius: 1}]\n", "the robot has no link 'elbow'"),
         ("joint_bounds: {elbow: [0, 1]}\n", "elbow"),
     ] {
         let (_folder, path) = folder(bounds);

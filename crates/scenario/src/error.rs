@@ -133,7 +133,7 @@ pub enum ScenarioError {
     /// A bound that a file states is none.
     #[error("{at}: {problem}")]
     Bound {
-        /// Where.
+        /// Place in the file.
         at: Location,
         /// What is wrong, with a hint.
         problem: String,
@@ -252,8 +252,10 @@ pub enum ScenarioError {
         /// What is wrong with it.
         reason: cranny_shape::ShapeError,
     },
-    /// A safety margin is demanded where there is no proof to hold it.
-    #[error("a margin needs the criterion 'exact': the criterion 'paper' measures no distances")]
+    /// A safety margin or a bound of the tool is demanded where there is no proof to hold it.
+    #[error(
+        "a margin or a bound of the tool needs the criterion 'exact': the criterion 'paper' proves nothing"
+    )]
     MarginUnderPaper,
     /// A file says something that would change the problem but is not read.
     #[error("{at}: {what} is not supported ({hint})")]

@@ -172,7 +172,9 @@ impl Scenario {
             Criterion::Exact => {
                 Ok(Problem::exact(robot, self.world.clone(), self.target, start, goal, margins)?)
             }
-            Criterion::Paper if margins != Margins::default() => Err(ScenarioError::MarginUnderPaper),
+            Criterion::Paper if margins != Margins::default() || !self.world.tool_bounds().is_empty() => {
+                Err(ScenarioError::MarginUnderPaper)
+            }
             Criterion::Paper => {
                 let obstacles = match &self.export {
                     Some(surface) => vec![(Pose::identity(), surface.clone())],

@@ -156,11 +156,11 @@ fn path_constraints_that_cannot_be_kept_are_refused_by_name() {
             "a link that the robot does not have",
         ),
         (
-            "{position_constraints: [{link_name: fore, constraint_region: {primitives: [{type: 3, dimensions: [1, 1]}]}}]}",
+            "{position_constraints: [{link_name: fore, constraint_region: {primitives: [{type: 3, dimensions: [1, 1]}], primitive_poses: [{}]}}]}",
             "no box of three dimensions and no sphere of one",
         ),
         (
-            "{position_constraints: [{link_name: fore, constraint_region: {primitives: [{type: 2, dimensions: [-1]}]}}]}",
+            "{position_constraints: [{link_name: fore, constraint_region: {primitives: [{type: 2, dimensions: [-1]}], primitive_poses: [{}]}}]}",
             "a dimension that is not positive",
         ),
         (
@@ -168,8 +168,8 @@ fn path_constraints_that_cannot_be_kept_are_refused_by_name() {
             "whose region is not one primitive",
         ),
         (
-            "{orientation_constraints: [{link_name: fore, absolute_x_axis_tolerance: 0.1, absolute_y_axis_tolerance: -0.1, absolute_z_axis_tolerance: 3}]}",
-            "an axis tolerance that is not positive",
+            "{orientation_constraints: [{link_name: fore, absolute_x_axis_tolerance: 0.1, absolute_y_axis_tolerance: 0, absolute_z_axis_tolerance: 3}]}",
+            "an axis tolerance of 0",
         ),
         (
             "{orientation_constraints: [{link_name: fore, absolute_x_axis_tolerance: 0.1, absolute_y_axis_tolerance: 0.1, absolute_z_axis_tolerance: 3, parameterization: 7}]}",

@@ -1,3 +1,5 @@
+use std::f64::consts::TAU;
+
 use cranny_path::least_length as least_to_goal;
 use cranny_task::{Move, Problem, Stage, State};
 
@@ -13,9 +15,12 @@ pub fn least_length(problem: &Problem, stages: &[Stage], most: f64) -> Option<f6
             let moving = State::start(problem)?.moving(goal.ends(problem)?).ok()?;
             least_to_goal(&moving, most)
         }
-        // There and back.
+        // There and back. A joint without an end may come home by another turn, which may be nearer.
         [Stage::Pick(pick), Stage::Move(Move::Home)] => {
-            Some(2.0 * least_to_goal(&picking(pick)?, 0.5 * most)?)
+            let robot = problem.robot();
+            let is_endless = |joint: usize| robot.joint_difference(joint, 0.0, TAU) < 1.0;
+            let ways = if (0..robot.dof()).any(is_endless) { 1.0 } else { 2.0 };
+            Some(ways * least_to_goal(&picking(pick)?, most / ways)?)
         }
         _ => None,
     }

@@ -44,7 +44,7 @@ pub struct Request {
     pub audit: AuditSettings,
     /// Whether it is worked out how far things may be from where a path that holds has them: some milliseconds an edge.
     pub robustness: bool,
-    /// Whether the length of every path of the task is bounded from below: some tens of milliseconds.
+    /// Bounds the length of every path of the task from below ([`least_length`](crate::least_length)): some ten milliseconds.
     pub least_length: bool,
     /// Factor by which loads may grow before the hand lets slip what it carries, at least, where that can be computed: other
     /// grasps are none, and motions are slowed down for it. Default [`DEFAULT_HOLD`]; 0 demands nothing; `None` leaves it

@@ -1,4 +1,4 @@
-use cranny_collision::ToolBound;
+use cranny_collision::{ToolBound, ToolRegion};
 use cranny_task::{Segment, State, StatesAlong};
 use serde::{Deserialize, Serialize};
 
@@ -35,7 +35,7 @@ impl Tilt {
             let cell = state.cell();
             let bound = cell.tilt_bound()?;
             let ToolBound { region, .. } = cell.tool_bounds().nth(bound)?;
-            let cranny_collision::ToolRegion::Cone { most_rad, .. } = *region else { return None };
+            let ToolRegion::Cone { most_rad, .. } = *region else { return None };
             let greatest_rad = (most_rad + greatest_excess(bound, state, segment)).max(0.0);
             Some(Self { greatest_rad, most_rad })
         };
@@ -69,6 +69,10 @@ fn greatest_excess(bound: usize, state: &State, segment: &Segment) -> f64 {
     let edges = segment.waypoints.windows(2);
     let of_edges = edges.map(|edge| cell.greatest_excess(bound, &edge[0], &edge[1], scratch));
     let of_edges = of_edges.fold(f64::NEG_INFINITY, f64::max);
+    let of_edges = match &segment.waypoints[..] {
+        [only] => cell.tool_excess(bound, only, scratch),
+        _ => of_edges,
+    };
     let corners = segment.corners.iter().map(|corner| &corner.control_points);
     let greatest = corners
         .map(|points| cell.greatest_excess_on_curve(bound, points, &reach, scratch))

@@ -84,13 +84,12 @@ impl Problem {
                     let (clearance_m, required_m) = (contact.clearance_m, contact.required_m);
                     ConfigurationFault::Clearance { first, second, clearance_m, required_m }
                 };
-                let bounds = cell.tool_bounds().enumerate().map(|(index, bound)| {
+                let bounds = cell.tool_bounds().enumerate().filter_map(|(index, bound)| {
                     let by = cell.tool_excess(index, q, &mut cell.scratch());
                     let (name, is_angle) = (bound.name.clone(), bound.region.is_of_angle());
-                    ConfigurationFault::OutOfBounds { name, by, is_angle }
+                    (by > -ROUNDING_M).then_some(ConfigurationFault::OutOfBounds { name, by, is_angle })
                 });
-                let is_exceeded = |fault: &ConfigurationFault| matches!(fault, ConfigurationFault::OutOfBounds { by, .. } if *by > -ROUNDING_M);
-                contacts.iter().map(fault).chain(bounds.filter(is_exceeded)).collect()
+                contacts.iter().map(fault).chain(bounds).collect()
             }
             Validity::Paper { check, .. } => {
                 let is_free = check.is_free(q, &mut check.scratch());
@@ -120,10 +119,10 @@ impl fmt::Display for ConfigurationFault {
                 write!(formatter, "{first} is {is} mm from {second}, but {demanded} mm is demanded")
             }
             Self::OutOfBounds { name, by, is_angle: true } => {
-                write!(formatter, "the tool is {:.2}° outside '{name}'", by.to_degrees())
+                write!(formatter, "the bound '{name}' is exceeded by {:.2}°", by.to_degrees())
             }
             Self::OutOfBounds { name, by, .. } => {
-                write!(formatter, "the tool is {:.2} mm outside '{name}'", by * 1e3)
+                write!(formatter, "the bound '{name}' is exceeded by {:.2} mm", by * 1e3)
             }
             Self::Refused => formatter
                 .write_str("the released check refuses it: a link touches, or is below the floor height"),

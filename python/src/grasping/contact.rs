@@ -78,8 +78,8 @@ pub fn restored_contact(
 /// What is known about a straight motion between two configurations. True only if all of it is proven free.
 #[pyclass(name = "Motion", module = "cranny", frozen)]
 pub struct PyMotion {
-    /// "proven", "contact", "unresolved" (neither contact nor proof: a pair comes within 1 µm of what is demanded)
-    /// or "out-of-limits".
+    /// "proven", "contact", "unresolved" (neither contact nor proof: a pair comes within 1 µm of what is demanded),
+    /// "out-of-bounds" (a bound of the tool is not proven to be kept) or "out-of-limits".
     #[pyo3(get)]
     kind: &'static str,
     /// Where along the motion, in [0, 1], it is not free; None if it is, or if an end is out of limits.
@@ -91,24 +91,28 @@ pub struct PyMotion {
     /// The joint that is out of its limits.
     #[pyo3(get)]
     joint: Option<String>,
+    /// The bound of the tool that is not proven to be kept, by its name.
+    #[pyo3(get)]
+    bound: Option<String>,
 }
 
 impl PyMotion {
     pub fn of(py: Python<'_>, cell: &Cell, motion: &Motion) -> PyResult<Self> {
         let with = |kind, at: f64, contact: &Contact| -> PyResult<Self> {
             let contact = Some(Py::new(py, PyContact::of(cell, contact))?);
-            Ok(Self { kind, at: Some(at), contact, joint: None })
+            Ok(Self { kind, at: Some(at), contact, joint: None, bound: None })
         };
         match motion {
-            Motion::Proven => Ok(Self { kind: "proven", at: None, contact: None, joint: None }),
+            Motion::Proven => Ok(Self { kind: "proven", at: None, contact: None, joint: None, bound: None }),
             Motion::Contact { at, contact } => with("contact", *at, contact),
             Motion::Unresolved { at, contact } => with("unresolved", *at, contact),
-            Motion::OutOfBounds { at, .. } => {
-                Ok(Self { kind: "out-of-bounds", at: Some(*at), contact: None, joint: None })
+            Motion::OutOfBounds { at, bound, .. } => {
+                let bound = cell.tool_bounds().nth(*bound).map(|bound| bound.name.clone());
+                Ok(Self { kind: "out-of-bounds", at: Some(*at), contact: None, joint: None, bound })
             }
             Motion::OutOfLimits { joint } => {
                 let joint = Some(cell.robot().joint_names()[*joint].clone());
-                Ok(Self { kind: "out-of-limits", at: None, contact: None, joint })
+                Ok(Self { kind: "out-of-limits", at: None, contact: None, joint, bound: None })
             }
         }
     }
@@ -119,7 +123,7 @@ impl PyMotion {
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
         let (py, own) = (slf.py(), slf.get());
         let contact = own.contact.as_ref().map(|contact| contact.bind(py));
-        restored_by(py, "_restored_motion", (own.kind, own.at, contact, &own.joint))
+        restored_by(py, "_restored_motion", (own.kind, own.at, contact, &own.joint, &own.bound))
     }
 
     fn __bool__(&self) -> bool {
@@ -142,8 +146,11 @@ pub fn restored_motion(
     at: Option<f64>,
     contact: Option<Py<PyContact>>,
     joint: Option<String>,
+    bound: Option<String>,
 ) -> PyResult<PyMotion> {
-    let kind = ["proven", "contact", "unresolved", "out-of-limits"].into_iter().find(|known| *known == kind);
+    let kind = ["proven", "contact", "unresolved", "out-of-bounds", "out-of-limits"]
+        .into_iter()
+        .find(|known| *known == kind);
     let kind = kind.ok_or_else(|| bad_value("there is no such kind of motion"))?;
-    Ok(PyMotion { kind, at, contact, joint })
+    Ok(PyMotion { kind, at, contact, joint, bound })
 }

@@ -210,6 +210,7 @@ impl ForeignFiles {
         let grasp = |grasp: &cranny_grasp::Grasp| json!({"pose": rows_of_pose(&grasp.world_from_gripper), "score": grasp.score});
         let export = self.released.join("export");
         let margins = problem.cell().map(|cell| cell.margins());
+        let bounds = problem.cell().map_or(&[][..], |cell| cell.world().tool_bounds());
         let Margins { margin_m, grasp_margin_m, object_margin_m, tilt_rad } =
             margins.unwrap_or(PathDemand::of_settings(&trial.settings).margins);
         json!({
@@ -232,7 +233,7 @@ impl ForeignFiles {
             "grasp_margin_m": grasp_margin_m,
             "object_margin_m": object_margin_m,
             "tilt_rad": tilt_rad,
-            "tool_bounds": problem.cell().map(|cell| cell.world().tool_bounds().iter().map(asked_bound).collect::<Vec<_>>()),
+            "tool_bounds": bounds.iter().map(asked_bound).collect::<Vec<_>>(),
             "files": {
                 "released": self.released,
                 "cranny": self.cranny,
@@ -365,27 +366,26 @@ fn asked_stage(stage: &Stage, problem: &Problem) -> serde_json::Value {
 
 /// A bound of the tool as a program reads it: poses and directions in the planning frame, metres and radians.
 fn asked_bound(bound: &ToolBound) -> serde_json::Value {
-    let numbers = |v: &[f64]| v.to_vec();
     match &bound.region {
         ToolRegion::Cone { axis_in_link, toward, most_rad } => json!({
             "name": bound.name,
             "link": bound.link,
-            "axis_in_link": numbers(axis_in_link.as_slice()),
-            "toward": numbers(toward.as_slice()),
+            "axis_in_link": axis_in_link.as_slice(),
+            "toward": toward.as_slice(),
             "most_rad": most_rad,
         }),
         ToolRegion::Box { point_in_link, world_from_box, half_m } => json!({
             "name": bound.name,
             "link": bound.link,
-            "point_in_link_m": numbers(point_in_link.coords.as_slice()),
+            "point_in_link_m": point_in_link.coords.as_slice(),
             "pose": rows_of_pose(world_from_box),
-            "size_m": numbers((half_m * 2.0).as_slice()),
+            "size_m": (half_m * 2.0).as_slice(),
         }),
         ToolRegion::Ball { point_in_link, center, radius_m } => json!({
             "name": bound.name,
             "link": bound.link,
-            "point_in_link_m": numbers(point_in_link.coords.as_slice()),
-            "center_m": numbers(center.coords.as_slice()),
+            "point_in_link_m": point_in_link.coords.as_slice(),
+            "center_m": center.coords.as_slice(),
             "radius_m": radius_m,
         }),
     }

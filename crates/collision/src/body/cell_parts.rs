@@ -27,7 +27,7 @@ impl CellParts {
     ///
     /// # Errors
     /// [`CollisionError::Margin`] for a negative or infinite margin, [`CollisionError::UnknownLink`] for a bound of a link that
-    /// the robot does not have.
+    /// the robot does not have, [`CollisionError::FingerBound`] for one of a finger, which moves by itself.
     pub fn new(
         robot: Arc<Robot>,
         world: World,
@@ -36,8 +36,11 @@ impl CellParts {
     ) -> Result<Self, CollisionError> {
         margins.check()?;
         for link in world.tool_bounds().iter().filter_map(|bound| bound.link.as_ref()) {
-            if robot.link_index(link).is_none() {
+            let Some(index) = robot.link_index(link) else {
                 return Err(CollisionError::UnknownLink { name: link.clone() });
+            };
+            if robot.finger_of(index).is_some() {
+                return Err(CollisionError::FingerBound { name: link.clone() });
             }
         }
         Ok(Self {

@@ -3,7 +3,7 @@ use cranny_spatial::{FARTHEST_M, Point, Pose, Vector};
 
 use crate::CollisionError;
 
-/// A bound that the tool keeps along every motion, under a name.
+/// A bound on the pose of a link, by default the tip of the robot, that every motion keeps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ToolBound {
     /// Its name in reports.
@@ -100,9 +100,11 @@ impl ToolBound {
         Self { region: self.region.seen_from(new_from_old), ..self.clone() }
     }
 
+    /// Checks that it bounds something.
+    ///
     /// # Errors
     /// [`CollisionError::ToolBound`] for directions that are not of length 1, an angle outside (0, π], a size that is not
-    /// positive, or values that are not finite.
+    /// positive, or lengths beyond [`FARTHEST_M`].
     pub(crate) fn check(&self) -> Result<(), CollisionError> {
         let is_unit = |v: &Vector| (v.norm() - 1.0).abs() < 1e-6;
         let is_near = |v: &Vector| v.iter().all(|x| x.abs() <= FARTHEST_M);
@@ -148,7 +150,11 @@ pub(crate) struct CellBound {
 
 impl CellBound {
     /// A bound of a link that the robot has.
-    pub fn new(bound: ToolBound, robot: &Robot) -> Self {
+    pub fn new(mut bound: ToolBound, robot: &Robot) -> Self {
+        if let ToolRegion::Cone { axis_in_link, toward, .. } = &mut bound.region {
+            *axis_in_link = axis_in_link.normalize();
+            *toward = toward.normalize();
+        }
         let link = bound.link.as_deref().and_then(|link| robot.link_index(link)).unwrap_or(robot.tip());
         let arms_m = robot.link_arms_m(link, &bound.region.point_in_link());
         let mut per_joint = vec![0.0; robot.dof()];

@@ -6,7 +6,7 @@ use crate::cell::{Cell, Scratch};
 use crate::proof::course::Course;
 use crate::proof::motion::{Demand, Motion};
 use crate::proof::reach::Reach;
-use crate::proof::tool::Excess;
+use crate::proof::tool::{Excess, TOLERANCE};
 use crate::touch::contact::Contact;
 use crate::{Measuring, NearestPair};
 
@@ -194,7 +194,6 @@ impl Cell {
         reach: &Reach,
         scratch: &mut Scratch,
     ) -> f64 {
-        const TOLERANCE: f64 = 1e-3;
         assert!(control_points.len() > 1, "a curve has two control points or more");
         let mut greatest = f64::NEG_INFINITY;
         let mut work = vec![CurvePiece::new(control_points.to_vec(), [0.0, 1.0], reach)];

@@ -37,7 +37,7 @@ pub enum Motion {
     },
     /// The tool does not keep a bound, or was not proven to keep it.
     OutOfBounds {
-        /// Where, in [0, 1] along the motion.
+        /// Place in [0, 1] along the motion.
         at: f64,
         /// The bound, by its number ([`Cell::tool_bounds`]).
         bound: usize,

@@ -12,12 +12,12 @@ const ROUNDING: f64 = 1e-9;
 const RESOLUTION: f64 = 1e-7;
 
 /// The greatest excess is known to within this, in radians and metres.
-const TOLERANCE: f64 = 1e-3;
+pub(crate) const TOLERANCE: f64 = 1e-3;
 
 /// A bound that is not proven to be kept along a motion.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Excess {
-    /// Where, in [0, 1] along the motion.
+    /// Place in [0, 1] along the motion.
     pub at: f64,
     /// The bound, by its number.
     pub bound: usize,
@@ -76,6 +76,16 @@ impl Cell {
         bound.bound.region.excess(scratch.frames.link(bound.link))
     }
 
+    /// Name of the first bound that the tool does not keep at `q` (m, rad; one per joint).
+    ///
+    /// # Panics
+    /// If `q` has not one value per joint.
+    pub fn first_bound_exceeded(&self, q: &[f64], scratch: &mut Scratch) -> Option<String> {
+        let exceeded = |bound: &usize| self.tool_excess(*bound, q, scratch) > -ROUNDING;
+        let bound = (0..self.bounds.len()).find(exceeded)?;
+        Some(self.bounds[bound].bound.name.clone())
+    }
+
     /// Writes the frames of the links that are bounded, and of the joints that move them.
     fn place_links(&self, bounds: &[CellBound], q: &[f64], frames: &mut LinkFrames) {
         if bounds.iter().all(|bound| bound.link == self.robot.tip()) {
@@ -85,7 +95,7 @@ impl Cell {
         }
     }
 
-    /// Whether the tool keeps all bounds at `q`.
+    /// True where the tool keeps all bounds at `q`.
     pub(crate) fn keeps_bounds(&self, q: &[f64], scratch: &mut Scratch) -> bool {
         (0..self.bounds.len()).all(|bound| self.tool_excess(bound, q, scratch) <= -ROUNDING)
     }
@@ -117,7 +127,7 @@ impl Cell {
                 if greatest <= most {
                     continue;
                 }
-                if by > most || greatest - by < RESOLUTION {
+                if by > most || greatest - by < RESOLUTION || greatest.is_nan() {
                     return Some(Excess { at: middle, bound: index, by });
                 }
                 let half = 0.5 * half_width;
@@ -139,7 +149,7 @@ impl Cell {
         while let Some((middle, half_width)) = work.pop() {
             let [by, greatest] = self.excess_within(bound, [a, b], (middle, half_width), scratch);
             seen = seen.max(by);
-            if greatest <= seen + TOLERANCE {
+            if greatest <= seen + TOLERANCE || greatest.is_nan() {
                 most = most.max(greatest);
             } else {
                 let half = 0.5 * half_width;
@@ -226,7 +236,7 @@ impl Cell {
                 region.excess(scratch.frames.link(bound.link)) + reserve(region)
             };
             let farthest = self.bounds.iter().max_by(|a, b| excess(a).total_cmp(&excess(b)));
-            let Some(bound) = farthest.filter(|bound| excess(bound) > 0.0) else { return true };
+            let Some(bound) = farthest.filter(|bound| excess(bound) > 0.0) else { break };
             let Some(gradient) = self.gradient(bound, q.len(), scratch) else { return false };
             let squared: f64 = gradient.iter().map(|rate| rate * rate).sum();
             if squared < 1e-9 {

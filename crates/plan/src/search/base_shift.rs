@@ -1,6 +1,6 @@
 use std::sync::atomic::AtomicBool;
 
-use cranny_collision::{Body, Part, World};
+use cranny_collision::{Body, Part};
 use cranny_grasp::GraspSet;
 use cranny_spatial::{Pose, Vector};
 use cranny_task::{Goal, IkAnnotationSettings, IkStatus, Problem, annotate_ik};
@@ -41,7 +41,9 @@ fn is_within_reach(problem: &Problem, goals: &GraspSet, [x, y]: [f64; 2]) -> boo
         Body { parts: body.parts.iter().map(part).collect(), ..body.clone() }
     };
     let bodies = cell.world().bodies().iter().map(shifted).collect();
-    let shifted = World::new(bodies).map_err(Into::into).and_then(|world| {
+    let bounds = cell.world().tool_bounds().iter().map(|bound| bound.seen_from(&new_from_old)).collect();
+    let shifted = cell.world().with_bodies(bodies).and_then(|world| world.with_tool_bounds(bounds));
+    let shifted = shifted.map_err(Into::into).and_then(|world| {
         let goal = Goal::Grasps(goals.moved(&new_from_old));
         let (robot, start) = (problem.robot().clone(), problem.start().to_vec());
         Problem::exact(robot, world, problem.target(), start, goal, cell.margins())

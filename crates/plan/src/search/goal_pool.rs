@@ -258,7 +258,8 @@ impl<'a> GoalPool<'a> {
             return FailureReason::NoIk;
         }
         let Some(contact) = self.cell.first_contact(&record.blocked, scratch) else {
-            return FailureReason::NoIk;
+            let bound = self.cell.first_bound_exceeded(&record.blocked, scratch);
+            return bound.map_or(FailureReason::NoIk, |bound| FailureReason::OutOfBounds { bound });
         };
         let [first, second] = contact.names(self.cell);
         match contact.second {

@@ -4,8 +4,8 @@ use crate::{JointKind, Robot};
 
 impl Robot {
     /// Bounds on the distance of a point that is fixed to a link from the axis of each joint that moves it, in the order of
-    /// [`Self::ancestors`], whatever the joints (m, rad) do within their limits: metres for a joint that turns, so metres per radian; 1
-    /// for one that slides; one value per joint that moves the link. `point_in_link`: metres.
+    /// [`Self::ancestors`], whatever the joints (m, rad) do within their limits: metres for a joint that turns, so metres per
+    /// radian; 1 for one that slides; one value per joint that moves the link. `point_in_link`: metres.
     ///
     /// The distances between the frames of the joints add up, slides drawn out as far as they go.
     ///

@@ -3,6 +3,7 @@
 use std::collections::HashSet;
 use std::path::Path;
 
+use cranny_collision::World;
 use cranny_grasp::check_csv;
 use cranny_robot::Robot;
 use cranny_shape::Solid;
@@ -163,6 +164,11 @@ impl Legible {
             faults.extend(layout.place(entry, file, &Pose::identity(), &mut names).err());
         }
         faults.extend(layout.tasks(file, &Pose::identity()).err());
+        faults.extend(layout.speeds(file).err());
+        if let Some(robot) = robot.as_ref().filter(|_| was_there("robot")) {
+            faults.extend(layout.with_bounded_joints(robot.clone(), file).err());
+            faults.extend(layout.with_tool_bounds((World::default(), robot), file, &Pose::identity()).err());
+        }
         faults.extend(layout.physics_of_obstacles(file).err().filter(|_| !file.steps.is_empty()));
         robot.filter(|_| was_there("robot"))
     }

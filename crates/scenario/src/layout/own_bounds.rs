@@ -33,9 +33,20 @@ impl Layout<'_> {
                 });
             }
             let link = entry.value.link.as_ref();
-            if let Some(link) = link.filter(|link| robot.link_index(&link.value).is_none()) {
-                let problem = format!("the robot has no link '{}'", link.value);
-                return Err(ScenarioError::Bound { at: self.at(link.referenced), problem });
+            if let Some(link) = link {
+                let problem = match robot.link_index(&link.value) {
+                    None => format!("the robot has no link '{}'", link.value),
+                    Some(index) if robot.is_of_finger(index) => {
+                        format!(
+                            "link '{}' is a finger, which the hand moves by itself; bound the palm",
+                            link.value
+                        )
+                    }
+                    Some(_) => String::new(),
+                };
+                if !problem.is_empty() {
+                    return Err(ScenarioError::Bound { at: self.at(link.referenced), problem });
+                }
             }
             let link = link.map(|link| link.value.clone());
             let bound = ToolBound { name: name.value.clone(), link, region: self.region(entry)? };
@@ -124,7 +135,8 @@ impl Layout<'_> {
     }
 }
 
-/// The robot with joints that stay between two values (m, rad) each, besides their limits, as the place names them.
+/// The robot with joints that stay between two values (m, rad) each, besides their limits; each with the place that a fault
+/// names.
 pub(crate) fn bounded<'a>(
     robot: Arc<Robot>,
     bounds: impl Iterator<Item = (&'a String, [f64; 2], &'a Location)>,

@@ -146,7 +146,7 @@ pub(crate) struct PlaceEntry {
     pub target_pose: Option<Spanned<PoseEntry>>,
 }
 
-/// Speeds of motions; what is left out is as fast as the robot.
+/// Speeds of motions. What a mode leaves out is that of `all`, and what `all` leaves out that of the robot.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct SpeedEntry {
@@ -168,13 +168,14 @@ pub(crate) struct ToolBoundEntry {
     /// The link that is bounded; without it the gripper frame, whose z points out of the palm and y along the closing.
     #[schemars(with = "Option<String>")]
     pub link: Option<Spanned<String>>,
-    /// The point, in the frame of the link; without it its origin.
+    /// The point (m), in the frame of the link; without it its origin.
     pub point: Option<[f64; 3]>,
-    /// Pose of the middle of the box or the ball.
+    /// Pose of the middle of the box or the ball in the scene; without it the scene's origin.
     #[schemars(with = "Option<PoseEntry>")]
     pub pose: Option<Spanned<PoseEntry>>,
-    /// Full lengths of the box along x, y, z.
+    /// Full lengths of the box along x, y, z (m).
     pub size: Option<[f64; 3]>,
+    /// Radius of the ball (m).
     pub radius: Option<f64>,
     /// The direction, in the frame of the link.
     pub axis: Option<[f64; 3]>,

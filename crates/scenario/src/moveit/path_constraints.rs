@@ -21,8 +21,8 @@ const PRIMITIVES: [&str; 2] = ["box", "sphere"];
 const PARAMETERIZATIONS: [&str; 2] = ["xyz_euler_angles", "rotation_vector"];
 
 impl Files<'_> {
-    /// The bounds of the tool, in the root frame, that the path constraints of the request demand: each proven is within what is
-    /// demanded.
+    /// The bounds of the tool, in the root frame, that the path constraints of the request demand: what keeps them keeps the
+    /// constraints.
     ///
     /// A position stays in its box or sphere. An orientation stays in cones about the z axis of the link and, unless it may turn
     /// about that freely, its x axis, which lie within the tolerances ([`cones`]).
@@ -72,8 +72,13 @@ impl Files<'_> {
                 "give one box or sphere",
             );
         };
-        let pose: Option<&Spanned<PoseEntry>> = constraint_region.primitive_poses.first();
-        let root_from_region = frames.find(file, header)? * file.optional_pose(pose)?;
+        let [pose] = &constraint_region.primitive_poses[..] else {
+            return refuse(
+                "a position constraint whose region has not one pose",
+                "give that of its primitive",
+            );
+        };
+        let root_from_region = frames.find(file, header)? * file.pose(pose)?;
         let offset = target_point_offset.map_or([0.0; 3], |offset| offset.0);
         let point_in_link = Point::from(offset);
         let sizes = dimensions.iter().map(|size| file.finite(size)).collect::<Result<Vec<f64>, _>>()?;
@@ -111,14 +116,11 @@ impl Files<'_> {
         let file = &self.request_file;
         let constraint = &entry.value;
         let tolerance = |given: &Spanned<f64>| {
-            if given.value > 0.0 {
-                return Ok(given.value.min(PI));
+            // MoveIt takes absolute values.
+            if given.value.abs() > 0.0 {
+                return Ok(given.value.abs().min(PI));
             }
-            Err(file.unsupported(
-                given.referenced,
-                "an axis tolerance that is not positive",
-                "give a greater one",
-            ))
+            Err(file.unsupported(given.referenced, "an axis tolerance of 0", "give a greater one"))
         };
         let tolerances = [
             tolerance(&constraint.absolute_x_axis_tolerance)?,
@@ -159,17 +161,19 @@ impl Files<'_> {
 /// Cones about the z axis and the x axis, by their half angles (rad), that lie within tolerances about x, y and z (rad, at most
 /// π): a rotation that keeps them is within each tolerance.
 ///
-/// - XYZ Euler angles a, b, c: the z axis is `(sin b, −sin a cos b, cos a cos b)`, so that a cone of β about z bounds a and b by
-///   β; the x component of the x axis is `cos b cos c`, so that one of ψ about x with `cos ψ = cos t_z`, or `cos t_z cos β`
+/// - XYZ Euler angles a, b, c: the z axis is `(sin b, −sin a cos b, cos a cos b)`, so that a cone of
+///   β ≤ π/2 about z bounds a and b by β (b is at most π/2 anyway); the x component of the x axis is `cos b cos c`, so that one of ψ about x with `cos ψ = cos t_z`, or `cos t_z cos β`
 ///   beyond a quarter turn, bounds c by `t_z`.
 /// - A rotation vector of length φ ≤ π with a share s across z: `sin(θ/2) = s sin(φ/2) ≥ s φ/π` for the tilt θ of the z axis, so
 ///   that `θ ≤ 2 asin(t/π)` bounds both components across by t. Where z is bounded too, φ bounds its
 ///   component, and `1 − cos φ` is at most the sum of `1 − cos` of the angles of two axes.
 fn cones([x, y, z]: [f64; 3], is_vector: bool) -> Vec<(char, f64)> {
+    let is_free_across = x >= PI && y >= FRAC_PI_2;
     let across = x.min(y);
     let is_free = z >= PI;
     let of_z = match (is_vector, is_free) {
-        (false, _) => across,
+        (false, _) if is_free_across => PI,
+        (false, _) => across.min(FRAC_PI_2),
         (true, true) => 2.0 * libm::asin((across / PI).min(1.0)),
         (true, false) => {
             (2.0 * libm::asin((across / PI).min(1.0))).min(libm::acos(0.5 * (1.0 + libm::cos(z))))
@@ -195,9 +199,18 @@ mod tests {
     fn what_is_in_the_cones_is_within_the_tolerances() {
         let mut stream = Stream::new(7, 0);
         for is_vector in [false, true] {
-            for tolerances in
-                [[0.2, 0.3, PI], [0.3, 0.2, 0.5], [0.1, 0.4, 2.5], [1.0, 1.2, 0.3], [0.5, 0.5, 3.1]]
-            {
+            let all = [
+                [0.2, 0.3, PI],
+                [0.3, 0.2, 0.5],
+                [0.1, 0.4, 2.5],
+                [1.0, 1.2, 0.3],
+                [0.5, 0.5, 3.1],
+                [2.5, 2.5, PI],
+                [1.6, 1.6, 1.0],
+                [PI, 1.6, 0.4],
+                [2.0, 3.0, 3.0],
+            ];
+            for tolerances in all {
                 let cones = cones(tolerances, is_vector);
                 let (mut kept, mut within) = (0, 0);
                 for _ in 0..40_000 {

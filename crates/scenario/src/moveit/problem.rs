@@ -55,7 +55,8 @@ impl MoveItProblem {
     ///    the start state, within its limits; one that is fixed in the URDF, or follows another, has the value that
     ///    the URDF gives. Limits of a `joint_limits.yaml` near the robot's files take precedence over those of the
     ///    URDF. Joint constraints of `path_constraints` narrow them, for the whole motion; of a continuous joint held across
-    ///    a limit, the part on one side. Its constraints on positions and orientations are bounds of the tool. Pairs of links are left unchecked as in the SRDF; the scene's
+    ///    a limit, the part on one side. Its constraints on positions and orientations are bounds of
+    ///    the tool. Pairs of links are left unchecked as in the SRDF; the scene's
     ///    `allowed_collision_matrix` can add checks of pairs that the SRDF disables, but removes none (see
     ///    [`MoveItDeviation`]).
     /// 2. The world is the scene's collision objects, at (frame · object pose · shape pose). The planning frame

@@ -104,6 +104,11 @@ pub enum FailureReason {
         /// The other.
         second: String,
     },
+    /// The arm came to the pose, but the tool was out of a bound; seen last:
+    OutOfBounds {
+        /// Name of the bound.
+        bound: String,
+    },
     /// Free configurations hold the grasp, but no path to any of them was found.
     NotConnected {
         /// How many.
@@ -223,6 +228,7 @@ impl FailureReason {
             Self::SelfCollision { first, second } => {
                 format!("the arm came there, but touched itself: {first} against {second}")
             }
+            Self::OutOfBounds { bound } => format!("the arm came there, but exceeded the bound '{bound}'"),
             Self::NotConnected { .. } => "held by free configurations, but not connected".to_owned(),
             Self::ClosesOnNothing => "the hand closes on nothing there".to_owned(),
             Self::LeftOut => "left out: it failed in physics".to_owned(),
