@@ -39,7 +39,7 @@ def test_a_plan_keeps_the_bounds_and_states_how_far(folder: Path) -> None:
     assert angles.max() <= np.radians(60) - plan.tool[1]["slack_rad"] + 1e-9
     joint = scenario.robot.joint_names.index("panda_joint1")
     assert np.abs(plan.path[:, joint]).max() <= 1.2
-    assert {segment["pace"]["velocity"] for segment in plan.segments} == {0.5}
+    assert {segment["pace"]["velocity"] for segment in plan.report["segments"]} == {0.5}
     assert plan.verify()
 
 
