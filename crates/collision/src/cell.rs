@@ -204,7 +204,7 @@ impl Cell {
         }
     }
 
-    /// Whether every pair keeps its distance at `q` (m, rad; one per joint), and the tool its bounds, joint limits aside: by
+    /// True if every pair keeps its distance at `q` (m, rad; one per joint), and the tool its bounds, joint limits aside: by
     /// exact distances alone, the reference of [`Self::is_free`].
     ///
     /// # Panics

@@ -91,7 +91,7 @@ fn is_one_pick(picks: &[PickAudit]) -> bool {
     picks.len() < 2
 }
 
-/// How far a path may begin from the start of its problem, per joint (m or rad): way points are often
+/// Distance that a path may begin from the start of its problem, per joint (m or rad): way points are often
 /// written with six digits.
 pub(crate) const START_TOLERANCE: f64 = 1e-5;
 

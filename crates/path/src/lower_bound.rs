@@ -214,8 +214,8 @@ impl BoxModel {
     fn bound(&mut self, search: &BoxSearch<'_>, of: &mut JointBox) {
         self.place(search, of);
         let cluster = &search.clusters.clusters[of.cluster];
-        let Some(inverse) = DampedInverse::new(&self.jacobian, DAMPING) else { return };
         of.split = Split::Neither;
+        let Some(inverse) = DampedInverse::new(&self.jacobian, DAMPING) else { return };
         let mut greatest = f64::NEG_INFINITY;
         // Positions alone count where the poses are turned too differently.
         let is_mixed = cluster.chord > MIXED;

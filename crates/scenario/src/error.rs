@@ -135,7 +135,7 @@ pub enum ScenarioError {
     Bound {
         /// Place in the file.
         at: Location,
-        /// What is wrong, with a hint.
+        /// Fault, with a hint.
         problem: String,
     },
     /// The start leaves a joint out.

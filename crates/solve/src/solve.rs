@@ -154,9 +154,9 @@ fn solve_asked(
     let robustness = along.filter(|_| request.robustness && holds);
     let robustness = || Robustness::of(&robustness?, &segments);
     // 7. To whichever grasp: those that the request leaves out are no nearer.
-    let most = path_length(&joined(&segments));
-    let least = || least_length(whole, &request.stages, most);
-    let least = || if request.least_length && holds { least() } else { None };
+    let is_bounded = request.least_length && holds;
+    let length = || path_length(&joined(&segments));
+    let least = || if is_bounded { least_length(whole, &request.stages, length()) } else { None };
     let (robustness, least_length) = rayon::join(robustness, least);
     let limits = request.timing.map(|timing| timing.limits(problem.robot()));
     let untimed = limits.and_then(Result::err).map(|fault| fault.to_string());
