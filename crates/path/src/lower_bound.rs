@@ -144,7 +144,7 @@ impl<'a> BoxSearch<'a> {
     fn new(robot: &'a Robot, start: &'a [f64], poses: Vec<Pose>) -> Self {
         let movers = robot.ancestors(robot.tip());
         let arms_m = robot
-            .link_arms_m(robot.tip(), &Point::origin())
+            .link_arms_m(&robot.frames(), robot.tip(), &Point::origin())
             .into_iter()
             .map(|arm_m| arm_m + ROUNDING)
             .collect();

@@ -105,7 +105,7 @@ impl ToolBound {
     /// # Errors
     /// [`CollisionError::ToolBound`] for directions that are not of length 1, an angle outside (0, π], a size that is not
     /// positive, or lengths beyond [`FARTHEST_M`].
-    pub(crate) fn check(&self) -> Result<(), CollisionError> {
+    pub fn check(&self) -> Result<(), CollisionError> {
         let is_unit = |v: &Vector| (v.norm() - 1.0).abs() < 1e-6;
         let is_near = |v: &Vector| v.iter().all(|x| x.abs() <= FARTHEST_M);
         let is_usable = match &self.region {
@@ -156,7 +156,7 @@ impl CellBound {
             *toward = toward.normalize();
         }
         let link = bound.link.as_deref().and_then(|link| robot.link_index(link)).unwrap_or(robot.tip());
-        let arms_m = robot.link_arms_m(link, &bound.region.point_in_link());
+        let arms_m = robot.link_arms_m(&robot.frames(), link, &bound.region.point_in_link());
         let mut per_joint = vec![0.0; robot.dof()];
         for (mover, arm_m) in robot.ancestors(link).iter().zip(&arms_m) {
             per_joint[mover.joint] += mover.multiplier.abs()

@@ -21,24 +21,19 @@ impl Cell {
         let robot = self.robot();
         let mut frames = self.scratch().frames;
         robot.forward_kinematics(&vec![0.0; robot.dof()], &mut frames);
-        let origin = |link: usize| frames.link(link).translation.vector;
         // For each link that a joint ends in, the joint and its reach.
         let mut movers: Vec<Option<(usize, f64)>> = vec![None; robot.links().len() + 1];
         for body in self.bodies.iter() {
-            let mut beyond = (frames.link(body.link) * body.bounds.ball.center).coords;
-            let mut distance_m = body.bounds.ball.radius_m;
-            for mover in robot.ancestors(body.link).iter().rev() {
-                distance_m += (beyond - origin(mover.child_link)).norm();
-                beyond = origin(mover.child_link);
-                let scale = mover.multiplier.abs();
-                let limits = &robot.limits()[mover.joint];
-                let (reach_m, drawn_out_m) = match mover.kind {
-                    JointKind::Revolute => (distance_m * scale, 0.0),
-                    JointKind::Prismatic => (scale, scale * limits.lower.abs().max(limits.upper.abs())),
-                };
+            let ball = &body.bounds.ball;
+            let arms_m = robot.link_arms_m(&frames, body.link, &ball.center);
+            for (mover, arm_m) in robot.ancestors(body.link).iter().zip(arms_m) {
+                let reach_m = mover.multiplier.abs()
+                    * match mover.kind {
+                        JointKind::Revolute => arm_m + ball.radius_m,
+                        JointKind::Prismatic => arm_m,
+                    };
                 let known_m = movers[mover.child_link].map_or(0.0, |(_, reach_m)| reach_m);
                 movers[mover.child_link] = Some((mover.joint, reach_m.max(known_m)));
-                distance_m += drawn_out_m;
             }
         }
         let mut per_joint_m = vec![0.0; robot.dof()];

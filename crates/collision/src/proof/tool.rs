@@ -1,5 +1,5 @@
 use cranny_robot::{JointKind, LinkFrames, Mover, between};
-use cranny_spatial::Vector;
+use cranny_spatial::{Point, Vector};
 
 use crate::ToolBound;
 use crate::body::tool_bound::{CellBound, ToolRegion};
@@ -195,14 +195,7 @@ impl Cell {
         let (mut velocity, mut bend, mut before) = (Vector::zeros(), 0.0, 0.0);
         for (mover, arm_m) in movers.iter().zip(&bound.arms_m) {
             let rate = rate(mover);
-            let of_joint = axis_of(mover);
-            velocity += rate
-                * match mover.kind {
-                    JointKind::Revolute => {
-                        of_joint.cross(&(point.coords - frames.link(mover.child_link).translation.vector))
-                    }
-                    JointKind::Prismatic => of_joint,
-                };
+            velocity += motion_of_point(mover, frames, &point) * rate;
             bend += rate.abs() * arm_m * (turn(mover) + 2.0 * before);
             before += turn(mover);
         }
@@ -271,18 +264,24 @@ impl Cell {
         };
         let mut gradient = vec![0.0; dof];
         for mover in self.robot.ancestors(bound.link) {
-            let root_from_child = frames.link(mover.child_link);
-            let axis = root_from_child.rotation * mover.axis_in_child;
             let motion = match (bound.bound.region.is_of_angle(), mover.kind) {
-                (true, JointKind::Revolute) | (false, JointKind::Prismatic) => axis,
+                (true, JointKind::Revolute) => frames.link(mover.child_link).rotation * mover.axis_in_child,
                 (true, JointKind::Prismatic) => continue,
-                (false, JointKind::Revolute) => {
-                    axis.cross(&(point.coords - root_from_child.translation.vector))
-                }
+                (false, _) => motion_of_point(mover, frames, &point),
             };
             gradient[mover.joint] += mover.multiplier * motion.dot(&direction);
         }
         Some(gradient)
+    }
+}
+
+/// Motion of a point by a unit of a joint that moves it, in the root frame.
+fn motion_of_point(mover: &Mover, frames: &LinkFrames, point: &Point) -> Vector {
+    let root_from_child = frames.link(mover.child_link);
+    let axis = root_from_child.rotation * mover.axis_in_child;
+    match mover.kind {
+        JointKind::Revolute => axis.cross(&(point.coords - root_from_child.translation.vector)),
+        JointKind::Prismatic => axis,
     }
 }
 

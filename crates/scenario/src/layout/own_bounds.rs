@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 use std::sync::Arc;
 
-use cranny_collision::{ToolBound, ToolRegion, World};
+use cranny_collision::{CollisionError, ToolBound, ToolRegion, World};
 use cranny_robot::{Location, Robot};
 use cranny_spatial::{Point, Pose, Vector};
 use cranny_task::Mode;
@@ -50,14 +50,14 @@ impl Layout<'_> {
             }
             let link = link.map(|link| link.value.clone());
             let bound = ToolBound { name: name.value.clone(), link, region: self.region(entry)? };
-            Ok((bound.seen_from(planning_from_scene), self.at(entry.referenced)))
+            let refuse = |fault: CollisionError| ScenarioError::Bound {
+                at: self.at(entry.referenced),
+                problem: fault.to_string(),
+            };
+            bound.check().map_err(refuse)?;
+            Ok(bound.seen_from(planning_from_scene))
         });
-        let (bounds, places): (Vec<_>, Vec<_>) = bounds.collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
-        for (bound, at) in bounds.iter().zip(places) {
-            if let Err(fault) = World::default().with_tool_bounds(vec![bound.clone()]) {
-                return Err(ScenarioError::Bound { at, problem: fault.to_string() });
-            }
-        }
+        let bounds = bounds.collect::<Result<_, _>>()?;
         Ok(world.with_tool_bounds(bounds)?)
     }
 
