@@ -477,6 +477,8 @@ def plan(
     task: str | Sequence[Mapping[str, Any]] | None = None,
     then: str | None = None,
     clear_m: float | None = None,
+    approach_m: float | None = None,
+    retreat_m: float | None = None,
     robust: tuple[float, float] | None = None,
     hold: float = 1.5,
     try_in_physics: int | None = None,

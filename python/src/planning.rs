@@ -115,7 +115,8 @@ pub fn seconds(what: &str, value: f64) -> PyResult<Duration> {
 /// bodies but floors. A grasp that it cannot be carried away from is none, and `plan.segments` are the pieces. `place`: the
 /// name of one of `scenario.places`, where the target is put down instead; the hand opens, goes `clear_m` off it, and the
 /// robot goes "home" or `then` stays, "stay". `task`: the name of one of `scenario.tasks`, or a list of stages of
-/// that form, which are done in order; `plan.task` lists them. `robust`: how far (m, rad) the target may be from where it is thought to be,
+/// that form, which are done in order; `plan.task` lists them. `approach_m`, `retreat_m`: least lengths of the straight lines
+/// on which the hand comes to each grasp, and leaves each object that it has put down, within 1 mm and 1° (proven). `robust`: how far (m, rad) the target may be from where it is thought to be,
 /// before the hand closes and in the hand; `plan.robustness` says how far anyway. `hold`: factor by which weight and inertia
 /// may grow, at least, before the hand lets slip what it carries (weaker grasps are none, motions are slowed down for it; 0
 /// demands nothing); `plan.hold` is what it is. `try_in_physics`: plans are executed as by `simulate_plan`; where an object is
@@ -130,7 +131,7 @@ pub fn seconds(what: &str, value: f64) -> PyResult<Duration> {
     grasp_margin_m=None, strict_pairs=false, settings=None, goal_threshold=None, shortcut=true, optimise_s=None,
     cost=None, score_weight=1.0, jerk_limited=None, blend=true, speed=None,
     acceleration=None, tool_speed_m_s=None, upright_deg=None, score=None, min_score=None,
-    carry=None, place=None, task=None, then=None, clear_m=None, robust=None, hold=1.5, try_in_physics=None, watch=None))]
+    carry=None, place=None, task=None, then=None, clear_m=None, approach_m=None, retreat_m=None, robust=None, hold=1.5, try_in_physics=None, watch=None))]
 #[allow(
     clippy::too_many_arguments,
     clippy::fn_params_excessive_bools,
@@ -164,6 +165,8 @@ pub fn plan(
     task: Option<&Bound<'_, PyAny>>,
     then: Option<&str>,
     clear_m: Option<f64>,
+    approach_m: Option<f64>,
+    retreat_m: Option<f64>,
     robust: Option<[f64; 2]>,
     hold: f64,
     try_in_physics: Option<usize>,
@@ -234,6 +237,8 @@ pub fn plan(
             .map(|then| then.parse().map_err(|_| one_of("then", then, "'home' or 'stay'")))
             .transpose()?,
         clear_m,
+        approach_m,
+        retreat_m,
         robust,
         hold,
         ..Ask::default()

@@ -114,6 +114,7 @@ const MOST_TRIES: u64 = 1000;
   cranny plan 015 --carry out --clear 100
   cranny plan 012 --place outside --then stay
   cranny plan 012 --place outside --hold 3
+  cranny plan 012 --place outside --approach 8 --retreat 10
   cranny plan 031 --place outside --try-in-physics 5
   cranny plan 021 --robust 2,3
   cranny plan 213 --steps
@@ -198,6 +199,13 @@ pub struct PlanArguments {
     /// how far the hand is from an object when it has left it, at most 500 [default: 50]
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     pub clear: Option<f64>,
+    /// Come to each grasp on a straight line along the hand's z axis, over at least so many centimetres (proven, within 1 mm
+    /// and 1°), at most 50 [default: as the stages of a task state it, else 0]
+    #[arg(long, value_name = "CM", allow_negative_numbers = true)]
+    pub approach: Option<f64>,
+    /// With --place, --steps and --task: leave each object on such a line
+    #[arg(long, value_name = "CM", allow_negative_numbers = true)]
+    pub retreat: Option<f64>,
     /// Leave the path as the planner found it
     #[arg(long)]
     pub no_shortcut: bool,

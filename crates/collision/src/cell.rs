@@ -18,7 +18,7 @@ use crate::proof::course::Rates;
 use crate::proof::travel::Travel;
 use crate::proof::work_list::WorkList;
 use crate::touch::contact::{Collider, Contact};
-use crate::{CollisionError, Margins};
+use crate::{CollisionError, Margins, ToolBound};
 
 /// A robot in a world: immutable, shared by all who ask; each asker brings a [`Scratch`].
 #[derive(Clone, Debug)]
@@ -37,7 +37,9 @@ pub struct Cell {
     /// Pairs of links that are checked though nothing new can come of it.
     pub(crate) asked_for: Arc<[(usize, usize)]>,
     pub(crate) lanes: Arc<Lanes>,
-    /// The bounds that the tool keeps, the last of them that on the tilt of what is held, if there is one.
+    /// The bounds that the tool keeps besides those of the world.
+    pub(crate) further_bounds: Arc<[ToolBound]>,
+    /// All bounds that the tool keeps, the last of them that on the tilt of what is held, if there is one.
     pub(crate) bounds: Arc<[CellBound]>,
 }
 
@@ -86,7 +88,8 @@ impl Cell {
     }
 
     pub(crate) fn of(question: CellParts) -> Self {
-        let CellParts { robot, body, around, margins, grasp_bodies, asked_for, held } = question;
+        let CellParts { robot, body, around, margins, grasp_bodies, asked_for, held, further_bounds } =
+            question;
         let bodies = body.links.clone();
         let Surroundings { parts, tree, lanes, .. } = &*around;
         let (checked, left_out) = body.self_pairs.split(&bodies, &asked_for);
@@ -111,6 +114,7 @@ impl Cell {
             unchecked: unchecked.into(),
             asked_for,
             lanes: Arc::new(lanes),
+            further_bounds,
             bounds: Arc::default(),
         };
         cell.bounds = cell.all_bounds().into();
@@ -127,6 +131,7 @@ impl Cell {
             grasp_bodies: self.grasp_bodies.clone(),
             asked_for: self.asked_for.clone(),
             held: self.held.clone(),
+            further_bounds: self.further_bounds.clone(),
         }
     }
 

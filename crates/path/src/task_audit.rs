@@ -1,7 +1,7 @@
 use cranny_collision::Resting;
 use cranny_task::{
-    Carrier, ContactSegment, Grip, MotionEnd, Move, Placed, Placer, Problem, Segment, Stage, State,
-    StatesAlong, are_complete, check_segments, joined,
+    Carrier, ContactSegment, Grip, Mode, MotionEnd, Move, Placed, Placer, Problem, Segment, Stage, State,
+    StatesAlong, are_complete, check_segments, joined, straight_line,
 };
 
 use crate::corner_audit::audit_corners;
@@ -86,7 +86,8 @@ pub fn audit_along(
 /// True for segments of one stage in one world.
 fn is_one_motion(a: &Segment, b: &Segment) -> bool {
     let properties = |segment: &Segment| (segment.stage, segment.mode.holds, segment.mode.rests_at);
-    properties(a) == properties(b) && a.mode.rests_at.is_none()
+    let is_straight = [a, b].iter().any(|segment| segment.mode == Mode::APPROACH);
+    properties(a) == properties(b) && a.mode.rests_at.is_none() && !is_straight
 }
 
 /// A motion, the edges before it, and the segment that follows.
@@ -131,10 +132,19 @@ impl TaskJudge<'_> {
         picks: &mut impl Iterator<Item = &'p Problem>,
     ) -> Result<(), PathError> {
         let is_at_grasp = run.next.is_none_or(|next| next.mode.holds);
+        self.straight(audit, state, run, is_at_grasp);
         match &self.stages[run.segment.stage] {
             Stage::Pick(_) if is_at_grasp => {
                 let Some(picking) = picks.next() else { return Err(PathError::EmptyPath) };
-                let judged = audit_with(picking, run.path(), self.settings)?;
+                let judged = if run.segment.mode == Mode::APPROACH {
+                    audit_with(
+                        &picking.from_within(&run.path()[0], state.cell())?,
+                        run.path(),
+                        self.settings,
+                    )?
+                } else {
+                    audit_with(picking, run.path(), self.settings)?
+                };
                 let (goal, own_grasp) = (judged.goal, judged.own_grasp);
                 let (stage, way_point) = (run.segment.stage, run.last());
                 audit.add_pick(PickAudit { stage, goal, own_grasp, way_point });
@@ -157,6 +167,24 @@ impl TaskJudge<'_> {
                 }
                 Ok(())
             }
+        }
+    }
+
+    /// Compares the length of a straight motion with the one that its stage demands.
+    fn straight(&self, audit: &mut Audit, state: &State, run: &Run<'_>, is_at_grasp: bool) {
+        let stage = &self.stages[run.segment.stage];
+        let required_m = match stage {
+            Stage::Pick(pick) if is_at_grasp && (run.next.is_some() || self.settings.at_goal) => {
+                pick.approach_m
+            }
+            Stage::Place(place) if run.segment.mode == Mode::RETREAT => place.retreat_m,
+            _ => return,
+        };
+        let line = straight_line(state.cell().robot(), Some(stage), run.segment);
+        let length_m = line.map_or(0.0, |line| line.length_m());
+        if length_m < required_m {
+            let cause = Cause::NotStraight { length_m, required_m };
+            audit.violations.push(Violation::at_way_point(run.last(), cause));
         }
     }
 

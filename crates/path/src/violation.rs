@@ -159,6 +159,13 @@ pub enum Cause {
         /// The distance that is demanded, in metres.
         required_m: f64,
     },
+    /// The hand goes less far straight to its grasp, or off what it has put down, than it is to.
+    NotStraight {
+        /// Length of its straight line, in metres.
+        length_m: f64,
+        /// The length that is demanded, in metres.
+        required_m: f64,
+    },
     /// The path ends before the task does.
     #[strum(to_string = "goal")]
     Unfinished {
@@ -378,6 +385,10 @@ impl fmt::Display for Violation {
                 }
                 write!(f, ", {required} mm are demanded")
             }
+            Cause::NotStraight { length_m, required_m } => {
+                let [length, required] = distinct([mm(*length_m), mm(*required_m)], 1);
+                write!(f, "{at}: the hand goes {length} mm on a straight line, {required} mm are demanded")
+            }
             Cause::Unfinished { stage, stages } => {
                 write!(f, "the path ends in stage {} of {stages}, before that is done", stage + 1)
             }
@@ -411,6 +422,9 @@ impl Serialize for Violation {
             }
             Cause::LongLiftOff { length_m, most_m } | Cause::LongSetDown { length_m, most_m } => {
                 &[("length_m", *length_m), ("most_m", *most_m)]
+            }
+            Cause::NotStraight { length_m, required_m } => {
+                &[("length_m", *length_m), ("required_m", *required_m)]
             }
             Cause::Hold { said, held } => &[("said_opening_m", said.1), ("opening_m", held.1)],
             Cause::WeakGrasp { score, required } => &[("score", *score), ("required", *required)],

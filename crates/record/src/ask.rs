@@ -60,6 +60,10 @@ pub struct Ask {
     pub then: Option<AfterPlacing>,
     /// Distance, in metres, of the object, or of the hand, that counts as clear.
     pub clear_m: Option<f64>,
+    /// Least length of the straight approach to each grasp, in metres; `None`: as stages state it.
+    pub approach_m: Option<f64>,
+    /// Least length of the straight retreat from each object that is put down, in metres; `None`: as stages state it.
+    pub retreat_m: Option<f64>,
     /// Error of the pose of each object that is to be forgiven.
     pub robust: Option<PoseRadius>,
     /// Factor by which the hand holds at least what it carries; 0 demands nothing.
@@ -113,6 +117,8 @@ impl Default for Ask {
             task: None,
             then: None,
             clear_m: None,
+            approach_m: None,
+            retreat_m: None,
             robust: None,
             hold: DEFAULT_HOLD,
         }
@@ -132,6 +138,7 @@ impl Ask {
         scenario: Option<&Scenario>,
     ) -> Result<(Request, Option<NamedTask>), RecordError> {
         let (stages, task) = self.stages(scenario)?;
+        let stages = self.straight(problem, stages)?;
         let stages = match (self.robust, scenario) {
             (Some(error), Some(scenario)) => {
                 scenario.forgiving(&stages, error.translation_m, error.rotation_rad)
@@ -177,6 +184,35 @@ impl Ask {
         Ok((request, task))
     }
 
+    /// Stages with the straight approaches and retreats that are asked for.
+    fn straight(&self, problem: &Problem, mut stages: Vec<Stage>) -> Result<Vec<Stage>, RecordError> {
+        if self.approach_m.is_some() && stages.is_empty() {
+            stages = Stage::of_goal(problem);
+        }
+        let (mut picks, mut places) = (0, 0);
+        for stage in &mut stages {
+            match stage {
+                Stage::Pick(pick) => {
+                    pick.approach_m = self.approach_m.unwrap_or(pick.approach_m);
+                    picks += 1;
+                }
+                Stage::Place(place) => {
+                    place.retreat_m = self.retreat_m.unwrap_or(place.retreat_m);
+                    places += 1;
+                }
+                Stage::Move(_) => {}
+            }
+        }
+        let refuse = |field, problem: &str| Err(RecordError::Ask { field, problem: problem.to_owned() });
+        if self.approach_m.is_some() && picks == 0 {
+            return refuse("approach", "nothing is grasped in this task");
+        }
+        if self.retreat_m.is_some() && places == 0 {
+            return refuse("retreat", "it goes with `place` and tasks that put something down alone");
+        }
+        Ok(stages)
+    }
+
     /// The stages that are asked for, and the task of the scenario that they are.
     fn stages(&self, scenario: Option<&Scenario>) -> Result<(Vec<Stage>, Option<NamedTask>), RecordError> {
         let refuse = |field, problem: &str| Err(RecordError::Ask { field, problem: problem.to_owned() });
@@ -201,7 +237,7 @@ impl Ask {
         }
         let clear_m = self.clear_m.unwrap_or(CLEAR_M);
         if let Some(place) = &self.place {
-            let place = PlaceAt { place: place.clone(), clear_m };
+            let place = PlaceAt { clear_m, ..PlaceAt::named(place) };
             return Ok((Stage::put_down(place, self.then.unwrap_or_default()), None));
         }
         if let Some(task) = &self.task {

@@ -15,6 +15,7 @@ mod placing;
 mod quicker;
 mod released_layout;
 mod statements;
+mod straight;
 mod tasks;
 mod tool_bounds;
 mod upright;

@@ -18,7 +18,7 @@ fn open(id: &str) -> (Scenario, Problem) {
 }
 
 fn then(then: AfterPlacing) -> Vec<Stage> {
-    Stage::put_down(PlaceAt { place: "outside".to_owned(), clear_m: CLEAR_M }, then)
+    Stage::put_down(PlaceAt::named("outside"), then)
 }
 
 fn asked(problem: &Problem, stages: Vec<Stage>, seed: u64) -> Result<Answer, SolveError> {
@@ -158,7 +158,7 @@ fn what_a_plan_file_says_of_a_place_is_judged() {
     let mut plan = plan;
     plan.segments.iter_mut().for_each(|segment| segment.corners.clear());
     let mut far = plan.clone();
-    far.task[1] = Stage::Place(PlaceAt { place: "outside".to_owned(), clear_m: 0.2 });
+    far.task[1] = Stage::Place(PlaceAt { clear_m: 0.2, ..PlaceAt::named("outside") });
     assert_eq!(kinds(&far, &problem), ["retreat"]);
     let mut stays = plan.clone();
     stays.segments.pop();
@@ -216,7 +216,7 @@ fn places_that_are_none_are_refused_and_those_that_hold_nothing_are_told() {
         at(&problem, PlaceGoal { name: String::new(), spot })
     };
     let clear =
-        |clear_m: f64| vec![Stage::pick(), Stage::Place(PlaceAt { place: "outside".to_owned(), clear_m })];
+        |clear_m: f64| vec![Stage::pick(), Stage::Place(PlaceAt { clear_m, ..PlaceAt::named("outside") })];
     let tilted = pose * Pose::rotation(Vector::x() * 0.1);
     for (problem, stages, says) in [
         (with("ball", pose, size_m), clear(CLEAR_M), "lies on what is to be put down"),

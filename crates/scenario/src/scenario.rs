@@ -203,11 +203,11 @@ impl Scenario {
     /// [`Self::object_margin_m`] does about the target.
     pub fn forgiving(&self, stages: &[Stage], translation_m: f64, rotation_rad: f64) -> Vec<Stage> {
         let forgiving = |stage: &Stage| match stage {
-            Stage::Pick(Pick { object: Some(object), .. }) => {
+            Stage::Pick(pick @ Pick { object: Some(object), .. }) => {
                 let body = self.world.body_index(object).ok();
                 let object_margin_m =
                     body.and_then(|body| self.margin_about(body, translation_m, rotation_rad));
-                Stage::Pick(Pick { object: Some(object.clone()), object_margin_m })
+                Stage::Pick(Pick { object_margin_m, ..pick.clone() })
             }
             other => other.clone(),
         };

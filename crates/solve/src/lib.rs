@@ -1,21 +1,16 @@
 #![doc = include_str!("../README.md")]
 
 mod answer;
-mod chain;
-mod effort;
 mod error;
 mod hold;
 mod ik_status;
 mod least_length;
-mod look_ahead;
-mod onward;
 mod paces;
-mod place_search;
-mod refusals;
 mod request;
 mod robustness;
 mod rounding;
 mod solve;
+mod stages;
 mod task_trajectory;
 mod tilt;
 mod way_search;

@@ -9,7 +9,8 @@ use cranny_plan::{
 use cranny_spatial::other_seed;
 use cranny_task::{Carrier, Criterion, Problem, Segment, Stage};
 
-use crate::chain::{Chain, Piece};
+use crate::stages::chain::Chain;
+use crate::stages::onward::Piece;
 use crate::{Optimisation, Request, Shortening, SolveError};
 
 /// Result of a search, and the segments as they are delivered.

@@ -37,3 +37,4 @@ pub use stages::segment::{Mode, MotionEnd, Segment, give_clearances, joined, joi
 pub use stages::stage::{AfterPlacing, CLEAR_M, FARTHEST_CLEAR_M, Move, Pick, PlaceAt, Stage};
 pub use stages::stage_segments::{are_complete, are_joined, check_segments, number_stages, picks_apart};
 pub use stages::state::{State, StatesAlong};
+pub use stages::straight::{StraightLine, straight_line};

@@ -101,20 +101,7 @@ impl Problem {
             Some(target) => Cell::for_grasp(robot.clone(), world, target, margins)?,
             None => Cell::new(robot.clone(), world, margins)?,
         };
-        let validity = Validity::Exact(Arc::new(cell));
-        Self {
-            robot,
-            target,
-            start,
-            goal,
-            grasp_measure: None,
-            grasp_filter: None,
-            places: Arc::default(),
-            frictions: Arc::default(),
-            weights: Arc::default(),
-            validity,
-        }
-        .checked()
+        Self { target, ..Self::of(Validity::Exact(Arc::new(cell)), robot, start, goal) }.checked()
     }
 
     /// A problem from `start` (m, rad; one per joint) under the `exact` criterion in a cell that there is already.
@@ -124,20 +111,7 @@ impl Problem {
     /// robot.
     pub fn in_cell(cell: Arc<Cell>, start: Vec<f64>, goal: Goal) -> Result<Self, TaskError> {
         let robot = cell.robot().clone();
-        let validity = Validity::Exact(cell);
-        Self {
-            robot,
-            target: None,
-            start,
-            goal,
-            grasp_measure: None,
-            grasp_filter: None,
-            places: Arc::default(),
-            frictions: Arc::default(),
-            weights: Arc::default(),
-            validity,
-        }
-        .checked()
+        Self::of(Validity::Exact(cell), robot, start, goal).checked()
     }
 
     /// A problem from `start` (m, rad; one per joint) under the `paper` criterion: `check` decides; of distances to
@@ -150,6 +124,11 @@ impl Problem {
         let robot = check.robot().clone();
         let distances = Arc::new(Cell::new(robot.clone(), world, Margins::default())?);
         let validity = Validity::Paper { check: Arc::new(check), threshold: PAPER_THRESHOLD, distances };
+        Self::of(validity, robot, start, goal).checked()
+    }
+
+    /// A problem without a target, which is not checked yet.
+    fn of(validity: Validity, robot: Arc<Robot>, start: Vec<f64>, goal: Goal) -> Self {
         Self {
             robot,
             target: None,
@@ -162,7 +141,6 @@ impl Problem {
             weights: Arc::default(),
             validity,
         }
-        .checked()
     }
 
     /// The same problem without a set of grasps: whoever solves it makes a grasp of its own, which is measured on the
@@ -211,6 +189,15 @@ impl Problem {
     /// The firmness of grasps of a body, where it stands in a cell; `None` where it cannot be computed ([`Firmness`]).
     pub(crate) fn firmness(&self, cell: &Cell, body: usize) -> Option<Firmness> {
         Firmness::new(cell, body, self.frictions.get(body).copied().flatten(), &self.weights)
+    }
+
+    /// The same problem in a cell that differs in nothing but the bounds of the tool, from another start (m, rad; one per
+    /// joint).
+    ///
+    /// # Errors
+    /// As [`Self::with_start`].
+    pub fn from_within(&self, start: &[f64], cell: &Arc<Cell>) -> Result<Self, TaskError> {
+        Ok(Self { validity: Validity::Exact(cell.clone()), ..self.with_start(start)? })
     }
 
     /// The same problem from another start (m, rad; one per joint).

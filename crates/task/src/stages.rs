@@ -7,3 +7,4 @@ pub(crate) mod segment;
 pub(crate) mod stage;
 pub(crate) mod stage_segments;
 pub(crate) mod state;
+pub(crate) mod straight;

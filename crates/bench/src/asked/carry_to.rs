@@ -38,7 +38,7 @@ impl CarryTo {
             Self::Out => vec![Stage::pick(), Stage::Move(Move::Clear { clear_m: CLEAR_M })],
             Self::Place => {
                 let place = scenario.places.first().ok_or_else(none)?.name.clone();
-                Stage::put_down(PlaceAt { place, clear_m: CLEAR_M }, AfterPlacing::Home)
+                Stage::put_down(PlaceAt::named(&place), AfterPlacing::Home)
             }
         })
     }

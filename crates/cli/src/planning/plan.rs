@@ -155,6 +155,8 @@ fn ask(arguments: &PlanArguments, joints: usize) -> Result<Ask, Failure> {
         },
         then: arguments.then.map(Into::into),
         clear_m: arguments.clear.map(|clear_mm| clear_mm / 1e3),
+        approach_m: arguments.approach.map(|approach_cm| approach_cm / 100.0),
+        retreat_m: arguments.retreat.map(|retreat_cm| retreat_cm / 100.0),
         robust: arguments.robust,
         hold: arguments.hold,
         ..Ask::default()

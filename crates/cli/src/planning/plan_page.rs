@@ -7,7 +7,7 @@ use cranny_path::ClearanceLimit;
 use cranny_plan::{Improvement, NoGrasp, Outcome, Statistics};
 use cranny_record::{PlanFile, PlanShortening, PlanTiming, PlanTry};
 use cranny_solve::{Hold, JointRadius, PoseRadius, Robustness, Tilt, ToolSlack};
-use cranny_task::{GraspFailure, MotionEnd, Move, Segment, Stage};
+use cranny_task::{GraspFailure, Mode, MotionEnd, Move, Segment, Stage};
 use serde::Serialize;
 
 use crate::statements::demanded_margins;
@@ -150,6 +150,21 @@ fn placed(plan: &PlanFile) -> Vec<String> {
     plan.segments.iter().enumerate().filter_map(of_place).collect()
 }
 
+/// The straight lines on which the hand goes because that is demanded, a line each.
+fn straight(plan: &PlanFile) -> Vec<String> {
+    let of_segment = |segment: &Segment| {
+        let (length_m, end) = match plan.task.get(segment.stage)? {
+            Stage::Pick(pick) if segment.mode == Mode::APPROACH => (pick.approach_m, "to the grasp"),
+            Stage::Place(place) if segment.mode == Mode::RETREAT => (place.retreat_m, "off the object"),
+            _ => return None,
+        };
+        let length = at_least_mm(length_m);
+        (length_m > 0.0)
+            .then(|| format!("{length} or more along the hand's z axis {end}, within 1 mm and 1°, proven"))
+    };
+    plan.segments.iter().filter_map(of_segment).collect()
+}
+
 /// When the path is run through, and what it took to find that.
 fn timed(timing: &PlanTiming, seconds: f64) -> String {
     let corners = if timing.blended { ", corners rounded" } else { "" };
@@ -263,7 +278,8 @@ fn about_path(answered: &Answered, grasps: &GraspSet, line: &mut dyn FnMut(&str,
         let slack = slack_m.map(at_least_mm).or(slack_rad.map(at_least_degrees)).unwrap_or_default();
         line("tool", format!("{slack} or more within '{name}', proven"));
     }
-    for (name, lines) in [("carries", carried(plan)), ("puts down", placed(plan))] {
+    let stated = [("straight", straight(plan)), ("carries", carried(plan)), ("puts down", placed(plan))];
+    for (name, lines) in stated {
         for value in lines {
             line(name, value);
         }

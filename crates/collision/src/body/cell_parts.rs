@@ -8,7 +8,7 @@ use crate::body::part_tree::PartTree;
 use crate::body::robot_body::RobotBody;
 use crate::body::world::{Body, Part, World};
 use crate::lane::lane_part::LanePart;
-use crate::{CollisionError, Margins};
+use crate::{CollisionError, Margins, ToolBound};
 
 /// What a cell is made of.
 pub(crate) struct CellParts {
@@ -20,6 +20,8 @@ pub(crate) struct CellParts {
     /// Pairs of links that are checked though nothing new can come of it.
     pub asked_for: Arc<[(usize, usize)]>,
     pub held: Option<HeldBody>,
+    /// Bounds of the tool besides those of the world.
+    pub further_bounds: Arc<[ToolBound]>,
 }
 
 impl CellParts {
@@ -35,14 +37,7 @@ impl CellParts {
         grasp_bodies: Vec<usize>,
     ) -> Result<Self, CollisionError> {
         margins.check()?;
-        for link in world.tool_bounds().iter().filter_map(|bound| bound.link.as_ref()) {
-            let Some(index) = robot.link_index(link) else {
-                return Err(CollisionError::UnknownLink { name: link.clone() });
-            };
-            if robot.finger_of(index).is_some() {
-                return Err(CollisionError::FingerBound { name: link.clone() });
-            }
-        }
+        world.tool_bounds().iter().try_for_each(|bound| bound.check_link(&robot))?;
         Ok(Self {
             body: RobotBody::of(&robot),
             robot,
@@ -51,6 +46,7 @@ impl CellParts {
             grasp_bodies: grasp_bodies.into(),
             asked_for: Arc::default(),
             held: None,
+            further_bounds: Arc::default(),
         })
     }
 }

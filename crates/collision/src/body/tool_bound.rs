@@ -100,6 +100,21 @@ impl ToolBound {
         Self { region: self.region.seen_from(new_from_old), ..self.clone() }
     }
 
+    /// Checks that it bounds a link of a robot that the hand does not move by itself.
+    ///
+    /// # Errors
+    /// [`CollisionError::UnknownLink`] and [`CollisionError::FingerBound`].
+    pub(crate) fn check_link(&self, robot: &Robot) -> Result<(), CollisionError> {
+        let Some(name) = &self.link else { return Ok(()) };
+        match robot.link_index(name) {
+            None => Err(CollisionError::UnknownLink { name: name.clone() }),
+            Some(link) if robot.finger_of(link).is_some() => {
+                Err(CollisionError::FingerBound { name: name.clone() })
+            }
+            Some(_) => Ok(()),
+        }
+    }
+
     /// Checks that it bounds something.
     ///
     /// # Errors

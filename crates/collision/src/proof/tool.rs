@@ -1,9 +1,9 @@
 use cranny_robot::{JointKind, LinkFrames, Mover, between};
 use cranny_spatial::{Point, Vector};
 
-use crate::ToolBound;
 use crate::body::tool_bound::{CellBound, ToolRegion};
 use crate::cell::{Cell, Scratch};
+use crate::{CollisionError, ToolBound};
 
 /// Angles and distances err by less, in radians and metres: a bound that is kept to within this is kept.
 const ROUNDING: f64 = 1e-9;
@@ -26,9 +26,24 @@ pub(crate) struct Excess {
 }
 
 impl Cell {
+    /// The same cell in which the tool keeps these bounds too.
+    ///
+    /// # Errors
+    /// [`CollisionError::ToolBound`] for one that bounds nothing, and those of links as for [`Cell::new`].
+    pub fn within(&self, further: &[ToolBound]) -> Result<Self, CollisionError> {
+        for bound in further {
+            bound.check()?;
+            bound.check_link(&self.robot)?;
+        }
+        let mut cell = self.clone();
+        cell.further_bounds = self.further_bounds.iter().chain(further).cloned().collect();
+        cell.bounds = cell.all_bounds().into();
+        Ok(cell)
+    }
+
     /// The bounds that the tool keeps along every motion: those of the world
-    /// ([`World::with_tool_bounds`](crate::World::with_tool_bounds)), and last the tilt of what is held, where that is limited
-    /// ([`Self::tilt_bound`]).
+    /// ([`World::with_tool_bounds`](crate::World::with_tool_bounds)), those of [`Self::within`], and last the tilt of what is
+    /// held, where that is limited ([`Self::tilt_bound`]).
     pub fn tool_bounds(&self) -> impl ExactSizeIterator<Item = &ToolBound> {
         self.bounds.iter().map(|bound| &bound.bound)
     }
@@ -40,12 +55,13 @@ impl Cell {
     }
 
     fn limits_tilt(&self) -> bool {
-        self.bounds.len() > self.world().tool_bounds().len()
+        self.bounds.len() > self.world().tool_bounds().len() + self.further_bounds.len()
     }
 
     /// The bounds of a cell that is being made: of its world, and of what is held in its hand.
     pub(crate) fn all_bounds(&self) -> Vec<CellBound> {
-        let all = self.world().tool_bounds().iter().cloned().chain(self.bound_of_held());
+        let given = self.world().tool_bounds().iter().chain(&*self.further_bounds).cloned();
+        let all = given.chain(self.bound_of_held());
         all.map(|bound| CellBound::new(bound, &self.robot)).collect()
     }
 

@@ -22,9 +22,7 @@ use cranny_path::{AuditSettings, Clearances};
 use cranny_plan::{Budget, Outcome, Unobserved};
 use cranny_scenario::{OpenOptions, Scenario};
 use cranny_solve::{Request, solve};
-use cranny_task::{
-    AfterPlacing, CLEAR_M, Carrier, FailureReason, Goal, LiftOffSettings, PlaceAt, Problem, Stage,
-};
+use cranny_task::{AfterPlacing, Carrier, FailureReason, Goal, LiftOffSettings, PlaceAt, Problem, Stage};
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -65,7 +63,7 @@ fn carry_to(end: &str) -> Vec<Stage> {
     if end == "home" {
         return vec![Stage::pick(), Stage::home()];
     }
-    Stage::put_down(PlaceAt { place: end.to_owned(), clear_m: CLEAR_M }, AfterPlacing::Home)
+    Stage::put_down(PlaceAt::named(end), AfterPlacing::Home)
 }
 
 fn plans(end: &str, seeds: u64, margins: Margins, scenarios: &[&str]) {

@@ -16,7 +16,7 @@ use cranny_plan::{Budget, Unobserved};
 use cranny_robot::Robot;
 use cranny_scenario::{OpenOptions, Scenario};
 use cranny_solve::{Request, Timing, solve};
-use cranny_task::{AfterPlacing, CLEAR_M, PlaceAt, Problem, RoundedCorner, Segment, Stage, StatesAlong};
+use cranny_task::{AfterPlacing, PlaceAt, Problem, RoundedCorner, Segment, Stage, StatesAlong};
 
 const RATE_HZ: f64 = 10_000.0;
 const SAMPLES: u32 = 4000;
@@ -51,7 +51,7 @@ fn main() -> ExitCode {
         scenario.problem(margins).expect("a problem")
     });
     let problems: Vec<Problem> = problems.collect();
-    let outside = PlaceAt { place: "outside".to_owned(), clear_m: CLEAR_M };
+    let outside = PlaceAt::named("outside");
     let tasks =
         [Vec::new(), vec![Stage::pick(), Stage::home()], Stage::put_down(outside, AfterPlacing::Home)];
     let mut seen = Seen::default();

@@ -66,8 +66,8 @@ pub(crate) struct ScenarioFile {
     #[serde(default)]
     #[schemars(with = "BTreeMap<String, [f64; 2]>")]
     pub joint_bounds: BTreeMap<String, Spanned<[f64; 2]>>,
-    /// Speeds of motions unless a plan is asked for others: under `all` or a mode (`reach`, `lift-off`, `carry`, `set-down`,
-    /// `retreat`, `return`).
+    /// Speeds of motions unless a plan is asked for others: under `all` or a mode (`reach`, `approach`, `lift-off`, `carry`,
+    /// `set-down`, `retreat`, `return`).
     #[serde(default)]
     #[schemars(with = "BTreeMap<String, SpeedEntry>")]
     pub speeds: BTreeMap<String, Spanned<SpeedEntry>>,

@@ -91,11 +91,12 @@ fn try_once(
     let kept = rows.len() == picks.len() && rows.iter().all(|row| row.is_kept);
     let failed = rows.iter().position(|row| !row.is_as_planned());
     let shown = failed.or(rows.len().checked_sub(1));
-    // The grasp of the pick that did not hold: the last configuration of its reach.
+    // The grasp of the pick that did not hold: the last configuration before the hand closes.
     let dropped = rows.iter().position(|row| !row.is_kept);
     let reaches = plan.segments.iter().enumerate().filter(|(index, segment)| {
         let next = plan.segments.get(index + 1);
-        segment.mode == Mode::REACH && next.is_none_or(|next| next.mode.holds)
+        let Mode { holds, leaves, .. } = segment.mode;
+        !holds && !leaves && next.is_none_or(|next| next.mode.holds)
     });
     let reach = dropped.and_then(|dropped| reaches.map(|(_, segment)| segment).nth(dropped));
     let left_out = reach.and_then(|reach| {

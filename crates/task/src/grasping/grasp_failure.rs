@@ -114,6 +114,17 @@ pub enum FailureReason {
         /// How many.
         goals: u64,
     },
+    /// The open hand met something on the straight line to the grasp:
+    ApproachBlocked {
+        /// One thing.
+        first: String,
+        /// The other.
+        second: String,
+    },
+    /// The arm cannot move the hand along the straight line to the grasp.
+    ApproachOutOfReach,
+    /// No path was found to the begin of the straight line to the grasp.
+    ApproachNotReached,
     /// The hand closed there, but not on the object: a finger touched nothing.
     ClosesOnNothing,
     /// It was left out, because it had failed before.
@@ -230,6 +241,13 @@ impl FailureReason {
             }
             Self::OutOfBounds { bound } => format!("the arm came there, but exceeded the bound '{bound}'"),
             Self::NotConnected { .. } => "held by free configurations, but not connected".to_owned(),
+            Self::ApproachBlocked { first, second } => {
+                format!("the hand cannot come there straight: {first} against {second}")
+            }
+            Self::ApproachOutOfReach => "the arm cannot move the hand there straight".to_owned(),
+            Self::ApproachNotReached => {
+                "reached, but no way was found to where the straight approach begins".to_owned()
+            }
             Self::ClosesOnNothing => "the hand closes on nothing there".to_owned(),
             Self::LeftOut => "left out: it failed in physics".to_owned(),
             Self::Slips => {

@@ -5,6 +5,7 @@ use cranny_robot::{IkSettings, IkSolver};
 use cranny_spatial::{Pose, Rotation, Vector};
 
 use crate::FailureReason;
+use crate::stages::straight::{FarEnd, straight_path};
 
 /// Between two configurations of a retreat, in metres, and how far it goes at most.
 const RUNG_M: f64 = 0.01;
@@ -41,14 +42,14 @@ impl Placed {
 
     /// Path of way points (m, rad; one value per joint) on which the empty hand retreats from the object, from `q`
     /// on, until it is clear of it by `clear_m` (m): backwards along its approach, up, or between the two, in
-    /// straight edges, each of them proven.
+    /// straight edges, each of them proven; backwards alone, over at least `straight_m` (m), if that is above 0.
     ///
     /// # Errors
     /// Reason why no such path was found.
     ///
     /// # Panics
     /// If `q` has not one value per joint.
-    pub fn retreat(&self, q: &[f64], clear_m: f64) -> Result<Vec<Vec<f64>>, FailureReason> {
+    pub fn retreat(&self, q: &[f64], clear_m: f64, straight_m: f64) -> Result<Vec<Vec<f64>>, FailureReason> {
         let mut scratch = self.after.scratch();
         let robot = self.after.robot();
         let back = robot.frames_at(q).link(robot.tip()).rotation * -Vector::z();
@@ -58,6 +59,14 @@ impl Placed {
         if let Some(contact) = self.after.first_contact(q, &mut scratch) {
             let [first, second] = contact.names(&self.after);
             return Err(FailureReason::RetreatBlocked { first, second });
+        }
+        if straight_m > 0.0 {
+            let is_clear = |q: &[f64]| self.clearance_m(q, clear_m, &mut scratch) >= clear_m;
+            let path = straight_path(&self.after, q, (straight_m, FarEnd::Last), is_clear);
+            return path.map_err(|blocked| match blocked {
+                Some([first, second]) => FailureReason::RetreatBlocked { first, second },
+                None => reason,
+            });
         }
         for way in [back, mixed, up] {
             match self.retreated(q, &way, clear_m, &mut scratch) {

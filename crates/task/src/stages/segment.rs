@@ -32,6 +32,8 @@ pub enum MotionEnd {
 impl Mode {
     /// To a grasp or another goal, the hand open and empty.
     pub const REACH: Self = Self { name: "reach", holds: false, rests_at: None, leaves: false };
+    /// Straight to a grasp along the z axis of the gripper frame, the hand open and empty.
+    pub const APPROACH: Self = Self { name: "approach", holds: false, rests_at: None, leaves: false };
     /// The object, in the closed hand, off what carries it.
     pub const LIFT_OFF: Self =
         Self { name: "lift-off", holds: true, rests_at: Some(MotionEnd::First), leaves: false };
@@ -46,8 +48,15 @@ impl Mode {
     pub const RETURN: Self = Self { name: "return", holds: false, rests_at: None, leaves: true };
 
     /// All modes.
-    pub const ALL: [Self; 6] =
-        [Self::REACH, Self::LIFT_OFF, Self::CARRY, Self::SET_DOWN, Self::RETREAT, Self::RETURN];
+    pub const ALL: [Self; 7] = [
+        Self::REACH,
+        Self::APPROACH,
+        Self::LIFT_OFF,
+        Self::CARRY,
+        Self::SET_DOWN,
+        Self::RETREAT,
+        Self::RETURN,
+    ];
 
     /// The mode of a name.
     ///

@@ -30,6 +30,9 @@ pub struct Pick {
     pub object: Option<String>,
     /// Clearance that is demanded about the object, in metres; `None`: that of the problem's margins.
     pub object_margin_m: Option<f64>,
+    /// Least length of the straight approach, along the z axis of the gripper frame, in metres; 0: the path may come to the
+    /// grasp from anywhere.
+    pub approach_m: f64,
 }
 
 /// Goal of a motion of the arm.
@@ -57,6 +60,9 @@ pub struct PlaceAt {
     pub place: String,
     /// Distance between the hand and the object at the end of the retreat, in metres.
     pub clear_m: f64,
+    /// Least length of the straight retreat, against the z axis of the gripper frame, in metres; 0: the hand may leave the
+    /// object in another direction.
+    pub retreat_m: f64,
 }
 
 /// Motion of the robot after it has put an object down.
@@ -84,6 +90,9 @@ pub const CLEAR_M: f64 = 0.05;
 /// Greatest distance that can be demanded, in metres.
 pub const FARTHEST_CLEAR_M: f64 = 1.0;
 
+/// Greatest length of a straight approach or retreat, in metres.
+pub(crate) const MOST_STRAIGHT_M: f64 = 0.5;
+
 impl Stage {
     /// The target of the problem is grasped.
     pub fn pick() -> Self {
@@ -97,7 +106,7 @@ impl Stage {
 
     /// The object in the hand is put down at a named place of the problem, and the hand leaves it by [`CLEAR_M`].
     pub fn place(place: &str) -> Self {
-        Self::Place(PlaceAt { place: place.to_owned(), clear_m: CLEAR_M })
+        Self::Place(PlaceAt::named(place))
     }
 
     /// The target is picked and put down at a place, after which the robot goes home or stays.
@@ -154,6 +163,7 @@ impl Stage {
                     {
                         return refuse("the clearance demanded about the object is none".to_owned());
                     }
+                    straight_fault("an approach", pick.approach_m).map_or(Ok(()), refuse)?;
                 }
                 Self::Place(_) | Self::Move(Move::Region(Region { moved: Moved::Object, .. }))
                     if held.is_none() =>
@@ -169,6 +179,7 @@ impl Stage {
                     if let Some(reason) = rolls {
                         return refuse(reason);
                     }
+                    straight_fault("a retreat", place.retreat_m).map_or(Ok(()), refuse)?;
                 }
             }
         }
@@ -180,17 +191,28 @@ impl fmt::Display for Stage {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mm = |clear_m: &f64| at_least(*clear_m, 1e3, 2);
         match self {
-            Self::Pick(Pick { object, .. }) => write!(f, "pick '{}'", object.as_deref().unwrap_or(TARGET)),
+            Self::Pick(Pick { object, approach_m, .. }) => {
+                write!(f, "pick '{}'", object.as_deref().unwrap_or(TARGET))?;
+                if *approach_m > 0.0 { write!(f, " after {} mm straight", mm(approach_m)) } else { Ok(()) }
+            }
             Self::Move(Move::Home) => f.write_str("move home"),
             Self::Move(Move::Configurations(ends)) => {
                 write!(f, "move to one of {}", counted(ends.len(), "configuration"))
             }
             Self::Move(Move::Region(region)) => write!(f, "move {region}"),
             Self::Move(Move::Clear { clear_m }) => write!(f, "move until {} mm clear", mm(clear_m)),
-            Self::Place(PlaceAt { place, clear_m }) => {
-                write!(f, "put down in '{place}', the hand {} mm off it", mm(clear_m))
+            Self::Place(PlaceAt { place, clear_m, retreat_m }) => {
+                write!(f, "put down in '{place}', the hand {} mm off it", mm(clear_m))?;
+                if *retreat_m > 0.0 { write!(f, " after {} mm straight", mm(retreat_m)) } else { Ok(()) }
             }
         }
+    }
+}
+
+impl PlaceAt {
+    /// A place of that name, with a retreat in any direction until the hand is clear of the object by [`CLEAR_M`].
+    pub fn named(place: &str) -> Self {
+        Self { place: place.to_owned(), clear_m: CLEAR_M, retreat_m: 0.0 }
     }
 }
 
@@ -273,6 +295,18 @@ pub(crate) struct StageRow {
     /// Clearance that is demanded about the object of a `pick`, in metres.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     object_margin_m: Option<f64>,
+    /// Least length of the straight approach of a `pick`, in metres, at most 0.5.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    approach_m: Option<f64>,
+    /// Least length of the straight retreat of a `place`, in metres, at most 0.5.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    retreat_m: Option<f64>,
+}
+
+/// The fault of a length of a straight motion (m), in words.
+fn straight_fault(motion: &str, length_m: f64) -> Option<String> {
+    let is_length = (0.0..=MOST_STRAIGHT_M).contains(&length_m);
+    (!is_length).then(|| format!("{length_m} m is no length of {motion}; give 0 to {MOST_STRAIGHT_M} m"))
 }
 
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -297,20 +331,27 @@ impl TryFrom<StageRow> for Stage {
     type Error = String;
 
     fn try_from(row: StageRow) -> Result<Self, String> {
-        let StageRow { pick, move_to, place, clear_m, object_margin_m } = row;
+        let StageRow { pick, move_to, place, clear_m, object_margin_m, approach_m, retreat_m } = row;
         let only = |key: &str, of: &str, given: Option<f64>| {
             given.map_or(Ok(()), |_| Err(format!("'{key}' belongs to a stage with {of}")))
         };
+        if pick.is_none() {
+            only("object_margin_m", "'pick'", object_margin_m)?;
+            only("approach_m", "'pick'", approach_m)?;
+        }
+        if place.is_none() {
+            only("retreat_m", "'place'", retreat_m)?;
+        }
         let stage = match (pick, move_to, place) {
             (Some(object), None, None) => {
                 only("clear_m", "'place' or 'move: clear'", clear_m)?;
+                let approach_m = approach_m.unwrap_or_default();
                 let object = Some(object).filter(|object| object != TARGET);
-                return Ok(Self::Pick(Pick { object, object_margin_m }));
+                return Ok(Self::Pick(Pick { object, object_margin_m, approach_m }));
             }
             (None, Some(MoveRow::Word(word)), None) => match word.as_str() {
                 "home" => Self::home(),
                 "clear" => {
-                    only("object_margin_m", "'pick'", object_margin_m)?;
                     return Ok(Self::Move(Move::Clear { clear_m: clear_m.unwrap_or(CLEAR_M) }));
                 }
                 _ => {
@@ -322,13 +363,12 @@ impl TryFrom<StageRow> for Stage {
             (None, Some(MoveRow::Configurations(ends)), None) => Self::Move(Move::Configurations(ends)),
             (None, Some(MoveRow::Region(row)), None) => Self::Move(Move::Region(row.try_into()?)),
             (None, None, Some(place)) => {
-                only("object_margin_m", "'pick'", object_margin_m)?;
-                return Ok(Self::Place(PlaceAt { place, clear_m: clear_m.unwrap_or(CLEAR_M) }));
+                let (clear_m, retreat_m) = (clear_m.unwrap_or(CLEAR_M), retreat_m.unwrap_or_default());
+                return Ok(Self::Place(PlaceAt { place, clear_m, retreat_m }));
             }
             _ => return Err("a stage has one of 'pick', 'move' and 'place'".to_owned()),
         };
         only("clear_m", "'place' or 'move: clear'", clear_m)?;
-        only("object_margin_m", "'pick'", object_margin_m)?;
         Ok(stage)
     }
 }
@@ -336,10 +376,14 @@ impl TryFrom<StageRow> for Stage {
 impl From<Stage> for StageRow {
     fn from(stage: Stage) -> Self {
         let row = Self::default();
+        let unless_none = |length_m: f64| Some(length_m).filter(|length_m| *length_m > 0.0);
         match stage {
-            Stage::Pick(Pick { object, object_margin_m }) => {
-                Self { pick: Some(object.unwrap_or_else(|| TARGET.to_owned())), object_margin_m, ..row }
-            }
+            Stage::Pick(Pick { object, object_margin_m, approach_m }) => Self {
+                pick: Some(object.unwrap_or_else(|| TARGET.to_owned())),
+                object_margin_m,
+                approach_m: unless_none(approach_m),
+                ..row
+            },
             Stage::Move(Move::Home) => Self { move_to: Some(MoveRow::Word("home".to_owned())), ..row },
             Stage::Move(Move::Clear { clear_m }) => {
                 Self { move_to: Some(MoveRow::Word("clear".to_owned())), clear_m: Some(clear_m), ..row }
@@ -350,8 +394,8 @@ impl From<Stage> for StageRow {
             Stage::Move(Move::Configurations(ends)) => {
                 Self { move_to: Some(MoveRow::Configurations(ends)), ..row }
             }
-            Stage::Place(PlaceAt { place, clear_m }) => {
-                Self { place: Some(place), clear_m: Some(clear_m), ..row }
+            Stage::Place(PlaceAt { place, clear_m, retreat_m }) => {
+                Self { place: Some(place), clear_m: Some(clear_m), retreat_m: unless_none(retreat_m), ..row }
             }
         }
     }

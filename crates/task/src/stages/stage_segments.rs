@@ -1,4 +1,4 @@
-use crate::stages::segment::{MotionEnd, Segment};
+use crate::stages::segment::{Mode, MotionEnd, Segment};
 use crate::stages::stage::Stage;
 
 /// Checks that segments are of stages: in their order; the hand closes in a pick that a stage follows, opens in a place, and
@@ -90,6 +90,12 @@ fn fault_of(
     if let Some(fault) = corner_fault(before, segment) {
         return Some(fault);
     }
+    if segment.mode == Mode::APPROACH
+        && !(matches!(stage, Stage::Pick(_))
+            && next.is_none_or(|next| next.stage != segment.stage || next.mode.holds))
+    {
+        return Some("approaches nothing that is grasped after it");
+    }
     let holds = segment.mode.holds;
     let was_held = before.is_some_and(|before| before.mode.holds);
     let closes = holds && !was_held;
@@ -157,10 +163,11 @@ fn corner_fault(before: Option<&Segment>, segment: &Segment) -> Option<&'static 
     None
 }
 
-/// Whether a motion may go on from a segment to the next without a stop.
+/// Whether a motion may go on from a segment to the next without a stop. It stops where a straight approach begins.
 pub fn are_joined(before: &Segment, next: &Segment) -> bool {
     let lifts = before.mode.rests_at == Some(MotionEnd::First);
     before.mode.holds == next.mode.holds
+        && next.mode != Mode::APPROACH
         && next.mode.rests_at.is_none()
         && (lifts || (before.stage == next.stage && before.mode.rests_at.is_none()))
 }

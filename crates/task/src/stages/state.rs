@@ -6,6 +6,7 @@ use cranny_spatial::Pose;
 
 use crate::placing::placed::Placed;
 use crate::stages::segment::{Mode, MotionEnd, Segment};
+use crate::stages::straight::{FarEnd, straight_line, straight_path};
 use crate::{Carrier, FailureReason, Goal, Grip, LiftOffSettings, Moved, Pick, Problem, Stage, TaskError};
 
 /// Between two configurations on the way back, in the metric of the joints (m, rad).
@@ -23,6 +24,8 @@ pub struct State {
     let_go: Option<(usize, Pose)>,
     /// What carries the held object along the present segment.
     rest: Option<Rest>,
+    /// The cell in which the hand keeps to a straight line along the present segment.
+    line: Option<Arc<Cell>>,
 }
 
 /// An object in the hand.
@@ -43,7 +46,7 @@ impl State {
     /// The state that a problem begins in; `None` under `paper`, which has no world.
     pub fn start(problem: &Problem) -> Option<Self> {
         let empty = problem.cell()?.clone();
-        Some(Self { q: problem.start().to_vec(), empty, held: None, let_go: None, rest: None })
+        Some(Self { q: problem.start().to_vec(), empty, held: None, let_go: None, rest: None, line: None })
     }
 
     /// The state after the object of a carrier was let go at a pose of its first solid, the arm at a configuration
@@ -55,15 +58,16 @@ impl State {
         let body = carrier.hand().target();
         let after = carrier.cell().with_body_at(body, world_from_held)?;
         let let_go = Some((body, *world_from_held));
-        Ok(Self { q: q.to_vec(), empty: Arc::new(after), held: None, let_go, rest: None })
+        Ok(Self { q: q.to_vec(), empty: Arc::new(after), held: None, let_go, rest: None, line: None })
     }
 
     /// Robot and world, with the object in the hand as part of the robot.
     pub fn cell(&self) -> &Arc<Cell> {
-        match (&self.rest, &self.held) {
-            (Some(rest), _) => &rest.near,
-            (None, Some(held)) => held.grip.cells()[1],
-            (None, None) => &self.empty,
+        match (&self.rest, &self.line, &self.held) {
+            (Some(rest), _, _) => &rest.near,
+            (None, Some(line), _) => line,
+            (None, None, Some(held)) => held.grip.cells()[1],
+            (None, None, None) => &self.empty,
         }
     }
 
@@ -90,7 +94,7 @@ impl State {
     /// The same state at another configuration (m, rad; one per joint).
     #[must_use]
     pub fn at(&self, q: &[f64]) -> Self {
-        Self { q: q.to_vec(), rest: None, ..self.clone() }
+        Self { q: q.to_vec(), rest: None, line: None, ..self.clone() }
     }
 
     /// Distance between what is in the hand, or the hand where it is empty, and all bodies but floors with the arm at
@@ -228,13 +232,27 @@ impl State {
     }
 
     /// Path of way points (m, rad; one value per joint) on which the open hand retreats from what it has let go until
-    /// it is clear of it by `clear_m` (m), in straight edges, each of them proven.
+    /// it is clear of it by `clear_m` (m), in straight edges, each of them proven; at least `straight_m` (m) of it on a
+    /// straight line against the z axis of the gripper frame, if that is above 0.
     ///
     /// # Errors
     /// Reason why no such path was found.
-    pub fn retreat(&self, clear_m: f64) -> Result<Vec<Vec<f64>>, FailureReason> {
+    pub fn retreat(&self, clear_m: f64, straight_m: f64) -> Result<Vec<Vec<f64>>, FailureReason> {
         let (body, pose) = self.let_go.ok_or(FailureReason::NoPlace)?;
-        Placed::of(&self.empty, body, pose).retreat(&self.q, clear_m)
+        Placed::of(&self.empty, body, pose).retreat(&self.q, clear_m, straight_m)
+    }
+
+    /// Path of way points (m, rad; one value per joint) on which the open hand comes here straight along the z axis of the
+    /// gripper frame, over `length_m` (m), in straight edges, each of them proven.
+    ///
+    /// # Errors
+    /// Reason why no such path was found.
+    pub fn approach(&self, length_m: f64) -> Result<Vec<Vec<f64>>, FailureReason> {
+        let path = straight_path(&self.empty, &self.q, (length_m, FarEnd::First), |_| true);
+        path.map_err(|blocked| match blocked {
+            Some([first, second]) => FailureReason::ApproachBlocked { first, second },
+            None => FailureReason::ApproachOutOfReach,
+        })
     }
 
     /// The state along a segment that begins here: the hand closed or opened as its mode demands, on the body to be
@@ -260,6 +278,13 @@ impl State {
         let rest =
             state.held.as_ref().zip(segment.mode.rests_at).and_then(|(held, end)| held.rest(end, segment));
         Ok(Self { rest, ..state })
+    }
+
+    /// The same state along a segment of a stage, on which the hand keeps to a straight line if that is demanded.
+    fn keeping_straight(self, stage: Option<&Stage>, segment: &Segment) -> Result<Self, TaskError> {
+        let line = straight_line(self.empty.robot(), stage, segment);
+        let line = line.map(|line| line.keeping(&self.empty)).transpose()?;
+        Ok(Self { line: line.map(Arc::new), ..self })
     }
 
     /// The state at the end of a segment, along which this is the state.
@@ -337,7 +362,7 @@ impl StatesAlong {
             match now.along(segment, first) {
                 Ok(along) => {
                     now = along.after(segment);
-                    states.push(along);
+                    states.push(along.keeping_straight(stages.get(segment.stage), segment)?);
                 }
                 Err(reason) => {
                     stopped = Some(reason);

@@ -4,20 +4,18 @@ use std::time::Instant;
 use cranny_plan::{Budget, Observer, Outcome, PlanError, PlanReport, Planner, begin_search};
 use cranny_spatial::Pose;
 use cranny_task::{
-    Carrier, FailureReason, Goal, GraspFailure, LiftOffSettings, Mode, Move, Pick, PlaceAt, Problem, Segment,
+    Carrier, FailureReason, GraspFailure, LiftOffSettings, Mode, Move, Pick, PlaceAt, Problem, Segment,
     Stage, State,
 };
 
-use crate::effort::{Effort, First, Stop};
 use crate::hold::FirmGrip;
-use crate::look_ahead::LookAhead;
-use crate::onward::{Towards, Way, onward};
-use crate::place_search::{PlaceSearch, PutDowns, Spoiled};
-use crate::refusals::{Demanded, Refusals};
+use crate::stages::approach::{Approach, approach, blocked_approach};
+use crate::stages::effort::{Effort, First, Stop};
+use crate::stages::look_ahead::LookAhead;
+use crate::stages::onward::{Piece, Towards, Way, onward};
+use crate::stages::place_search::{PlaceSearch, PutDowns, Spoiled};
+use crate::stages::refusals::{Demanded, Refusals, add_failed};
 use crate::{Request, SolveError};
-
-/// A segment, and the problem that it solves where it can be shortened.
-pub(crate) type Piece = (Segment, Option<Problem>);
 
 /// Pieces through all stages from one on, or why there are none.
 type Through = Result<Vec<Piece>, FailureReason>;
@@ -194,16 +192,19 @@ impl<'a> Chain<'a> {
             .as_ref()
             .zip(demanded)
             .and_then(|(carrier, _)| carrier.firmness(self.problem).map(Arc::new));
-        let asked = match &carrier {
-            Some(carrier) => {
-                let blocked = self.grasp_filter(index, carrier, places.as_ref());
-                let left_out = self.request.left_out_filter(index);
-                let (is_put_down, is_own) = (places.is_some(), picking.grasp_measure().is_some());
-                let firm = firmness.clone().zip(demanded);
-                let firm = firm.map(|(firmness, factor)| Demanded { firmness, factor, is_put_down, is_own });
-                picking.clone().with_grasp_filter(refusals.filter(left_out, firm, blocked))
-            }
-            None => picking.clone(),
+        let asked = {
+            let on_the_way = picking.cell().filter(|_| pick.approach_m > 0.0);
+            let on_the_way = on_the_way.map(|cell| blocked_approach(cell, pick.approach_m));
+            let after = carrier.as_ref().map(|carrier| self.grasp_filter(index, carrier, places.as_ref()));
+            let blocked = move |world_from_tip: &Pose| {
+                let before = on_the_way.as_ref().and_then(|blocked| blocked(world_from_tip));
+                before.or_else(|| after.as_ref().and_then(|blocked| blocked(world_from_tip)))
+            };
+            let (is_put_down, is_own) = (places.is_some(), picking.grasp_measure().is_some());
+            let firm = firmness.clone().zip(demanded);
+            let firm = firm.map(|(firmness, factor)| Demanded { firmness, factor, is_put_down, is_own });
+            let filter = refusals.filter(self.request.left_out_filter(index), firm, blocked);
+            picking.clone().with_grasp_filter(filter)
         };
         let patience = if index == 0 { usize::MAX } else { self.effort.patience() };
         let seed = self.next_seed(index);
@@ -226,24 +227,25 @@ impl<'a> Chain<'a> {
                 return Ok(Err(self.not_picked(index, &picking, report, failed)));
             }
             let reached = before.at(report.path.last().map_or(&[], |q| &q[..]));
-            let onward = match &carrier {
-                Some(carrier) => {
+            let path = std::mem::take(&mut report.path);
+            let approach =
+                approach(&mut self.effort, (index, &picking), (&before, path), pick.approach_m, observer);
+            let through = match (approach, &carrier) {
+                (Ok(Approach { pieces, led }), Some(carrier)) => {
                     let robot = self.problem.robot();
                     let grip =
                         firmness.as_ref().and_then(|firmness| FirmGrip::of(firmness, robot, &reached.q));
-                    let held =
-                        Held { carrier, places: places.clone(), led: &report.path, grip: grip.as_ref() };
-                    self.lift_off(index, &reached, &held, observer)?
+                    let held = Held { carrier, places: places.clone(), led: &led, grip: grip.as_ref() };
+                    let onward = self.lift_off(index, &reached, &held, observer)?;
+                    onward.map(|onward| [pieces, onward].concat())
                 }
-                None => Ok(Vec::new()),
+                (Ok(Approach { pieces, .. }), None) => Ok(pieces),
+                (Err(reason), _) => Err(reason),
             };
-            match onward {
-                Ok(onward) => {
+            match through {
+                Ok(pieces) => {
                     self.effort.count(&report.statistics, Outcome::Solved);
-                    let to_end = Goal::Configurations(vec![reached.q.clone()]);
-                    let problem = picking.with_goal(to_end)?;
-                    let reach = (Segment::empty(index, Mode::REACH, report.path), Some(problem));
-                    return Ok(Ok([vec![reach], onward].concat()));
+                    return Ok(Ok(pieces));
                 }
                 Err(reason) => {
                     let robot = self.problem.robot();
@@ -268,13 +270,7 @@ impl<'a> Chain<'a> {
     ) -> FailureReason {
         let PlanReport { outcome, mut failures, .. } = report;
         if let Some(grasps) = picking.grasps() {
-            for (gripper, reason) in &failed {
-                let Some((grasp, _)) = grasps.nearest(gripper) else { continue };
-                match failures.iter_mut().find(|failure| failure.grasp == grasp) {
-                    Some(failure) => failure.reason = reason.clone(),
-                    None => failures.push(GraspFailure { grasp, reason: reason.clone(), attempts: 0 }),
-                }
-            }
+            add_failed(&mut failures, grasps, &failed);
         }
         let commonest = GraspFailure::commonest(&failures).cloned();
         if index == 0 {

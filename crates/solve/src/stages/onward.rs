@@ -2,9 +2,9 @@ use cranny_collision::Cell;
 use cranny_plan::Observer;
 use cranny_robot::{IkSearch, IkSearchSettings, IkSettings, between, distance};
 use cranny_spatial::{Pose, Stream};
-use cranny_task::{FailureReason, Move, Problem, Region, State};
+use cranny_task::{FailureReason, Move, Problem, Region, Segment, State};
 
-use crate::effort::Effort;
+use crate::stages::effort::Effort;
 
 /// Maximum number of random configurations that are drawn for some at which the hand is clear …
 const MOST_DRAWS: u32 = 2000;
@@ -26,6 +26,9 @@ const MOST_POSES: usize = 64;
 
 /// A path and the problem that it solves.
 pub(crate) type Way = (Vec<Vec<f64>>, Problem);
+
+/// A segment, and the problem that it solves where it can be shortened.
+pub(crate) type Piece = (Segment, Option<Problem>);
 
 /// Goal of a motion on from a state.
 pub(crate) enum Towards<'a> {

@@ -5,9 +5,9 @@ use cranny_plan::{Observer, PlanError};
 use cranny_spatial::{Pose, Stream};
 use cranny_task::{Carrier, FailureReason, Grip, PlaceAt, Placement, Placer, Problem, State};
 
-use crate::effort::Effort;
-use crate::look_ahead::LookAhead;
-use crate::onward::{Towards, Way, ik_solutions, onward};
+use crate::stages::effort::Effort;
+use crate::stages::look_ahead::LookAhead;
+use crate::stages::onward::{Towards, Way, ik_solutions, onward};
 
 /// Number of descents after which the transfer search starts.
 const ENOUGH_ENDS: usize = 4;
@@ -26,6 +26,8 @@ const STARTS_STREAM: u64 = 0x91ac_e001;
 pub(crate) struct PlaceSearch {
     carrier: Arc<Carrier>,
     placer: Placer,
+    /// Length of the straight retreat, in metres; 0: any.
+    retreat_m: f64,
     home: Vec<f64>,
     seed: u64,
 }
@@ -73,7 +75,7 @@ impl PlaceSearch {
             placer.with_placements(effort.seed)
         };
         let (home, seed) = (problem.start().to_vec(), effort.seed);
-        Ok(Self { carrier: carrier.clone(), placer, home, seed })
+        Ok(Self { carrier: carrier.clone(), placer, retreat_m: place.retreat_m, home, seed })
     }
 
     /// Why an object that is gripped with the tip at a pose can be let go nowhere.
@@ -156,7 +158,7 @@ impl PlaceSearch {
     fn leave(&self, state: &State, set_down: &[Vec<f64>]) -> Result<(Vec<Vec<f64>>, State), FailureReason> {
         let down = set_down.last().ok_or(FailureReason::NotBroughtThere)?;
         let open = state.at(down).opened()?;
-        let retreat = open.retreat(self.placer.clear_m())?;
+        let retreat = open.retreat(self.placer.clear_m(), self.retreat_m)?;
         let after = retreat.last().map_or_else(|| open.clone(), |last| open.at(last));
         Ok((retreat, after))
     }

@@ -1,8 +1,9 @@
 use std::sync::atomic::{AtomicBool, AtomicI32, AtomicU32, Ordering};
 use std::sync::{Arc, OnceLock};
 
+use cranny_grasp::GraspSet;
 use cranny_spatial::Pose;
-use cranny_task::{FailureReason, Firmness, GraspFilter, Problem, gripper_poses};
+use cranny_task::{FailureReason, Firmness, GraspFailure, GraspFilter, Problem, gripper_poses};
 
 /// Number of grasps after whose refusal, one and all, a later object is given up: another placement before it may allow some.
 const MOST_REFUSED: u32 = 24;
@@ -99,5 +100,21 @@ impl Refusals {
     /// True if many were refused, and none was not.
     pub fn are_all(&self) -> bool {
         self.refused.load(Ordering::Relaxed) >= MOST_REFUSED && !self.is_any_left.load(Ordering::Relaxed)
+    }
+}
+
+/// Replaces what is known of grasps of a set by the reasons why nothing led on from the poses of the gripper at which they
+/// were reached.
+pub(crate) fn add_failed(
+    failures: &mut Vec<GraspFailure>,
+    grasps: &GraspSet,
+    failed: &[(Pose, FailureReason)],
+) {
+    for (gripper, reason) in failed {
+        let Some((grasp, _)) = grasps.nearest(gripper) else { continue };
+        match failures.iter_mut().find(|failure| failure.grasp == grasp) {
+            Some(failure) => failure.reason = reason.clone(),
+            None => failures.push(GraspFailure { grasp, reason: reason.clone(), attempts: 0 }),
+        }
     }
 }

@@ -1,0 +1,9 @@
+//! The search for a way through the stages of a task.
+
+mod approach;
+pub(crate) mod chain;
+mod effort;
+mod look_ahead;
+pub(crate) mod onward;
+mod place_search;
+mod refusals;
