@@ -111,6 +111,14 @@ class Robot:
     def acceleration(self) -> _Floats: ...
     def fk(self, q: ArrayLike, link: str | None = None, *, threads: int | None = 1) -> _Floats: ...
     def jacobian(self, q: ArrayLike, link: str | None = None, *, threads: int | None = 1) -> _Floats: ...
+    def joint_forces(
+        self,
+        q: ArrayLike,
+        velocity: ArrayLike,
+        acceleration: ArrayLike,
+        *,
+        up: tuple[float, float, float] = (0, 0, 1),
+    ) -> _Floats: ...
     # Of one pose (4, 4) an array (K, dof); of a batch (N, 4, 4) a list of N arrays.
     def ik(
         self,
@@ -469,6 +477,7 @@ def plan(
     speed: float | Mapping[str, float] | None = None,
     acceleration: float | Mapping[str, float] | None = None,
     tool_speed_m_s: float | Mapping[str, float] | None = None,
+    torque: bool = False,
     upright_deg: float | None = None,
     score: str | None = None,
     min_score: float | None = None,

@@ -108,7 +108,8 @@ pub fn seconds(what: &str, value: f64) -> PyResult<Duration> {
 /// at most 1, of the joints' limits; `tool_speed_m_s`: greatest speed of the gripper frame in m/s; each a number for all
 /// motions, or a dict from modes ("reach", "carry", …; "all") to numbers; without them `speeds` of a `scenario.yaml`, and
 /// `max_cartesian_speed` of a MoveIt request, count. An object is put down with 0.1 m/s at most unless
-/// `tool_speed_m_s` states another speed for "set-down". `upright_deg`: greatest tilt, above 0 and at most 180, of what is
+/// `tool_speed_m_s` states another speed for "set-down". `torque`: the force or torque of each joint keeps the effort that the
+/// URDF states, with the masses of the links and of what is in the hand. `upright_deg`: greatest tilt, above 0 and at most 180, of what is
 /// held against how it stood when it was grasped, proven along the whole motion; `plan.tilt` is what it is; `plan.tool` lists
 /// the bounds of the tool that the scenario states. `carry`: "home", "out", or a configuration (dof,) or
 /// several (N, dof), where the target is carried to once it is grasped; "out" is anywhere it is `clear_m` (m) clear of all
@@ -130,7 +131,7 @@ pub fn seconds(what: &str, value: f64) -> PyResult<Duration> {
 #[pyo3(signature = (scenario, planner=None, *, seed=0, time_limit_s=120.0, iterations=None, margin_m=0.0,
     grasp_margin_m=None, strict_pairs=false, settings=None, goal_threshold=None, shortcut=true, optimise_s=None,
     cost=None, score_weight=1.0, jerk_limited=None, blend=true, speed=None,
-    acceleration=None, tool_speed_m_s=None, upright_deg=None, score=None, min_score=None,
+    acceleration=None, tool_speed_m_s=None, torque=false, upright_deg=None, score=None, min_score=None,
     carry=None, place=None, task=None, then=None, clear_m=None, approach_m=None, retreat_m=None, robust=None, hold=1.5, try_in_physics=None, watch=None))]
 #[allow(
     clippy::too_many_arguments,
@@ -157,6 +158,7 @@ pub fn plan(
     speed: Option<&Bound<'_, PyAny>>,
     acceleration: Option<&Bound<'_, PyAny>>,
     tool_speed_m_s: Option<&Bound<'_, PyAny>>,
+    torque: bool,
     upright_deg: Option<f64>,
     score: Option<&str>,
     min_score: Option<f64>,
@@ -185,13 +187,7 @@ pub fn plan(
     }
     let tilt_rad = upright_deg.map(f64::to_radians);
     let margins = Margins { margin_m, grasp_margin_m, tilt_rad, ..Margins::default() };
-    let margins = match (robust, scenario.cast::<PyScenario>()) {
-        (None, _) => margins,
-        (_, Ok(scenario)) => cranny_record::margins_forgiving(&scenario.get().scenario, margins, robust)
-            .map_err(|_| bad_value("robust: there is no target that could be elsewhere"))?,
-        (_, Err(_)) => return Err(bad_value("robust needs a Scenario")),
-    };
-    let mut asked = Task::of(scenario, margins)?;
+    let mut asked = Task::of(scenario, forgiving(scenario, margins, robust)?)?;
     if strict_pairs {
         asked.problem = asked.problem.checking_all_pairs();
     }
@@ -230,6 +226,7 @@ pub fn plan(
             tool_speed: pace_of("tool_speed_m_s", tool_speed_m_s)?,
         },
         tool_m_s: asked.tool_m_s,
+        torque,
         carry: carry.map(|carry| carry_of(carry, asked.problem.robot())).transpose()?,
         place,
         task: task.map(task_of).transpose()?,
@@ -320,4 +317,14 @@ pub fn verify_path(
     let settings = AuditSettings { at_goal: !any_end, ..AuditSettings::default() };
     let audit = scenario.py().detach(|| audit_with(&task.problem, &path, settings)).map_err(fault)?;
     Ok(PyVerification { audit })
+}
+
+/// Margins that forgive an error of the pose of the target of a scenario, if one is to be forgiven.
+fn forgiving(scenario: &Bound<'_, PyAny>, margins: Margins, robust: Option<PoseRadius>) -> PyResult<Margins> {
+    match (robust, scenario.cast::<PyScenario>()) {
+        (None, _) => Ok(margins),
+        (_, Ok(scenario)) => cranny_record::margins_forgiving(&scenario.get().scenario, margins, robust)
+            .map_err(|_| bad_value("robust: there is no target that could be elsewhere")),
+        (_, Err(_)) => Err(bad_value("robust needs a Scenario")),
+    }
 }

@@ -7,10 +7,11 @@ use std::sync::Arc;
 use cranny_collision::{Cell, Scratch};
 use cranny_grasp::rows_of_pose;
 use cranny_robot::{
-    IkSearchSettings, IkSolver, JointGroup, MeshUse, Robot, RobotOptions, TextSource, solve_restarts,
+    Dynamics, IkSearchSettings, IkSolver, JointGroup, MeshUse, Robot, RobotOptions, TextSource,
+    solve_restarts,
 };
 use cranny_scenario::{BUILTIN_ROBOTS, BuiltinRobot, panda_mobile};
-use cranny_spatial::{Pose, Stream};
+use cranny_spatial::{Pose, Stream, Vector};
 use numpy::PyArrayDyn;
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
@@ -256,6 +257,41 @@ impl PyRobot {
             out.iter_mut().zip(jacobian.transpose().iter()).for_each(|(out, entry)| *out = *entry);
         })?;
         shaped(py, jacobians, &[q.count, 6, dof][usize::from(q.is_single)..])
+    }
+
+    /// Force or torque (N, N m) that each joint needs at `q` (m, rad) with these velocities and accelerations (per s, s²), by
+    /// the masses of the links in the URDF: (dof,), or (N, dof) of a batch, all three of one shape. `up` (3,): direction against
+    /// gravity in the root frame. Friction, and the inertia of rotors, which a URDF does not state, are left out.
+    #[pyo3(signature = (q, velocity, acceleration, *, up=[0.0, 0.0, 1.0]),
+        text_signature = "($self, q, velocity, acceleration, *, up=(0, 0, 1))")]
+    fn joint_forces<'py>(
+        &self,
+        q: &Bound<'py, PyAny>,
+        velocity: &Bound<'py, PyAny>,
+        acceleration: &Bound<'py, PyAny>,
+        up: [f64; 3],
+    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        let (py, robot, dof) = (q.py(), &*self.robot, self.robot.dof());
+        let read = |value, what| Configurations::read(value, what, robot);
+        let given = [read(q, "q")?, read(velocity, "velocity")?, read(acceleration, "acceleration")?];
+        if given.iter().any(|of| (of.count, of.is_single) != (given[0].count, given[0].is_single)) {
+            return Err(bad_value("q, velocity and acceleration have not the same shape"));
+        }
+        let length = up.iter().map(|x| x * x).sum::<f64>().sqrt();
+        if (length - 1.0).abs().is_nan() || (length - 1.0).abs() > 1e-6 {
+            return Err(bad_value(format!("up has the length {length}, not 1")));
+        }
+        let missing = |link| bad_value(format!("the URDF states no mass and inertia of link '{link}'"));
+        let dynamics = Dynamics::new(robot, &Vector::from(up), None).map_err(missing)?;
+        let mut frames = robot.frames();
+        let mut forces = Vec::with_capacity(given[0].count * dof);
+        let [q, velocity, acceleration] = [given[0].values()?, given[1].values()?, given[2].values()?]
+            .map(|values| values.chunks_exact(dof));
+        for ((q, velocity), acceleration) in q.zip(velocity).zip(acceleration) {
+            let of_row = robot.path_forces(&dynamics, [q, velocity, acceleration], &mut frames);
+            forces.extend(of_row.bend.iter().zip(&of_row.weight).map(|(bend, weight)| bend + weight));
+        }
+        shaped(py, forces, &[given[0].count, dof][usize::from(given[0].is_single)..])
     }
 
     /// Configurations that bring the tip to `pose`, (4, 4) `root_from_tip`: an array (K, dof), 0 ≤ K ≤ `count`,

@@ -95,6 +95,14 @@ class Reference:
         self.pin.framesForwardKinematics(self.model, self.data, self.configuration(q))
         return np.asarray(self.data.oMf[self.model.getFrameId(link)].homogeneous)
 
+    def forces(self, q: NDArray[np.float64], *rates: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Of each joint of the robot, at these velocities and accelerations."""
+        velocity, acceleration = np.zeros(self.model.nv), np.zeros(self.model.nv)
+        for joint, *of_joint in zip(self.joints, *rates, strict=True):
+            velocity[joint.idx_v], acceleration[joint.idx_v] = of_joint
+        forces = self.pin.rnea(self.model, self.data, self.configuration(q), velocity, acceleration)
+        return np.asarray(forces)[[joint.idx_v for joint in self.joints]]
+
     def jacobian(self, q: NDArray[np.float64], link: str) -> NDArray[np.float64]:
         """(6, dof), at the link's origin, in the axes of the root, columns in the order of the robot."""
         frame = self.model.getFrameId(link)

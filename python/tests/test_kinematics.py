@@ -7,7 +7,7 @@ from pathlib import Path
 import cranny
 import numpy as np
 import pytest
-from conftest import ROBOTS, Reference, released_folder
+from conftest import HERE, ROBOTS, Reference, released_folder
 
 ROBOT_NAMES = ["ur5_like", "fetch_like", "released"]
 CONFIGURATIONS = 500
@@ -111,3 +111,24 @@ def test_joints_can_be_chosen_and_ordered() -> None:
     robot = cranny.Robot.from_urdf(ROBOTS / "fetch_like.urdf", joints=names, fixed={"base_slide_x": 0.5})
     assert robot.joint_names == names and robot.fk([0.0, 0.0]).shape == (4, 4)
     assert robot.fk([0.0, 0.0], "base_link")[0, 3] == 0.5
+
+
+def test_forces_of_joints_agree_with_pinocchio() -> None:
+    urdf = HERE.parents[1] / "crates" / "scenario" / "robots" / "fetch_like" / "fetch_like.urdf"
+    robot = cranny.Robot.from_urdf(urdf)
+    open_fingers = {f"{side}_gripper_finger_joint": 0.05 for side in "lr"}
+    reference = Reference(urdf, robot, open_fingers)
+    draws = np.random.default_rng(3)
+    q = robot.sample(200, seed=11)
+    velocity, acceleration = (draws.uniform(-2.0, 2.0, q.shape) for _ in range(2))
+    reference.model.gravity.linear = np.array([0.0, 0.0, -9.81])
+    forces = robot.joint_forces(q, velocity, acceleration)
+    for row, force in enumerate(forces):
+        expected = reference.forces(q[row], velocity[row], acceleration[row])
+        np.testing.assert_allclose(force, expected, rtol=1e-9, atol=1e-9)
+    single = robot.joint_forces(q[0], velocity[0], acceleration[0])
+    np.testing.assert_array_equal(single, forces[0])
+    with pytest.raises(ValueError, match="the same shape"):
+        robot.joint_forces(q, velocity[0], acceleration[0])
+    with pytest.raises(ValueError, match="up has the length 2"):
+        robot.joint_forces(q[0], velocity[0], acceleration[0], up=(0, 0, 2))

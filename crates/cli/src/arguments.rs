@@ -106,21 +106,19 @@ const MOST_TRIES: u64 = 1000;
   cranny plan path/to/scenarios/035 --time-limit 60 -o reach.plan.json
   cranny plan 021 --margin 5 --grasp-margin 1
   cranny plan 021 --rate 100 --jerk-limited
-  cranny plan 021 --optimise 5
   cranny plan 021 --optimise 0.1 --cost time --score-weight 0
   cranny plan 043 --place outside --optimise 2
   cranny plan 021 --planner ik-rbt --set critical_m=0.05
   cranny plan 035 --carry home
   cranny plan 015 --carry out --clear 100
   cranny plan 012 --place outside --then stay
-  cranny plan 012 --place outside --hold 3
+  cranny plan 031 --robot fr3 --carry home --torque
   cranny plan 012 --place outside --approach 8 --retreat 10
   cranny plan 031 --place outside --try-in-physics 5
   cranny plan 021 --robust 2,3
   cranny plan 213 --steps
   cranny plan path/to/scenario --task tidy
   cranny plan 021 --grasps scored.csv --score physics    see `cranny simulate grasps --trials`
-  cranny plan 021 --grasps scored.csv --score physics --min-score 0.8
   cranny plan 031 --place outside --min-score load=3
   cranny plan 021 --grasps none
   cranny plan --moveit scene0001.yaml request0001.yaml
@@ -241,6 +239,10 @@ pub struct PlanArguments {
     /// Round corners, the default
     #[arg(long, hide = true, conflicts_with = "stop_at_corners")]
     pub blend: bool,
+    /// Keep the force or torque of each joint within the effort that the URDF states for it, with the masses of its links and of
+    /// what is in the hand
+    #[arg(long)]
+    pub torque: bool,
     /// Share of the joints' limits of velocity, above 0 and at most 1, of all motions or of one kind (carry=0.2); repeatable
     /// [default: `speeds` of scenario.yaml, else 1]
     #[arg(long, value_name = "[MODE=]SHARE")]

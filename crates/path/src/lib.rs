@@ -29,6 +29,7 @@ pub use pick_audit::PickAudit;
 pub use shortcut::{STOP, ShortcutSettings, Shortened, Shortener, shortcut};
 pub use step::{RELEASED_STEP_M, Stepper};
 pub use task_audit::{audit_along, audit_task};
+pub use timing::drives::Drives;
 pub use timing::motion_limits::{MotionLimits, TimingMethod};
 pub use timing::piece_limits::EdgePace;
 pub use timing::refinement::RefinedPath;

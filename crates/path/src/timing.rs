@@ -1,5 +1,6 @@
 //! When to be where on a path: limits, laws of time, trajectories.
 
+pub(crate) mod drives;
 pub(crate) mod motion_limits;
 pub(crate) mod path_curve;
 pub(crate) mod piece_limits;

@@ -6,6 +6,7 @@ use cranny_path::{AuditSettings, CostKind, MotionLimits, TimingMethod};
 use cranny_plan::{Budget, OptimiseSettings, Registry};
 use cranny_scenario::{NamedTask, Scenario, ScenarioError};
 use cranny_solve::{DEFAULT_HOLD, PoseRadius, Request, Timing};
+use cranny_spatial::Vector;
 use cranny_task::{AfterPlacing, CLEAR_M, Move, PlaceAt, Problem, Stage};
 use serde_json::{Map, Value};
 
@@ -13,6 +14,7 @@ use crate::{PaceWords, RecordError};
 
 /// What is asked of a planner, in the words of flags and keywords: the only place where they become a [`Request`].
 #[derive(Clone, Debug)]
+#[expect(clippy::struct_excessive_bools, reason = "a flag or keyword each")]
 pub struct Ask {
     /// The planners that there are.
     pub registry: Registry,
@@ -48,6 +50,8 @@ pub struct Ask {
     pub paces: PaceWords,
     /// Greatest speed of the gripper frame, in m/s, that the problem demands where `paces` state none.
     pub tool_m_s: Option<f64>,
+    /// Keeps the forces and torques of the joints within the efforts of the URDF.
+    pub torque: bool,
     /// Demands a trajectory.
     pub is_timing_demanded: bool,
     /// End of a carry.
@@ -111,6 +115,7 @@ impl Default for Ask {
             stops: false,
             tool_m_s: None,
             paces: PaceWords::default(),
+            torque: false,
             is_timing_demanded: false,
             carry: None,
             place: None,
@@ -168,7 +173,10 @@ impl Ask {
             timing: Some(Timing {
                 method: self.timing,
                 stops: self.stops,
-                is_demanded: self.is_timing_demanded,
+                is_demanded: self.is_timing_demanded || self.torque,
+                torque_up: self
+                    .torque
+                    .then(|| problem.cell().map_or_else(Vector::z, |cell| cell.world().up()).into()),
             }),
             paces: self
                 .paces

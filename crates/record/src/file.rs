@@ -264,6 +264,7 @@ impl PlanFile {
                 method: Some(timing.method),
                 stops: !timing.blended,
                 is_demanded: false,
+                torque_up: timing.torque_up,
             }),
             // How far the same path is from everything stands in the plan.
             audit: AuditSettings { clearances: Clearances::None, ..AuditSettings::default() },
@@ -349,6 +350,7 @@ mod tests {
             timing: Some(PlanTiming {
                 method: TimingMethod::JerkLimited,
                 blended: false,
+                torque_up: None,
                 duration_s: 0.1 + 0.7,
                 waypoint_times_s: vec![0.0, 0.1 + 0.7],
                 hand_s: vec![[0.1, 0.1 + 0.2]],

@@ -284,6 +284,9 @@ impl PlanFile {
             Some(_) if audit.valid => self.trajectory(problem.robot())?.as_ref().map(PlanTiming::of),
             _ => None,
         };
+        let up = || problem.cell().map(|cell| cell.world().up().into());
+        let timing =
+            timing.map(|timing| PlanTiming { torque_up: timing.torque_up.and_then(|_| up()), ..timing });
         let (clearance_m, clearances_per_edge_m) = match settings.clearances {
             Clearances::OfEdges => (audit.clearance_m, audit.clearances_per_edge_m.clone()),
             Clearances::OfPath | Clearances::None => (self.clearance_m, self.clearances_per_edge_m.clone()),
@@ -322,7 +325,7 @@ impl PlanFile {
             not_checked: audit.not_checked.clone(),
             path_length: path_length(&self.waypoints),
             least_length: None,
-            segments: self.measured_segments(along, &clearances_per_edge_m),
+            segments: self.measured_segments((along, problem), &clearances_per_edge_m),
             clearances_per_edge_m,
             waypoints: self.waypoints.clone(),
             timing,
@@ -346,7 +349,7 @@ impl PlanFile {
     /// The segments with their clearances, and what the hand holds where it is closed.
     fn measured_segments(
         &self,
-        along: Option<&StatesAlong>,
+        (along, problem): (Option<&StatesAlong>, &Problem),
         clearances_per_edge_m: &[Option<f64>],
     ) -> Vec<Segment> {
         let mut segments = self.segments.clone();
@@ -357,6 +360,7 @@ impl PlanFile {
                 segment.opening_m = Some(grip.opening_m);
                 segment.uneven_m = Some(grip.uneven_m);
             }
+            segment.payload = segment.payload.and_then(|_| state.payload(problem));
         }
         segments
     }

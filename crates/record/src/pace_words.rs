@@ -137,7 +137,7 @@ mod tests {
             assert!(fault.starts_with("speed: ") && fault.contains("above 0 and at most 1"), "{fault}");
         }
         assert!(words(&[], &["inf"]).paces(None).unwrap_err().to_string().starts_with("tool_speed: "));
-        assert!("fly=1".parse::<PaceWord>().unwrap_err().contains("reach, lift-off"));
+        assert!("fly=1".parse::<PaceWord>().unwrap_err().contains("reach, approach, lift-off"));
         assert!("carry=fast".parse::<PaceWord>().unwrap_err().contains("'fast' is no number"));
     }
 }

@@ -15,6 +15,10 @@ pub struct PlanTiming {
     pub duration_s: f64,
     /// When each way point is passed, or its rounded corner half passed, in seconds.
     pub waypoint_times_s: Vec<f64>,
+    /// Direction against gravity in the planning frame under which the drives keep their efforts; missing where that is not
+    /// limited.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub torque_up: Option<[f64; 3]>,
     /// From when to when the hand closes or opens, in seconds, each time.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub hand_s: Vec<[f64; 2]>,
@@ -27,6 +31,7 @@ impl PlanTiming {
             method: trajectory.method(),
             blended: trajectory.is_rounded(),
             duration_s: trajectory.duration_s(),
+            torque_up: trajectory.torque_up(),
             waypoint_times_s: trajectory.waypoint_times_s(),
             hand_s: trajectory.hand_motions().iter().map(|motion| [motion.from_s, motion.until_s]).collect(),
         }

@@ -42,6 +42,7 @@ impl PlanFile {
     pub fn timing_asked(&self) -> Timing {
         self.timing.as_ref().map_or_else(Timing::default, |timing| Timing {
             method: Some(timing.method),
+            torque_up: timing.torque_up,
             ..Timing::default()
         })
     }
@@ -124,6 +125,7 @@ mod tests {
         let timing = PlanTiming {
             method,
             blended: false,
+            torque_up: None,
             duration_s: 1.0,
             waypoint_times_s: Vec::new(),
             hand_s: Vec::new(),

@@ -22,7 +22,8 @@ fn a_rounded_trajectory_is_free_and_keeps_every_limit_at_1_khz() {
             [(TimingMethod::TimeOptimal, 0), (TimingMethod::JerkLimited, 0), (TimingMethod::JerkLimited, 1)]
         {
             let of = |stops: bool| {
-                let timing = Some(Timing { method: Some(method), stops, is_demanded: true });
+                let timing =
+                    Some(Timing { method: Some(method), stops, is_demanded: true, ..Timing::default() });
                 let request = Request { seed, timing, ..Request::default() };
                 let answer = solve(&problem, &request, &mut Unobserved).expect("a good request");
                 assert!(answer.is_valid());

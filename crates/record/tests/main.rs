@@ -18,4 +18,5 @@ mod statements;
 mod straight;
 mod tasks;
 mod tool_bounds;
+mod torque;
 mod upright;

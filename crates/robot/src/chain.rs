@@ -2,6 +2,7 @@
 
 pub(crate) mod coupled_limits;
 pub(crate) mod derived;
+pub(crate) mod dynamics;
 pub(crate) mod frame_error;
 pub(crate) mod full_turn;
 pub(crate) mod jacobian;

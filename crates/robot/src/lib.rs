@@ -12,6 +12,7 @@ mod link_pairs;
 mod model;
 mod tree;
 
+pub use chain::dynamics::{Dynamics, PathForces};
 pub use chain::jacobian::{DampedInverse, Jacobian, Twist, damped_pseudo_inverse_step};
 pub use chain::joint_space::{between, distance};
 pub use chain::kinematics::LinkFrames;

@@ -6,6 +6,7 @@ mod fixture;
 
 mod bad_input;
 mod building;
+mod dynamics;
 mod forward_kinematics;
 mod free_joints;
 mod hands;

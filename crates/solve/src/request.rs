@@ -1,9 +1,9 @@
 use cranny_grasp::{Grasp, GraspError, GraspSet, ScoreKind};
-use cranny_path::{AuditSettings, MotionLimits, PathError, TimingMethod, Trajectory};
+use cranny_path::{AuditSettings, Drives, MotionLimits, PathError, TimingMethod, Trajectory};
 use cranny_plan::{Budget, OptimiseSettings, Planner, Registry, default_planner};
 use cranny_robot::Robot;
 use cranny_spatial::{EXACT_ROTATION_RAD, EXACT_TRANSLATION_M, Pose, PoseDifference, Vector};
-use cranny_task::{Criterion, Goal, Problem, Stage, State, TaskError};
+use cranny_task::{Criterion, Goal, Payload, Problem, Stage, State, TaskError};
 use serde_json::{Map, Value};
 
 use crate::{Paces, SolveError};
@@ -86,7 +86,7 @@ pub const DEFAULT_HOLD: f64 = 1.5;
 pub const MOST_HOLD: f64 = 100.0;
 
 /// How a path gets its time.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Timing {
     /// Within limits of velocity and acceleration, or of jerk too; `None`: of jerk too where the robot states them.
     pub method: Option<TimingMethod>,
@@ -95,9 +95,21 @@ pub struct Timing {
     /// Whether a robot without the limits that this needs is refused, and not answered without a trajectory. A jerk
     /// limit is always demanded.
     pub is_demanded: bool,
+    /// Direction against gravity in the planning frame, a unit vector, under which the drives of the robot keep their efforts;
+    /// `None`: forces and torques are not limited.
+    pub torque_up: Option<[f64; 3]>,
 }
 
 impl Timing {
+    /// The drives of a robot with what is in its hand, where their forces are limited.
+    ///
+    /// # Errors
+    /// As [`Drives::new`].
+    pub fn drives(self, robot: &Robot, payload: Option<&Payload>) -> Result<Option<Drives>, PathError> {
+        let held = payload.map(Payload::inertial);
+        self.torque_up.map(|up| Drives::new(robot, &Vector::from(up), held)).transpose()
+    }
+
     /// The limits of a robot that it needs.
     ///
     /// # Errors
@@ -175,6 +187,7 @@ impl Request {
             return refuse("pace", format!("'{value}' is no {name}; give a number {values}"));
         }
         let Some(timing) = self.timing else { return Ok(()) };
+        timing.drives(problem.robot(), None)?;
         if timing.is_demanded || timing.method == Some(TimingMethod::JerkLimited) {
             timing.limits(problem.robot())?;
         }

@@ -2,12 +2,13 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 use std::time::Instant;
 
-use cranny_path::{audit_along, audit_task, path_length};
+use cranny_path::{PathError, audit_along, audit_task, path_length};
 use cranny_plan::{Budget, NoGrasp, Observer, Outcome, PlanError, PlanReport, Unobserved};
 use cranny_robot::Robot;
 use cranny_spatial::{Pose, other_seed};
 use cranny_task::{
-    Carrier, FailureReason, GraspFilter, Problem, Segment, Stage, StatesAlong, give_clearances, joined,
+    Carrier, FailureReason, GraspFilter, Payload, Problem, Segment, Stage, State, StatesAlong,
+    give_clearances, joined,
 };
 
 use crate::hold::hold_firmly;
@@ -214,6 +215,11 @@ fn firm(
             segment.pace = request.paces.of(segment.mode);
         }
         let along = StatesAlong::with_carrier(problem, stages, &segments, carrier)?;
+        if let Some(along) = along.as_ref().filter(|_| timing.torque_up.is_some()) {
+            for (segment, state) in segments.iter_mut().zip(&along.states) {
+                segment.payload = payload(state, problem)?;
+            }
+        }
         let begin = Instant::now();
         if let Some(along) = along.as_ref().filter(|_| request.timing.is_some_and(|timing| !timing.stops)) {
             // What was optimised costs what is stated.
@@ -232,6 +238,13 @@ fn firm(
         }
     }
     Ok(None)
+}
+
+/// Mass of what is in the hand in a state, if anything is.
+fn payload(state: &State, problem: &Problem) -> Result<Option<Payload>, PathError> {
+    let Some((carrier, _)) = state.held() else { return Ok(None) };
+    let unknown = || PathError::UnknownMass { object: carrier.object().to_owned() };
+    state.payload(problem).ok_or_else(unknown).map(Some)
 }
 
 /// Step 5 for a path that holds; `None` for a robot without the limits for it.

@@ -19,6 +19,7 @@ pub struct TaskTrajectory {
     openings_m: Vec<f64>,
     /// Pad distance of the robot's hand, if it has one.
     pads: Option<PadDistance>,
+    torque_up: Option<[f64; 3]>,
 }
 
 /// What a hand does between two legs of a path.
@@ -35,7 +36,7 @@ pub struct HandMotion {
 impl TaskTrajectory {
     /// One leg, on which the hand does nothing.
     pub fn of_reach(reach: Trajectory) -> Self {
-        Self { legs: vec![reach], openings_m: vec![0.0], pads: None }
+        Self { legs: vec![reach], openings_m: vec![0.0], pads: None, torque_up: None }
     }
 
     /// The same with another leg, after the fingers have moved from so far apart to so far, in metres.
@@ -64,12 +65,26 @@ impl TaskTrajectory {
                 continue;
             }
             let (corners, paces) = (joined_corners(leg), edge_paces(leg));
-            let curved = CurvedPath { waypoints: &way, corners: &corners, paces: &paces, robot: Some(robot) };
+            let drives = timing.drives(robot, leg[0].payload.as_ref())?;
+            let curved = CurvedPath {
+                waypoints: &way,
+                corners: &corners,
+                paces: &paces,
+                robot: Some(robot),
+                drives: drives.as_ref(),
+            };
             legs.push(Trajectory::along_curve(&curved, &limits)?);
             openings_m.push(leg[0].opening_m.or(hand_opens_m).unwrap_or(0.0));
         }
         let pads = robot.hand().map(|hand| hand.pads.clone());
-        Ok((!legs.is_empty()).then_some(Self { legs, openings_m, pads }))
+        let torque_up = timing.torque_up;
+        Ok((!legs.is_empty()).then_some(Self { legs, openings_m, pads, torque_up }))
+    }
+
+    /// Direction against gravity in the planning frame under which the drives keep their efforts; `None` where that is not
+    /// limited.
+    pub fn torque_up(&self) -> Option<[f64; 3]> {
+        self.torque_up
     }
 
     /// The way to the grasp.

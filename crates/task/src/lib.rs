@@ -32,6 +32,7 @@ pub use problem::Validity;
 pub use problem::{Criterion, Goal, PAPER_THRESHOLD, Problem};
 pub use stages::corner::RoundedCorner;
 pub use stages::pace::Pace;
+pub use stages::payload::Payload;
 pub use stages::region::{Moved, Region};
 pub use stages::segment::{Mode, MotionEnd, Segment, give_clearances, joined, joined_corners, legs};
 pub use stages::stage::{AfterPlacing, CLEAR_M, FARTHEST_CLEAR_M, Move, Pick, PlaceAt, Stage};

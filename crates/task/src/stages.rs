@@ -2,6 +2,7 @@
 
 pub(crate) mod corner;
 pub(crate) mod pace;
+pub(crate) mod payload;
 pub(crate) mod region;
 pub(crate) mod segment;
 pub(crate) mod stage;

@@ -6,7 +6,7 @@ use cranny_record::{PlanFile, PlanSource};
 use cranny_scenario::{OpenOptions, STEPS, Scenario};
 use cranny_solve::{CLOSING_S, Request, Timing, solve};
 use cranny_spatial::Pose;
-use cranny_task::{Mode, Stage};
+use cranny_task::{Mode, Pick, Stage};
 use cranny_view::{ClearanceProfile, Role, Scene, SceneSettings, ShownPath};
 
 fn source(id: &str) -> PlanSource {
@@ -17,7 +17,8 @@ fn source(id: &str) -> PlanSource {
 fn the_object_stays_where_the_hand_let_it_go() {
     let scenario = Scenario::open("031", &OpenOptions::default()).unwrap();
     let problem = scenario.problem(Margins::default()).unwrap();
-    let stages = vec![Stage::pick(), Stage::place("outside"), Stage::home()];
+    let pick = Stage::Pick(Pick { approach_m: 0.05, ..Pick::default() });
+    let stages = vec![pick, Stage::place("outside"), Stage::home()];
     let request = Request { stages, timing: Some(Timing::default()), ..Request::default() };
     let answer = solve(&problem, &request, &mut Unobserved).unwrap();
     let plan = PlanFile::of(&answer, &source("031"));

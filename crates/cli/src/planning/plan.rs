@@ -146,6 +146,7 @@ fn ask(arguments: &PlanArguments, joints: usize) -> Result<Ask, Failure> {
             acceleration: arguments.acceleration.clone(),
             tool_speed: arguments.tool_speed.clone(),
         },
+        torque: arguments.torque,
         is_timing_demanded: arguments.rate.is_some(),
         carry: arguments.carry.as_deref().map(|given| carry(given, joints)).transpose()?,
         place: arguments.place.clone(),

@@ -168,6 +168,7 @@ fn straight(plan: &PlanFile) -> Vec<String> {
 /// When the path is run through, and what it took to find that.
 fn timed(timing: &PlanTiming, seconds: f64) -> String {
     let corners = if timing.blended { ", corners rounded" } else { "" };
+    let torque = if timing.torque_up.is_some() { ", within the drives' efforts" } else { "" };
     let hand = timing.hand_s.iter().enumerate().map(|(index, [begin_s, end_s])| {
         let begins = if index == 0 { ", the hand" } else { " and" };
         let moves = if index % 2 == 0 { "closes" } else { "opens" };
@@ -175,7 +176,7 @@ fn timed(timing: &PlanTiming, seconds: f64) -> String {
     });
     let hand: String = hand.collect();
     let (duration, method) = (at_most_seconds(timing.duration_s), timing.method.name());
-    format!("{duration}, {method}{corners}{hand}; {:.3} ms to time", seconds * 1e3)
+    format!("{duration}, {method}{corners}{torque}{hand}; {:.3} ms to time", seconds * 1e3)
 }
 
 /// More reasons why goals are refused are not listed.

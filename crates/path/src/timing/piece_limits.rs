@@ -15,6 +15,8 @@ pub(crate) struct PieceLimits {
     pub jerk: Vec<f64>,
     /// Greatest `ṡ`.
     pub most_speed: f64,
+    /// Greatest absolute value of `s̈`.
+    pub most_acceleration: f64,
 }
 
 /// Limits of the edges of a path besides those of the joints.
@@ -65,7 +67,20 @@ impl PieceLimits {
                 times(&limits.jerk, jerk)
             },
             most_speed,
+            most_acceleration: f64::INFINITY,
         }
+    }
+
+    /// The greatest `|s̈|` and `ṡ²` on a piece by the limits of the joints.
+    pub fn greatest_rates(&self, piece: &Piece) -> [f64; 2] {
+        let rates = (0..self.velocity.len()).map(|joint| (piece.greatest(joint), joint));
+        let of_joint = rates.map(|(most, joint)| {
+            let [velocity, acceleration, _] = self.of_joint(joint);
+            [acceleration / most.first, (velocity / most.first).powi(2)]
+        });
+        of_joint.fold([self.most_acceleration, self.most_speed.powi(2)], |[u, x], [of_u, of_x]| {
+            [u.min(of_u), x.min(of_x)]
+        })
     }
 
     /// Velocity, acceleration and jerk of a joint.

@@ -1,6 +1,7 @@
 use cranny_robot::Robot;
 use cranny_task::RoundedCorner;
 
+use crate::timing::drives::Drives;
 use crate::timing::motion_limits::{MotionLimits, TimingMethod};
 use crate::timing::path_curve::{Corner, Cuts, LARGEST_SHARE, MOST_UNEVEN, PathCurve};
 use crate::timing::piece_limits::{EdgePace, PieceLimits};
@@ -19,6 +20,8 @@ pub struct CurvedPath<'a> {
     pub paces: &'a [EdgePace],
     /// The robot, whose tool's speed is limited; `None`: it is not.
     pub robot: Option<&'a Robot>,
+    /// The drives of this robot, whose forces are limited; `None`: they are not.
+    pub drives: Option<&'a Drives>,
 }
 
 /// Proofs that a curved path may be changed.
@@ -33,7 +36,7 @@ pub trait CurveProof {
 impl<'a> CurvedPath<'a> {
     /// A path with a stop at each corner, through way points (m, rad; one value per joint).
     pub fn stopping(waypoints: &'a [Vec<f64>]) -> Self {
-        Self { waypoints, corners: &[], paces: &[], robot: None }
+        Self { waypoints, corners: &[], paces: &[], robot: None, drives: None }
     }
 
     /// Its corners, each rounded as serves the time best among the sizes that `proven` accepts ([`CurveProof::corner`]; control points
@@ -142,8 +145,8 @@ impl<'a> CurvedPath<'a> {
         }
     }
 
-    /// The duration with these cuts, but for a limit of the speed of the tool: costly to bound, it limits the same edges
-    /// whatever the corners.
+    /// The duration with these cuts, but for limits of the speed of the tool and of the drives: costly to bound, they limit the
+    /// same edges whatever the corners.
     ///
     /// Infinite where uneven corners add up to a scale of `s` with which rounding would be felt.
     pub(crate) fn duration_s(&self, limits: &MotionLimits, cuts: &[Cuts]) -> f64 {

@@ -117,7 +117,7 @@ impl Span {
             length: piece.length,
             is_rounded: piece.turn.is_some(),
             speed: limits.most_speed,
-            acceleration: f64::INFINITY,
+            acceleration: limits.most_acceleration,
             jerk: f64::INFINITY,
         };
         for joint in 0..limits.velocity.len() {

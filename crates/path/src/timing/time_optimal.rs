@@ -149,14 +149,17 @@ impl Stage {
                 begin: piece.begin,
                 length: piece.length,
                 cap: least(&limits.velocity).powi(2).min(most_x),
-                rows: Rows::Line { acceleration: least(&limits.acceleration) },
+                rows: Rows::Line { acceleration: least(&limits.acceleration).min(limits.most_acceleration) },
             }];
         }
         let step = piece.length / f64::from(stages);
         let stage = |k: u32| {
             let begin = piece.begin + f64::from(k) * step;
             let mut cap = most_x;
-            let mut rows = Vec::with_capacity(2 * joints.len());
+            let mut rows = Vec::with_capacity(2 * joints.len() + 1);
+            if limits.most_acceleration.is_finite() {
+                rows.push(Row { bend: 0.0, slope: 1.0, limit: limits.most_acceleration });
+            }
             for j in joints.clone() {
                 let [at_begin, at_end] = [begin, begin + step].map(|s| piece.derivatives(j, s));
                 cap = cap.min((limits.velocity[j] / at_begin.first.abs().max(at_end.first.abs())).powi(2));

@@ -53,7 +53,8 @@ impl Trajectory {
     /// curves.
     ///
     /// # Errors
-    /// As [`Self::along`]; [`PathError::NoCorner`] for a rounded corner where the path has none.
+    /// As [`Self::along`]; [`PathError::NoCorner`] for a rounded corner where the path has none, [`PathError::Weight`] for a path
+    /// on which the drives may not hold the robot.
     pub fn along_curve(of: &CurvedPath<'_>, limits: &MotionLimits) -> Result<Self, PathError> {
         let path = of.waypoints;
         let (Some(first), Some(last)) = (path.first(), path.last()) else {
@@ -71,7 +72,10 @@ impl Trajectory {
         }
         let cuts = PathCurve::cuts_of(path, &limits.velocity, of.corners)?;
         let curve = PathCurve::along(path, &limits.velocity, &cuts);
-        let of_pieces = PieceLimits::all_of(&curve, limits, of.paces, of.robot);
+        let mut of_pieces = PieceLimits::all_of(&curve, limits, of.paces, of.robot);
+        if let Some((drives, robot)) = of.drives.zip(of.robot) {
+            drives.limit(&curve, &mut of_pieces, robot)?;
+        }
         let law = law(&curve, limits.method, &of_pieces);
         let mut waypoint_times_s: Vec<f64> =
             curve.waypoints.iter().map(|(piece, s)| law.time_of(*piece, *s)).collect();

@@ -92,10 +92,7 @@ impl Firmness {
     ) -> Option<Self> {
         let body = &world.bodies()[body];
         let soup = soup_in_world(body)?;
-        let moments = match weight.moments {
-            Some(stated) => stated.moved(&body.parts.first()?.world_from_solid),
-            None => even_moments(body, &soup)?,
-        };
+        let moments = stated_moments(body, &weight).or_else(|| even_moments(body, &soup))?;
         let friction = friction.unwrap_or(ASSUMED_FRICTION);
         let object = HeldObject::new(&soup, &moments, weight.mass_kg, friction).ok()?;
         let measure = LoadMeasure::new(object, pads, force_n, world.up(), Vec::new());
@@ -120,6 +117,15 @@ impl Firmness {
         }
         (is_put_down && !self.measure.is_seated(world_from_tip)).then_some(FailureReason::TurnsInHand)
     }
+}
+
+/// The moments of a body in the planning frame, for a mass of 1 kg; `None` where none are stated and it encloses no volume.
+pub(crate) fn moments_of(body: &Body, weight: &Weight) -> Option<VolumeMoments> {
+    stated_moments(body, weight).or_else(|| even_moments(body, &soup_in_world(body)?))
+}
+
+fn stated_moments(body: &Body, weight: &Weight) -> Option<VolumeMoments> {
+    Some(weight.moments?.moved(&body.parts.first()?.world_from_solid))
 }
 
 /// The triangles of a body in the planning frame; `None` for one without an end.

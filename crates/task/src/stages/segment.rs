@@ -3,6 +3,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::stages::corner::RoundedCorner;
 use crate::stages::pace::Pace;
+use crate::stages::payload::Payload;
 
 /// Properties of a motion during which the hand does nothing (a mode: Hauser & Latombe 2010, §3).
 ///
@@ -108,6 +109,9 @@ pub struct Segment {
     /// is pushed by it. `None` while nothing is held.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub uneven_m: Option<f64>,
+    /// Mass of the object in the hand, where limits of torque count it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub payload: Option<Payload>,
     /// Share of the limits of velocity with which it is run through, above 0 and below 1, so that the hand holds what is
     /// in it; accelerations have the square of it, jerks the cube. `None`: all of them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -162,6 +166,7 @@ impl Segment {
             attached: None,
             opening_m: None,
             uneven_m: None,
+            payload: None,
             speed: None,
             pace: Pace::default(),
             waypoints,

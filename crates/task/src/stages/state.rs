@@ -1,10 +1,13 @@
 use std::sync::Arc;
 
 use cranny_collision::{Body, Cell, Margins, Resting, Scratch};
+use cranny_grasp::ASSUMED_DENSITY;
 use cranny_robot::{between, distance};
 use cranny_spatial::Pose;
 
+use crate::grasping::firmness::moments_of;
 use crate::placing::placed::Placed;
+use crate::stages::payload::Payload;
 use crate::stages::segment::{Mode, MotionEnd, Segment};
 use crate::stages::straight::{FarEnd, straight_line, straight_path};
 use crate::{Carrier, FailureReason, Goal, Grip, LiftOffSettings, Moved, Pick, Problem, Stage, TaskError};
@@ -157,6 +160,18 @@ impl State {
     #[must_use]
     pub fn before_picking(&self, picking: &Problem) -> Self {
         Self { empty: picking.cell().unwrap_or(&self.empty).clone(), ..self.clone() }
+    }
+
+    /// Mass of the object in the hand in the world of a problem, and how it is spread; `None` for an empty hand, or an object
+    /// whose moments are neither stated nor follow from a volume that it encloses.
+    pub fn payload(&self, problem: &Problem) -> Option<Payload> {
+        let Held { carrier, grip } = self.held.as_ref()?;
+        let target = carrier.hand().target();
+        let weight = problem.weights.of_body(target);
+        let in_world = moments_of(&carrier.cell().world().bodies()[target], &weight)?;
+        let moments = in_world.moved(&(grip.hold.tip_from_held * carrier.world_from_object().inverse()));
+        let mass_kg = weight.mass_kg.unwrap_or(ASSUMED_DENSITY * moments.volume_m3);
+        Some(Payload::new(mass_kg, &moments, weight.mass_kg.is_none()))
     }
 
     /// A segment of a stage through way points (m, rad; one value per joint) with what is in the hand.

@@ -1,0 +1,111 @@
+//! Trajectories within the efforts of the drives.
+
+use cranny_collision::Margins;
+use cranny_path::TimingMethod;
+use cranny_plan::Unobserved;
+use cranny_record::{Ask, CarryWord, PlanFile, PlanSource};
+use cranny_robot::{Dynamics, Robot};
+use cranny_scenario::{OpenOptions, Scenario};
+use cranny_solve::{Answer, solve};
+use cranny_spatial::Vector;
+use cranny_task::{Payload, Problem, Weight, legs};
+
+const RATE_HZ: f64 = 1000.0;
+
+/// A scenario whose target weighs so much.
+fn open(id: &str, robot: Option<&str>, mass_kg: f64) -> Problem {
+    let options = OpenOptions { robot: robot.map(Into::into), ..OpenOptions::default() };
+    let scenario = Scenario::open(id, &options).unwrap();
+    let problem = scenario.problem(Margins::default()).unwrap();
+    let bodies = problem.cell().unwrap().world().bodies().len();
+    let weights: Vec<Weight> = (0..bodies)
+        .map(|body| Weight {
+            mass_kg: (problem.target() == Some(body)).then_some(mass_kg),
+            ..Weight::default()
+        })
+        .collect();
+    problem.with_weights(&weights)
+}
+
+fn carried(problem: &Problem, torque: bool, timing: TimingMethod) -> Answer {
+    let ask = Ask { carry: Some(CarryWord::Home), hold: 0.0, torque, timing: Some(timing), ..Ask::default() };
+    let (request, _) = ask.request(problem, None).unwrap();
+    let answer = solve(problem, &request, &mut Unobserved).unwrap();
+    assert!(answer.is_solved(), "{:?}", answer.outcome);
+    answer
+}
+
+/// The greatest force of each joint along a plan, as a share of its effort, from samples; the load of each leg is that of the
+/// answer.
+fn greatest_shares(robot: &Robot, answer: &Answer, payload: Option<&Payload>) -> Vec<f64> {
+    let trajectory = &answer.timed.as_ref().unwrap().trajectory;
+    let mut shares = vec![0.0_f64; robot.dof()];
+    let mut frames = robot.frames();
+    for (leg, segments) in trajectory.legs().iter().zip(legs(&answer.segments)) {
+        let held = payload.filter(|_| segments[0].mode.holds).map(Payload::inertial);
+        let dynamics = Dynamics::new(robot, &Vector::z(), held).unwrap();
+        for sample in leg.samples(RATE_HZ).unwrap() {
+            let motion = [&sample.position[..], &sample.velocity, &sample.acceleration];
+            let forces = robot.path_forces(&dynamics, motion, &mut frames);
+            for (joint, share) in shares.iter_mut().enumerate() {
+                let effort = robot.joints()[joint].effort.unwrap();
+                *share = share.max((forces.bend[joint] + forces.weight[joint]).abs() / effort);
+            }
+        }
+    }
+    shares
+}
+
+#[test]
+fn a_heavy_load_is_moved_within_the_efforts() {
+    for (id, robot, mass_kg, is_slower) in
+        [("012", None, 0.1, false), ("012", None, 4.2, true), ("031", Some("fr3"), 3.5, true)]
+    {
+        for timing in [TimingMethod::TimeOptimal, TimingMethod::JerkLimited] {
+            let problem = open(id, robot, mass_kg);
+            let (free, kept) = (carried(&problem, false, timing), carried(&problem, true, timing));
+            let payload = kept.segments.iter().find_map(|segment| segment.payload).unwrap();
+            assert!((payload.mass_kg - mass_kg).abs() < 1e-12 && !payload.mass_assumed);
+            let [before, after] =
+                [&free, &kept].map(|answer| greatest_shares(problem.robot(), answer, Some(&payload)));
+            let most = |shares: &[f64]| shares.iter().copied().fold(0.0, f64::max);
+            assert!(most(&after) <= 1.0, "{id} {timing:?}: {after:?}");
+            assert_eq!(most(&before) > 1.0, is_slower, "{id} {timing:?}: {before:?}");
+            let duration_s = |answer: &Answer| answer.timed.as_ref().unwrap().trajectory.duration_s();
+            assert!(duration_s(&kept) < 1.3 * duration_s(&free), "{id} {timing:?}");
+        }
+    }
+}
+
+#[test]
+fn what_a_plan_states_of_its_load_is_measured() {
+    let problem = open("012", None, 1.0);
+    let plan = PlanFile::of(&carried(&problem, true, TimingMethod::TimeOptimal), &PlanSource::default());
+    assert!(plan.timing.as_ref().unwrap().torque_up.is_some());
+    let source = PlanSource { margins: problem.cell().unwrap().margins(), ..PlanSource::default() };
+    let faults = |plan: &PlanFile| {
+        let judgement =
+            plan.judge(&source, &problem, cranny_path::AuditSettings::default()).unwrap().unwrap();
+        judgement.audit.violations.iter().map(ToString::to_string).collect::<Vec<_>>()
+    };
+    let known = faults(&plan);
+    let mut lighter = plan.clone();
+    for payload in lighter.segments.iter_mut().filter_map(|segment| segment.payload.as_mut()) {
+        payload.mass_kg = 0.2;
+    }
+    let new: Vec<String> = faults(&lighter).into_iter().filter(|fault| !known.contains(fault)).collect();
+    assert!(new.iter().any(|fault| fault.contains("payload")), "{new:?}");
+    let mut tilted = plan;
+    tilted.timing.as_mut().unwrap().torque_up = Some([0.0, 1.0, 0.0]);
+    let new: Vec<String> = faults(&tilted).into_iter().filter(|fault| !known.contains(fault)).collect();
+    assert!(new.iter().any(|fault| fault.contains("torque_up")), "{new:?}");
+}
+
+#[test]
+fn a_load_that_the_arm_may_not_hold_is_an_error_with_its_joint() {
+    let problem = open("012", None, 40.0);
+    let ask = Ask { carry: Some(CarryWord::Home), hold: 0.0, torque: true, ..Ask::default() };
+    let (request, _) = ask.request(&problem, None).unwrap();
+    let fault = solve(&problem, &request, &mut Unobserved).unwrap_err().to_string();
+    assert!(fault.contains("may not hold the weight of the arm on edge"), "{fault}");
+}
