@@ -477,6 +477,7 @@ def plan(
     speed: float | Mapping[str, float] | None = None,
     acceleration: float | Mapping[str, float] | None = None,
     tool_speed_m_s: float | Mapping[str, float] | None = None,
+    turn_speed_deg_s: float | Mapping[str, float] | None = None,
     torque: bool = False,
     upright_deg: float | None = None,
     score: str | None = None,

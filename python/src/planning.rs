@@ -105,7 +105,7 @@ pub fn seconds(what: &str, value: f64) -> PyResult<Duration> {
 /// acceleration) less `score_weight` for a grasp of score 1. The path gets its time:
 /// `jerk_limited` within limits of jerk too (None: where the robot states them; True: a robot without them is refused);
 /// corners are rounded where the curve is proven free, unless `blend` is False. `speed`, `acceleration`: shares, above 0 and
-/// at most 1, of the joints' limits; `tool_speed_m_s`: greatest speed of the gripper frame in m/s; each a number for all
+/// at most 1, of the joints' limits; `tool_speed_m_s`, `turn_speed_deg_s`: greatest speed of the gripper frame in m/s, and with which it turns in °/s; each a number for all
 /// motions, or a dict from modes ("reach", "carry", …; "all") to numbers; without them `speeds` of a `scenario.yaml`, and
 /// `max_cartesian_speed` of a MoveIt request, count. An object is put down with 0.1 m/s at most unless
 /// `tool_speed_m_s` states another speed for "set-down". `torque`: the force or torque of each joint keeps the effort that the
@@ -131,7 +131,7 @@ pub fn seconds(what: &str, value: f64) -> PyResult<Duration> {
 #[pyo3(signature = (scenario, planner=None, *, seed=0, time_limit_s=120.0, iterations=None, margin_m=0.0,
     grasp_margin_m=None, strict_pairs=false, settings=None, goal_threshold=None, shortcut=true, optimise_s=None,
     cost=None, score_weight=1.0, jerk_limited=None, blend=true, speed=None,
-    acceleration=None, tool_speed_m_s=None, torque=false, upright_deg=None, score=None, min_score=None,
+    acceleration=None, tool_speed_m_s=None, turn_speed_deg_s=None, torque=false, upright_deg=None, score=None, min_score=None,
     carry=None, place=None, task=None, then=None, clear_m=None, approach_m=None, retreat_m=None, robust=None, hold=1.5, try_in_physics=None, watch=None))]
 #[allow(
     clippy::too_many_arguments,
@@ -158,6 +158,7 @@ pub fn plan(
     speed: Option<&Bound<'_, PyAny>>,
     acceleration: Option<&Bound<'_, PyAny>>,
     tool_speed_m_s: Option<&Bound<'_, PyAny>>,
+    turn_speed_deg_s: Option<&Bound<'_, PyAny>>,
     torque: bool,
     upright_deg: Option<f64>,
     score: Option<&str>,
@@ -209,7 +210,7 @@ pub fn plan(
         optimise: optimise_s.map(|time_s| seconds("optimise_s", time_s)).transpose()?,
         cost: cost
             .map(|cost| {
-                let known = "'length', 'l2', 'time', 'clearance', 'tool', 'turn' or 'mix'";
+                let known = "'length', 'l2', 'time', 'clearance', 'tool', 'turn', 'smooth' or 'mix'";
                 cost.parse().map_err(|_| one_of("cost", cost, known))
             })
             .transpose()?,
@@ -224,6 +225,7 @@ pub fn plan(
             speed: pace_of("speed", speed)?,
             acceleration: pace_of("acceleration", acceleration)?,
             tool_speed: pace_of("tool_speed_m_s", tool_speed_m_s)?,
+            turn_speed: pace_of("turn_speed_deg_s", turn_speed_deg_s)?,
         },
         tool_m_s: asked.tool_m_s,
         torque,

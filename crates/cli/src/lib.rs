@@ -2,6 +2,7 @@
 
 mod arguments;
 mod campaigns;
+mod choices;
 mod command;
 mod content;
 mod failure;

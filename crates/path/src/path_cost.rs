@@ -32,12 +32,16 @@ pub enum CostKind {
     Tool,
     /// Angle by which the gripper frame, with what it holds, turns, in radians.
     Turn,
+    /// Its length in the metric weighted by reach, and [`Self::CORNER_M`] for each straight piece: few corners.
+    Smooth,
     /// Seconds of the time-optimal trajectory along it, with [`Self::TOOL_S_PER_M`] for the path of the tool and
     /// [`Self::TURN_S_PER_RAD`] for its turn.
     Mix,
 }
 
 impl CostKind {
+    /// Worth of a straight piece of the path under [`Self::Smooth`], in metres.
+    pub const CORNER_M: f64 = 0.5;
     /// Worth of a metre of the tool's path under [`Self::Mix`], in seconds.
     pub const TOOL_S_PER_M: f64 = 1.0;
     /// Worth of a radian of the tool's turn under [`Self::Mix`], in seconds.
@@ -70,6 +74,8 @@ pub struct PathCost {
     cell: Option<Arc<Cell>>,
     /// Cost of the tool's path, for kinds under which it counts.
     tool: Option<ToolCost>,
+    /// Cost of each straight piece beside its length.
+    per_piece: f64,
     score_weight: f64,
 }
 
@@ -142,7 +148,8 @@ impl PathCost {
             (_, Some(limits)) => JointMetric::by_speed(limits),
             (_, None) => JointMetric::by_reach(robot),
         };
-        Ok(Self { metric, limits, cell, tool, score_weight })
+        let per_piece = if kind == CostKind::Smooth { CostKind::CORNER_M } else { 0.0 };
+        Ok(Self { metric, limits, cell, tool, per_piece, score_weight })
     }
 
     /// The measure of a path of way points (m, rad; one value per joint), in the unit of its [`CostKind`].
@@ -162,7 +169,10 @@ impl PathCost {
                 let mut scratch = cell.scratch();
                 Ok(sum(path.windows(2).map(|edge| self.of_edge(&edge[0], &edge[1], &mut scratch))))
             }
-            (None, None) => Ok(sum(path.windows(2).map(|edge| self.least_of_edge(&edge[0], &edge[1])))),
+            (None, None) => {
+                let edges = sum(path.windows(2).map(|edge| self.least_of_edge(&edge[0], &edge[1])));
+                Ok(edges - self.per_piece * self.passed(path) as f64)
+            }
         }
     }
 
@@ -181,8 +191,20 @@ impl PathCost {
         match (&self.limits, tool) {
             (Some(limits), tool) => rest_to_rest_s(a, b, limits) + tool.unwrap_or(0.0),
             (None, Some(tool)) => tool,
-            (None, None) => self.metric.distance(a, b),
+            (None, None) => self.metric.distance(a, b) + self.per_piece,
         }
+    }
+
+    /// Number of the way points between the ends of a path at which it does not turn.
+    fn passed(&self, path: &[Vec<f64>]) -> usize {
+        /// Shares of a length by which it may differ from the way by a way point on it: rounding.
+        const SAME: f64 = 1e-12;
+        let is_passed = |way: &&[Vec<f64>]| {
+            let [before, here, after] = way else { return false };
+            let by_way = self.metric.distance(before, here) + self.metric.distance(here, after);
+            by_way <= self.metric.distance(before, after) * (1.0 + SAME)
+        };
+        path.windows(3).filter(is_passed).count()
     }
 
     /// Whether a path costs more the nearer it leads to the world.

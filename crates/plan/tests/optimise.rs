@@ -201,7 +201,12 @@ fn an_observer_that_stops_it_keeps_the_best_path() {
 
 #[test]
 fn a_detour_costs_and_a_way_point_on_the_way_does_not() {
-    let cost = PathCost::new(&easy(), CostKind::Length, 1.0).expect("a good weight");
+    for kind in [CostKind::Length, CostKind::Smooth] {
+        costs_a_detour_alone(&PathCost::new(&easy(), kind, 1.0).expect("a good weight"));
+    }
+}
+
+fn costs_a_detour_alone(cost: &PathCost) {
     let (a, b) = (START.to_vec(), vec![0.5, -1.0, 0.3, 0.1, 0.2]);
     let middle: Vec<f64> = a.iter().zip(&b).map(|(a, b)| 0.5 * (a + b)).collect();
     let mut aside = middle.clone();

@@ -11,7 +11,7 @@ use crate::RecordError;
 pub struct PaceWord {
     /// The mode; `None`: all.
     pub mode: Option<Mode>,
-    /// A share of the limits, or a speed in m/s.
+    /// A share of the limits, or a speed in m/s or °/s.
     pub value: f64,
 }
 
@@ -37,6 +37,8 @@ pub struct PaceWords {
     pub acceleration: Vec<PaceWord>,
     /// Greatest speeds of the gripper frame, in m/s.
     pub tool_speed: Vec<PaceWord>,
+    /// Greatest speeds with which the hand turns, in °/s.
+    pub turn_speed: Vec<PaceWord>,
 }
 
 /// A writer of one limit of a pace.
@@ -53,6 +55,7 @@ impl PaceWords {
             speed: words(|speed| speed.velocity, &self.speed),
             acceleration: words(|speed| speed.acceleration, &self.acceleration),
             tool_speed: words(|speed| speed.tool_m_s, &self.tool_speed),
+            turn_speed: words(|speed| speed.turn_deg_s, &self.turn_speed),
         }
     }
 
@@ -62,10 +65,11 @@ impl PaceWords {
     /// # Errors
     /// [`RecordError::Ask`] for a number that is none of its kind.
     pub(crate) fn paces(&self, tool_m_s: Option<f64>) -> Result<Paces, RecordError> {
-        let kinds: [(&'static str, &[PaceWord], SetLimit); 3] = [
+        let kinds: [(&'static str, &[PaceWord], SetLimit); 4] = [
             ("speed", &self.speed, |pace, share| pace.velocity = share),
             ("acceleration", &self.acceleration, |pace, share| pace.acceleration = share),
             ("tool_speed", &self.tool_speed, |pace, speed| pace.tool_m_s = Some(speed)),
+            ("turn_speed", &self.turn_speed, |pace, speed| pace.turn_rad_s = Some(speed.to_radians())),
         ];
         let mut all = Pace { tool_m_s, ..Pace::default() };
         for (field, words, set) in kinds {
@@ -123,6 +127,7 @@ mod tests {
             velocity: Some(speed),
             acceleration: None,
             tool_m_s: Some(2.0 * speed),
+            turn_deg_s: None,
         });
         let paces = words(&["0.5"], &["carry=0.25"]).after(&stated).paces(None).unwrap();
         let reach = Pace { velocity: 0.5, tool_m_s: Some(0.6), ..Pace::default() };

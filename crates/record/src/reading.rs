@@ -151,9 +151,13 @@ impl PlanFile {
         let hold = self.hold.iter().flat_map(|hold| hold.factor.into_iter().chain([hold.at_rest]));
         let speeds = self.segments.iter().flat_map(|segment| {
             let points = segment.corners.iter().flat_map(|corner| corner.control_points.iter().flatten());
-            let Pace { velocity, acceleration, tool_m_s } = segment.pace;
-            let paces = [velocity, acceleration].into_iter().chain(tool_m_s).chain(segment.speed);
-            points.copied().chain(paces)
+            let Pace { velocity, acceleration, tool_m_s, turn_rad_s } = segment.pace;
+            let paces = [velocity, acceleration].into_iter().chain(tool_m_s).chain(turn_rad_s);
+            let load = segment
+                .payload
+                .iter()
+                .flat_map(|load| [load.mass_kg].into_iter().chain(load.center_m).chain(load.inertia_kg_m2));
+            points.copied().chain(paces).chain(segment.speed).chain(load)
         });
         let fields: [(&'static str, Vec<f64>); 18] = [
             ("own_grasp", own_grasp.collect()),

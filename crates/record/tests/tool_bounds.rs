@@ -21,7 +21,7 @@ const BOUNDS: &str = "tool_bounds:
 joint_bounds:
   panda_joint1: [-0.3, 0.3]
 speeds:
-  all: {speed: 0.5, tool_speed_m_s: 0.4}
+  all: {speed: 0.5, tool_speed_m_s: 0.4, turn_speed_deg_s: 80}
   carry: {acceleration: 0.25}
 ";
 

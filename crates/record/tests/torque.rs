@@ -1,13 +1,13 @@
-//! Trajectories within the efforts of the drives.
+//! Trajectories within the efforts of the drives, and within speeds of the hand.
 
 use cranny_collision::Margins;
 use cranny_path::TimingMethod;
 use cranny_plan::Unobserved;
-use cranny_record::{Ask, CarryWord, PlanFile, PlanSource};
+use cranny_record::{Ask, CarryWord, PaceWord, PaceWords, PlanFile, PlanSource};
 use cranny_robot::{Dynamics, Robot};
 use cranny_scenario::{OpenOptions, Scenario};
 use cranny_solve::{Answer, solve};
-use cranny_spatial::Vector;
+use cranny_spatial::{Pose, Vector};
 use cranny_task::{Payload, Problem, Weight, legs};
 
 const RATE_HZ: f64 = 1000.0;
@@ -108,4 +108,33 @@ fn a_load_that_the_arm_may_not_hold_is_an_error_with_its_joint() {
     let (request, _) = ask.request(&problem, None).unwrap();
     let fault = solve(&problem, &request, &mut Unobserved).unwrap_err().to_string();
     assert!(fault.contains("may not hold the weight of the arm on edge"), "{fault}");
+}
+
+#[test]
+fn the_hand_neither_goes_nor_turns_faster_than_is_asked() {
+    let problem =
+        Scenario::open("043", &OpenOptions::default()).unwrap().problem(Margins::default()).unwrap();
+    let robot = problem.robot();
+    for method in [TimingMethod::TimeOptimal, TimingMethod::JerkLimited] {
+        let words = |value| vec![PaceWord { mode: None, value }];
+        let paces = PaceWords { tool_speed: words(0.3), turn_speed: words(40.0), ..PaceWords::default() };
+        let ask = Ask { paces, timing: Some(method), ..Ask::default() };
+        let (request, _) = ask.request(&problem, None).unwrap();
+        let answer = solve(&problem, &request, &mut Unobserved).unwrap();
+        let timed = answer.timed.unwrap();
+        let poses: Vec<Pose> = timed
+            .trajectory
+            .samples(RATE_HZ)
+            .unwrap()
+            .map(|sample| *robot.frames_at(&sample.position).link(robot.tip()))
+            .collect();
+        let (mut fastest, mut turned) = (0.0_f64, 0.0_f64);
+        for pair in poses[..poses.len() - 1].windows(2) {
+            let between = pair[0].inverse() * pair[1];
+            fastest = fastest.max(between.translation.vector.norm() * RATE_HZ);
+            turned = turned.max(between.rotation.angle().to_degrees() * RATE_HZ);
+        }
+        assert!(fastest <= 0.3 && turned <= 40.0, "{method:?}: {fastest} m/s, {turned} °/s");
+        assert!(fastest > 0.29 || turned > 39.0, "{method:?}: {fastest} m/s, {turned} °/s");
+    }
 }

@@ -11,6 +11,8 @@ pub struct StatedSpeed {
     pub acceleration: Option<f64>,
     /// Greatest speed of the gripper frame, in m/s.
     pub tool_m_s: Option<f64>,
+    /// Greatest speed with which the hand turns, in °/s.
+    pub turn_deg_s: Option<f64>,
 }
 
 impl StatedSpeed {
@@ -21,12 +23,13 @@ impl StatedSpeed {
 
     /// The first value that is no limit, with the values that are.
     pub(crate) fn fault(&self) -> Option<(f64, &'static str)> {
-        let Self { velocity, acceleration, tool_m_s, .. } = *self;
+        let Self { velocity, acceleration, tool_m_s, turn_deg_s, .. } = *self;
         let full = Pace::default();
         let pace = Pace {
             velocity: velocity.unwrap_or(full.velocity),
             acceleration: acceleration.unwrap_or(full.acceleration),
             tool_m_s,
+            turn_rad_s: turn_deg_s.map(f64::to_radians),
         };
         pace.fault().map(|(_, value, values)| (value, values))
     }

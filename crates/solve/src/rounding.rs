@@ -38,7 +38,8 @@ pub(crate) fn smooth(
         let is_free = |at: usize| {
             let (index, at) = proof.places[at];
             // A longer way of the tool may take longer than the joints do.
-            let is_slow = leg[index].pace.tool_m_s.is_some();
+            let pace = leg[index].pace;
+            let is_slow = pace.tool_m_s.is_some() || pace.turn_rad_s.is_some();
             may_move && at > 0 && FREE.contains(&leg[index].mode) && !is_slow
         };
         let movable: Vec<bool> = (0..proof.places.len()).map(is_free).collect();

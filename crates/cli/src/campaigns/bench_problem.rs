@@ -7,7 +7,8 @@ use cranny_plan::Registry;
 use serde::Serialize;
 
 use crate::Answer;
-use crate::arguments::{CriterionArgument, Output};
+use crate::arguments::Output;
+use crate::choices::CriterionArgument;
 use crate::failure::Failure;
 use crate::number_argument::{seconds, whole};
 use crate::text;

@@ -17,9 +17,10 @@ use indicatif::ProgressBar;
 use serde::Serialize;
 use strum::VariantArray as _;
 
-use crate::arguments::{CriterionArgument, MarginArguments, Output};
+use crate::arguments::{MarginArguments, Output};
 use crate::campaigns::bench_worker;
 use crate::campaigns::cluster_folder::ClusterCampaign;
+use crate::choices::CriterionArgument;
 use crate::failure::Failure;
 use crate::number_argument::{MOST_ITERATIONS, pose_error, seconds, whole};
 use crate::program::version::COMMIT;

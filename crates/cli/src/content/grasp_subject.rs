@@ -11,7 +11,7 @@ use cranny_shape::{Solid, Surface, TriangleSoup, UnionMoments, VolumeMoments};
 use cranny_spatial::{Pose, Vector};
 use cranny_task::{APPROACH_M, Firmness, HandFilter, Weight, robot_hand};
 
-use crate::arguments::ScoreArgument;
+use crate::choices::ScoreArgument;
 use crate::content::grasp_choice::GraspChoice;
 use crate::content::object;
 use crate::failure::Failure;

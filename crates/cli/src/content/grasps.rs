@@ -13,7 +13,8 @@ use cranny_shape::Surface;
 use cranny_task::{APPROACH_M, HandFilter, robot_hand};
 use serde::Serialize;
 
-use crate::arguments::{LeastScore, Output, ScoreArgument, least_score};
+use crate::arguments::Output;
+use crate::choices::{LeastScore, ScoreArgument, least_score};
 use crate::content::grasp_loads::{GraspLoads, sorted};
 use crate::content::grasp_subject::{SampleArguments, Subject};
 use crate::content::grasps_import::ImportArguments;

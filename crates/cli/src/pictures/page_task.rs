@@ -9,7 +9,8 @@ use cranny_solve::{Timing, ik_statuses};
 use cranny_task::{Criterion, Problem};
 use cranny_view::{PageCells, PageData, PagePlan, PageSettings};
 
-use crate::arguments::{GeometryArgument, Output};
+use crate::arguments::Output;
+use crate::choices::GeometryArgument;
 use crate::failure::Failure;
 use crate::planning::plan_task::{check_plan, read_plan};
 use crate::planning::task::open_scenario;

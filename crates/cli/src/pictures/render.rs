@@ -13,7 +13,8 @@ use cranny_view::{
 use serde::Serialize;
 use strum::VariantArray as _;
 
-use crate::arguments::{GeometryArgument, Output};
+use crate::arguments::Output;
+use crate::choices::GeometryArgument;
 use crate::failure::Failure;
 use crate::file_kind::FileKind;
 use crate::output_file::{self, NamedFile};

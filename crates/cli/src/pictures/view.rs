@@ -8,7 +8,8 @@ use serde::Serialize;
 use tempfile::NamedTempFile;
 
 use crate::Answer;
-use crate::arguments::{GeometryArgument, Output};
+use crate::arguments::Output;
+use crate::choices::GeometryArgument;
 use crate::failure::Failure;
 use crate::pictures::page_task::{PageRequest, PageTask};
 use crate::progress::{interrupted, stop_on_interrupt};

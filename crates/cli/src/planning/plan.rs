@@ -145,6 +145,7 @@ fn ask(arguments: &PlanArguments, joints: usize) -> Result<Ask, Failure> {
             speed: arguments.speed.clone(),
             acceleration: arguments.acceleration.clone(),
             tool_speed: arguments.tool_speed.clone(),
+            turn_speed: arguments.turn_speed.clone(),
         },
         torque: arguments.torque,
         is_timing_demanded: arguments.rate.is_some(),

@@ -1,4 +1,5 @@
 use cranny_robot::{JointKind, Robot};
+use cranny_spatial::Vector;
 use cranny_task::Pace;
 
 use crate::timing::motion_limits::MotionLimits;
@@ -53,11 +54,15 @@ impl PieceLimits {
         let acceleration = least(|edge| edge.share.powi(2) * edge.pace.acceleration);
         let jerk = least(|edge| edge.share.powi(3));
         let times = |limits: &[f64], share: f64| limits.iter().map(|limit| limit * share).collect();
-        let tool_m_s = both.iter().filter_map(|edge| Some(edge.share * edge.pace.tool_m_s?)).reduce(f64::min);
-        let most_speed = tool_m_s.zip(robot).map_or(f64::INFINITY, |(speed, robot)| {
-            let most = greatest_tool_slope(robot, piece);
-            if most > 0.0 { speed / most } else { f64::INFINITY }
-        });
+        let slowest = |of: fn(&Pace) -> Option<f64>| {
+            both.iter().filter_map(|edge| Some(edge.share * of(&edge.pace)?)).reduce(f64::min)
+        };
+        let most_speed = |speed: Option<f64>, greatest: fn(&Robot, &Piece) -> f64| {
+            let most = speed.zip(robot).map(|(speed, robot)| speed / greatest(robot, piece));
+            most.filter(|most| most.is_finite()).unwrap_or(f64::INFINITY)
+        };
+        let most_speed = most_speed(slowest(|pace| pace.tool_m_s), greatest_tool_slope)
+            .min(most_speed(slowest(|pace| pace.turn_rad_s), greatest_turn_slope));
         Self {
             velocity: times(&limits.velocity, velocity),
             acceleration: times(&limits.acceleration, acceleration),
@@ -89,37 +94,60 @@ impl PieceLimits {
     }
 }
 
-/// A bound on `|dp/ds|` of the origin of the gripper frame along a piece, in metres per unit of `s`, at most 1 % above the
-/// truth unless that takes more than 1024 samples.
-///
-/// At samples δ apart no point of the piece is farther than δ/2 from one, so the bound is the greatest sample plus δ/2 times
-/// a bound on `|d²p/ds²| ≤ Σ_i Σ_j |q_i'| |q_j'| r + Σ_j |q_j''| r`, where r bounds the distance of the origin from every
+/// A bound on `|dp/ds|` of the origin of the gripper frame along a piece, in metres per unit of `s`, as [`greatest_slope`] has
+/// it, with `|d²p/ds²| ≤ Σ_i Σ_j |q_i'| |q_j'| r + Σ_j |q_j''| r`, where r bounds the distance of the origin from every
 /// axis of a joint that turns (`∂²p/∂q_i∂q_j = a_i × (a_j × (p − o_j))`).
 fn greatest_tool_slope(robot: &Robot, piece: &Piece) -> f64 {
-    const MOST_SAMPLES: u32 = 1024;
-    const EXCESS: f64 = 0.01;
     /// Step of the difference quotient, as a share of the piece.
     const STEP: f64 = 1e-5;
-    let joints = 0..piece.slope.len();
-    let reach_m = tip_reach_m(robot);
-    let most = |joint: usize| piece.greatest(joint);
-    let first: f64 = joints.clone().map(|joint| most(joint).first).sum();
-    let second: f64 = joints.map(|joint| most(joint).second).sum();
-    let bend = (first * first + second) * reach_m;
+    let [first, second] = rate_sums(piece);
     let mut frames = robot.frames();
     let mut tip = |s: f64| {
         robot.tip_kinematics(&piece.position(s), &mut frames);
         frames.link(robot.tip()).translation.vector
     };
+    let step = STEP * piece.length;
+    let slope = |s: f64| (tip(s + step) - tip(s - step)).norm() / (2.0 * step);
+    greatest_slope(piece, (first * first + second) * tip_reach_m(robot), slope)
+}
+
+/// A bound on `|ω|`, `ω = Σ_j q_j' a_j`, with which the gripper frame turns along a piece, in radians per unit of `s`, as
+/// [`greatest_slope`] has it, with `|dω/ds| ≤ Σ_i Σ_j |q_i'| |q_j'| + Σ_j |q_j''|`.
+fn greatest_turn_slope(robot: &Robot, piece: &Piece) -> f64 {
+    let movers = robot.ancestors(robot.tip());
+    let most = movers.iter().map(|mover| mover.multiplier.abs()).fold(1.0, f64::max);
+    let [first, second] = rate_sums(piece).map(|sum| sum * most);
+    let mut frames = robot.frames();
+    let turn = |s: f64| {
+        robot.tip_kinematics(&piece.position(s), &mut frames);
+        let turns = movers.iter().filter(|mover| mover.kind == JointKind::Revolute).map(|mover| {
+            let rate = mover.multiplier * piece.derivatives(mover.joint, s).first;
+            frames.link(mover.child_link).rotation * mover.axis_in_child * rate
+        });
+        turns.sum::<Vector>().norm()
+    };
+    greatest_slope(piece, first * first + second, turn)
+}
+
+/// Sums of the greatest absolute first and second derivatives of all joints along a piece.
+fn rate_sums(piece: &Piece) -> [f64; 2] {
+    let most = (0..piece.slope.len()).map(|joint| piece.greatest(joint));
+    most.fold([0.0; 2], |[first, second], most| [first + most.first, second + most.second])
+}
+
+/// A bound on a slope along a piece, at most 1 % above the truth unless that takes more than 1024 samples.
+///
+/// At samples δ apart no point of the piece is farther than δ/2 from one, so the bound is the greatest sample plus δ/2 times
+/// `bend`, a bound on the change of the slope.
+fn greatest_slope(piece: &Piece, bend: f64, mut slope: impl FnMut(f64) -> f64) -> f64 {
+    const MOST_SAMPLES: u32 = 1024;
+    const EXCESS: f64 = 0.01;
     let mut samples = 8;
     loop {
         let apart = piece.length / f64::from(samples);
         let mut greatest = 0.0_f64;
         for k in 0..samples {
-            let s = piece.begin + (f64::from(k) + 0.5) * apart;
-            let step = STEP * piece.length;
-            let slope = (tip(s + step) - tip(s - step)).norm() / (2.0 * step);
-            greatest = greatest.max(slope);
+            greatest = greatest.max(slope(piece.begin + (f64::from(k) + 0.5) * apart));
         }
         let beyond = 0.5 * apart * bend + 1e-6 * greatest;
         if beyond <= EXCESS * greatest || samples >= MOST_SAMPLES || greatest == 0.0 {

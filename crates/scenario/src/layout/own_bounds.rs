@@ -103,8 +103,9 @@ impl Layout<'_> {
         let speed = |(key, entry): (&String, &Spanned<SpeedEntry>)| {
             let refuse = |problem| ScenarioError::Bound { at: self.at(entry.referenced), problem };
             let mode = if key == ALL { None } else { Some(Mode::of_name(key).map_err(refuse)?) };
-            let SpeedEntry { speed, acceleration, tool_speed_m_s } = entry.value;
-            let stated = StatedSpeed { mode, velocity: speed, acceleration, tool_m_s: tool_speed_m_s };
+            let SpeedEntry { speed, acceleration, tool_speed_m_s, turn_speed_deg_s } = entry.value;
+            let (tool_m_s, turn_deg_s) = (tool_speed_m_s, turn_speed_deg_s);
+            let stated = StatedSpeed { mode, velocity: speed, acceleration, tool_m_s, turn_deg_s };
             match stated.fault() {
                 Some((value, values)) => {
                     Err(refuse(format!("'{value}' is no such limit; give a number {values}")))

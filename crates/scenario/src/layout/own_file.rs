@@ -156,6 +156,8 @@ pub(crate) struct SpeedEntry {
     pub acceleration: Option<f64>,
     /// Greatest speed of the gripper frame (m/s).
     pub tool_speed_m_s: Option<f64>,
+    /// Greatest speed with which the hand, and what it holds, turns (°/s).
+    pub turn_speed_deg_s: Option<f64>,
 }
 
 /// A bound on the tool: a box (`size`) or a ball (`radius`) in which a point of it stays, or a cone (`axis`, `toward`,

@@ -117,8 +117,13 @@ impl Recipe {
             text.push_str("speeds:\n");
         }
         for speed in &self.speeds {
-            let StatedSpeed { velocity, acceleration, tool_m_s, .. } = speed;
-            let stated = [("speed", velocity), ("acceleration", acceleration), ("tool_speed_m_s", tool_m_s)];
+            let StatedSpeed { velocity, acceleration, tool_m_s, turn_deg_s, .. } = speed;
+            let stated = [
+                ("speed", velocity),
+                ("acceleration", acceleration),
+                ("tool_speed_m_s", tool_m_s),
+                ("turn_speed_deg_s", turn_deg_s),
+            ];
             let stated = stated.into_iter().filter_map(|(key, value)| Some(format!("{key}: {}", (*value)?)));
             let _ = writeln!(text, "  {}: {{{}}}", speed.key(), stated.collect::<Vec<_>>().join(", "));
         }

@@ -11,11 +11,14 @@ pub struct Pace {
     /// Greatest speed of the origin of the gripper frame, in m/s; `None`: no limit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tool_m_s: Option<f64>,
+    /// Greatest speed with which the hand, and what it holds, turns, in rad/s; `None`: no limit.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub turn_rad_s: Option<f64>,
 }
 
 impl Default for Pace {
     fn default() -> Self {
-        Self { velocity: 1.0, acceleration: 1.0, tool_m_s: None }
+        Self { velocity: 1.0, acceleration: 1.0, tool_m_s: None, turn_rad_s: None }
     }
 }
 
@@ -35,7 +38,9 @@ impl Pace {
         if !is_share(self.acceleration) {
             return Some(("acceleration", self.acceleration, SHARES));
         }
-        let speed = self.tool_m_s.filter(|speed| !(*speed > 0.0 && speed.is_finite()))?;
-        Some(("tool_m_s", speed, "above 0, in m/s"))
+        let speeds = [("tool_m_s", self.tool_m_s), ("turn_rad_s", self.turn_rad_s)];
+        let is_fault = |speed: &f64| !(*speed > 0.0 && speed.is_finite());
+        let fault = |(name, speed): (_, Option<f64>)| Some((name, speed.filter(is_fault)?, "above 0"));
+        speeds.into_iter().find_map(fault)
     }
 }
