@@ -11,9 +11,12 @@ use cranny_solve::{Request, solve};
 use cranny_spatial::{Stream, simd_levels};
 use cranny_task::{Carrier, LiftOffSettings, Stage};
 
-/// Configurations of each kind in a scenario.
-const UNIFORM: usize = 50_000;
-const AT_CONTACT: usize = 50_000;
+/// Configurations of each kind in a scenario, in the plain run and in the long one.
+const OF_EACH: [usize; 2] = [10_000, 50_000];
+
+fn is_long() -> bool {
+    std::env::var_os("CRANNY_LONG").is_some()
+}
 
 /// Bisection ends where no joint differs by more, in metres or radians: links move less than 0.1 mm then.
 const BISECTED: f64 = 2e-5;
@@ -45,7 +48,6 @@ const HELD: [usize; 2] = [1_000, 50_000];
 #[test]
 fn verdicts_are_exact_with_the_target_in_the_hand() {
     let Some(data) = data() else { return };
-    let is_long = std::env::var_os("CRANNY_LONG").is_some();
     for index in 0..20 {
         let id = format!("0{}{}", 1 + index / 5, 1 + index % 5);
         let scenario = released(&data, &id);
@@ -58,7 +60,7 @@ fn verdicts_are_exact_with_the_target_in_the_hand() {
             let grip = carrier.close(answer.segments[0].waypoints.last().unwrap()).unwrap();
             let cell = grip.cells()[1];
             let mut random = Stream::new(seed, index);
-            let count = HELD[usize::from(is_long)];
+            let count = HELD[usize::from(is_long())];
             let along: Vec<&Vec<f64>> = answer.segments[2].waypoints.iter().collect();
             let (rows, exact) = judged_held(cell, &along, count, &mut random);
             let mut verdicts = Vec::new();
@@ -147,20 +149,20 @@ fn judged(cell: &Cell, random: &mut Stream) -> (Vec<f64>, Vec<bool>) {
     };
     let mut draw = || -> Vec<f64> { cell.robot().random_configuration(random) };
     let mut last: Option<(Vec<f64>, bool)> = None;
-    let mut at_contact = 0;
+    let (mut at_contact, of_each) = (0, OF_EACH[usize::from(is_long())]);
     for index in 0.. {
         let q = draw();
         let is_free = cell.is_free(&q, &mut scratch);
-        if index < UNIFORM {
+        if index < of_each {
             add(&q, is_free);
-        } else if at_contact >= AT_CONTACT {
+        } else if at_contact >= of_each {
             break;
         }
         if let Some((other, was_free)) = last.take().filter(|(_, was_free)| *was_free != is_free) {
             let mut ends = [(other, was_free), (q.clone(), is_free)];
             let apart =
                 |[a, b]: &[(Vec<f64>, bool); 2]| a.0.iter().zip(&b.0).any(|(a, b)| (a - b).abs() > BISECTED);
-            while apart(&ends) && at_contact < AT_CONTACT {
+            while apart(&ends) && at_contact < of_each {
                 let middle: Vec<f64> = ends[0].0.iter().zip(&ends[1].0).map(|(a, b)| 0.5 * (a + b)).collect();
                 let is_free = cell.is_free(&middle, &mut scratch);
                 ends[usize::from(is_free != ends[0].1)] = (middle, is_free);

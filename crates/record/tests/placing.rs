@@ -346,7 +346,8 @@ fn touches_along(cell: &Cell, path: &[Vec<f64>], off: &[f64], random: &mut Strea
 /// A little beyond the radius, in the direction of what is nearest where it is nearest, something touches.
 #[test]
 fn just_beyond_the_radius_the_nearest_is_touched() {
-    for id in ["012", "021", "033", "044"] {
+    let looked_at = if std::env::var_os("CRANNY_LONG").is_some() { 4 } else { 2 };
+    for id in ["012", "044", "021", "033"].into_iter().take(looked_at) {
         let (_, problem) = open(id);
         let answer =
             solve(&problem, &Request { robustness: true, ..Request::default() }, &mut Unobserved).unwrap();
