@@ -1,4 +1,4 @@
-"""Duration of smooth trajectories against those with stops, and the search for upright motions: `motions.py smooth|upright|cups|bottles
+"""Duration of smooth trajectories against those with stops, and the search for upright motions: `motions.py smooth|upright|cups|bottles|straight
 SEEDS`, with the command in `target/release`."""
 
 import json
@@ -100,6 +100,23 @@ def cups(folder: str, seeds: int) -> None:
         print(name, " | ".join(row), flush=True)
 
 
+def straight(folder: str, seeds: int) -> None:
+    """Plans of the twenty that were found, and milliseconds of planning, with and without straight lines and limits of torque."""
+    kinds = {
+        "reach": [],
+        "reach, approach 5 cm": ["--approach", "5"],
+        "place": KINDS["place"],
+        "place, approach 5 cm, retreat 10 cm": [*KINDS["place"], "--approach", "5", "--retreat", "10"],
+        "carry": KINDS["carry"],
+        "carry, torque": [*KINDS["carry"], "--torque"],
+    }
+    scenarios = [f"0{family}{level}" for family in range(1, 5) for level in range(1, 6)]
+    for kind, flags in kinds.items():
+        found = [plan(folder, scenario, seed, flags) for scenario in scenarios for seed in range(seeds)]
+        print(f"{kind}: {of_plans(found)}", flush=True)
+
+
 if __name__ == "__main__":
     with TemporaryDirectory() as temporary:
-        {"smooth": smooth, "upright": upright, "cups": cups, "bottles": bottles}[sys.argv[1]](temporary, int(sys.argv[2]))
+        parts = {"smooth": smooth, "upright": upright, "cups": cups, "bottles": bottles, "straight": straight}
+        parts[sys.argv[1]](temporary, int(sys.argv[2]))

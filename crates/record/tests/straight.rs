@@ -133,7 +133,7 @@ fn lengths_that_are_none_and_tasks_without_them_are_refused() {
         assert!(words.contains("no length of an approach; give 0 to 0.5 m"), "{words}");
     }
     let words = fault(Ask { retreat_m: Some(0.05), ..Ask::default() });
-    assert!(words.contains("it goes with `place`"), "{words}");
+    assert!(words.contains("nothing is put down"), "{words}");
     let moving =
         problem.with_goal(cranny_task::Goal::Configurations(vec![problem.start().to_vec()])).unwrap();
     let ask = Ask { approach_m: Some(0.05), ..Ask::default() };

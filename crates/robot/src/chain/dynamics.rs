@@ -3,7 +3,7 @@ use cranny_spatial::{Point, Pose, Vector};
 
 use crate::{Inertial, JointKind, LinkFrames, Mover, Robot};
 
-/// Masses of a robot, for the forces that its joints need ([`Robot::joint_forces`]).
+/// Masses of a robot, for the forces that its joints need ([`Robot::path_forces`]).
 #[derive(Clone, Debug)]
 pub struct Dynamics {
     bodies: Vec<MovingBody>,
