@@ -213,7 +213,10 @@ impl Ask {
         }
         let refuse = |field, problem: &str| Err(RecordError::Ask { field, problem: problem.to_owned() });
         if self.approach_m.is_some() && picks == 0 {
-            return refuse("approach", "nothing is grasped in this task, before which the hand could approach");
+            return refuse(
+                "approach",
+                "nothing is grasped in this task, before which the hand could approach",
+            );
         }
         if self.retreat_m.is_some() && places == 0 {
             return refuse("retreat", "nothing is put down in this task, after which the hand could retreat");
