@@ -1,4 +1,4 @@
-//! Tells the program what it was built for, and from which commit, where git knows: results of campaigns name it.
+//! Passes the target and, if git knows it, the commit of the build to the program; results of campaigns name both.
 
 use std::process::Command;
 

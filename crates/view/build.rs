@@ -1,10 +1,10 @@
-//! Puts the built page of `web/` into the crate.
+//! Embeds the built page of `web/` into the crate.
 //!
-//! 1. The folder that `CRANNY_WEB_DIST` names.
-//! 2. Else `page` in this crate, which a published one has and a checkout has not; else `web/dist`, if it is not older than
-//!    what it is made of.
-//! 3. Else a copy of `web/` is built by npm in the folder of this build; nothing is written beside the sources.
-//! 4. Else an older `web/dist`; else nothing, and `cranny view` says what to install.
+//! 1. Uses the folder in the environment variable `CRANNY_WEB_DIST`.
+//! 2. Otherwise uses `page` in this crate, which a published crate has and a checkout does not; otherwise `web/dist`, unless it
+//!    is older than its sources.
+//! 3. Otherwise builds a copy of `web/` with npm in the output folder of this build. Nothing is written beside the sources.
+//! 4. Otherwise uses an older `web/dist`; without one, there is no page, and `cranny view` names what to install.
 
 use std::fs;
 use std::io;
@@ -12,13 +12,13 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant, SystemTime};
 
-/// What a page cannot do without: the page that is served, and the one that is one file.
+/// Files that every page folder must contain: the served page and the single-file page.
 const PAGES: [&str; 2] = ["index.html", "single.html"];
 
-/// Names of `web/` that the page is not made of.
+/// Entries of `web/` that are not sources of the page.
 const NO_SOURCES: [&str; 7] = ["dist", "build", "node_modules", "screenshots", "tests", "check", "README.md"];
 
-/// So long npm may take for one command: twenty times what it takes, so that no build hangs on a dead network.
+/// Timeout of one npm command: twenty times its usual duration, so that no build hangs on a dead network.
 const PATIENCE: Duration = Duration::from_mins(4);
 
 const DIST: &str = "CRANNY_WEB_DIST";
@@ -62,7 +62,7 @@ fn main() {
             copy(&dist, &page, &[]).expect("the page can be copied");
         }
         Err(reason) => {
-            // Whoever installs Node changes the path.
+            // Installing Node changes PATH.
             println!("cargo::rerun-if-env-changed=PATH");
             println!("cargo::warning=`cranny view` is built without its page: {reason}");
         }
@@ -90,13 +90,13 @@ fn build(web: &Path, copied: &Path) -> Result<PathBuf, String> {
         ],
     )?;
     npm(copied, &["run", "build"])?;
-    // A hundred times as large as the page, and soon fetched again from npm's own store.
+    // This folder is a hundred times as large as the page, and npm restores it quickly from its own store.
     clear(&copied.join("node_modules"));
     let dist = copied.join("dist");
     if is_ready(&dist) { Ok(dist) } else { Err(format!("`npm run build` makes not all of {PAGES:?}")) }
 }
 
-/// Runs npm; the error is one line.
+/// Runs npm. The error is a single line.
 fn npm(folder: &Path, words: &[&str]) -> Result<(), String> {
     let program = if cfg!(windows) { "npm.cmd" } else { "npm" };
     let log = folder.join("npm.log");
@@ -127,7 +127,7 @@ fn is_ready(dist: &Path) -> bool {
     PAGES.iter().all(|page| dist.join(page).is_file())
 }
 
-/// The files and folders that the page is made of.
+/// Returns the source files and folders of the page.
 fn sources(web: &Path) -> Vec<PathBuf> {
     let entries = fs::read_dir(web).into_iter().flatten().flatten();
     let is_source = |entry: &fs::DirEntry| {
@@ -139,7 +139,7 @@ fn sources(web: &Path) -> Vec<PathBuf> {
     sources
 }
 
-/// When any of these was changed last, in whatever depth.
+/// Returns the latest modification time of these paths and everything below them.
 fn newest(paths: &[PathBuf]) -> Option<SystemTime> {
     let of = |path: &PathBuf| {
         let own = fs::metadata(path).and_then(|data| data.modified()).ok();
@@ -150,7 +150,7 @@ fn newest(paths: &[PathBuf]) -> Option<SystemTime> {
     paths.iter().filter_map(of).max()
 }
 
-/// Copies files and folders of a folder, but for entries of these names.
+/// Copies files and folders of a folder, except entries with these names.
 fn copy(from: &Path, to: &Path, without: &[&str]) -> io::Result<()> {
     fs::create_dir_all(to)?;
     for entry in fs::read_dir(from)? {
@@ -169,7 +169,7 @@ fn copy(from: &Path, to: &Path, without: &[&str]) -> io::Result<()> {
     Ok(())
 }
 
-/// Leaves nothing there.
+/// Removes the file or folder at `path`, if there is one.
 fn clear(path: &Path) {
     let _ = if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) };
 }

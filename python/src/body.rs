@@ -1,4 +1,4 @@
-//! `Body`: a thing in the world.
+//! `Body`: a rigid body in the world.
 
 use std::collections::HashSet;
 
@@ -13,7 +13,7 @@ use crate::handover::array::{copied, matrices, pose_or_translation, triangles, v
 use crate::handover::fault::{bad_value, fault};
 use crate::handover::pickled::{Made, Reduced, partial};
 
-/// A name that two of the bodies have, if there is one.
+/// Returns a name that two of the bodies share, if any.
 pub fn named_twice(bodies: &[Body]) -> Option<&str> {
     let mut names = HashSet::with_capacity(bodies.len());
     bodies.iter().map(|body| body.name.as_str()).find(|name| !names.insert(*name))
@@ -21,7 +21,7 @@ pub fn named_twice(bodies: &[Body]) -> Option<&str> {
 
 #[pymethods]
 impl PyBody {
-    /// A box of full lengths `size` (3,) along x, y, z, in metres, its middle at `pose`.
+    /// Box of full lengths `size` (3,) along x, y, z, in metres, centred at `pose`.
     #[staticmethod]
     #[pyo3(signature = (name, size, *, pose=None))]
     pub fn r#box<'py>(
@@ -35,7 +35,7 @@ impl PyBody {
         Self::of(name, solid, pose, made)
     }
 
-    /// A ball of `radius` (m), its middle at `pose`.
+    /// Sphere of `radius` (m), centred at `pose`.
     #[staticmethod]
     #[pyo3(signature = (name, radius, *, pose=None))]
     fn sphere<'py>(
@@ -48,7 +48,7 @@ impl PyBody {
         Self::of(name, Solid::sphere(radius).map_err(fault)?, pose, made)
     }
 
-    /// A cylinder of `radius` and full `length` (m) along the z of `pose`, its middle there.
+    /// Cylinder of `radius` and full `length` (m) along the z axis of `pose`, centred there.
     #[staticmethod]
     #[pyo3(signature = (name, radius, *, length, pose=None))]
     fn cylinder<'py>(
@@ -62,7 +62,7 @@ impl PyBody {
         Self::of(name, Solid::cylinder(0.5 * length, radius).map_err(fault)?, pose, made)
     }
 
-    /// A capsule of `radius` (m) along the z of `pose`; `length` (m) is that of its cylindrical part.
+    /// Capsule of `radius` (m) along the z axis of `pose`; `length` (m) is that of its cylindrical section.
     #[staticmethod]
     #[pyo3(signature = (name, radius, *, length, pose=None))]
     fn capsule<'py>(
@@ -76,8 +76,8 @@ impl PyBody {
         Self::of(name, Solid::capsule(0.5 * length, radius).map_err(fault)?, pose, made)
     }
 
-    /// What a closed mesh encloses: a `trimesh.Trimesh`, anything else with `vertices` and `faces`, or a pair of
-    /// arrays (V, 3) in metres and (F, 3) of indices. `hull`: its convex hull, which need not be closed.
+    /// Solid bounded by a closed mesh: a `trimesh.Trimesh`, any object with `vertices` and `faces`, or a pair of arrays (V, 3)
+    /// in metres and (F, 3) of indices. `hull`: use its convex hull; the mesh need not be closed.
     #[staticmethod]
     #[pyo3(signature = (name, mesh, *, pose=None, hull=false))]
     fn mesh<'py>(
@@ -96,7 +96,7 @@ impl PyBody {
         Self::of(name, solid.map_err(fault)?, pose, made)
     }
 
-    /// The floor: everything below `height` (m) in the planning frame. Its name is "floor".
+    /// Floor: everything below `height` (m) in the planning frame. Its name is "floor".
     #[staticmethod]
     #[pyo3(signature = (height=0.0))]
     fn floor(py: Python<'_>, height: f64) -> PyResult<Self> {
@@ -109,13 +109,13 @@ impl PyBody {
         })
     }
 
-    /// Its name.
+    /// Name of the body.
     #[getter]
     fn name(&self) -> &str {
         &self.body.name
     }
 
-    /// What each of its solids is: "box", "sphere", "cylinder", "capsule", "floor" or "mesh" (a hull too).
+    /// Kind of each of its solids: "box", "sphere", "cylinder", "capsule", "floor" or "mesh" (also for a hull).
     #[getter]
     fn kinds(&self) -> Vec<&'static str> {
         self.body.parts.iter().map(|part| kind(&part.solid)).collect()
@@ -136,15 +136,14 @@ impl PyBody {
         self.body.parts.iter().map(|part| sizes(&part.solid)).collect()
     }
 
-    /// Where its solids are: (K, 4, 4) in the planning frame.
+    /// Poses of its solids, (K, 4, 4), in the planning frame.
     #[getter]
     fn poses<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         matrices(py, self.body.parts.iter().map(|part| part.world_from_solid))
     }
 
-    /// The triangles of all its solids in the planning frame, normals outwards: vertices (V, 3) in metres and
-    /// faces (F, 3), such that `trimesh.Trimesh(*body.triangles())` is its mesh. Round shapes are faceted; a floor
-    /// has none.
+    /// Returns the triangles of all its solids in the planning frame, normals outwards: vertices (V, 3) in metres and faces (F,
+    /// 3), such that `trimesh.Trimesh(*body.triangles())` is its mesh. Round shapes are faceted; a floor has no triangles.
     fn triangles<'py>(&self, py: Python<'py>) -> PyResult<Triangles<'py>> {
         let mut whole = TriangleSoup::default();
         for Part { world_from_solid, solid } in &self.body.parts {
@@ -170,7 +169,7 @@ impl PyBody {
         Ok(Self { body: Body::new(name, pose_or_translation(pose, "pose")?, solid), made })
     }
 
-    /// One of a scene that was opened.
+    /// Wraps a body of an opened scene.
     pub fn of_scene(body: &Body) -> Self {
         Self { body: body.clone(), made: Made::UNKNOWN }
     }
@@ -195,7 +194,7 @@ fn posed<'py>(pose: Option<&Bound<'py, PyAny>>) -> PyResult<Option<Bound<'py, Py
     pose.map(copied).transpose()
 }
 
-/// Vertices and faces.
+/// Converts a mesh to arrays of vertices and faces.
 fn arrays<'py>(py: Python<'py>, soup: &TriangleSoup) -> PyResult<Triangles<'py>> {
     let vertices: Vec<f64> = soup.vertices.iter().flat_map(|v| [v.x, v.y, v.z]).collect();
     let faces: Vec<i64> = soup.triangles.iter().flatten().map(|corner| i64::from(*corner)).collect();

@@ -1,4 +1,4 @@
-//! Campaigns: run here, in worker processes of this interpreter.
+//! Campaigns, run in worker processes of this interpreter.
 
 use std::io::{BufReader, stdin, stdout};
 use std::path::PathBuf;
@@ -24,10 +24,10 @@ use crate::handover::whole;
 use crate::planning::seconds;
 use crate::scenario::criterion_of;
 
-/// How often the interpreter is asked for signals, and told how far the campaign is.
+/// Interval at which signals are checked and progress is reported.
 const LOOK_EVERY: Duration = Duration::from_millis(50);
 
-/// The value of an argument that names one of a few.
+/// Parses the value of an argument that names a variant.
 fn one_of<T>(argument: &str, word: &str) -> PyResult<T>
 where
     T: FromStr + VariantArray + Copy + Into<&'static str>,
@@ -36,13 +36,12 @@ where
     word.parse().map_err(|_| bad_value(format!("{argument} is '{word}', but one of {} is expected", known())))
 }
 
-/// Runs what is not in `output` yet of a campaign: `scenarios` by `planners` by `criteria` by seeds. What `bench.run`
-/// calls.
+/// Runs the trials of a campaign that are not in `output` yet: `scenarios` × `planners` × `criteria` × seeds. `bench.run` calls
+/// it.
 ///
-/// `planners`: tuples of a name, what to call (the name of a built-in planner, or the words of a command that
-/// speaks the exec protocol), and settings that differ from the defaults, or None. `worker`: the words of the
-/// command that serves trials. `heard`: called with the trials that ended, those to run and those solved, whenever
-/// these change; or None.
+/// `planners`: tuples of a name, a call (the name of a built-in planner, or the words of a command that speaks the exec
+/// protocol), and settings that differ from the defaults, or None. `worker`: the words of the command that serves trials.
+/// `heard`: a function called with the numbers of ended, scheduled and solved trials whenever they change, or None.
 #[pyfunction]
 #[pyo3(signature = (scenarios, planners, output, worker, *, criteria, runs, first_seed, time_limit_s, iterations,
     memory_limit_mb, workers, judge_both, measure_clearance, carry, task, grasps, margin_m, grasp_margin_m, robust, hold, sandbox, again, shard, command,
@@ -76,7 +75,9 @@ pub fn run_campaign(
     command: &str,
     heard: Option<Bound<'_, PyAny>>,
 ) -> PyResult<()> {
-    let [program, arguments @ ..] = &worker[..] else { return Err(bad_value("worker is no command")) };
+    let [program, arguments @ ..] = &worker[..] else {
+        return Err(bad_value("worker is empty, but a command is expected"));
+    };
     let campaign = Campaign {
         scenarios,
         planners: planners.iter().map(campaign_planner).collect::<PyResult<_>>()?,
@@ -146,11 +147,11 @@ pub fn run_campaign(
     progress.tell(py, heard.as_ref())?;
     match ended {
         Ok(ended) => ended.map_err(fault),
-        Err(_) => Err(fault("the campaign ended by itself, which is a fault of Cranny's; please report it")),
+        Err(_) => Err(fault("the campaign ended unexpectedly, which is a bug in Cranny; please report it")),
     }
 }
 
-/// The only word that a campaign has for grasps.
+/// Parses the argument `grasps` of a campaign, for which only "none" is valid.
 fn without_grasp_set(word: &str) -> PyResult<bool> {
     if word == "none" {
         Ok(true)
@@ -159,8 +160,7 @@ fn without_grasp_set(word: &str) -> PyResult<bool> {
     }
 }
 
-/// Serves the trials of a campaign that comes in on standard input, then ends the process: what
-/// `python -m cranny.worker` calls.
+/// Serves the trials of a campaign that arrives on standard input, then ends the process; `python -m cranny.worker` calls it.
 #[pyfunction]
 pub fn serve_trials(py: Python<'_>) -> PyResult<()> {
     py.detach(|| cranny_bench::serve(&Registry::default(), BufReader::new(stdin()), &mut stdout()))
@@ -189,13 +189,13 @@ fn campaign_planner(
     Ok(CampaignPlanner { name: name.clone(), ..planner })
 }
 
-/// How far a campaign is.
+/// Progress of a campaign.
 #[derive(Debug, Default)]
 struct Progress {
     to_run: AtomicUsize,
     ended: AtomicUsize,
     solved: AtomicUsize,
-    /// How many had ended when it was last told, and one more; 0: it never was.
+    /// Number of ended trials at the last report, plus one; 0 before the first report.
     told: AtomicUsize,
 }
 

@@ -16,17 +16,18 @@ use crate::handover::pickled::{Made, Reduced, partial};
 use crate::handover::rows::computed;
 use crate::handover::whole;
 
-/// Rows of one piece of work of vector lanes: some milliseconds.
+/// Rows per block of SIMD work: some milliseconds.
 const LANE_BLOCK: usize = 8192;
 
-/// Rows of one piece of exact work: some milliseconds.
+/// Rows per block of exact work: some milliseconds.
 const EXACT_BLOCK: usize = 64;
 
 #[pymethods]
 impl PyCell {
-    /// Puts `robot` into a world of `bodies`; every answer then demands `margin_m` (m) between any two things.
+    /// Creates a cell of `robot` in a world of `bodies`; all checks require the clearance `margin_m` (m) between any two
+    /// bodies.
     ///
-    /// `scenario.cell()` gives that of a scenario, with its target.
+    /// `scenario.cell()` returns the cell of a scenario, with its target.
     #[new]
     #[pyo3(signature = (robot, bodies, *, margin_m=0.0))]
     fn new(robot: &Bound<'_, PyRobot>, bodies: Vec<Py<PyBody>>, margin_m: f64) -> PyResult<Self> {
@@ -36,7 +37,7 @@ impl PyCell {
         let made = Made::by(constructor, (robot, PyTuple::new(py, &bodies)?))?;
         let bodies: Vec<_> = bodies.iter().map(|body| body.get().body.clone()).collect();
         if let Some(name) = named_twice(&bodies) {
-            return Err(bad_value(format!("there are two bodies '{name}'; names are unique")));
+            return Err(bad_value(format!("two bodies have the name '{name}', but names must be unique")));
         }
         let world = World::new(bodies).map_err(fault)?;
         let margins = Margins { margin_m, ..Margins::default() };
@@ -44,7 +45,7 @@ impl PyCell {
         Ok(Self { cell: Arc::new(cell), made })
     }
 
-    /// The robot.
+    /// Robot of the cell.
     #[getter]
     fn robot(slf: &Bound<'_, Self>) -> PyResult<PyRobot> {
         Ok(PyRobot { robot: slf.get().cell.robot().clone(), made: Made::by_attribute(slf, "robot")? })
@@ -56,15 +57,15 @@ impl PyCell {
         self.cell.world().bodies().iter().map(PyBody::of_scene).collect()
     }
 
-    /// Pairs of links that are checked against each other, by their names.
+    /// Names of the link pairs that are checked against each other.
     #[getter]
     fn self_pairs(&self) -> Vec<(String, String)> {
         let name = |link: usize| self.cell.robot().links()[link].name.clone();
         self.cell.self_pairs().into_iter().map(|(a, b)| (name(a), name(b))).collect()
     }
 
-    /// Whether `q` is within the joint limits and every pair of things keeps its distance: a bool; of a batch,
-    /// an array (N,) of bools, computed in vector lanes.
+    /// Returns True if `q` is within the joint limits and every pair keeps its clearance: a bool; for a batch, an array (N,) of
+    /// bools, computed with SIMD.
     #[pyo3(signature = (q, *, threads=Some(1)), text_signature = "($self, q, *, threads=1)")]
     fn is_free<'py>(
         &self,
@@ -87,8 +88,8 @@ impl PyCell {
         Ok(shaped(py, free, &[q.count])?.into_any())
     }
 
-    /// The least distance in metres over all pairs of things at `q`, certified from below; 0 in contact, infinite
-    /// where there is nothing to touch. A float; of a batch, an array (N,). Joint limits do not enter.
+    /// Returns the minimum distance over all pairs at `q` in metres, a certified lower bound; 0 in contact, infinite without
+    /// any pair. A float; for a batch, an array (N,). Joint limits are not checked.
     #[pyo3(signature = (q, *, threads=Some(1)), text_signature = "($self, q, *, threads=1)")]
     fn clearance<'py>(
         &self,
@@ -102,8 +103,8 @@ impl PyCell {
         scalar_or_array(py, q.is_single, least)
     }
 
-    /// What is closer at `q` than it may be: the first pair in a fixed order, hand and wrist before the base; None
-    /// if every pair keeps its distance. Of a batch, a list of N of them. Joint limits do not enter.
+    /// Returns the first pair at `q` that violates its clearance, in a fixed order, hand and wrist before the base; None if
+    /// every pair keeps its clearance. For a batch, a list of N of them. Joint limits are not checked.
     #[pyo3(signature = (q, *, threads=Some(1)), text_signature = "($self, q, *, threads=1)")]
     fn first_contact<'py>(
         &self,
@@ -121,15 +122,15 @@ impl PyCell {
         single_or_list(py, q.is_single, told)
     }
 
-    /// Every pair that is closer at `q`, (dof,), than it may be, once each.
+    /// Returns every pair that violates its clearance at `q`, (dof,), once each.
     fn contacts(&self, q: &Bound<'_, PyAny>) -> PyResult<Vec<PyContact>> {
         let q = crate::handover::array::configuration(q, "q", self.cell.robot())?;
         let contacts = self.cell.contacts(&q, &mut self.cell.scratch());
         Ok(contacts.iter().map(|contact| PyContact::of(&self.cell, contact)).collect())
     }
 
-    /// Whether the whole straight motion from `a` to `b` is proven free: a bool. Of batches, (N, dof) both or one
-    /// of them (dof,), an array (N,) of bools.
+    /// Returns True if the whole straight motion from `a` to `b` is proven free: a bool. For batches, (N, dof) both or one of
+    /// them (dof,), an array (N,) of bools.
     #[pyo3(signature = (a, b, *, threads=Some(1)), text_signature = "($self, a, b, *, threads=1)")]
     fn motion_is_free<'py>(
         &self,
@@ -145,7 +146,8 @@ impl PyCell {
         }
     }
 
-    /// The same with what prevents the proof, and where: a Motion; of batches, a list of N of them.
+    /// Checks the straight motion from `a` to `b` and returns a Motion, with the obstruction to the proof and its position; for
+    /// batches, a list of N of them.
     #[pyo3(signature = (a, b, *, threads=Some(1)), text_signature = "($self, a, b, *, threads=1)")]
     fn motion<'py>(
         &self,
@@ -160,8 +162,8 @@ impl PyCell {
         single_or_list(py, is_single, told)
     }
 
-    /// The least distance in metres over all pairs along the straight motion from `a` to `b`, (dof,) each: a
-    /// certified lower bound, at most 10 µm too low; 0 if there is contact. Joint limits do not enter.
+    /// Returns the minimum distance over all pairs along the straight motion from `a` to `b`, (dof,) each, in metres: a
+    /// certified lower bound, at most 10 µm too low; 0 if there is contact. Joint limits are not checked.
     fn least_clearance(&self, py: Python<'_>, a: &Bound<'_, PyAny>, b: &Bound<'_, PyAny>) -> PyResult<f64> {
         let a = crate::handover::array::configuration(a, "a", self.cell.robot())?;
         let b = crate::handover::array::configuration(b, "b", self.cell.robot())?;
@@ -194,7 +196,8 @@ impl PyCell {
             _ if a.count == b.count => a.count,
             _ => {
                 return Err(bad_value(format!(
-                    "a has shape ({}, {dof}) and b has shape ({}, {dof}), but as many rows are expected",
+                    "a has shape ({}, {dof}) and b has shape ({}, {dof}), but the same number of rows is \
+                     expected",
                     a.count, b.count
                 )));
             }

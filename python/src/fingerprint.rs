@@ -1,4 +1,4 @@
-//! The contents of a thing as one number, by which one that was opened anew is compared with the one that was pickled.
+//! Fingerprints of contents: one number, by which a reopened object is compared with the one that was pickled.
 
 use std::collections::hash_map::DefaultHasher;
 use std::hash::{Hash as _, Hasher as _};
@@ -15,7 +15,7 @@ use crate::handover::fault::{bad_type, fault};
 use crate::handover::pickled::{Made, Reduced, restored_by};
 
 impl Made {
-    /// What `__reduce__` returns for `thing`; of one that nothing is known of a TypeError with `hint`.
+    /// Returns the result of `__reduce__` for `thing`; TypeError with `hint` if its origin is unknown.
     pub fn reduced<'py>(&self, thing: &Bound<'py, PyAny>, hint: &str) -> PyResult<Reduced<'py>> {
         let py = thing.py();
         let Some(call) = &self.0 else {
@@ -30,7 +30,7 @@ impl Made {
     }
 }
 
-/// Opens what was pickled, as it was.
+/// Reopens a pickled object and checks that it is unchanged.
 #[pyfunction]
 #[pyo3(name = "_restored")]
 pub fn restored<'py>(
@@ -51,7 +51,7 @@ pub fn restored<'py>(
     Ok(thing)
 }
 
-/// What tells what files say from what they said: numbers, names and surfaces as one number.
+/// Hashes numbers, names and surfaces into one number, to detect changed files.
 fn fingerprint(thing: &Bound<'_, PyAny>) -> u64 {
     let mut print = Fingerprint(DefaultHasher::new());
     if let Ok(robot) = thing.cast::<PyRobot>() {
@@ -121,7 +121,7 @@ impl Fingerprint {
             let acceleration = limits.acceleration.unwrap_or(f64::NAN);
             self.numbers(&[limits.lower, limits.upper, limits.velocity, acceleration]);
         }
-        // Away from zero: what hangs where, by which axes.
+        // At values other than zero, where the poses depend on the attachments and the axes of all joints.
         let frames = robot.frames_at(&vec![0.3; robot.dof()]);
         for (index, link) in robot.links().iter().enumerate() {
             link.name.hash(&mut self.0);

@@ -1,4 +1,4 @@
-//! Grasps and contact: sampled, kept in a set, tried in physics.
+//! Grasps and contact: sampling, sets, tests in physics.
 
 pub mod contact;
 pub mod grasp_sampling;

@@ -1,4 +1,4 @@
-//! Values that cross between the interpreter and Rust: arrays, rows, JSON, pickles, faults, and the call that Ctrl-C ends.
+//! Conversions between Python and Rust: arrays, rows, JSON, pickles, errors, and interruption by Ctrl-C.
 
 pub mod array;
 pub mod fault;

@@ -1,12 +1,12 @@
-//! Cranny for Python: the same nouns as in Rust, NumPy in and out, no logic of its own.
+//! Cranny for Python: the nouns of the Rust crates, NumPy arrays as inputs and outputs, no logic of its own.
 //!
-//! This crate turns arrays into what the rooms below take, and what they give into arrays. Every batch leaves the
-//! interpreter to others, shares its rows among as many cores as it is told, and hears Ctrl-C. What a notebook, a
-//! data frame or another middleware wants is made of that in Python (`python/cranny`).
+//! This crate converts between arrays and the types of the other crates. Every batch releases the GIL, distributes its rows
+//! over the given number of cores, and responds to Ctrl-C. Integrations with notebooks, data frames and other middleware are
+//! written in Python (`python/cranny`).
 //!
 //! ## Limits
-//! Arrays are read where they lie: one that another thread writes to during a call gives answers about neither
-//! its old nor its new values. A search looks for Ctrl-C between its iterations, a batch between blocks of rows.
+//! Arrays are read without a copy: if another thread writes to one during a call, results match neither its old nor its new
+//! values. A search checks for Ctrl-C between its iterations, a batch between blocks of rows.
 
 #![allow(
     clippy::doc_markdown,
@@ -36,13 +36,13 @@ mod task;
 mod trajectory;
 mod verification;
 
-/// The licences of Cranny and of all that this package is made of.
+/// Returns the licences of Cranny and of all components of this package.
 #[pyo3::pyfunction]
 fn licences() -> &'static str {
     cranny_view::NOTICES
 }
 
-/// What the package `cranny` is made of.
+/// Contents of the package `cranny`.
 #[pyo3::pymodule]
 mod _cranny {
     #[pymodule_export]
@@ -82,7 +82,7 @@ mod _cranny {
     #[pymodule_export]
     use crate::verification::PyVerification;
 
-    /// The version.
+    /// Version of the package.
     #[pymodule_export]
     #[allow(non_upper_case_globals, reason = "python's name for it")]
     const __version__: &str = env!("CARGO_PKG_VERSION");

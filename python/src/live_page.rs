@@ -1,4 +1,4 @@
-//! `LivePage`: the viewer in a browser, told from a script what to show.
+//! `LivePage`: the viewer in a browser, controlled from a script.
 
 use std::sync::{Arc, Mutex, PoisonError, mpsc};
 use std::thread::JoinHandle;
@@ -12,8 +12,8 @@ use crate::handover::array::configuration;
 use crate::handover::fault::{bad_value, fault};
 use crate::picture::page_of;
 
-/// The viewer's page of a scenario, served to this machine until it is closed (`close`, `with`, or when it is forgotten).
-/// Who has opened `url` sees at once what `pose` and `plan` are told.
+/// Viewer page of a scenario, served to this machine until it is closed (`close`, `with`, or when it is garbage-collected).
+/// Browsers that have opened `url` show the effects of `pose` and `plan` at once.
 #[pyclass(name = "LivePage", module = "cranny", frozen)]
 pub struct PyLivePage {
     scenario: Arc<Py<PyScenario>>,
@@ -54,7 +54,7 @@ impl PyLivePage {
                 let _ = tell_ready.send(());
             })
         });
-        // A server that cannot begin ends, and says why where it is closed.
+        // If the server cannot start, its thread ends, and `close` reports the reason.
         let _ = py.detach(move || ready.recv());
         Ok(Self {
             scenario: Arc::new(scenario),
@@ -64,13 +64,13 @@ impl PyLivePage {
         })
     }
 
-    /// Where the page is: whoever knows this address on this machine can read it.
+    /// Address of the page; any user of this machine who knows it can read the page.
     #[getter]
     fn url(&self) -> &str {
         &self.url
     }
 
-    /// Shows the robot at a configuration (dof,), m or rad; None: as the plan has it.
+    /// Shows the robot at a configuration (dof,), m or rad; None: as in the plan.
     #[pyo3(signature = (q))]
     fn pose(&self, q: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
         self.check_open()?;
@@ -80,7 +80,7 @@ impl PyLivePage {
         Ok(())
     }
 
-    /// Shows a plan; None: the scenario alone. Postures are judged as with what the page began with.
+    /// Shows a plan; None: the scenario alone. Configurations are still checked against the initial scene of the page.
     #[pyo3(signature = (plan))]
     fn plan(&self, py: Python<'_>, plan: Option<&Bound<'_, PyPlan>>) -> PyResult<()> {
         self.check_open()?;
@@ -91,7 +91,7 @@ impl PyLivePage {
         })
     }
 
-    /// Ends the server; the page stays as it is.
+    /// Stops the server; the open page remains visible.
     fn close(&self, py: Python<'_>) -> PyResult<()> {
         let server = self.server.lock().unwrap_or_else(PoisonError::into_inner).take();
         let Some(Server { stop, thread }) = server else { return Ok(()) };
@@ -122,7 +122,7 @@ impl PyLivePage {
 }
 
 impl PyLivePage {
-    /// Watches a search of a task: its trees are seen as they grow.
+    /// Observes the search for a task, so that the page shows the growth of its trees.
     pub fn watch(&self, task: &Task) -> PyResult<WatchedSearch> {
         self.check_open()?;
         let (shown, robot) = (&self.scenario.get().scenario, task.problem.robot());
@@ -135,7 +135,7 @@ impl PyLivePage {
         Ok(self.feed.watch(robot.clone()))
     }
 
-    /// Shows the plan that came of a search with its trees; of a page that was closed meanwhile nothing.
+    /// Shows the plan that a search returned, with its trees; does nothing if the page was closed in the meantime.
     pub fn show_with_tree(&self, plan: &PyPlan, search_tree: TreeRecording) -> PyResult<()> {
         if self.check_open().is_err() {
             return Ok(());

@@ -1,4 +1,4 @@
-//! `MoveItProblem`: a scene and a request of others.
+//! `MoveItProblem`: a planning scene and a request of MoveIt.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -36,43 +36,43 @@ impl PyMoveItProblem {
         Ok(Self { problem: Arc::new(problem), robot_file: options.robot, made })
     }
 
-    /// The stem of the scene file's name.
+    /// Stem of the scene file's name.
     #[getter]
     fn id(&self) -> &str {
         &self.problem.id
     }
 
-    /// The robot.
+    /// Robot of the problem.
     #[getter]
     fn robot(slf: &Bound<'_, Self>) -> PyResult<PyRobot> {
         Ok(PyRobot { robot: slf.get().problem.robot.clone(), made: Made::by_attribute(slf, "robot")? })
     }
 
-    /// The collision objects, in the root frame of the robot.
+    /// Collision objects, in the root frame of the robot.
     #[getter]
     fn world(&self) -> Vec<PyBody> {
         self.problem.world.bodies().iter().map(PyBody::of_scene).collect()
     }
 
-    /// The configuration to start from, (dof,), m or rad.
+    /// Start configuration, (dof,), m or rad.
     #[getter]
     fn start<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         shaped(py, self.problem.start.clone(), &[self.problem.start.len()])
     }
 
-    /// The configurations to reach, any of them: (K, dof).
+    /// Goal configurations, (K, dof); any of them is a goal.
     #[getter]
     fn goals<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         rows(py, &self.problem.goals, self.problem.robot.dof())
     }
 
-    /// Where the problem is not what the files say, in sentences.
+    /// Deviations of the problem from its files, in sentences.
     #[getter]
     fn deviations(&self) -> Vec<String> {
         self.problem.deviations.iter().map(ToString::to_string).collect()
     }
 
-    /// The robot among the collision objects, with `margin_m` (m) demanded between any two things.
+    /// Returns the robot among the collision objects, with the clearance `margin_m` (m) required between any two bodies.
     #[pyo3(signature = (*, margin_m=0.0))]
     fn cell(slf: &Bound<'_, Self>, margin_m: f64) -> PyResult<PyCell> {
         let keywords = PyDict::new(slf.py());
@@ -86,7 +86,7 @@ impl PyMoveItProblem {
         Ok(PyCell { cell, made: Made::by_method(slf, ("cell",), Some(&keywords))? })
     }
 
-    /// As of a Scenario.
+    /// Pickled as a Scenario is.
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
         slf.get().made.reduced(slf, "open it again")
     }

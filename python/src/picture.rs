@@ -19,17 +19,17 @@ use crate::handover::fault::{bad_value, fault};
 use crate::handover::interrupt::Interrupt;
 use crate::handover::whole;
 
-/// Instants a second of a path that only one is shown of.
+/// Sample rate of a path of which one frame is shown, in Hz.
 const STILL_RATE_HZ: f64 = 20.0;
 
-/// What errors call a file that is none.
+/// File name in errors for a picture in memory.
 const IN_MEMORY: &str = "picture";
 
-/// The longest motion that is drawn at once, in pictures.
+/// Maximum number of frames of a motion that is drawn at once.
 const MOST_FRAMES: usize = 2000;
 
-/// A PNG of `scenario`, of the end of `plan` with the way to it where one is given. `view`: "three-quarter",
-/// "front", "side" or "top". `width` and `height` in points, 16 to 8192.
+/// Returns a PNG of `scenario`; with `plan`, of its end and the path to it. `view`: "three-quarter", "front", "side" or "top".
+/// `width` and `height` in pixels, 16 to 8192.
 #[pyfunction]
 #[pyo3(signature = (scenario, plan=None, *, view="three-quarter", width=960, height=720))]
 pub fn picture<'py>(
@@ -51,7 +51,7 @@ pub fn picture<'py>(
     Ok(PyBytes::new(py, &bytes))
 }
 
-/// An animated PNG of `plan` in `scenario`, at `rate` pictures a second, 1 to 50.
+/// Returns an animated PNG of `plan` in `scenario`, at `rate` frames per second, 1 to 50.
 #[pyfunction]
 #[pyo3(signature = (scenario, plan, *, view="three-quarter", width=640, height=480, rate=10))]
 pub fn moving_picture<'py>(
@@ -77,7 +77,7 @@ pub fn moving_picture<'py>(
         }
         let mut pictures = Vec::new();
         let frames: Vec<usize> = (0..=last).collect();
-        // A few at a time, so that Ctrl-C is heard between them.
+        // In small batches, so that Ctrl-C is handled between them.
         for some in frames.chunks(8) {
             pictures.extend(
                 Animation::draw(&scene, view, &settings, some, |_, picture| Ok(picture)).map_err(fault)?,
@@ -94,8 +94,8 @@ pub fn moving_picture<'py>(
     Ok(PyBytes::new(py, &bytes?))
 }
 
-/// The viewer with `scenario`, and with `plan` where one is given, as one HTML document; None if the package was
-/// built without the viewer (Node was missing).
+/// Returns the viewer with `scenario`, and with `plan` if given, as one HTML document; None if the package was built without
+/// the viewer (Node was missing).
 #[pyfunction]
 #[pyo3(signature = (scenario, plan=None))]
 pub fn page(
@@ -111,8 +111,8 @@ pub fn page(
     }
 }
 
-/// What the viewer's page shows of a scenario, and what postures are judged in; with the trees of the search that a single
-/// plan came of, if they are known.
+/// Returns the content of the viewer's page of a scenario, and the cells in which it checks configurations; includes the search
+/// trees of a single plan, if known.
 pub fn page_of(
     scenario: &PyScenario,
     plan: Option<&PyPlan>,
@@ -143,19 +143,20 @@ pub fn page_of(
     Ok((page, PageCells::of(cell.clone(), page_plan.as_slice())))
 }
 
-/// Checks that a plan is for the world that it is to be shown in.
+/// Checks that a plan was made for the world in which it is shown.
 fn check_shown(scenario: &Scenario, plan: &PyPlan) -> PyResult<()> {
     let planned = plan.task.scenario.as_deref();
     if planned.is_none_or(|planned| stand_alike(&planned.world, &scenario.world)) {
         return Ok(());
     }
     Err(bad_value(format!(
-        "plan: it was planned for '{}', which is another world than that of '{}' (Plan.load(path, scenario) judges it there)",
+        "plan: it was planned for '{}', whose world differs from that of '{}' (Plan.load(path, scenario) \
+         judges it there)",
         plan.file.scenario, scenario.id
     )))
 }
 
-/// Whether all bodies of two worlds are where those of the other are.
+/// Returns true if all bodies of two worlds have the same poses.
 fn stand_alike(a: &World, b: &World) -> bool {
     let poses = |world: &World| -> Vec<Pose> {
         world.bodies().iter().flat_map(|body| body.parts.iter().map(|part| part.world_from_solid)).collect()
@@ -175,7 +176,7 @@ fn scene_of(scenario: &Scenario, plan: Option<&PyPlan>, rate_hz: f64) -> PyResul
     Scene::of_task(scenario, path.as_ref(), &SceneSettings::default()).map_err(fault)
 }
 
-/// When a plan is where, if it is one for the robot of the scenario.
+/// Returns the trajectory of a plan, after checking that it is for the robot of the scenario.
 fn timed_in(scenario: &Scenario, plan: &PyPlan) -> PyResult<Option<TaskTrajectory>> {
     plan.file.check_joints(Path::new(IN_MEMORY), &scenario.robot).map_err(fault)?;
     plan.file.trajectory(&scenario.robot).map_err(fault)
@@ -183,5 +184,5 @@ fn timed_in(scenario: &Scenario, plan: &PyPlan) -> PyResult<Option<TaskTrajector
 
 fn standard_view(name: &str) -> PyResult<StandardView> {
     let known = || StandardView::VARIANTS.iter().map(|view| view.name()).collect::<Vec<_>>().join(", ");
-    name.parse().map_err(|_| bad_value(format!("there is no view '{name}' (there are: {})", known())))
+    name.parse().map_err(|_| bad_value(format!("unknown view '{name}' (known: {})", known())))
 }

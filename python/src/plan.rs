@@ -1,4 +1,4 @@
-//! `Plan`: an answer, with all that is needed to judge it and to find it again.
+//! `Plan`: a planning result with everything needed to verify and reproduce it.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -25,27 +25,27 @@ use crate::verification::PyVerification;
 impl PyPlan {
     /// Reads a `.plan.json` of `scenario` (a Scenario or a MoveItProblem); None: the built-in one that it names.
     ///
-    /// Nothing that the file states is trusted: the path is judged anew, every property is a figure measured along it, and
-    /// `differs` names those that the file states otherwise. A file that promises more than there is makes a plan that is
-    /// False, and `verify()` names the statement. How the path was found (`report["statistics"]`, `["planner"]`, `["seed"]`,
-    /// …), and of a file without a path `outcome`, `not_checked` and why there is none (`report["failures"]`,
-    /// `["no_grasp"]`), is as the file has it: `unjudged` names these keys.
+    /// No statement of the file is trusted: the path is verified again, every property is measured along it, and `differs`
+    /// lists the statements that differ. If the file promises more than was measured, the plan is False, and `verify()` names
+    /// the statement. Details of the search (`report["statistics"]`, `["planner"]`, `["seed"]`, …), and for a file without a
+    /// path `outcome`, `not_checked` and the reasons (`report["failures"]`, `["no_grasp"]`), are taken from the file:
+    /// `unjudged` lists these keys.
     #[staticmethod]
     #[pyo3(signature = (path, scenario=None))]
     fn load(py: Python<'_>, path: PathBuf, scenario: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
         Self::of_file(py, PlanFile::read(&path).map_err(fault)?, scenario)
     }
 
-    /// Way points from the start to the goal, (N, dof), joined by straight lines; (0, dof) where none was found.
+    /// Way points from the start to the goal, (N, dof), joined by straight lines; (0, dof) if no path was found.
     #[getter]
     fn path<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         rows(py, &self.file.waypoints, self.file.joint_names.len())
     }
 
-    /// The pieces of the path, each from where the one before ends, as dicts of `mode` ("reach", "lift-off", "carry"),
-    /// `attached` (what the hand carries, or None), `opening_m` (between the fingers; None: as far as they go), `uneven_m`
-    /// (how much farther the finger that meets the object last would have to go than the first, or None), `stage` (index in
-    /// `task`) and `path`, (N, dof). One, unless the task has several stages.
+    /// Segments of the path, each starting at the end of the one before, as dicts of `mode` ("reach", "lift-off", "carry"),
+    /// `attached` (the object in the hand, or None), `opening_m` (finger opening; None: fully open), `uneven_m` (additional
+    /// travel of the finger that meets the object last, or None), `stage` (index in `task`) and `path`, (N, dof). One, unless
+    /// the task has several stages.
     #[getter]
     fn segments<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
         let dof = self.file.joint_names.len();
@@ -62,104 +62,104 @@ impl PyPlan {
         self.measured.segments.iter().map(segment).collect()
     }
 
-    /// The stages of the task, in order: dictionaries of `pick`, `move` or `place`, with what belongs to each. Empty where the
-    /// goal of the scenario is all.
+    /// Stages of the task, in order: dictionaries of `pick`, `move` or `place`, with their settings. Empty if the goal of the
+    /// scenario is the only one.
     #[getter]
     fn task<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         python_of(py, &self.file.task)
     }
 
-    /// Name of the task of the scenario that this is a plan for, or None.
+    /// Name of the scenario's task that this plan solves, or None.
     #[getter]
     fn task_name(&self) -> Option<&str> {
         self.file.task_name.as_deref()
     }
 
-    /// How far things may be from where the plan has them while every segment stays proven, each kind of error by itself: a
-    /// dictionary of "object" (before the hand closes), "slip" (in the hand), "base" and "joints", each a dictionary (m, rad)
-    /// or None where nothing is there to touch; None where there is no proof.
+    /// Tolerated errors for which every segment stays proven, each kind of error by itself: a dictionary of "object" (before
+    /// the hand closes), "slip" (in the hand), "base" and "joints", each a dictionary (m, rad) or None without any pair to
+    /// check; None without a proof.
     #[getter]
     fn robustness<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
         self.measured.robustness.as_ref().map(|robustness| python_of(py, robustness)).transpose()
     }
 
-    /// Length, in the plain norm of the joints (m and rad alike), that every path of the task has at least, proven; None where it
-    /// is not known.
+    /// Proven lower bound on the length of every path of the task, in the plain norm of the joints (m and rad alike); None if
+    /// unknown.
     #[getter]
     fn least_length(&self) -> Option<f64> {
         self.measured.least_length
     }
 
-    /// Tilt of what is held along the whole motion: a dictionary of "greatest_rad" (a proven upper bound) and "most_rad" (what
-    /// is allowed), in radians; None where no tilt is limited.
+    /// Tilt of the held object along the whole motion: a dictionary of "greatest_rad" (a proven upper bound) and "most_rad"
+    /// (the limit), in radians; None without a limit.
     #[getter]
     fn tilt<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
         self.measured.tilt.as_ref().map(|tilt| python_of(py, tilt)).transpose()
     }
 
-    /// Distance of the tool within each of its bounds along the whole motion: dictionaries of "name" and "slack_m" or
-    /// "slack_rad" (a proven lower bound); empty where the tool is not bounded.
+    /// Slack of the tool within each of its bounds along the whole motion: dictionaries of "name" and "slack_m" or "slack_rad"
+    /// (a proven lower bound); empty if the tool is not bounded.
     #[getter]
     fn tool<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         python_of(py, &self.measured.tool)
     }
 
-    /// Firmness with which the hand holds what it carries: a dictionary of "factor" (by which all loads may grow before a pad
-    /// slips, the least along the motion; None without times), "at_rest" (of the weight alone) and "mass_assumed"; None where
-    /// nothing is carried, or it cannot be computed.
+    /// Firmness of the hold on the carried object: a dictionary of "factor" (by which all loads may grow before a pad slips,
+    /// the minimum along the motion; None without times), "at_rest" (for the weight alone) and "mass_assumed"; None if no
+    /// object is carried, or if it cannot be computed.
     #[getter]
     fn hold<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
         self.measured.hold.as_ref().map(|hold| python_of(py, hold)).transpose()
     }
 
-    /// Plans that were tried in physics, of which this is the last: a list of dictionaries of "seed", "outcome", "kept",
-    /// "as_planned" and, of a grasp that failed, "left_out"; empty where none was tried.
+    /// Plans that were tested in physics, of which this is the last: a list of dictionaries of "seed", "outcome", "kept",
+    /// "as_planned" and, for a failed grasp, "left_out"; empty if none was tested.
     #[getter]
     fn tries<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         python_of(py, &self.file.tries)
     }
 
-    /// When each way point is passed, (N,), in seconds; None for a robot without limits of acceleration.
+    /// Time of each way point, (N,), in seconds; None for a robot without acceleration limits.
     #[getter]
     fn times<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArrayDyn<f64>>>> {
         let times = self.trajectory.as_ref().map(|trajectory| trajectory.waypoint_times_s());
         times.map(|times| shaped(py, times.clone(), &[times.len()])).transpose()
     }
 
-    /// From the first way point to the last, in seconds; None where `times` is None.
+    /// Duration from the first way point to the last, in seconds; None if `times` is None.
     #[getter]
     fn duration_s(&self) -> Option<f64> {
         self.trajectory.as_ref().map(|trajectory| trajectory.duration_s())
     }
 
-    /// How the search ended: "solved", "budget-exhausted", "gave-up", "cancelled",
-    /// "start-invalid", "goals-invalid" or "no-reachable-grasp". Of a file without a path as stated: see `unjudged`.
+    /// Outcome of the search: "solved", "budget-exhausted", "gave-up", "cancelled", "start-invalid", "goals-invalid" or
+    /// "no-reachable-grasp". For a file without a path as stated: see `unjudged`.
     #[getter]
     fn outcome(&self) -> &'static str {
         self.measured.outcome.name()
     }
 
-    /// Whether a path was found and the judge finds that it meets the criterion.
+    /// True if a path was found and verified under the criterion.
     #[getter]
     fn solved(&self) -> bool {
         self.measured.outcome == Outcome::Solved && self.is_valid
     }
 
-    /// Index of the grasp that the path ends at, if it is one.
+    /// Index of the grasp at the end of the path, or None.
     #[getter]
     fn grasp(&self) -> Option<usize> {
         self.measured.grasp
     }
 
-    /// The grasp that the path ends at, where no set of grasps was given: a dictionary of `world_from_gripper` (4 × 4, in the
-    /// planning frame), `opening_m` (between the fingers once the first has closed on it), `score` and `uneven_m` (how much
-    /// farther the other goes); else None.
+    /// Grasp at the end of the path if no set of grasps was given: a dictionary of `world_from_gripper` (4 × 4, in the planning
+    /// frame), `opening_m` (finger opening when the first finger touches), `score` and `uneven_m` (additional travel of the
+    /// other finger); else None.
     #[getter]
     fn own_grasp<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         python_of(py, &self.measured.own_grasp)
     }
 
-    /// The least clearance along the whole path in metres, proven; None where there is none.
+    /// Proven minimum clearance along the whole path in metres, or None.
     #[getter]
     fn clearance_m(&self) -> Option<f64> {
         self.measured.clearance_m
@@ -167,8 +167,8 @@ impl PyPlan {
 
     /// Pairs that are not compared: dictionaries of `first`, `second`, `depth_m` and `reason` ("always-touching",
     /// "adjacent-touching", "adjacent-at-joint", "adjacent-unproven", "adjacent-free", "never-moves"; "resting": contact of an
-    /// object with what carries it, with `segment` and `allowance_m`). The verdict holds but for these; those that are
-    /// "adjacent-free" are proven never to touch, and only their distance counts for no margin and no clearance.
+    /// object with its support, with `segment` and `allowance_m`). The verdict excludes them; "adjacent-free" pairs are proven
+    /// never to touch, and only their distance is excluded from margins and clearances.
     #[getter]
     fn not_checked<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         python_of(py, &self.measured.not_checked)
@@ -180,24 +180,23 @@ impl PyPlan {
         self.measured.joint_names.clone()
     }
 
-    /// Statements of the file that the plan was read from that differ from what was measured, or from the task that it is
-    /// judged in: dictionaries of `key`, `stated` and `measured`. Those that promise more than there is are violations
-    /// instead: see `verify`. Empty for a plan that was not read.
+    /// Statements of the plan's file that differ from the measurements, or from the task that it is verified in: dictionaries
+    /// of `key`, `stated` and `measured`. Statements that promise more than was measured are violations instead: see `verify`.
+    /// Empty for a plan that was not read.
     #[getter]
     fn differs<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         python_of(py, &self.differs)
     }
 
-    /// Keys of the file that the plan was read from of which nothing was measured: what they hold is as stated. Empty for a
-    /// plan that was not read.
+    /// Keys of the plan's file whose values are not measured but taken as stated. Empty for a plan that was not read.
     #[getter]
     fn unjudged(&self) -> Vec<&'static str> {
         self.unjudged.clone()
     }
 
-    /// Everything that stands in a plan file, as a dictionary: `planner`, `seed`, `statistics`, `timing`, …; and
-    /// `failures`, what stood between the robot and each grasp, from planners that keep account of it, and `no_grasp`, why
-    /// none was taken at all, where the arm came to none.
+    /// Content of a plan file as a dictionary: `planner`, `seed`, `statistics`, `timing`, …; and `failures`, the obstacles
+    /// between the robot and each grasp, from planners that record them, and `no_grasp`, the reason if no grasp was reached at
+    /// all.
     #[getter]
     fn report<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let report = python_of(py, &self.measured)?;
@@ -205,30 +204,30 @@ impl PyPlan {
         Ok(report)
     }
 
-    /// Where the robot is, how fast and how hard it accelerates, at `rate` samples a second (Hz): a Samples of
-    /// arrays (T, dof). The last sample is the end.
+    /// Samples position, velocity and acceleration of the joints at `rate` samples per second (Hz): a Samples of arrays (T,
+    /// dof). The last sample is the end.
     #[pyo3(signature = (rate=100.0))]
     fn sample(&self, py: Python<'_>, rate: f64) -> PyResult<PySamples> {
         let trajectory = self.timed()?;
         py.detach(|| PySamples::of(&trajectory, rate)).map_err(fault)
     }
 
-    /// The same for the way to the grasp by itself and, where the target is carried on, for the way from there, and, where it
-    /// is put down, for the way off it, each from 0 on: between them the hand closes, and opens.
+    /// Samples the motions between hand movements separately, each from time 0: to the grasp, with the carried target from
+    /// there, and away from the target after it is put down. In between, the hand closes and opens.
     #[pyo3(signature = (rate=100.0))]
     fn sample_ways(&self, py: Python<'_>, rate: f64) -> PyResult<Vec<PySamples>> {
         let trajectory = self.timed()?;
         py.detach(|| PySamples::of_ways(&trajectory, rate)).map_err(fault)
     }
 
-    /// The hand as `cranny.ros` commands it: how far the fingers are apart on each of these ways (m), and their force (N);
-    /// None where they close on nothing.
+    /// Returns the hand commands for `cranny.ros`: the finger opening of each of these motions (m) and the force (N); None if
+    /// the fingers do not close on an object.
     fn _closing(&self) -> PyResult<Option<(Vec<f64>, f64)>> {
         let force_n = robot_hand(self.task.problem.robot()).closing_force_n;
         Ok(self.timed()?.openings_m().map(|openings_m| (openings_m.to_vec(), force_n)))
     }
 
-    /// Judges the path again, as anybody's, from the way points alone, and what its file states of it.
+    /// Verifies the path again, like any external path, from its way points alone, and the statements of its file.
     fn verify(&self, py: Python<'_>) -> PyResult<PyVerification> {
         let judgement = py
             .detach(|| self.judge())
@@ -236,20 +235,20 @@ impl PyPlan {
         Ok(PyVerification { audit: judgement.map_err(fault)?.audit })
     }
 
-    /// Writes a `.plan.json`, as a whole or not at all.
+    /// Writes a `.plan.json` atomically.
     fn save(&self, path: PathBuf) -> PyResult<()> {
         self.measured.write(&path).map_err(fault)
     }
 
-    /// Writes the samples at `rate` (Hz) as CSV: seconds, positions, velocities, accelerations, and, where the hand closes on
-    /// something, how far the fingers are apart.
+    /// Writes the samples at `rate` (Hz) as CSV: seconds, positions, velocities, accelerations, and the finger opening if the
+    /// hand closes on an object.
     #[pyo3(signature = (path, rate=100.0))]
     fn save_trajectory(&self, path: PathBuf, rate: f64) -> PyResult<()> {
         let trajectory = self.timed()?;
         write_trajectory_csv(&path, &trajectory, rate).map_err(fault)
     }
 
-    /// The scenario, what stands in a plan file, and the way points to their last digits.
+    /// Pickles the scenario, the content of a plan file, and the way points with all digits.
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
         let (py, plan) = (slf.py(), slf.get());
         let text = serde_json::to_string(&plan.file).map_err(fault)?;
@@ -271,7 +270,7 @@ impl PyPlan {
     }
 }
 
-/// A plan as it was pickled, judged anew.
+/// Restores a pickled plan and verifies it again.
 #[pyfunction]
 #[pyo3(name = "_restored_plan")]
 pub fn restored_plan(scenario: &Bound<'_, PyAny>, text: &str, path: &Bound<'_, PyAny>) -> PyResult<PyPlan> {
@@ -282,7 +281,7 @@ pub fn restored_plan(scenario: &Bound<'_, PyAny>, text: &str, path: &Bound<'_, P
 }
 
 impl PyPlan {
-    /// What stands in a plan file, judged anew.
+    /// Verifies the content of a plan file and returns the plan.
     pub fn of_file(py: Python<'_>, file: PlanFile, scenario: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
         let named;
         let scenario = if let Some(scenario) = scenario {
@@ -303,7 +302,7 @@ impl PyPlan {
         Self::judged(py, task, file)
     }
 
-    /// A plan judged in a task.
+    /// Verifies a plan in a task.
     pub fn judged(py: Python<'_>, task: Task, file: PlanFile) -> PyResult<Self> {
         let expected = task.problem.robot().joint_names();
         if file.joint_names != expected {
@@ -324,7 +323,7 @@ impl PyPlan {
         Ok(Self { task, file, measured, differs, unjudged, trajectory, is_valid })
     }
 
-    /// As [`PlanFile::judge`], in the task that it was planned for or read in.
+    /// Verifies as [`PlanFile::judge`], in the task that it was planned for or read in.
     pub fn judge(&self) -> Result<Option<Judgement>, PlanError> {
         self.file.judge(&self.task.source, &self.task.problem, AuditSettings::default())
     }

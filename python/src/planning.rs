@@ -23,7 +23,7 @@ use crate::handover::whole;
 use crate::live_page::PyLivePage;
 use crate::verification::PyVerification;
 
-/// Where an object is to be carried.
+/// Parses the destination of a carried object.
 fn carry_of(value: &Bound<'_, PyAny>, robot: &Robot) -> PyResult<CarryWord> {
     if let Ok(word) = value.extract::<String>() {
         return match word.as_str() {
@@ -38,13 +38,13 @@ fn carry_of(value: &Bound<'_, PyAny>, robot: &Robot) -> PyResult<CarryWord> {
     Ok(CarryWord::Configurations(Configurations::read(value, "carry", robot)?.rows(robot.dof())?))
 }
 
-/// Limits of motions: a number, or numbers by mode.
+/// Parses limits of motions: a number, or numbers by mode.
 fn pace_of(what: &str, value: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<PaceWord>> {
     let Some(value) = value else { return Ok(Vec::new()) };
     if let Ok(value) = value.extract::<f64>() {
         return Ok(vec![PaceWord { mode: None, value }]);
     }
-    let expected = || bad_value(format!("{what} is no number, and no dict from modes to numbers"));
+    let expected = || bad_value(format!("{what}: a number or a dict from modes to numbers is expected"));
     let by_mode: BTreeMap<String, f64> = value.extract().map_err(|_| expected())?;
     let word = |(name, value): (String, f64)| {
         let mode =
@@ -54,7 +54,7 @@ fn pace_of(what: &str, value: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<PaceWor
     by_mode.into_iter().map(word).collect()
 }
 
-/// The name of a task, or its stages.
+/// Parses the name of a task, or its stages.
 fn task_of(value: &Bound<'_, PyAny>) -> PyResult<TaskWord> {
     if let Ok(name) = value.extract::<String>() {
         return Ok(TaskWord::Named(name));
@@ -64,7 +64,7 @@ fn task_of(value: &Bound<'_, PyAny>) -> PyResult<TaskWord> {
     Ok(TaskWord::Stages(stages))
 }
 
-/// An error of a pose (m, rad).
+/// Checks the error of a pose (m, rad).
 fn radius_of([translation_m, rotation_rad]: [f64; 2]) -> PyResult<PoseRadius> {
     if !(translation_m.is_finite() && translation_m >= 0.0 && rotation_rad.is_finite() && rotation_rad >= 0.0)
     {
@@ -73,60 +73,66 @@ fn radius_of([translation_m, rotation_rad]: [f64; 2]) -> PyResult<PoseRadius> {
     Ok(PoseRadius { translation_m, rotation_rad })
 }
 
-/// Names of the planners that there are.
+/// Returns the names of the planners.
 #[pyfunction]
 pub fn planner_names() -> Vec<&'static str> {
     cranny_plan::Registry::default().names()
 }
 
-/// Seconds as a duration, if they are some.
+/// Converts a positive number of seconds to a duration.
 pub fn seconds(what: &str, value: f64) -> PyResult<Duration> {
     let wrong = || bad_value(format!("{what} is {value}, but a positive number of seconds is expected"));
     if value > 0.0 { Duration::try_from_secs_f64(value).map_err(|_| wrong()) } else { Err(wrong()) }
 }
 
-/// Plans `scenario` (a Scenario or a MoveItProblem) and returns a Plan, which is true if a path was found and holds.
+/// Plans `scenario` (a Scenario or a MoveItProblem) and returns a Plan, which is true if a path was found and verified.
 ///
-/// `planner`: one of `planner_names()`; None: the best for the criterion. `settings`: what differs from its
-/// defaults. The same `seed` and `iterations` give the same way points on every machine; `time_limit_s` (s) may
-/// only cut the search short. `score`: score of the grasps that counts, "geometric", "physics" (the robust one,
-/// which every grasp must then have) or "load" (computed; None: the stated load under "exact" where each grasp
-/// has one and `min_score` is None, else geometric); `min_score`: the least score, or load, of a grasp that is a goal (None:
-/// all are).
-/// `margin_m`, `grasp_margin_m`: clearances (m) that every proof must show (None: 1 mm where the plan goes on from the grasp,
-/// else 0);
-/// `strict_pairs`: pairs of links of `plan.not_checked` are checked too, but for adjacent ones that are free nowhere. Under "paper",
-/// `goal_threshold` is the value of ½·mm + ½·deg below which the gripper has arrived (None: 50). A path under
-/// "exact" is then shortened, unless `shortcut` is False; with `optimise_s`, better paths are looked for so many
-/// seconds: those that cost less, by `cost` ("length", each joint weighted by how far it moves the arm, in metres; "l2",
-/// plain; "time", the seconds of the trajectory; "clearance", the length, up to eleven times as much where the robot is
-/// nearer than 20 mm to the world; "tool", the path of the gripper frame in metres; "turn", its angle in radians; "mix", "time"
-/// with 1 s for a metre and 0.3 s for a radian of these; None: "mix", or "length" for a robot without limits of
-/// acceleration) less `score_weight` for a grasp of score 1. The path gets its time:
-/// `jerk_limited` within limits of jerk too (None: where the robot states them; True: a robot without them is refused);
-/// corners are rounded where the curve is proven free, unless `blend` is False. `speed`, `acceleration`: shares, above 0 and
-/// at most 1, of the joints' limits; `tool_speed_m_s`, `turn_speed_deg_s`: greatest speed of the gripper frame in m/s, and with which it turns in °/s; each a number for all
-/// motions, or a dict from modes ("reach", "carry", …; "all") to numbers; without them `speeds` of a `scenario.yaml`, and
-/// `max_cartesian_speed` of a MoveIt request, count. An object is put down with 0.1 m/s at most unless
-/// `tool_speed_m_s` states another speed for "set-down". `torque`: the force or torque of each joint keeps the effort that the
-/// URDF states, with the masses of the links and of what is in the hand. `upright_deg`: greatest tilt, above 0 and at most 180, of what is
-/// held against how it stood when it was grasped, proven along the whole motion; `plan.tilt` is what it is; `plan.tool` lists
-/// the bounds of the tool that the scenario states. `carry`: "home", "out", or a configuration (dof,) or
-/// several (N, dof), where the target is carried to once it is grasped; "out" is anywhere it is `clear_m` (m) clear of all
-/// bodies but floors. A grasp that it cannot be carried away from is none, and `plan.segments` are the pieces. `place`: the
-/// name of one of `scenario.places`, where the target is put down instead; the hand opens, goes `clear_m` off it, and the
-/// robot goes "home" or `then` stays, "stay". `task`: the name of one of `scenario.tasks`, or a list of stages of
-/// that form, which are done in order; `plan.task` lists them. `approach_m`, `retreat_m`: least lengths of the straight lines
-/// on which the hand comes to each grasp, and leaves each object that it has put down, within 1 mm and 1° (proven). `robust`: how far (m, rad) the target may be from where it is thought to be,
-/// before the hand closes and in the hand; `plan.robustness` says how far anyway. `hold`: factor by which weight and inertia
-/// may grow, at least, before the hand lets slip what it carries (weaker grasps are none, motions are slowed down for it; 0
-/// demands nothing); `plan.hold` is what it is. `try_in_physics`: plans are executed as by `simulate_plan`; where an object is
-/// not kept in the hand, or does not stand where it was put down, it is planned again without the grasp that failed, from the
-/// next seed, so often at most; `plan.tries` lists the results. `watch`: a
-/// page of `cranny.show(scenario, live=True)`, which then shows the trees of the search as they grow, and at its end the
-/// plan with them.
+/// `planner`: one of `planner_names()`; None: the best for the criterion. `settings`: values that differ from its defaults. The
+/// same `seed` and `iterations` give the same way points on every machine; `time_limit_s` (s) may only end the search earlier.
 ///
-/// No path within the budget is an answer, no exception: see `plan.outcome`. Ctrl-C stops the search at once.
+/// `score`: score used to compare and filter grasps, "geometric", "physics" (the robust one, required of every grasp) or "load"
+/// (computed; None: the stated load under "exact" if each grasp has one and `min_score` is None, else geometric); `min_score`:
+/// minimum score, or load, of a goal grasp (None: no minimum). Under "paper", `goal_threshold` is the value of ½·mm + ½·deg
+/// below which the goal is reached (None: 50).
+///
+/// `margin_m`, `grasp_margin_m`: clearances (m) that every proof must show (None: 1 mm if the plan continues after the grasp,
+/// else 0). `strict_pairs`: also check the link pairs of `plan.not_checked`, except adjacent links that are never free.
+///
+/// Under "exact", the path is then shortened, unless `shortcut` is False. With `optimise_s`, the planner searches for better
+/// paths for this many seconds, with a lower `cost` minus `score_weight` for a grasp of score 1: "length" (each joint weighted
+/// by how far it moves the arm, in metres), "l2" (plain), "time" (seconds of the trajectory), "clearance" (the length, up to
+/// eleven times as much where the robot is nearer than 20 mm to the world), "tool" (path length of the gripper frame in
+/// metres), "turn" (its angle in radians), "mix" ("time" plus 1 s per metre and 0.3 s per radian of these). None: "mix", or
+/// "length" for a robot without acceleration limits.
+///
+/// The path is then timed. `jerk_limited`: also keep jerk limits (None: if the robot states them; True: a robot without them is
+/// refused). Corners are rounded if their blend is proven free, unless `blend` is False. `speed`, `acceleration`: fractions of
+/// the joint limits, above 0 and at most 1. `tool_speed_m_s`, `turn_speed_deg_s`: maximum speed of the gripper frame in m/s,
+/// and of its rotation in °/s. Each is a number for all motions, or a dict from modes ("reach", "carry", …; "all") to numbers;
+/// by default, `speeds` of a `scenario.yaml` and `max_cartesian_speed` of a MoveIt request apply. An object is put down with at
+/// most 0.1 m/s unless `tool_speed_m_s` states another speed for "set-down". `torque`: keep the force or torque of each joint
+/// within the effort limit of the URDF, with the masses of the links and of the held object.
+///
+/// `upright_deg`: maximum tilt, above 0 and at most 180, of a held object relative to its orientation when grasped, proven
+/// along the whole motion; `plan.tilt` is the result. `plan.tool` lists the tool bounds of the scenario.
+///
+/// `carry`: destination of the grasped target, "home", "out", a configuration (dof,) or several (N, dof); "out" is any
+/// configuration in which it is `clear_m` (m) clear of all bodies but floors. A grasp from which it cannot be carried there is
+/// rejected; `plan.segments` lists the segments. `place`: name of one of `scenario.places`, where the target is put down
+/// instead; the hand opens and moves `clear_m` away from it, and the robot returns "home", or with `then` "stay" stays. `task`:
+/// name of one of `scenario.tasks`, or a list of stages of that form, planned in order; `plan.task` lists them. `approach_m`,
+/// `retreat_m`: minimum lengths of the straight approach to each grasp, and of the straight retreat from each object that was
+/// put down, within 1 mm and 1° (proven).
+///
+/// `robust`: required tolerance (m, rad) of the target's pose error, before the hand closes and in the hand; `plan.robustness`
+/// lists all tolerated errors. `hold`: factor by which weight and inertia must be able to grow, at least, before the carried
+/// object slips (weaker grasps are rejected, motions are slowed down accordingly; 0 disables the check); `plan.hold` is the
+/// result. `try_in_physics`: maximum number of plans executed as by `simulate_plan`; if an object is lost or does not stay
+/// where it was put down, the next plan excludes the failed grasp and uses the next seed; `plan.tries` lists the results.
+/// `watch`: a page of `cranny.show(scenario, live=True)`, which shows the trees of the search as they grow, and finally the
+/// plan.
+///
+/// If no path is found within the budget, no exception is raised: see `plan.outcome`. Ctrl-C stops the search at once.
 #[pyfunction]
 #[pyo3(signature = (scenario, planner=None, *, seed=0, time_limit_s=120.0, iterations=None, margin_m=0.0,
     grasp_margin_m=None, strict_pairs=false, settings=None, goal_threshold=None, shortcut=true, optimise_s=None,
@@ -259,7 +265,7 @@ pub fn plan(
         }
     });
     let PlanObserver { interrupt, watched } = observer;
-    // Ctrl-C goes before whatever the search says of it.
+    // Ctrl-C takes precedence over the result of the search.
     interrupt.result()?;
     let Tried { answer, tries } = found?;
     let file = PlanFile { tries, ..PlanFile::of(&answer, &task.source) };
@@ -274,7 +280,7 @@ pub fn plan(
     Ok(plan)
 }
 
-/// Ends a search on Ctrl-C, and lets a page see it if one watches.
+/// Observer that stops a search on Ctrl-C, and updates a page that watches it.
 struct PlanObserver {
     interrupt: InterruptObserver,
     watched: Option<WatchedSearch>,
@@ -298,8 +304,8 @@ impl Observer for PlanObserver {
     }
 }
 
-/// Judges a path (N, dof), whoever made it, by the criterion of `scenario` (a Scenario or a MoveItProblem), as
-/// `cranny verify` does; `strict_pairs` as in `plan`. With `any_end` it need not end at a goal.
+/// Verifies a path (N, dof) from any source under the criterion of `scenario` (a Scenario or a MoveItProblem), as `cranny
+/// verify` does; `strict_pairs` as in `plan`. With `any_end` it need not end at a goal.
 #[pyfunction]
 #[pyo3(signature = (scenario, path, *, margin_m=0.0, grasp_margin_m=0.0, strict_pairs=false, any_end=false))]
 pub fn verify_path(
@@ -321,12 +327,12 @@ pub fn verify_path(
     Ok(PyVerification { audit })
 }
 
-/// Margins that forgive an error of the pose of the target of a scenario, if one is to be forgiven.
+/// Returns margins that tolerate the pose error `robust` of the target of a scenario, if given.
 fn forgiving(scenario: &Bound<'_, PyAny>, margins: Margins, robust: Option<PoseRadius>) -> PyResult<Margins> {
     match (robust, scenario.cast::<PyScenario>()) {
         (None, _) => Ok(margins),
         (_, Ok(scenario)) => cranny_record::margins_forgiving(&scenario.get().scenario, margins, robust)
-            .map_err(|_| bad_value("robust: there is no target that could be elsewhere")),
+            .map_err(|_| bad_value("robust: the scenario has no target, so no target pose can be uncertain")),
         (_, Err(_)) => Err(bad_value("robust needs a Scenario")),
     }
 }

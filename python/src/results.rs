@@ -15,7 +15,7 @@ use crate::handover::json::python_of;
 use crate::handover::pickled::{Made, Reduced};
 use crate::handover::whole;
 
-/// The results of campaigns: one SQLite file, open until `close`. What `bench.Results` reads from.
+/// Results of campaigns: one SQLite file, open until `close`. `bench.Results` reads from it.
 #[pyclass(name = "ResultsFile", module = "cranny", frozen)]
 pub struct PyResultsFile {
     results: Mutex<Option<Results>>,
@@ -30,19 +30,19 @@ impl PyResultsFile {
         Ok(Self { results: Mutex::new(Some(results)), path })
     }
 
-    /// The file.
+    /// Path of the file.
     #[getter]
     fn path(&self) -> PathBuf {
         self.path.clone()
     }
 
-    /// Closes the file; whatever is asked afterwards raises ValueError.
+    /// Closes the file; later calls raise ValueError.
     fn close(&self) -> PyResult<()> {
         *self.results.lock().map_err(fault)? = None;
         Ok(())
     }
 
-    /// All trials, in the order in which they ended: a dictionary of columns, lists of one value a trial.
+    /// Returns all trials, in the order in which they ended: a dictionary of columns, lists of one value per trial.
     fn trials<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let trials = self.ask(py, Results::trials)?;
         let columns = PyDict::new(py);
@@ -84,7 +84,7 @@ impl PyResultsFile {
         Made::UNKNOWN.reduced(slf, "it is an open file; pickle its path, and load it again")
     }
 
-    /// The path that the planner of trial `id` gave, (N, dof); (0, 0) where it gave none.
+    /// Returns the path that the planner of trial `id` found, (N, dof); (0, 0) without a path.
     fn path_of<'py>(
         &self,
         py: Python<'py>,
@@ -94,12 +94,12 @@ impl PyResultsFile {
         rows(py, &path, path.first().map_or(0, Vec::len))
     }
 
-    /// Every figure of a report, as a dictionary: `rows`, `curves`, `comparisons`, …
+    /// Returns all figures of a report, as a dictionary: `rows`, `curves`, `comparisons`, …
     fn summary<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         python_of(py, &self.ask(py, Summary::of_results)?)
     }
 
-    /// The report as one page that opens without a network.
+    /// Returns the report as one page that opens without a network.
     fn html(&self, py: Python<'_>) -> PyResult<String> {
         let summary = self.ask(py, Summary::of_results)?;
         Ok(py.detach(|| summary.html(&Enclosure::default())))

@@ -24,13 +24,13 @@ use crate::handover::pickled::{Made, Reduced, absolute};
 use crate::handover::rows::computed;
 use crate::handover::whole;
 
-/// Rows of one piece of work: a few hundred microseconds.
+/// Rows per block of work: a few hundred microseconds.
 const BLOCK: usize = 256;
 
-/// More attempts than this are a mistake; an attempt takes some ten microseconds.
+/// Maximum number of attempts; more would be a mistake. An attempt takes some ten microseconds.
 const MOST_ATTEMPTS: usize = 100_000;
 
-/// More configurations than this are drawn by mistake.
+/// Maximum number of sampled configurations; more would be a mistake.
 const MOST_SAMPLES: usize = 100_000_000;
 
 #[pymethods]
@@ -44,13 +44,13 @@ impl PyRobot {
         ))
     }
 
-    /// Reads a robot from the URDF file at `path`.
+    /// Reads a robot from the URDF file or robot folder at `path`.
     ///
-    /// The SRDF, the `limits.yaml` and the `robot.yaml` beside it are read too, unless `srdf` names another. `tip`: the
-    /// link that reaches for grasps; by default the gripper frame of `robot.yaml`, whose fingers stand open. `path`: a URDF, or the folder of a robot. `joints`: names of the joints that `q` stands for, in order; or `group`: a group of the
-    /// SRDF; by default all from the root to the tip. `fixed`: values (m, rad) of joints outside the group.
-    /// `packages`: folders in which `package://` names are looked for. `meshes`: "hull" (a mesh stands for its
-    /// convex hull) or "solid" (for what it encloses). `unchecked_pairs`: pairs of links that may touch.
+    /// The SRDF, the `limits.yaml` and the `robot.yaml` beside the URDF are read too; `srdf` names another SRDF. `tip`: the
+    /// link whose frame reaches the grasps; by default the gripper frame of `robot.yaml`, with open fingers. `joints`: names of
+    /// the joints of `q`, in order; or `group`: a group of the SRDF; by default all from the root to the tip. `fixed`: values
+    /// (m, rad) of joints outside the group. `packages`: folders to search for `package://` names. `meshes`: "hull" (convex
+    /// hull of a mesh) or "solid" (its enclosed volume). `unchecked_pairs`: pairs of links that may touch.
     ///
     /// Raises CrannyError with file, line and a hint.
     #[staticmethod]
@@ -124,7 +124,7 @@ impl PyRobot {
         Ok(Self { robot: Arc::new(robot), made: Made::opened(&reader, (text,), &keywords)? })
     }
 
-    /// The built-in robot: a Franka Panda with its hand on a base that slides along y and x, 9 joints.
+    /// Returns the built-in robot: a Franka Panda with its hand on a base that slides along y and x, 9 joints.
     #[staticmethod]
     #[pyo3(name = "panda_mobile")]
     fn built_in(py: Python<'_>) -> PyResult<Self> {
@@ -132,26 +132,26 @@ impl PyRobot {
         Ok(Self { robot: panda_mobile().map_err(fault)?, made: Made::by(maker, ())? })
     }
 
-    /// A built-in robot by its name: "panda_mobile", "ur5e", "ur5e_mobile", "fr3" or "fetch_like".
+    /// Returns a built-in robot by its name: "panda_mobile", "ur5e", "ur5e_mobile", "fr3" or "fetch_like".
     ///
     /// Raises ValueError for another name.
     #[staticmethod]
     fn builtin(py: Python<'_>, name: &str) -> PyResult<Self> {
         let known = || BUILTIN_ROBOTS.iter().map(|robot| robot.name).collect::<Vec<_>>().join(", ");
-        let unknown = || bad_value(format!("there is no built-in robot '{name}' (there are: {})", known()));
+        let unknown = || bad_value(format!("unknown built-in robot '{name}' (known: {})", known()));
         let robot = BuiltinRobot::of_name(name).ok_or_else(unknown)?;
         let robot = py.detach(|| robot.robot(&RobotOptions::default())).map_err(fault)?;
         let maker = py.get_type::<Self>().getattr("builtin")?;
         Ok(Self { robot, made: Made::by(maker, (name,))? })
     }
 
-    /// The name in the URDF.
+    /// Name in the URDF.
     #[getter]
     fn name(&self) -> &str {
         self.robot.name()
     }
 
-    /// How many joints `q` has.
+    /// Number of joints of `q`.
     #[getter]
     fn dof(&self) -> usize {
         self.robot.dof()
@@ -163,7 +163,7 @@ impl PyRobot {
         self.robot.joint_names().to_vec()
     }
 
-    /// What each value of `q` is measured in: "m" or "rad".
+    /// Unit of each value of `q`: "m" or "rad".
     #[getter]
     fn joint_units(&self) -> Vec<&'static str> {
         self.robot.limits().iter().map(|limits| limits.unit.symbol()).collect()
@@ -175,39 +175,39 @@ impl PyRobot {
         self.robot.links().iter().map(|link| link.name.clone()).collect()
     }
 
-    /// The link that reaches for grasps: its frame is the gripper frame.
+    /// Link whose frame is the gripper frame, which reaches the grasps.
     #[getter]
     fn tip(&self) -> String {
         self.robot.links()[self.robot.tip()].name.clone()
     }
 
-    /// Least value of each joint, (dof,), in m or rad.
+    /// Lower limit of each joint, (dof,), in m or rad.
     #[getter]
     fn lower<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         self.per_joint(py, |limits| limits.lower)
     }
 
-    /// Greatest value of each joint, (dof,), in m or rad.
+    /// Upper limit of each joint, (dof,), in m or rad.
     #[getter]
     fn upper<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         self.per_joint(py, |limits| limits.upper)
     }
 
-    /// Greatest speed of each joint, (dof,), in m/s or rad/s.
+    /// Velocity limit of each joint, (dof,), in m/s or rad/s.
     #[getter]
     fn velocity<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         self.per_joint(py, |limits| limits.velocity)
     }
 
-    /// Greatest acceleration of each joint, (dof,), in m/s² or rad/s²; NaN where the robot's files say nothing.
+    /// Acceleration limit of each joint, (dof,), in m/s² or rad/s²; NaN if the robot's files state none.
     #[getter]
     fn acceleration<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         self.per_joint(py, |limits| limits.acceleration.unwrap_or(f64::NAN))
     }
 
-    /// Pose `root_from_link` of `link`, by default the tip, at `q`: (4, 4), metres; (N, 4, 4) of a batch.
+    /// Returns the pose `root_from_link` of `link`, by default the tip, at `q`: (4, 4), metres; (N, 4, 4) for a batch.
     ///
-    /// Limits are not checked. `threads`: how many cores share a batch; None: all.
+    /// Limits are not checked. `threads`: number of cores that share a batch; None: all.
     #[pyo3(signature = (q, link=None, *, threads=Some(1)), text_signature = "($self, q, link=None, *, threads=1)")]
     fn fk<'py>(
         &self,
@@ -236,9 +236,8 @@ impl PyRobot {
         shaped(py, poses, &[q.count, 4, 4][usize::from(q.is_single)..])
     }
 
-    /// Geometric Jacobian of `link`, by default the tip, at its origin, in the root frame: (6, dof), or (N, 6, dof)
-    /// of a batch. Rows 0–2: metres of the origin; rows 3–5: radians of its rotation; per metre or radian of
-    /// each joint.
+    /// Returns the geometric Jacobian of `link`, by default the tip, at its origin, in the root frame: (6, dof), or (N, 6, dof)
+    /// for a batch. Rows 0–2: metres of the origin; rows 3–5: radians of its rotation; per metre or radian of each joint.
     #[pyo3(signature = (q, link=None, *, threads=Some(1)), text_signature = "($self, q, link=None, *, threads=1)")]
     fn jacobian<'py>(
         &self,
@@ -253,15 +252,15 @@ impl PyRobot {
         let jacobians = q.computed(py, 6 * dof, BLOCK, threads, room, |(frames, jacobian), q, out| {
             robot.forward_kinematics(q, frames);
             robot.jacobian(frames, link, jacobian);
-            // The matrix lies in memory column by column.
+            // The matrix is stored in column-major order.
             out.iter_mut().zip(jacobian.transpose().iter()).for_each(|(out, entry)| *out = *entry);
         })?;
         shaped(py, jacobians, &[q.count, 6, dof][usize::from(q.is_single)..])
     }
 
-    /// Force or torque (N, N m) that each joint needs at `q` (m, rad) with these velocities and accelerations (per s, s²), by
-    /// the masses of the links in the URDF: (dof,), or (N, dof) of a batch, all three of one shape. `up` (3,): direction against
-    /// gravity in the root frame. Friction, and the inertia of rotors, which a URDF does not state, are left out.
+    /// Returns the force or torque (N, N m) that each joint needs at `q` (m, rad) with these velocities and accelerations (per
+    /// s, s²), for the masses of the links in the URDF: (dof,), or (N, dof) for a batch, all three of one shape. `up` (3,):
+    /// direction against gravity in the root frame. Friction and rotor inertia, which a URDF does not state, are neglected.
     #[pyo3(signature = (q, velocity, acceleration, *, up=[0.0, 0.0, 1.0]),
         text_signature = "($self, q, velocity, acceleration, *, up=(0, 0, 1))")]
     fn joint_forces<'py>(
@@ -275,7 +274,7 @@ impl PyRobot {
         let read = |value, what| Configurations::read(value, what, robot);
         let given = [read(q, "q")?, read(velocity, "velocity")?, read(acceleration, "acceleration")?];
         if given.iter().any(|of| (of.count, of.is_single) != (given[0].count, given[0].is_single)) {
-            return Err(bad_value("q, velocity and acceleration have not the same shape"));
+            return Err(bad_value("q, velocity and acceleration must have the same shape"));
         }
         let length = up.iter().map(|x| x * x).sum::<f64>().sqrt();
         if (length - 1.0).abs().is_nan() || (length - 1.0).abs() > 1e-6 {
@@ -294,12 +293,12 @@ impl PyRobot {
         shaped(py, forces, &[given[0].count, dof][usize::from(given[0].is_single)..])
     }
 
-    /// Configurations that bring the tip to `pose`, (4, 4) `root_from_tip`: an array (K, dof), 0 ≤ K ≤ `count`,
-    /// of solutions within the joint limits, distinct from each other; for poses (N, 4, 4) a list of N such
-    /// arrays. An empty array proves nothing.
+    /// Returns configurations that bring the tip to `pose`, (4, 4) `root_from_tip`: an array (K, dof), 0 ≤ K ≤ `count`, of
+    /// distinct solutions within the joint limits; for poses (N, 4, 4) a list of N such arrays. An empty array does not prove
+    /// that there is no solution.
     ///
-    /// At most `attempts` searches begin at random configurations drawn from `seed`; with `start` (dof,), a
-    /// single one begins there instead. `cell`: only solutions that are free there count.
+    /// At most `attempts` searches start at random configurations drawn from `seed`; with `start` (dof,), a single one starts
+    /// there instead. `cell`: return only solutions that are free in it.
     #[pyo3(
         signature = (pose, *, count=1, attempts=200, seed=0, start=None, cell=None, threads=Some(1)),
         text_signature = "($self, pose, *, count=1, attempts=200, seed=0, start=None, cell=None, threads=1)"
@@ -345,8 +344,8 @@ impl PyRobot {
         Ok(arrays.into_pyobject(py)?.into_any())
     }
 
-    /// `count` configurations drawn uniformly from within the joint limits, (count, dof); the same ones for the
-    /// same `seed` on every machine.
+    /// Returns `count` configurations sampled uniformly within the joint limits, (count, dof); the same `seed` gives the same
+    /// ones on every machine.
     #[pyo3(signature = (count, *, seed=0))]
     fn sample<'py>(
         &self,
@@ -356,14 +355,14 @@ impl PyRobot {
     ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let dof = self.robot.dof();
         if count.saturating_mul(dof) > MOST_SAMPLES {
-            return Err(bad_value(format!("count is {count}, which no machine holds")));
+            return Err(bad_value(format!("count is {count}, which is too large for memory")));
         }
         let mut random = Stream::new(seed, 0);
         let values = (0..count).flat_map(|_| self.robot.random_configuration(&mut random)).collect();
         shaped(py, values, &[count, dof])
     }
 
-    /// As of a Scenario.
+    /// Pickled as a Scenario is.
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
         slf.get().made.reduced(slf, "read it again")
     }
@@ -391,7 +390,7 @@ impl PyRobot {
     }
 }
 
-/// A search for solutions of inverse kinematics, the same for each pose.
+/// Settings of a search for inverse kinematics solutions, shared by all poses.
 struct Search<'a> {
     robot: &'a Robot,
     start: Option<Vec<f64>>,
@@ -403,7 +402,7 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// The solutions for the pose of this number, which has a random stream of its own.
+    /// Returns the solutions for pose `number`, which has a random stream of its own.
     fn run(&self, pose: &Pose, number: u64, mut scratch: Option<&mut Scratch>) -> Vec<Vec<f64>> {
         let mut accept = |q: &[f64]| match (self.cell, scratch.as_deref_mut()) {
             (Some(cell), Some(scratch)) => cell.is_free(q, scratch),

@@ -1,4 +1,4 @@
-//! `Scenario`: a task, opened, looked at, altered and saved.
+//! `Scenario`: a task to open, display, modify and save.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -43,7 +43,7 @@ impl PyScenario {
         let options = OpenOptions { criterion, robot: robot.clone(), geometry, grasps: given_grasps.clone() };
         let text = what.to_string_lossy().into_owned();
         let scenario = py.detach(|| Scenario::open(&text, &options)).map_err(fault)?;
-        // As a built-in one is opened by its id in whatever folder.
+        // A built-in scenario is opened by its id in any folder.
         let is_built_in = built_in().any(|entry| entry.id == text);
         let what = if is_built_in { what } else { absolute(&what)? };
         let keywords = PyDict::new(py);
@@ -68,9 +68,9 @@ impl PyScenario {
         })
     }
 
-    /// A scenario of a robot among bodies, in the planning frame. `start`: (dof,), m or rad; None: the robot's own.
-    /// `target`: the name of the body that is to be grasped. `grasps`: how; None: planners make grasps of their own.
-    /// Without a target, say with `with_goals` or `with_grasps` where to go. `name`: what plans and pictures call it.
+    /// Creates a scenario of a robot among bodies, in the planning frame. `start`: (dof,), m or rad; None: the robot's own.
+    /// `target`: the name of the body to grasp. `grasps`: grasps of the target; None: planners generate their own. Without a
+    /// target, set a goal with `with_goals` or `with_grasps`. `name`: name in plans and pictures.
     #[staticmethod]
     #[pyo3(signature = (robot, bodies, *, start=None, target=None, grasps=None, name="scene"))]
     fn of<'py>(
@@ -99,7 +99,7 @@ impl PyScenario {
             (Some(start), _) => configuration(start, "start", &own_robot)?,
             (None, Some(start)) => start.to_vec(),
             (None, None) => {
-                return Err(bad_value("start: the robot has none of its own; say where it starts"));
+                return Err(bad_value("start: the robot has no default start; give a configuration"));
             }
         };
         let scenario = Scenario {
@@ -149,38 +149,38 @@ impl PyScenario {
         Self::new(py, path, criterion, robot, geometry, grasps)
     }
 
-    /// The built-in id, or the name of the folder.
+    /// Built-in id, or the name of the folder.
     #[getter]
     fn id(&self) -> &str {
         &self.scenario.id
     }
 
-    /// What counts as solved: "exact" or "paper".
+    /// Criterion for solved tasks: "exact" or "paper".
     #[getter]
     fn criterion(&self) -> &'static str {
         self.scenario.criterion.name()
     }
 
-    /// The robot.
+    /// Robot of the scenario.
     #[getter]
     fn robot(slf: &Bound<'_, Self>) -> PyResult<PyRobot> {
         let made = Made::by_attribute(slf, "robot")?;
         Ok(PyRobot { robot: slf.get().scenario.robot.clone(), made })
     }
 
-    /// All bodies: obstacles, then the target, then the floor, as far as there are.
+    /// All bodies: obstacles, then the target, then the floor, if present.
     #[getter]
     fn world(&self) -> Vec<PyBody> {
         self.scenario.world.bodies().iter().map(PyBody::of_scene).collect()
     }
 
-    /// The object that is to be grasped, if there is one.
+    /// Object to grasp, or None.
     #[getter]
     fn target(&self) -> Option<PyBody> {
         self.scenario.target.map(|target| PyBody::of_scene(&self.scenario.world.bodies()[target]))
     }
 
-    /// The configuration to start from, (dof,), m or rad.
+    /// Start configuration, (dof,), m or rad.
     #[getter]
     fn start<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         shaped(py, self.scenario.start.clone(), &[self.scenario.start.len()])
@@ -192,8 +192,8 @@ impl PyScenario {
         self.scenario.places.iter().map(|place| place.name.clone()).collect()
     }
 
-    /// The tasks of several stages, by name: for each a list of dictionaries of `pick`, `move` or `place`, with what belongs to
-    /// each. `plan(scenario, task=…)` does one.
+    /// Tasks of several stages, by name: for each a list of dictionaries of `pick`, `move` or `place`, with their settings.
+    /// `plan(scenario, task=…)` plans one.
     #[getter]
     fn tasks<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let tasks = PyDict::new(py);
@@ -203,21 +203,21 @@ impl PyScenario {
         Ok(tasks)
     }
 
-    /// How the target can be grasped.
+    /// Grasps of the target.
     #[getter]
     fn grasps(&self) -> PyGrasps {
         PyGrasps { set: self.scenario.grasps.clone() }
     }
 
-    /// Configurations that are known to reach a grasp, (K, dof), from the scenario's files; often none.
+    /// Configurations from the scenario's files that are known to reach a grasp, (K, dof); often none.
     #[getter]
     fn known_goals<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         rows(py, &self.scenario.ik, self.scenario.robot.dof())
     }
 
-    /// The robot in the scenario's world, target and floor included, with the demanded margins in metres: `margin_m`
-    /// between any two things, `grasp_margin_m` between hand and fingers and what they grasp or it rests on.
-    /// Under the "paper" criterion too, it is the exact one.
+    /// Returns the robot in the scenario's world, including target and floor, with the required margins in metres: `margin_m`
+    /// between any two bodies, `grasp_margin_m` between hand and fingers and the target or its support. The cell is exact under
+    /// the "paper" criterion too.
     #[pyo3(signature = (*, margin_m=0.0, grasp_margin_m=0.0))]
     fn cell(slf: &Bound<'_, Self>, margin_m: f64, grasp_margin_m: f64) -> PyResult<PyCell> {
         let problem = slf.get().exact_problem(Margins { margin_m, grasp_margin_m, ..Margins::default() })?;
@@ -226,14 +226,13 @@ impl PyScenario {
         Ok(PyCell { cell, made: Made::by_method(slf, ("cell",), Some(&keywords))? })
     }
 
-    /// The same scenario with one obstacle more.
+    /// Returns the scenario with an additional obstacle.
     fn with_body<'py>(slf: &Bound<'py, Self>, body: &Bound<'py, PyBody>) -> PyResult<Self> {
         let scenario = slf.get().scenario.with_body(body.get().body.clone()).map_err(fault)?;
         Self::altered(slf, scenario, ("with_body", body))
     }
 
-    /// The same scenario with a box of full lengths `size` (3,) in metres more, its middle at `pose`, (4, 4) or
-    /// (3,).
+    /// Returns the scenario with an additional box of full lengths `size` (3,) in metres, centred at `pose`, (4, 4) or (3,).
     #[pyo3(signature = (name, size, *, pose=None))]
     fn with_box<'py>(
         slf: &Bound<'py, Self>,
@@ -245,21 +244,21 @@ impl PyScenario {
         Self::with_body(slf, &body)
     }
 
-    /// The same scenario without the body of that name.
+    /// Returns the scenario without the body of that name.
     fn without_body(slf: &Bound<'_, Self>, name: &str) -> PyResult<Self> {
         let scenario = slf.get().scenario.without_body(name).map_err(fault)?;
         Self::altered(slf, scenario, ("without_body", name))
     }
 
-    /// The same scenario with the object moved by `motion`, and its grasps with it: (3,) a shift in metres, or
-    /// (4, 4) a rigid motion, both of the planning frame.
+    /// Returns the scenario with the target moved by `motion`, together with its grasps: (3,) a translation in metres, or
+    /// (4, 4) a rigid motion, both in the planning frame.
     fn with_object_moved<'py>(slf: &Bound<'py, Self>, motion: &Bound<'py, PyAny>) -> PyResult<Self> {
         let pose = pose_or_translation(Some(motion), "motion")?;
         let scenario = slf.get().scenario.with_target_moved(&pose).map_err(fault)?;
         Self::altered(slf, scenario, ("with_object_moved", copied(motion)?))
     }
 
-    /// The same scenario, to be solved by reaching one of these configurations, (dof,) or (K, dof), in place of a grasp.
+    /// Returns the scenario with goal configurations, (dof,) or (K, dof), instead of grasps; reaching one of them solves it.
     fn with_goals<'py>(slf: &Bound<'py, Self>, goals: &Bound<'py, PyAny>) -> PyResult<Self> {
         let own = slf.get();
         let robot = &own.scenario.robot;
@@ -268,14 +267,14 @@ impl PyScenario {
         Ok(Self { goals: Some(rows), ..altered })
     }
 
-    /// The same scenario with other grasps. Each is a pose of the gripper frame: without a target, a pose to reach.
+    /// Returns the scenario with other grasps. Each is a pose of the gripper frame: without a target, a pose to reach.
     fn with_grasps<'py>(slf: &Bound<'py, Self>, grasps: &Bound<'py, PyGrasps>) -> PyResult<Self> {
         let scenario = slf.get().scenario.with_grasps(grasps.get().set.clone());
         Ok(Self { goals: None, ..Self::altered(slf, scenario, ("with_grasps", grasps))? })
     }
 
-    /// The same scenario without a set of grasps: `plan` then makes a grasp of its own (`plan.own_grasp`), which is judged by
-    /// its contacts on the target's mesh and by whether the fingers can close on it.
+    /// Returns the scenario without a set of grasps: `plan` then generates a grasp (`plan.own_grasp`), which is verified by its
+    /// contacts on the target's mesh and by whether the fingers can close on it.
     fn without_grasps(slf: &Bound<'_, Self>) -> PyResult<Self> {
         let scenario = slf.get().scenario.without_grasps();
         Ok(Self {
@@ -285,8 +284,8 @@ impl PyScenario {
         })
     }
 
-    /// The same scenario with the body of that name as what is to be grasped. But for the scenario's own target it has no set
-    /// of grasps, and `plan` makes one of its own; its mass and friction are those of its entry in scenario.yaml.
+    /// Returns the scenario with the body of that name as the target. Unless it is the scenario's own target, it has no set of
+    /// grasps, and `plan` generates one; its mass and friction are those of its entry in scenario.yaml.
     fn with_target(slf: &Bound<'_, Self>, name: &str) -> PyResult<Self> {
         let own = slf.get();
         let scenario = own.scenario.with_target(name).map_err(fault)?;
@@ -295,47 +294,47 @@ impl PyScenario {
         Ok(if is_own { altered } else { Self { given_grasps: GivenGrasps::None, goals: None, ..altered } })
     }
 
-    /// The scenario as it is once `plan`, which puts down what it picks, has been carried out: bodies stand there, and the
-    /// robot where the plan ends. The target is the scenario's own, whatever the plan moved.
+    /// Returns the scenario after the execution of `plan`, which must put down what it picks: the bodies and the robot are at
+    /// their final poses. The target is the scenario's own, even if the plan moved another object.
     fn after<'py>(slf: &Bound<'py, Self>, plan: &Bound<'py, PyPlan>) -> PyResult<Self> {
         let (own, done) = (&slf.get().scenario, plan.get());
         done.file.check_joints(Path::new("the plan"), &own.robot).map_err(fault)?;
         if !done.is_valid {
-            return Err(bad_value("plan: it does not hold, so nothing can be said of what comes after it"));
+            return Err(bad_value("plan: it is not valid, so the state after it is unknown"));
         }
         let scenario =
             slf.py().detach(|| done.file.scenario_after(own, &done.task.problem)).map_err(fault)?;
         Self::altered(slf, scenario, ("after", plan))
     }
 
-    /// The same scenario from another start, (dof,).
+    /// Returns the scenario with another start, (dof,).
     fn with_start<'py>(slf: &Bound<'py, Self>, start: &Bound<'py, PyAny>) -> PyResult<Self> {
         let values = configuration(start, "start", &slf.get().scenario.robot)?;
         let scenario = slf.get().scenario.with_start(values).map_err(fault)?;
         Self::altered(slf, scenario, ("with_start", copied(start)?))
     }
 
-    /// The same scenario under another criterion, "exact" or "paper".
+    /// Returns the scenario with another criterion, "exact" or "paper".
     fn with_criterion(slf: &Bound<'_, Self>, criterion: &str) -> PyResult<Self> {
         let scenario = Scenario { criterion: criterion_of(criterion)?, ..(*slf.get().scenario).clone() };
         Self::altered(slf, scenario, ("with_criterion", criterion))
     }
 
-    /// Writes the scenario as a folder of Cranny's own layout, which is made; `Scenario.load` reads it. For the
-    /// built-in robot, on its floor.
+    /// Writes the scenario to a new folder in Cranny's own layout, which `Scenario.load` reads. Only for the built-in robot, on
+    /// its floor.
     fn save(&self, folder: PathBuf) -> PyResult<()> {
         self.scenario.write_folder(&folder).map_err(fault)
     }
 
-    /// Writes the world and the start as a MoveIt planning scene (YAML), in the frame of the robot's root. A capsule
-    /// becomes a cylinder and two spheres, the floor a box of 20 m × 20 m × 1 m below it.
+    /// Writes the world and the start as a MoveIt planning scene (YAML), in the frame of the robot's root. A capsule becomes a
+    /// cylinder and two spheres, the floor a box of 20 m × 20 m × 1 m below it.
     fn save_moveit_scene(&self, path: PathBuf) -> PyResult<()> {
         let Scenario { id, robot, world, start, .. } = &*self.scenario;
         write_moveit_scene(&path, id, robot, world, start).map_err(fault)
     }
 
-    /// The same robot, target and grasps among the collision objects of a MoveIt planning scene (YAML), in place of
-    /// the obstacles and the floor; an object of the target's name is the target.
+    /// Returns the scenario with the collision objects of a MoveIt planning scene (YAML) instead of its obstacles and floor;
+    /// robot and grasps stay. An object with the target's name replaces the target.
     fn with_moveit_scene(slf: &Bound<'_, Self>, path: PathBuf) -> PyResult<Self> {
         let own = &slf.get().scenario;
         let read = cranny_scenario::read_moveit_scene(&path, &own.robot).map_err(fault)?;
@@ -348,7 +347,7 @@ impl PyScenario {
             })
         });
         let scenario = (**own).clone();
-        // A planning scene says of no object what it weighs.
+        // A planning scene does not state the masses of objects.
         let scenario = if place.is_some_and(|place| place < read.bodies().len()) {
             Scenario { target_source: None, given_physics: TargetPhysics::default(), ..scenario }
         } else {
@@ -361,14 +360,14 @@ impl PyScenario {
         Ok(Self { made, ..Self::with(slf, scenario) })
     }
 
-    /// Of files, pickles hold where they are and what they said: who unpickles it opens them again, and gets an error
+    /// For files, pickles hold their paths and a fingerprint of their content: unpickling opens them again, and raises an error
     /// if they have changed.
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
         slf.get().made.reduced(slf, "open it again")
     }
 
-    /// What a notebook shows of the scenario, with a plan where one is given, or those of its steps: a View. `view`: "three-quarter",
-    /// "front", "side" or "top"; `width` and `height` in points.
+    /// Returns a View of the scenario for a notebook, with `plan` or the plans of its steps if given. `view`: "three-quarter",
+    /// "front", "side" or "top"; `width` and `height` in pixels.
     #[pyo3(signature = (plan=None, *, view="three-quarter", width=640, height=480))]
     fn show<'py>(
         slf: &Bound<'py, Self>,
@@ -396,12 +395,12 @@ impl PyScenario {
     }
 }
 
-/// A picture in a notebook, in points.
+/// Size of a picture in a notebook, in pixels.
 const NOTEBOOK_WIDTH: usize = 640;
 const NOTEBOOK_HEIGHT: usize = 480;
 
 impl PyScenario {
-    /// What the method of this name with this argument makes of `own`.
+    /// Wraps the scenario that `method`, called with its argument, made from `own`.
     fn altered<'py>(
         own: &Bound<'py, Self>,
         scenario: Scenario,
@@ -413,7 +412,7 @@ impl PyScenario {
     fn with(own: &Bound<'_, Self>, scenario: Scenario) -> Self {
         let own = own.get();
         let (robot_file, geometry) = (own.robot_file.clone(), own.geometry);
-        // Grasps that were given by hand have no file.
+        // Grasps that were passed as arrays have no file.
         let given_grasps = if scenario.has_grasp_set && scenario.grasps != own.scenario.grasps {
             GivenGrasps::Own
         } else {
@@ -423,7 +422,7 @@ impl PyScenario {
         Self { scenario: Arc::new(scenario), robot_file, geometry, given_grasps, goals, made: Made::UNKNOWN }
     }
 
-    /// The problem to plan for.
+    /// Returns the planning problem.
     pub fn problem(&self, margins: Margins) -> PyResult<Problem> {
         self.with_its_goals(self.scenario.problem(margins).map_err(fault)?)
     }
@@ -433,26 +432,26 @@ impl PyScenario {
         problem.with_goal(Goal::Configurations(goals.clone())).map_err(fault)
     }
 
-    /// The same under `exact`, whatever the criterion of the scenario.
+    /// Returns the problem under `exact`, regardless of the criterion of the scenario.
     pub fn exact_problem(&self, margins: Margins) -> PyResult<Problem> {
         let exact = Scenario { criterion: Criterion::Exact, ..(*self.scenario).clone() };
         exact.problem(margins).map_err(fault)
     }
 }
 
-/// Ids of the built-in scenarios.
+/// Returns the ids of the built-in scenarios.
 #[pyfunction]
 pub fn scenario_ids() -> Vec<String> {
     catalogue().iter().map(|entry| entry.id.to_string()).collect()
 }
 
-/// The geometry of that name.
+/// Parses the name of a geometry.
 fn geometry_of(name: &str) -> PyResult<Geometry> {
     let unknown = |_| bad_value(format!("geometry is '{name}', but \"scene\" or \"export\" is expected"));
     name.parse().map_err(unknown)
 }
 
-/// The criterion of that name.
+/// Parses the name of a criterion.
 pub fn criterion_of(name: &str) -> PyResult<Criterion> {
-    name.parse().map_err(|_| bad_value(format!("there is no criterion '{name}' (there are: exact, paper)")))
+    name.parse().map_err(|_| bad_value(format!("unknown criterion '{name}' (known: exact, paper)")))
 }

@@ -1,4 +1,4 @@
-//! What is planned, judged and shown: a scenario, or a problem in other people's files.
+//! Tasks of planning, verification and display: a scenario, or a problem from external files.
 
 use cranny_collision::Margins;
 use cranny_record::PlanSource;

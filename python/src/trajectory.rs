@@ -1,4 +1,4 @@
-//! `Samples`: a trajectory at even instants.
+//! `Samples`: a trajectory sampled at equal intervals.
 
 use cranny_path::{Trajectory, TrajectorySample};
 use cranny_plan::PlanError;
@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use crate::handover::array::{Numbers, shaped};
 use crate::handover::pickled::{Reduced, restored_by};
 
-/// A trajectory at T instants: arrays (T, dof) in the order of `joint_names`.
+/// Trajectory at T instants: arrays (T, dof) in the order of `joint_names`.
 #[pyclass(name = "Samples", module = "cranny", frozen)]
 pub struct PySamples {
     joint_names: Vec<String>,
@@ -17,7 +17,7 @@ pub struct PySamples {
     positions: Vec<f64>,
     velocities: Vec<f64>,
     accelerations: Vec<f64>,
-    /// How far the fingers are apart, where they close on something.
+    /// Finger openings, in metres, if the fingers close on an object.
     openings: Option<Vec<f64>>,
 }
 
@@ -29,7 +29,7 @@ impl PySamples {
         Ok(samples)
     }
 
-    /// Those of the way to the grasp, and of the way on if there is one, each from 0 on.
+    /// Samples the motion to the grasp, and the one after it if any, each from time 0.
     pub fn of_ways(trajectory: &TaskTrajectory, rate_hz: f64) -> Result<Vec<Self>, PlanError> {
         let ways = trajectory.legs().iter();
         ways.map(|way: &Trajectory| Ok(Self::collected(way.joint_names(), way.samples(rate_hz)?))).collect()
@@ -58,7 +58,7 @@ impl PySamples {
     }
 }
 
-/// Samples as they were pickled.
+/// Restores pickled samples.
 #[pyfunction]
 #[pyo3(name = "_restored_samples")]
 pub fn restored_samples(
@@ -95,7 +95,7 @@ impl PySamples {
         self.joint_names.clone()
     }
 
-    /// The instants, (T,), in seconds from 0.
+    /// Times of the samples, (T,), in seconds from 0.
     #[getter]
     fn times<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         shaped(py, self.times.clone(), &[self.times.len()])
@@ -107,19 +107,19 @@ impl PySamples {
         self.rows(py, &self.positions)
     }
 
-    /// Their speeds, (T, dof), in m/s or rad/s.
+    /// Joint velocities, (T, dof), in m/s or rad/s.
     #[getter]
     fn velocities<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         self.rows(py, &self.velocities)
     }
 
-    /// Their accelerations, (T, dof), in m/s² or rad/s²; where one jumps, the value right after.
+    /// Joint accelerations, (T, dof), in m/s² or rad/s²; at a discontinuity, the value right after it.
     #[getter]
     fn accelerations<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         self.rows(py, &self.accelerations)
     }
 
-    /// How far the fingers are apart, (T,), in m; None where they close on nothing.
+    /// Finger openings, (T,), in m; None if the fingers do not close on an object.
     #[getter]
     fn openings<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArrayDyn<f64>>>> {
         self.openings.as_ref().map(|openings| shaped(py, openings.clone(), &[self.times.len()])).transpose()

@@ -30,7 +30,7 @@ NAN = float("nan")
         (np.zeros(9, dtype=bool), TypeError, "dtype bool"),
         (np.array(["a"] * 9), TypeError, "dtype <U1"),
         (np.array([None] * 9), TypeError, "dtype object"),
-        ([[0.0] * 9, [0.0] * 8], TypeError, "no array of numbers"),
+        ([[0.0] * 9, [0.0] * 8], TypeError, "an array of numbers is expected"),
         (None, TypeError, "dtype object"),
         ({"q": 1}, TypeError, "dtype object"),
         ([0.0] * 8 + [NAN], ValueError, r"NaN at \[8\], but every value must be finite"),

@@ -31,7 +31,7 @@ def test_a_scenario_and_a_plan_have_pictures(
             view.save(path)
     with pytest.raises(ValueError, match="no plan"):
         scenario.show().apng()
-    with pytest.raises(ValueError, match="no view"):
+    with pytest.raises(ValueError, match="unknown view"):
         scenario.show(view="below").png()
     with pytest.raises(ValueError, match="8192"):
         scenario.show(width=100_000).png()

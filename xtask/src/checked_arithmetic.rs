@@ -1,8 +1,8 @@
-//! The tests of the rooms that compute, with overflow checks and debug assertions, which the one profile leaves out.
+//! Tests of the computing crates with overflow checks and debug assertions, which the release profile omits.
 
 use crate::step::{self, Readiness, Surroundings};
 
-/// Rooms in which an index or a count could go wrong unseen.
+/// Crates in which a wrong index or count could go unnoticed.
 const ROOMS: [&str; 8] = [
     "cranny-spatial",
     "cranny-shape",
@@ -14,12 +14,12 @@ const ROOMS: [&str; 8] = [
     "cranny-plan",
 ];
 
-/// It needs nothing that the other steps do not.
+/// Returns ready: the step needs no additional tools.
 pub fn readiness(_: &Surroundings) -> Readiness {
     Readiness::Ready
 }
 
-/// Builds and runs them in a folder of their own.
+/// Builds and runs these tests in a target folder of their own.
 ///
 /// # Errors
 /// If one fails.

@@ -1,9 +1,9 @@
-//! The files of the checkout that are, or are about to be, under version control.
+//! Files of the checkout that are under version control, or will be.
 
 use std::path::Path;
 use std::process::Command;
 
-/// A file of the checkout.
+/// File of the checkout.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SourceFile {
     /// Path from the root, with forward slashes.
@@ -13,26 +13,26 @@ pub struct SourceFile {
 }
 
 impl SourceFile {
-    /// The content, if it is UTF-8.
+    /// Returns the content if it is UTF-8.
     pub fn text(&self) -> Option<&str> {
         std::str::from_utf8(&self.bytes).ok()
     }
 
-    /// Whether the name ends in `.extension`.
+    /// Returns true if the name ends in `.extension`.
     pub fn has_extension(&self, extension: &str) -> bool {
         Path::new(&self.path).extension().is_some_and(|own| own == extension)
     }
 
-    /// A file of a test.
+    /// Creates a file for a test.
     #[cfg(test)]
     pub fn of_text(path: &str, text: &str) -> Self {
         Self { path: path.to_owned(), bytes: text.as_bytes().to_vec() }
     }
 }
 
-/// All files below `root` that git tracks or would add, in the order of their paths.
+/// Returns all files below `root` that git tracks or would add, in the order of their paths.
 ///
-/// Ignored files (build products, plans written while trying things) are left out.
+/// Ignored files, such as build products and plans of experiments, are left out.
 ///
 /// # Errors
 /// If git is missing, `root` is no checkout, or a file cannot be read.
@@ -64,7 +64,7 @@ pub fn read_files(root: &Path) -> Result<Vec<SourceFile>, String> {
         .collect()
 }
 
-/// Git at `root`, blind to the repository that a hook around this run may have named.
+/// Returns git at `root`, independent of a repository that a surrounding hook may have set.
 fn git_in(root: &Path) -> Command {
     let mut git = Command::new("git");
     git.current_dir(root);

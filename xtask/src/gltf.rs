@@ -1,13 +1,13 @@
-//! Animated glTF files as others read them: the Khronos validator and three.js, in Node.
+//! Validation of animated glTF files in Node, by the Khronos validator and three.js.
 
 use std::process::Command;
 
 use crate::step::{self, Readiness, Surroundings};
 
-/// What is drawn, and after which plan.
+/// Scenarios that are planned and drawn.
 const SCENARIOS: [&str; 2] = ["021", "041"];
 
-/// Whether Node is here, and the packages that the check needs; they are installed where they are not.
+/// Checks for Node and the required packages, and installs missing packages.
 pub fn readiness(here: &Surroundings) -> Readiness {
     for (program, word) in
         [("node", "Node 20 or later (https://nodejs.org)"), ("npm", "npm, which comes with Node")]
@@ -27,15 +27,15 @@ pub fn readiness(here: &Surroundings) -> Readiness {
     if !answers(install) {
         return Readiness::Missing("the packages of web/ cannot be installed: run `npm ci` there".to_owned());
     }
-    // Only saves the next run the work.
+    // The mark only spares the next run the installation.
     let _ = std::fs::write(mark, wanted);
     Readiness::Ready
 }
 
-/// Plans, draws and checks.
+/// Plans, draws and validates.
 ///
 /// # Errors
-/// If a plan or a file cannot be made, or Node finds something wrong with one.
+/// If a plan or a file cannot be created, or Node reports an error in one.
 pub fn check(here: &Surroundings) -> Result<(), String> {
     let folder = here.root.join("target/gltf");
     std::fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;

@@ -1,10 +1,10 @@
-//! A report's LaTeX table and PDF plots as LaTeX takes them.
+//! Compilation of a report's table and PDF plots by LaTeX.
 
 use std::path::{Path, PathBuf};
 
 use crate::step::{self, Readiness, Surroundings};
 
-/// The document that takes both; the table may be wider than its page.
+/// Document that includes both; the table may be wider than its page.
 const DOCUMENT: &str = r"\documentclass{article}
 \usepackage{booktabs}
 \usepackage{graphicx}
@@ -15,7 +15,7 @@ const DOCUMENT: &str = r"\documentclass{article}
 \end{document}
 ";
 
-/// Short, with a name of which LaTeX must not read a letter as a command.
+/// Short campaign with a name whose characters LaTeX would interpret as commands if unescaped.
 const CAMPAIGN: &str = r"scenarios: ['021', '031']
 planners:
   - planner: reach
@@ -24,7 +24,7 @@ runs: 3
 time_limit_s: 5
 ";
 
-/// Whether pdfLaTeX is here with what the table needs.
+/// Checks for pdfLaTeX and the packages of the table.
 pub fn readiness(here: &Surroundings) -> Readiness {
     let found = here.command("kpsewhich", &["booktabs.sty", "graphicx.sty"]).output();
     let has_packages = found.is_ok_and(|found| String::from_utf8_lossy(&found.stdout).lines().count() == 2);
@@ -42,7 +42,7 @@ pub fn readiness(here: &Surroundings) -> Readiness {
 /// If any of these fails.
 pub fn check(here: &Surroundings) -> Result<(), String> {
     let folder = here.root.join("target/latex");
-    // What an earlier run left would be gone on with.
+    // Results of an earlier run would be resumed.
     if folder.exists() {
         std::fs::remove_dir_all(&folder).map_err(|error| fault(&folder, &error))?;
     }

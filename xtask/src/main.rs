@@ -1,10 +1,10 @@
-//! What a contributor runs: `cargo xtask tidy` and `cargo xtask test`.
+//! Tasks for contributors: `cargo xtask tidy` and `cargo xtask test`.
 //!
-//! Exit codes: 0 done, 1 a check failed, 2 not runnable as asked (unknown word, no git, wrong
-//! `CRANNY_DATA`).
+//! Exit codes: 0 success, 1 a check failed, 2 not runnable (unknown word, no git, wrong `CRANNY_DATA`).
 
 mod checked_arithmetic;
 mod checkout;
+mod comment_words;
 mod gltf;
 mod latex;
 mod member;
@@ -62,7 +62,7 @@ Examples:
 
 Exit codes: 0 done, 1 a check failed, 2 not runnable as asked";
 
-/// What the command line asks for.
+/// Task of the command line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Task {
     Help,
@@ -71,7 +71,7 @@ enum Task {
     Steps { names: Vec<String> },
 }
 
-/// The task that `words` name, or what is wrong with them.
+/// Parses the task of `words`; the error describes invalid words.
 fn task_of(words: &[&str]) -> Result<Task, String> {
     match words {
         [] => Err("no task given".to_owned()),

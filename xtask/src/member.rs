@@ -1,43 +1,43 @@
-//! The crates of the workspace, as their manifests describe them.
+//! Crates of the workspace, as their manifests describe them.
 
 use std::path::PathBuf;
 
 use cargo_metadata::{DependencyKind, MetadataCommand, Package};
 
-/// The folder that holds the rooms of the house.
+/// Folder of the library crates.
 pub const ROOMS: &str = "crates/";
 
-/// The one room beside it, where Python looks for its packages.
+/// Folder of the Python crate, which Python tools expect outside of it.
 const PYTHON: &str = "python";
 
-/// A crate of the workspace.
+/// Crate of the workspace.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Member {
     /// Package name.
     pub name: String,
-    /// Folder, from the root, with forward slashes: `crates/shape`.
+    /// Folder relative to the root, with forward slashes: `crates/shape`.
     pub folder: String,
-    /// One line that says what the crate answers.
+    /// Description of the crate in one line.
     pub description: String,
-    /// `[package.metadata.layer] floor`, if it is there and a whole number.
+    /// `[package.metadata.layer] floor`, if present and an integer.
     pub floor: Option<u64>,
-    /// Direct dependencies, of whatever origin.
+    /// Direct dependencies from any source.
     pub dependencies: Vec<Dependency>,
 }
 
 impl Member {
-    /// Path of the manifest from the root.
+    /// Returns the path of the manifest relative to the root.
     pub fn manifest(&self) -> String {
         format!("{}/Cargo.toml", self.folder)
     }
 
-    /// Whether the crate is a room of the house, and so stands on a floor.
+    /// Returns true if the crate belongs to a layer (a floor).
     pub fn is_room(&self) -> bool {
         self.folder.starts_with(ROOMS) || self.folder == PYTHON
     }
 }
 
-/// A direct dependency of a crate.
+/// Direct dependency of a crate.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Dependency {
     /// Package name.
@@ -46,10 +46,10 @@ pub struct Dependency {
     pub section: &'static str,
 }
 
-/// Root folder and crates of the workspace that the current folder belongs to.
+/// Returns the root folder and the crates of the workspace of the current folder.
 ///
 /// # Errors
-/// If cargo cannot read the manifests; the message is cargo's own.
+/// If cargo cannot read the manifests; the message is that of cargo.
 pub fn read_workspace() -> Result<(PathBuf, Vec<Member>), String> {
     let metadata = MetadataCommand::new().no_deps().exec().map_err(|error| error.to_string())?;
     let root = metadata.workspace_root.as_std_path().to_owned();

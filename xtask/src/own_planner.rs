@@ -1,20 +1,20 @@
-//! A planner from a crate outside: `examples/own_planner` builds, and its planner takes part in a campaign.
+//! Planner of an external crate: builds `examples/own_planner`, and runs a campaign with its planner.
 
 use crate::step::{self, Readiness, Surroundings};
 
-/// It needs nothing that the other steps do not.
+/// Returns ready: the step needs no additional tools.
 pub fn readiness(_: &Surroundings) -> Readiness {
     Readiness::Ready
 }
 
-/// Builds it beside what the tests built, of which it shares the crates of others, and runs a small campaign.
+/// Builds the example in the target folder of the tests, with which it shares dependencies, and runs a small campaign.
 ///
 /// # Errors
 /// If it does not build, or not all trials are run and solved.
 pub fn check(here: &Surroundings) -> Result<(), String> {
     let manifest = here.root.join("examples/own_planner/Cargo.toml").display().to_string();
     let results = here.root.join("target/tmp/own_planner.db");
-    // Of a run before; without one there is nothing to take away.
+    // Left by an earlier run; it may not exist.
     let _ = std::fs::remove_file(&results);
     let results = results.display().to_string();
     let build = ["run", "--release", "--quiet", "--locked", "--manifest-path", &manifest, "--"];

@@ -1,20 +1,20 @@
-//! One finding of a check.
+//! Finding of a check.
 
 use std::fmt;
 
-/// Something in the checkout that breaks a rule: where, what, and how to mend it.
+/// Violation of a rule in the checkout, with its location and a remedy.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Problem {
-    /// Path from the root of the checkout, with `:line` where a line is to blame.
+    /// Path relative to the root of the checkout, with `:line` if a line is at fault.
     pub place: String,
-    /// What is wrong.
+    /// Description of the violation.
     pub message: String,
-    /// What to do about it.
+    /// Remedy.
     pub hint: String,
 }
 
 impl Problem {
-    /// A finding at `place`.
+    /// Creates a finding at `place`.
     pub fn new(place: impl Into<String>, message: impl Into<String>, hint: impl Into<String>) -> Self {
         Self { place: place.into(), message: message.into(), hint: hint.into() }
     }

@@ -1,10 +1,10 @@
-//! The public functions of a source file, with their docs.
+//! Public functions of a source file, with their docs.
 
 use syn::visit::{self, Visit};
 
 use crate::checkout::SourceFile;
 
-/// A public function, or a method that is public or of a public trait.
+/// Public function, or a method that is public or of a public trait.
 pub struct PublicFunction {
     /// Name of the type or trait of a method, `::`, name.
     pub name: String,
@@ -14,7 +14,7 @@ pub struct PublicFunction {
     pub signature: syn::Signature,
 }
 
-/// The public functions of a crate's file, without those of its tests; none of any other file.
+/// Returns the public functions of a file of a crate, without those of its tests; none for any other file.
 pub fn public_functions(file: &SourceFile) -> Vec<PublicFunction> {
     let is_of_crate = file.path.starts_with("crates/") && file.path.contains("/src/");
     let text = file.text().filter(|_| is_of_crate && file.has_extension("rs"));
@@ -25,7 +25,7 @@ pub fn public_functions(file: &SourceFile) -> Vec<PublicFunction> {
     reader.functions
 }
 
-/// Whether an item is compiled for tests alone.
+/// Returns true if an item is compiled only for tests.
 pub fn is_for_tests(item: &syn::Item) -> bool {
     let syn::Item::Mod(module) = item else { return false };
     module.attrs.iter().any(|attribute| {
@@ -36,7 +36,7 @@ pub fn is_for_tests(item: &syn::Item) -> bool {
 
 #[derive(Default)]
 struct Reader {
-    /// The type or trait around, with `::`.
+    /// Enclosing type or trait, with `::`.
     around: String,
     functions: Vec<PublicFunction>,
 }

@@ -1,4 +1,4 @@
-//! The Python package: built as a wheel, installed beside the packages of others, tested.
+//! Python package: built as a wheel, installed and tested.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -6,16 +6,16 @@ use std::process::Command;
 
 use crate::step::{self, Readiness, Surroundings};
 
-/// Its crate, from the root.
+/// Folder of its crate, relative to the root.
 const PACKAGE: &str = "python";
 
-/// Where its wheel goes, from the root.
+/// Folder of its wheel, relative to the root.
 const WHEELS: &str = "target/wheels";
 
-/// What a wheel may weigh, in bytes.
+/// Maximum size of a wheel, in bytes.
 const MOST_BYTES: u64 = 15_000_000;
 
-/// Whether there is a Python to build and test it with.
+/// Checks for a Python to build and test the package with.
 pub fn readiness(here: &Surroundings) -> Readiness {
     let Some(python) = &here.python else {
         return Readiness::Missing("no Python with the packages of xtask/python-requirements.txt".to_owned());
@@ -32,11 +32,11 @@ pub fn readiness(here: &Surroundings) -> Readiness {
     Readiness::Ready
 }
 
-/// 1. The wheel, built into the same `target` as everything else. 2. Its weight. 3. Installed. 4. Tested.
+/// Builds the wheel into the shared `target` (1), checks its size (2), installs it (3) and tests it (4).
 pub fn check(here: &Surroundings) -> Result<(), String> {
     let Some(python) = &here.python else { return Err("no Python".to_owned()) };
     let wheels = here.root.join(WHEELS);
-    // A wheel of another version would be installed in its place.
+    // Otherwise a wheel of another version could be installed instead.
     if wheels.is_dir() {
         fs::remove_dir_all(&wheels).map_err(|fault| format!("{}: {fault}", wheels.display()))?;
     }
@@ -54,7 +54,7 @@ pub fn check(here: &Surroundings) -> Result<(), String> {
     let words =
         ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-deps", "--force-reinstall"];
     step::succeed(here.command(python, &[&words[..], &[&wheel]].concat()))?;
-    // 4. From the root: in its own folder, the sources would be taken for the package.
+    // 4. From the root: in its own folder, Python would import the sources instead of the package.
     let mut tests = here.command(python, &["-m", "pytest", "-c", "python/pyproject.toml", "python/tests"]);
     tests.env(step::PROGRAM, here.program());
     step::succeed(tests)

@@ -1,4 +1,4 @@
-//! A Python with the packages that tests run, in a virtual environment of the checkout's own.
+//! Python with the packages that tests run, in a virtual environment of the checkout.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -6,17 +6,17 @@ use std::process::Command;
 
 /// Environment variable that names the Python for the tests.
 pub const PYTHON: &str = "CRANNY_PYTHON";
-/// What a run without it says; the reason follows.
+/// Message of a run without it; the reason follows.
 pub const SKIPPED: &str = "SKIPPED: tests that run Python packages";
 
-/// What is installed, beside the root of the checkout.
+/// Requirements file, relative to the root of the checkout.
 const REQUIREMENTS: &str = "xtask/python-requirements.txt";
 
-/// The Python that `CRANNY_PYTHON` names, or that of an environment under `target`, which is made anew
-/// whenever the requirements change.
+/// Returns the Python that `CRANNY_PYTHON` names, or that of an environment under `target`, which is recreated whenever the
+/// requirements change.
 ///
 /// # Errors
-/// What is missing: Python itself, its module `venv`, or a package.
+/// Name of the missing component: Python itself, its module `venv`, or a package.
 pub fn prepare(root: &Path) -> Result<PathBuf, String> {
     if let Some(python) = std::env::var_os(PYTHON).filter(|python| !python.is_empty()) {
         return Ok(python.into());
@@ -42,7 +42,7 @@ fn python_of(environment: &Path) -> PathBuf {
     if cfg!(windows) { environment.join("Scripts/python.exe") } else { environment.join("bin/python") }
 }
 
-/// Runs a command that must succeed; the error is the last line that it says.
+/// Runs a command that must succeed; the error is the last line of its output.
 fn answer(command: &mut Command) -> Result<(), String> {
     let program = command.get_program().to_string_lossy().into_owned();
     let words: Vec<_> = command.get_args().map(|word| word.to_string_lossy().into_owned()).collect();
@@ -71,7 +71,7 @@ mod tests {
         {
             fs::write(file, "ompl==2.0.1\n").expect("written");
         }
-        // Nothing is installed here: the file that stands for Python could not do it.
+        // An installation would fail here, because a placeholder file stands for Python.
         if std::env::var_os(PYTHON).is_none() {
             assert_eq!(prepare(root.path()), Ok(python));
         }

@@ -1,4 +1,4 @@
-//! Where the paper's released data lie, and whether a run may go without.
+//! Location of the paper's released data, and whether a run may do without them.
 
 use std::env;
 use std::ffi::OsString;
@@ -6,18 +6,18 @@ use std::path::{Path, PathBuf};
 
 /// Environment variable that names the data folder.
 pub const DATA: &str = "CRANNY_DATA";
-/// Environment variable under which nothing may be skipped.
+/// Environment variable that forbids skipping.
 pub const REQUIRE_ALL: &str = "CRANNY_REQUIRE_ALL";
-/// What a run without data says.
+/// Message of a run without data.
 pub const SKIPPED: &str = "SKIPPED: tests on released data (set CRANNY_DATA)";
 
-/// The folder that the data folder must hold.
+/// Folder that the data folder must contain.
 const RELEASE: &str = "jogramop";
 
-/// The data folder as an absolute path, `None` if `CRANNY_DATA` is unset or empty.
+/// Returns the data folder as an absolute path, `None` if `CRANNY_DATA` is unset or empty.
 ///
 /// # Errors
-/// If the variable names something that is not the data folder, or nothing where all is required.
+/// If the variable names something that is not the data folder, or is unset although nothing may be skipped.
 pub fn folder() -> Result<Option<PathBuf>, String> {
     let current = env::current_dir().map_err(|error| format!("the current folder: {error}"))?;
     match folder_of(env::var_os(DATA), &current)? {
@@ -28,18 +28,18 @@ pub fn folder() -> Result<Option<PathBuf>, String> {
     }
 }
 
-/// Whether `CRANNY_REQUIRE_ALL` is set to anything but nothing or `0`.
+/// Returns true if `CRANNY_REQUIRE_ALL` is set to a value other than the empty string or `0`.
 pub fn all_required() -> bool {
     env::var_os(REQUIRE_ALL).is_some_and(|value| !value.is_empty() && value != "0")
 }
 
-/// The folder that `value`, read in the folder `current`, names.
+/// Resolves `value` relative to the folder `current`.
 fn folder_of(value: Option<OsString>, current: &Path) -> Result<Option<PathBuf>, String> {
     let Some(value) = value.filter(|value| !value.is_empty()) else { return Ok(None) };
-    // Tests run in the folders of their crates, where a relative path would mean another place.
+    // Tests run in the folders of their crates, where a relative path would resolve differently.
     let folder = current.join(value);
     if folder.join(RELEASE).is_dir() {
-        // `..` is resolved where the system can do it; it works as it stands where it cannot.
+        // `..` is resolved if the system supports it; otherwise the path works unresolved.
         Ok(Some(folder.canonicalize().unwrap_or(folder)))
     } else {
         Err(format!("{DATA}: no folder `{RELEASE}` in {}", folder.display()))

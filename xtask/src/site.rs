@@ -1,11 +1,11 @@
-//! The site: the pages of `docs/` and `benchmarks/`, the reference of all commands, a gallery of live pages and the API, as
-//! one folder that loads nothing from elsewhere.
+//! Site: the pages of `docs/` and `benchmarks/`, the reference of all commands, a gallery of live pages and the API, in one
+//! folder without external resources.
 //!
-//! 1. Pages are copied to `target/site/src` as they lie in the checkout, so that their links hold; links to files that are
-//!    no pages lead to the repository.
-//! 2. The program draws the gallery and says its help.
-//! 3. mdBook makes HTML of it; the API of Rust, and of Python where a wheel is installed, is put beside it.
-//! 4. Every link and every file that the result names must be there.
+//! 1. Pages are copied to `target/site/src` with the folder structure of the checkout, so that their links hold; links to other
+//!    files lead to the repository.
+//! 2. The program draws the gallery and prints its help.
+//! 3. mdBook converts the pages to HTML; the API of Rust, and of Python if a wheel is installed, is added.
+//! 4. Every link and every file that the result references must exist.
 
 pub mod links;
 mod stage;
@@ -17,10 +17,10 @@ use crate::step::{self, Readiness, Surroundings};
 
 use self::stage::Stage;
 
-/// What makes the book; one version, because themes change.
+/// Version of mdBook; pinned, because its themes change.
 const MDBOOK: &str = "0.5.4";
 
-/// The pages, by part and in order; a page below another is indented.
+/// Pages by section, in order; a page below another is indented.
 const SUMMARY: &str = "# Summary
 
 [Cranny](index.md)
@@ -44,7 +44,8 @@ const SUMMARY: &str = "# Summary
 # Reference
 
 - [Gallery](docs/gallery.md)
-- [Commands](docs/commands.md)
+- [The command line](docs/command_line.md)
+- [All flags](docs/commands.md)
 - [Files and formats](docs/files.md)
   - [Recordings](docs/recordings.md)
 - [Planners](docs/planners.md)
@@ -74,7 +75,7 @@ enable = false
 limit-results = 20
 "#;
 
-/// Node, because the live pages are part of the program only where it is.
+/// Checks for Node, because only a build with Node includes the live pages.
 pub fn readiness(here: &Surroundings) -> Readiness {
     gltf::readiness(here)
 }
@@ -82,7 +83,7 @@ pub fn readiness(here: &Surroundings) -> Readiness {
 /// Builds the site into `target/site/book`.
 ///
 /// # Errors
-/// If a tool or a page fails, or a link leads nowhere.
+/// If a tool or a page fails, or a link is broken.
 pub fn check(here: &Surroundings) -> Result<(), String> {
     let mdbook = mdbook(here)?;
     step::succeed(here.cargo(&["build", "--release", "--quiet"]))?;
@@ -105,7 +106,7 @@ pub fn check(here: &Surroundings) -> Result<(), String> {
     Ok(())
 }
 
-/// mdBook on this machine, or in `target`, where it is built once.
+/// Returns the mdBook of this machine, or one in `target`, which is built once.
 fn mdbook(here: &Surroundings) -> Result<String, String> {
     let version = |program: &str| {
         let output = here.command(program, &["--version"]).output().ok()?;
@@ -130,7 +131,7 @@ fn api_of_rust(here: &Surroundings, book: &Path) -> Result<(), String> {
     stage::copy_folder(&here.root.join("target/doc"), &book.join("api"))
 }
 
-/// From the package that the tests installed.
+/// Builds the Python API from the package that the tests installed.
 fn api_of_python(here: &Surroundings, book: &Path) -> Result<(), String> {
     let python = here.python.as_ref().map(|python| python.display().to_string());
     let Some(python) = python.filter(|python| {

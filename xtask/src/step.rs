@@ -1,4 +1,4 @@
-//! Steps of a test run: a name, what it needs, what it does.
+//! Steps of a test run, each with its name, requirements and action.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -8,37 +8,37 @@ use std::time::Instant;
 use crate::python_tools::PYTHON;
 use crate::released_data::{DATA, REQUIRE_ALL};
 
-/// What a run knows about its surroundings.
+/// Environment of a run.
 #[derive(Debug, Clone)]
 pub struct Surroundings {
     /// Root of the checkout; steps run there.
     pub root: PathBuf,
-    /// Absolute path of the released data, if there is one.
+    /// Absolute path of the released data, if available.
     pub data: Option<PathBuf>,
-    /// The Python of the tests, if there is one.
+    /// Python for the tests, if available.
     pub python: Option<PathBuf>,
-    /// Whether a step that lacks its tool fails instead of being skipped.
+    /// True if a step that lacks its tool fails instead of being skipped.
     pub all_required: bool,
-    /// Whether tests that have a longer form run in it.
+    /// True if tests that have a longer form run in it.
     pub is_long: bool,
 }
 
-/// Tells tests that have a longer form to run in it.
+/// Environment variable that selects the longer form of tests.
 const LONG: &str = "CRANNY_LONG";
 
-/// Tells tests where the command is.
+/// Environment variable with the path of the program for tests.
 pub const PROGRAM: &str = "CRANNY_BIN";
 
 impl Surroundings {
-    /// The command, where the tests before built it.
+    /// Returns the path of the program that the tests build.
     pub fn program(&self) -> PathBuf {
         let target =
             std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| self.root.join("target"), PathBuf::from);
         self.root.join(target).join("release").join(format!("cranny{}", std::env::consts::EXE_SUFFIX))
     }
 
-    /// The program, up to date: built as the tests build it, with all crates and what their tests need, so that nothing
-    /// is built twice for other features of the same dependencies.
+    /// Returns the path of the up-to-date program. It is built as the tests build it, with all crates and their test
+    /// dependencies, so that no dependency is rebuilt with other features.
     ///
     /// # Errors
     /// If it cannot be built.
@@ -47,14 +47,14 @@ impl Surroundings {
         Ok(self.program())
     }
 
-    /// A cargo command at the root, with data folder and Python in its environment.
+    /// Returns a cargo command at the root, with data folder and Python in its environment.
     pub fn cargo(&self, words: &[&str]) -> Command {
-        // The cargo that runs this task, so that nested runs use the same toolchain.
+        // Uses the cargo that runs this task, so that nested runs use the same toolchain.
         let cargo = std::env::var_os("CARGO").unwrap_or_else(|| OsString::from("cargo"));
         self.command(cargo, words)
     }
 
-    /// Any command at the root, with data folder and Python in its environment.
+    /// Returns a command at the root, with data folder and Python in its environment.
     pub fn command(&self, program: impl Into<OsString>, words: &[&str]) -> Command {
         let mut command = Command::new(program.into());
         command
@@ -79,49 +79,49 @@ impl Surroundings {
         command
     }
 
-    /// Whether `cargo <words>` runs and succeeds, its output thrown away.
+    /// Returns true if `cargo <words>` succeeds; its output is discarded.
     pub fn cargo_answers(&self, words: &[&str]) -> bool {
         self.cargo(words).output().is_ok_and(|output| output.status.success())
     }
 }
 
-/// Whether a step can run here.
+/// Availability of the tools of a step.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Readiness {
-    /// It can.
+    /// All tools are available.
     Ready,
-    /// It cannot; the text says what is missing and how to get it.
+    /// A tool is missing; the text names it and explains its installation.
     Missing(String),
 }
 
-/// One step of a run.
+/// Step of a run.
 #[derive(Clone, Copy)]
 pub struct Step {
-    /// A noun or two.
+    /// Name: a noun or two.
     pub name: &'static str,
-    /// Whether its tools are here.
+    /// Checks the availability of its tools.
     pub needs: fn(&Surroundings) -> Readiness,
-    /// Does it; the error says what failed.
+    /// Runs the step; the error describes the failure.
     pub action: fn(&Surroundings) -> Result<(), String>,
 }
 
-/// A step that could not run, and why.
+/// Step that could not run, with the reason.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Skipped {
     /// Name of the step.
     pub name: &'static str,
-    /// What is missing.
+    /// Description of the missing tool.
     pub missing: String,
 }
 
-/// How a run of steps went.
+/// Results of a run of steps.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub struct Record {
     /// Steps that passed, in order.
     pub passed: Vec<&'static str>,
     /// Steps that were skipped.
     pub skipped: Vec<Skipped>,
-    /// The step that failed; none after it ran.
+    /// Step that failed; no step ran after it.
     pub failed: Option<&'static str>,
 }
 

@@ -1,4 +1,4 @@
-//! Everything a change must pass, in the order in which it fails soonest.
+//! Checks that every change must pass, the quickest to fail first.
 
 use std::time::Instant;
 
@@ -15,7 +15,7 @@ use crate::step::{self, Readiness, Record, Step, Surroundings};
 use crate::tidy;
 use crate::web;
 
-/// The steps. One that needs a tool of its own says so in `needs`.
+/// Steps of every run. A step that needs a tool of its own declares it in `needs`.
 const STEPS: [Step; 9] = [
     Step {
         name: "format",
@@ -43,7 +43,7 @@ const STEPS: [Step; 9] = [
     Step { name: "Python", needs: python_package::readiness, action: python_package::check },
 ];
 
-/// The steps of a long run alone: what seldom breaks, or whose tools few have.
+/// Additional steps of a long run: those that rarely fail, or whose tools are rarely installed.
 const LONG_STEPS: [Step; 4] = [
     Step { name: "site", needs: site::readiness, action: site::check },
     Step { name: "LaTeX", needs: latex::readiness, action: latex::check },
@@ -55,10 +55,10 @@ const LONG_STEPS: [Step; 4] = [
     },
 ];
 
-/// Runs the steps of these names, of a long run too; whether they passed.
+/// Runs the steps of these names, including those of a long run; returns true if they passed.
 ///
 /// # Errors
-/// For a name that no step has, and as [`run`].
+/// For an unknown name, and as [`run`].
 pub fn run_steps(names: &[&str]) -> Result<bool, String> {
     let all = [&STEPS[..], &LONG_STEPS].concat();
     let find = |name: &&str| {
@@ -76,11 +76,10 @@ pub fn run_steps(names: &[&str]) -> Result<bool, String> {
     Ok(step::run_all(&steps, &here).failed.is_none())
 }
 
-/// Whether all steps passed.
+/// Runs all steps and returns true if they passed.
 ///
 /// # Errors
-/// If the run cannot begin: no workspace here, or the released data or a Python are missing where they must
-/// not be.
+/// If the run cannot start: no workspace here, or the released data or Python are required but missing.
 pub fn run(is_long: bool) -> Result<bool, String> {
     let start = Instant::now();
     let data = released_data::folder()?;
@@ -100,7 +99,7 @@ pub fn run(is_long: bool) -> Result<bool, String> {
     };
     let here = Surroundings { root, data, python, all_required, is_long };
 
-    // Said before, and again where the end of the run is read.
+    // Printed before the steps, and again at the end of the output.
     warn(&lacking);
     let long: &[Step] = if is_long { &LONG_STEPS } else { &[] };
     let record = step::run_all(&[&STEPS, long].concat(), &here);
@@ -115,7 +114,7 @@ fn warn(lines: &[String]) {
     }
 }
 
-/// One line: what passed, what did not run, what failed, and how long it took.
+/// Returns a summary in one line: passed, skipped and failed steps, and the time.
 fn summary(record: &Record, here: &Surroundings, seconds: f64) -> String {
     let mut parts = vec![format!("passed: {}", listed(&record.passed))];
     let mut skipped: Vec<&str> = record.skipped.iter().map(|skipped| skipped.name).collect();
@@ -149,7 +148,7 @@ fn tidy_step() -> Result<(), String> {
 }
 
 fn tests(here: &Surroundings) -> Result<(), String> {
-    // nextest runs each test in a process of its own and is faster; cargo's own runner tests the same.
+    // nextest runs each test in a process of its own and is faster; cargo's own runner runs the same tests.
     let words: &[&str] = if here.cargo_answers(&["nextest", "--version"]) {
         &["nextest", "run", "--release", "--workspace"]
     } else {
@@ -162,7 +161,7 @@ fn tests(here: &Surroundings) -> Result<(), String> {
     step::succeed(command)
 }
 
-/// Property tests draw from this seed, so that a run can be repeated; set it to see other cases.
+/// Seed of property tests, so that a run can be repeated; set it to test other cases.
 const PROPTEST_SEED: &str = "PROPTEST_RNG_SEED";
 
 fn pages(here: &Surroundings) -> Result<(), String> {

@@ -1,7 +1,6 @@
-//! The shape of the house: rules that a compiler does not hold.
+//! Rules on the structure of the code that the compiler does not enforce.
 //!
-//! Each check is a pure function from crates and files to [`Problem`]s, in a file of its own, and is shown
-//! there to fail on a bad example.
+//! Each check is a pure function from crates and files to [`Problem`]s, in a module of its own, with tests on bad examples.
 
 mod citations;
 mod crate_table;
@@ -25,24 +24,25 @@ mod unsafe_code;
 mod walks;
 
 use crate::checkout::{self, SourceFile};
+use crate::comment_words;
 use crate::member::{self, Member};
 use crate::problem::Problem;
 use crate::released_data;
 
-/// What to do with the generated parts of pages.
+/// Treatment of the generated sections of pages.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Generated {
-    /// Report a part that differs from what would be generated.
+    /// Report a section that differs from the generated text.
     Compare,
-    /// Write it.
+    /// Write the generated text.
     Write,
 }
 
-/// Whether the checkout is tidy; every problem is printed to stderr.
+/// Runs all checks and returns true if the checkout is tidy; prints every problem to stderr.
 ///
 /// # Errors
-/// If cargo or git cannot describe the checkout, a page cannot be written, or `CRANNY_DATA` is wrong
-/// or missing where all is required.
+/// If cargo or git cannot describe the checkout, a page cannot be written, or `CRANNY_DATA` is wrong, or unset although it is
+/// required.
 pub fn run(generated: Generated) -> Result<bool, String> {
     let (root, members) = member::read_workspace()?;
     if generated == Generated::Write {
@@ -68,7 +68,7 @@ pub fn run(generated: Generated) -> Result<bool, String> {
     Ok(problems.is_empty())
 }
 
-/// What the checks that need nothing but the checkout find.
+/// Returns the findings of the checks that need only the checkout.
 fn problems_of(members: &[Member], files: &[SourceFile]) -> Vec<Problem> {
     [
         floors::check(members),
@@ -89,6 +89,7 @@ fn problems_of(members: &[Member], files: &[SourceFile]) -> Vec<Problem> {
         named_things::check(files),
         slice_docs::check(files),
         frame_names::check(files),
+        comment_words::check(files),
     ]
     .concat()
 }

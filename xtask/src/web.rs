@@ -1,19 +1,18 @@
-//! The viewer's page: its types, its unit tests, its build, and the page with the program in a real browser.
+//! Tests of the viewer's page: its types, its unit tests, its build, and the page with the program in a real browser.
 
 use std::path::PathBuf;
 
 use crate::gltf;
 use crate::step::{self, Readiness, Surroundings};
 
-/// Names the browser of the tests.
+/// Environment variable that names the browser of the tests.
 const CHROMIUM: &str = "CRANNY_CHROMIUM";
 
-/// Where systems have it.
+/// Usual paths of the browser.
 const PLACES: [&str; 4] =
     ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome", "/snap/bin/chromium"];
 
-/// Whether Node is here with the packages of `web/`, and a Chromium; one that can be had without a question is
-/// installed.
+/// Checks for Node with the packages of `web/`, and a Chromium; installs a missing Chromium if this needs no confirmation.
 pub fn readiness(here: &Surroundings) -> Readiness {
     let ready_or_not = gltf::readiness(here);
     if ready_or_not != Readiness::Ready || chromium().is_some() {
@@ -28,7 +27,7 @@ pub fn readiness(here: &Surroundings) -> Readiness {
     }
 }
 
-/// Installs Debian's Chromium for a root user, as machines that only run tests have.
+/// Installs Debian's Chromium as root, for machines that only run tests.
 fn install(here: &Surroundings) -> Result<(), String> {
     let user = here.command("id", &["-u"]).output();
     if !user.is_ok_and(|user| user.stdout.trim_ascii() == b"0") {

@@ -2,101 +2,107 @@ use std::path::{Path, PathBuf};
 
 use cranny_file::{nearest_files, suggested};
 
-/// What can be wrong with a campaign, its results or a worker. What a planner does wrong is none of these: it is
-/// an outcome of its trial.
+/// Errors of campaigns, results and workers. A failure of a planner is no such error: it is an outcome of its trial.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum BenchError {
-    /// A file of results is not there.
-    #[error("{}: there are no results (`cranny bench run -o {}` makes some)", path.display(), path.display())]
+    /// A results file does not exist.
+    #[error(
+        "{}: results file not found (create it with `cranny bench run -o {}`)",
+        path.display(),
+        path.display()
+    )]
     NoResults {
         /// The file.
         path: PathBuf,
     },
-    /// A file is no results of Cranny.
-    #[error("{}: the file holds no results of campaigns; give one that `cranny bench run` wrote", path.display())]
+    /// The file is not a results file of Cranny.
+    #[error("{}: not a results file: expected a file written by `cranny bench run`", path.display())]
     NotResults {
         /// The file.
         path: PathBuf,
     },
-    /// A file says that it is results, but its tables are not those of results.
+    /// The file is marked as results, but its tables have another schema.
     #[error(
-        "{}: '{name}' is not as Cranny makes it; the file is damaged, or not Cranny's",
+        "{}: '{name}' differs from Cranny's database schema: the file is damaged, or from another program",
         path.display()
     )]
     OtherTable {
         /// The file.
         path: PathBuf,
-        /// Which table, or index.
+        /// Name of the table or index.
         name: String,
     },
-    /// The pages of a file do not fit together.
+    /// The database pages of the file are inconsistent.
     #[error("{}: the file is damaged: {problem}", path.display())]
     Damaged {
         /// The file.
         path: PathBuf,
-        /// What `SQLite` says.
+        /// Message of `SQLite`.
         problem: String,
     },
     /// Results were written by another version of Cranny.
-    #[error("{}: the results are of version {actual}, and this program knows version {expected}", path.display())]
+    #[error(
+        "{}: the results have format version {actual}, but this program supports version {expected}",
+        path.display()
+    )]
     ResultsVersion {
         /// The file.
         path: PathBuf,
-        /// The version that can be read.
+        /// The supported version.
         expected: i64,
-        /// The version that the file has.
+        /// The version of the file.
         actual: i64,
     },
-    /// A row of the results says what it cannot.
-    #[error("{}: trial {id}: '{text}' is no {what}", path.display())]
+    /// A row of the results has an invalid value.
+    #[error("{}: trial {id}: '{text}' is not a valid {what}", path.display())]
     Row {
         /// The file.
         path: PathBuf,
-        /// Which trial.
+        /// Number of the trial.
         id: u64,
-        /// What the text should have been.
+        /// Kind of value that was expected.
         what: &'static str,
-        /// What stands there.
+        /// The invalid text.
         text: String,
     },
-    /// There is no such trial.
-    #[error("{}: there is no trial {id} (the trials are 1 to {last})", path.display())]
+    /// The results hold no trial with this number.
+    #[error("{}: unknown trial {id} (known: 1 to {last})", path.display())]
     NoTrial {
         /// The file.
         path: PathBuf,
-        /// The one asked for.
+        /// The requested number.
         id: u64,
-        /// The last there is.
+        /// The last number in the file.
         last: u64,
     },
-    /// The database refuses.
+    /// The database reports an error.
     #[error("{}: {reason}", path.display())]
     Database {
         /// The file.
         path: PathBuf,
-        /// What it says.
+        /// The error of the database.
         reason: rusqlite::Error,
     },
-    /// A scenario.
+    /// Error of a scenario.
     #[error(transparent)]
     Scenario(#[from] cranny_scenario::ScenarioError),
-    /// A planner.
+    /// Error of a planner.
     #[error(transparent)]
     Plan(#[from] cranny_plan::PlanError),
-    /// A task.
+    /// Error of a task.
     #[error(transparent)]
     Task(#[from] cranny_task::TaskError),
-    /// A path.
+    /// Error of a path.
     #[error(transparent)]
     Path(#[from] cranny_path::PathError),
-    /// A plan file, or what is asked of a scenario.
+    /// Error of a plan file, or of the demands on a scenario.
     #[error(transparent)]
     Record(#[from] cranny_record::RecordError),
-    /// A question to a built-in planner.
+    /// Error of a request to a built-in planner.
     #[error(transparent)]
     Solve(#[from] cranny_solve::SolveError),
-    /// Nothing has an id of this pattern.
+    /// No built-in scenario and no file matches the pattern.
     #[error(
         "no built-in scenario matches '{pattern}' ('x' stands for any digit: 01x, 0x5; 'all' for all of them), and \
          there is no folder or archive of that name{}",
@@ -106,167 +112,176 @@ pub enum BenchError {
         /// The pattern.
         pattern: String,
     },
-    /// A planner's program is not there.
-    #[error("there is no program '{program}' (give a path such as ./planner, or a name that is in PATH)")]
+    /// The program of a planner does not exist.
+    #[error("program '{program}' not found (give a path such as ./planner, or a name that is in PATH)")]
     Program {
-        /// What was asked for.
+        /// The requested program.
         program: String,
     },
-    /// A program cannot be run.
+    /// A program cannot be started.
     #[error("cannot run '{program}': {reason}")]
     NotRunnable {
         /// The program.
         program: String,
-        /// What the operating system says.
+        /// Error of the operating system.
         reason: String,
     },
-    /// Walls around the programs of others are required, and this machine has not all of them.
-    #[error("this machine has no {missing}; --sandbox auto runs programs within the walls that there are")]
+    /// Full isolation of external programs is required, but this machine supports only some of it.
+    #[error(
+        "this machine has no {missing}; with --sandbox auto, programs run with the protection that is \
+         available"
+    )]
     NoSandbox {
-        /// What is missing.
+        /// The missing isolation mechanism.
         missing: &'static str,
     },
-    /// A part of a campaign finds another campaign than the one that was handed out.
-    #[error("this is not the campaign that was handed out: {what} is another")]
+    /// A shard of a campaign finds a campaign that differs from the manifest.
+    #[error("the campaign differs from the submitted one in {what}")]
     OtherCampaign {
-        /// What is another.
+        /// The property that differs.
         what: String,
     },
-    /// Results hold trials that another part of the campaign runs.
+    /// The results hold trials of another shard of the campaign.
     #[error(
-        "{}: {trials} trials of the campaign are not of its part {part}: the file is of another part, of another number of runs \
-         or parts, or of another version of Cranny; give this part a file of its own (`cranny bench merge` joins them)",
+        "{}: {trials} trials of the campaign are not in its shard {part}: the file is from another shard, \
+         from another number of runs or shards, or from another version of Cranny; give each shard its own \
+         file (`cranny bench merge` joins them)",
         results.display()
     )]
     OtherPart {
-        /// The results.
+        /// The results file.
         results: PathBuf,
-        /// The part that is to be run.
+        /// The shard to run.
         part: String,
-        /// Number of trials of other parts.
+        /// Number of trials of other shards.
         trials: usize,
     },
-    /// Two files of results have the same trial, and it went differently.
+    /// Two results files hold the same trial with different results.
     #[error(
-        "{path}: {count} trials that are in {into} too went differently there, the first of them {first}; --keep-first takes those of the file that comes first"
+        "{path}: {count} trials have another result in {into}, the first of them {first}; --keep-first keeps \
+         the result of the file that is given first"
     )]
     Overlap {
-        /// The file that was to be taken up.
+        /// The file to merge.
         path: PathBuf,
-        /// The file that takes up.
+        /// The file merged into.
         into: PathBuf,
-        /// How many trials.
+        /// Number of such trials.
         count: u64,
-        /// Scenario, planner and seed of one.
+        /// Scenario, planner and seed of one such trial.
         first: String,
     },
-    /// A scenario has fewer goal configurations than a trial aims at.
+    /// A trial aims at a goal configuration that the scenario does not have.
     #[error("scenario {scenario} has {known} goal configurations, so there is no goal {goal}")]
     Goal {
         /// The scenario.
         scenario: String,
-        /// Which goal, from 0.
+        /// Index of the goal, from 0.
         goal: usize,
-        /// How many there are.
+        /// Number of goal configurations of the scenario.
         known: usize,
     },
-    /// A campaign without a set of grasps asks for what only a set can give.
-    #[error("with `grasps: none` there is no {what}, which takes a set of grasps")]
+    /// A campaign without a grasp set requires something that only a grasp set provides.
+    #[error("{what} needs a set of grasps, but the campaign has `grasps: none`")]
     NeedsGraspSet {
-        /// What is asked.
+        /// The requirement.
         what: &'static str,
     },
-    /// A campaign would ask nothing.
+    /// The campaign is empty.
     #[error("the campaign has no {what}")]
     Empty {
-        /// What is missing.
+        /// The missing element.
         what: &'static str,
     },
-    /// Two planners of a campaign cannot be told apart.
+    /// Two planners of a campaign have the same name.
     #[error("two planners of the campaign are called '{name}'; give one of them another `name`")]
     PlannerName {
         /// The name.
         name: String,
     },
-    /// A number of a campaign is none.
+    /// A number of a campaign is out of range.
     #[error("{what} is {value}, but must be {range}")]
     Range {
-        /// Which number.
+        /// Description of the number.
         what: &'static str,
         /// Its value.
         value: f64,
-        /// What would fit.
+        /// The valid range.
         range: &'static str,
     },
-    /// A file of results cannot be made.
+    /// A results file cannot be written.
     #[error("{}: cannot be written: {reason}", path.display())]
     Unwritable {
         /// The file.
         path: PathBuf,
-        /// What the operating system says.
+        /// Error of the operating system.
         reason: std::io::Error,
     },
-    /// A campaign is larger than anybody could wait for.
-    #[error("the campaign has {trials} trials, but at most {most}; ask fewer seeds, or several campaigns")]
+    /// The campaign has more trials than allowed.
+    #[error(
+        "the campaign has {trials} trials, but at most {most} are allowed; reduce the runs, or split the \
+         campaign"
+    )]
     TooManyTrials {
-        /// How many it has.
+        /// Number of trials.
         trials: u64,
-        /// How many it may have.
+        /// Maximum number of trials.
         most: u64,
     },
-    /// A campaign's file cannot be read.
+    /// A campaign file cannot be read.
     #[error("{}: cannot be read: {reason}", path.display())]
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// What the operating system says.
+        /// Error of the operating system.
         reason: std::io::Error,
     },
-    /// A campaign's file is malformed, or says what it should not.
+    /// A campaign file is malformed or has an invalid value.
     #[error("{}:{line}: {problem}", path.display())]
     CampaignFile {
         /// The file.
         path: PathBuf,
         /// The line, from 1.
         line: u64,
-        /// What is wrong.
+        /// Description of the problem.
         problem: String,
     },
-    /// A planner does not take a scenario at all.
+    /// A planner refuses a scenario.
     #[error("scenario {scenario}, planner {planner}: {reason}")]
     Refused {
         /// The scenario.
         scenario: String,
         /// The planner.
         planner: String,
-        /// What the worker says.
+        /// Reason given by the worker.
         reason: String,
     },
-    /// The scenario of a trial is not what it was.
+    /// The scenario of a trial has changed.
     #[error(
-        "scenario {scenario} is not the one of the trial: its content has changed, or it is not where it was \
-         ({source_name}); give the right one with --scenario"
+        "scenario {scenario} differs from that of the trial: its content has changed, or it was moved \
+         ({source_name}); give the original with --scenario"
     )]
     OtherScenario {
         /// The scenario.
         scenario: String,
-        /// What it was opened by.
+        /// Source of the scenario: a built-in id or a path.
         source_name: String,
     },
-    /// The files of a scenario changed while a campaign ran.
+    /// The files of a scenario changed during a campaign.
     #[error(
-        "scenario {scenario} ({source_name}) has changed since the campaign began; what is stored stays. Begin the campaign \
-         again: trials on the new content are counted apart"
+        "scenario {scenario} ({source_name}) has changed since the campaign began; stored trials are kept. \
+         Start the campaign again: trials on the new content are counted separately"
     )]
     ChangedScenario {
         /// The scenario.
         scenario: String,
-        /// What it was opened by.
+        /// Source of the scenario: a built-in id or a path.
         source_name: String,
     },
-    /// A program is not the one that a trial was planned with.
+    /// The program differs from the one that the trial was planned with.
     #[error(
-        "the program of planner '{planner}' is not the one of the trial: a file of `{command}` has changed, or is gone"
+        "the program of planner '{planner}' differs from that of the trial: a file of `{command}` has \
+         changed, or is missing"
     )]
     OtherProgram {
         /// The planner.
@@ -274,17 +289,18 @@ pub enum BenchError {
         /// The command.
         command: String,
     },
-    /// A trial runs a command that somebody may have written into the results.
+    /// Replaying the trial would run a command from the results, which may come from an untrusted source.
     #[error(
-        "trial {id} runs a program, as these results name it: `{command}`; if you trust them, --allow-exec runs it"
+        "trial {id} runs a program that these results name: `{command}`; if you trust it, allow it with \
+         --allow-exec"
     )]
     ForeignCommand {
-        /// The trial.
+        /// Number of the trial.
         id: u64,
         /// The command.
         command: String,
     },
-    /// Another campaign writes the results.
+    /// Another campaign is writing to these results.
     #[error(
         "{}: another campaign is writing these results; wait for its end, or write to another file and join both by \
          `cranny bench merge`",
@@ -294,40 +310,40 @@ pub enum BenchError {
         /// The file.
         path: PathBuf,
     },
-    /// How a planner was called is not known.
-    #[error("how planner '{planner}' of the trial was called is not in the results")]
+    /// The results do not hold the call of the planner.
+    #[error("the results do not record the command or settings of planner '{planner}' of the trial")]
     UnknownCall {
         /// The planner.
         planner: String,
     },
-    /// Campaign and worker do not understand each other.
-    #[error("a message between campaign and worker: {problem}")]
+    /// Campaign and worker exchanged an invalid message.
+    #[error("invalid message between campaign and worker: {problem}")]
     Message {
-        /// What is wrong.
+        /// Description of the problem.
         problem: String,
     },
-    /// A trial with a figure that no trial can have.
-    #[error("trial {trial}: its {figure} is {value}, which no trial can have")]
+    /// A trial has a figure that is out of range.
+    #[error("trial {trial}: its {figure} is {value}, which is not a valid value")]
     Figure {
         /// Number of the trial.
         trial: u64,
-        /// Which figure.
+        /// Name of the figure.
         figure: &'static str,
-        /// What stands there.
+        /// The value of the figure.
         value: f64,
     },
-    /// There is nothing to report.
-    #[error("{results}: the results hold no trial; `cranny bench run -o {results}` adds some")]
+    /// The results hold no trial to report.
+    #[error("{results}: the results contain no trial; add trials with `cranny bench run -o {results}`")]
     NoTrials {
         /// Name of the results.
         results: String,
     },
-    /// A plot could not be made into pixels.
+    /// A plot could not be rendered to pixels.
     #[error("cannot draw '{plot}': {problem}")]
     Picture {
         /// Name of the plot.
         plot: String,
-        /// What the library says.
+        /// Message of the drawing library.
         problem: String,
     },
 }

@@ -1,4 +1,4 @@
-//! Programs of others: their files, processes, walls and answers.
+//! External planners: files, processes, isolation and answers.
 
 pub(crate) mod foreign_answer;
 pub(crate) mod foreign_planner;

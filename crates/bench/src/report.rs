@@ -1,4 +1,4 @@
-//! Reports of trials: a [`Summary`] holds every figure; pages, tables and plots show it and compute nothing.
+//! Reports of trials: a [`Summary`] holds every figure; pages, tables and plots only display them.
 
 mod comparison;
 mod configuration;

@@ -1,4 +1,4 @@
-//! Trials that run: workers, their messages, the judge, replays.
+//! Execution of trials: workers, messages, judge, replays.
 
 pub(crate) mod campaign_run;
 pub(crate) mod judge;

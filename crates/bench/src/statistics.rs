@@ -1,7 +1,7 @@
-//! The statistics of runs that may be cut short: rates, times, their uncertainty, and who is faster.
+//! Statistics of censored runs: rates, times, their uncertainty, and comparisons of planners.
 //!
-//! A trial that was stopped at its limit has no time, but it is no lost trial either: it is *censored*, known
-//! to take longer than it was given. All intervals are of 95 %.
+//! A trial that was stopped at its limit has no time, but it is no lost trial either: it is *censored*, known to take
+//! longer than its limit. All intervals are of 95 %.
 
 mod division;
 mod holm;
@@ -33,7 +33,7 @@ pub use wilson::wilson;
 /// Level of all tests, and probability that an interval misses.
 pub const LEVEL: f64 = 0.05;
 
-/// From where to where a figure lies, with 95 % confidence.
+/// Interval that contains a figure with 95 % confidence.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {
     /// Its lower end.

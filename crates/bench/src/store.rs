@@ -1,4 +1,4 @@
-//! Results: rows, files, parts of a campaign, exports.
+//! Results: rows, files, shards of a campaign, exports.
 
 pub(crate) mod exports;
 pub(crate) mod manifest;

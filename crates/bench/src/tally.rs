@@ -1,17 +1,17 @@
 use serde::{Deserialize, Serialize};
 
-/// Trials of one planner.
+/// Numbers of trials of one planner.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Tally {
-    /// How many ended.
+    /// Number of trials that ended.
     pub ended: usize,
-    /// How many of them were solved.
+    /// Number of solved trials.
     pub solved: usize,
 }
 
 impl Tally {
-    /// Both together.
+    /// Returns the sum of both tallies.
     #[must_use]
     pub fn plus(self, other: Self) -> Self {
         Self { ended: self.ended + other.ended, solved: self.solved + other.solved }

@@ -1,4 +1,4 @@
-//! Campaign files: what they say, and every mistake with its line.
+//! Campaign files: their content, and every mistake with its line.
 
 use std::fs;
 use std::path::Path;
@@ -74,13 +74,13 @@ fn the_score_that_counts_is_a_setting_of_a_built_in_planner() {
     for key in ["score: physics", "min_score: 0.5"] {
         let fault = campaign(&format!("exec: [sh, planner.sh], {key}")).expect_err("a fault").to_string();
         assert!(
-            fault.contains("campaign.yaml:2: `score` and `min_score` are for a built-in `planner`"),
+            fault.contains("campaign.yaml:2: `score` and `min_score` apply to a built-in `planner`"),
             "{fault}"
         );
     }
     let fault = campaign("planner: reach, min_score: 1.5").expect_err("a fault").to_string();
     assert!(fault.contains("`min_score` is 1.5, but a score is from 0 to 1"), "{fault}");
-    // Said before the first trial: nobody has tried the grasps of a built-in scenario.
+    // The error precedes the first trial: the grasps of a built-in scenario have no robust scores.
     let schedule =
         campaign("planner: reach, score: physics").expect("a campaign").schedule(&Registry::default());
     let fault = schedule.expect_err("a fault").to_string();
@@ -108,7 +108,7 @@ fn a_schedule_has_every_trial_once_seed_by_seed() {
     let schedule =
         read(folder.path(), text).expect("a campaign").schedule(&Registry::default()).expect("a schedule");
     let [note] = &schedule.notes[..] else { panic!("{:?}", schedule.notes) };
-    assert!(note.contains("'046' is of no scenario here"), "{note}");
+    assert!(note.contains("'046' matches no scenario of the campaign"), "{note}");
     let goals: Vec<usize> = schedule.scenarios.iter().map(|s| s.goals.expect("counted")).collect();
     assert!(goals.iter().all(|goals| *goals > 0), "{goals:?}");
     let all: usize = goals.iter().sum();
@@ -196,7 +196,7 @@ fn a_campaign_that_asks_nothing_or_nonsense_is_refused() {
     assert!(
         fault(&format!("scenarios: ['021']\n{planners}first_seed: 9223372036854775807\n")).contains("seed")
     );
-    // These wrapped round to a limit of nothing, or filled the memory before the first trial.
+    // These values caused an overflow to a limit of zero, or filled the memory before the first trial.
     let limits = [
         ("memory_limit_mb: 0", "at least 1 and at most 16777216 MB"),
         ("memory_limit_mb: 17592186044416", "at least 1 and at most 16777216 MB"),

@@ -1,4 +1,4 @@
-//! Reports of few runs: they call no difference significant that chance makes, and mark where runs are too few.
+//! Reports of few runs: random differences are not called significant, and too few runs are marked.
 
 use cranny_bench::TrialOutcome;
 use cranny_bench::report::{Enclosure, Finding, Summary};
@@ -8,22 +8,22 @@ use crate::synthetic::{Campaign, Draw, Manner, add, empty};
 
 const LIMIT_S: f64 = 10.0;
 
-/// Distributions of the run times of planners, all with a limit of ten seconds.
+/// Distributions of the run times of planners, all with a time limit of ten seconds.
 #[derive(Clone, Copy, Debug)]
 enum Times {
     /// Exponential, far below the limit.
     Exponential,
-    /// Log-normal over decades, as of sampling planners; some run into the limit.
+    /// Log-normal over decades, as for sampling-based planners; some reach the limit.
     HeavyTail,
-    /// Two thirds at once, the others late or never.
+    /// Two thirds immediately, the others late or never.
     TwoModes,
-    /// Seconds of a coarse clock: many are equal.
+    /// Rounded to seconds as by a coarse clock, with many ties.
     Ties,
-    /// All the same.
+    /// All equal.
     Constant,
     /// Nine of ten unsolved.
     Rare,
-    /// A third is stopped early by its user.
+    /// A third stopped early by the user.
     CutShort,
 }
 
@@ -38,7 +38,7 @@ const ALL_TIMES: [Times; 7] = [
 ];
 
 impl Times {
-    /// Time of a run, and whether it was stopped then.
+    /// Returns the time of a run, and true if it was stopped then.
     fn draw(self, draw: &mut Draw) -> (f64, bool) {
         let exponential = |draw: &mut Draw| -(1.0 - draw.next()).ln();
         match self {
@@ -89,7 +89,7 @@ fn add_runs(
     }
 }
 
-/// Returns whether any of a report's comparisons calls a difference significant, in whatever form.
+/// Returns true if any comparison of a report calls a difference significant, in any form.
 fn calls_a_difference(summary: &Summary) -> bool {
     summary.comparisons.iter().any(|own| {
         let is_small = |p: Option<f64>| p.is_some_and(|p| p < 0.05);
@@ -103,7 +103,7 @@ fn calls_a_difference(summary: &Summary) -> bool {
 }
 
 /// Two to four copies of one planner on one to three scenarios, 2 to 30 runs each: at most one report in twenty may call a
-/// difference significant, however many comparisons it makes.
+/// difference significant, independently of its number of comparisons.
 #[test]
 fn copies_of_one_planner_are_rarely_found_to_differ() {
     let is_long = std::env::var_os("CRANNY_LONG").is_some();
@@ -117,12 +117,12 @@ fn copies_of_one_planner_are_rarely_found_to_differ() {
         let (mut campaign, _) = empty();
         let mut times_draw = Draw::of_seed(u64::from(report) << 32);
         let times = ALL_TIMES[report as usize % ALL_TIMES.len()];
-        // As many comparisons with many runs take the longest to make.
+        // Many comparisons with many runs take the longest, so they are not more frequent than others.
         let (scenarios, planners) = (draw_count(1, 3), draw_count(2, 4));
         for scenario in 0..scenarios {
             let runs = draw_count(2, 30);
             for planner in 0..planners {
-                // Numbers of runs may differ, too.
+                // The numbers of runs may differ too.
                 let runs = if report % 3 == 0 { draw_count(2, 30) } else { runs };
                 let (scenario, planner) = (format!("02{}", scenario + 1), format!("copy-{planner}"));
                 add_runs(&mut campaign, &mut times_draw, &scenario, &planner, runs, times);
@@ -130,14 +130,14 @@ fn copies_of_one_planner_are_rarely_found_to_differ() {
         }
         called += u32::from(calls_a_difference(&campaign.summary()));
     }
-    // One in twenty, and three standard deviations of so few reports beyond; of many no more than is asked for.
+    // The bound is one in twenty plus three standard deviations for few reports, and close to one in twenty for many.
     let most = if is_long { 0.055 } else { 0.05 + 3.0 * (0.05 * 0.95 / f64::from(reports)).sqrt() };
     let share = f64::from(called) / f64::from(reports);
     eprintln!("{called} of {reports} reports call a difference significant");
     assert!(share <= most, "{called} of {reports} reports call a difference significant");
 }
 
-/// A test that never finds anything would pass the one above.
+/// A test that never finds a difference would pass the one above.
 #[test]
 fn planners_that_differ_are_found_to_differ() {
     let mut found = 0;
@@ -188,7 +188,7 @@ fn three_runs_against_three_are_too_few_however_far_apart() {
     }
 }
 
-/// Scenarios of few runs neither find anything nor make it harder for those of many.
+/// Scenarios with few runs neither find a difference nor reduce the power for those with many.
 #[test]
 fn comparisons_of_too_few_runs_are_not_counted_in_the_family() {
     let (mut campaign, _) = empty();

@@ -1,4 +1,4 @@
-//! A file of results that somebody else made may be anything: it is refused with words, and nothing in it is run.
+//! A results file from an untrusted source is refused with a clear message, and nothing in it is executed.
 
 use std::path::{Path, PathBuf};
 
@@ -10,7 +10,7 @@ fn folder() -> tempfile::TempDir {
     tempfile::tempdir().expect("a temporary folder")
 }
 
-/// Results with three trials, their log written back.
+/// Creates results with three trials and their log written back.
 fn results(folder: &Path) -> PathBuf {
     let path = folder.join("results.db");
     let mut results = Results::create(&path).expect("results");
@@ -26,7 +26,7 @@ fn change(path: &Path, sql: &str) {
     connection.execute_batch(sql).expect("changed");
 }
 
-/// Its rows never end: whoever counted them waited for ever.
+/// The rows of this view never end: counting them would take forever.
 #[test]
 fn a_view_in_the_place_of_a_table_is_refused_before_anything_is_asked_of_it() {
     let folder = folder();
@@ -38,7 +38,7 @@ fn a_view_in_the_place_of_a_table_is_refused_before_anything_is_asked_of_it() {
         let before = std::fs::read(&path).expect("the file");
         for opened in [Results::open(&path), Results::create(&path)] {
             let message = opened.expect_err("a fault").to_string();
-            assert!(message.contains("is not as Cranny makes it"), "{name}: {message}");
+            assert!(message.contains("differs from Cranny's database schema"), "{name}: {message}");
         }
         let into = folder.path().join("into.db");
         let merged = Results::merged(&into, std::slice::from_ref(&path), false);
@@ -78,7 +78,7 @@ fn what_else_a_file_brings_along_is_neither_run_nor_in_the_way() {
     assert_eq!(results.count().expect("a count"), 4, "the trigger ran");
 }
 
-/// Reports, exports and replays read; a fault of theirs must not reach the file.
+/// Reports, exports and replays only read; an error in them must not affect the file.
 #[test]
 fn results_that_are_read_cannot_be_written() {
     let folder = folder();
@@ -107,7 +107,7 @@ fn values_of_another_type_are_an_error_and_not_a_guess() {
         let fault = results.trials().expect_err(change_of).to_string();
         assert!(fault.contains("results.db"), "{change_of}: {fault}");
     }
-    // A path of bytes that are none has no way points, or other ones, and takes no more room than it has bytes.
+    // Invalid bytes give no way points, or other ones, and take no more memory than their length.
     for bytes in ["x'ffffffff0000000000000000'", "x'00000000'", "x'01'", "'text'", "zeroblob(1000003)"] {
         let folder = folder();
         let path = results(folder.path());
@@ -122,7 +122,7 @@ fn damaged_pages_are_an_error_and_never_the_end_of_the_program() {
     let whole = std::fs::read(results(folder.path())).expect("the file");
     let path = folder.path().join("damaged.db");
     let mut refused = 0;
-    // A step that comes to every part of a page.
+    // This step reaches every region of a page.
     for place in (0..whole.len()).step_by(997) {
         let mut bytes = whole.clone();
         bytes[place] ^= 0xa5;

@@ -1,4 +1,4 @@
-//! Logs for OMPL's tools: what they say, and that the statistics script of the `ompl` package reads them.
+//! Logs for OMPL's tools: their content, and their conversion by the statistics script of the `ompl` package.
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -9,12 +9,12 @@ use rusqlite::Connection;
 
 use crate::synthetic::{Campaign, campaign, empty};
 
-/// The Python of `xtask/python-requirements.txt`, which `cargo xtask test` sets up.
+/// Returns the Python with `xtask/python-requirements.txt`, which `cargo xtask test` installs.
 fn python() -> Option<PathBuf> {
     let python = std::env::var_os("CRANNY_PYTHON").map(PathBuf::from);
     if python.is_none() {
         assert!(std::env::var_os("CRANNY_REQUIRE_ALL").is_none(), "CRANNY_PYTHON is not set");
-        // Past the capture of the test runner, which would hide that nothing was tested.
+        // Writing to standard error directly bypasses the capture of the test runner, which would hide the skipped test.
         let _ = writeln!(
             std::io::stderr(),
             "SKIPPED: CRANNY_PYTHON is not set, so no log is read by OMPL's script"
@@ -23,7 +23,7 @@ fn python() -> Option<PathBuf> {
     python
 }
 
-/// The database that OMPL's script makes of logs.
+/// Converts logs to a database with OMPL's script.
 fn database(python: &Path, folder: &Path, logs: &[OmplLog]) -> Connection {
     let names: Vec<String> = logs.iter().map(|log| format!("{}.log", log.name)).collect();
     for (log, name) in logs.iter().zip(&names) {
@@ -59,7 +59,7 @@ fn the_statistics_script_reads_one_experiment_of_all_trials() {
     let solved = campaign.trials.iter().filter(|trial| trial.record.is_solved()).count();
     assert_eq!(count(&database, "SELECT count(*) FROM runs WHERE solved = 1"), solved);
     assert_eq!(count(&database, "SELECT count(*) FROM runs WHERE status = 6"), solved);
-    // A failed run has no length, so it is left out of plots of lengths rather than shown as zero.
+    // A failed run has no length, so that plots of lengths omit it instead of showing zero.
     assert_eq!(count(&database, "SELECT count(*) FROM runs WHERE solution_length IS NOT NULL"), solved);
     let crashed = "SELECT count(*) FROM runs JOIN enums ON runs.status = enums.value WHERE enums.name = 'status' AND \
                    enums.description = 'Crash'";

@@ -1,5 +1,4 @@
-//! Reports: what a summary says of trials whose figures can be worked out by hand, and that tables and plots say
-//! the same.
+//! Reports: summaries of trials whose figures can be computed by hand, and the agreement of tables and plots with them.
 
 #![allow(clippy::float_cmp, reason = "figures that are copied must be the same to the last bit")]
 
@@ -11,7 +10,7 @@ use strum::VariantArray as _;
 
 use crate::synthetic::{Campaign, Manner, add, campaign, empty};
 
-/// Twenty runs of one planner on 021 with a limit of 10 s, to be changed.
+/// Creates twenty runs of one planner on 021 with a time limit of 10 s, to be modified.
 fn plain() -> Campaign {
     let (mut campaign, mut draw) = empty();
     let manner = Manner {
@@ -83,7 +82,7 @@ fn a_search_that_iterations_cut_short_is_censored_where_it_stopped() {
         trial.record.statistics.iterations = if solved { 40 } else { 100 };
     }
     let row = &campaign.summary().rows[0];
-    // Of the two still searching at 3 s both were solved then.
+    // Both runs that were still searching at 3 s were solved then.
     assert_eq!(row.median_s, Some(3.0));
     assert_near(row.success_rate, 0.5);
     assert_eq!(row.median_iterations, Some(40.0));
@@ -120,7 +119,7 @@ fn the_papers_table_has_the_papers_layout() {
     let paper = markdown.split("\n\n").find(|table| table.contains("| goals |")).expect("a table with goals");
     let lines: Vec<&str> = paper.lines().collect();
     assert_eq!(lines[0], "| scenario | goals | j-plus-rrt | ik-rrt (best goal) |");
-    // None of its goals was ever solved; it has none; it has another limit.
+    // The first has no solved goal, the second has no goals, and the third has another limit.
     let line = |id: &str| *lines.iter().find(|line| line.starts_with(&format!("| {id} |"))).unwrap();
     let ends = |id: &str, start: &str, end: &str| {
         assert!(line(id).starts_with(start) && line(id).ends_with(end), "{}", line(id));
@@ -173,7 +172,7 @@ fn what_should_never_happen_stands_first_with_its_replay() {
     let summary = campaign().summary();
     let outcomes: Vec<&str> = summary.worst.iter().map(|trial| trial.outcome).collect();
     assert_eq!(outcomes[..2], ["crashed", "hung"]);
-    // Of the solved trials, whose paths can be looked at, the slowest, at most one of a planner on a scenario.
+    // The slowest solved trials are listed for inspection of their paths, at most one for each planner and scenario.
     let solved: Vec<_> = summary.worst.iter().filter(|trial| trial.outcome == "solved").collect();
     assert!(solved.len() == 20 && solved.is_sorted_by(|a, b| a.planning_time_s >= b.planning_time_s));
     for trial in &summary.worst {
@@ -192,7 +191,7 @@ fn a_large_set_is_one_curve_a_planner_and_a_small_one_a_curve_a_scenario() {
     assert!(summary.curves.iter().any(|curve| curve.scenario_name.as_deref() == Some("021")));
 }
 
-/// Two planners on four scenarios, a third on three of them; times by hand.
+/// Two planners on four scenarios, a third on three of them, with times chosen by hand.
 #[test]
 fn all_scenarios_together_are_those_that_the_planners_share() {
     let (mut campaign, mut draw) = empty();
@@ -245,7 +244,7 @@ fn all_scenarios_together_are_those_that_the_planners_share() {
     let [fast, slow, third] = &summary.overall[..] else { panic!("{:?}", summary.overall) };
     assert_eq!((fast.scenarios, fast.scenarios_in_all, fast.runs, fast.solved), (3, 4, 9, 9));
     assert_eq!((slow.solved, third.solved), (7, 6));
-    // Medians: fast 1, 4, 3; slow 3, 2, none; third 10, 2, none.
+    // The medians are: fast 1, 4, 3; slow 3, 2, none; third 10, 2, none.
     let ratios = |overall: &Overall| overall.ratios.values().copied().collect::<Vec<_>>();
     assert_eq!(ratios(fast), [Some(1.0), Some(2.0), Some(1.0)]);
     assert_eq!(ratios(slow), [Some(3.0), Some(1.0), None]);
@@ -255,7 +254,7 @@ fn all_scenarios_together_are_those_that_the_planners_share() {
     assert_near(fast.within_2, 1.0);
     assert_near(third.within_2, 1.0 / 3.0);
     assert_near(third.within_10, 2.0 / 3.0);
-    // The pooled times of `fast`, sorted: 1 1 2 2 3 3 3 4 9.
+    // The pooled times of `fast` are, sorted: 1 1 2 2 3 3 3 4 9.
     assert_eq!((fast.median_s, fast.followed_to_s), (Some(3.0), 10.0));
     let pooled = |planner: &str| {
         let of = |curve: &&SuccessCurve| curve.environment.is_none() && curve.planner_name == planner;
@@ -311,7 +310,7 @@ fn runs_that_only_their_times_tell_apart_are_one_machine() {
         (&*machines[0].first_began, &*machines[0].last_began),
         ("2026-11-20T08:00:00Z", "2026-11-21T18:00:00Z")
     );
-    // One row at a time has trials of runs that two workers ran, too: its shares are told.
+    // Some rows also contain trials of a run with two workers: the report splits these rows.
     let summary = campaign.summary();
     assert!(!summary.split_rows.is_empty());
     for shares in summary.split_rows.chunks(2) {
@@ -422,7 +421,7 @@ proptest! {
     ) {
         let mut campaign = plain();
         for (trial, (outcome, time_s)) in campaign.trials.iter_mut().zip(ends) {
-            // A search that was cancelled, or killed with its worker, is cut short too.
+            // A search that was cancelled, or killed with its worker, is censored too.
             let outcome = TrialOutcome::VARIANTS[outcome];
             let is_cut_short = matches!(outcome, TrialOutcome::Cancelled | TrialOutcome::Killed);
             end(trial, if is_cut_short { TrialOutcome::GaveUp } else { outcome }, time_s);

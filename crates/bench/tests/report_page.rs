@@ -1,4 +1,4 @@
-//! The page of a report: it says what the summary says, needs nothing from elsewhere, and folds what is long.
+//! The page of a report: it agrees with the summary, is self-contained, and folds long sections.
 
 #![allow(clippy::float_cmp, reason = "figures that are copied must be the same to the last bit")]
 
@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use crate::synthetic::campaign;
 
-/// The figures of a page: path in the document, exact value, what a person reads, and its scale.
+/// Returns the figures of a page: path in the document, exact value, visible text, and scale.
 fn figures(page: &str) -> Vec<(String, f64, String, f64)> {
     let attribute = |tag: &str, name: &str| {
         let start = tag.find(&format!("{name}=\""))? + name.len() + 2;
@@ -23,7 +23,7 @@ fn figures(page: &str) -> Vec<(String, f64, String, f64)> {
     page.split("<data ").skip(1).map(figure).collect()
 }
 
-/// The JSON document within a page.
+/// Returns the JSON document within a page.
 fn document(page: &str) -> Value {
     let start = page.find("id=\"summary\">").expect("the page holds the document") + "id=\"summary\">".len();
     serde_json::from_str(&page[start..start + page[start..].find("</script>").unwrap()]).expect("JSON")
@@ -49,7 +49,7 @@ fn the_pages_figures_are_those_of_the_json() {
         let half = 0.5 * 10.0_f64.powi(-i32::try_from(decimals).unwrap()) * (1.0 + 1e-9);
         assert!((shown - expected * scale).abs() <= half, "{path} shows '{text}' for {expected}");
     }
-    // Every row shows every figure that the format promises.
+    // Every row shows every figure promised by the format.
     for index in 0..summary.rows.len() {
         for key in
             ["runs", "solved", "success_rate", "success_low", "success_high", "median_s", "median_iterations"]
@@ -92,14 +92,14 @@ fn what_is_long_is_folded_and_every_place_that_is_named_is_there() {
         assert_eq!(page.matches(&format!("id=\"{place}\"")).count(), 1, "{place}");
     }
     assert_eq!(page.matches("<details").count(), page.matches("</details>").count());
-    // Eight scenarios under both criteria, and no fold for each of the twelve of the sweep.
+    // The page has folds for eight scenarios under both criteria, and none for the twelve of the sweep.
     for place in ["exact-021", "paper-045", "exact-gap-sweep-all", "exact-comparisons", "paper-goals"] {
         assert!(page.contains(&format!("<details id=\"{place}\">")), "{place}");
     }
     assert!(!page.contains("<details id=\"exact-gap-0.3100\">"));
 }
 
-/// A phone is 360 pixels wide: only tables may be wider, within a frame that scrolls.
+/// A phone is 360 pixels wide: only tables may be wider, within a scrolling frame.
 #[test]
 fn long_names_widen_no_page_and_leave_no_plot() {
     let mut campaign = campaign();

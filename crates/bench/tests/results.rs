@@ -1,4 +1,4 @@
-//! Results: what is written is read back bit by bit, nothing is there twice, and no fault is silent.
+//! Results: exact round trips, no duplicates, and no silent errors.
 
 use std::path::Path;
 
@@ -14,7 +14,7 @@ fn folder() -> tempfile::TempDir {
     tempfile::tempdir().expect("a temporary folder")
 }
 
-/// Results with one run and a trial for each seed.
+/// Creates results with one run and a trial for each seed.
 fn results(path: &Path, machine: &str, seeds: impl Iterator<Item = u64>) -> Results {
     let mut results = Results::create(path).expect("results");
     let run = results.begin_run(&information(machine)).expect("a run");
@@ -87,17 +87,17 @@ fn what_is_found_of_grasps_replaces_what_was_found_under_the_same_settings() {
     let third = 1.0 / 3.0;
     assert_eq!(rows, [("a".into(), 3, third, None, None), ("b".into(), 1, third, Some(3), Some(4))]);
     assert_eq!(Results::open(&path).expect("results").records().expect("records"), before);
-    // All or nothing: a grasp twice is a mistake.
+    // The operation is all or nothing: a duplicate grasp is an error.
     let twice = results.keep_simulated_grasps("b", &[found(5, None), found(5, None)]);
     assert!(matches!(twice, Err(BenchError::Database { .. })), "{twice:?}");
     let count = |sql: &str| other.query_row(sql, [], |row| row.get::<_, usize>(0)).expect("a count");
     assert_eq!(count("SELECT count(*) FROM simulated_grasps WHERE settings = 'b' AND grasp = 1"), 1);
-    // A table of somebody else's of that name is let be.
+    // A foreign table of that name is not touched.
     other
         .execute_batch("DROP TABLE simulated_grasps; CREATE TABLE simulated_grasps (mine)")
         .expect("changed");
     let refused = results.keep_simulated_grasps("a", &[found(1, None)]).expect_err("a fault").to_string();
-    assert!(refused.contains("'simulated_grasps' is not as Cranny makes it"), "{refused}");
+    assert!(refused.contains("'simulated_grasps' differs from Cranny's database schema"), "{refused}");
 }
 
 #[test]
@@ -213,7 +213,7 @@ fn older_results_are_read_as_they_are_merged_and_gone_on_with() {
     let folder = folder();
     let path = |name: &str| folder.path().join(name);
     drop(results(&path("older.db"), "a", 0..2));
-    // As a version wrote them that noted neither memory nor walls.
+    // An older version recorded neither memory nor isolation.
     let connection = rusqlite::Connection::open(path("older.db")).expect("opened");
     let sql = "ALTER TABLE runs DROP COLUMN memory_limit_bytes; ALTER TABLE runs DROP COLUMN sandbox;
                ALTER TABLE trials DROP COLUMN memory_bytes; PRAGMA user_version = 1";

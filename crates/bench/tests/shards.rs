@@ -1,4 +1,4 @@
-//! Parts of a campaign: together they are the whole, and each notices when it is given another campaign.
+//! Shards of a campaign: together they are the whole, and each detects a campaign that differs from the manifest.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -28,7 +28,7 @@ fn keys(schedule: &Schedule) -> Vec<String> {
     schedule.questions.iter().map(|question| question.trial.key()).collect()
 }
 
-/// The difference between the most and the fewest trials of a kind in one part, over all parts and kinds.
+/// Returns the maximum difference between the numbers of trials of a kind in two shards, over all kinds.
 fn spread<K: Ord>(parts: &[Schedule], kind: impl Fn(&Trial) -> K) -> usize {
     let mut counts: BTreeMap<K, Vec<usize>> = BTreeMap::new();
     for (index, part) in parts.iter().enumerate() {
@@ -40,7 +40,7 @@ fn spread<K: Ord>(parts: &[Schedule], kind: impl Fn(&Trial) -> K) -> usize {
     counts.values().map(spread).max().unwrap_or(0)
 }
 
-/// A schedule of `planners` with other numbers of runs each, without opening a scenario.
+/// Creates a schedule of planners with different numbers of runs, without opening a scenario.
 fn drawn_up(scenarios: usize, planner_runs: &[u64]) -> Schedule {
     let template = &schedule(&campaign(&["021"], 1)).questions[0];
     let mut questions = Vec::new();
@@ -106,7 +106,7 @@ fn a_part_has_every_scenario_and_every_planner() {
     }
 }
 
-/// Results of one part would get trials of another, which that runs too.
+/// Results of one shard would get trials of another, which would run twice.
 #[test]
 fn results_of_another_part_are_refused() {
     let folder = tempfile::tempdir().expect("a folder");

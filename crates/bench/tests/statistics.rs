@@ -1,4 +1,4 @@
-//! The statistics against published examples, against other programs, and against their laws.
+//! Statistics against published examples, against other programs, and against their mathematical properties.
 
 #![allow(clippy::float_cmp, reason = "figures that are copied or counted must be the same to the last bit")]
 
@@ -9,7 +9,7 @@ use cranny_bench::statistics::{
 use proptest::prelude::*;
 use serde_json::Value;
 
-/// Made by `fixtures/survival.py`; the file says with which versions.
+/// Returns the reference values made by `fixtures/survival.py`; the file contains the versions used.
 fn fixture() -> Value {
     serde_json::from_str(include_str!("fixtures/survival.json")).expect("the fixture is JSON")
 }
@@ -44,8 +44,8 @@ fn weeks(weeks: &[i32]) -> Vec<Followed> {
 
 #[test]
 fn the_leukaemia_trial_has_its_published_curve() {
-    // Survival and Greenwood's standard error: Kleinbaum & Klein 2012, "Survival Analysis", chapter 2; Klein
-    // & Moeschberger 2003, table 4.1A.
+    // Survival and Greenwood's standard error are from Kleinbaum & Klein 2012, "Survival Analysis", chapter 2; Klein &
+    // Moeschberger 2003, table 4.1A.
     let published = [
         (6.0, 0.857, 0.0764),
         (7.0, 0.807, 0.0869),
@@ -68,7 +68,7 @@ fn the_leukaemia_trial_has_its_published_curve() {
 
 #[test]
 fn the_leukaemia_trial_has_its_published_restricted_means_and_log_rank_test() {
-    // Klein & Moeschberger 2003, example 4.2 (means to 35 weeks), and chi-square 16.79 of the many textbooks.
+    // The means to 35 weeks are from Klein & Moeschberger 2003, example 4.2; chi-square 16.79 is in many textbooks.
     let treated = KaplanMeier::of(&weeks(&MERCAPTOPURINE)).restricted_mean(35.0).unwrap();
     assert_near(treated.mean, 23.29, 5e-3);
     assert_near(treated.standard_error.unwrap(), 2.83, 5e-3);
@@ -94,7 +94,7 @@ fn curves_medians_and_tests_are_those_of_lifelines() {
                 assert_eq!(step.at_risk as u64, expected[1].as_u64().unwrap());
                 assert_eq!(step.solved as u64, expected[2].as_u64().unwrap());
                 assert_near(step.survival, number(&expected[3]), 1e-12);
-                // lifelines gives the band no width where all are solved; this one keeps its upper end.
+                // lifelines gives the band no width once all are solved; this implementation keeps the upper end.
                 if step.survival > 0.0 {
                     assert_near(step.band.low, number(&expected[4]), 1e-9);
                     assert_near(step.band.high, number(&expected[5]), 1e-9);
@@ -111,7 +111,7 @@ fn curves_medians_and_tests_are_those_of_lifelines() {
 
 #[test]
 fn wilson_intervals_are_newcombes_and_scipys() {
-    // Newcombe 1998, table I, method 3.
+    // The values are from Newcombe 1998, table I, method 3.
     for (successes, trials, low, high) in
         [(81, 263, 0.2553, 0.3662), (15, 148, 0.0624, 0.1605), (0, 20, 0.0, 0.1611), (1, 29, 0.0061, 0.1718)]
     {
@@ -143,8 +143,8 @@ fn solved(times: &[f64]) -> Vec<Followed> {
     times.iter().map(|&until| Followed { until, solved: true }).collect()
 }
 
-/// A published table: ranks of the 95 % interval of the median for 6, 10, 20, 50 and 100 values (David & Nagaraja 2003, table
-/// 7.1; Conover 1999, "Practical Nonparametric Statistics", table A3).
+/// Published ranks of the 95 % interval of the median for 6, 10, 20, 50 and 100 values (David & Nagaraja 2003, table 7.1;
+/// Conover 1999, "Practical Nonparametric Statistics", table A3).
 #[test]
 fn intervals_of_the_median_have_the_ranks_of_the_tables() {
     for (count, low, high) in
@@ -159,7 +159,7 @@ fn intervals_of_the_median_have_the_ranks_of_the_tables() {
 
 #[test]
 fn permutation_tests_of_small_groups_are_exact() {
-    // Apart as far as they can be: twice one of C(6, 3) and of C(10, 5) divisions.
+    // The groups are completely separated: twice one of C(6, 3) and of C(10, 5) divisions.
     let times: Vec<f64> = (1..=10).map(|time| f64::from(time * time)).collect();
     for (first, second, p) in [(3, 3, 0.1), (5, 5, 2.0 / 252.0), (2, 5, 2.0 / 21.0)] {
         let (early, late) = (solved(&times[..first]), solved(&times[first..first + second]));
@@ -170,7 +170,7 @@ fn permutation_tests_of_small_groups_are_exact() {
         assert_eq!(test.interval.is_some(), p < 0.05, "{first} against {second}");
     }
     assert!(least_p(1, 1000) >= 1.0);
-    // Nothing varies: no error, and no interval without width.
+    // Without variation there is no error, and no interval without width.
     let same = TwoSampleTest::of(&solved(&[2.0; 8]), &solved(&[2.0; 8]), 9.0, 1);
     assert_eq!((same.log_rank_p, same.difference_p, same.interval), (1.0, 1.0, None));
     let apart = TwoSampleTest::of(&solved(&[2.0; 8]), &solved(&[3.0; 8]), 9.0, 1);
@@ -180,11 +180,11 @@ fn permutation_tests_of_small_groups_are_exact() {
 
 #[test]
 fn random_divisions_of_large_groups_agree_with_the_normal_approximation() {
-    // Freireich 1963, 21 against 21: lifelines has p = 4.2e-5; no p-value is below two of the divisions drawn.
+    // For Freireich 1963, 21 against 21, lifelines has p = 4.2e-5; no p-value is below two of the divisions drawn.
     let test = TwoSampleTest::of(&weeks(&MERCAPTOPURINE), &weeks(&PLACEBO), 35.0, 1);
     assert!(test.log_rank_p <= 1e-3 && test.log_rank_p >= 2.0 / 10_000.0);
     assert_near(test.log_rank_excess, 9.0 - 19.25, 5e-3);
-    // Pseudo-values estimate what the areas under the curves do.
+    // Pseudo-values estimate the difference of the areas under the curves.
     assert_near(test.difference, 14.62, 0.5);
     let interval = test.interval.unwrap();
     assert!(
@@ -196,7 +196,7 @@ fn random_divisions_of_large_groups_agree_with_the_normal_approximation() {
 
 #[test]
 fn moments_and_quartiles_of_a_known_sample() {
-    // NumPy: std(ddof=1) and quantile(method="inverted_cdf") of [2, 4, 4, 4, 5, 5, 7, 9].
+    // The values are from NumPy: std(ddof=1) and quantile(method="inverted_cdf") of [2, 4, 4, 4, 5, 5, 7, 9].
     let sample = [2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0];
     let moments = SampleMoments::of(&sample).unwrap();
     assert_near(moments.mean, 5.0, 0.0);
@@ -210,14 +210,14 @@ fn moments_and_quartiles_of_a_known_sample() {
 
 #[test]
 fn equal_values_have_no_deviation() {
-    // The mean of fifty times 0.2, summed up, is not 0.2.
+    // The rounded mean of fifty times 0.2 is not 0.2.
     let moments = SampleMoments::of(&[0.2; 50]).unwrap();
     assert_eq!((moments.mean, moments.standard_deviation), (0.2, Some(0.0)));
 }
 
 #[test]
 fn a_performance_profile_worked_out_by_hand() {
-    // Three solvers on four problems; the last problem is solved by none, the third by two.
+    // Of three solvers on four problems, none solves the last problem, and two solve the third.
     let costs = [
         vec![Some(1.0), Some(4.0), Some(3.0), None],
         vec![Some(2.0), Some(2.0), None, None],
@@ -232,7 +232,7 @@ fn a_performance_profile_worked_out_by_hand() {
         (&[1.0, 2.0, 10.0][..], &[0.25, 0.5, 0.75][..])
     );
     assert_eq!([0.9, 1.0, 9.9, 1e9].map(|bound| profiles[2].share_within(bound)), [0.0, 0.25, 0.5, 0.75]);
-    // What no clock tells apart is equally good.
+    // Times below the resolution of the clock are equally good.
     let tied = performance_profiles(&[vec![Some(0.0)], vec![Some(1e-9)]], 1e-6);
     assert_eq!((tied[0].ratios[0], tied[1].ratios[0]), (Some(1.0), Some(1.0)));
     assert!(performance_profiles(&[], 1.0).is_empty());
@@ -268,7 +268,7 @@ fn more_successes_than_trials_are_refused() {
 }
 
 fn trials() -> impl Strategy<Value = Vec<Followed>> {
-    // Few distinct times, so that ties are many.
+    // A few distinct times give many ties.
     let trial =
         (0_u32..20, any::<bool>()).prop_map(|(time, solved)| Followed { until: f64::from(time), solved });
     prop::collection::vec(trial, 1..40)
@@ -350,7 +350,7 @@ proptest! {
             }
             (test, exchanged) => prop_assert_eq!(test, exchanged),
         }
-        // Where both have the same times there is nothing to tell them apart.
+        // Groups with equal times show no difference.
         if let Some(same) = log_rank(&first, &first) {
             prop_assert!(same.chi_square < 1e-9);
         }
@@ -366,7 +366,7 @@ proptest! {
         };
         let all = followed(&[&first[..], &second[..]].concat());
         let test = TwoSampleTest::of(&all[..first.len()], &all[first.len()..], 6.0, 1);
-        // Every division, as the bits of a number, by the log-rank test itself.
+        // Every division, as the bits of a number, is evaluated by the log-rank test itself.
         let excess = |bits: u32| {
             let is_first = |trial: &usize| bits >> trial & 1 == 1;
             let (one, other): (Vec<usize>, Vec<usize>) = (0..all.len()).partition(is_first);

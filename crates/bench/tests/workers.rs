@@ -1,4 +1,4 @@
-//! Whatever a worker does is an outcome of its trial, and the campaign goes on. The workers here are scripts.
+//! Any behaviour of a worker is an outcome of its trial, and the campaign continues. The workers here are scripts.
 
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -9,7 +9,7 @@ use cranny_bench::{
 };
 use cranny_plan::Registry;
 
-/// A campaign of so many short trials.
+/// Creates a campaign of `runs` short trials.
 fn schedule(runs: u64) -> Schedule {
     let campaign = Campaign {
         scenarios: vec!["021".into()],
@@ -23,7 +23,7 @@ fn schedule(runs: u64) -> Schedule {
     campaign.schedule(&Registry::default()).expect("a schedule")
 }
 
-/// Workers that a shell runs.
+/// Creates settings with workers that a shell runs.
 fn settings(script: &str) -> CampaignSettings {
     CampaignSettings {
         worker: WorkerProgram { program: "/bin/sh".into(), arguments: vec!["-c".into(), script.into()] },
@@ -40,7 +40,7 @@ fn results(folder: &Path) -> Results {
     Results::create(&folder.join("results.db")).expect("results")
 }
 
-/// The outcomes and details of two trials served by `script`.
+/// Returns the outcomes and details of two trials served by `script`.
 fn outcomes(script: &str) -> Vec<(TrialOutcome, String)> {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let mut results = results(folder.path());
@@ -85,7 +85,7 @@ fn a_worker_that_eats_memory_is_ended() {
 fn a_worker_that_talks_nonsense_is_ended() {
     for (outcome, detail) in outcomes("read line; echo hello; sleep 1000") {
         assert_eq!(outcome, TrialOutcome::Garbled);
-        assert!(detail.contains("the worker's answer is none"), "{detail}");
+        assert!(detail.contains("the worker's answer is not valid"), "{detail}");
     }
 }
 
@@ -114,7 +114,7 @@ fn a_question_that_makes_no_sense_ends_the_campaign_and_leaves_what_is_there() {
 
 #[test]
 fn a_stop_ends_the_campaign_without_the_trial_under_way() {
-    /// Stops after the first trial.
+    /// Observer that stops the campaign after the first trial.
     struct Impatient<'a>(&'a AtomicBool);
     impl CampaignObserver for Impatient<'_> {
         fn trial_ended(&mut self, _: &TrialRecord) {

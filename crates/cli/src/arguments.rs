@@ -15,7 +15,7 @@ use crate::choices::{
 };
 use crate::number_argument::{MOST_ITERATIONS, millimetres, pose_error, seconds, whole};
 
-/// How to answer.
+/// Output format and verbosity of a command.
 #[derive(Clone, Copy, Debug, Args)]
 pub struct Output {
     /// Print one JSON document on standard output; messages go to standard error
@@ -24,42 +24,42 @@ pub struct Output {
     /// Print no progress and no summary
     #[arg(long, short, global = true)]
     pub quiet: bool,
-    /// Write over a file of another kind too (never over results of campaigns, and never into a device)
+    /// Overwrite files of another kind as well (never results of campaigns, never a device)
     #[arg(long, global = true)]
     pub force: bool,
 }
 
 impl Output {
-    /// Of a command whose answer is all that it is called for: quiet leaves nothing of it out.
+    /// Returns these settings without `quiet`, for a command that does nothing but print its answer.
     pub fn aloud(self) -> Self {
         Self { quiet: false, ..self }
     }
 }
 
-/// How much clearance is demanded.
+/// Required clearances and tilt bound.
 #[derive(Clone, Copy, Debug, Args)]
 pub struct MarginArguments {
-    /// Clearance that every check and proof demands between any two things, in millimetres [default: 0]
+    /// Clearance that every check and proof requires between any two bodies, in millimetres [default: 0]
     #[arg(long, value_name = "MM", value_parser = millimetres)]
     margin: Option<f64>,
-    /// The same for hand and fingers against the target and what carries it, in millimetres [default: 0; of a plan that
-    /// goes on from the grasp 1]
+    /// Clearance of hand and fingers from the target and its support, in millimetres [default: 0; 1 for a plan that continues
+    /// after the grasp]
     #[arg(long, value_name = "MM", value_parser = millimetres)]
     grasp_margin: Option<f64>,
-    /// Greatest tilt, in degrees, of what is held against how it stood when it was grasped, proven along the whole
-    /// motion; of bodies that scenario.yaml marks with `upright_deg`, the smaller counts
+    /// Maximum tilt of a held object relative to its orientation when grasped, in degrees, proven along the whole motion; for
+    /// bodies with `upright_deg` in scenario.yaml, the smaller value applies
     #[arg(long, value_name = "DEG", num_args = 0..=1, default_missing_value = "15", value_parser = tilt_degrees)]
     upright: Option<f64>,
 }
 
 fn tilt_degrees(word: &str) -> Result<f64, String> {
-    let fault = || format!("'{word}' is no bound on a tilt; give degrees, above 0 and at most 180");
+    let fault = || format!("'{word}' is not a valid tilt limit: expected degrees, above 0 and at most 180");
     let degrees: f64 = word.parse().map_err(|_| fault())?;
     if degrees > 0.0 && degrees <= 180.0 { Ok(degrees) } else { Err(fault()) }
 }
 
 impl MarginArguments {
-    /// The margins, where nothing is given those of `otherwise`.
+    /// Returns the margins, with those of `otherwise` for the options that are not given.
     pub fn or(self, otherwise: Margins) -> Margins {
         Margins {
             margin_m: self.margin.unwrap_or(otherwise.margin_m),
@@ -70,35 +70,35 @@ impl MarginArguments {
     }
 }
 
-/// Which task, under which criterion.
+/// Task and criterion of a command.
 #[derive(Clone, Debug, Args)]
 pub struct TaskArguments {
     /// Built-in scenario, or the folder of one
     #[arg(value_name = "ID")]
     pub id: String,
-    /// What counts as solved and as free [default: the scenario's own, exact unless it says otherwise]
+    /// Criterion for solved tasks and free motions [default: the scenario's own, else exact]
     #[arg(long, value_enum)]
     pub criterion: Option<CriterionArgument>,
     #[command(flatten)]
     pub margins: MarginArguments,
-    /// Check pairs of links too that are named as not checked, but for adjacent ones that touch at every value of their joint
+    /// Also check link pairs that are listed as not checked, except adjacent links that touch at every value of their joint
     #[arg(long)]
     pub strict_pairs: bool,
-    /// Another robot instead of the scenario's: a built-in one (see `cranny robot list`), the folder of one, or a URDF with
+    /// Robot to use instead of the scenario's: a built-in one (see `cranny robot list`), the folder of one, or a URDF with
     /// SRDF, limits.yaml and robot.yaml beside it
     #[arg(long, value_name = "FILE")]
     pub robot: Option<PathBuf>,
-    /// Obstacles of a released scenario: the true boxes, or the inflated mesh its planners used
-    /// [default: scene under exact, export under paper]
+    /// Obstacles of a released scenario: the true boxes, or the inflated mesh that its planners used [default: scene under
+    /// exact, export under paper]
     #[arg(long, value_enum)]
     pub geometry: Option<GeometryArgument>,
-    /// File of grasps in the planning frame, or `none`: no set is given, and the planner makes a grasp of its own, which
-    /// `verify` measures on the target's mesh [default: the scenario's own]
+    /// File of grasps in the planning frame, or `none`: the planner then generates its own grasp, which `verify` measures on
+    /// the target's mesh [default: the scenario's own]
     #[arg(long, value_name = "FILE|none")]
     pub grasps: Option<GivenGrasps>,
 }
 
-/// Tries in physics take a second each.
+/// Maximum number of physics trials; each takes about a second.
 const MOST_TRIES: u64 = 1000;
 
 #[derive(Clone, Debug, Args)]
@@ -132,7 +132,7 @@ const MOST_TRIES: u64 = 1000;
 pub struct PlanArguments {
     #[command(flatten)]
     pub task: TaskArguments,
-    // An attribute, because `MoveIt` would stand in backticks in a comment, and so in the help.
+    // An attribute instead of a doc comment: `MoveIt` would need backticks there, which the help would show.
     #[arg(
         long,
         num_args = 2,
@@ -142,124 +142,122 @@ pub struct PlanArguments {
                 model, whose URDF and SRDF lie beside the scene or in the folder above, or for --robot"
     )]
     pub moveit: Vec<PathBuf>,
-    /// Which planner (see `cranny list`) [default: reach under exact, grasp-reach with --grasps none, ik-rrt under paper]
+    /// Planner (see `cranny list`) [default: reach under exact, grasp-reach with --grasps none, ik-rrt under paper]
     #[arg(long, value_name = "NAME")]
     pub planner: Option<String>,
-    /// A setting of the planner, by its name in docs/planners.md; as often as there are settings
+    /// Setting of the planner, named as in docs/planners.md; repeatable
     #[arg(long, value_name = "NAME=VALUE", value_parser = setting)]
     pub set: Vec<(String, serde_json::Value)>,
-    /// Score of the grasps that counts, wherever one is better than another [default: load under exact where the file states
-    /// it of each grasp and --min-score is not given, else geometric]
+    /// Score used to compare and filter grasps [default: load under exact where the file states it for each grasp and
+    /// --min-score is not given, else geometric]
     #[arg(long, value_enum)]
     pub score: Option<ScoreArgument>,
-    /// Least score of a grasp that counts as a goal, from 0 to 1, or least load, from 0; those below it, or without one, do
-    /// not. A kind before it (load=2) is short for --score too
+    /// Minimum score of a goal grasp, from 0 to 1, or minimum load, from 0; grasps below it or without a score are ignored. A
+    /// kind before it (load=2) is short for --score too
     #[arg(long, value_name = "[KIND=]S", allow_hyphen_values = true, conflicts_with = "moveit", value_parser = least_score)]
     pub min_score: Option<LeastScore>,
-    /// Seed of all randomness: the same seed gives the same path
+    /// Seed of all random numbers: the same seed gives the same path
     #[arg(long, value_name = "N", default_value = "0", value_parser = whole(0..=u64::MAX))]
     pub seed: u64,
-    /// Seconds after which the search ends
+    /// Time limit of the search, in seconds
     #[arg(long, value_name = "S", default_value = "120", value_parser = seconds)]
     pub time_limit: Duration,
-    /// Iterations after which the search ends [default: no limit]
+    /// Maximum number of iterations of the search [default: no limit]
     #[arg(long, value_name = "N", value_parser = whole(0..=MOST_ITERATIONS))]
     pub iterations: Option<u64>,
-    /// Carry the target on once it is grasped: `home`, to where the robot started; `out`, to where it is clear of
-    /// everything but the floor; to a configuration (comma-separated values), or to any of those in a file (.csv). A grasp
-    /// that it cannot be carried away from is none
+    /// Carry the target on after the grasp: `home`, to the robot's start configuration; `out`, until it is clear of everything
+    /// but the floor; to a configuration (comma-separated values), or to any of those in a file (.csv). A grasp from which it
+    /// cannot be carried there is rejected
     #[arg(long, value_name = "home|out|Q|FILE", allow_hyphen_values = true)]
     pub carry: Option<String>,
-    /// Demand that the target may be so far from where it is thought to be, moved and turned about its middle at once, before
-    /// the hand closes on it and in the hand from then on (the plan says how far it and all else may be anyway)
+    /// Require that the plan tolerates this error of the target's pose, a displacement and a turn about its centre at once,
+    /// before the hand closes on it and in the hand afterwards (every plan states the errors that it tolerates)
     #[arg(long, value_name = "MM,DEG", value_parser = pose_error, conflicts_with = "moveit")]
     pub robust: Option<PoseRadius>,
-    /// Factor by which weight and inertia may grow, at least, before the hand lets slip what it carries: weaker grasps are
-    /// none, and motions are slowed down for it; 0 demands nothing
+    /// Factor by which weight and inertia must be able to grow, at least, before the object slips in the hand: weaker grasps
+    /// are rejected, and motions are slowed down accordingly; 0 disables the check
     #[arg(long, value_name = "FACTOR", default_value_t = DEFAULT_HOLD, allow_negative_numbers = true)]
     pub hold: f64,
-    /// Execute each plan in physics, as `simulate plan` does; where an object is not kept in the hand, or does not stand where
-    /// it was put down, plan again without the grasp that failed, from the next seed: so often at most, in all
+    /// Execute each plan in physics, as `simulate plan` does; if an object is lost or does not stay where it was put down, plan
+    /// again without the failed grasp and with the next seed; N is the maximum number of attempts
     #[arg(long, value_name = "N", value_parser = whole(1..=MOST_TRIES), conflicts_with = "moveit")]
     pub try_in_physics: Option<u64>,
-    /// Put the target down in a place of the scenario (`places` in its scenario.yaml; `cranny info` lists them) and open the
-    /// hand. A grasp with which it cannot be brought there is none
+    /// Put the target down at a place of the scenario (`places` in its scenario.yaml; `cranny info` lists them) and open the
+    /// hand. A grasp with which it cannot be brought there is rejected
     #[arg(long, value_name = "PLACE")]
     pub place: Option<String>,
-    /// Do a task of several stages (`tasks` in the scenario.yaml; `cranny info` lists them)
+    /// Plan a task of several stages (`tasks` in the scenario.yaml; `cranny info` lists them)
     #[arg(long = "task", value_name = "NAME")]
     pub named_task: Option<String>,
-    /// Pick and put down what the scenario's `steps` name: short for --task steps
+    /// Pick and place what the scenario's `steps` name: short for --task steps
     #[arg(long, conflicts_with = "named_task")]
     pub steps: bool,
-    /// With --place: where the robot goes once its hand has left the target [default: home]
+    /// With --place: destination of the robot after the hand has left the target [default: home]
     #[arg(long, value_enum, value_name = "WHERE")]
     pub then: Option<ThenArgument>,
-    /// In millimetres, with --carry out: how clear the target is in the end, at most 1000; with --place, --steps and --task:
-    /// how far the hand is from an object when it has left it, at most 500 [default: 50]
+    /// In millimetres. With --carry out: final clearance of the target, at most 1000; with --place, --steps and --task:
+    /// distance of the hand from an object after leaving it, at most 500 [default: 50]
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     pub clear: Option<f64>,
-    /// Come to each grasp on a straight line along the hand's z axis, over at least so many centimetres (proven, within 1 mm
-    /// and 1°), at most 50 [default: as the stages of a task state it, else 0]
+    /// Length of the straight approach to each grasp along the hand's z axis, in centimetres, at least this long and at most 50
+    /// (proven, within 1 mm and 1°) [default: as the stages of a task state it, else 0]
     #[arg(long, value_name = "CM", allow_negative_numbers = true)]
     pub approach: Option<f64>,
-    /// With --place, --steps and --task: leave each object on such a line
+    /// With --place, --steps and --task: length of the straight retreat from each object, in centimetres
     #[arg(long, value_name = "CM", allow_negative_numbers = true)]
     pub retreat: Option<f64>,
-    /// Leave the path as the planner found it
+    /// Do not shorten the planner's path
     #[arg(long)]
     pub no_shortcut: bool,
-    /// Look for better paths for so many seconds after the first; with --iterations too, over all searches,
-    /// the same seed gives the same path. Better costs less: what --cost measures, minus the weighted score of
-    /// the grasp
+    /// Search for better paths for this many seconds after the first; with --iterations as well, over all searches, the same
+    /// seed gives the same path. A better path has a lower cost: the measure of --cost minus the weighted score of the grasp
     #[arg(long, value_name = "SECONDS", value_parser = seconds, conflicts_with = "no_shortcut")]
     pub optimise: Option<Duration>,
-    /// Measure of a path under --optimise [default: mix; length for a robot without limits of acceleration]
+    /// Cost of a path under --optimise [default: mix; length for a robot without acceleration limits]
     #[arg(long, value_enum, requires = "optimise")]
     pub cost: Option<CostArgument>,
-    /// What a grasp of score 1 is worth against one of score 0, in the unit of the cost
+    /// Weight of the grasp score: the cost that a grasp of score 1 saves against one of score 0, in the unit of the cost
     #[arg(long, value_name = "W", default_value_t = 1.0, requires = "optimise")]
     pub score_weight: f64,
-    /// Under paper: arrived where ½·mm + ½·deg is below this; 0 never arrives, to measure a planner's speed
+    /// Under paper: the goal is reached where ½·mm + ½·deg is below this; 0 is never reached, to measure a planner's speed
     /// [default: 50]
     #[arg(long, value_name = "D")]
     pub goal_threshold: Option<f64>,
-    /// Write the trajectory beside the plan, as ID.trajectory.csv: position, velocity and acceleration of
-    /// every joint, at so many samples a second
+    /// Write the trajectory beside the plan, as ID.trajectory.csv: position, velocity and acceleration of every joint, at this
+    /// sample rate in Hz
     #[arg(long, value_name = "HZ", value_parser = sample_rate)]
     pub rate: Option<f64>,
-    /// Limits that the trajectory keeps [default: jerk-limited where the robot states limits of jerk, else
-    /// time-optimal]
+    /// Limits that the trajectory keeps [default: jerk-limited if the robot states jerk limits, else time-optimal]
     #[arg(long, value_enum)]
     pub timing: Option<TimingArgument>,
     /// Short for --timing jerk-limited
     #[arg(long, conflicts_with = "timing")]
     pub jerk_limited: bool,
-    /// Stop at each corner of the path, instead of rounding those whose curve is proven free
+    /// Stop at each corner of the path instead of rounding corners whose blend is proven free
     #[arg(long)]
     pub stop_at_corners: bool,
-    /// Round corners, the default
+    /// Round corners (the default)
     #[arg(long, hide = true, conflicts_with = "stop_at_corners")]
     pub blend: bool,
-    /// Keep the force or torque of each joint within the effort that the URDF states for it, with the masses of its links and of
-    /// what is in the hand
+    /// Keep the force or torque of each joint within the effort limit of the URDF, given the masses of the links and of the
+    /// held object
     #[arg(long)]
     pub torque: bool,
-    /// Share of the joints' limits of velocity, above 0 and at most 1, of all motions or of one kind (carry=0.2); repeatable
-    /// [default: `speeds` of scenario.yaml, else 1]
+    /// Fraction of the joint velocity limits to use, above 0 and at most 1, for all motions or for one kind (carry=0.2);
+    /// repeatable [default: `speeds` of scenario.yaml, else 1]
     #[arg(long, value_name = "[MODE=]SHARE")]
     pub speed: Vec<PaceWord>,
-    /// The same of the limits of acceleration
+    /// Fraction of the joint acceleration limits to use, in the same form
     #[arg(long, value_name = "[MODE=]SHARE")]
     pub acceleration: Vec<PaceWord>,
-    /// Greatest speed of the gripper frame in m/s, of all motions or of one kind (carry=0.25); repeatable [default:
-    /// `speeds` of scenario.yaml; set-down=0.1]
+    /// Maximum speed of the gripper frame in m/s, for all motions or for one kind (carry=0.25); repeatable [default: `speeds`
+    /// of scenario.yaml; set-down=0.1]
     #[arg(long, value_name = "[MODE=]M/S")]
     pub tool_speed: Vec<PaceWord>,
-    /// Greatest speed with which the hand, and what it holds, turns, in degrees a second
+    /// Maximum angular speed of the hand and of the object that it holds, in degrees a second
     #[arg(long, value_name = "[MODE=]DEG/S")]
     pub turn_speed: Vec<PaceWord>,
-    /// Where to write the plan, a failed search too [default: ID.plan.json in this folder, solved plans alone]
+    /// File to write the plan to, even if the search failed [default: ID.plan.json in this folder, only if solved]
     #[arg(long, short, value_name = "FILE")]
     pub output: Option<PathBuf>,
 }
@@ -282,7 +280,7 @@ pub struct VerifyArguments {
     /// A plan file (.plan.json) or way points (.csv, .try)
     #[arg(value_name = "PLAN", required_unless_present = "moveit", conflicts_with = "moveit")]
     pub plan: Option<PathBuf>,
-    /// Let the path end anywhere, not at a goal alone
+    /// Accept a path that does not end at a goal
     #[arg(long)]
     pub any_end: bool,
     // An attribute for the same reason as that of `plan`.
@@ -298,7 +296,7 @@ pub struct VerifyArguments {
 }
 
 impl VerifyArguments {
-    /// What is judged: the last argument, which stands in the place of the id where there is no id.
+    /// Returns the path of the file to verify: the last argument, which takes the position of the id if there is no id.
     pub fn plan(&self) -> &Path {
         self.plan.as_deref().unwrap_or(Path::new(&self.task.id))
     }
@@ -316,21 +314,21 @@ pub struct IkArguments {
     /// Only this grasp, by its index from 0
     #[arg(long, value_name = "N")]
     pub grasp: Option<usize>,
-    /// Distinct solutions to look for at each grasp
+    /// Number of distinct solutions to search for at each grasp
     #[arg(long, value_name = "N", default_value = "1", value_parser = whole::<usize>(1..=1000))]
     pub solutions: usize,
-    /// Attempts at each grasp
+    /// Maximum number of attempts at each grasp
     #[arg(long, value_name = "N", default_value = "5000", value_parser = whole::<usize>(1..=1_000_000_000))]
     pub attempts: usize,
-    /// Only one attempt at each grasp and one at its twin, from the start, as the paper does it
+    /// Make one attempt at each grasp and one at its twin, from the start, as the paper does
     #[arg(long, conflicts_with = "attempts")]
     pub single_shot: bool,
-    /// Seed of all randomness
+    /// Seed of all random numbers
     #[arg(long, value_name = "N", default_value = "0", value_parser = whole(0..=u64::MAX))]
     pub seed: u64,
 }
 
-/// A value is a number, true or false, or else a text.
+/// Parses `name=value`; the value is a number, true or false, otherwise text.
 fn setting(text: &str) -> Result<(String, serde_json::Value), String> {
     let (name, value) =
         text.split_once('=').ok_or_else(|| format!("'{text}' is not of the form name=value"))?;
@@ -342,10 +340,12 @@ fn setting(text: &str) -> Result<(String, serde_json::Value), String> {
 }
 
 fn sample_rate(text: &str) -> Result<f64, String> {
-    let rate_hz: f64 = text.parse().map_err(|_| format!("'{text}' is no number of samples a second"))?;
+    let rate_hz: f64 = text.parse().map_err(|_| {
+        format!("'{text}' is not a valid sample rate: expected a number of samples per second")
+    })?;
     if rate_hz > 0.0 && rate_hz <= MAX_SAMPLE_RATE_HZ {
         Ok(rate_hz)
     } else {
-        Err(format!("a rate is above 0 and at most {MAX_SAMPLE_RATE_HZ} samples a second"))
+        Err(format!("expected more than 0 and at most {MAX_SAMPLE_RATE_HZ} samples per second"))
     }
 }

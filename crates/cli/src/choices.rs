@@ -6,7 +6,7 @@ use cranny_task::{AfterPlacing, Criterion};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum CriterionArgument {
-    /// Within 1 mm and 1°, real geometry, the whole path proven
+    /// Within 1 mm and 1°, true geometry, the whole path proven
     Exact,
 
     /// The released planners' own loose measure, for comparison only
@@ -24,21 +24,21 @@ impl From<CriterionArgument> for Criterion {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum CostArgument {
-    /// Its length, each joint weighted by how far it moves the arm, in metres
+    /// Length, with each joint weighted by how far it moves the arm, in metres
     Length,
-    /// Its plain L2 length, metres and radians alike
+    /// Plain L2 length, metres and radians alike
     L2,
-    /// The seconds of the time-optimal trajectory along it
+    /// Duration of the time-optimal trajectory, in seconds
     Time,
-    /// Its length, up to eleven times as much where the robot is nearer than 20 mm to the world
+    /// Length, weighted up to eleven times where the robot is nearer than 20 mm to the world
     Clearance,
-    /// The path of the tool, in metres
+    /// Path length of the tool, in metres
     Tool,
-    /// The angle by which the tool turns, in radians
+    /// Rotation angle of the tool, in radians
     Turn,
-    /// Its length, and half a metre for each straight piece: few corners
+    /// Length plus half a metre for each straight segment: few corners
     Smooth,
-    /// Seconds: of its trajectory, with 1 for a metre of the tool's path and 0.3 for a radian of its turn
+    /// Seconds: duration of the trajectory, plus 1 per metre of tool path and 0.3 per radian of tool rotation
     Mix,
 }
 
@@ -59,9 +59,9 @@ impl From<CostArgument> for CostKind {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum TimingArgument {
-    /// Those of velocity and acceleration: the fastest
+    /// Velocity and acceleration limits: the fastest trajectory
     TimeOptimal,
-    /// Those of jerk too: accelerations change smoothly
+    /// Also jerk limits: smooth accelerations
     JerkLimited,
 }
 
@@ -76,11 +76,11 @@ impl From<TimingArgument> for TimingMethod {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ScoreArgument {
-    /// Of the contacts: how little friction they need
+    /// Contact quality: how little friction the contacts need
     Geometric,
-    /// The robust score, which every grasp must then have: how often it is held in physics, everything a little wrong
+    /// Robust score, required of every grasp: success rate in physics with small errors in everything
     Physics,
-    /// The factor by which gravity may grow before a pad slips, computed anew whatever the file of grasps states
+    /// Factor by which gravity may grow before a pad slips, always recomputed, even if the file of grasps states it
     Load,
 }
 
@@ -111,7 +111,7 @@ impl From<GeometryArgument> for Geometry {
     }
 }
 
-/// A least score, of a kind if one is named.
+/// Minimum score, with its kind if one is named.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LeastScore {
     pub kind: Option<ScoreKind>,
@@ -119,7 +119,7 @@ pub struct LeastScore {
 }
 
 impl LeastScore {
-    /// The grasps of a set that have at least this score; without a kind the geometric one.
+    /// Returns the grasps of a set with at least this score; without a kind, the geometric score counts.
     pub fn among(&self, set: &GraspSet) -> GraspSet {
         let kind = self.kind.unwrap_or(ScoreKind::Geometric);
         let is_enough = |index: &usize| set.grasps()[*index].score_of(kind).is_some_and(|s| s >= self.least);
@@ -132,22 +132,25 @@ pub fn least_score(text: &str) -> Result<LeastScore, String> {
         None => (None, text),
         Some((kind, number)) => {
             let known = ScoreArgument::from_str(kind, false);
-            let known = known.map_err(|_| format!("'{kind}' is none of geometric, physics and load"))?;
+            let known =
+                known.map_err(|_| format!("unknown score '{kind}' (known: geometric, physics, load)"))?;
             (Some(known.into()), number)
         }
     };
-    let least: f64 = number.trim().parse().map_err(|_| format!("'{number}' is no number"))?;
+    let least: f64 = number.trim().parse().map_err(|_| format!("'{number}' is not a number"))?;
     if !(least >= 0.0 && least.is_finite()) {
-        return Err(format!("'{number}' is no score; give a number from 0 to 1, or a load from 0"));
+        return Err(format!(
+            "'{number}' is not a valid score: expected a number from 0 to 1, or a load of at least 0"
+        ));
     }
     Ok(LeastScore { kind, least })
 }
-/// Where a robot goes once it has put something down.
+/// Destination of the robot after it has put something down.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ThenArgument {
-    /// To where it started
+    /// Its start configuration
     Home,
-    /// Nowhere
+    /// Stays where it is
     Stay,
 }
 

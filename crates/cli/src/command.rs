@@ -16,10 +16,10 @@ use crate::program::version;
 
 /// Plans how a mobile manipulator reaches into a confined space and grasps an object.
 ///
-/// ID is a built-in scenario (see `cranny list`), the folder or .zip of a scenario, or the folder of one in
-/// the layout that the paper released.
+/// ID is a built-in scenario (see `cranny list`), the folder or .zip of a scenario, or a scenario folder in the layout that the
+/// paper released.
 ///
-/// Exit codes: 0 done, 1 an honest "no" (not solved, not valid), 2 bad input.
+/// Exit codes: 0 success, 1 a negative result (not solved, not valid), 2 bad input.
 #[derive(Debug, Parser)]
 #[command(
     name = "cranny",
@@ -34,8 +34,8 @@ use crate::program::version;
 pub struct Cli {
     #[command(flatten)]
     pub output: Output,
-    /// Read files of any size: without it a mesh or a table may have 1 GiB, a packed scenario 256 MiB, any other
-    /// file 64 MiB
+    /// Read files of any size; the default limits are 1 GiB for a mesh or a table, 256 MiB for a packed scenario and 64 MiB for
+    /// any other file
     #[arg(long, global = true)]
     pub large_files: bool,
     #[command(subcommand)]
@@ -46,38 +46,38 @@ pub struct Cli {
 pub enum Command {
     /// List the built-in scenarios and the planners
     List,
-    /// Show what a scenario holds: robot, obstacles, target, grasps, start
+    /// Show the content of a scenario: robot, obstacles, target, grasps, start
     Info(TaskArguments),
     /// Plan a motion to a grasp and write it to a plan file
     Plan(Box<PlanArguments>),
-    /// Judge a plan file or bare way points against a scenario
+    /// Verify a plan file or bare way points against a scenario
     Verify(VerifyArguments),
-    /// Look for free configurations at every grasp of a scenario
+    /// Find free configurations at every grasp of a scenario
     Ik(IkArguments),
-    /// Make a roadmap for planner prm, to answer any number of questions with
+    /// Build a roadmap for the planner prm, to answer many queries with
     Roadmap(RoadmapArguments),
-    /// Make, check, share and convert scenarios
+    /// Create, check, share and convert scenarios
     Scenario(Box<ScenarioArguments>),
     /// Sample, filter and compare grasps
     Grasps(GraspsArguments),
-    /// Make a robot of your own from its URDF, check it, list those that there are
+    /// Set up a robot of your own from its URDF, check it, and list the available robots
     Robot(RobotArguments),
-    /// Make objects to grasp from meshes, and show those that there are
+    /// Create graspable objects from meshes, and show the available ones
     Object(ObjectArguments),
-    /// Try grasps in physics
+    /// Test grasps in physics
     Simulate(SimulateArguments),
-    /// Run campaigns of trials, join, report and replay their results
+    /// Run campaigns of trials; merge, report and replay their results
     Bench(BenchArguments),
-    /// Draw a scenario or a plan: a picture, a moving picture, animated glTF, a page in one file
+    /// Render a scenario or a plan: a picture, an animation, animated glTF, a page in one file
     Render(Box<RenderArguments>),
-    /// Look at a scenario and at plans in the browser
+    /// View a scenario and plans in the browser
     View(ViewArguments),
-    /// Say what is here and what is missing, and try whether plans and proofs are what they should be
+    /// Show which components are present or missing, and test plans and proofs
     Doctor,
-    /// Print what makes a shell complete commands and flags
+    /// Print the script that completes commands and flags in a shell
     Completions(CompletionsArguments),
     /// Print or write the manual pages
     Man(ManualArguments),
-    /// Print the licences of Cranny and of all that is in this program
+    /// Print the licences of Cranny and of everything in this program
     Licences,
 }

@@ -1,4 +1,4 @@
-//! `cranny scenario`, `object`, `robot`, `grasps`, `info` and `list`: what is planned with.
+//! `cranny scenario`, `object`, `robot`, `grasps`, `info` and `list`: the inputs of planning.
 
 pub(crate) mod grasp_choice;
 pub(crate) mod grasp_loads;

@@ -6,89 +6,89 @@ use cranny_scenario::ScenarioError;
 use cranny_solve::SolveError;
 use cranny_task::TaskError;
 
-/// Bad input: said once, exit 2.
+/// Bad input, reported once; exit code 2.
 #[derive(Debug, thiserror::Error)]
 pub enum Failure {
-    /// The scenario.
+    /// Invalid scenario.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
-    /// A plan file or way points.
+    /// Invalid plan file or way points.
     #[error(transparent)]
     Record(RecordError),
-    /// The problem.
+    /// Invalid planning problem.
     #[error(transparent)]
     Plan(#[from] cranny_plan::PlanError),
-    /// A campaign or its results.
+    /// Error in a campaign or its results.
     #[error(transparent)]
     Bench(#[from] cranny_bench::BenchError),
-    /// What cannot be simulated.
+    /// Input that cannot be simulated.
     #[error(transparent)]
     Sim(#[from] cranny_sim::SimError),
-    /// A robot that cannot be set up.
+    /// Robot that cannot be set up.
     #[error(transparent)]
     Setup(cranny_setup::SetupError),
-    /// What is drawn, or the file of a picture.
+    /// Error in rendering, or in the file of a picture.
     #[error(transparent)]
     View(#[from] cranny_view::ViewError),
-    /// A flag that does not fit.
+    /// Invalid value or use of a flag.
     #[error("--{flag}: {problem}")]
     Flag {
-        /// Which flag.
+        /// Name of the flag.
         flag: &'static str,
-        /// What is wrong with it, and what would fit.
+        /// Description of the problem and of valid values.
         problem: String,
     },
-    /// What is asked does not go with the problem.
+    /// Request that does not fit the problem.
     #[error("--{}: {problem}", field.replace('_', "-"))]
     Request {
-        /// The field of the request, which is named like its flag.
+        /// Field of the request, which is named like its flag.
         field: &'static str,
-        /// What is wrong with it, and what would fit.
+        /// Description of the problem and of valid values.
         problem: String,
     },
-    /// A command of Slurm does not do what it is asked.
+    /// Failed command of Slurm.
     #[error("{command}: {reason}; without Slurm: bench slurm --write-only, or bench run --shard")]
     Slurm {
-        /// The command.
+        /// Name of the command.
         command: String,
-        /// What it says.
+        /// Message of the command.
         reason: String,
     },
-    /// A file that a command cannot work with.
+    /// File that a command cannot process.
     #[error("{}: {problem}", path.display())]
     File {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
-        /// What is wrong with it, and what would fit.
+        /// Description of the problem and of valid content.
         problem: String,
     },
-    /// A file would be written where it cannot be.
+    /// Output file in a folder that does not exist.
     #[error("{}: the folder does not exist, so nothing can be written there", path.display())]
     NoFolder {
-        /// The file that was asked for.
+        /// Requested file.
         path: PathBuf,
     },
-    /// Grasps of nothing.
+    /// Scenario without a target to grasp.
     #[error("{id}: the scenario has no target, so there is nothing to grasp")]
     NoTarget {
-        /// The scenario.
+        /// Id of the scenario.
         id: String,
     },
-    /// What somebody else wrote, or another command, would be lost.
+    /// Output file that would overwrite a file of another kind.
     #[error(
         "{}: exists already and is no {kind}; give another name, or --force to write over it",
         path.display()
     )]
     OtherKind {
-        /// The file that is there.
+        /// Existing file.
         path: PathBuf,
-        /// What would be written.
+        /// Kind of file to be written.
         kind: &'static str,
     },
-    /// Standard output is gone.
+    /// Standard output that cannot be written to.
     #[error("cannot write the answer: {0}")]
     Output(#[from] std::io::Error),
-    /// Ctrl-C cannot be listened to.
+    /// Handler of Ctrl-C that cannot be installed.
     #[error("cannot listen for Ctrl-C: {0}")]
     Signal(#[from] ctrlc::Error),
 }

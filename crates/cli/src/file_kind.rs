@@ -1,61 +1,61 @@
-//! What stands in a file, told by its first bytes: the one place where a kind is recognised.
+//! Kinds of files, recognised by their first bytes.
 
-/// A kind of file that a command writes.
+/// Kind of a file that a command writes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FileKind {
-    /// `cranny plan`.
+    /// Output of `cranny plan`.
     Plan,
-    /// `cranny roadmap`.
+    /// Output of `cranny roadmap`.
     Roadmap,
-    /// `cranny plan --rate`.
+    /// Output of `cranny plan --rate`.
     Trajectory,
-    /// One configuration a line, comma-separated.
+    /// One configuration per line, comma-separated.
     Waypoints,
-    /// A line of 16 to 20 numbers for each grasp, mostly below a header.
+    /// One line of 16 to 20 numbers per grasp, usually below a header.
     Grasps,
-    /// A picture that does not move, or one that does.
+    /// PNG image, possibly animated.
     Png,
-    /// A moving picture.
+    /// Animated GIF.
     Gif,
-    /// A drawing.
+    /// SVG drawing.
     Svg,
-    /// A drawing for print.
+    /// PDF drawing for print.
     Pdf,
     /// Binary glTF.
     Glb,
-    /// The page of `cranny view` in one file.
+    /// Page of `cranny view` in one file.
     ViewerPage,
-    /// The page of `cranny bench report`.
+    /// Page of `cranny bench report`.
     ReportPage,
-    /// The figures of a report.
+    /// Figures of a report.
     ReportJson,
-    /// The paper's table.
+    /// The paper's table in LaTeX.
     LatexTable,
-    /// The same.
+    /// The paper's table in Markdown.
     MarkdownTable,
-    /// The same.
+    /// The paper's table as CSV.
     CsvTable,
-    /// The benchmark log of OMPL.
+    /// Benchmark log of OMPL.
     OmplLog,
-    /// A scenario in one file.
+    /// Scenario in one file.
     Archive,
-    /// `cranny simulate grasps --record`: trajectories of bodies.
+    /// Output of `cranny simulate grasps --record`: trajectories of bodies.
     Recording,
-    /// `cranny simulate export`.
+    /// Output of `cranny simulate export`.
     Experiment,
-    /// The model of one, as MuJoCo reads it.
+    /// Model of an experiment in MuJoCo's XML.
     Mjcf,
-    /// `cranny man`.
+    /// Output of `cranny man`.
     Manual,
-    /// The finished part of a work that was stopped.
+    /// Partial result of a computation that was stopped.
     Unfinished,
 }
 
 impl FileKind {
-    /// So many bytes of a file tell its kind.
+    /// Number of bytes that suffice to recognise the kind of a file.
     pub const HEAD_BYTES: u64 = 4096;
 
-    /// What a message calls it.
+    /// Returns the name of the kind in messages.
     pub fn name(self) -> &'static str {
         match self {
             Self::Plan => "plan file",
@@ -84,8 +84,8 @@ impl FileKind {
         }
     }
 
-    /// Whether a file that begins like this is one. Of formats that many programs write (PNG, GIF, SVG, PDF, glTF) any
-    /// file is; of the others only what Cranny writes.
+    /// Returns true if a file that begins with `head` is of this kind. Formats that many programs write (PNG, GIF, SVG, PDF,
+    /// glTF) match any such file; the others only files of Cranny.
     pub fn is_that_of(self, head: &[u8]) -> bool {
         let text = String::from_utf8_lossy(head);
         let text = text.trim_start();
@@ -118,13 +118,13 @@ impl FileKind {
             Self::Mjcf => text.starts_with("<mujoco"),
             Self::Manual => text.starts_with('.') && text.contains(".TH cranny"),
             Self::Unfinished => is_object_with(&["format"]) && text.contains("\"cranny-unfinished/"),
-            // `OMPL version 1.7`, or of another library, then the experiment.
+            // `OMPL version 1.7`, or that of another library, then the experiment.
             Self::OmplLog => {
                 let mut lines = text.lines();
                 lines.next().is_some_and(|line| line.contains(" version "))
                     && lines.next().is_some_and(|line| line.starts_with("Experiment "))
             }
-            // A zip archive whose first file is the manifest: after the head of that entry, which is 30 bytes long.
+            // A zip archive whose first file is the manifest; the header of that entry is 30 bytes long.
             Self::Archive => {
                 head.starts_with(b"PK\x03\x04")
                     && head.get(30..).is_some_and(|rest| rest.starts_with(b"manifest.json"))
@@ -133,8 +133,8 @@ impl FileKind {
     }
 }
 
-/// How many numbers the first line holds, separated by commas; none if there is anything else in it. The last
-/// field of grasps may be empty.
+/// Returns the number of comma-separated numbers on the first line, or 0 if it holds anything else. The last field of grasps
+/// may be empty.
 fn numbers(text: &str) -> usize {
     let line = text.lines().next().unwrap_or_default();
     let fields: Vec<&str> = line.split(',').map(str::trim).collect();

@@ -27,17 +27,17 @@ use cranny_plan::Registry;
 
 use crate::command::{Cli, Command as Chosen};
 
-/// How a command ended that could do its work.
+/// Result of a command that completed its work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Answer {
-    /// Exit 0.
+    /// Success, exit code 0.
     Done,
-    /// Exit 1: an honest "no".
+    /// Negative result, exit code 1.
     No,
 }
 
-/// The whole command, with the planners of a registry: what the program `cranny` is with [`Registry::default`], and what a
-/// program of one's own is with a planner more.
+/// Runs the whole command line with the planners of a registry: [`Registry::default`] gives the program `cranny`; a program of
+/// your own adds a planner.
 pub fn main(registry: &Registry) -> ExitCode {
     let matches = whole_command().get_matches();
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|fault| fault.exit());
@@ -69,7 +69,7 @@ pub fn main(registry: &Registry) -> ExitCode {
         Ok(Answer::Done) => ExitCode::SUCCESS,
         Ok(Answer::No) => ExitCode::from(1),
         Err(failure) => {
-            // Where not even this can be written, the exit code says it.
+            // If stderr cannot be written, the exit code still reports the failure.
             let _ = writeln!(std::io::stderr(), "error: {}", cranny_file::visible(&failure.to_string()));
             ExitCode::from(2)
         }
@@ -80,8 +80,7 @@ fn whole_command() -> Command {
     program::help::laid_out(with_negative_numbers(Cli::command()))
 }
 
-/// With every flag taking a negative number for what it is, so that `--count -1` hears of its range and not that
-/// there is no flag `-1`.
+/// Allows negative numbers as values of all flags, so that `--count -1` fails with its range and not with an unknown flag `-1`.
 fn with_negative_numbers(command: Command) -> Command {
     command
         .mut_args(|argument| {

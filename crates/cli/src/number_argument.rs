@@ -1,4 +1,4 @@
-//! Numbers on the command line, each with its range: what is outside of it is refused in one line that says it.
+//! Numbers on the command line; an error of one line states the valid range.
 
 use std::fmt::Display;
 use std::ops::RangeInclusive;
@@ -6,13 +6,13 @@ use std::time::Duration;
 
 use cranny_solve::PoseRadius;
 
-/// No search of anybody's goes on for longer, in seconds (116 days), and no clock overflows before.
+/// Maximum time limit of any search, in seconds (116 days); clocks do not overflow below it.
 pub const MOST_SECONDS: f64 = cranny_bench::MOST_TIME_LIMIT_S;
 
-/// As many iterations as a file of results can hold.
+/// Maximum number of iterations that a file of results can store.
 pub const MOST_ITERATIONS: u64 = i64::MAX.cast_unsigned();
 
-/// Parses whole numbers of a range.
+/// Returns a parser of integers within a range.
 pub fn whole<T>(
     range: RangeInclusive<T>,
 ) -> impl Fn(&str) -> Result<T, String> + Clone + Send + Sync + 'static
@@ -25,25 +25,25 @@ where
     }
 }
 
-/// A factor.
+/// Parses a positive factor.
 pub fn positive(text: &str) -> Result<f64, String> {
     let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number > 0.0);
     number.ok_or_else(|| "give a positive number".to_owned())
 }
 
-/// A factor that makes nothing larger.
+/// Parses a factor above 0 and at most 1.
 pub fn share(text: &str) -> Result<f64, String> {
     let number = text.parse().ok().filter(|number: &f64| *number > 0.0 && *number <= 1.0);
     number.ok_or_else(|| "give a number greater than 0, at most 1".to_owned())
 }
 
-/// A length of at least 0 in millimetres, in metres.
+/// Parses a length in millimetres, at least 0, and returns metres.
 pub fn millimetres(text: &str) -> Result<f64, String> {
     let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number >= 0.0);
     number.map(|number| number / 1000.0).ok_or_else(|| "give millimetres, at least 0".to_owned())
 }
 
-/// Millimetres and degrees.
+/// Parses a pose error in millimetres and degrees.
 pub fn pose_error(text: &str) -> Result<PoseRadius, String> {
     let numbers: Option<Vec<f64>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
     match numbers.as_deref() {
@@ -54,7 +54,7 @@ pub fn pose_error(text: &str) -> Result<PoseRadius, String> {
     }
 }
 
-/// A time limit.
+/// Parses a time limit in seconds.
 pub fn seconds(text: &str) -> Result<Duration, String> {
     let seconds = text.parse().ok().filter(|seconds| (0.0..=MOST_SECONDS).contains(seconds));
     let duration = seconds.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());

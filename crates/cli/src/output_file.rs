@@ -1,5 +1,5 @@
-//! Where commands write: never over a file of another kind unless `--force` says so, and a file or a folder as a
-//! whole or not at all.
+//! Output files of commands. A file of another kind is overwritten only with `--force`, and files and folders are written
+//! atomically.
 
 use std::fs::File;
 use std::io::Read as _;
@@ -11,10 +11,10 @@ use crate::arguments::Output;
 use crate::failure::Failure;
 use crate::file_kind::FileKind;
 
-/// Refuses what a command would write to `path`, before it has worked for it: a file that is there and of another
-/// kind, unless `--force` was given; a folder, a device, a file that is read-only, and where there is no folder.
+/// Checks, before the work begins, that a command can write `path`. Refuses an existing file of another kind unless `--force`
+/// is given, folders, devices, read-only files and paths in folders that do not exist.
 ///
-/// An empty file is of every kind: nothing is lost with it, and `mktemp` makes such.
+/// An empty file is of every kind, because nothing is lost with it, and `mktemp` makes such files.
 pub fn check(path: &Path, kind: FileKind, output: Output) -> Result<(), Failure> {
     check_folder(path)?;
     check_writable(path)?;
@@ -38,7 +38,7 @@ pub fn check(path: &Path, kind: FileKind, output: Output) -> Result<(), Failure>
     }
 }
 
-/// Refuses a file in a folder that is not there.
+/// Refuses a file in a folder that does not exist.
 pub fn check_folder(path: &Path) -> Result<(), Failure> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     if folder.is_some_and(|folder| !folder.is_dir()) {
@@ -47,19 +47,19 @@ pub fn check_folder(path: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Whether a place that is written to is meant for several files: a folder, or with a / at its end.
+/// Returns true if an output path stands for several files: an existing folder, or a path with / at its end.
 pub fn is_folder(path: &Path) -> bool {
     path.is_dir() || path.to_string_lossy().ends_with(std::path::is_separator)
 }
 
-/// Writes a file of a kind; [`check`] may have been asked long before.
+/// Writes a file of a kind after a new [`check`]; an earlier one may be outdated.
 pub fn write(path: &Path, kind: FileKind, content: &[u8], output: Output) -> Result<(), Failure> {
     check(path, kind, output)?;
     Ok(write_whole_file(path, content)?)
 }
 
-/// Writes a part of what was asked for, of a command that was stopped: what stands there already stays, and the part is
-/// written beside it (`grasps.csv` → `grasps.partial.csv`). Returns the file.
+/// Writes the partial result of a stopped command. An existing file stays, and the partial result is written beside it
+/// (`grasps.csv` → `grasps.partial.csv`). Returns the path written.
 pub fn write_part(path: &Path, kind: FileKind, content: &[u8], output: Output) -> Result<PathBuf, Failure> {
     let is_free = std::fs::metadata(path).map_or(true, |found| found.len() == 0);
     let place = if is_free {
@@ -73,15 +73,15 @@ pub fn write_part(path: &Path, kind: FileKind, content: &[u8], output: Output) -
     Ok(place)
 }
 
-/// A file that belongs into a folder with others.
+/// File that belongs in a folder with others.
 pub struct NamedFile {
     pub name: String,
     pub kind: FileKind,
     pub content: Vec<u8>,
 }
 
-/// Writes files into a folder: a new one appears with all of them or not at all; in one that is there, all places
-/// are looked at before the first file is written. Returns where they are.
+/// Writes files into a folder. A new folder appears with all files or not at all; in an existing folder, all paths are checked
+/// before the first file is written. Returns the paths.
 pub fn write_all(folder: &Path, files: &[NamedFile], output: Output) -> Result<Vec<PathBuf>, Failure> {
     let place = |file: &NamedFile| folder.join(&file.name);
     if folder.is_dir() {

@@ -1,4 +1,4 @@
-//! The program itself: help, licences, completions, the self-test.
+//! The program itself: help, licences, completions, self-test.
 
 pub(crate) mod completions;
 pub(crate) mod doctor;

@@ -7,13 +7,13 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::failure::Failure;
 
-/// Nothing is shown for what is done sooner than this.
+/// Minimum duration of work for which progress is shown.
 const PATIENCE: Duration = Duration::from_secs(1);
 
-/// How often a page that is served asks whether it is to end.
+/// Interval at which a page server checks the stop flag.
 const ASK_EVERY: Duration = Duration::from_millis(50);
 
-/// A flag that Ctrl-C sets, or whoever asks the program to end (SIGTERM, SIGHUP): the same at every call.
+/// Returns the flag that Ctrl-C, SIGTERM and SIGHUP set; every call returns the same one.
 pub fn stop_on_interrupt() -> Result<Arc<AtomicBool>, Failure> {
     static STOP: OnceLock<Arc<AtomicBool>> = OnceLock::new();
     if let Some(stop) = STOP.get() {
@@ -25,15 +25,15 @@ pub fn stop_on_interrupt() -> Result<Arc<AtomicBool>, Failure> {
     Ok(stop)
 }
 
-/// Done when the flag is set.
+/// Completes when the flag is set.
 pub async fn interrupted(stop: Arc<AtomicBool>) {
     while !stop.load(Ordering::Relaxed) {
         tokio::time::sleep(ASK_EVERY).await;
     }
 }
 
-/// Result of work that reports no progress; `None` if the flag is set before its end: the work is abandoned, and ends with
-/// the program.
+/// Runs work that reports no progress and returns its result; `None` if the flag is set before the end. The work is then
+/// abandoned and ends with the program.
 pub fn unless_stopped<T: Send + 'static>(
     stop: &AtomicBool,
     work: impl FnOnce() -> T + Send + 'static,
@@ -48,14 +48,14 @@ pub fn unless_stopped<T: Send + 'static>(
     Some(working.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
 }
 
-/// A bar for `total` pieces of work, hidden if `quiet` or if standard error is no terminal.
+/// Returns a progress bar over `total` items, hidden if `quiet` or if standard error is no terminal.
 pub fn bar(total: u64, quiet: bool) -> ProgressBar {
     let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new(total) };
     bar.set_style(style("{bar:30} {pos}/{len} {msg} {elapsed} (about {eta} left)"));
     bar
 }
 
-/// A line that says what is being done where nobody knows for how long.
+/// Returns a spinner with a message, for work of unknown duration.
 pub fn spinner(message: &'static str, quiet: bool) -> ProgressBar {
     let spinner = if quiet { ProgressBar::hidden() } else { ProgressBar::new_spinner() };
     spinner.set_style(style("{spinner} {msg}, {elapsed}"));
@@ -64,7 +64,7 @@ pub fn spinner(message: &'static str, quiet: bool) -> ProgressBar {
     spinner
 }
 
-/// Shows how a search goes once it takes longer than a second, and ends it on Ctrl-C.
+/// Observer that shows the progress of a search after one second, and stops it on Ctrl-C.
 pub struct SearchProgress {
     spinner: ProgressBar,
     begin: Instant,

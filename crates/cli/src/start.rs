@@ -3,10 +3,10 @@ use std::sync::Arc;
 use cranny_collision::{Cell, Collider};
 use cranny_task::Problem;
 
-/// At most so many reasons are listed.
+/// Maximum number of reasons listed.
 const MOST: usize = 8;
 
-/// Why the start of a problem is not free, a line each; nothing if it is.
+/// Returns the reasons why the start of a problem is not free, one per line; empty if it is free.
 pub fn faults(problem: &Problem) -> Vec<String> {
     if problem.start_is_free() {
         return Vec::new();
@@ -22,7 +22,7 @@ pub fn faults(problem: &Problem) -> Vec<String> {
     };
     if problem.cell().is_some_and(is_of_links) {
         lines.push(
-            "links that may touch each other are declared in an SRDF or as unchecked_pairs in scenario.yaml; \
+            "declare links that may touch each other in an SRDF or as unchecked_pairs in scenario.yaml; \
              `cranny robot add` proposes them"
                 .to_owned(),
         );

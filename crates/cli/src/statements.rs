@@ -10,8 +10,7 @@ use crate::arguments::VerifyArguments;
 use crate::planning::task::Demand;
 use crate::text::at_least_mm;
 
-/// Files that a plan brings along in place of the scenario's own, for which nothing but the plan vouches. Flags go before
-/// them.
+/// Files that a plan names in place of the scenario's own, on the authority of the plan alone. Flags override them.
 #[derive(Default, Serialize)]
 pub struct Brought {
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -49,13 +48,13 @@ impl Brought {
         let named = named.into_iter().filter_map(|(what, name)| Some((what, name?)));
         let mut lines = String::new();
         for (what, name) in named {
-            let _ = writeln!(lines, "  {what:<12}{name}, which the plan names");
+            let _ = writeln!(lines, "  {what:<12}{name}, from the plan file");
         }
         lines
     }
 }
 
-/// The margins that are demanded, each with its name.
+/// Formats the required margins, each with its name.
 pub fn demanded_margins(margins: &Margins) -> Vec<String> {
     let Margins { margin_m, grasp_margin_m, object_margin_m, tilt_rad } = *margins;
     let margins =
@@ -66,7 +65,7 @@ pub fn demanded_margins(margins: &Margins) -> Vec<String> {
     margins.chain(tilt).collect()
 }
 
-/// Lines on everything in a plan file that is not its path.
+/// Returns the lines on everything in a plan file other than its path.
 pub fn statement_lines(judgement: &Judgement) -> String {
     let Judgement { demanded: Demanded { margins, task }, .. } = judgement;
     let stages = task.iter().map(ToString::to_string);

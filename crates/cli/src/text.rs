@@ -9,7 +9,7 @@ use serde::Serialize;
 use crate::arguments::Output;
 use crate::failure::Failure;
 
-/// Prints an answer as the flags ask for it: as one JSON document, or for a person unless quiet was asked for.
+/// Prints an answer in the format of the flags: as one JSON document, or as text unless `quiet` is set.
 pub fn answer(
     document: &impl Serialize,
     page: impl FnOnce() -> String,
@@ -27,27 +27,27 @@ pub fn print_json(document: &impl Serialize) -> Result<(), Failure> {
     write(json(document)?.as_bytes())
 }
 
-/// A JSON document as it is printed or written to a file.
+/// Formats a JSON document for output.
 pub fn json(document: &impl Serialize) -> Result<String, Failure> {
     Ok(serde_json::to_string_pretty(document).map_err(std::io::Error::other)? + "\n")
 }
 
-/// Prints text on standard output, what a terminal would obey made visible: names come from files.
+/// Prints text on standard output with control characters made visible, because names come from files.
 pub fn print(text: &str) -> Result<(), Failure> {
     write(visible(text).as_bytes())
 }
 
-/// Prints what another program reads, unchanged.
+/// Prints machine-readable content unchanged.
 pub fn print_as_it_is(content: &[u8]) -> Result<(), Failure> {
     write(content)
 }
 
-/// Says something beside the answer, on standard error.
+/// Prints a note on standard error.
 pub fn note(text: &str) -> Result<(), Failure> {
     Ok(writeln!(std::io::stderr(), "note: {}", visible(text))?)
 }
 
-/// A reader that has gone away is no failure.
+/// Writes to standard output; a closed pipe is no error.
 fn write(content: &[u8]) -> Result<(), Failure> {
     match std::io::stdout().lock().write_all(content) {
         Err(fault) if fault.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
@@ -55,52 +55,52 @@ fn write(content: &[u8]) -> Result<(), Failure> {
     }
 }
 
-/// Metres as millimetres for a person.
+/// Formats metres as millimetres.
 pub fn millimetres(metres: f64) -> String {
     format!("{:.2} mm", metres * 1000.0)
 }
 
-/// Metres of a lower bound as millimetres for a person: never more than the bound.
+/// Formats a lower bound in metres as millimetres, rounded down.
 pub fn at_least_mm(bound_m: f64) -> String {
     format!("{} mm", cranny_file::at_least(bound_m, 1e3, 2))
 }
 
-/// Metres of an upper bound as millimetres for a person: never less than the bound.
+/// Formats an upper bound in metres as millimetres, rounded up.
 pub fn at_most_mm(bound_m: f64) -> String {
     format!("{} mm", cranny_file::at_most(bound_m, 1e3, 2))
 }
 
-/// Radians of an upper bound as degrees for a person: never less than the bound.
+/// Formats an upper bound in radians as degrees, rounded up.
 pub fn at_most_degrees(bound_rad: f64) -> String {
     format!("{}°", cranny_file::at_most(bound_rad, 1_f64.to_degrees(), 2))
 }
 
-/// Seconds that something takes for a person: never less.
+/// Formats a duration in seconds, rounded up.
 pub fn at_most_seconds(seconds: f64) -> String {
     format!("{} s", cranny_file::at_most(seconds, 1.0, 3))
 }
 
-/// Radians of a lower bound as degrees for a person: never more than the bound.
+/// Formats a lower bound in radians as degrees, rounded down.
 pub fn at_least_degrees(bound_rad: f64) -> String {
     format!("{}°", cranny_file::at_least(bound_rad, 1_f64.to_degrees(), 2))
 }
 
-/// Seconds for a person, short ones as milliseconds.
+/// Formats a duration in seconds, or in milliseconds below 1 s.
 pub fn seconds(seconds: f64) -> String {
     if seconds < 1.0 { format!("{:.2} ms", seconds * 1e3) } else { format!("{seconds:.2} s") }
 }
 
-/// Radians as degrees for a person.
+/// Formats radians as degrees.
 pub fn degrees(radians: f64) -> String {
     format!("{:.2}°", radians.to_degrees())
 }
 
-/// A score for a person; "—" where there is none.
+/// Formats a score; "—" if there is none.
 pub fn score(score: Option<f64>) -> String {
     score.map_or_else(|| "—".to_owned(), |s| format!("{s:.2}"))
 }
 
-/// A grasp that a planner made.
+/// Formats a grasp that the planner generated.
 pub fn own_grasp(grasp: &OwnGrasp) -> String {
     let OwnGrasp { opening_m, score, uneven_m, .. } = grasp;
     let score = cranny_file::at_least(*score, 1.0, 2);
@@ -108,23 +108,23 @@ pub fn own_grasp(grasp: &OwnGrasp) -> String {
     format!("of its own (score {score}), fingers {opening} apart when closed{uneven}")
 }
 
-/// Difference of the travel of two fingers above which it is reported, in metres: less is invisible.
+/// Difference of the travel of two fingers above which it is reported, in metres; smaller ones are invisible.
 const UNEVEN_M: f64 = 1e-3;
 
-/// Text on fingers of which one meets the object before the other; empty where that is hardly so.
+/// Returns text on fingers of which one meets the object before the other; empty if the difference is negligible.
 pub fn uneven(uneven_m: Option<f64>) -> String {
     uneven_m.filter(|uneven_m| *uneven_m > UNEVEN_M).map_or_else(String::new, |uneven_m| {
         format!(" (one meets it {} before the other: it will be pushed, or the hand)", at_most_mm(uneven_m))
     })
 }
 
-/// What is said of a number beyond the last of `count` things, which are counted from 0.
+/// Returns the message for an index beyond the last of `count` items, counted from 0.
 pub fn only_so_many(count: usize, noun: &str) -> String {
     let verb = if count == 1 { "is" } else { "are" };
     format!("there {verb} {}, counted from 0", counted(count, noun))
 }
 
-/// The two things that limit a clearance, where the smaller grasp margin applies to them.
+/// Formats the pair of bodies that limits a clearance, and notes that the smaller grasp margin applies to it.
 pub fn limited_by(limit: Option<&ClearanceLimit>, margins: Margins) -> String {
     let Margins { margin_m, grasp_margin_m, .. } = margins;
     match limit {
@@ -141,16 +141,16 @@ pub fn limited_by(limit: Option<&ClearanceLimit>, margins: Margins) -> String {
     }
 }
 
-/// Text after "proven" or "valid" where something was not compared, or may touch; empty elsewhere.
+/// Returns text after "proven" or "valid" on pairs that were not compared or may touch; empty if there are none.
 pub fn but_for(not_checked: &[NotChecked]) -> String {
     NotChecked::summary(not_checked).map_or_else(String::new, |summary| format!(", but for {summary}"))
 }
 
-/// As many adjacent pairs are named in a line.
+/// Maximum number of adjacent pairs named in a line.
 const MOST_NAMED: usize = 3;
 
-/// Pairs that are not compared, why, and what to do about it, and contacts that are allowed, each with the heading of its line:
-/// a line each, but one for all adjacent links of a kind.
+/// Formats the pairs that are not compared, with reason and remedy, and the allowed contacts. Each has a line with its heading;
+/// adjacent links share one line per kind.
 pub fn not_checked(pairs: &[NotChecked]) -> Vec<(&'static str, String)> {
     use NotCheckedReason::{
         AdjacentAtJoint, AdjacentFree, AdjacentTouching, AdjacentUnproven, AlwaysTouching,
@@ -166,11 +166,11 @@ pub fn not_checked(pairs: &[NotChecked]) -> Vec<(&'static str, String)> {
         }
         let text = match reason {
             AlwaysTouching => format!(
-                "{first} and {second} touch wherever the joints between them stand, at least {} deep \
-                 (--strict-pairs checks them; an SRDF or unchecked_pairs may exempt them)",
+                "{first} and {second} touch in every configuration, at least {} deep (--strict-pairs checks \
+                 them; an SRDF or unchecked_pairs may exempt them)",
                 at_least_mm(*depth_m)
             ),
-            NotCheckedReason::NeverMoves => format!("{first} stands still, {depth} deep in {second}"),
+            NotCheckedReason::NeverMoves => format!("{first} never moves, and is {depth} deep in {second}"),
             _ => return None,
         };
         Some((NOT_CHECKED, text))
@@ -202,5 +202,5 @@ pub fn not_checked(pairs: &[NotChecked]) -> Vec<(&'static str, String)> {
     lines
 }
 
-/// The heading of what is not compared.
+/// Heading of the lines on pairs that are not compared.
 const NOT_CHECKED: &str = "not checked";

@@ -1,4 +1,4 @@
-//! The finished part of a long work that is stopped: kept beside the output until the same command finishes the rest.
+//! Partial results of a long computation that was stopped, kept beside the output until the same command resumes.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -13,7 +13,7 @@ use crate::failure::Failure;
 use crate::file_kind::FileKind;
 use crate::output_file;
 
-/// File of the finished part of one computation, and the identity of that computation.
+/// File of the partial result of one computation, and the identity of that computation.
 pub struct Unfinished {
     file: PathBuf,
     identity: String,
@@ -31,11 +31,11 @@ struct Content<Rows> {
 const FORMAT: &str = "cranny-unfinished/1";
 
 impl Unfinished {
-    /// That of a work which writes `output` in the end: `scored.csv` → `scored.csv.unfinished-1a2b3c4d.json`, with the begin of
-    /// the identity. Two works are the same if the version of Cranny and everything in `depends_on` are.
+    /// Returns the file beside `output`: `scored.csv` → `scored.csv.unfinished-1a2b3c4d.json`, with the start of the identity.
+    /// Two computations are the same if the version of Cranny and everything in `depends_on` are.
     ///
     /// # Errors
-    /// [`Failure`] if a file of another kind is in its place.
+    /// [`Failure`] if a file of another kind has that name.
     pub fn beside(output: &Path, depends_on: &[&str], flags: Output) -> Result<Self, Failure> {
         let mut sum = Sha256::new();
         for part in [&[env!("CARGO_PKG_VERSION")], depends_on].concat() {
@@ -53,10 +53,10 @@ impl Unfinished {
         Ok(Self { file, identity })
     }
 
-    /// The rows that an earlier run of the same work finished.
+    /// Returns the rows that an earlier run of the same computation finished.
     ///
     /// # Errors
-    /// [`Failure::File`] for a file that cannot be read, or is of another work.
+    /// [`Failure::File`] for a file that cannot be read, or belongs to another computation.
     pub fn rows<Row: DeserializeOwned>(&self) -> Result<Vec<Row>, Failure> {
         if !self.file.exists() {
             return Ok(Vec::new());
@@ -65,14 +65,16 @@ impl Unfinished {
         let text =
             cranny_file::TABLE.argument().text(&self.file).map_err(|reason| fault(reason.to_string()))?;
         let content: Content<Vec<Row>> = cranny_file::json(text.as_bytes())
-            .map_err(|reason| fault(format!("{}; remove it to begin anew", reason.problem)))?;
+            .map_err(|reason| fault(format!("{}; remove the file to start again", reason.problem)))?;
         if content.format != FORMAT || content.identity != self.identity {
-            return Err(fault("it holds rows of another command; remove it to begin anew".to_owned()));
+            return Err(fault(
+                "the file contains rows of another command; remove it to start again".to_owned(),
+            ));
         }
         Ok(content.rows)
     }
 
-    /// Keeps rows in the place of those that were kept, and returns the file.
+    /// Replaces the stored rows and returns the file.
     ///
     /// # Errors
     /// [`Failure`] if it cannot be written.
@@ -83,7 +85,7 @@ impl Unfinished {
         Ok(&self.file)
     }
 
-    /// Removes what is kept: the work is done.
+    /// Removes the file after the computation is complete.
     ///
     /// # Errors
     /// [`Failure`] if it cannot be removed.

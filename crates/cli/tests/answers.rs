@@ -1,4 +1,4 @@
-//! Answers that state what limits them, and reasons that lead to what is wrong.
+//! Answers that state their limiting factors, and error messages that lead to the fault.
 
 use std::path::Path;
 use std::process::Output;
@@ -40,13 +40,13 @@ fn a_clearance_below_the_margin_names_the_margin_that_limits_it() {
     assert!(verified["clearance_m"].as_f64().is_some_and(|clearance_m| clearance_m < 5e-3));
     assert_eq!((&limit["second"], &limit["margin"]), (&"ball".into(), &"grasp-margin".into()), "{limit}");
 
-    // With one margin for all, none is limited by another.
+    // With one margin for all, no margin limits another.
     let arguments = ["plan", "023", "--margin", "1", "--grasp-margin", "1", "--json"];
     let planned = cranny(folder.path(), &arguments);
     assert!(!text(&planned).contains("limited by") && json(&planned)["clearance_limit"].is_object());
 }
 
-/// The grasps of scenario 021 in a file, changed line by line.
+/// Writes the grasps of scenario 021 to a file, with `change` applied to each line.
 fn grasps_of_021(folder: &Path, change: impl Fn(&mut [f64])) {
     let entry = cranny_scenario::catalogue().iter().find(|entry| entry.id == "021").expect("built in");
     let (_, grasps) = entry.files();
@@ -80,7 +80,8 @@ fn grasps_beyond_reach_are_told_with_distance_joints_and_a_base_that_reaches_the
     let planned = cranny(folder.path(), &["plan", "021", "--grasps", "grasps.csv"]);
     assert_eq!(planned.status.code(), Some(1));
     let text = text(&planned);
-    for words in ["or more beyond reach", "at their limits base_joint_x", "with the base moved by +"] {
+    for words in ["or more beyond reach", "joints at their limits: base_joint_x", "with the base moved by +"]
+    {
         assert!(text.contains(words), "{text}");
     }
     assert!(!text.contains("--time-limit"), "{text}");

@@ -1,4 +1,4 @@
-//! No file makes a reader panic: sound ones damaged at random, and the cases that fuzzing has found.
+//! Readers never panic: on sound files with random damage, and on the cases that fuzzing has found.
 
 use std::fs;
 
@@ -6,22 +6,22 @@ use crate::file_readers::{FILE_READERS, FileReader, ReaderAtWork, here};
 use proptest::prelude::*;
 use proptest::test_runner::TestRunner;
 
-/// What happens to a file on its way.
+/// Damage to a file.
 #[derive(Clone, Debug)]
 enum Damage {
-    /// It ends early; places are shares of the length.
+    /// Truncation; positions are fractions of the length.
     CutAt(f64),
-    /// One byte is another.
+    /// Replacement of one byte.
     Byte(f64, u8),
-    /// A stretch of it is missing.
+    /// Removal of a range.
     Missing(f64, f64),
-    /// A stretch of it stands there twice.
+    /// Duplication of a range.
     Twice(f64, f64),
-    /// Something that readers find hard stands in it.
+    /// Insertion of a difficult token.
     Inserted(f64, usize),
 }
 
-/// Numbers and signs on which readers stumble.
+/// Numbers and tokens that are difficult for readers.
 const HARD: [&[u8]; 14] = [
     b"-1",
     b"nan",
@@ -74,7 +74,7 @@ impl Damage {
     }
 }
 
-/// The sound file of a reader, and its further cases, by name.
+/// Returns the sound file of a reader, and its further cases, by name.
 fn cases(reader: &FileReader) -> Vec<(String, Vec<u8>)> {
     let mut cases = vec![("sound".to_owned(), fs::read(here().join("sound").join(reader.file)).unwrap())];
     let mut files: Vec<_> = fs::read_dir(here().join("cases").join(reader.name))
@@ -120,14 +120,14 @@ fn damaged_files_are_read_or_refused() {
     }
 }
 
-/// What takes time or memory with the square of a file's size shows in a file that is the same again and again.
+/// Detects time or memory that grows quadratically with the file size, by repeating content of the file.
 #[test]
 fn files_grown_by_what_is_in_them_are_read_or_refused_in_a_moment() {
     const BYTES: usize = 300_000;
     for reader in &FILE_READERS {
         let at_work = ReaderAtWork::new(reader.name);
         for (name, bytes) in cases(reader) {
-            // Three stretches of the file, the first byte of each at a line where there are lines.
+            // Three ranges of the file, aligned to lines if it has lines.
             for (share, length) in [(0.2, 40), (0.5, 7), (0.8, 200)] {
                 #[allow(
                     clippy::cast_possible_truncation,

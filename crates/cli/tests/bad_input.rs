@@ -1,4 +1,4 @@
-//! Bad input of every kind gets one clear error with its place, exit 2, and leaves nothing behind.
+//! Bad input of every kind gives one clear error with its location, exit code 2, and leaves no files.
 
 use std::path::Path;
 use std::process::Output;
@@ -30,7 +30,7 @@ fn run(folder: &Path, arguments: &[&str]) -> Output {
         .expect("it runs")
 }
 
-/// Plans in `folder` and returns what the error says, which must hold every one of `words`.
+/// Plans in `folder` and returns the error, which must contain every one of `words`.
 fn refused(folder: &Path, arguments: &[&str], words: &[&str]) {
     let before = std::fs::read_dir(folder).expect("a folder").count();
     let output = run(folder, arguments);
@@ -70,7 +70,7 @@ fn a_start_in_collision_is_an_outcome_not_an_error() {
     assert_eq!(std::fs::read_dir(folder.path()).expect("a folder").count(), 2, "nothing is written");
 }
 
-/// A name from a file could clear the screen, or write what the program never said.
+/// A name from a file could clear the screen, or forge output of the program.
 #[test]
 fn control_characters_of_names_are_made_visible() {
     let folder = folder();
@@ -86,7 +86,7 @@ fn control_characters_of_names_are_made_visible() {
     assert!(page.contains("a\\u{1b}[2J") && !page.contains('\u{1b}'), "{page}");
 }
 
-/// A file beyond the limit of its kind is refused before it is read, and read with the flag that the message names.
+/// A file beyond the limit of its kind is refused before it is read, and accepted with the flag that the message names.
 #[test]
 fn large_files_are_refused_unless_they_are_wanted() {
     let folder = folder();
@@ -100,7 +100,7 @@ fn large_files_are_refused_unless_they_are_wanted() {
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
 }
 
-/// What a person names may come through a pipe, which can be read but once.
+/// An input file may be a pipe, which can be read only once.
 #[cfg(unix)]
 #[test]
 fn a_plan_and_way_points_come_through_a_pipe() {
@@ -120,7 +120,7 @@ fn a_plan_and_way_points_come_through_a_pipe() {
     writer.join().expect("it ends").expect("written");
 }
 
-/// Some of these took all memory, some wrapped round to nothing, and some said that there was no flag `-1`.
+/// Some of these would exhaust the memory or overflow, or be parsed as an unknown flag `-1`.
 #[test]
 fn a_number_out_of_its_range_is_refused_with_the_range() {
     let folder = folder();
@@ -144,7 +144,7 @@ fn a_number_out_of_its_range_is_refused_with_the_range() {
         ("scenario sweep gap --from 0.6 --to 0.5", "--steps", "1 to 100000", &["0", "4294967296"]),
         ("plan 021", "--time-limit", "0 to 10000000", &["-1", "nan", "inf", "1e20"]),
         ("plan 021", "--iterations", "0 to 9223372036854775807", &["-1"]),
-        ("plan 021", "--rate", "samples a second", &["0", "-1", "nan", "inf"]),
+        ("plan 021", "--rate", "samples per second", &["0", "-1", "nan", "inf"]),
         ("plan 021", "--seed", "0 to 18446744073709551615", &["-1", "18446744073709551616"]),
         ("ik 021", "--solutions", "1 to 1000", &["0", "1000000000000000000"]),
         ("ik 021", "--attempts", "1 to 1000000000", &["0", "-1"]),

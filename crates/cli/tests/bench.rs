@@ -1,4 +1,4 @@
-//! `cranny bench`: campaigns that survive anything, and trials that are run again exactly.
+//! `cranny bench`: campaigns that survive interruptions, and trials that are repeated exactly.
 
 use std::collections::HashSet;
 use std::path::Path;
@@ -18,7 +18,7 @@ fn cranny(folder: &Path, arguments: &[&str]) -> Output {
     command.current_dir(folder).args(arguments).output().expect("it runs")
 }
 
-/// Runs a campaign, which must end well, and returns what `--json` says.
+/// Runs a campaign, which must succeed, and returns the output of `--json`.
 fn campaign(folder: &Path, arguments: &str) -> Value {
     let words: Vec<&str> = ["bench", "run", "--json"].into_iter().chain(arguments.split(' ')).collect();
     let output = cranny(folder, &words);
@@ -76,7 +76,7 @@ fn twenty_times_killed_a_campaign_still_ends_with_every_trial_once() {
             .stderr(Stdio::null())
             .spawn()
             .expect("it runs");
-        // Moments all over the opening of the file, of the scenario and the first trials, in no order.
+        // Times spread over the opening of the file and the scenario and over the first trials, in no order.
         std::thread::sleep(Duration::from_millis(3 + kill * 7919 % 1000));
         // SIGKILL on Unix.
         child.kill().expect("killed");
@@ -162,7 +162,7 @@ fn results_of_two_machines_are_joined() {
     let folder = folder();
     campaign(folder.path(), "--scenarios 021 --planners reach --runs 3 -o a.db");
     campaign(folder.path(), "--scenarios 021 --planners reach --runs 4 --first-seed 2 -o b.db");
-    // One of the seeds was run on both, and no two clocks agree.
+    // One of the seeds was run on both machines, with different times.
     let words = ["bench", "merge", "a.db", "b.db", "-o", "all.db", "--json"];
     assert_eq!(cranny(folder.path(), &words).status.code(), Some(2));
     assert!(!folder.path().join("all.db").exists());
@@ -207,7 +207,7 @@ fn bad_campaigns_are_refused_before_anything_is_written() {
         }
         assert!(!folder.path().join("results.db").exists(), "{arguments:?}");
     }
-    // A planner that does not take the criterion says so, and what is there stays.
+    // A planner that does not support the criterion is reported, and existing results stay.
     campaign(folder.path(), "--scenarios 021 --planners reach --runs 1");
     let output = cranny(
         folder.path(),

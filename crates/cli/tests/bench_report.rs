@@ -1,4 +1,4 @@
-//! `cranny bench report` and `cranny bench export` as their users meet them.
+//! `cranny bench report` and `cranny bench export` from the command line.
 
 use std::fs;
 use std::path::Path;
@@ -24,7 +24,7 @@ fn said(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 
-/// Two planners on two scenarios, ten runs each, one in five not solved.
+/// Writes results of two planners on two scenarios, ten runs each, one in five not solved.
 fn results(folder: &Path) {
     let mut results = Results::create(&folder.join("results.db")).expect("results");
     let run = results.begin_run(&RunInformation::here(None, "cranny bench run", 1)).expect("a run");
@@ -114,7 +114,7 @@ fn the_papers_table_comes_in_three_formats() {
     );
     assert!(table("latex").contains("021 & 80: 10.80/10.44 & 80: 6.05/12.62 \\\\"), "{}", table("latex"));
     assert!(table("csv").starts_with("criterion,scenario,goals,goals_solved,planner,"));
-    // The ending of the file says the same.
+    // The file extension selects the same format.
     let written = cranny(folder.path(), &["bench", "report", "results.db", "-o", "table.tex"]);
     assert_eq!(written.status.code(), Some(0));
     assert_eq!(fs::read_to_string(folder.path().join("table.tex")).expect("the table"), table("latex"));
@@ -137,7 +137,7 @@ fn plots_are_written_as_svg_pdf_and_png() {
     );
 }
 
-/// The trials claim a scenario of another content, so they are given what 021 and 022 hold now.
+/// The trials name scenarios with another content hash, so they are given the current hashes of 021 and 022.
 #[test]
 fn scenarios_are_drawn_and_paths_of_worst_trials_are_a_click_away() {
     let folder = folder();
@@ -177,7 +177,7 @@ fn scenarios_are_drawn_and_paths_of_worst_trials_are_a_click_away() {
     let no_page = cranny(folder.path(), &["bench", "report", "results.db", "--paths", "--format", "json"]);
     assert_eq!(no_page.status.code(), Some(2));
     assert!(
-        said(&no_page.stderr).contains("--paths: only a page leads to paths"),
+        said(&no_page.stderr).contains("--paths: only the HTML page links to paths"),
         "{}",
         said(&no_page.stderr)
     );
@@ -204,15 +204,15 @@ fn bad_input_is_said_once_and_leaves_what_was_there() {
         .expect("written");
     Results::create(&folder.path().join("empty.db")).expect("results");
     for (arguments, wanted) in [
-        (&["report", "missing.db", "-o", "page.html"][..], "missing.db: there are no results"),
-        (&["report", "no.db", "-o", "page.html"], "no.db: the file holds no results"),
-        (&["report", "empty.db", "-o", "page.html"], "empty.db: the results hold no trial"),
+        (&["report", "missing.db", "-o", "page.html"][..], "missing.db: results file not found"),
+        (&["report", "no.db", "-o", "page.html"], "no.db: not a results file"),
+        (&["report", "empty.db", "-o", "page.html"], "empty.db: the results contain no trial"),
         (
             &["report", "results.db", "-o", "nowhere/page.html"],
             "nowhere/page.html: the folder does not exist",
         ),
         (&["report", "results.db", "--format", "pdf"], "invalid value 'pdf'"),
-        (&["export", "empty.db", "-o", "page.html"], "empty.db: the results hold no trial"),
+        (&["export", "empty.db", "-o", "page.html"], "empty.db: the results contain no trial"),
         (&["export", "results.db"], "--output <FILE>"),
     ] {
         let arguments: Vec<&str> = ["bench"].into_iter().chain(arguments.iter().copied()).collect();

@@ -1,5 +1,5 @@
-//! Campaigns from their page to their last line: what is wrong is said before the first trial, and what went wrong
-//! after the last.
+//! Campaigns from the example page to the final report: errors are reported before the first trial, and failures after the
+//! last.
 
 use std::os::unix::fs::PermissionsExt as _;
 use std::path::Path;
@@ -11,7 +11,7 @@ fn folder() -> tempfile::TempDir {
     tempfile::tempdir().expect("a temporary folder")
 }
 
-/// `words` with spaces between, with `bin` of the folder before everything in PATH.
+/// Runs `words`, separated by spaces, with `bin` of the folder first in PATH.
 fn cranny(folder: &Path, words: &str) -> Output {
     let path = std::env::var("PATH").unwrap_or_default();
     Command::new(assert_cmd::cargo::cargo_bin("cranny"))
@@ -33,8 +33,7 @@ fn script(folder: &Path, name: &str, text: &str) {
     std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o755)).expect("executable");
 }
 
-/// The first example of the page once ended after one trial, because one of its planners took only one of its
-/// criteria.
+/// Every example must complete, including those with a planner that supports only one of the criteria.
 #[test]
 fn every_example_of_the_page_runs() {
     let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/campaigns.md");
@@ -45,7 +44,7 @@ fn every_example_of_the_page_runs() {
     for example in examples {
         let folder = folder();
         let path = folder.path();
-        // What the examples suppose to be there; whatever the programs answer is an outcome.
+        // Provides the programs that the examples assume; any result of theirs is an outcome.
         assert_eq!(cranny(path, "scenario new my_shelf").status.code(), Some(0));
         script(path, "my_planner.py", "");
         script(path, "bin/python3", "exit 0");
@@ -69,12 +68,12 @@ fn what_would_end_a_campaign_later_is_said_before_its_first_trial() {
                 exceptions: [{scenario: '021', planner: raech, time_limit_s: 9}]\n";
     std::fs::write(path.join("exception.yaml"), yaml).expect("written");
     for (words, said) in [
-        // The first trials would be under exact, which it takes.
+        // The first trials would be under exact, which the planner supports.
         (
             "--scenarios 021 --planners reach --criterion exact,paper",
             &["021", "reach", "exact criterion"][..],
         ),
-        // Trials of each goal begin with the first planner.
+        // Trials of each goal start with the first planner.
         ("--scenarios 021 --planners ik-rrt,j-plus-rrt --each-goal", &["021", "j-plus-rrt", "grasps"]),
         ("--scenarios 021,./broken --planners reach", &["grasps.csv:1"]),
         ("--scenarios 021 --planners reach --planner exec:no-such-program", &["no-such-program", "PATH"]),
@@ -136,7 +135,7 @@ fn the_last_lines_say_who_crashed_how_often_and_why() {
     );
 }
 
-/// Whoever asks for more room about the target gets other trials, and none that has less.
+/// A larger required clearance around the target gives other trials, none with less clearance.
 #[test]
 fn trials_keep_the_room_that_the_target_is_to_have() {
     let folder = folder();

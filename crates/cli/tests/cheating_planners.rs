@@ -1,4 +1,4 @@
-//! Planners that cheat, by accident or not: what is recorded of each, and that nobody else is touched by it.
+//! Planners that cheat, accidentally or on purpose: each is recorded correctly, and no other trial is affected.
 
 use std::io::Write as _;
 use std::path::Path;
@@ -17,7 +17,7 @@ fn script(folder: &Path, name: &str, text: &str) -> String {
     format!("{}=exec:sh {name}", name.trim_end_matches(".sh"))
 }
 
-/// `bench run` of one planner in 031, two seeds, without walls; more words overrule.
+/// Words of `bench run` of one planner in 031, two seeds, without a sandbox; `more` overrides them.
 fn words<'a>(planner: &'a str, more: &[&'a str]) -> Vec<&'a str> {
     let usual = [["-o", "results.db"], ["--scenarios", "031"], ["--runs", "2"], ["--sandbox", "off"]];
     let usual = usual.iter().filter(|[flag, _]| !more.contains(flag)).flatten();
@@ -44,7 +44,7 @@ fn stored(folder: &Path) -> Vec<StoredTrial> {
     Results::open(&folder.join("results.db")).expect("results").trials().expect("trials")
 }
 
-/// The trials of one script.
+/// Runs a script as a planner and returns its trials.
 fn trials(text: &str, more: &[&str]) -> Vec<StoredTrial> {
     let folder = folder();
     let planner = script(folder.path(), "cheat.sh", text);
@@ -57,7 +57,7 @@ fn said(trial: &StoredTrial) -> &str {
     trial.record.detail.as_deref().unwrap_or_default()
 }
 
-/// A number of seconds that nobody else sleeps.
+/// Returns a sleep command with a duration that no other process uses.
 fn sleep(offset: u64) -> String {
     format!("sleep {}", 2_000_000 + 10 * u64::from(std::process::id()) + offset)
 }
@@ -85,7 +85,7 @@ fn counts_that_no_program_counts_are_garbled_and_end_no_campaign() {
     let answer = "echo '{\"statistics\": {\"iterations\": 18446744073709551615}}'\n";
     for trial in trials(answer, &[]) {
         assert_eq!(trial.record.outcome, TrialOutcome::Garbled);
-        assert!(said(&trial).contains("more than any program"), "{}", said(&trial));
+        assert!(said(&trial).contains("which is too large"), "{}", said(&trial));
     }
 }
 
@@ -104,7 +104,7 @@ fn a_scenario_or_a_program_that_changes_ends_the_campaign_before_its_next_trial(
     let planner = script(path, "self.sh", "echo '# edited' >> \"$0\"\n");
     let output = run(path, &words(&planner, &["-o", "other.db"]));
     assert_eq!(output.status.code(), Some(2), "{}", error(&output));
-    assert!(error(&output).contains("is not the one of the trial"), "{}", error(&output));
+    assert!(error(&output).contains("differs from that of the trial"), "{}", error(&output));
 }
 
 #[test]
@@ -166,7 +166,7 @@ fn nothing_that_a_planner_starts_outlives_its_trial_however_often_it_forks() {
     );
     trials(&text, &[]);
     assert!(!is_running(&daemon) && !is_running(&grandchild));
-    // Of a worker that is killed, too.
+    // The same holds for a worker that is killed.
     let orphan = sleep(3);
     let text = format!("setsid {orphan} > /dev/null 2>&1 &\nsleep 0.3\nkill -9 $PPID\n{orphan}\n");
     for trial in trials(&text, &[]) {
@@ -250,7 +250,7 @@ fn paths_that_are_the_same_under_other_seeds_are_said() {
     );
 }
 
-/// The trials of one script within all walls; nothing, said aloud, where the kernel has not all of them.
+/// Runs a script in the full sandbox and returns its trials; prints a note and returns `None` if the kernel lacks a mechanism.
 fn trials_within_walls(text: &str, more: &[&str]) -> Option<Vec<StoredTrial>> {
     let folder = folder();
     let planner = script(folder.path(), "cheat.sh", text);

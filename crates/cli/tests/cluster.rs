@@ -1,4 +1,4 @@
-//! Campaigns in parts: by hand, and as tasks of a real Slurm of one node in the long run.
+//! Campaigns in shards: run manually, and in the long run as tasks of a real Slurm of one node.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command as Process, Output};
@@ -16,7 +16,7 @@ fn folder() -> tempfile::TempDir {
     folder
 }
 
-/// What a command says; its exit code is that which is wanted.
+/// Runs a command, checks its exit code and returns its output.
 fn said(folder: &Path, words: &[&str], code: i32) -> String {
     let output = with(folder, words, &[]);
     assert_eq!(output.status.code(), Some(code), "{words:?}: {}", text(&output.stderr));
@@ -32,7 +32,7 @@ fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 
-/// What does not depend on the machine: trial, outcome, path.
+/// Returns the machine-independent content of the results: trial, outcome, path.
 fn trials(file: &Path) -> Vec<(String, Vec<Vec<f64>>)> {
     let results = Results::open(file).expect("results");
     let of_trial = |trial: cranny_bench::StoredTrial| {
@@ -58,11 +58,11 @@ fn parts_that_are_run_one_by_one_give_the_same_whole() {
     said(path, &[&["bench", "merge"][..], &files, &["-o", "all.db"]].concat(), 0);
     said(path, &["bench", "run", "campaign.yaml", "-o", "one.db"], 0);
     assert_eq!(trials(&path.join("all.db")), trials(&path.join("one.db")));
-    // The same trials, run twice: no two clocks agree.
+    // The trials were run twice, with different times.
     let refused = said(path, &["bench", "merge", "one.db", "all.db"], 2);
     assert!(refused.contains("8 trials") && refused.contains("--keep-first"), "{refused}");
     said(path, &["bench", "merge", "one.db", "all.db", "--keep-first"], 0);
-    // Of a part without the file that says how many trials it has nobody knows.
+    // A shard without its progress file has an unknown number of trials.
     std::fs::remove_file(path.join("part-2.json")).expect("removed");
     let status = said(path, &["bench", "status", "part-1.db", "part-2.db"], 1);
     assert!(status.contains("unknown    1 of 2 tasks: part-2.db"), "{status}");
@@ -79,7 +79,7 @@ fn scripts_are_written_checked_and_never_written_over() {
     for script in ["task.sh", "report.sh"] {
         assert!(Process::new("sh").arg("-n").arg(place.join(script)).status().expect("sh").success());
     }
-    // What a task does, with what Slurm would set.
+    // Runs a task with the variables that Slurm sets.
     let task = |number: &str| {
         let mut task = Process::new("sh");
         task.arg(place.join("task.sh")).env("SLURM_ARRAY_TASK_ID", number).output().expect("it runs")
@@ -91,13 +91,16 @@ fn scripts_are_written_checked_and_never_written_over() {
     assert!(Process::new("sh").arg(place.join("report.sh")).status().expect("sh").success());
     assert_eq!(Results::open(&place.join("results.db")).expect("results").count().expect("a count"), 8);
     assert!(place.join("report.html").exists());
-    assert!(said(path, &words, 2).contains("has a campaign already"));
-    // Another campaign than was handed out is refused on the node.
+    assert!(said(path, &words, 2).contains("contains a campaign already"));
+    // The node refuses a campaign that differs from the submitted one.
     std::fs::write(path.join("campaign.yaml"), CAMPAIGN.replace("runs: 4", "runs: 5")).expect("written");
     let output = task("1");
     let refused = text(&output.stderr);
     assert!(output.status.code() == Some(2) && refused.contains("the list of trials"), "{refused}");
-    assert!(said(path, &["bench", "slurm", "campaign.yaml", "--array", "99"], 2).contains("no more tasks"));
+    assert!(
+        said(path, &["bench", "slurm", "campaign.yaml", "--array", "99"], 2)
+            .contains("at most as many tasks")
+    );
     assert!(said(path, &["bench", "status", "."], 2).contains("campaign.json"));
 }
 
@@ -111,7 +114,7 @@ fn without_slurm_it_is_said_what_to_do() {
     assert!(said.contains("sbatch") && said.contains("--write-only"), "{said}");
 }
 
-/// A Slurm of one node, ended with the test.
+/// Slurm of one node, stopped at the end of the test.
 struct Slurm {
     folder: tempfile::TempDir,
 }
@@ -119,7 +122,7 @@ struct Slurm {
 impl Slurm {
     const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../xtask/slurm/one_node.sh");
 
-    /// Nothing, said aloud, where it cannot be had.
+    /// Starts Slurm; prints a note and returns `None` if it is not available.
     fn start() -> Option<Self> {
         let slurm = Self { folder: tempfile::tempdir().expect("a temporary folder") };
         let output = slurm.act("start");
@@ -160,7 +163,7 @@ impl Drop for Slurm {
     }
 }
 
-/// Asks for the status until it says what is wanted.
+/// Polls the status until it contains the expected text.
 fn wait_for(slurm: &Slurm, folder: &Path, wanted: impl Fn(&str) -> bool) -> String {
     let begin = Instant::now();
     loop {

@@ -1,4 +1,4 @@
-//! The program as its users meet it: answers, exit codes, files left behind.
+//! The program from the command line: answers, exit codes, files.
 
 use std::path::Path;
 use std::process::Output;
@@ -61,7 +61,7 @@ fn the_json_keys_of_a_plan_stay() {
     assert_eq!(json(&planned)["criterion"], "exact");
 }
 
-/// The way points of a plan for 021 that was made with one variable of the environment set.
+/// Plans in 021 with one environment variable set and returns the way points.
 fn way_points(planner: &str, variable: (&str, &str)) -> String {
     let folder = folder();
     let output = Command::cargo_bin("cranny")
@@ -204,11 +204,11 @@ fn a_grasp_of_its_own_is_planned_and_judged_and_lies_about_it_are_found() {
     let read = std::fs::read_to_string(folder.path().join("021.plan.json")).expect("a plan");
     let sound: Value = serde_json::from_str(&read).expect("JSON");
     for (pointer, value, code, says) in [
-        ("/own_grasp/score", 0.999.into(), 1, "and not 0.999"),
-        ("/own_grasp/opening_m", 0.001.into(), 1, "and not 1.00"),
-        ("/own_grasp/uneven_m", 0.5.into(), 1, "before the other and not 500.00"),
-        ("/own_grasp/world_from_gripper/0/3", 9.0.into(), 1, "from the one that is said"),
-        ("/own_grasp/world_from_gripper/0/0", 9.0.into(), 1, "is no pose"),
+        ("/own_grasp/score", 0.999.into(), 1, "stated 0.999"),
+        ("/own_grasp/opening_m", 0.001.into(), 1, "stated 1.00"),
+        ("/own_grasp/uneven_m", 0.5.into(), 1, "before the other, stated 500.00"),
+        ("/own_grasp/world_from_gripper/0/3", 9.0.into(), 1, "from the stated one"),
+        ("/own_grasp/world_from_gripper/0/0", 9.0.into(), 1, "is not a pose"),
         ("/own_grasp/world_from_gripper", Value::Null, 2, "lie.plan.json"),
         ("/own_grasp/score", Value::Null, 2, "lie.plan.json"),
     ] {
@@ -273,7 +273,7 @@ fn trials_with_and_without_a_set_of_grasps_stand_apart() {
     names.sort_unstable();
     assert_eq!(names, ["grasp-reach (no grasp set)", "reach"]);
     assert!(rows.iter().all(|row| row["solved"] == 2 && row["grasp_score"].is_object()), "{rows:?}");
-    assert!(summary["warnings"].to_string().contains("another problem"), "{}", summary["warnings"]);
+    assert!(summary["warnings"].to_string().contains("a different problem"), "{}", summary["warnings"]);
     let replayed = cranny(folder.path(), &["bench", "replay", "results.db", "1"]);
     assert_eq!(replayed.status.code(), Some(0), "{}", String::from_utf8_lossy(&replayed.stderr));
 }
@@ -291,7 +291,7 @@ fn the_version_says_what_a_report_of_a_fault_needs() {
     assert_eq!(String::from_utf8_lossy(&short.stdout).lines().count(), 1);
 }
 
-/// Guards the promise "repeatable to the byte": the digest in `doctor.rs` is that of every machine.
+/// Guards reproducibility to the byte: the digest in `doctor.rs` is the same on every machine.
 #[test]
 fn the_doctor_finds_plans_proofs_and_every_vector_instruction_sound() {
     let folder = folder();
@@ -306,7 +306,7 @@ fn the_doctor_finds_plans_proofs_and_every_vector_instruction_sound() {
         assert_eq!(findings["checks"].as_array().map(Vec::len), Some(4));
     }
     let said = cranny(folder.path(), &["doctor", "--quiet"]);
-    assert!(String::from_utf8_lossy(&said.stdout).contains("All is as it should be."));
+    assert!(String::from_utf8_lossy(&said.stdout).contains("No problems found."));
 }
 
 #[test]
@@ -362,7 +362,7 @@ fn a_plan_without_a_path_is_told_by_its_outcome() {
     let said = String::from_utf8_lossy(&judged.stderr);
     assert!(
         said.contains(
-            "none.plan.json: the plan has no path; as stated, its search ended as budget-exhausted"
+            "none.plan.json: the plan has no path (stated outcome of its search: budget-exhausted)"
         ),
         "{said}"
     );
@@ -390,9 +390,9 @@ fn a_verdict_names_the_robot_and_the_grasps_that_the_plan_brought_along() {
         let judged = cranny(folder.path(), &["verify", "021", "021.plan.json"]);
         let said = String::from_utf8_lossy(&judged.stdout);
         assert_eq!(judged.status.code(), Some(0), "{said}");
-        let line = format!("  {:<12}{file}, which the plan names", &flag[2..]);
+        let line = format!("  {:<12}{file}, from the plan file", &flag[2..]);
         assert!(said.contains(&line), "{said}");
     }
     let mine = cranny(folder.path(), &["verify", "021", "021.plan.json", "--grasps", "given.csv"]);
-    assert!(!String::from_utf8_lossy(&mine.stdout).contains("which the plan names"), "flags go before it");
+    assert!(!String::from_utf8_lossy(&mine.stdout).contains("from the plan file"), "flags go before it");
 }

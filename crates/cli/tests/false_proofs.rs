@@ -1,5 +1,5 @@
-//! Paths that were called valid though a link is inside something, each for a reason of its own; and a contact that
-//! looks like none. Each folder is a scenario with the path of it.
+//! Regression tests: paths with a link inside a body that were reported as valid, each for another reason; and a contact that
+//! looks like free space. Each folder is a scenario with its path.
 
 use std::path::{Path, PathBuf};
 
@@ -10,7 +10,7 @@ fn folder(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures/false_proofs").join(name)
 }
 
-/// What `cranny verify` says of the way points in a file of a folder, and how it exits.
+/// Returns the verdict of `cranny verify` on the way points in a file of a folder, and the exit code.
 fn verdict(name: &str, file: &str, flags: &[&str]) -> (Value, Option<i32>) {
     let folder = folder(name);
     let output = Command::cargo_bin("cranny")
@@ -29,7 +29,7 @@ fn violations(verdict: &Value) -> &[Value] {
     verdict["violations"].as_array().expect("a list")
 }
 
-/// What touches, `first` in `second`, and how deep at least (m).
+/// Checks that `first` touches `second`, at least `depth_m` (m) deep.
 fn touches(name: &str, first: &str, second: &str, depth_m: f64) {
     let (verdict, code) = verdict(name, "p.csv", &[]);
     assert_eq!((&verdict["valid"], code), (&Value::Bool(false), Some(1)), "{name}: {verdict}");
@@ -41,28 +41,28 @@ fn touches(name: &str, first: &str, second: &str, depth_m: f64) {
     assert!(found_m >= depth_m, "{name}: {found_m} m deep, in truth {depth_m} m");
 }
 
-/// The leaf balls of a thin hull left parts of it uncovered; a speck lies in the hole.
+/// The spheres of the leaves did not cover a thin hull completely; a speck lies in the gap.
 #[test]
 fn a_speck_in_a_thin_hull_is_found() {
     touches("thin_hull_1", "b", "o", 69e-6);
     touches("thin_hull_2", "b", "o", 50e-6);
 }
 
-/// The lanes took angles for smaller than 2π.
+/// The SIMD code assumed angles below 2π.
 #[test]
 fn an_arm_that_turned_a_thousand_times_is_where_it_is() {
-    // The deepest place lies between two of those that are looked at.
+    // The deepest configuration lies between two sampled ones.
     touches("large_angle_1", "arm", "ball", 0.019);
     touches("large_angle_2", "arm", "ball", 0.3e-3);
 }
 
-/// The same behind a gear, at ordinary angles.
+/// An arm behind a gear has the same fault at ordinary angles.
 #[test]
 fn an_arm_behind_a_gear_of_a_thousand_is_where_it_is() {
     touches("geared_joint", "arm", "ball", 49e-6);
 }
 
-/// A pair of links that touched in all random configurations was left out, though it is free at the start.
+/// A pair of links that touched in all random configurations was excluded, although it is free at the start.
 #[test]
 fn a_pair_that_is_free_at_the_start_is_checked() {
     touches("always_touching", "c", "base", 0.01);
@@ -71,8 +71,8 @@ fn a_pair_that_is_free_at_the_start_is_checked() {
     assert!(exceptions.iter().all(|pair| pair["reason"] == "adjacent-free"), "{exceptions:?}");
 }
 
-/// A sphere that is 39.8 µm clear of the surface of a ring, from within: its middle has the winding number 1, and is
-/// farther from every triangle than the sphere's radius. Solids are solid, so it is in contact, and as deep as that.
+/// A sphere inside a ring, 39.8 µm clear of its surface: its centre has the winding number 1, and is farther from every
+/// triangle than its radius. Solids are filled, so it is in contact, with the corresponding depth.
 #[test]
 fn a_sphere_within_a_ring_is_in_contact_though_clear_of_its_surface() {
     let (verdict, _) = verdict("false_contact", "q.csv", &[]);

@@ -1,4 +1,4 @@
-//! Anybody's planner beside the built-in ones: whatever it does is recorded as what it is.
+//! External planners beside the built-in ones: their behaviour is recorded correctly.
 
 use std::path::{Path, PathBuf};
 use std::process::Output;
@@ -20,7 +20,7 @@ fn run(folder: &Path, arguments: &[&str]) -> Output {
         .expect("it runs")
 }
 
-/// The trials of planners that are shell scripts, in 031, two seeds each.
+/// Runs planners that are shell scripts in 031, two seeds each, and returns the trials.
 fn trials_of(scripts: &[&str], limits: &[&str]) -> Vec<StoredTrial> {
     let folder = folder();
     let mut arguments: Vec<String> = ["--scenarios", "031", "--runs", "2"].map(str::to_owned).into();
@@ -50,7 +50,7 @@ fn assert_each(trials: &[StoredTrial], planner: &str, outcome: TrialOutcome, wor
     }
 }
 
-/// Within namespaces each worker is process 1, so that its process id names no folder of its own.
+/// Within namespaces each worker is process 1, so its process id does not identify a folder.
 #[test]
 fn workers_beside_each_other_do_not_write_over_each_others_files() {
     let folder = folder();
@@ -62,7 +62,7 @@ fn workers_beside_each_other_do_not_write_over_each_others_files() {
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     let trials = Results::open(&folder.path().join("results.db")).expect("results").trials().expect("trials");
     assert_eq!(trials.len(), 20);
-    // Each read its files, and was judged.
+    // Each planner read its files, and its path was judged.
     assert!(trials.iter().all(|trial| trial.record.outcome == TrialOutcome::Rejected), "{trials:?}");
 }
 
@@ -70,10 +70,10 @@ fn workers_beside_each_other_do_not_write_over_each_others_files() {
 fn a_planner_that_misbehaves_is_recorded_as_what_it_does() {
     let start = "paste -sd, \"$1\"\n";
     let far = format!("{start}echo 0.6,1,-0.0178,-0.7601,0.0198,-2.3421,0.0298,1.5412,0.7534\n");
-    // A number of seconds that nobody else sleeps.
+    // A duration that no other process uses.
     let sleep = format!("sleep {}", 1_000_000 + u64::from(std::process::id()));
     let elsewhere = "echo 0,0,0,0,0,0,0,0,0\n";
-    // To a program that asks for it.
+    // Answers only a program that requests it.
     let segments = |mode: &str| {
         let segment = format!(
             r#"{{"kind": "polyline", "mode": "{mode}", "waypoints": [[0, 0, 0, 0, 0, 0, 0, 0, 0]]}}"#
@@ -106,7 +106,7 @@ fn a_planner_that_misbehaves_is_recorded_as_what_it_does() {
     assert_each(&trials, "p3", TrialOutcome::Hung, "ended after 1.5");
     assert_each(&trials, "p4", TrialOutcome::Garbled, "line 1: 'once upon a time'");
     assert_each(&trials, "p5", TrialOutcome::Garbled, "3 numbers instead of 9");
-    // Without an end: whichever limit it meets first.
+    // Endless output: any of the limits may end it.
     assert!(trials.iter().filter(|trial| trial.record.trial.planner == "p6").all(|trial| matches!(
         trial.record.outcome,
         TrialOutcome::Garbled | TrialOutcome::Hung | TrialOutcome::Crashed
@@ -118,7 +118,7 @@ fn a_planner_that_misbehaves_is_recorded_as_what_it_does() {
     assert_each(&trials, "p11", TrialOutcome::Rejected, "off the start");
     assert_each(&trials, "p12", TrialOutcome::Garbled, "holds an object that was not picked");
     assert!(trials.iter().any(|trial| trial.record.statistics.iterations == 5));
-    // Nothing is left running.
+    // No process is left running.
     let listing = std::process::Command::new("ps").args(["-eo", "args"]).output().expect("ps");
     let listing = String::from_utf8_lossy(&listing.stdout).into_owned();
     assert!(!listing.lines().any(|line| line == sleep), "a planner's child is still there");
@@ -140,7 +140,7 @@ fn a_planner_may_carry_the_target_home_and_is_believed_nothing() {
     let answer = |change: &dyn Fn(&mut serde_json::Value)| {
         let mut segments = plan["segments"].clone();
         change(&mut segments);
-        // To a program that asks for it, and is told what it holds.
+        // Answers only a program that requests a carry and describes it.
         format!(
             "grep -q '\"carry\":{{\"clear_m\":null.*\"to\":\"home\".*\"target\":\"box\"' && echo '{}'\n",
             serde_json::json!({"protocol": 2, "segments": segments})
@@ -166,7 +166,7 @@ fn a_planner_may_carry_the_target_home_and_is_believed_nothing() {
     }
     assert_each(&trials, "p1", TrialOutcome::Rejected, "the hand holds");
     assert_each(&trials, "p2", TrialOutcome::Rejected, "off the nearest goal");
-    assert_each(&trials, "p3", TrialOutcome::Garbled, "the trial carries the target on");
+    assert_each(&trials, "p3", TrialOutcome::Garbled, "the task continues with the target in the hand");
 }
 
 #[cfg(target_os = "linux")]
@@ -181,7 +181,7 @@ fn a_planner_that_eats_memory_is_ended() {
 
 #[test]
 fn the_released_program_s_command_line_and_files_are_understood() {
-    // A stand-in: it checks its command line, and goes straight to where it is told to from the start.
+    // A stand-in that checks its command line and moves straight from the start to the given goal.
     let script = "#!/bin/sh
 [ \"$1\" = test ] || exit 9
 shift
@@ -217,17 +217,17 @@ echo \"{\\\"sr\\\": $((seed == 0)), \\\"dtg\\\": 1.5, \\\"time\\\": 0.1, \\\"ite
     let trials = Results::open(&folder.path().join("results.db")).expect("results").trials().expect("trials");
     let told: Vec<_> =
         trials.iter().map(|trial| (trial.record.outcome, trial.record.statistics.iterations)).collect();
-    // The first gave a path, which does not end at a grasp; the second gave none.
+    // The first gave a path that does not end at a grasp; the second gave none.
     assert_eq!(told, [(TrialOutcome::Rejected, 12), (TrialOutcome::GaveUp, 12)], "{trials:?}");
     assert_eq!(trials[0].record.trial.planner, "released:burs_of_free_space");
 }
 
-/// A folder of `examples/`.
+/// Folder of `examples/`.
 fn example(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/exec_planner").join(name)
 }
 
-/// Whether a tool is there; if not, the test says so and does nothing, unless nothing may be left out.
+/// Returns true if a tool is installed; if not, the test prints a note and is skipped, unless skipping is forbidden.
 fn has(program: &str, arguments: &[&str]) -> bool {
     let is_there = std::process::Command::new(program)
         .args(arguments)
@@ -240,7 +240,7 @@ fn has(program: &str, arguments: &[&str]) -> bool {
     is_there
 }
 
-/// Runs an example in a scenario, twice; every path must be good. How many iterations it told of.
+/// Runs an example in a scenario, twice; every path must be valid. Returns its reported number of iterations.
 fn assert_solves(scenario: &str, planner: &str, criterion: &str) -> u64 {
     let folder = folder();
     let limits = ["--criterion", criterion, "--runs", "2", "--time-limit", "120"];
@@ -257,7 +257,7 @@ fn assert_solves(scenario: &str, planner: &str, criterion: &str) -> u64 {
 
 #[test]
 fn the_example_in_python_solves_under_both_criteria() {
-    // `cargo xtask test` sets up a Python that has NumPy.
+    // `cargo xtask test` sets up a Python with NumPy.
     let python = std::env::var("CRANNY_PYTHON").unwrap_or_else(|_| "python3".to_owned());
     if !has(&python, &["-c", "import numpy"]) {
         return;
@@ -266,7 +266,7 @@ fn the_example_in_python_solves_under_both_criteria() {
     let can = example("can").display().to_string();
     assert_solves(&can, &planner, "exact");
     assert_solves(&can, &planner, "paper");
-    // With a beam above the can there is no straight way, so that a tree must grow.
+    // With a beam above the can there is no straight path, so that a tree must grow.
     let folder = folder();
     let beam = "  - name: beam\n    pose: {position: [0.55, 0.0, 0.7]}\n    shapes: [{box: {size: [0.05, 1.0, 0.05]}}]\n";
     let yaml = std::fs::read_to_string(example("can/scenario.yaml")).expect("a scenario");

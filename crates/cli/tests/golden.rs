@@ -7,7 +7,7 @@ use assert_cmd::Command;
 use cranny_robot::{JointGroup, Robot, RobotOptions};
 use serde_json::Value;
 
-/// A file of `tests/golden`: what it guards and what is to happen, then the files that it takes.
+/// File of `tests/golden`: its purpose and the expected result, then its input files.
 struct Case {
     path: PathBuf,
     head: Vec<String>,
@@ -39,7 +39,7 @@ impl Case {
         Self { path, head, files }
     }
 
-    /// A folder with its files.
+    /// Creates a folder with its files.
     fn unpacked(&self) -> tempfile::TempDir {
         let folder = tempfile::tempdir().expect("a folder");
         for (name, text) in &self.files {
@@ -53,7 +53,7 @@ impl Case {
         &found.unwrap_or_else(|| panic!("{self}: no file {name}")).1
     }
 
-    /// What stands behind `sign` in the head's lines.
+    /// Returns the text after `sign` in the lines of the head.
     fn said(&self, sign: &str) -> Vec<&str> {
         self.head.iter().filter_map(|line| line.strip_prefix(sign)).collect()
     }
@@ -70,7 +70,7 @@ fn cranny(folder: &Path, arguments: &str) -> std::process::Output {
     command.current_dir(folder).args(arguments.split_whitespace()).output().expect("it runs")
 }
 
-/// Exit 2, the message word for word, nothing on stdout, and nothing written.
+/// Expects exit code 2, the exact message, an empty stdout, and no new files.
 #[test]
 fn bad_input_is_refused_word_for_word() {
     let cases = Case::all("bad_input");
@@ -93,7 +93,7 @@ fn bad_input_is_refused_word_for_word() {
     assert!(cases.len() >= 100, "{} cases", cases.len());
 }
 
-/// The case with `message` in place of the one that it expected.
+/// Replaces the expected message of a case by `message`.
 fn rewrite(case: &Case, message: &[&str]) {
     let head = case.head.iter().filter(|line| !line.starts_with("> ") && !line.is_empty()).cloned();
     let lines: Vec<String> = head.chain(message.iter().map(|line| format!("> {line}"))).collect();
@@ -102,8 +102,8 @@ fn rewrite(case: &Case, message: &[&str]) {
     fs::write(&case.path, text).expect("written");
 }
 
-/// `free M`: proven, with at most the clearance that there is. `contact A B M`: found between the two, at most as deep as
-/// anywhere on the path (`M`), and no grazing. `limits JOINT`: that joint leaves its range.
+/// `free M`: proven, with a clearance of at most the true one. `contact A B M`: found between the two, at most as deep as
+/// anywhere on the path (`M`), and not merely grazing. `limits JOINT`: that joint exceeds its range.
 #[test]
 fn scenes_have_the_verdicts_that_geometry_gives_them() {
     let cases = Case::all("scenes");
@@ -152,8 +152,7 @@ fn scenes_have_the_verdicts_that_geometry_gives_them() {
     assert!(cases.len() >= 25, "{} cases", cases.len());
 }
 
-/// `poses.csv`: link, joint values, then the three upper rows of `root_from_link`, row by row. Its first line names the
-/// joints.
+/// `poses.csv`: link, joint values, then the three upper rows of `root_from_link`, row by row. Its first line names the joints.
 #[test]
 fn links_are_where_others_put_them() {
     let cases = Case::all("robots");

@@ -1,10 +1,10 @@
-//! Plans that hold what they carry, from the command line.
+//! Plans that hold the carried object, from the command line.
 
 use std::path::Path;
 
 use assert_cmd::Command;
 
-/// Status and document of a simulation that answers.
+/// Returns exit code and document of a simulation that answers.
 fn answer(folder: &Path, arguments: &[&str]) -> (i32, serde_json::Value) {
     let (code, page, words) = cranny(folder, &[&["simulate"], arguments, &["--json"]].concat());
     (code, serde_json::from_str(&page).unwrap_or_else(|_| panic!("{arguments:?}: {words}")))
@@ -21,7 +21,7 @@ fn document(folder: &Path, file: &str) -> serde_json::Value {
     serde_json::from_slice(&std::fs::read(folder.join(file)).expect("written")).expect("JSON")
 }
 
-/// The plan of the README's first picture: the file states how firmly the object is held, `verify` measures it, and it is.
+/// The plan of the README's first picture: the file states the hold factor, and `verify` confirms it.
 #[test]
 fn the_plan_of_the_first_picture_holds_its_object() {
     let folder = tempfile::tempdir().unwrap();
@@ -36,7 +36,7 @@ fn the_plan_of_the_first_picture_holds_its_object() {
     assert_eq!((code, &executed["outcome"], &executed["is_kept"]), (0, &"held".into(), &true.into()));
     assert!(document(folder, "run.json")["held"].as_array().unwrap().len() > 500);
     assert_eq!(answer(folder, &["plan", "012", "012.plan.json", "--disturb", "3"]).0, 0);
-    // What states more than there is, is seen.
+    // A file that states a larger factor is detected.
     let mut lie = plan;
     lie["hold"]["factor"] = 9.0.into();
     std::fs::write(folder.join("lie.plan.json"), lie.to_string()).unwrap();
@@ -52,14 +52,14 @@ fn a_hold_that_no_grasp_has_is_no_plan_and_its_reason_is_told() {
         cranny(folder, &["plan", "012", "--carry", "home", "--hold", "50", "--time-limit", "3"]);
     assert!(code == 1 && page.contains("holds the object too weakly"), "{page}");
     let (code, _, words) = cranny(folder, &["plan", "012", "--carry", "home", "--hold", "-1"]);
-    assert!(code == 2 && words.contains("no factor of loads"), "{words}");
+    assert!(code == 2 && words.contains("not a valid factor of loads"), "{words}");
 }
 
 #[test]
 fn plans_are_tried_in_physics_until_one_holds() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    // Without a demand on the hold, the first grasp of the box lets it slip.
+    // Without a required hold, the first grasp of the box lets it slip.
     let weak = ["plan", "031", "--carry", "home", "--hold", "0", "--seed", "4"];
     let tried = |most: &str| {
         let tries = ["--try-in-physics", most, "-o", "031.plan.json"];
@@ -123,13 +123,10 @@ fn a_target_that_does_not_rest_is_no_sound_scenario() {
     let (code, page, words) = scenario(cube, 0.02);
     assert_eq!(code, 0, "{page}{words}");
     let (code, page, _) = scenario(cube, 0.06);
-    assert!(
-        code == 1 && page.contains("does not rest where it stands") && page.contains("-0.0300"),
-        "{page}"
-    );
+    assert!(code == 1 && page.contains("does not rest at its pose") && page.contains("-0.0300"), "{page}");
 }
 
-/// A planner that makes grasps of its own serves the columns; the target has a set.
+/// A planner that generates its own grasps serves the columns; the target has a set.
 #[test]
 fn a_named_planner_serves_the_stages_that_it_suits() {
     let folder = tempfile::tempdir().unwrap();
@@ -137,7 +134,7 @@ fn a_named_planner_serves_the_stages_that_it_suits() {
     let (code, page, words) = cranny(folder, &["plan", "235", "--steps", "--planner", "grasp-reach"]);
     assert_eq!(code, 0, "{page}{words}");
     assert_eq!(cranny(folder, &["verify", "235", "235.plan.json"]).0, 0);
-    // Measured after each pick, the rest is planned anew where an object is off.
+    // The objects are measured after each pick, and the rest is replanned if one is off.
     let (code, executed) = answer(folder, &["plan", "235", "235.plan.json", "--replan"]);
     assert!(code < 2 && executed["new_plans"].is_u64(), "{executed}");
     let (code, _, words) =

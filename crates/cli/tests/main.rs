@@ -1,10 +1,10 @@
-//! All tests of this crate from outside: one program, which is linked once.
+//! Integration tests of this crate, in one program that is linked once.
 
 #![allow(clippy::disallowed_methods, reason = "what is compared to may come from the system")]
 
 mod file_readers;
 
-/// Where `file_readers` is, in this crate.
+/// Folder of `file_readers` in this crate.
 const HERE: &str = "tests/file_readers";
 
 mod answers;

@@ -1,5 +1,5 @@
-//! `cranny plan --moveit SCENE REQUEST` and `verify` with the same: other people's problems, planned and judged
-//! like one's own.
+//! `cranny plan --moveit SCENE REQUEST` and `verify` with the same flag: MoveIt problems are planned and verified like
+//! scenarios.
 
 use std::path::Path;
 use std::process::Output;
@@ -155,7 +155,7 @@ fn a_plan_of_a_moveit_problem_is_judged_by_its_files() {
     let harder = run(&[&["verify"], &problem, &["crate1.plan.json", "--margin", "1000"]]);
     assert_eq!(harder.status.code(), Some(1), "the flag goes before the margin of the plan");
 
-    // The short way from start to goal is free, the long one leads through the post.
+    // The short path from start to goal is free, the long one leads through the post.
     let way_points = |text: &str| std::fs::write(folder.path().join("way.csv"), text).expect("written");
     let verdict = || run(&[&["verify"], &problem, &["way.csv"]]);
     way_points("-1,0\n1,0.5\n");

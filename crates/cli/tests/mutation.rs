@@ -1,7 +1,7 @@
-//! Every key of the four formats, changed: a plan, a scenario, the files of a robot, a campaign.
+//! Mutations of every key of the four formats: a plan, a scenario, the files of a robot, a campaign.
 //!
-//! A file with a key renamed, removed, added or of another value is refused, or is read as something else that its reader
-//! shows, or changes nothing because its key is exempt for the reason given here.
+//! A file with a key renamed, removed, added or changed in value is refused, or is read with a difference that its reader
+//! shows, or is unchanged because its key is exempt for the reason given here.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -17,14 +17,14 @@ use cranny_spatial::Stream;
 use cranny_task::{CLEAR_M, Move, Stage};
 use serde_json::{Value, json};
 
-/// Reads a text; the result as shown, `None` if it is refused.
+/// Function that reads a text and returns a description, `None` if it is refused.
 type Read<'a> = Box<dyn Fn(&str) -> Option<String> + 'a>;
 
-/// A file of one of the formats, and what its reader makes of a changed one: a description, or `None` if it is refused.
+/// File of one of the formats, and its reader: a description, or `None` if it is refused.
 struct Format<'a> {
     name: &'a str,
     whole: Value,
-    /// The first keys of what changes nothing, each with the reason.
+    /// First keys of values without an effect, each with the reason.
     exempt: &'a [(&'a str, &'a str)],
     read: Read<'a>,
 }
@@ -38,7 +38,7 @@ struct Counts {
 }
 
 impl Format<'_> {
-    /// Reads every change, or `most` drawn ones unless the run is long.
+    /// Reads every change, or `most` sampled ones unless the run is long.
     fn check(&self, most: usize) -> Vec<String> {
         let text = self.whole.to_string();
         let base = (self.read)(&text).unwrap_or_else(|| panic!("{}: the file itself is refused", self.name));
@@ -46,7 +46,7 @@ impl Format<'_> {
         let mut changes = changes(&self.whole);
         let all = changes.len();
         if std::env::var_os("CRANNY_LONG").is_none() {
-            // Way points are compared with those of the segments: nearly all that a plan has would be these.
+            // Way points are compared with those of the segments, and would make up nearly all changes of a plan.
             changes.retain(|(_, key, _)| !key.contains("waypoints["));
             let mut stream = Stream::new(48, 0);
             while changes.len() > most {
@@ -76,10 +76,10 @@ impl Format<'_> {
     }
 }
 
-/// Stands for what is no number until the document is text: JSON cannot hold it, YAML writes it so.
+/// Placeholder for a value that is not a number until the document is text: JSON cannot represent it, YAML writes it so.
 const NOT_A_NUMBER: &str = "<not a number>";
 
-/// Every change of a document: what it is, the key, and the text.
+/// Returns every change of a document: its description, the key, and the text.
 fn changes(whole: &Value) -> Vec<(&'static str, String, String)> {
     let mut found = Vec::new();
     walk(whole, &mut Vec::new(), &mut |path, key, what, change| {
@@ -114,7 +114,7 @@ fn name_of(path: &[Step]) -> String {
     name
 }
 
-/// Sees a change of the value at a path, of this key within it.
+/// Callback for a change of the value at a path, with the key within it.
 type Visit<'a> = dyn FnMut(&[Step], &str, &'static str, &dyn Fn(&mut Value)) + 'a;
 
 fn walk(value: &Value, path: &mut Vec<Step>, visit: &mut Visit<'_>) {
@@ -180,7 +180,7 @@ pub fn other_values(value: &Value) -> Vec<(&'static str, Value)> {
     }
 }
 
-/// Keys of a plan that record how it was found: the verdict does not depend on them, and is listed as not comparing them.
+/// Keys of a plan that record the search: the verdict does not depend on them, and lists them as not compared.
 const RECORD: [(&str, &str); 10] = [
     ("planner", "the name of what found the path"),
     ("settings", "those of the planner"),
@@ -194,7 +194,7 @@ const RECORD: [(&str, &str); 10] = [
     ("failures", "grasps that the search gave up"),
 ];
 
-/// Reads plans as `verify` does: demands that the file brings along become those of the problem.
+/// Reader of plans as in `verify`: requirements of the file become those of the problem.
 pub struct PlanReader {
     id: &'static str,
     file: PathBuf,
@@ -209,7 +209,7 @@ impl PlanReader {
         Self { id, file: folder.join(format!("{id}.plan.json")), scenario, source }
     }
 
-    /// The plan of a task, as that of the scenario if it has the same stages.
+    /// Plans a task, as that of the scenario if it has the same stages.
     pub fn plan(&self, stages: Vec<Stage>, rounds: bool) -> Value {
         let problem = self.scenario.problem(self.source.margins).unwrap();
         let timing = Some(Timing { stops: !rounds, ..Timing::default() });
@@ -237,7 +237,7 @@ impl PlanReader {
         Some((scenario, PlanSource { robot, geometry, grasps, margins: plan.margins, ..self.source.clone() }))
     }
 
-    /// The verdict on a plan as text; `None` for what is refused.
+    /// Returns the verdict on a plan as text; `None` if it is refused.
     pub fn read(&self, text: &str) -> Option<String> {
         fs::write(&self.file, text).unwrap();
         let plan = PlanFile::read(&self.file).ok()?;
@@ -274,7 +274,7 @@ fn no_key_of_a_plan_is_changed_unseen() {
     assert!(silent.is_empty(), "{silent:#?}");
 }
 
-/// Everything that a reader makes of a file, but a table of names whose order is another each time.
+/// Formats the result of a reader, without a table of names whose order varies.
 fn shown(thing: &impl std::fmt::Debug) -> String {
     let whole = format!("{thing:?}");
     match whole.split_once("links_by_name: {") {
@@ -405,7 +405,7 @@ fn no_key_of_a_campaign_is_changed_unseen() {
     assert!(silent.is_empty(), "{silent:#?}");
 }
 
-/// A ball on slides.
+/// URDF of a ball on slides.
 const CART: &str = r#"<robot name="cart">
   <link name="rail"/><link name="bridge"><collision><geometry><sphere radius="0.05"/></geometry></collision></link>
   <link name="carriage"/>
@@ -418,7 +418,7 @@ const CART: &str = r#"<robot name="cart">
     <limit lower="-1" upper="1" velocity="1" effort="1"/></joint>
 </robot>"#;
 
-/// The group of a single slide, in a file that is not found beside the URDF: what reads it must be asked to.
+/// Group of a single slide, in a file that is not found beside the URDF; a reader must name it explicitly.
 const SLIDE: &str = r#"<robot name="cart"><group name="arm"><joint name="x"/></group></robot>"#;
 
 const SRDF: &str =

@@ -1,4 +1,5 @@
-//! A false statement of a plan, together with a change of every other key: it stays false, or the plan is of another task.
+//! Mutations of a false statement of a plan together with every other key: the statement stays false, or the plan is of another
+//! task.
 
 use cranny_scenario::STEPS;
 use cranny_spatial::Stream;
@@ -7,13 +8,13 @@ use serde_json::{Value, json};
 
 use crate::mutation::{PlanReader, other_values};
 
-/// Keys that state for which task a plan was made: with another value no figure is of the task that it is judged in.
+/// Keys that state the task of a plan: with another value, all figures are of another task.
 const TASK: [&str; 5] = ["scenario", "robot", "geometry", "criterion", "margins"];
 
-/// Figures that depend on the set of grasps, the only ones that another set makes another task.
+/// Figures that depend on the set of grasps; only for them does another set make another task.
 const OF_GRASPS: [&str; 3] = ["grasp", "translation_error_m", "rotation_error_rad"];
 
-/// False statements of a plan: a pointer to the value, and what is false.
+/// Returns false statements of a plan: a pointer to the value, and a false value.
 fn lies() -> Vec<(&'static str, Value)> {
     vec![
         ("/clearance_m", json!(0.5)),
@@ -30,18 +31,18 @@ fn lies() -> Vec<(&'static str, Value)> {
     ]
 }
 
-/// Number of pairs by what comes of the false statement.
+/// Number of pairs by the effect of the false statement.
 #[derive(Debug, Default)]
 struct Counts {
-    /// It is a violation.
+    /// Reported as a violation.
     violation: usize,
-    /// The file is refused for something else.
+    /// File refused for another reason.
     refused: usize,
-    /// It is named, and the plan is of another task.
+    /// Listed, with the plan being of another task.
     other_task: usize,
 }
 
-/// Every change of a key: its value removed, emptied, or another in the first place that holds one.
+/// Returns every change of a key: its value removed, emptied, or replaced at the first leaf.
 fn changes_of(value: &Value) -> Vec<Option<Value>> {
     let mut found = vec![None, Some(Value::Null), Some(json!([])), Some(json!({}))];
     let mut path = String::new();
@@ -65,8 +66,8 @@ fn changes_of(value: &Value) -> Vec<Option<Value>> {
     found
 }
 
-/// Checks a drawn change of every pair, one that can be read if there is any, of at most so many pairs; all changes of all
-/// pairs in a long run.
+/// Checks a sampled change of each of at most `most` pairs, preferably one that can be read; in a long run, all changes of all
+/// pairs.
 fn check(name: &str, reader: &PlanReader, whole: &Value, most: usize) -> Vec<String> {
     let is_long = std::env::var_os("CRANNY_LONG").is_some();
     let mut stream = Stream::new(49, 0);
@@ -121,12 +122,12 @@ enum Effect {
     OtherTask,
 }
 
-/// Treatment, in a verdict as text, of the false statement of one key where another key is changed too; `None` if it is
-/// trusted.
+/// Returns the treatment, in a verdict as text, of the false statement of one key if another key is changed too; `None` if it
+/// is trusted.
 fn effect(text: &str, own: &str, key: &str) -> Option<Effect> {
     let (_, text) = text.split_at(text.find(['[', '{'])?);
     let verdict: Value = serde_json::from_str(text).unwrap();
-    // A plan is listed with what it brings along.
+    // The verdict on a plan is listed with the files that it names.
     let whole = verdict.get(0).unwrap_or(&verdict);
     let names =
         |row: &Value| row["key"].as_str().is_some_and(|named| named.split(['.', '[']).next() == Some(own));

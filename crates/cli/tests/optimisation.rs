@@ -63,9 +63,9 @@ fn what_does_not_go_together_is_refused() {
     for (flags, word) in [
         (&["--optimise", "-1"][..], "from 0 to"),
         (&["--optimise", "1", "--no-shortcut"], "cannot be used with"),
-        (&["--optimise", "1", "--criterion", "paper"], "only a proven path"),
-        (&["--optimise", "1", "--score-weight", "nan"], "no weight"),
-        (&["--optimise", "1", "--score-weight", "-2"], "no weight"),
+        (&["--optimise", "1", "--criterion", "paper"], "only a path that is proven"),
+        (&["--optimise", "1", "--score-weight", "nan"], "not a valid weight"),
+        (&["--optimise", "1", "--score-weight", "-2"], "not a valid weight"),
         (&["--score-weight", "2"], "--optimise"),
     ] {
         let refused = cranny(folder.path(), &[&["plan", "021"], flags].concat());

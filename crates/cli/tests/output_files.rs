@@ -1,4 +1,4 @@
-//! What commands write: never over somebody else's file unasked, never a part, and nothing where it fails.
+//! Output files: no file of another kind is overwritten unless forced, no partial file is written, and failures leave none.
 
 use std::collections::BTreeMap;
 use std::os::unix::fs::FileTypeExt as _;
@@ -10,7 +10,7 @@ fn folder() -> tempfile::TempDir {
     tempfile::tempdir().expect("a temporary folder")
 }
 
-/// `words` with spaces between.
+/// Runs `words`, separated by spaces.
 fn cranny(folder: &Path, words: &str) -> Output {
     let program = assert_cmd::cargo::cargo_bin("cranny");
     Command::new(program).current_dir(folder).args(words.split(' ')).output().expect("it runs")
@@ -25,7 +25,7 @@ fn done(folder: &Path, words: &str) {
     assert_eq!(output.status.code(), Some(0), "{words}: {}", error(&output));
 }
 
-/// A mesh, a scenario, results and a plan to make other files of.
+/// Creates a mesh, a scenario, results and a plan as inputs of other commands.
 fn workshop() -> tempfile::TempDir {
     let folder = folder();
     let path = folder.path();
@@ -38,7 +38,7 @@ fn workshop() -> tempfile::TempDir {
     folder
 }
 
-/// Every file below a folder with its content; folders have none.
+/// Returns every file below a folder with its content; folders have none.
 fn everything(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut found = BTreeMap::new();
     for entry in std::fs::read_dir(folder).expect("a folder") {
@@ -51,8 +51,8 @@ fn everything(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     found
 }
 
-/// Somebody's notes are in the place of each file that a command writes. A kind that was not recognised by its first
-/// bytes would show here too: the same command could not be given twice.
+/// Text notes take the names of all output files. A kind that is not recognised by its first bytes would fail as well: the same
+/// command could not be run twice.
 #[test]
 fn a_file_of_another_kind_is_written_over_only_when_forced_and_one_of_the_same_kind_always() {
     const NOTES: &str = "notes on grasping, which nobody has a copy of\n";
@@ -85,7 +85,7 @@ fn a_file_of_another_kind_is_written_over_only_when_forced_and_one_of_the_same_k
     ];
     for (words, file) in writers {
         let file = path.join(file);
-        // Those of a folder have names that the command chooses.
+        // The command chooses the names of files in a folder.
         let file = if let Some(inside) = file.parent().filter(|inside| *inside != path) {
             done(path, words);
             let names = std::fs::read_dir(inside).expect("a folder").map(|entry| entry.expect("one").path());
@@ -107,7 +107,7 @@ fn a_file_of_another_kind_is_written_over_only_when_forced_and_one_of_the_same_k
         assert_ne!(std::fs::read_to_string(&file).ok().as_deref(), Some(NOTES), "{words}");
         done(path, words);
     }
-    // An empty file, as `mktemp` makes it, is nobody's.
+    // An empty file, as `mktemp` makes it, may be overwritten.
     std::fs::write(path.join("empty.csv"), "").expect("written");
     done(path, "grasps sample banana --count 5 -o empty.csv");
 }
@@ -120,11 +120,11 @@ fn results_folders_and_devices_are_not_written_over_even_when_forced() {
     std::fs::create_dir(path.join("plan.json")).expect("a folder");
     let before = everything(path);
     for (words, word) in [
-        ("bench run --scenarios 021 --planners reach --runs 1 --force -o notes.db", "holds no results"),
-        ("bench merge trials.db trials.db --force -o notes.db", "holds no results"),
+        ("bench run --scenarios 021 --planners reach --runs 1 --force -o notes.db", "not a results file"),
+        ("bench merge trials.db trials.db --force -o notes.db", "not a results file"),
         ("plan 021 --force -o plan.json", "directory"),
         ("plan 021 --force -o /dev/null", "device"),
-        ("bench run --scenarios 021 --planners reach --runs 1 -o /dev/null", "holds no results"),
+        ("bench run --scenarios 021 --planners reach --runs 1 -o /dev/null", "not a results file"),
         ("render 021 --force -o no/such/folder.png", "folder does not exist"),
         ("scenario new mine --force", "exists already"),
         ("scenario new mesh.obj --force", "exists already"),
@@ -144,8 +144,8 @@ fn results_folders_and_devices_are_not_written_over_even_when_forced() {
     assert!(std::fs::metadata("/dev/null").expect("a device").file_type().is_char_device());
 }
 
-/// A file may not grow by a single byte, as on a full disk; it can be made, and that was what stayed: `x.png.part`,
-/// a `z.zip` of no bytes, half a folder.
+/// With a file size limit of zero, as on a full disk, files can be created but not written; commands must not leave
+/// `x.png.part`, an empty `z.zip` or an incomplete folder.
 #[test]
 fn where_nothing_can_be_written_nothing_stays() {
     let folder = workshop();
@@ -194,17 +194,17 @@ fn where_nothing_can_be_written_nothing_stays() {
         assert!(said.contains("error: ") && !said.contains("panicked"), "{words}: {said}");
         let after = everything(path);
         let new: Vec<&String> = after.keys().filter(|name| !before.contains_key(*name)).collect();
-        // SQLite makes these two beside results that are read; the next who can write takes them away.
+        // SQLite creates these two beside results that are read; the next writer removes them.
         let new: Vec<_> =
             new.iter().filter(|name| !name.ends_with("-wal") && !name.ends_with("-shm")).collect();
         assert!(new.is_empty(), "{words}: {new:?} stayed: {said}");
     }
 }
 
-/// Runs a command, presses Ctrl-C while it is at work, and returns what it says with `--json`.
+/// Runs a command, interrupts it with Ctrl-C, and returns its output of `--json`.
 fn interrupted(folder: &Path, words: &str) -> serde_json::Value {
     let program = assert_cmd::cargo::cargo_bin("cranny");
-    // On a busy machine it may not have begun yet, and then ends at once with nothing done.
+    // On a busy machine it may not have started yet, and then ends at once without results.
     for seconds in [1, 4, 16, 64] {
         let child = Command::new(&program)
             .current_dir(folder)
@@ -232,7 +232,7 @@ fn interrupted(folder: &Path, words: &str) -> serde_json::Value {
 fn what_ctrl_c_ended_is_not_written_as_if_it_were_whole() {
     let folder = folder();
     let path = folder.path();
-    // So many approaches take for ever.
+    // Sampling this many approaches does not end within the test.
     let said = interrupted(path, "grasps sample 012 --count 100000 --approaches 3600 --json");
     assert!(said["stopped"] == true && said["file"].is_null() && !path.join("grasps.csv").exists(), "{said}");
     assert!(path.join(said["unfinished"].as_str().expect("a file")).exists());
@@ -242,7 +242,7 @@ fn what_ctrl_c_ended_is_not_written_as_if_it_were_whole() {
 
     let said = interrupted(path, "scenario generate --family gap --count 1000000 --json");
     assert_eq!(said["stopped"], true);
-    // What was made is whole, and the index lists just that.
+    // The written scenarios are complete, and the index lists exactly these.
     let written = said["written"].as_u64().expect("a number");
     let index = std::fs::read_to_string(path.join("gap-0/index.csv")).expect("an index");
     assert_eq!(index.lines().count() as u64, written + 1);

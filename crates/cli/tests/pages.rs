@@ -1,24 +1,24 @@
-//! What the README and the pages of `docs/` tell readers to type does what they say. The commands of a page run in order in
-//! a folder of their own, which begins as `examples/tutorial` (or as a comment in the page says: `<!-- in: FOLDER -->`); a
-//! block under `<!-- not run: REASON -->` is left out. A command exits with 0 unless its comment says otherwise
-//! (`# exits with 1`). Every line of a block under `<!-- printed -->` must have been printed.
+//! Tests of the commands in the README and the pages of `docs/`. The commands of a page run in order in a folder of its own,
+//! which is initialised as `examples/tutorial` (or as a comment in the page names it: `<!-- in: FOLDER -->`); a block under
+//! `<!-- not run: REASON -->` is left out. A command exits with 0 unless its comment states otherwise (`# exits with 1`). Every
+//! line of a block under `<!-- printed -->` must have been printed.
 
 use std::io::{BufRead as _, BufReader};
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// The root of the checkout.
+/// Root of the checkout.
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 
-/// Where a page begins unless it says otherwise.
+/// Initial folder of a page unless it names another.
 const TUTORIAL: &str = "examples/tutorial";
 
 #[derive(Debug, Default, PartialEq)]
 struct Block {
-    /// A folder of examples to begin in.
+    /// Folder of examples to start in.
     folder: Option<String>,
     commands: Vec<Typed>,
-    /// What the commands before must have printed.
+    /// Lines that the commands before must have printed.
     printed: Vec<String>,
 }
 
@@ -39,7 +39,7 @@ impl Typed {
     }
 }
 
-/// The blocks of commands that are to be run.
+/// Returns the blocks of commands to run.
 fn blocks(page: &str) -> Vec<Block> {
     let (mut blocks, mut open) = (Vec::new(), None::<Block>);
     let (mut folder, mut is_left_out, mut is_printed) = (None, false, false);
@@ -91,7 +91,7 @@ fn copy(from: &Path, to: &Path) {
     }
 }
 
-/// Types all of a page.
+/// Runs all commands of a page.
 fn run(page: &str) {
     let text = std::fs::read_to_string(Path::new(ROOT).join(page)).expect("a page");
     let mut folder = example(TUTORIAL);
@@ -121,7 +121,7 @@ fn example(name: &str) -> tempfile::TempDir {
     folder
 }
 
-/// A shell that finds `cranny`.
+/// Returns a shell that finds `cranny`.
 fn shell(folder: &Path, command: &str) -> Command {
     let program = assert_cmd::cargo::cargo_bin("cranny");
     let mut path = vec![program.parent().expect("a folder").to_owned()];
@@ -132,7 +132,7 @@ fn shell(folder: &Path, command: &str) -> Command {
     shell
 }
 
-/// What it prints.
+/// Runs a command and returns its output.
 fn type_in(folder: &Path, page: &str, typed: &Typed) -> String {
     let Typed { line, command, exit } = typed;
     let first = command.split(' ').next();
@@ -143,7 +143,7 @@ fn type_in(folder: &Path, page: &str, typed: &Typed) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned()
 }
 
-/// Opens the viewer, without a browser, until it says where.
+/// Starts the viewer, without a browser, until it prints its address.
 fn look(folder: &Path, page: &str, typed: &Typed) {
     let Typed { line, command, .. } = typed;
     let mut server =
@@ -169,6 +169,7 @@ macro_rules! pages {
 pages! {
     readme: "README.md",
     carrying_out: "docs/carrying_out.md",
+    command_line: "docs/command_line.md",
     exec_protocol: "docs/exec_protocol.md",
     first_plan: "docs/first_plan.md",
     index: "docs/index.md",

@@ -91,7 +91,7 @@ fn all_scenarios_stand_on_one_sheet() {
     assert!(begins_with(&folder.join("sheet.png"), PNG));
 }
 
-/// It was ignored without a plan, and cut to the end of the plan.
+/// A time beyond the end of the plan, or without a plan, must not be ignored.
 #[test]
 fn a_moment_that_is_not_there_is_refused() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -110,7 +110,7 @@ fn a_moment_that_is_not_there_is_refused() {
     moment(&["021", "p.plan.json", "-o", "a.gif"], "1", &["--time", ".png"]);
     moment(&["021", "p.plan.json", "-o", "a.html"], "1", &["--time", ".png"]);
     moment(&["--all", "-o", "a.png"], "1", &["--time", "011", "plan"]);
-    // As `cranny plan` prints it.
+    // The duration as `cranny plan` prints it.
     let printed = format!("{duration_s:.3}");
     done(folder, &[&["render", "021", "p.plan.json", "-o", "a.png"], &small[..], &[&printed]].concat());
 }

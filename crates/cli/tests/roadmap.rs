@@ -1,4 +1,4 @@
-//! `cranny roadmap` and the settings of planners, as their users meet them.
+//! `cranny roadmap` and the settings of planners, from the command line.
 
 use std::path::Path;
 use std::process::Output;

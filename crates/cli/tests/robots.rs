@@ -1,4 +1,4 @@
-//! Robots of one's own: the page that says how, and URDFs of every malformed kind.
+//! Custom robots: the page about them, and URDFs of every malformed kind.
 
 use std::f64::consts::PI;
 use std::fmt::Write as _;
@@ -17,7 +17,7 @@ fn page() -> String {
     std::fs::read_to_string(page).expect("the page")
 }
 
-/// The blocks of a page in a language, in order.
+/// Returns the blocks of a page in a language, in order.
 fn blocks<'a>(page: &'a str, language: &str) -> Vec<&'a str> {
     let opening = format!("```{language}\n");
     page.split(&opening).skip(1).filter_map(|rest| rest.split("```").next()).collect()
@@ -28,7 +28,7 @@ fn cranny<'a>(folder: &Path, words: impl IntoIterator<Item = &'a str>) -> Output
     command.current_dir(folder).args(words).output().expect("it runs")
 }
 
-/// What a command prints that does its work.
+/// Runs a command that must succeed and returns its output.
 fn done<'a>(folder: &Path, words: impl IntoIterator<Item = &'a str>) -> String {
     let output = cranny(folder, words);
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
@@ -78,7 +78,7 @@ fn every_file_of_the_page_is_read() {
     done(folder, "grasps coverage grasps.csv grasps.csv".split(' '));
 }
 
-/// What a malformed robot leaves out or has wrong.
+/// Variations of a malformed robot.
 #[derive(Default)]
 struct Arm<'a> {
     range: Option<&'a str>,
@@ -87,7 +87,7 @@ struct Arm<'a> {
     more: &'a str,
 }
 
-/// Slides on both sides of a palm.
+/// Returns sliding fingers on both sides of a palm.
 fn slides(palm: &str, second: &str) -> String {
     format!(
         r#"<link name="{palm}"><collision><geometry><box size="0.08 0.2 0.06"/></geometry></collision></link>
@@ -225,7 +225,7 @@ fn a_delivered_path_of_an_arm_with_full_turns_does_not_wind() {
     }
 }
 
-/// Guards proofs about robots whose URDF says how links look and not what they collide with.
+/// Guards proofs about robots whose URDF has only visual geometry.
 #[test]
 fn links_that_are_seen_and_not_checked_are_named() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -1,4 +1,4 @@
-//! `cranny scenario` as its users meet it.
+//! `cranny scenario` from the command line.
 
 use std::path::Path;
 use std::process::Output;
@@ -61,7 +61,7 @@ fn a_scenario_is_begun_checked_planned_packed_and_planned_from_the_archive() {
     refused(path, &["scenario", "new", "mine"], &["mine", "exists already"]);
     let bytes = std::fs::read(path.join("mine.zip")).expect("an archive");
     std::fs::write(path.join("cut.zip"), &bytes[..bytes.len() / 2]).expect("written");
-    refused(path, &["plan", "cut.zip"], &["cut.zip", "no whole zip archive"]);
+    refused(path, &["plan", "cut.zip"], &["cut.zip", "not a complete zip archive"]);
     refused(path, &["plan", "nowhere.zip"], &["nowhere.zip"]);
 }
 
@@ -136,7 +136,7 @@ fn families_are_swept_and_drawn() {
     refused(path, &["scenario", "generate", "--family", "table", "--count", "4", "--seed", "7"], &["exists"]);
 }
 
-/// Guards a silent answer 25 cm beside the object, after its pose was changed and its grasps were not.
+/// Guards against a silent grasp 25 cm beside the object, after its pose was changed and its grasps were not.
 #[test]
 fn grasps_of_another_place_than_the_target_are_told() {
     let folder = folder();

@@ -11,7 +11,7 @@ fn run(folder: &Path, arguments: &[&str]) -> Output {
     command.current_dir(folder).arg("simulate").args(arguments).output().expect("it runs")
 }
 
-/// Status and document of a command that answers.
+/// Returns exit code and document of a command that answers.
 fn answer(folder: &Path, arguments: &[&str]) -> (i32, serde_json::Value) {
     let output = run(folder, &[arguments, &["--json"]].concat());
     let document = serde_json::from_slice(&output.stdout)
@@ -46,7 +46,7 @@ fn a_grasp_of_a_scenario_is_tried_and_recorded() {
     }
     assert_eq!(row["robust"]["trials"], 4);
     assert_eq!(&std::fs::read(folder.join("three.glb")).expect("written")[..4], b"glTF");
-    // As trajectories it is drawn later, without physics.
+    // The recorded trajectories are drawn later, without physics.
     answer(folder, &["grasps", "021", "--grasp", "3", "--support-only", "--record", "three.json"]);
     let recording = cranny_view::BodyRecording::read(&folder.join("three.json")).expect("a recording");
     assert!(recording.bodies.iter().any(|body| body.is_grasped) && recording.times_s.len() > 10);
@@ -70,14 +70,14 @@ fn a_grasp_of_a_scenario_is_tried_and_recorded() {
     let model = |name: &str| std::fs::read(folder.join(name)).expect("written");
     assert_eq!(model("again.glb"), model("three.glb"));
     for (words, said) in [
-        ("three.json -o a.png", "complete in itself"),
+        ("three.json -o a.png", "contains the whole scene"),
         ("-o a.png --time 1000", "after the end of the motion"),
     ] {
         let output = render(words);
         let error = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.code() == Some(2) && error.contains(said), "{words}: {error}");
     }
-    // Nothing holds what is too heavy, and that is an honest no.
+    // An object that is too heavy cannot be held, which is a negative result.
     let (code, document) = answer(folder, &["grasps", "021", "--grasp", "3", "--mass", "50"]);
     assert_eq!((code, &document["held"]), (1, &0.into()));
 }
@@ -92,10 +92,10 @@ fn grasps_of_an_object_stand_in_a_file() {
     assert!(sample.output().expect("it runs").status.success());
     let (_, floating) = answer(folder, &["grasps", "sugar_box", "--grasps", "box.csv", "--friction", "0.9"]);
     assert_eq!(floating["grasps"], 2);
-    // Heavy as lead in the same grasp.
+    // The same grasp fails with a heavy object.
     let heavy = ["grasps", "sugar_box", "--grasps", "box.csv", "--mass", "40", "--pose", "0"];
     assert_eq!(answer(folder, &heavy).1["held"], 0);
-    // Robust scores come beside what the file says, whose poses stay in the frame of the object.
+    // Robust scores are added to the columns of the file, whose poses stay in the frame of the object.
     let scored =
         ["grasps", "sugar_box", "--grasps", "box.csv", "--pose", "0", "--trials", "2", "--grasp", "1"];
     let (_, document) = answer(folder, &[&scored[..], &["-o", "scored.csv"]].concat());
@@ -110,7 +110,7 @@ fn grasps_of_an_object_stand_in_a_file() {
         assert_eq!((before.score, before.width_m), (after.score, after.width_m));
         assert!(before.difference(&after.world_from_gripper).translation_m < 1e-12);
     }
-    // Written again, what is known of the others stays.
+    // A second run keeps the values of the other grasps.
     let zero = ["grasps", "sugar_box", "--grasps", "scored.csv", "--trials", "1", "--grasp", "0"];
     answer(folder, &[&zero[..], &["-o", "scored.csv"]].concat());
     let trials = |grasp: &cranny_grasp::Grasp| grasp.robust.map(|robust| robust.trials);
@@ -134,7 +134,7 @@ fn physics_counts_where_a_plan_is_asked_so() {
         command.output().expect("it runs")
     };
     let read = |name: &str| cranny_record::PlanFile::read(&folder.join(name)).expect("a plan");
-    // By geometry the first grasp that is tried is another one.
+    // By the geometric score, another grasp is tried first.
     assert!(plan(&["--planner", "ik-rrt", "-o", "geometric.json"]).status.success());
     let (scenario, best) = (Scenario::open("021", &OpenOptions::default()).expect("a scenario"), 139);
     assert_ne!(read("geometric.json").grasp, Some(best));
@@ -153,7 +153,7 @@ fn physics_counts_where_a_plan_is_asked_so() {
     assert_eq!((planned.grasp, planned.score), (Some(best), cranny_grasp::ScoreKind::Physics));
     assert_eq!(planned.grasps.as_deref(), Some("scored.csv"));
     assert_eq!(planned.score, cranny_grasp::ScoreKind::Physics);
-    // Below the least score asked for nothing is a goal, and the numbers of the grasps stay.
+    // Grasps below the minimum score are no goals, and the numbers of the grasps stay.
     let above = [&by_physics[..6], &["--min-score", "0.5", "-o", "m.plan.json"]].concat();
     let output = plan(&above);
     let text = String::from_utf8_lossy(&output.stdout);
@@ -171,7 +171,7 @@ fn physics_counts_where_a_plan_is_asked_so() {
     let refused = plan(&["--min-score", "1"]);
     let error = String::from_utf8_lossy(&refused.stderr);
     assert!(error.contains("--min-score: no grasp has a geometric score of 1 or more; the best"), "{error}");
-    // Nothing is made up where nobody tried.
+    // An untested grasp has no robust score.
     let refused = plan(&["--score", "physics"]);
     let error = String::from_utf8_lossy(&refused.stderr);
     assert_eq!(refused.status.code(), Some(2));
@@ -207,7 +207,7 @@ fn the_grasps_of_a_campaign_are_tried_once_each() {
         results.query_row("SELECT count(*) FROM simulated_grasps", [], |row| row.get(0)).expect("a count")
     };
     assert_eq!(document["grasps"], rows());
-    // What weighs nothing is skipped, and the rest is not.
+    // A scenario without a mass is skipped, and the others are not.
     std::fs::create_dir(folder.join("light")).expect("a folder");
     let (scenario, grasps) = ("mine/scenario.yaml", "mine/grasps.csv");
     let read = |file: &str| std::fs::read_to_string(folder.join(file)).expect("a file");
@@ -221,12 +221,12 @@ fn the_grasps_of_a_campaign_are_tried_once_each() {
     let skipped = &of_both["skipped"][0];
     assert_eq!((&skipped["scenario"], &skipped["trials"]), (&"light".into(), &3.into()));
     assert!(skipped["reason"].as_str().is_some_and(|reason| reason.contains("mass_kg")), "{skipped}");
-    // The campaign is as it was, and goes on.
+    // The campaign is unchanged, and can be resumed.
     assert!(cranny("bench report results.db -o report.json").status.success());
     assert!(cranny("bench run --scenarios ./mine --planners reach --runs 4 -o results.db").status.success());
     std::fs::write(folder.join("mine/grasps.csv"), "1,0,0,2,0,1,0,2,0,0,1,0.5,0,0,0,1\n").expect("written");
     refused(folder, &["results", "results.db"], &["results.db", "scenario mine", "changed", "mine"]);
-    // Where nothing is solved there is no grasp.
+    // Without a solved trial there is no grasp.
     let none = "bench run --scenarios 021 --planners ik-rrt --runs 1 --iterations 0 -o none.db";
     assert!(cranny(none).status.success());
     refused(folder, &["results", "none.db"], &["none.db", "no trial is solved"]);
@@ -245,7 +245,7 @@ fn bad_input_is_refused_in_one_line() {
     refused(folder, &["grasps", "021", "--grasp", "0", "-o", "a.csv"], &["--output", "--trials"]);
     refused(folder, &["grasps", "021", "--friction", "-1"], &["--friction", "positive"]);
     refused(folder, &["grasps", "nothing_there"], &["nothing_there"]);
-    // A scenario whose target nobody has weighed.
+    // A scenario whose target has no mass.
     let scenario = "robot: panda_mobile\nstart: [0, 0, 0, 0, 0, -1.5, 0, 1.5, 0]\nfloor: null\ntarget:\n  name: cup\n  \
                     pose: {position: [2, 2, 0.5]}\n  shapes:\n    - sphere: {radius: 0.03}\n";
     std::fs::create_dir(folder.join("cup")).expect("a folder");
@@ -269,7 +269,7 @@ fn an_object_is_dropped_again_and_again() {
         .map(|pose| pose["count"].as_u64().expect("a count"));
     let others = ["elsewhere", "still_moving"].map(|key| document[key].as_u64().expect("a count"));
     assert_eq!(counts.sum::<u64>() + others.iter().sum::<u64>(), 40);
-    // A box lies on one of its sides.
+    // A box comes to rest on one of its sides.
     assert_eq!(others, [0, 0]);
     assert_eq!(answer(folder, &drops).1, document);
     refused(folder, &["settle", "sugar_box", "--count", "0"], &["--count", "from 1"]);
@@ -285,7 +285,7 @@ fn an_experiment_is_written_for_another_engine() {
     let text = std::fs::read_to_string(folder.join("experiment.json")).expect("written");
     let experiment: serde_json::Value = serde_json::from_str(&text).expect("JSON");
     assert_eq!(experiment["grasps"].as_array().expect("grasps").len(), 200);
-    // A file of its kind is written over, another is not.
+    // A file of its kind is overwritten, another is not.
     assert_eq!(answer(folder, &["export", "021", "--friction", "0.5"]).0, 0);
     refused(folder, &["export", "021", "--mjcf"], &["experiment.json", "--force"]);
     assert_eq!(answer(folder, &["export", "021", "--mjcf", "-o", "ball.xml"]).0, 0);
@@ -307,7 +307,9 @@ fn a_target_is_carried_home_and_the_plan_is_executed() {
     assert_eq!((code, &executed["outcome"]), (0, &"held".into()), "{executed}");
     assert_eq!(executed["contacts"], serde_json::json!([]));
     assert!(executed["rose_m"].as_f64().unwrap() > 0.1, "{executed}");
-    for (carry, said) in [("away", "neither `home`"), ("1,2", "2 values, but the robot has 9 joints")] {
+    for (carry, said) in
+        [("away", "not a valid destination"), ("1,2", "2 values, but the robot has 9 joints")]
+    {
         let refused = command(&["plan", "021", "--carry", carry]);
         let words = String::from_utf8_lossy(&refused.stderr).into_owned();
         assert!(refused.status.code() == Some(2) && words.contains(said), "{words}");
@@ -315,7 +317,7 @@ fn a_target_is_carried_home_and_the_plan_is_executed() {
     refused(folder.path(), &["plan", "021", "021.plan.json", "--lift=-5"], &["--lift", "'-5'"]);
 }
 
-/// Where a step leaves things, the next begins; in the recording each body is there once.
+/// Each step starts from the final poses of the one before; in the recording each body appears once.
 #[test]
 fn steps_are_executed_one_after_the_other() {
     let folder = tempfile::tempdir().unwrap();
@@ -332,7 +334,7 @@ fn steps_are_executed_one_after_the_other() {
         let placed = &step["placed"];
         let within = |key: &str, most: f64| placed[key].as_f64().is_some_and(|off| off <= most);
         let is_there = within("translation_m", 0.01) && within("rotation_rad", 0.1746);
-        // What the hand has let go is nothing that is held.
+        // A released object is not held.
         if step["released"].is_object() {
             let outcome = if is_there { "placed" } else { "misplaced" };
             assert_eq!(step["outcome"], outcome, "{step}");
@@ -354,11 +356,11 @@ fn steps_are_executed_one_after_the_other() {
     }
     let place = |index: usize| named("column 1")[0].world_from_body[index].translation.vector;
     assert!((place(instants - 1) - place(0)).norm() > 0.3, "it was taken elsewhere");
-    // What a step took to its place is there when the next begins.
+    // An object that a step put down is still there when the next one starts.
     let jumps = (1..instants).filter(|&index| (place(index) - place(index - 1)).norm() > 0.1).count();
     assert_eq!(jumps, 0);
 
-    // What is no plan of these steps, or none of one robot that goes on where it is, is not executed.
+    // Plans of other steps, or of a robot that does not continue where it stopped, are not executed.
     let plans: serde_json::Value =
         serde_json::from_slice(&std::fs::read(folder.join("235.plan.json")).unwrap()).unwrap();
     let lie = |change: &dyn Fn(&mut serde_json::Value), words: &[&str]| {
@@ -371,7 +373,7 @@ fn steps_are_executed_one_after_the_other() {
     lie(&|plan| plan["segments"][1]["stage"] = 4.into(), &["lie.plan.json", "segment 0"]);
     lie(&|plan| plan["format"] = "cranny-plan/9".into(), &["lie.plan.json", "cranny-plan/2"]);
     lie(&|plan| plan["task_name"] = "tidy".into(), &["no task 'tidy'", "'steps'"]);
-    // Shown as what it is, and not where it does not belong.
+    // The plan is shown in its own scenario, and refused in others.
     assert_eq!(command(&["render", "235", "235.plan.json", "-o", "235.html"]).status.code(), Some(0));
     for arguments in [
         ["render", "021", "235.plan.json", "-o", "021.html"],

@@ -1,4 +1,4 @@
-//! Commands that are stopped by Ctrl-C: what is finished stays, and the same command goes on from there.
+//! Commands that are stopped by Ctrl-C: finished results stay, and the same command resumes from them.
 
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
@@ -14,7 +14,8 @@ fn command(folder: &Path, arguments: &str) -> Command {
     command
 }
 
-/// Output of a command that is stopped while it works. Before that it has nothing to keep and prints nothing.
+/// Returns the output of a command that is stopped while it works. If stopped too early, it prints nothing, and the test waits
+/// longer.
 fn stopped_after(seconds: f64, folder: &Path, arguments: &str) -> Output {
     let output = stopped_once(seconds, folder, arguments);
     if output.stdout.is_empty() { stopped_after(2.0 * seconds, folder, arguments) } else { output }
@@ -44,7 +45,7 @@ fn a_simulation_of_grasps_goes_on_where_it_was_stopped() {
         |file: &str| format!("simulate grasps 021 --support-only --grasps few.csv --trials 3 -o {file}");
     let begin = std::time::Instant::now();
     let whole = command(folder, &simulate("whole.csv")).output().expect("it runs");
-    // As long as this machine takes now.
+    // Measures the duration on this machine under its current load.
     let whole_s = begin.elapsed().as_secs_f64();
     let (mut known, mut was_stopped) = (0, false);
     loop {
@@ -60,7 +61,7 @@ fn a_simulation_of_grasps_goes_on_where_it_was_stopped() {
         assert!(!folder.join("scored.csv").exists());
         let kept = found["unfinished"].as_str().expect("a file").to_owned();
         assert!(kept.starts_with("scored.csv.unfinished-") && folder.join(&kept).exists());
-        // What is finished belongs to these settings alone.
+        // Finished results belong to these settings only.
         let other = stopped_after(0.3 * whole_s, folder, &format!("{} --seed 1", simulate("scored.csv")));
         let other = document(&other);
         assert!(other["known"] == 0 && other["unfinished"] != kept.as_str(), "{other}");
@@ -91,7 +92,7 @@ fn a_sampling_goes_on_where_it_was_stopped_while_candidates_are_chosen_too() {
         stops += 1;
         let kept = found["unfinished"].as_str().expect("a file");
         assert!(folder.join(kept).exists() && !folder.join("banana.csv").exists());
-        // Choosing takes longer than a stop leaves it.
+        // The choice takes longer than the time before each stop.
         if found["candidates"] == 40_000 {
             let rest = command(folder, &sample("banana.csv")).output().expect("it runs");
             assert_eq!(document(&rest)["stopped"], false);

@@ -1,4 +1,4 @@
-//! Trajectories as their users meet them: beside the plan, in the summary, in the answer.
+//! Trajectories from the command line: beside the plan, in the summary, in the answer.
 
 use std::path::Path;
 use std::process::Output;
@@ -95,7 +95,7 @@ fn a_rate_that_is_none_is_refused_before_the_search() {
     for rate in ["0", "nan", "-5", "1e9", "fast"] {
         let refused = cranny(folder.path(), &["plan", "021", &format!("--rate={rate}")]);
         assert_eq!(refused.status.code(), Some(2));
-        assert!(String::from_utf8_lossy(&refused.stderr).contains("samples a second"));
+        assert!(String::from_utf8_lossy(&refused.stderr).contains("samples per second"));
     }
     assert_eq!(std::fs::read_dir(folder.path()).expect("a folder").count(), 0);
 }

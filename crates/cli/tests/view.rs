@@ -28,7 +28,7 @@ fn refused(folder: &Path, arguments: &[&str], words: &[&str]) {
     assert_eq!(error.matches("error:").count(), 1, "{error}");
 }
 
-/// Whether this program has a page; without one `view` says what to install, and nothing else can be tested.
+/// Returns true if this program includes the page; without it `view` asks to install Node, and the other tests are skipped.
 fn has_page(folder: &Path) -> bool {
     let output = cranny(folder, &["view", "nothing", "--no-open"]);
     let error = String::from_utf8_lossy(&output.stderr).into_owned();
@@ -42,11 +42,11 @@ fn has_page(folder: &Path) -> bool {
     !is_missing
 }
 
-/// `cranny view`, once it has said where.
+/// Running `cranny view` that has printed its address.
 struct Viewer {
     child: Child,
     address: String,
-    /// What stands before every path.
+    /// Prefix of every path.
     inside: String,
 }
 
@@ -83,7 +83,7 @@ impl Viewer {
         serde_json::from_str(body).expect("JSON")
     }
 
-    /// The exit code after a signal.
+    /// Sends a signal and returns the exit code.
     #[cfg(unix)]
     fn ended_by(mut self, signal: &str) -> Option<i32> {
         let sent = Command::new("kill").args([signal, &self.child.id().to_string()]).status().expect("kill");
@@ -129,7 +129,7 @@ fn several_plans_stand_side_by_side_and_verdicts_are_those_of_verify() {
     );
     assert_eq!(page["is_live"], true);
 
-    // The end of the way that goes through the table: what `verify` calls a contact is not free.
+    // The end of the path through the table: a contact of `verify` is not free.
     let end = json!({"q": [0.0, 0.9, -0.0178, 1.2, 0.0198, -0.3, 0.0298, 1.5412, 0.7534]});
     let verdict = viewer.answer("POST", "/verdict", &end.to_string());
     assert_eq!(verdict["is_free"], false);
@@ -229,7 +229,7 @@ fn a_failed_search_is_written_where_it_was_asked_for_and_shown_with_its_reasons(
     assert!(shown["blocked"].as_array().is_some_and(|blocked| !blocked.is_empty()));
 }
 
-/// A tile that rises.
+/// Recording of a rising tile.
 const RISING: &str = r#"{"format": "cranny-recording/1", "name": "a tile rises", "times_s": [0.0, 0.5],
  "bodies": [{"name": "tile", "is_grasped": true,
              "world_from_body": [[0, 0, 0, 0, 0, 0, 1], [0, 0, 0.1, 0, 0, 0, 1]],
@@ -289,7 +289,7 @@ fn a_bad_recording_is_refused_in_clear_words() {
     }
 }
 
-/// What a page for the typical plan may weigh.
+/// Maximum size of a page for a typical plan, in bytes.
 const MOST_BYTES: u64 = 3_000_000;
 
 #[test]
@@ -330,7 +330,7 @@ fn one_html_file_holds_everything_and_loads_nothing() {
     refused(folder, &["render", "011", "-o", "no/such/p.html"], &["folder does not exist"]);
 }
 
-/// The released robot comes with meshes, which weigh most of its page.
+/// The released robot comes with meshes, which make up most of its page.
 #[test]
 fn a_page_with_the_released_robot_is_light_too() {
     let Some(data) = std::env::var_os("CRANNY_DATA") else {

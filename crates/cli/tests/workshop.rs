@@ -11,7 +11,7 @@ fn run(folder: &Path, arguments: &[&str]) -> Output {
     command.current_dir(folder).args(arguments).output().expect("it runs")
 }
 
-/// What a command prints that does its work.
+/// Runs a command that must succeed and returns its output.
 fn done(folder: &Path, arguments: &[&str]) -> String {
     let output = run(folder, arguments);
     let error = String::from_utf8_lossy(&output.stderr);
@@ -24,7 +24,7 @@ fn json(folder: &Path, arguments: &[&str]) -> serde_json::Value {
     serde_json::from_str(&done(folder, &arguments)).expect("one JSON document")
 }
 
-/// A message of bad input that holds all these words.
+/// Checks that bad input gives a message with all these words.
 fn refused(folder: &Path, arguments: &[&str], words: &[&str]) {
     let output = run(folder, arguments);
     let error = String::from_utf8_lossy(&output.stderr);
@@ -34,7 +34,7 @@ fn refused(folder: &Path, arguments: &[&str], words: &[&str]) {
     }
 }
 
-/// A box of 40 × 60 × 100 units as an OBJ file, its last faces left out.
+/// Writes a box of 40 × 60 × 100 units as an OBJ file, without its last faces.
 fn write_box(folder: &Path, name: &str, left_out: usize) {
     let mut text = String::new();
     for (x, y, z) in (0..8).map(|i| (i & 1, i >> 1 & 1, i >> 2)) {
@@ -54,7 +54,7 @@ fn an_object_is_made_of_a_mesh_and_grasped() {
     write_box(folder, "box.obj", 0);
     let added = json(folder, &["object", "add", "box.obj", "--mass", "0.4", "--scale", "0.001"]);
     assert!((added["volume_m3"].as_f64().expect("a volume") - 0.00024).abs() < 1e-9);
-    // Six sides, of which opposite ones look the same.
+    // A box has six sides, of which opposite ones are equivalent.
     assert_eq!(added["stable_poses"].as_array().expect("poses").len(), 3);
     assert_eq!(added["convex_parts"], 1);
     let shown = json(folder, &["object", "show", "box"]);
@@ -105,11 +105,11 @@ fn grasps_are_sampled_for_the_target_of_a_scenario() {
     let folder = folder.path();
     let sampled = json(folder, &["grasps", "sample", "021", "-o", "ball.csv", "--count", "40"]);
     assert_eq!(sampled["grasps"].as_u64(), Some(40), "{sampled}");
-    // They are where the scenario has the ball, and the hand can take all of them there.
+    // They are at the ball's pose in the scenario, and the hand can reach all of them there.
     let filtered = json(folder, &["grasps", "filter", "021", "--grasps", "ball.csv"]);
     assert_eq!(filtered["free"].as_u64(), Some(40), "{filtered}");
     refused(folder, &["grasps", "sample", "021", "--pose", "0"], &["--pose", "scenario"]);
-    // A scenario of another robot, whose files come along; without its robot.yaml nothing says where its gripper opens to.
+    // A scenario with another robot, whose files are packed too; without its robot.yaml the opening of its gripper is unknown.
     let urdf = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/file_readers/sound/robot/arm.urdf");
     done(folder, &["scenario", "new", "cell", "--robot", urdf, "--tip", "hand"]);
     done(folder, &["scenario", "pack", "cell"]);
@@ -148,7 +148,7 @@ fn what_is_wrong_with_a_scenario_is_said_with_its_line() {
     assert!(said.contains("scenario.yaml:") && said.contains("neither built in (panda_mobile, "), "{said}");
     let said = checked("cylinder: {radius: 0.03, length: 0.12}", "object: sugar_bix");
     assert!(said.contains("scenario.yaml:") && said.contains("'sugar_bix' (there are:"), "{said}");
-    // What is wrong anyway is not put down to the files around it.
+    // Errors of the scenario itself are not attributed to the surrounding files.
     refused(folder, &["scenario", "pack", "mine"], &["mine/scenario.yaml:", "sugar_bix"]);
     refused(folder, &["scenario", "pack", "nowhere"], &["nowhere", "holds neither"]);
 }
@@ -167,7 +167,7 @@ fn a_gripper_is_data() {
     done(folder, &["grasps", "sample", "flat_screwdriver", "--gripper", "narrow.yaml", "--count", "20"]);
     let set = cranny_grasp::read_csv(&folder.join("grasps.csv")).expect("grasps");
     assert!(set.grasps().iter().all(|grasp| grasp.width_m.is_some_and(|width| width <= 0.03)));
-    // The ball is 65 mm wide: an honest no.
+    // The ball is 65 mm wide, so there is no grasp.
     let none =
         run(folder, &["grasps", "sample", "tennis_ball", "--gripper", "narrow.yaml", "-o", "none.csv"]);
     assert_eq!(none.status.code(), Some(1));

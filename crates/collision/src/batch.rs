@@ -8,7 +8,7 @@ use crate::lane::lanes::Interest;
 use crate::proof::course::Course;
 
 impl Cell {
-    /// Whether `q` (m, rad; one per joint) is within the joint limits and every pair keeps its distance: the verdict of
+    /// Returns true if `q` (m, rad; one per joint) is within the joint limits and every pair keeps its distance: the verdict of
     /// [`Self::is_clear`], many times as fast.
     ///
     /// The law `is_free = is_clear` within the limits is tested by `lanes_and_exact_check_agree`.
@@ -23,11 +23,10 @@ impl Cell {
             && self.judge_lanes(simd_level(), first_lanes(1), Interest::AllOrNothing, exact, scratch) == 1
     }
 
-    /// Whether each of many configurations is free: the same verdicts as [`Cell::is_free`], several times as
-    /// fast.
+    /// Checks many configurations: the same verdicts as [`Cell::is_free`], several times as fast.
     ///
-    /// `configurations` holds one row after the other, each of one value per joint (m, rad); one verdict for each row
-    /// is written to `verdicts`, which is emptied first.
+    /// `configurations` holds one row after the other, each of one value per joint (m, rad). One verdict per row is written to
+    /// `verdicts`, which is cleared first.
     ///
     /// The law `are_free = is_clear` within the limits is tested by `lanes_and_exact_check_agree`.
     ///
@@ -37,7 +36,7 @@ impl Cell {
         self.are_free_with(simd_level(), configurations, scratch, verdicts);
     }
 
-    /// [`Self::are_free`] with the instructions of `level`, on rows of one value per joint (m, rad), for comparing
+    /// Runs [`Self::are_free`] with the instructions of `level`, on rows of one value per joint (m, rad), to compare
     /// instruction sets.
     ///
     /// # Panics
@@ -64,15 +63,15 @@ impl Cell {
         }
     }
 
-    /// Number of configurations in a row that are free, counted up to the first that is not: those at `places`, at most
-    /// [`LANES`], on the straight way from `a` (at 0) to `b` (at 1), both (m, rad; one per joint). Joint limits do
-    /// not enter.
+    /// Returns the number of consecutive free configurations, counted up to the first one that is not free: those at `places`,
+    /// at most [`LANES`], on the straight edge from `a` (at 0) to `b` (at 1), both (m, rad; one per joint). Joint limits are
+    /// not checked.
     ///
-    /// For growth along an edge: all checks along the edge at the price of few (Thomason, Kingston & Kavraki 2024,
-    /// "Motions in microseconds via vectorized sampling-based planning", Fig. 2, here in the order of the edge).
+    /// For growth along an edge: many checks along the edge at the cost of few (Thomason, Kingston & Kavraki 2024, "Motions in
+    /// microseconds via vectorized sampling-based planning", Fig. 2, here in the order of the edge).
     ///
     /// # Panics
-    /// If there are more than [`LANES`] places, or `a` or `b` has not one value per joint.
+    /// If `places` has more than [`LANES`] values, or `a` or `b` has not one value per joint.
     pub fn free_ahead(&self, a: &[f64], b: &[f64], places: &[f64], scratch: &mut Scratch) -> usize {
         let count = places.len();
         assert!(count <= LANES, "{count} configurations, at most {LANES} at once");
@@ -86,8 +85,8 @@ impl Cell {
         free.trailing_ones() as usize
     }
 
-    /// Bits of those lanes of `asked` that are free, or at least of those of `interest`; `scratch.lanes` has
-    /// the configurations, and `exact` writes that of one lane as it was given.
+    /// Returns the bits of those lanes of `asked` that are free, or at least of those of `interest`. `scratch.lanes` holds the
+    /// configurations, and `exact` writes the unrounded one of a lane.
     fn judge_lanes(
         &self,
         level: Level,

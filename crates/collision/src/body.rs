@@ -1,4 +1,4 @@
-//! Bodies: links of the robot, parts of the world, an object in the hand.
+//! Bodies: links of the robot, parts of the world, a held object.
 
 pub(crate) mod cell_parts;
 pub(crate) mod extent;

@@ -20,37 +20,37 @@ use crate::proof::work_list::WorkList;
 use crate::touch::contact::{Collider, Contact};
 use crate::{CollisionError, Margins, ToolBound};
 
-/// A robot in a world: immutable, shared by all who ask; each asker brings a [`Scratch`].
+/// A robot in a world: immutable and shared between threads; each thread brings its own [`Scratch`].
 #[derive(Clone, Debug)]
 pub struct Cell {
     pub(crate) robot: Arc<Robot>,
     pub(crate) body: Arc<RobotBody>,
     pub(crate) around: Arc<Surroundings>,
     pub(crate) margins: Margins,
-    /// The body to be grasped, and those that carry it, by index.
+    /// The body to be grasped, and its supports, by index.
     pub(crate) grasp_bodies: Arc<[usize]>,
-    /// What is held, if anything is.
+    /// The held body; `None` for an empty hand.
     pub(crate) held: Option<HeldBody>,
     pub(crate) bodies: Arc<[LinkBody]>,
     pub(crate) pairs: Arc<Pairs>,
     pub(crate) unchecked: Arc<[Unchecked]>,
-    /// Pairs of links that are checked though nothing new can come of it.
+    /// Pairs of links that are checked on request, although they are exempt.
     pub(crate) asked_for: Arc<[(usize, usize)]>,
     pub(crate) lanes: Arc<Lanes>,
-    /// The bounds that the tool keeps besides those of the world.
+    /// Bounds on the tool in addition to those of the world.
     pub(crate) further_bounds: Arc<[ToolBound]>,
-    /// All bounds that the tool keeps, the last of them that on the tilt of what is held, if there is one.
+    /// All bounds on the tool; the last is that on the tilt of the held body, if there is one.
     pub(crate) bounds: Arc<[CellBound]>,
 }
 
-/// What one asker needs to compute with; made by [`Cell::scratch`].
+/// Buffers for the computations of one thread; made by [`Cell::scratch`].
 #[derive(Clone, Debug)]
 pub struct Scratch {
     pub(crate) frames: LinkFrames,
     pub(crate) travel: Travel,
     pub(crate) q: Vec<f64>,
     pub(crate) rates: Rates,
-    /// How far each link body has moved, in metres.
+    /// Distance that each link body has moved, in metres.
     pub(crate) moved_m: Vec<f64>,
     pub(crate) work: WorkList,
     pub(crate) next_work: WorkList,
@@ -59,7 +59,7 @@ pub struct Scratch {
 }
 
 impl Cell {
-    /// Puts `robot` into `world`; every answer then demands `margins`.
+    /// Puts `robot` into `world`; all checks and proofs then demand `margins`.
     ///
     /// # Errors
     /// [`CollisionError::Margin`] for a negative or infinite margin, [`CollisionError::UnknownLink`] for a bound of a link that
@@ -68,8 +68,8 @@ impl Cell {
         Ok(Self::of(CellParts::new(robot, world, margins, Vec::new())?))
     }
 
-    /// [`Self::new`] where the body of index `target` is to be grasped: between it and its supports and the hand
-    /// ([`Robot::hand_links`]) the grasp margin is demanded.
+    /// Creates a cell as [`Self::new`] does, where the body of index `target` will be grasped: between it or its supports and
+    /// the hand ([`Robot::hand_links`]) the grasp margin is demanded.
     ///
     /// # Errors
     /// As [`Self::new`].
@@ -121,7 +121,7 @@ impl Cell {
         cell
     }
 
-    /// What the cell is made of, to make another that differs in some of it.
+    /// Returns the parts of the cell, to create a variant of it.
     pub(crate) fn parts_of(&self) -> CellParts {
         CellParts {
             robot: self.robot.clone(),
@@ -135,14 +135,14 @@ impl Cell {
         }
     }
 
-    /// The same cell with these pairs of links checked too, by index, the lower first.
+    /// Returns this cell with these additional pairs of links checked, by index, the lower first.
     #[must_use]
     pub(crate) fn with_pairs(&self, pairs: &[(usize, usize)]) -> Self {
         let asked_for = [&self.asked_for[..], pairs].concat().into();
         Self::of(CellParts { asked_for, ..self.parts_of() })
     }
 
-    /// The same cell with other margins.
+    /// Returns this cell with other margins.
     ///
     /// # Errors
     /// [`CollisionError::Margin`] for a negative or infinite margin.
@@ -151,27 +151,27 @@ impl Cell {
         Ok(Self::of(CellParts { margins, ..self.parts_of() }))
     }
 
-    /// The robot.
+    /// Returns the robot.
     pub fn robot(&self) -> &Arc<Robot> {
         &self.robot
     }
 
-    /// The world, in the planning frame.
+    /// Returns the world, in the planning frame.
     pub fn world(&self) -> &World {
         &self.around.world
     }
 
-    /// The parts of all bodies, and which body each belongs to.
+    /// Returns the parts of all bodies, each with the index of its body.
     pub(crate) fn parts(&self) -> &[(usize, Part)] {
         &self.around.parts
     }
 
-    /// The clearances that are demanded.
+    /// Returns the demanded clearances.
     pub fn margins(&self) -> Margins {
         self.margins
     }
 
-    /// The name of a link or body.
+    /// Returns the name of a link or body.
     pub fn name(&self, collider: Collider) -> &str {
         match collider {
             Collider::Link(link) => &self.robot.links()[link].name,
@@ -179,7 +179,7 @@ impl Cell {
         }
     }
 
-    /// The pairs of links that are checked against each other, by link index.
+    /// Returns the pairs of links that are checked against each other, by link index.
     pub fn self_pairs(&self) -> Vec<(usize, usize)> {
         let link = |collider: Collider| match collider {
             Collider::Link(link) => Some(link),
@@ -189,7 +189,7 @@ impl Cell {
         self.pairs.of_links().0.iter().filter_map(links).collect()
     }
 
-    /// Scratch, to be used again.
+    /// Creates a scratch, to be reused between calls.
     pub fn scratch(&self) -> Scratch {
         let hold = self.held.as_ref().map(|held| &held.hold);
         let mut frames = self.robot.frames();
@@ -209,8 +209,8 @@ impl Cell {
         }
     }
 
-    /// True if every pair keeps its distance at `q` (m, rad; one per joint), and the tool its bounds, joint limits aside: by
-    /// exact distances alone, the reference of [`Self::is_free`].
+    /// Returns true if every pair keeps its distance at `q` (m, rad; one per joint), and the tool its bounds, by exact
+    /// distances alone: the reference of [`Self::is_free`]. Joint limits are not checked.
     ///
     /// # Panics
     /// If `q` has not one value per joint.
@@ -219,12 +219,12 @@ impl Cell {
         self.first_close_pair(&scratch.frames).is_none() && self.keeps_bounds(q, scratch)
     }
 
-    /// The first pair that does not keep its distance.
+    /// Returns the first pair that does not keep its distance.
     pub(crate) fn first_close_pair(&self, frames: &LinkFrames) -> Option<u32> {
         self.near_pairs(frames).find(|&pair| !self.keeps_distance(&self.pairs.get(pair), frames))
     }
 
-    /// The pairs of links with parts that may not keep their distance, and all pairs of links, in order.
+    /// Returns the pairs of links with parts that may not keep their distance, and all pairs of links, in order.
     fn near_pairs<'a>(&'a self, frames: &'a LinkFrames) -> impl Iterator<Item = u32> + 'a {
         let links = self.pairs.of_links().1..self.pairs.len();
         let with_parts = self.pairs.with_parts().flat_map(|pairs| {
@@ -234,7 +234,7 @@ impl Cell {
         with_parts.chain(links).map(as_index)
     }
 
-    /// The pairs of a link at this pose with parts that may not keep their distance, or not `beyond_m` more, in order.
+    /// Returns the pairs of a link at this pose with parts that may be closer than required plus `beyond_m` (m), in order.
     pub(crate) fn near_parts<'a>(
         &'a self,
         pairs: PartPairs,
@@ -242,22 +242,22 @@ impl Cell {
         beyond_m: f64,
     ) -> impl Iterator<Item = usize> + use<'a> {
         let ball = &self.bodies[pairs.body].bounds.ball;
-        // What is passed over is so far away that the exact distance agrees.
+        // The exact distance of a skipped part would exceed the required one too.
         let reach_m = ball.radius_m + pairs.required_m + beyond_m + CONTACT_M;
         self.around.tree.near(world_from_link * ball.center, reach_m).map(move |place| pairs.begin + place)
     }
 
-    /// Whether the hand alone, with the gripper frame of the robot's tip at `world_from_tip`, keeps its
-    /// distance from every body of the world. If not, no configuration can hold that pose.
+    /// Returns true if the hand alone, with the gripper frame of the robot's tip at `world_from_tip`, keeps its distance from
+    /// every body of the world. If not, every configuration with that tip pose is in collision.
     ///
     /// The hand is the links of [`Robot::hand_links`].
     pub fn hand_is_free(&self, world_from_tip: &Pose, scratch: &mut Scratch) -> bool {
         self.hand_contact(world_from_tip, scratch).is_none()
     }
 
-    /// What the hand alone touches at `world_from_tip`, if anything (see [`Self::hand_is_free`]).
+    /// Returns the first contact of the hand alone at `world_from_tip`, if any (see [`Self::hand_is_free`]).
     pub fn hand_contact(&self, world_from_tip: &Pose, scratch: &mut Scratch) -> Option<Contact> {
-        // Any configuration gives the rigid transforms between the links of the hand and the tip.
+        // The transforms between the links of the hand and the tip are rigid, so any configuration gives them.
         scratch.q.fill(0.0);
         self.robot.forward_kinematics(&scratch.q, &mut scratch.frames);
         let tip_from_root = scratch.frames.link(self.robot.tip()).inverse();
@@ -289,8 +289,8 @@ impl Cell {
         })
     }
 
-    /// The least distance over all pairs at `q` (m, rad; one per joint), in metres, certified from below; 0 in
-    /// contact. Joint limits do not enter.
+    /// Returns the least distance over all pairs at `q` (m, rad; one per joint), in metres, as a certified lower bound; 0 in
+    /// contact. Joint limits are not checked.
     ///
     /// # Panics
     /// If `q` has not one value per joint.
@@ -298,7 +298,8 @@ impl Cell {
         self.nearest_where(q, f64::INFINITY, &|pair| !pair.is_exempt(), scratch).0
     }
 
-    /// The same over the pairs that are asked about, with the pair that has it; `below_m` (m) and no pair where none is nearer.
+    /// Returns the least distance over the pairs that `is_asked` selects, with its pair; `below_m` (m) and `None` if none is
+    /// nearer.
     pub(crate) fn nearest_where(
         &self,
         q: &[f64],
@@ -309,7 +310,7 @@ impl Cell {
         self.robot.forward_kinematics(q, &mut scratch.frames);
         let frames = &scratch.frames;
         let asked = || self.pairs.iter().filter(is_asked);
-        // The pair that seems nearest first: it excludes most others.
+        // Evaluate the pair that seems nearest first: it excludes most others.
         let (mut least_bound, mut first) = (below_m, None);
         for pair in asked() {
             let bound = self.quick_bound(&pair, frames, least_bound);
@@ -320,7 +321,7 @@ impl Cell {
         let (mut least, mut nearest) = (below_m, None);
         for pair in first.into_iter().chain(asked()) {
             let is_farther = self.quick_bound(&pair, frames, least) >= least;
-            // What is not a number is not farther: it is measured, and found in contact.
+            // NaN does not count as farther: the pair is measured, and found in contact.
             if !is_farther {
                 let lower_m = self.distance(&pair, frames, least).lower_m;
                 if lower_m < least {
@@ -334,9 +335,8 @@ impl Cell {
         (least, nearest)
     }
 
-    /// A pair that is closer at `q` (m, rad; one per joint) than it may be: the first in a fixed order, hand and
-    /// wrist before the base, the world before other links; `None` if every pair keeps its distance. Joint limits do
-    /// not enter.
+    /// Returns a pair that is closer at `q` (m, rad; one per joint) than required: the first in a fixed order, hand and wrist
+    /// before the base, the world before other links; `None` if every pair keeps its distance. Joint limits are not checked.
     ///
     /// # Panics
     /// If `q` has not one value per joint.
@@ -346,8 +346,7 @@ impl Cell {
         self.first_close_pair(frames).map(|pair| self.describe(&self.pairs.get(pair), frames))
     }
 
-    /// Every pair that is closer at `q` (m, rad; one per joint) than it may be, link pairs and link-body pairs once
-    /// each.
+    /// Returns every pair that is closer at `q` (m, rad; one per joint) than required, each link pair and link-body pair once.
     ///
     /// # Panics
     /// If `q` has not one value per joint.
@@ -370,7 +369,7 @@ impl Cell {
         contacts
     }
 
-    /// The indices of all pairs.
+    /// Returns the indices of all pairs.
     pub(crate) fn all_pairs(&self) -> std::ops::Range<u32> {
         0..as_index(self.pairs.len())
     }
@@ -405,18 +404,18 @@ impl Cell {
         self.is_beyond(pair, frames, pair.required_m)
     }
 
-    /// Whether the pair is certified to be at least `distance_m` apart.
+    /// Returns true if the pair is certified to be at least `distance_m` (m) apart.
     pub(crate) fn is_beyond(&self, pair: &Pair, frames: &LinkFrames, distance_m: f64) -> bool {
         self.quick_bound(pair, frames, distance_m) > distance_m || self.reaches(pair, frames, distance_m)
     }
 
-    /// Whether the pair's distance is certified to reach `distance_m`.
+    /// Returns true if the exact distance of the pair is certified to reach `distance_m` (m).
     fn reaches(&self, pair: &Pair, frames: &LinkFrames, distance_m: f64) -> bool {
         group_reaches(self.placed(pair.first, frames), &self.placed_other(pair, frames), distance_m)
     }
 
-    /// A lower bound of the pair's distance (m) from two balls, and two boxes where the balls do not show
-    /// that it exceeds `enough_m`.
+    /// Returns a lower bound of the pair's distance (m) from two bounding balls, and from two boxes where the balls do not show
+    /// that it exceeds `enough_m` (m).
     pub(crate) fn quick_bound(&self, pair: &Pair, frames: &LinkFrames, enough_m: f64) -> f64 {
         let first = &self.bodies[pair.first];
         let world_from_first = frames.link(first.link);
@@ -436,12 +435,12 @@ impl Cell {
         self.distance_in(pair, frames, Range::to(beyond_m))
     }
 
-    /// The distance of a pair as far as it matters.
+    /// Returns the distance of a pair, limited to a range of interest.
     pub(crate) fn distance_in(&self, pair: &Pair, frames: &LinkFrames, range: Range) -> Separation {
         group_separation_in(self.placed(pair.first, frames), &self.placed_other(pair, frames), range)
     }
 
-    /// The solids of the first thing of a pair, where they are.
+    /// Returns the solids of the first body of a pair, each with its pose.
     pub(crate) fn placed<'a>(
         &'a self,
         body: usize,
@@ -450,7 +449,7 @@ impl Cell {
         self.bodies[body].placed(frames)
     }
 
-    /// Those of the second.
+    /// Returns the solids of the second body.
     pub(crate) fn placed_other<'a>(
         &'a self,
         pair: &Pair,
@@ -466,7 +465,7 @@ impl Cell {
 }
 
 impl Contact {
-    /// What the two things are called in the cell that they touch in.
+    /// Returns the names of the two colliders in the cell of the contact.
     pub fn names(&self, cell: &Cell) -> [String; 2] {
         [self.first, self.second].map(|collider| cell.name(collider).to_owned())
     }

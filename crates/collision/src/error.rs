@@ -1,67 +1,70 @@
-/// What can be wrong with a robot in a world.
+/// Fault of a robot in a world, or of a request.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum CollisionError {
-    /// A body is named that the world does not have.
+    /// The world has no body of that name.
     #[error("the world has no body '{name}' (it has: {known})")]
     UnknownBody {
-        /// The name asked for.
+        /// The unknown name.
         name: String,
-        /// The names that there are.
+        /// The known names.
         known: String,
     },
-    /// A link's triangles cannot be checked.
+    /// The triangles of a link cannot be checked.
     #[error("link '{link}': {source}")]
     Link {
-        /// Which link.
+        /// Name of the link.
         link: String,
-        /// What is wrong with its triangles.
+        /// Fault of its triangles.
         source: cranny_shape::ShapeError,
     },
     /// A margin is negative or not finite.
     #[error("a margin must be a finite number of metres, at least 0, but is {value}")]
     Margin {
-        /// The offending value.
+        /// The margin, in metres.
         value: f64,
     },
-    /// A bound on the tilt of what is held is none.
-    #[error("a tilt of {:.3}° bounds nothing: it must be above 0° and at most 180°", tilt_rad.to_degrees())]
+    /// The bound on the tilt of the held body is out of range.
+    #[error(
+        "a bound of {:.3}° on the tilt is not valid: it must be above 0° and at most 180°",
+        tilt_rad.to_degrees()
+    )]
     Tilt {
         /// The bound, in radians.
         tilt_rad: f64,
     },
-    /// A bound is stated for a link that the robot does not have.
-    #[error("the robot has no link '{name}', which is bounded")]
+    /// A bound refers to a link that the robot does not have.
+    #[error("a bound refers to link '{name}', which the robot does not have")]
     UnknownLink {
         /// The name of the link.
         name: String,
     },
-    /// A bound is stated for a finger, which the hand moves by itself.
+    /// A bound refers to a finger, which the hand moves by itself.
     #[error("link '{name}' is a finger, which the hand moves by itself: bound the palm or the gripper frame")]
     FingerBound {
         /// The name of the link.
         name: String,
     },
-    /// A bound on the tool is none.
+    /// A bound on the tool is out of range.
     #[error(
-        "'{name}' bounds nothing: directions must have a length, an angle be above 0° and at most 180°, and sizes be positive \
-         and at most 1000 m"
+        "bound '{name}' is not valid: directions must not be zero, angles must be above 0° and at most 180°, \
+         and sizes must be positive and at most 1000 m"
     )]
     ToolBound {
-        /// Its name.
+        /// Name of the bound.
         name: String,
     },
-    /// Something cannot be held like that.
+    /// An object cannot be held in this manner.
     #[error(
-        "'{name}' cannot be held: it must have bounds, the hand be empty, its pose be within {} m of the tip, and the \
-         fingers closed by a share from 0 to 1",
+        "'{name}' cannot be held: it must be of finite size, the hand must be empty, its pose must be within \
+         {} m of the tip, and the fingers must be closed by a share from 0 to 1",
         cranny_robot::FARTHEST_HELD_M
     )]
     Hold {
-        /// What was to be held.
+        /// Name of the object.
         name: String,
     },
-    /// A body is in contact with something other than a face below it that carries it, or too deep in that.
+    /// A body is in contact with something other than a face below it that supports it, or penetrates that too deeply.
     #[error(
         "'{name}' touches '{other}', {:.2} mm deep, and does not rest on it: it may touch the faces below it that carry it, \
          up to {:.1} mm deep, and nothing else; move them apart",
@@ -69,30 +72,31 @@ pub enum CollisionError {
         crate::CONTACT_ALLOWANCE_M * 1e3
     )]
     Touches {
-        /// The body.
+        /// Name of the body.
         name: String,
-        /// The body that it touches.
+        /// Name of the body that it touches.
         other: String,
-        /// Their depth in each other, in metres.
+        /// Their penetration depth, in metres.
         depth_m: f64,
     },
-    /// The centre of mass of a body is not over what it touches below it.
+    /// The centre of mass of a body is not above its contact with the body below it.
     #[error(
-        "'{name}' touches '{other}' and does not rest on it: its centre of mass is {:.2} mm beside what is below it",
+        "'{name}' touches '{other}' and does not rest on it: its centre of mass is {:.2} mm outside its \
+         support",
         off_m * 1e3
     )]
     Topples {
-        /// The body.
+        /// Name of the body.
         name: String,
-        /// The body that it touches.
+        /// Name of the body that it touches.
         other: String,
-        /// Distance of the centre of mass from what is below the body, seen along gravity, in metres.
+        /// Distance of the centre of mass from what is below the body, as seen along gravity, in metres.
         off_m: f64,
     },
     /// A pose is not finite, or farther away than [`cranny_spatial::FARTHEST_M`].
     #[error("the pose of body '{name}' is not within 1000 m of the robot's root")]
     Pose {
-        /// Which body.
+        /// Name of the body.
         name: String,
     },
 }

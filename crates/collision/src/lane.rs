@@ -1,4 +1,4 @@
-//! Checks of many configurations at once, in vector lanes that accept or reject only what the exact check would.
+//! Checks of many configurations at once, in vector lanes whose verdicts agree with the exact check.
 
 pub(crate) mod ball_pack;
 pub(crate) mod lane_ball;

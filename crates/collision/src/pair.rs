@@ -1,4 +1,4 @@
-//! Pairs of things: which are compared, which are not, and which is the nearest.
+//! Collision pairs: the ones that are checked, the ones that are exempt, and the nearest one.
 
 pub(crate) mod closest;
 pub(crate) mod pair_choice;

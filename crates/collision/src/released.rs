@@ -7,11 +7,11 @@ use cranny_spatial::Pose;
 use crate::body::link_body::LinkBody;
 use crate::{CollisionError, World};
 
-/// The collision check of the released planners, for comparison only (README, "What solved means").
+/// Collision check of the released planners, for comparison only (README, "What solved means").
 ///
-/// Triangles of links against triangles of obstacles, surface against surface, at single configurations;
-/// only the links on the chain from the root to the tip, so no fingers; no self-collision; and instead of a
-/// floor, the origins of certain link frames must stay above a height.
+/// It checks triangles of links against triangles of obstacles, surface against surface, at single configurations. Only links
+/// on the chain from the root to the tip are checked, so no fingers, and there is no self-collision check. Instead of a floor,
+/// the origins of certain link frames must stay above a height.
 #[derive(Clone, Debug)]
 pub struct ReleasedCheck {
     robot: Arc<Robot>,
@@ -21,28 +21,27 @@ pub struct ReleasedCheck {
     floor_height_m: f64,
 }
 
-/// What one asker of a [`ReleasedCheck`] needs to compute with.
+/// Buffers for the computations of one thread with a [`ReleasedCheck`].
 #[derive(Clone, Debug)]
 pub struct ReleasedScratch {
     frames: LinkFrames,
 }
 
 impl ReleasedScratch {
-    /// The link frames of the configuration that was asked about last.
+    /// Returns the link frames of the configuration checked last.
     pub fn frames(&self) -> &LinkFrames {
         &self.frames
     }
 }
 
 impl ReleasedCheck {
-    /// A check of the links on the chain to the tip against `obstacles` (surfaces in the planning frame).
+    /// Creates a check of the links on the chain to the tip against `obstacles` (surfaces in the planning frame).
     ///
-    /// A link whose geometry comes from meshes is checked by their triangles, any other by the one box
-    /// around all its shapes. The origins of `floor_links` (by link index) must stay at or above
-    /// `floor_height_m`.
+    /// A link whose geometry comes from meshes is checked by their triangles, any other by one box around all its shapes. The
+    /// origins of `floor_links` (by link index) must stay at or above `floor_height_m` (m).
     ///
     /// # Errors
-    /// [`CollisionError::Link`] for a link whose triangles name vertices that are not there.
+    /// [`CollisionError::Link`] for a link whose triangles refer to missing vertices.
     pub fn new(
         robot: Arc<Robot>,
         obstacles: Vec<(Pose, Surface)>,
@@ -72,8 +71,8 @@ impl ReleasedCheck {
         Ok(Self { robot, links, obstacles, floor_links, floor_height_m })
     }
 
-    /// The surfaces of all bodies of a world that are cuboids, each with its `world_from_surface`; what is not a
-    /// cuboid is taken as its box.
+    /// Returns the surfaces of all bodies of a world, each with its `world_from_surface`; the bounding box stands for any solid
+    /// that is not a cuboid.
     pub fn surfaces_of(world: &World) -> Vec<(Pose, Surface)> {
         world
             .bodies()
@@ -84,17 +83,17 @@ impl ReleasedCheck {
             .collect()
     }
 
-    /// The robot that is checked.
+    /// Returns the robot that is checked.
     pub fn robot(&self) -> &Arc<Robot> {
         &self.robot
     }
 
-    /// Scratch, to be used again.
+    /// Creates a scratch, to be reused between calls.
     pub fn scratch(&self) -> ReleasedScratch {
         ReleasedScratch { frames: self.robot.frames() }
     }
 
-    /// Whether the released check lets `q` (m, rad; one per joint) pass: limits, heights, surfaces.
+    /// Returns true if the released check accepts `q` (m, rad; one per joint): limits, heights, surfaces.
     ///
     /// # Panics
     /// If `q` has not one value per joint.
@@ -105,7 +104,7 @@ impl ReleasedCheck {
         }
     }
 
-    /// The same for link frames that are known already; joint limits do not enter.
+    /// Returns true if the released check accepts link frames that are already known; joint limits are not checked.
     pub fn holds(&self, frames: &LinkFrames) -> bool {
         self.floor_links.iter().all(|&link| frames.link(link).translation.z >= self.floor_height_m)
             && !self.links.iter().any(|(link, link_from_shape, surface)| {

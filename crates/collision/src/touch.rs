@@ -1,4 +1,4 @@
-//! Contact: fingers that close, objects that rest, are held and are put down.
+//! Contact: closing fingers, resting objects, grasping and setting down.
 
 pub(crate) mod closing;
 pub(crate) mod contact;

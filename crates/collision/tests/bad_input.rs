@@ -1,4 +1,4 @@
-//! What is malformed is refused with a message that names it.
+//! Tests that malformed input is refused with a message that names it.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 

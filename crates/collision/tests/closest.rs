@@ -1,4 +1,4 @@
-//! The closest pair: its distance is the clearance, its points are that far apart, its depth is the deepest.
+//! Tests of the closest pair: its distance is the clearance, its points are that far apart, its depth is the greatest.
 
 use crate::fixture::{arm, cell, random_blocks};
 use cranny_collision::{Body, Collider};

@@ -1,4 +1,4 @@
-//! Single configurations: every question gives the same answer, and the distances are the true ones.
+//! Tests of single configurations: all queries agree, and the distances are correct.
 
 use crate::fixture::{arm, ball, block, cell, hand, link, random_blocks};
 use cranny_collision::{Body, Cell, Collider, Margins, World};
@@ -23,7 +23,7 @@ proptest! {
         bodies.push(Body::floor(-0.06));
         let cell = cell(&robot, bodies, margin_m);
         let mut scratch = cell.scratch();
-        // A little beyond the limits now and then.
+        // Some values are slightly beyond the limits.
         let q: Vec<f64> = robot.random_configuration(&mut random).iter().map(|value| value * 1.05).collect();
         let is_clear = cell.is_clear(&q, &mut scratch);
         prop_assert_eq!(cell.is_free(&q, &mut scratch), is_clear && robot.within_limits(&q));

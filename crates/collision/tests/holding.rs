@@ -1,4 +1,4 @@
-//! A cell in which the hand holds something says what a robot says that was built with the thing in its hand.
+//! Tests that a cell with a held object agrees with a robot that was built with the object in its hand.
 
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ const THING: [f64; 3] = [0.06, 0.03, 0.12];
 const MARGINS: Margins =
     Margins { margin_m: 0.004, grasp_margin_m: 0.001, object_margin_m: 0.0, tilt_rad: None };
 
-/// An arm with two fingers that slide (`finger`: what moves the left one, with + or −), and what else it carries.
+/// Returns an arm with two sliding fingers (`finger`: the URDF of the left one with +, of the right one with −), and `carried`.
 fn arm(finger: &dyn Fn(f64) -> String, carried: &str) -> String {
     format!(
         r#"<robot name="arm">
@@ -49,7 +49,7 @@ fn open(urdf: &str, hand: Option<HandDescription>) -> Arc<Robot> {
     Arc::new(Robot::from_urdf_text(urdf, "arm.urdf", None, &options).unwrap())
 }
 
-/// Fingers that slide from 7 cm off the middle to it.
+/// Builds the arm with fingers that slide from 7 cm off the centre to it.
 fn sliding() -> Arc<Robot> {
     let finger = |side: f64| {
         let name = if side > 0.0 { "left" } else { "right" };
@@ -66,7 +66,7 @@ fn sliding() -> Arc<Robot> {
     open(&arm(&finger, ""), description.unwrap().hand)
 }
 
-/// The same with fixed fingers and a thing fixed to the palm.
+/// Builds the arm with fixed fingers and the object fixed to the palm.
 fn built(place: [f64; 3], turn: [f64; 3], closing: f64) -> Arc<Robot> {
     let finger = |side: f64| {
         let name = if side > 0.0 { "left" } else { "right" };
@@ -89,7 +89,7 @@ fn hold(place: [f64; 3], [roll, pitch, yaw]: [f64; 3], closing: f64) -> Hold {
     Hold { tip_from_held: Pose::from_parts(Vector::from(place).into(), turn), closing }
 }
 
-/// Boxes strewn about the robot on a floor, and the thing, which stands on the floor.
+/// Scatters boxes around the robot on a floor, and places the object on the floor.
 fn world(random: &mut Stream) -> Vec<Body> {
     let mut bodies = vec![Body::floor(-0.3)];
     for index in 0..8 {
@@ -105,7 +105,7 @@ fn world(random: &mut Stream) -> Vec<Body> {
 fn thing() -> Body {
     let [a, b, c] = THING;
     let solid = Solid::cuboid(0.5 * Vector::new(a, b, c)).unwrap();
-    // In everybody's way, were it an obstacle.
+    // An obstacle there would block most motions.
     Body::new("thing", Pose::translation(0.0, 0.0, 0.5), solid)
 }
 
@@ -175,7 +175,7 @@ fn what_is_held_is_named_and_what_it_is_spared_is_not_met() {
     let long = hold([0.0, 0.0, 0.5], [0.0; 3], 0.5);
     let held = empty.holding(1, long).unwrap();
     let (mut random, mut scratch) = (Stream::new(3, 0), held.scratch());
-    // Where the thing alone is in the floor.
+    // Here only the object is in collision with the floor.
     let names = |q: &[f64], scratch: &mut cranny_collision::Scratch| {
         let named = |contact: &cranny_collision::Contact| {
             [contact.first, contact.second].map(|thing| held.name(thing).to_owned())
@@ -186,7 +186,7 @@ fn what_is_held_is_named_and_what_it_is_spared_is_not_met() {
         .take(100_000)
         .find(|q| names(q, &mut scratch) == [["thing", "floor"]])
         .unwrap();
-    // As it rests on the floor.
+    // The object as it rests on the floor.
     let on_floor = Pose::translation(0.0, 0.0, -0.3 + 0.5 * THING[2]);
     let spared = held.sparing(&held.resting_at(1, &Extent::of(&thing()).unwrap(), &on_floor));
     assert!(spared.is_free(&q, &mut spared.scratch()));

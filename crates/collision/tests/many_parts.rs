@@ -1,11 +1,10 @@
-//! A world of many parts answers as its parts do by the handful: what passes over parts that are nowhere
-//! near passes over nothing else.
+//! Tests that a world of many parts agrees with small groups of its parts: the broad phase skips distant parts only.
 
 use cranny_collision::{Body, Cell};
 use cranny_shape::Solid;
 use cranny_spatial::{Pose, Stream, Vector};
 
-/// So few are looked at one by one.
+/// Number of parts that is small enough to be checked one by one.
 const HANDFUL: usize = 10;
 
 fn random_bodies(random: &mut Stream, count: usize) -> Vec<Body> {

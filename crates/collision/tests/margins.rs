@@ -1,4 +1,4 @@
-//! How much clearance is demanded between what.
+//! Tests of the clearances that are demanded between different bodies.
 
 use crate::fixture::{arm, ball, block, cell, hand, link};
 use cranny_collision::{Body, Cell, Collider, Margins, Part, World};
@@ -41,7 +41,7 @@ fn the_margin_holds_between_links_too() {
     assert!(enough.is_free(&q, &mut enough.scratch()));
 }
 
-/// Floor, table on it, object on that, and a wall that the object leans on.
+/// Returns a floor, a table on it, the object on the table, and a wall that the object leans on.
 fn still_life() -> World {
     let bodies = vec![
         Body::floor(0.0),
@@ -57,7 +57,7 @@ fn the_grasp_margin_holds_between_the_hand_and_what_it_grasps_only() {
     let (robot, world) = (arm(), still_life());
     let target = world.body_index("object").expect("it is there");
     let table = world.body_index("table").expect("it is there");
-    // Both margins exceed every distance, so that every pair is listed with what is demanded of it.
+    // Both margins exceed every distance, so that every pair is listed with its demanded clearance.
     let margins = Margins { margin_m: 10.0, grasp_margin_m: 9.0, ..Margins::default() };
     let cell = Cell::for_grasp(robot.clone(), world.clone(), target, margins).expect("good margins");
     assert_eq!(robot.hand_links(), hand(&robot));

@@ -1,4 +1,4 @@
-//! Straight motions: verdicts, their symmetry, and the least distance on the way.
+//! Tests of straight motions: verdicts, their symmetry, and the least distance along them.
 
 use crate::fixture::{arm, ball, between, block, cell, random_blocks};
 use cranny_collision::{Body, Motion};
@@ -7,14 +7,14 @@ use cranny_spatial::{CONTACT_M, Pose, Stream, Vector};
 use cranny_test_robots::BALL_RADIUS_M;
 use proptest::prelude::*;
 
-/// How far `least_clearance` may lie below the truth, in metres.
+/// Maximum amount by which `least_clearance` is below the true distance, in metres.
 const TOLERANCE_M: f64 = 1e-5;
 
 fn cases(cases: u32) -> ProptestConfig {
     ProptestConfig { cases, failure_persistence: None, ..ProptestConfig::default() }
 }
 
-/// The distance of `point` from the segment between `a` and `b`.
+/// Returns the distance of `point` from the segment between `a` and `b`.
 fn from_segment(point: &Vector, a: &Vector, b: &Vector) -> f64 {
     let along = b - a;
     let at = ((point - a).dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
@@ -39,7 +39,7 @@ proptest! {
         prop_assert!((least - least_back).abs() <= TOLERANCE_M, "{} {}", least, least_back);
     }
 
-    /// Of what is not proven the least clearance is found, too, so that every draw counts.
+    /// Compares clearances of unproven paths too, so that every draw counts.
     #[test]
     fn the_clearance_of_a_path_is_the_least_of_its_edges(
         seed in any::<u64>(), margin_m in 0.0..0.03, share in 0.0..0.5,
@@ -67,8 +67,7 @@ proptest! {
         let sampled = (0..=SAMPLES)
             .map(|i| cell.clearance(&between(&a, &b, f64::from(i) / f64::from(SAMPLES)), &mut scratch))
             .fold(f64::INFINITY, f64::min);
-        // No point of the arm is farther than 0.8 m from any of its axes; two links may close in on each
-        // other.
+        // No point of the arm is farther than 0.8 m from any of its axes; two links may approach each other.
         let travel_m: f64 = 2.0 * a.iter().zip(&b).map(|(a, b)| (a - b).abs()).sum::<f64>();
         let sampling_m = travel_m * 0.5 / f64::from(SAMPLES);
         prop_assert!(least <= sampled + 1e-9, "{least} {sampled}");
@@ -116,7 +115,7 @@ fn either_end_outside_its_limits_is_refused_by_the_name_of_the_joint() {
             assert_eq!(cell.motion_is_free(a, b, &mut scratch), Motion::OutOfLimits { joint });
         }
     }
-    // The limits themselves belong to what is allowed.
+    // The limits themselves are allowed.
     assert!(cell.motion_is_free(&[-2.0; 3], &[2.0; 3], &mut scratch).is_proven());
 }
 

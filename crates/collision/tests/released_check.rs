@@ -1,4 +1,4 @@
-//! What the check of the released planners lets pass, and the exact one does not.
+//! Tests of configurations that the released planners' check accepts and the exact one refuses.
 
 use std::sync::Arc;
 
@@ -19,7 +19,7 @@ fn a_link_wholly_inside_an_obstacle_passes_there_only() {
     let (check, cell) = both(&ball(), vec![block("block", [0.0; 3], [0.5; 3])]);
     assert!(check.is_free(&[0.0; 3], &mut check.scratch()));
     assert!(!cell.is_free(&[0.0; 3], &mut cell.scratch()));
-    // Where surface meets surface both refuse.
+    // Both checks refuse intersecting surfaces.
     let through = [0.48, 0.0, 0.0];
     assert!(!check.is_free(&through, &mut check.scratch()));
     assert!(!cell.is_free(&through, &mut cell.scratch()));
@@ -50,7 +50,7 @@ fn instead_of_a_floor_the_origins_of_some_links_stay_above_a_height() {
     let tool = link(&robot, "ball");
     let check = ReleasedCheck::new(robot, Vec::new(), vec![tool], 0.04).expect("good triangles");
     let mut scratch = check.scratch();
-    // The origin counts, not the ball around it.
+    // The check uses the origin, not the ball around it.
     for (height_m, is_free) in [(0.041, true), (0.04, true), (0.039, false), (-1.0, false)] {
         assert_eq!(check.is_free(&[0.0, 0.0, height_m], &mut scratch), is_free, "{height_m}");
     }

@@ -1,4 +1,4 @@
-//! An object may touch the faces below it that carry it, and nothing else.
+//! Tests that an object may touch its support faces, and nothing else.
 
 use std::f64::consts::FRAC_PI_4;
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use cranny_spatial::{Point, Pose, Vector};
 
 const HALF_M: [f64; 3] = [0.03, 0.02, 0.04];
 
-/// A cart that slides along x, y and z; what it holds stands where it does.
+/// A cart that slides along x, y and z, so that the configuration is the displacement of its held object.
 const CART: &str = r#"<robot name="cart">
   <link name="rail"/><link name="x"/><link name="y"/>
   <link name="tip"><collision><origin xyz="0 0 0.4"/><geometry><sphere radius="0.01"/></geometry></collision></link>
@@ -28,7 +28,7 @@ fn block(name: &str, [x, y, z]: [f64; 3], half_m: [f64; 3]) -> Body {
     Body::new(name, Pose::translation(x, y, z), Solid::cuboid(half_m.into()).unwrap())
 }
 
-/// A box of 6 × 4 × 8 cm whose lowest point is so high above the origin.
+/// Creates a box of 6 × 4 × 8 cm with its lowest point at `height_m` (m) above the origin.
 fn object(height_m: f64) -> Body {
     block("object", [0.0, 0.0, HALF_M[2] + height_m], HALF_M)
 }
@@ -44,13 +44,13 @@ fn cell(bodies: Vec<Body>, margin_m: f64) -> Cell {
     Cell::new(Arc::new(robot), World::new(bodies).unwrap(), margins).unwrap()
 }
 
-/// A length (m) in tenths of a millimetre.
+/// Formats a length (m) in tenths of a millimetre.
 fn tenths(length_m: f64) -> String {
-    // No negative zero.
+    // Avoid a negative zero.
     ((length_m * 1e4).round() + 0.0).to_string()
 }
 
-/// Names of the bodies that the first of `bodies` rests on, with its height above each in tenths of a millimetre.
+/// Returns the names of the supports of the first of `bodies`, with its height above each in tenths of a millimetre.
 fn carried(bodies: &[Body]) -> Result<Vec<(String, String)>, CollisionError> {
     let cell = cell(bodies.to_vec(), 0.0);
     let resting = cell.resting(0)?;
@@ -64,7 +64,7 @@ fn touches(bodies: &[Body]) -> (String, f64) {
     }
 }
 
-/// The object in the hand where it stands, free to touch what carries it.
+/// Returns the cell with the object held where it stands, allowed to touch its supports.
 fn lifting(cell: &Cell) -> (Cell, Resting) {
     let resting = cell.resting(0).unwrap();
     let first = cell.world().bodies()[0].parts[0].world_from_solid;
@@ -72,7 +72,7 @@ fn lifting(cell: &Cell) -> (Cell, Resting) {
     (held.sparing(&resting), resting)
 }
 
-/// A tray of 20 cm with a lip of 3 cm, its floor at height 0, as one mesh.
+/// Creates a tray of 20 cm with a lip of 3 cm, its floor at height 0, as one mesh.
 fn tray() -> Body {
     let mut soup = TriangleSoup::default();
     let mut add = |place: [f64; 3], half_m: [f64; 3]| {
@@ -98,14 +98,14 @@ fn moved(mut body: Body, by: &Pose) -> Body {
 fn only_what_is_below_an_object_carries_it() {
     let on_table = [("table".to_owned(), tenths(0.0))];
     assert_eq!(carried(&[object(0.0), table()]).unwrap(), on_table);
-    // A post and a curb beside it, one that is flush with the table too, and a lid above it.
+    // A post and a curb beside the object, a block flush with the table, and a lid above the object.
     let post = block("post", [0.041, 0.0, 0.1], [0.01, 0.01, 0.1]);
     let curb = block("curb", [0.0, 0.0305, 0.005], [0.01, 0.01, 0.005]);
     let flush = block("flush", [0.0, -0.031, -0.01], [0.01, 0.01, 0.01]);
     let lid = block("lid", [0.0, 0.0, 0.0915], [0.05, 0.05, 0.01]);
     let bodies = [object(0.0), table(), post, curb, flush, lid];
     assert_eq!(carried(&bodies).unwrap(), on_table);
-    // They are obstacles, as near as they are, whatever margin is asked.
+    // They are obstacles at their actual distance, for every margin.
     for (margin_m, near) in [(0.0, vec![]), (0.004, vec!["post", "curb", "flush", "lid"])] {
         let cell = cell(bodies.to_vec(), margin_m);
         let (lifting, resting) = lifting(&cell);
@@ -115,7 +115,7 @@ fn only_what_is_below_an_object_carries_it() {
         assert_eq!(contacts.len(), near.len(), "{contacts:?}");
         let clearance_m = lifting.clearance(&[0.0; 3], &mut lifting.scratch());
         assert!((clearance_m - 0.5e-3).abs() < 1e-6, "{clearance_m}");
-        // What is allowed is named.
+        // The allowed contact is listed.
         let [exempt] = lifting.unchecked() else { panic!("{:?}", lifting.unchecked()) };
         assert_eq!((exempt.reason, lifting.name(exempt.second)), (UncheckedReason::Resting, "table"));
     }
@@ -136,7 +136,7 @@ fn an_object_is_no_deeper_in_what_carries_it_than_the_allowance() {
             assert!((depth_m + height_m).abs() < 1e-6, "{depth_m}");
         }
     }
-    // Lowered from there by more than the allowance it is not proven to stay off.
+    // If lowered from there by more than the allowance, it is not proven to stay off.
     let (lifting, resting) = lifting(&cell(vec![object(-0.9e-4), table()], 0.0));
     let mut scratch = lifting.scratch();
     let mut stays = |z: f64| lifting.stays_off(&resting, 1e-4, &[0.0; 3], &[0.0, 0.0, z], &mut scratch);
@@ -149,7 +149,7 @@ fn an_object_is_no_deeper_in_what_carries_it_than_the_allowance() {
 fn what_touches_an_object_at_its_side_does_not_carry_it() {
     let beside = block("beside", [0.04, 0.0, 0.04], [0.01, 0.02, 0.04]);
     assert_eq!(touches(&[object(0.0), table(), beside.clone()]).0, "beside");
-    // In a tray, against its lip; in a sink.
+    // The object touches the lip of a tray from inside.
     let in_tray = moved(object(0.0), &Pose::translation(0.0601, 0.0, 0.0));
     let (other, depth_m) = touches(&[in_tray, tray()]);
     assert_eq!((&*other, depth_m < 1.2e-4), ("tray", true));
@@ -164,14 +164,14 @@ fn the_lip_of_a_tray_is_an_obstacle_and_its_floor_carries() {
         let mut scratch = lifting.scratch();
         assert_eq!(lifting.is_clear(&[0.0; 3], &mut scratch), is_free, "{margin_m}");
         assert!((lifting.clearance(&[0.0; 3], &mut scratch) - 0.0015).abs() < 1e-6);
-        // Slid into the lip, and over it.
+        // The object slides into the lip, and above it.
         assert!(!lifting.is_clear(&[0.002, 0.0, 0.0], &mut scratch));
         assert!(lifting.is_clear(&[0.02, 0.0, 0.0351], &mut scratch));
     }
-    // On the lip it is carried by that, where its middle is over it.
+    // On the lip it is supported if its centre is over it.
     let on_lip = moved(object(0.03), &Pose::translation(0.095, 0.0, 0.0));
     assert_eq!(carried(&[on_lip, tray()]).unwrap(), [("tray".to_owned(), tenths(0.0))]);
-    // Deep in it, it is nowhere.
+    // Deep inside the lip it has no support.
     let sunk = moved(object(0.0), &Pose::translation(0.0608, 0.0, 0.0));
     assert_eq!(touches(&[sunk, tray()]).0, "tray");
 }
@@ -181,7 +181,7 @@ fn the_centre_of_mass_is_over_what_carries() {
     let beam = |name: &str, x: f64| block(name, [x, 0.0, -0.01], [0.005, 0.3, 0.01]);
     let both = [object(0.0), beam("left", -0.02), beam("right", 0.02)];
     assert_eq!(carried(&both).unwrap().len(), 2);
-    // A little lower, one that is needed carries too; one that is not does not.
+    // A slightly lower beam supports too if it is needed, and does not otherwise.
     let lower = moved(beam("right", 0.02), &Pose::translation(0.0, 0.0, -5e-4));
     assert_eq!(carried(&[object(0.0), beam("left", -0.02), lower.clone()]).unwrap().len(), 2);
     assert_eq!(
@@ -196,7 +196,7 @@ fn the_centre_of_mass_is_over_what_carries() {
             other => panic!("{other:?}"),
         }
     }
-    // Legs: what is between them carries nothing.
+    // A stool rests on its legs alone: the gap between them gives no support.
     let mut stool = block("stool", [0.0, 0.0, 0.09], [0.1, 0.1, 0.01]);
     for (x, y) in [(-0.09, -0.09), (-0.09, 0.09), (0.09, -0.09), (0.09, 0.09)] {
         let solid = Solid::cuboid([0.01, 0.01, 0.04].into()).unwrap();
@@ -242,10 +242,10 @@ fn down_is_where_gravity_pulls_and_slopes_are_known() {
     assert!(of(World::new(tilted.clone()).unwrap().with_up(&up)) < 1e-9);
     let floor = moved(Body::floor(-5.0), &tilt);
     assert!(of(World::new([&tilted[..], &[floor]].concat()).unwrap()) < 1e-9);
-    // What is level for the robot is a slope.
+    // A floor that is level in the robot's frame is a slope.
     let level = World::new(vec![object(0.0), table()]).unwrap().with_up(&up);
     assert!((of(level) - 0.35).abs() < 1e-9);
-    // So steep nothing is carried.
+    // So steep a face supports nothing.
     let steep = Pose::rotation(Vector::x() * 0.9);
     assert!(carried(&[object(0.0), table()].map(|body| moved(body, &steep))).is_err());
     assert_eq!(World::new(Vec::new()).unwrap().up(), Vector::z());

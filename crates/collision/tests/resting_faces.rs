@@ -1,4 +1,4 @@
-//! The face that carries an object has the normal of the surface where the two meet, and a gap that is measured there.
+//! Tests that a support face has the surface normal at the contact, and that its gap is measured there.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use cranny_shape::{Solid, TriangleSoup};
 use cranny_spatial::{Point, Pose, Stream, Vector};
 use proptest::prelude::*;
 
-/// A robot far from everything.
+/// A robot far from all bodies.
 const ROBOT: &str = r#"<robot name="slide">
   <link name="rail"/>
   <link name="tip"><collision><origin xyz="0 0 9"/><geometry><sphere radius="0.01"/></geometry></collision></link>
@@ -16,13 +16,13 @@ const ROBOT: &str = r#"<robot name="slide">
     <limit lower="0" upper="1" velocity="1" effort="1"/></joint>
 </robot>"#;
 
-/// How the first of some bodies stands among the others.
+/// Returns how the first of some bodies rests among the others.
 fn standing(bodies: Vec<Body>) -> Resting {
     let options = RobotOptions { tip: Some("tip".to_owned()), ..RobotOptions::default() };
     let robot = Robot::from_urdf_text(ROBOT, "slide.urdf", None, &options).unwrap();
     let (extent, pose) = (Extent::of(&bodies[0]).unwrap(), bodies[0].parts[0].world_from_solid);
     let cell = Cell::new(Arc::new(robot), World::new(bodies).unwrap(), Margins::default()).unwrap();
-    // The same from both entries.
+    // Both entry points agree.
     let resting = cell.resting_at(0, &extent, &pose);
     match cell.resting(0) {
         Ok(same) => {
@@ -56,7 +56,7 @@ fn body(name: &str, boxes: &[([f64; 3], [f64; 3])]) -> Body {
     Body { name: name.to_owned(), parts: boxes.iter().map(part).collect(), tilt_rad: None }
 }
 
-/// The corners of a wedge whose upper face rises along x through the origin.
+/// Returns the corners of a wedge whose upper face rises along x through the origin.
 fn wedge(slope: f64) -> Vec<Point> {
     let mut corners = Vec::new();
     for (x, y) in [(-0.15, -0.1), (-0.15, 0.1), (0.15, -0.1), (0.15, 0.1)] {
@@ -91,7 +91,7 @@ fn a_slope_of_a_mesh_is_no_level_face() {
     }
 }
 
-/// Two boxes side by side, the right one heavier, with its bottom higher by a step.
+/// Returns two boxes side by side, the right one heavier, with its bottom higher by a step.
 fn stepped(step_m: f64) -> [([f64; 3], [f64; 3]); 2] {
     [([-0.0225, 0.0, 0.05], [0.0225, 0.02, 0.05]), ([0.05, 0.0, 0.05 + step_m], [0.05, 0.02, 0.05])]
 }
@@ -111,11 +111,11 @@ fn what_hovers_carries_nothing() {
         assert_eq!(carried, None);
         assert!((off_m.unwrap() - 0.0275).abs() < 1e-3, "{off_m:?}");
     }
-    // Over the ledge it is as high as it is there.
+    // Over the ledge the gap is the height above the ledge.
     for (carried, _) in at(5e-5, 1.9e-3, 0.01, 0.31) {
         assert!((carried.unwrap() - 1.95e-3).abs() < 1e-9, "{carried:?}");
     }
-    // As far as it reaches it comes to lie on both ends.
+    // Within its reach it lies on both ends.
     for (carried, _) in at(0.0, 1.7e-3, -0.2, 0.2) {
         assert!(carried.unwrap().abs() < 1e-9);
     }
@@ -161,7 +161,7 @@ fn what_parts_of_an_object_share_weighs_once() {
 
 #[test]
 fn edges_and_corners_carry_what_is_right_above_them() {
-    // A plank, balanced on the ridge of a roof of either kind, a cone, a ball and a lying cylinder.
+    // A plank balanced on the ridge of a roof of either kind, a cone, a ball and a lying cylinder.
     let ridge =
         [(-0.05, -0.05), (0.05, -0.05), (0.0, 0.0)].map(|(x, z)| [-0.1, 0.1].map(|y| Point::new(x, y, z)));
     let roof = ridge.concat();
@@ -194,13 +194,13 @@ fn edges_and_corners_carry_what_is_right_above_them() {
             assert!((found_m - gap_m).abs() < 2e-5, "{found_m} {gap_m}");
             assert_eq!(standing(vec![plank(0.03), below.clone()]).supports().count(), 0, "{below:?}");
         }
-        // On a ball, which is round.
+        // A ball, which is round, is the supported body.
         let on = Body::new("ball", Pose::translation(0.0, 0.0, 0.02), Solid::sphere(0.02).unwrap());
         assert_eq!(standing(vec![on, below.clone()]).supports().count(), 1, "{below:?}");
     }
 }
 
-/// Distance of a point from the convex hull of others, negative inside, by the directions in which it might be beyond them.
+/// Returns the distance of a point from the convex hull of others, negative inside, by sampled directions.
 fn beyond(points: &[[f64; 2]], [x, y]: [f64; 2]) -> f64 {
     let directions = (0..720).map(|step| f64::from(step) * std::f64::consts::TAU / 720.0);
     let over = directions.map(|angle| {
@@ -211,7 +211,7 @@ fn beyond(points: &[[f64; 2]], [x, y]: [f64; 2]) -> f64 {
     over.fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// What random samples leave undecided, in metres.
+/// Uncertainty of random samples, in metres.
 const BLUR_M: f64 = 1.5e-3;
 const EVEN_M: f64 = 1e-4;
 const UNEVEN_M: f64 = 1.8e-3;
@@ -219,8 +219,8 @@ const UNEVEN_M: f64 = 1.8e-3;
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(96))]
 
-    /// On a slope, of a mesh or a hull, an object of any shape has the slope's normal, the gap of its lowest corner across
-    /// that, and is carried if its middle is over samples of its surface that are as near.
+    /// Places an object of any shape on a slope, of a mesh or a hull: the face has the slope's normal and the gap of the lowest
+    /// corner across it, and supports the object if its centre is over samples of its surface that are as near.
     #[test]
     fn on_a_slope_the_samples_decide(
         degrees in 0.0..14.0_f64, kind in 0_usize..2, shape in 0_usize..3, gap_m in 0.0..1.9e-3_f64,
@@ -269,14 +269,14 @@ proptest! {
         }
     }
 
-    /// On steps of a mesh, an object with two bottoms is carried as the points of a grid are.
+    /// Places an object with two bottoms on steps of a mesh: it is supported as the points of a grid are.
     #[test]
     fn on_steps_the_grid_decides(
         tops in proptest::collection::vec(proptest::option::of(0_u32..25), 8),
         step in 0_u32..30, height in 0_u32..20, shift in -0.02..0.02_f64,
     ) {
         let tenth = |count: u32| f64::from(count) * 1e-4;
-        // Columns of 2 cm, apart by 0.2 mm.
+        // Columns of 2 cm, with gaps of 0.2 mm.
         let column = |index: usize, top_m: f64| {
             ([(index as f64 - 3.5) * 0.02, 0.0, top_m - 0.02], [0.0099, 0.05, 0.02])
         };
@@ -286,7 +286,7 @@ proptest! {
         let ground = Body::new("ground", Pose::identity(), Solid::mesh(&soup(&columns)).unwrap());
         let bottom_m = tenth(24 + height) - tenth(12);
         let boxes = stepped(tenth(step)).map(|([x, y, z], half_m)| ([x + shift, y, z + bottom_m], half_m));
-        // Heights, at samples along x: nothing differs along y.
+        // Heights at samples along x; all is constant along y.
         let lower = |x: f64| {
             let over = boxes.iter().filter(|([at, ..], half_m)| (x - at).abs() < half_m[0]);
             over.map(|([.., z], half_m)| z - half_m[2]).fold(f64::INFINITY, f64::min)
@@ -309,7 +309,7 @@ proptest! {
         let both = |x: &&f64| lower(**x).is_finite() && upper(**x).is_finite();
         let over: Vec<f64> = samples.iter().filter(both).copied().collect();
         let deep_m = over.iter().map(|x| upper(*x) - lower(*x)).fold(f64::NEG_INFINITY, f64::max);
-        // Exactly as deep as is allowed is rounding.
+        // A depth of exactly the allowance is decided by rounding.
         prop_assume!((deep_m - 1e-4).abs() > 5e-6);
         let resting = standing(vec![body("thing", &boxes), ground]);
         let carried = resting.supports().next().map(|(_, gap_m)| gap_m);
@@ -337,7 +337,7 @@ proptest! {
             prop_assert!((gap_m - nearest_m).abs() < 1e-8, "{gap_m} {nearest_m}");
             prop_assert!(resting.slope_rad(&Vector::z()) < 1e-9);
         } else {
-            // Of a mesh that it touches where that is higher it is not, nor where samples do not decide.
+            // Skip cases in which it touches a higher portion of the mesh, or samples do not decide.
             let touches = |x: &f64| upper(*x) > low_m + 0.99e-4 && lower(*x) - upper(*x) < 2e-5;
             let is_sure = nearest_m < 1.99e-3
                 && !over.iter().any(touches)

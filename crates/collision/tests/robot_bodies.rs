@@ -1,4 +1,4 @@
-//! What depends on a robot alone is worked out once, and every cell of it answers as if it had been alone.
+//! Tests that cached data of a robot do not change the verdicts of its cells.
 
 use std::sync::Arc;
 
@@ -17,7 +17,7 @@ fn cells_of_one_robot_answer_as_cells_of_their_own_do() {
     let shared = arm();
     let mut random = Stream::new(4, 0);
     let mut free = 0;
-    // More margins than tables are kept for, and some of them again.
+    // More margins than cached tables, and some of them again.
     for margin_m in [0.0, 0.01, 0.02, 0.0, 0.03, 0.04, 0.05, 0.01] {
         let bodies = random_blocks(6, &mut random);
         let cells =

@@ -1,4 +1,4 @@
-//! Which links are checked against each other.
+//! Tests of the pairs of links that are checked against each other.
 
 use std::fmt::Write as _;
 
@@ -6,7 +6,7 @@ use crate::fixture::{FOLDED, arm, cell, robot};
 use cranny_collision::{Cell, Collider, Unchecked, UncheckedReason};
 use cranny_robot::{JointGroup, RobotOptions, TextSource};
 
-/// A base with a bare hub that carries two arms; the left one has a forearm of the given radius.
+/// Creates a base with a bare hub that carries two arms; the left one has a forearm of the given radius (m).
 fn two_arms(forearm_radius_m: f64, srdf: &str) -> Cell {
     let urdf = format!(
         r#"<robot name="two_arms">
@@ -35,7 +35,7 @@ fn two_arms(forearm_radius_m: f64, srdf: &str) -> Cell {
     cell(&robot(&urdf, &options), Vec::new(), 0.0)
 }
 
-/// The upper arms turn about one line, where one passes through the other.
+/// The upper arms turn about one axis, where they pass through each other.
 const UPPER_ARMS_PASS: &str =
     r#"<robot name="two_arms"><disable_collisions link1="left" link2="right"/></robot>"#;
 
@@ -53,7 +53,7 @@ fn names(cell: &Cell) -> Vec<[&str; 2]> {
     names
 }
 
-/// The two arms on the hub were left out, though two joints move them against each other.
+/// Two arms on a hub are moved relative to each other by two joints, so they are checked.
 #[test]
 fn neighbours_over_a_bare_hub_are_checked_where_they_can_touch_and_arms_on_it_always_are() {
     let cell = two_arms(0.05, r#"<robot name="two_arms"/>"#);
@@ -76,7 +76,7 @@ fn a_pair_that_the_srdf_disables_is_left_out() {
 
 #[test]
 fn pairs_that_are_always_in_contact_are_left_out_and_named() {
-    // The forearm hangs at most 0.5 m from the hub, so that it always reaches base, right arm and left arm.
+    // The forearm is attached at most 0.5 m from the hub, so that it always reaches base, right arm and left arm.
     let cell = two_arms(1.0, UPPER_ARMS_PASS);
     assert_eq!(names(&cell), [["base", "left"], ["base", "right"]]);
     let named = |reason| -> Vec<_> {
@@ -98,12 +98,12 @@ fn a_pair_that_was_left_out_is_checked_where_that_is_asked_for() {
         names(&strict),
         [["base", "forearm"], ["base", "left"], ["base", "right"], ["forearm", "right"]]
     );
-    // What touches at its joint wherever that stands is named all the same.
+    // A pair that touches at its joint at every value is still listed.
     assert!(unchecked(&strict).iter().all(|pair| pair.reason == UncheckedReason::AdjacentTouching));
     assert!(!strict.is_free(&q, &mut strict.scratch()));
 }
 
-/// A slot that is all but never met by chance: one configuration of some ten thousand is free.
+/// Checks a slot that random samples almost never hit: one configuration of some ten thousand is free.
 #[test]
 fn a_pair_that_is_free_in_a_slot_is_checked_from_the_start() {
     let urdf = r#"<robot name="slot"><link name="root"/>
@@ -126,12 +126,12 @@ fn a_pair_that_is_free_in_a_slot_is_checked_from_the_start() {
     assert!(!cell.motion_is_free(&free, &touching, &mut scratch).is_proven());
 }
 
-/// A fin that turns in a ring of blocks, with nothing but a window of that share of the turn between them; a ball between
+/// Creates a fin that turns in a ring of blocks, with one window of the given fraction of a turn between them; a ball between
 /// fin and ring keeps them from being adjacent.
 fn ring(window: f64, is_adjacent: bool) -> Cell {
     const BLOCKS: u32 = 400;
     let turn = std::f64::consts::TAU;
-    // The fin's corners take 1 mm either side of it, the corners of the blocks less.
+    // The fin's corners take 1 mm on either side of it, the corners of the blocks less.
     let open_rad = window * turn + 2.0 * 0.001 / 0.3;
     let mut blocks = String::new();
     for block in 0..BLOCKS {
@@ -170,8 +170,7 @@ fn links_that_are_free_in_a_window_of_their_joint_alone_are_checked() {
     }
 }
 
-/// A base with a hub at the axis of the arm that turns on it, which the arm touches deeply at some angles, and a pin far
-/// from it.
+/// Creates a base with a hub at the axis of a turning arm, which the arm touches deeply at some angles, and a pin far from it.
 fn sweeper(pin: &str, arm: &str) -> Cell {
     let urdf = format!(
         r#"<robot name="sweeper"><link name="base"><collision><origin xyz="0.03 0 0"/><geometry>
@@ -188,7 +187,7 @@ fn a_deep_contact_at_a_joint_hides_none_far_from_it() {
         format!(r#"<collision><origin {at}/><geometry><box size="{size}"/></geometry></collision>"#)
     };
     let thick = collision(r#"xyz="0.25 0 0""#, "0.46 0.02 0.02");
-    // Thinner than a step of any sweep, between two angles at which a sweep looks.
+    // Thinner than a step of any sampling, between two sampled angles.
     let thin =
         collision(r#"xyz="0.02 0 0""#, "0.05 0.02 0.02") + &collision(r#"xyz="0.25 0 0""#, "0.46 0.001 0.02");
     let post = collision(r#"xyz="0.40 0 0""#, "0.006 0.006 0.04");
@@ -203,13 +202,13 @@ fn a_deep_contact_at_a_joint_hides_none_far_from_it() {
     }
 }
 
-/// Pairs that an answer names as exceptions.
+/// Returns the pairs that an answer lists as exceptions.
 fn unchecked(cell: &Cell) -> Vec<Unchecked> {
     let exceptions = cell.unchecked().iter().filter(|pair| pair.reason != UncheckedReason::AdjacentFree);
     exceptions.copied().collect()
 }
 
-/// Where a fixed base stands in something nothing can be done by planning; but it is said.
+/// A fixed base in contact with a body cannot be freed by planning, so the pair is listed.
 #[test]
 fn a_link_that_stands_still_in_a_body_is_named() {
     let robot = arm();

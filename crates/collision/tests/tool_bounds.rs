@@ -1,4 +1,4 @@
-//! Bounds of the tool, proven along edges and curves.
+//! Tests of bounds on the tool, proven along edges and curves.
 
 use std::sync::Arc;
 
@@ -61,8 +61,8 @@ fn at(points: &[Vec<f64>], t: f64) -> Vec<f64> {
     row.remove(0)
 }
 
-/// Edges and curves of degree 1 to 4 and bounds at random: what is proven keeps its bound at every sample, the greatest excess
-/// is that of the samples from above, and what is refused exceeds the bound somewhere.
+/// Checks random edges, curves of degree 1 to 4 and bounds: a proven motion keeps its bound at every sample, the greatest
+/// excess is an upper bound of the samples, and a refused motion exceeds the bound somewhere.
 #[test]
 fn a_proven_motion_keeps_its_bound_and_a_refused_one_does_not() {
     let robot =
@@ -159,7 +159,7 @@ fn a_bound_of_a_link_that_there_is_not_is_refused_by_its_name() {
     assert!(matches!(fault, CollisionError::UnknownLink { name } if name == "elbow"));
 }
 
-/// The bounds of a world stay with it, whatever stands in it.
+/// The bounds of a world are kept with other bodies.
 #[test]
 fn other_bodies_keep_the_bounds() {
     let bound = ToolBound { name: "ball".to_owned(), link: None, region: region(&mut Stream::new(1, 0), 2) };

@@ -1,5 +1,5 @@
-/// The names that the central directory of a ZIP archive lists, also those that it lists twice, of which the library gives the
-/// last one alone (APPNOTE 6.3.10, 4.3.12).
+/// Returns the names listed in the central directory of a ZIP archive, including duplicates, of which the library returns only
+/// the last (APPNOTE 6.3.10, 4.3.12).
 pub fn archive_names(mut directory: &[u8]) -> Vec<String> {
     const SIGNATURE: &[u8] = b"PK\x01\x02";
     const HEADER: usize = 46;

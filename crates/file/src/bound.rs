@@ -1,15 +1,15 @@
-/// A lower bound as decimal text in a smaller unit, `per_unit` of which make one: never above the bound.
+/// Formats a lower bound as decimal text in a smaller unit, `per_unit` of which make one: never above the bound.
 pub fn at_least(bound: f64, per_unit: f64, digits: usize) -> String {
     rounded(bound, per_unit, digits, -1.0)
 }
 
-/// An upper bound as decimal text in a smaller unit, `per_unit` of which make one: never below the bound.
+/// Formats an upper bound as decimal text in a smaller unit, `per_unit` of which make one: never below the bound.
 pub fn at_most(bound: f64, per_unit: f64, digits: usize) -> String {
     rounded(bound, per_unit, digits, 1.0)
 }
 
-/// The nearest decimal, or the next one in the safe direction. The text is compared as a reader would read it: the product
-/// is rounded itself.
+/// Returns the nearest decimal, or the next one in the safe direction. The comparison parses the text as a reader would,
+/// because the product itself is rounded.
 fn rounded(bound: f64, per_unit: f64, digits: usize, direction: f64) -> String {
     let text = unsigned_if_zero(format!("{:.digits$}", bound * per_unit));
     let beyond = |text: &str| text.parse().is_ok_and(|read: f64| (bound - read / per_unit) * direction > 0.0);
@@ -21,7 +21,7 @@ fn rounded(bound: f64, per_unit: f64, digits: usize, direction: f64) -> String {
     unsigned_if_zero(format!("{:.digits$}", read + step))
 }
 
-/// No zero is shown with a sign.
+/// Removes the sign of a zero.
 fn unsigned_if_zero(text: String) -> String {
     match text.strip_prefix('-') {
         Some(digits) if digits.bytes().all(|digit| digit == b'0' || digit == b'.') => digits.to_owned(),

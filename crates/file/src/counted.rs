@@ -1,9 +1,9 @@
 use std::fmt::Display;
 
-/// A number with what it counts, which is named in the singular: `1 trial`, `2 trials`, `0 bodies`.
+/// Formats a number with the singular noun that it counts: `1 trial`, `2 trials`, `0 bodies`.
 ///
-/// The plural is that of nouns in -s: of `body` it is `bodies`, of `search` and `box` `searches` and `boxes`; of what
-/// has another (`vertex`) it is wrong.
+/// The plural is regular: `body` gives `bodies`, `search` and `box` give `searches` and `boxes`; for a noun with another plural
+/// (`vertex`) the result is wrong.
 pub fn counted<N: Copy + Display + PartialEq + From<u8>>(count: N, noun: &str) -> String {
     if count == N::from(1) {
         return format!("{count} {noun}");

@@ -1,9 +1,9 @@
-/// Numbers for one message, with `decimals` decimals, or with as many more as it takes until no two that are unequal
-/// look equal: a start of −2.00001 beside a limit of −2 is not "−2.0000 outside −2.0000".
+/// Formats numbers for one message with `decimals` decimals, or with as many more as are needed for unequal numbers to differ
+/// in print: a start of −2.00001 beside a limit of −2 is not "−2.0000 outside −2.0000".
 ///
-/// `distinct(x, d)[i] = distinct(x, d)[j]` only where `x[i] = x[j]`, or one of them is no number.
+/// `distinct(x, d)[i] = distinct(x, d)[j]` only where `x[i] = x[j]`, or one of them is NaN.
 pub fn distinct<const N: usize>(numbers: [f64; N], decimals: usize) -> [String; N] {
-    /// Decimals that suffice to distinguish all numbers that can stand in a message.
+    /// Number of decimals that distinguishes all numbers that occur in messages.
     const MOST: usize = 17;
     let printed = |decimals: usize| numbers.map(|number| format!("{number:.decimals$}"));
     let differ = |texts: &[String; N]| {
@@ -15,7 +15,7 @@ pub fn distinct<const N: usize>(numbers: [f64; N], decimals: usize) -> [String; 
         })
     };
     let enough = (decimals..MOST).map(printed).find(differ);
-    // Numbers that differ by less are distinguished by all their digits.
+    // Numbers that differ by less are printed with all their digits.
     enough.unwrap_or_else(|| numbers.map(|number| format!("{number:?}")))
 }
 

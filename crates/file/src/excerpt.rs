@@ -1,5 +1,5 @@
-/// A text as a terminal may show it: control characters, and those that turn the direction of writing, as escapes.
-/// A name from a file may hold any of them. Line ends stay.
+/// Returns a text that is safe to print on a terminal: control characters, and those that change the writing direction, are
+/// escaped. A name from a file may contain any of them. Line ends stay.
 pub fn visible(text: &str) -> String {
     let mut shown = String::with_capacity(text.len());
     for c in text.chars() {
@@ -9,7 +9,7 @@ pub fn visible(text: &str) -> String {
     shown
 }
 
-/// The beginning of a text from a file, for a message: as much as a person would read.
+/// Returns the first characters of a text from a file, short enough for a message.
 pub fn excerpt(text: &str) -> String {
     const MOST: usize = 60;
     match text.char_indices().nth(MOST) {

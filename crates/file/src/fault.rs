@@ -3,59 +3,59 @@ use std::path::Path;
 
 use crate::spelling::{nearest_files, suggested};
 
-/// What lifts a limit, for messages: on the command line, and in Python.
+/// Setting that lifts a size limit, for messages: on the command line, and in Python.
 pub const LIFTED_BY: &str = "--large-files, or lift_file_limits() in Python,";
 
-/// Why a file is not read. It comes as the reason of an [`io::Error`], so that each reader says it with the name of
+/// Reason why a file is not read. It is the inner error of an [`io::Error`], so that each reader reports it with the name of
 /// the file in its own error.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FileFault {
-    /// Nothing is there.
-    #[error("there is no such file{}", suggested(near))]
+    /// The file does not exist.
+    #[error("file not found{}", suggested(near))]
     Missing {
         /// Files beside it with a similar name.
         near: Vec<String>,
     },
-    /// The operating system does not let this user read it, or enter the folder that it is in.
+    /// The operating system does not let this user read the file or enter its folder.
     #[error("no permission to read it (see its owner and mode, and those of the folders above it)")]
     Denied,
-    /// A folder stands where a file is meant.
+    /// The path is a folder, not a file.
     #[error("it is a folder, not a file")]
     Folder,
-    /// A pipe, a device or a socket stands where only a file's own content will do.
+    /// The path is a pipe, a device or a socket where only a regular file is allowed.
     #[error("it is {kind}, not a regular file")]
     NotRegular {
-        /// What it is.
+        /// Kind of the entry, with its article.
         kind: &'static str,
     },
-    /// The file is larger than what its kind may be.
+    /// The file is larger than its kind allows.
     #[error(
         "{what} may hold at most {}, but this one holds {} ({LIFTED_BY} lifts this limit)",
         mebibytes(*most),
         size.map_or_else(|| "more".to_owned(), mebibytes)
     )]
     TooLarge {
-        /// What it was read as, with its article.
+        /// Kind of file that was expected, with its article.
         what: &'static str,
-        /// Its size in bytes; not known of a pipe.
+        /// Its size in bytes; `None` for a pipe.
         size: Option<u64>,
         /// The limit, in bytes.
         most: u64,
     },
-    /// Git has put a pointer in the file's place, because its content lies in Git LFS.
+    /// The file contains a Git LFS pointer instead of its content.
     #[error("it is a Git LFS pointer, not the file itself: `git lfs pull` in its repository fetches that")]
     LfsPointer,
-    /// The bytes are no text.
-    #[error("line {line} is no text (UTF-8): is it the right file?")]
+    /// The bytes are not UTF-8 text.
+    #[error("line {line} is not UTF-8 text: is it the right file?")]
     NotText {
-        /// The first line that is none, from 1.
+        /// First line that is not UTF-8, counted from 1.
         line: usize,
     },
 }
 
 impl FileFault {
-    /// The words for what the operating system says, where there are any.
+    /// Converts an error of the operating system to a [`FileFault`], if there is one for it.
     pub(crate) fn of(path: &Path, error: io::Error) -> io::Error {
         let fault = match error.kind() {
             io::ErrorKind::NotFound | io::ErrorKind::NotADirectory => {

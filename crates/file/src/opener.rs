@@ -6,11 +6,11 @@ use std::sync::OnceLock;
 use crate::FileFault;
 use crate::system::{is_stream, kind_name};
 
-/// How a kind of file is read: whole, up to a size.
+/// A kind of file, read as a whole up to a maximum size.
 ///
-/// A file that is named inside another must be a regular one, or a link to one: from a pipe or a device a reader
-/// might wait or read for ever, and nobody who opens a scenario sees what it names. What a person names on the
-/// command line may be a pipe ([`Self::argument`]).
+/// A file named inside another file must be a regular file or a link to one: reading from a pipe or a device might never end,
+/// and the user who opens a scenario does not see which files it names. A file named on the command line may be a pipe
+/// ([`Self::argument`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Readable {
     what: &'static str,
@@ -18,34 +18,34 @@ pub struct Readable {
     takes_pipes: bool,
 }
 
-/// A text that people write: YAML, URDF, SRDF, a manifest. The largest known to us, a scene of 10⁵ boxes, has 15 MiB.
+/// A text that people write: YAML, URDF, SRDF, a manifest. The largest known one, a scene of 10⁵ boxes, has 15 MiB.
 pub const TEXT: Readable = Readable::new("such a text", 64 << 20);
 
-/// Grasps, way points, plans, arrays of `NumPy`: a million way points of nine joints have about 200 MiB.
+/// Grasps, way points, plans, `NumPy` arrays: a million way points of nine joints take about 200 MiB.
 pub const TABLE: Readable = Readable::new("a table", 1 << 30);
 
-/// A mesh: ten million triangles in binary STL have 500 MiB.
+/// A mesh: ten million triangles in binary STL take 500 MiB.
 pub const MESH: Readable = Readable::new("a mesh", 1 << 30);
 
 /// A program, read for its checksum.
 pub const PROGRAM: Readable = Readable::new("a program", 1 << 30);
 
-/// A packed scenario, as it lies on the disk.
+/// A packed scenario, as stored on disk.
 pub const ARCHIVE: Readable = Readable::new("an archive", 256 << 20);
 
-/// The beginning of the text that stands for a file whose content lies in Git LFS (its specification, version 1).
+/// First bytes of the text that replaces a file stored in Git LFS (its specification, version 1).
 const LFS_POINTER: &[u8] = b"version https://git-lfs.github.com/spec/";
 
-/// Set at the start of a program, if at all: `--large-files`. A process-wide setting, because files are named in
-/// files that are named in files, and every reader on that way, in every crate, would have to carry it otherwise.
+/// Set at the start of a program by `--large-files`. It is a process-wide setting, because files name files that name files,
+/// and otherwise every reader in every crate would have to pass it on.
 static LIFTED: OnceLock<()> = OnceLock::new();
 
-/// From now on this process reads files of any size.
+/// Lifts the size limits: from now on this process reads files of any size.
 pub fn lift_limits() {
     let _ = LIFTED.set(());
 }
 
-/// Whether [`lift_limits`] was called.
+/// Returns true if [`lift_limits`] was called.
 pub fn are_limits_lifted() -> bool {
     LIFTED.get().is_some()
 }
@@ -55,21 +55,22 @@ impl Readable {
         Self { what, most_bytes, takes_pipes: false }
     }
 
-    /// The same for what a person names: also a pipe, such as `/dev/stdin` or the shell's `<(…)`.
+    /// Returns this kind of file for command-line arguments, which may also be pipes, such as `/dev/stdin` or the shell's
+    /// `<(…)`.
     #[must_use]
     pub const fn argument(self) -> Self {
         Self { takes_pipes: true, ..self }
     }
 
-    /// The content of the file.
+    /// Returns the content of the file.
     ///
     /// # Errors
-    /// A [`FileFault`] as the reason of the [`io::Error`], or what else the operating system says.
+    /// A [`FileFault`] as the reason of the [`io::Error`], or another error of the operating system.
     pub fn bytes(self, path: &Path) -> io::Result<Vec<u8>> {
         self.check(path)?;
         let most = self.most_bytes();
         let mut bytes = Vec::new();
-        // A file may grow, and a pipe has no size.
+        // A file may grow while it is read, and a pipe has no size.
         File::open(path)
             .and_then(|file| file.take(most.saturating_add(1)).read_to_end(&mut bytes))
             .map_err(|fault| FileFault::of(path, fault))?;
@@ -82,7 +83,7 @@ impl Readable {
         Ok(bytes)
     }
 
-    /// The content of the file as text.
+    /// Returns the content of the file as text.
     ///
     /// # Errors
     /// As [`Self::bytes`], and [`FileFault::NotText`].
@@ -93,7 +94,7 @@ impl Readable {
         })
     }
 
-    /// Whether [`Self::bytes`] would open the file, for readers that do so themselves.
+    /// Checks that [`Self::bytes`] would open the file, for readers that open it themselves.
     ///
     /// # Errors
     /// As [`Self::bytes`].
@@ -119,14 +120,14 @@ impl Readable {
     }
 }
 
-/// Whether a file or folder is there; that it may not be looked at is no "no".
+/// Returns true if a file or folder exists; missing permission to check is an error, not `false`.
 ///
 /// # Errors
-/// [`FileFault::Denied`] as the reason, or what else the operating system says.
+/// [`FileFault::Denied`] as the reason, or another error of the operating system.
 pub fn is_there(path: &Path) -> io::Result<bool> {
     match fs::metadata(path) {
         Ok(_) => Ok(true),
-        // The last two are names that nothing can have.
+        // No file can have a name of the last two kinds.
         Err(fault)
             if matches!(
                 fault.kind(),

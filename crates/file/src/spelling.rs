@@ -2,10 +2,10 @@ use std::ffi::OsStr;
 use std::fs;
 use std::path::Path;
 
-/// The known names that a misspelt `name` probably meant: at most three, nearest first, none that differs in
-/// more than half of its letters.
+/// Returns the known names that a misspelt `name` probably meant: at most three, nearest first, none that differs in more than
+/// half of its letters.
 pub fn nearest_names<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Vec<String> {
-    // Longer ones are no slips, and take long to compare.
+    // Longer names are no typing slips, and comparing them is slow.
     const LONGEST: usize = 200;
     if name.len() > LONGEST {
         return Vec::new();
@@ -20,7 +20,7 @@ pub fn nearest_names<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -
     ranked.into_iter().take(3).map(|(_, candidate)| candidate.to_owned()).collect()
 }
 
-/// Those of the [`nearest_names`] that are as near as the first.
+/// Returns those of the [`nearest_names`] that are as near as the first.
 fn likeliest_names<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Vec<String> {
     let mut near = nearest_names(name, known);
     let least = near.first().map(|first| edit_distance(name, first));
@@ -28,30 +28,30 @@ fn likeliest_names<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> 
     near
 }
 
-/// The end of a message about an unknown `name`: `; did you mean 'reach'?`, with the known names that are nearest to it;
-/// nothing where none is near.
+/// Returns the end of a message about an unknown `name`: `; did you mean 'reach'?`, with the nearest known names; empty if none
+/// is near.
 pub fn did_you_mean<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> String {
     suggested(&likeliest_names(name, known))
 }
 
-/// The same of names that are known to be near.
+/// Formats the end of that message from names that are already known to be near.
 pub fn suggested(near: &[impl AsRef<str>]) -> String {
     let quoted: Vec<String> = near.iter().map(|name| format!("'{}'", name.as_ref())).collect();
     if quoted.is_empty() { String::new() } else { format!("; did you mean {}?", quoted.join(" or ")) }
 }
 
-/// [`did_you_mean`] where `name` may be one of `known`, or a file or folder.
+/// Returns [`did_you_mean`] where `name` may be one of `known`, or a file or folder.
 pub fn did_you_mean_here<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> String {
     let mut near = likeliest_names(name, known);
     near.extend(nearest_files(Path::new(name)));
     suggested(&near)
 }
 
-/// The files and folders beside a missing `path` that it probably meant, as they would be named in its place.
+/// Returns the files and folders beside a missing `path` that it probably meant, as paths in the same form.
 pub fn nearest_files(path: &Path) -> Vec<String> {
-    /// In a folder of more entries a slip is not looked for.
+    /// Maximum number of entries of a folder that are compared.
     const MOST_ENTRIES: usize = 10_000;
-    // A common ending makes no two names alike.
+    // Only the stems are compared: a common extension does not make two names similar.
     let (Some(stem), Some(folder)) = (path.file_stem().and_then(OsStr::to_str), path.parent()) else {
         return Vec::new();
     };
@@ -73,8 +73,8 @@ pub fn nearest_files(path: &Path) -> Vec<String> {
     near.into_iter().map(|near| folder.join(named(near)).display().to_string()).collect()
 }
 
-/// Least number of letters to insert, remove or replace to turn `a` into `b` (Levenshtein 1966, "Binary codes capable
-/// of correcting deletions, insertions and reversals", whole), by the table of Wagner & Fischer 1974, "The
+/// Returns the least number of letters to insert, remove or replace to turn `a` into `b` (Levenshtein 1966, "Binary codes
+/// capable of correcting deletions, insertions and reversals", whole), by the table of Wagner & Fischer 1974, "The
 /// string-to-string correction problem", Algorithm X, of which one row is kept.
 fn edit_distance(a: &str, b: &str) -> usize {
     let b: Vec<char> = b.chars().collect();

@@ -1,17 +1,17 @@
-//! What is asked of the operating system beyond what the standard library offers on each. No other module names a system,
-//! and each function says here, in its own body, what holds elsewhere; `cargo xtask tidy` keeps it so.
+//! Calls to the operating system that the standard library does not offer on every platform. No other module names an operating
+//! system, and each function handles the other systems in its own body; `cargo xtask tidy` enforces this.
 //!
 //! | | Linux | macOS and other Unix | Windows |
 //! |---|---|---|---|
-//! | pipes, devices and sockets are told apart from files | yes | yes | a pipe is read where a person names it |
-//! | a file that was changed is noticed, whatever its times were set to | yes | yes | by its length and time alone |
-//! | a program is ended with all that it started | yes, however often it forked | what stayed in its group | it alone |
-//! | its memory is seen, and limited | yes | no | no |
-//! | walls around it | Landlock, namespaces | none | none |
+//! | pipes, devices and sockets are distinguished from files | yes | yes | a pipe is read if a person names it |
+//! | a changed file is noticed even if its times were set back | yes | yes | by its length and time alone |
+//! | a program is ended with its descendants | yes, however often it forked | those still in its group | it alone |
+//! | its memory is measured and limited | yes | no | no |
+//! | sandbox around it | Landlock, namespaces | none | none |
 //! | how it ended | signal or exit code | signal or exit code | exit code |
 //! | names of machine and processor | both | the machine's | both |
 //!
-//! Only the first column is run by anybody who changes this.
+//! Only the Linux column is tested during development.
 
 mod file_kind;
 mod file_stamp;

@@ -4,24 +4,24 @@ use serde_saphyr::{Budget, Error, Options};
 
 use crate::excerpt;
 
-/// What is wrong with a YAML or JSON text.
+/// Error in a YAML or JSON text.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{problem}")]
 pub struct TextFault {
-    /// Where, from 1.
+    /// Line of the error, counted from 1.
     pub line: usize,
-    /// What, in words for the one who wrote the text.
+    /// Description of the error, in words for the author of the text.
     pub problem: String,
 }
 
-/// Value of a YAML text. Lines of `---` and `...` at its end, as in a dump of a topic, begin no other document.
+/// Parses a YAML text. Lines of `---` and `...` at its end, as in a dump of a topic, begin no further document.
 ///
 /// # Errors
-/// The first fault.
+/// The first error.
 pub fn yaml<T: DeserializeOwned>(text: &str) -> Result<T, TextFault> {
     let mut text = text.trim_end();
     while let Some(before) = ["---", "..."].iter().find_map(|mark| text.strip_suffix(mark)) {
-        // Farther to the right they belong to a text.
+        // Marks that do not start a line belong to a value.
         let Some(before) = before.strip_suffix('\n') else { break };
         text = before.trim_end();
     }
@@ -31,10 +31,10 @@ pub fn yaml<T: DeserializeOwned>(text: &str) -> Result<T, TextFault> {
     })
 }
 
-/// What a JSON text says.
+/// Parses a JSON text.
 ///
 /// # Errors
-/// The first fault.
+/// The first error.
 pub fn json<T: DeserializeOwned>(text: &[u8]) -> Result<T, TextFault> {
     serde_json::from_slice(text).map_err(|error| {
         let said = error.to_string();
@@ -47,15 +47,15 @@ pub fn json<T: DeserializeOwned>(text: &[u8]) -> Result<T, TextFault> {
     })
 }
 
-/// A text of some bytes has no more nodes than bytes: the library's fixed budget would refuse 12 450 obstacles.
-/// What can grow beyond the text, aliases, keeps the library's bounds, and so does the depth.
+/// A text has at most as many nodes as bytes: the fixed budget of the library would refuse 12 450 obstacles. Aliases, which can
+/// grow beyond the text, keep the library's limits, and so does the nesting depth.
 fn options(bytes: usize) -> Options {
     let default = Budget::default();
     serde_saphyr::options! {
         budget: serde_saphyr::budget! {
             max_reader_input_bytes: None,
             max_nodes: default.max_nodes.max(bytes),
-            // A list or mapping has a begin and an end.
+            // A list or mapping has a start event and an end event.
             max_events: default.max_events.max(bytes.saturating_mul(2)),
             max_total_scalar_bytes: default.max_total_scalar_bytes.max(bytes),
             max_total_comment_bytes: default.max_total_comment_bytes.max(bytes),
@@ -81,28 +81,30 @@ fn yaml_words(error: &Error) -> String {
                 | BudgetBreach::Documents { .. }
                 | BudgetBreach::MergeKeys { .. },
             ..
-        } => "the text is larger or more complex than any that is read".to_owned(),
+        } => "the text is too large or too complex to be read".to_owned(),
         Error::Budget { .. }
         | Error::AliasReplayLimitExceeded { .. }
         | Error::AliasExpansionLimitExceeded { .. }
         | Error::AliasReplayStackDepthExceeded { .. } => {
-            "aliases (*name) repeat more than any real file does (write it out)".to_owned()
+            "aliases (*name) expand to too much content (write the content out instead)".to_owned()
         }
         Error::MultipleDocuments { .. } => {
             "a second document begins here ('---'), but a file holds one".to_owned()
         }
         Error::Eof { .. } => "the file ends too early (was it cut short?)".to_owned(),
-        Error::NullIntoString { .. } => "a text belongs here, but there is nothing".to_owned(),
+        Error::NullIntoString { .. } => "expected a text, found nothing".to_owned(),
         Error::NonFiniteFloat { value, .. } => format!("'{}' is not a finite number", excerpt(value)),
-        Error::BinaryNotUtf8 { .. } => "a text belongs here, but these are bytes".to_owned(),
-        Error::UnknownAnchor { .. } => "this alias (*name) names nothing that comes before it".to_owned(),
+        Error::BinaryNotUtf8 { .. } => "expected a text, found bytes".to_owned(),
+        Error::UnknownAnchor { .. } => {
+            "unknown alias (*name): its anchor (&name) must come before it".to_owned()
+        }
         other => plain(&other.to_string()),
     }
 }
 
-/// The words of serde's messages that are those of a programming language, in the user's.
+/// Replaces the programming-language terms in serde's messages by the user's terms.
 fn plain(said: &str) -> String {
-    // What a message adds about the place is said by whoever shows it.
+    // The caller adds the location, so that of the message is cut off.
     let said = said.split(" at line ").next().unwrap_or(said);
     let mut words: String = said.to_owned();
     for (theirs, ours) in WORDS {
@@ -112,16 +114,16 @@ fn plain(said: &str) -> String {
 }
 
 const WORDS: [(&str, &str); 32] = [
-    ("invalid floating point", "this is no number"),
+    ("invalid floating point", "this is not a number"),
     ("invalid boolean (strict mode expects true/false)", "this is neither true nor false"),
     ("invalid boolean", "this is neither true nor false"),
-    ("invalid i64", "this is no whole number"),
-    ("invalid u128", "this is no whole number"),
-    ("invalid u64", "this is no whole number"),
-    ("invalid u32", "this is no whole number"),
-    ("invalid u16", "this is no whole number"),
-    ("invalid u8", "this is no whole number"),
-    ("invalid usize", "this is no whole number"),
+    ("invalid i64", "this is not a whole number"),
+    ("invalid u128", "this is not a whole number"),
+    ("invalid u64", "this is not a whole number"),
+    ("invalid u32", "this is not a whole number"),
+    ("invalid u16", "this is not a whole number"),
+    ("invalid u8", "this is not a whole number"),
+    ("invalid usize", "this is not a whole number"),
     ("expected sequence start", "expected a list"),
     ("expected string scalar", "expected a text"),
     ("expected a sequence", "expected a list"),

@@ -1,4 +1,4 @@
-//! All tests of this crate from outside: one program, which is linked once.
+//! All integration tests of this crate in one program, which is linked once.
 
 mod opening;
 mod texts;

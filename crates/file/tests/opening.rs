@@ -1,4 +1,4 @@
-//! What may be read, and what is said of the rest.
+//! Tests of which files are read, and of the errors for the others.
 
 use std::fs;
 use std::path::Path;
@@ -43,7 +43,7 @@ fn what_is_no_file_is_said_in_words() {
     assert!(!is_there(&file.join("none")).unwrap() && is_there(&file).unwrap());
 }
 
-/// A pipe named as a mesh made a command wait for ever, `/dev/zero` took all memory.
+/// A pipe named as a mesh would block a command for ever, and `/dev/zero` would take all memory.
 #[cfg(unix)]
 #[test]
 fn pipes_and_devices_are_read_only_where_a_person_names_them() {
@@ -58,7 +58,7 @@ fn pipes_and_devices_are_read_only_where_a_person_names_them() {
     });
     assert_eq!(TABLE.argument().text(&pipe).unwrap(), "0,1\n");
     writer.join().unwrap().unwrap();
-    // An endless one ends at the limit.
+    // An endless device is read up to the limit.
     let said = fault(TEXT.argument().bytes(Path::new("/dev/zero")));
     assert!(matches!(said, FileFault::TooLarge { size: None, .. }), "{said:?}");
 }
@@ -67,7 +67,7 @@ fn pipes_and_devices_are_read_only_where_a_person_names_them() {
 fn a_file_beyond_its_limit_is_refused_unread_with_the_flag_that_lifts_it() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("big.yaml");
-    // It takes no room on the disk.
+    // The file is sparse: it takes no space on the disk.
     fs::File::create(&file).unwrap().set_len(5 << 30).unwrap();
     let said = fault(TEXT.text(&file)).to_string();
     assert!(

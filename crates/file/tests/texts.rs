@@ -1,4 +1,4 @@
-//! YAML and JSON: what is wrong is said with its line, in words of the one who wrote it.
+//! Tests that errors in YAML and JSON texts name their line, in words of the author of the text.
 
 use std::collections::BTreeMap;
 use std::num::NonZeroU32;
@@ -25,7 +25,7 @@ fn json(text: &str) -> (usize, String) {
     (fault.line, fault.problem)
 }
 
-/// Words of the library or of Rust that a user cannot do anything with.
+/// Words of the library or of Rust that mean nothing to a user.
 const FOREIGN: [&str; 14] = [
     "Options", "budget", "Budget", "f64", "u32", "nonzero", "non-zero", "scalar", "sequence", "Spanned",
     "serde", "untagged", "at line", "policy",
@@ -38,7 +38,7 @@ fn no_fault_speaks_the_language_of_the_library() {
         ("name: a\n", 1, "missing field `size`"),
         ("size: [1, 1, 1]\nheight: 3\n", 2, "unknown field `height`"),
         ("size: 3\n", 1, "expected a list"),
-        ("size: [1, x, 1]\n", 1, "this is no number"),
+        ("size: [1, x, 1]\n", 1, "this is not a number"),
         ("size: [1, 1, 1]\nopen: perhaps\n", 2, "this is neither true nor false"),
         ("size: [1, 1, 1]\n---\nsize: 3\n", 0, "a second document"),
         ("size: [1, 1", 0, ""),
@@ -47,7 +47,7 @@ fn no_fault_speaks_the_language_of_the_library() {
         ("size: {a: 1}\n", 0, ""),
         ("size: [1, 1]\n", 0, ""),
         ("- 1\n", 0, ""),
-        ("size: *a\n", 1, "names nothing that comes before it"),
+        ("size: *a\n", 1, "its anchor (&name) must come before it"),
         ("size: &a [1, 1, 1]\nname: !!binary \"//8=\"\n", 0, ""),
         ("\"", 0, ""),
     ];
@@ -72,7 +72,7 @@ fn no_fault_speaks_the_language_of_the_library() {
     }
 }
 
-/// The library's budget of nodes refused scenes of more than 12 450 obstacles.
+/// The default node budget of the library would refuse scenes of more than 12 450 obstacles.
 #[test]
 fn a_long_list_is_read_and_one_that_multiplies_itself_is_not() {
     let long = format!("a: [{}]\n", "{b: [1, 2, 3]}, ".repeat(45_000));

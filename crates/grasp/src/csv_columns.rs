@@ -1,4 +1,4 @@
-/// The columns of a `grasps.csv`, in the order in which they are written and, without a header, read.
+/// Columns of a `grasps.csv`, in the order in which they are written and, without a header, read.
 pub const COLUMNS: [&str; 21] = [
     "t00",
     "t01",
@@ -23,5 +23,5 @@ pub const COLUMNS: [&str; 21] = [
     "load",
 ];
 
-/// Number of the columns that every file has: those of the pose.
+/// Number of columns that every file has: those of the pose.
 pub const POSE_COLUMNS: usize = 16;

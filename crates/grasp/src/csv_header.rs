@@ -1,7 +1,7 @@
 use crate::GraspError;
 use crate::csv_columns::{COLUMNS, POSE_COLUMNS};
 
-/// Place of each of the [`COLUMNS`] in the lines of a file.
+/// Position of each of the [`COLUMNS`] in the lines of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CsvHeader {
     places: [Option<usize>; COLUMNS.len()],
@@ -10,12 +10,12 @@ pub struct CsvHeader {
 }
 
 impl CsvHeader {
-    /// The order of a file without a header.
+    /// Column order of a file without a header.
     pub fn absent() -> Self {
         Self { places: std::array::from_fn(Some), named: None }
     }
 
-    /// The order that a line names, if it is a header: if it holds no number at all. `NumPy` writes `# ` before it.
+    /// Column order of a header line; `None` for a line with a number, which is no header. `NumPy` writes `# ` before it.
     ///
     /// # Errors
     /// [`GraspError::UnknownColumn`], [`GraspError::RepeatedColumn`], [`GraspError::MissingColumn`].
@@ -43,13 +43,12 @@ impl CsvHeader {
         }
     }
 
-    /// Place of one of the [`COLUMNS`] in a line, if the file has it.
+    /// Position of one of the [`COLUMNS`] in a line, if the file has it.
     pub fn place(&self, column: usize) -> Option<usize> {
         self.places[column]
     }
 
-    /// Checks how many fields a line has: as many as the header names, or fewer where those after the pose are left
-    /// out.
+    /// Checks the number of fields of a line: as many as the header names, or fewer if those after the pose are left out.
     pub fn check_count(&self, actual: usize) -> Result<(), GraspError> {
         let needed = self.places[..POSE_COLUMNS].iter().flatten().max().map_or(POSE_COLUMNS, |last| last + 1);
         match self.named {

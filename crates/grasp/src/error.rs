@@ -7,8 +7,7 @@ use crate::csv_columns::COLUMNS;
 const EXPECTED_COLUMNS: &str =
     "t00 to t33 (the pose, row by row), score, width_m, robust_score, robust_trials and load";
 
-/// What can be wrong with grasps or a file of them. The message is complete in itself: file and line where
-/// there is one.
+/// Error of grasps or of a file of them. The message is complete in itself, with file and line if there are any.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum GraspError {
@@ -21,26 +20,26 @@ pub enum GraspError {
     /// A setting of the sampler is out of its range.
     #[error("the {setting} of a sampling must be {range}, but is {value}")]
     Setting {
-        /// Which setting.
+        /// Name of the setting.
         setting: &'static str,
         /// The offending value.
         value: f64,
-        /// What would fit.
+        /// Valid range.
         range: &'static str,
     },
-    /// A figure of a hand is out of its range.
+    /// A parameter of a hand is out of its range.
     #[error("the {figure} of a hand must be between {least} and {greatest}, but is {value}")]
     HandFigure {
-        /// Which figure; its name says the unit.
+        /// Name of the parameter, with its unit.
         figure: &'static str,
         /// The offending value.
         value: f64,
-        /// The least that fits.
+        /// Minimum.
         least: f64,
-        /// The greatest that fits.
+        /// Maximum.
         greatest: f64,
     },
-    /// There is no surface to sample on.
+    /// An object has no surface to sample on.
     #[error("the object's triangles have no area, so there is nothing to grasp")]
     NoArea,
     /// A score lies outside its range.
@@ -77,10 +76,10 @@ pub enum GraspError {
         grasp: usize,
         /// The offending score.
         score: f64,
-        /// The number of trials that it is said to be of.
+        /// Number of trials given with it.
         trials: f64,
     },
-    /// A grasp has no robust score, where it counts.
+    /// A grasp lacks a robust score where one is required.
     #[error(
         "grasp {grasp} has no robust score (`cranny simulate grasps ID --trials 32 -o FILE` writes the grasps with theirs; --min-score leaves out those without)"
     )]
@@ -88,7 +87,7 @@ pub enum GraspError {
         /// Index of the grasp, from 0.
         grasp: usize,
     },
-    /// A line has a robust score without its number of trials, or the other way round.
+    /// A line has a robust score without its number of trials, or vice versa.
     #[error(
         "of robust score and robust trials (without a header numbers 19 and 20) there is only one; give both, or leave both empty"
     )]
@@ -99,54 +98,54 @@ pub enum GraspError {
          follow)"
     )]
     NumberCount {
-        /// Count of the numbers.
+        /// Number of numbers in the line.
         actual: usize,
     },
-    /// A column of a header has a name that no column has.
+    /// A header names an unknown column.
     #[error(
         "column {column} of the header is '{name}', which is none of {}{}",
         EXPECTED_COLUMNS,
         did_you_mean(name, COLUMNS)
     )]
     UnknownColumn {
-        /// Its number, from 1.
+        /// Number of the column, from 1.
         column: usize,
-        /// Its name.
+        /// Name of the column.
         name: String,
     },
-    /// Two columns of a header have one name.
+    /// Two columns of a header have the same name.
     #[error(
         "columns {first} and {column} of the header are both '{name}'; it names each of {} once at the most",
         EXPECTED_COLUMNS
     )]
     RepeatedColumn {
-        /// Their names.
+        /// Name of both columns.
         name: &'static str,
-        /// The first one, from 1.
+        /// Number of the first column, from 1.
         first: usize,
-        /// The second one.
+        /// Number of the second column, from 1.
         column: usize,
     },
     /// A header names only a part of the pose.
     #[error("the header has no column '{name}'; it must name t00 to t33 (the pose, row by row)")]
     MissingColumn {
-        /// The first that is missing.
+        /// First missing column.
         name: &'static str,
     },
-    /// A line holds more numbers than its header names, or too few for a pose.
+    /// A line has more numbers than its header names, or too few for a pose.
     #[error("{actual} numbers under a header of {named} columns")]
     ColumnCount {
-        /// Count of the numbers.
+        /// Number of numbers in the line.
         actual: usize,
-        /// Count of the header's columns.
+        /// Number of columns in the header.
         named: usize,
     },
-    /// What should be a number is none, or none that is finite.
+    /// A field is not a finite number.
     #[error("number {column} is '{text}', which is not a finite number")]
     NotANumber {
-        /// Its number, from 1.
+        /// Number of the field, from 1.
         column: usize,
-        /// What stands there.
+        /// Text of the field.
         text: String,
     },
     /// The last row of a pose is not 0 0 0 1.
@@ -164,40 +163,40 @@ pub enum GraspError {
          more than {tolerance:.0e}"
     )]
     NotARotation {
-        /// The greatest difference of an element of `RᵀR` from the identity.
+        /// Maximum deviation of an element of `RᵀR` from the identity.
         deviation: f64,
-        /// How much is let pass.
+        /// Tolerance of the deviation.
         tolerance: f64,
     },
     /// The rotation part of a pose mirrors.
     #[error("the axes of the pose are left-handed (is one of them mirrored?)")]
     LeftHanded,
-    /// There is no grasp in a file.
+    /// A file contains no grasps.
     #[error("{}: the file holds no grasps", path.display())]
     Empty {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
     },
     /// A file cannot be read.
     #[error("{}: cannot read the grasps: {reason}", path.display())]
     Unreadable {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What the operating system says.
+        /// Error of the operating system.
         reason: std::io::Error,
     },
     /// A file cannot be written.
     #[error("{}: cannot write the grasps: {reason}", path.display())]
     Unwritable {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What the operating system says.
+        /// Error of the operating system.
         reason: std::io::Error,
     },
     /// A file of grasps of another project cannot be read.
     #[error("{}: {problem}", path.display())]
     Import {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
         /// The problem, with the number of the grasp if it concerns one.
         problem: String,
@@ -205,11 +204,11 @@ pub enum GraspError {
     /// A line of a file is wrong.
     #[error("{}:{line}: {fault}", path.display())]
     Line {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// The line, from 1.
+        /// Number of the line, from 1.
         line: usize,
-        /// What is wrong with it.
+        /// Fault of the line.
         fault: Box<GraspError>,
     },
 }

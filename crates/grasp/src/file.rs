@@ -7,14 +7,14 @@ use crate::csv_header::CsvHeader;
 use crate::homogeneous::{pose_of_rows, rows_of_pose};
 use crate::{Grasp, GraspError, GraspSet, RobustScore};
 
-/// The grasps of a `grasps.csv`: a line for each, the 16 numbers of `planning_from_gripper` row by row
-/// (metres), then score and width (m), then robust score and the number of its trials, then the load. All after the pose
-/// may be empty or absent, as in the files of the paper's release. A first line that holds no number at all is a header, which
-/// names the columns and their order.
+/// Reads the grasps of a `grasps.csv`: a line for each, the 16 numbers of `planning_from_gripper` row by row (metres),
+/// then score and width (m), then robust score and the number of its trials, then the load. All fields after the pose may
+/// be empty or absent, as in the files of the paper's release. A first line without any number is a header, which names
+/// the columns and their order.
 ///
 /// # Errors
-/// [`GraspError::Line`] with file and line for what is no grasp or no header, [`GraspError::Empty`] for a file without
-/// any, [`GraspError::Unreadable`].
+/// [`GraspError::Line`] with file and line for an invalid grasp or header, [`GraspError::Empty`] for a file without
+/// grasps, [`GraspError::Unreadable`].
 pub fn read_csv(path: &Path) -> Result<GraspSet, GraspError> {
     let text = cranny_file::TABLE
         .argument()
@@ -23,7 +23,7 @@ pub fn read_csv(path: &Path) -> Result<GraspSet, GraspError> {
     parse_csv(path, &text)
 }
 
-/// The grasps of a text as [`read_csv`] reads it; errors name `path`.
+/// Parses a text in the format of [`read_csv`]; errors name `path`.
 ///
 /// # Errors
 /// As [`read_csv`].
@@ -35,7 +35,7 @@ pub fn parse_csv(path: &Path, text: &str) -> Result<GraspSet, GraspError> {
     }
 }
 
-/// The grasps of a text as far as its lines are sound, and what is wrong with each of the others.
+/// Parses the valid lines of a text to grasps, and returns the faults of the others.
 pub fn check_csv(path: &Path, text: &str) -> (GraspSet, Vec<GraspError>) {
     let at_line = |index: usize, fault: GraspError| GraspError::Line {
         path: path.to_owned(),
@@ -44,7 +44,7 @@ pub fn check_csv(path: &Path, text: &str) -> (GraspSet, Vec<GraspError>) {
     };
     let named = match CsvHeader::of(text.lines().next().unwrap_or_default()) {
         Ok(named) => named,
-        // Nobody knows what the lines hold.
+        // The meaning of the columns is unknown.
         Err(fault) => return (GraspSet::default(), vec![at_line(0, fault)]),
     };
     let (header, from) = named.map_or((CsvHeader::absent(), 0), |named| (named, 1));
@@ -54,7 +54,7 @@ pub fn check_csv(path: &Path, text: &str) -> (GraspSet, Vec<GraspError>) {
         if line.trim().is_empty() {
             continue;
         }
-        // Faults of a single grasp call it by its place in the file.
+        // Faults of a single grasp refer to it by its position in the file.
         let place = sound.len() + faults.len();
         let checked = parse(&header, line, place).and_then(|grasp| grasp.checked(place));
         match checked {
@@ -68,8 +68,8 @@ pub fn check_csv(path: &Path, text: &str) -> (GraspSet, Vec<GraspError>) {
     (GraspSet::of_checked(sound), faults)
 }
 
-/// Writes what [`read_csv`] reads, with a header; what is not known stays empty, and where no grasp has a robust
-/// score, or none a load, there is no column for it.
+/// Writes the format of [`read_csv`], with a header. Unknown values stay empty; there are no columns for robust scores or
+/// loads if no grasp has one.
 ///
 /// # Errors
 /// [`GraspError::Unwritable`].
@@ -78,7 +78,7 @@ pub fn write_csv(path: &Path, grasps: &GraspSet) -> Result<(), GraspError> {
         .map_err(|reason| GraspError::Unwritable { path: path.to_owned(), reason })
 }
 
-/// The text that [`write_csv`] writes.
+/// Text that [`write_csv`] writes.
 pub fn csv_text(grasps: &GraspSet) -> String {
     let mut text = String::new();
     let is_robust = grasps.grasps().iter().any(|grasp| grasp.robust.is_some());
@@ -110,7 +110,7 @@ pub fn csv_text(grasps: &GraspSet) -> String {
 }
 
 fn parse(header: &CsvHeader, line: &str, place: usize) -> Result<Grasp, GraspError> {
-    // Counted before they are kept: a line may have any number of them.
+    // Fields are counted before they are kept, because a line may have any number of them.
     let actual = line.split(',').count();
     header.check_count(actual)?;
     let fields: Vec<&str> = line.split(',').map(str::trim).collect();
@@ -261,7 +261,7 @@ mod tests {
         assert!(matches!(read_csv(Path::new("no/such/grasps.csv")), Err(GraspError::Unreadable { .. })));
     }
 
-    /// A header whose `score` and `width_m` had changed places was read by position.
+    /// Guards against reading by position under a header that exchanges `score` and `width_m`.
     #[test]
     fn a_header_names_the_columns_in_any_order() {
         let pose = COLUMNS[..16].join(",");

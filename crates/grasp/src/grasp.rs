@@ -4,30 +4,30 @@ use serde::{Deserialize, Serialize};
 
 use crate::{GraspError, LoadMeasure, RobustScore, ScoreKind};
 
-/// One way to hold the object.
+/// Grasp of the object by the gripper.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Grasp {
     /// Pose of the gripper frame in the planning frame.
     pub world_from_gripper: Pose,
-    /// How good the grasp is, in [0, 1]; `None` where nobody scored it, which is not a score of any kind.
+    /// Quality of the grasp, in [0, 1]; `None` for an unscored grasp, which differs from any score.
     pub score: Option<f64>,
     /// Width of the object between the fingers, in metres, where known.
     pub width_m: Option<f64>,
-    /// How it does in physics when everything is a little wrong, where that was tried.
+    /// Result of perturbed physics trials, if there were any.
     pub robust: Option<RobustScore>,
-    /// Factor by which gravity may grow before a pad slips, where that was computed: [`Load::at_rest`](crate::Load::at_rest).
+    /// Factor by which gravity may grow before a pad slips, if computed: [`Load::at_rest`](crate::Load::at_rest).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub load: Option<f64>,
 }
 
 impl Grasp {
-    /// A grasp of which nothing but the pose of the gripper frame is known.
+    /// Grasp of which only the pose of the gripper frame is known.
     pub fn at(world_from_gripper: Pose) -> Self {
         Self { world_from_gripper, score: None, width_m: None, robust: None, load: None }
     }
 
-    /// The same grasp with the fingers swapped: turned by 180° about the approach direction.
+    /// Returns the grasp with the fingers exchanged: rotated by 180° about the approach direction.
     #[must_use]
     pub fn twin(&self) -> Self {
         let half_turn =
@@ -37,7 +37,7 @@ impl Grasp {
         twin
     }
 
-    /// The score of a kind: in [0, 1], but a load is any number from 0.
+    /// Score of a kind, in [0, 1]; a load is any number from 0.
     pub fn score_of(&self, kind: ScoreKind) -> Option<f64> {
         match kind {
             ScoreKind::Geometric => self.score,
@@ -46,7 +46,7 @@ impl Grasp {
         }
     }
 
-    /// The grasp, if it is one; errors call it by its `place` in its set.
+    /// Returns the grasp if it is valid; errors refer to it by its index `place` in its set.
     pub(crate) fn checked(self, place: usize) -> Result<Self, GraspError> {
         let pose = &self.world_from_gripper;
         if !pose.translation.vector.iter().chain(pose.rotation.coords.iter()).all(|x| x.is_finite()) {
@@ -71,7 +71,7 @@ impl Grasp {
         Ok(self)
     }
 
-    /// How far a gripper is from the grasp or its twin, whichever is nearer by the released metric.
+    /// Difference between a gripper and the grasp or its twin, whichever is nearer by the released metric.
     pub fn difference(&self, world_from_gripper: &Pose) -> PoseDifference {
         let direct = PoseDifference::between(&self.world_from_gripper, world_from_gripper);
         let turned = PoseDifference::between(&self.twin().world_from_gripper, world_from_gripper);
@@ -104,12 +104,12 @@ impl GraspSet {
         Self { grasps }
     }
 
-    /// How many grasps there are.
+    /// Number of grasps.
     pub fn len(&self) -> usize {
         self.grasps.len()
     }
 
-    /// Whether there is none.
+    /// Returns true if there are none.
     pub fn is_empty(&self) -> bool {
         self.grasps.is_empty()
     }
@@ -119,7 +119,7 @@ impl GraspSet {
         &self.grasps
     }
 
-    /// The same grasps in another frame.
+    /// Returns the grasps in another frame.
     #[must_use]
     pub fn moved(&self, other_from_own: &Pose) -> Self {
         let moved =
@@ -127,8 +127,8 @@ impl GraspSet {
         Self { grasps: self.grasps.iter().map(moved).collect() }
     }
 
-    /// The same grasps, each with the score of this kind, if it has one, as its [`score`](Grasp::score): of a load λ
-    /// λ / (1 + λ).
+    /// Returns the grasps with their score of this kind, if any, as their [`score`](Grasp::score). A load λ becomes the
+    /// score λ / (1 + λ).
     #[must_use]
     pub fn scored_by(&self, kind: ScoreKind) -> Self {
         let scored = |grasp: &Grasp| {
@@ -139,7 +139,7 @@ impl GraspSet {
         Self { grasps: self.grasps.iter().map(scored).collect() }
     }
 
-    /// The same grasps with the load of each, computed by a measure that has the frame of their poses.
+    /// Returns the grasps with their loads, computed by a measure in the frame of their poses.
     #[must_use]
     pub fn with_loads(&self, measure: &LoadMeasure) -> Self {
         let loaded = |grasp: &Grasp| {
@@ -149,22 +149,22 @@ impl GraspSet {
         Self { grasps: self.grasps.par_iter().map(loaded).collect() }
     }
 
-    /// The grasps at these indices, in their order.
+    /// Returns the grasps at these indices, in the order of the indices.
     ///
     /// # Panics
-    /// For an index that no grasp has.
+    /// If an index is out of range.
     #[must_use]
     pub fn chosen(&self, indices: &[usize]) -> Self {
         Self { grasps: indices.iter().map(|index| self.grasps[*index]).collect() }
     }
 
-    /// The same grasps, the load of none known: for another hand.
+    /// Returns the grasps without their loads: for another hand.
     #[must_use]
     pub fn without_loads(&self) -> Self {
         Self { grasps: self.grasps.iter().map(|grasp| Grasp { load: None, ..*grasp }).collect() }
     }
 
-    /// Indices from the highest score down; unscored grasps follow in the order of the file.
+    /// Indices in order of descending score; unscored grasps follow in the order of the file.
     pub fn by_score(&self) -> Vec<usize> {
         let mut order: Vec<usize> = (0..self.grasps.len()).collect();
         let rank = |index: &usize| self.grasps[*index].score.unwrap_or(-1.0);
@@ -172,7 +172,7 @@ impl GraspSet {
         order
     }
 
-    /// The grasp nearest to a gripper by the released metric, and how far it is; `None` if there is none.
+    /// Index of the grasp nearest to a gripper by the released metric, and the difference; `None` if there are none.
     pub fn nearest(&self, world_from_gripper: &Pose) -> Option<(usize, PoseDifference)> {
         self.grasps
             .iter()

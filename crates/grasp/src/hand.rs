@@ -5,31 +5,31 @@ use serde::{Deserialize, Serialize};
 
 use crate::GraspError;
 
-/// A parallel hand with its fingers open, as solids in the gripper frame: x across the fingers, y the axis on which they
-/// close, z the approach direction. Turned by half a turn about z it is the same hand.
+/// Parallel hand with its fingers open, as solids in the gripper frame: x across the fingers, y the closing axis, z the
+/// approach direction. It is symmetric under half a turn about z.
 #[derive(Clone, Debug)]
 pub struct Hand {
-    /// What it is called.
+    /// Name of the hand.
     pub name: String,
-    /// Its solids, each with its pose `gripper_from_part`: the palm's first.
+    /// Solids, each with its pose `gripper_from_part`; the palm comes first.
     pub parts: Vec<(Pose, Solid)>,
     /// The fingers.
     pub fingers: Vec<Finger>,
-    /// Between the pads, in metres.
+    /// Distance between the pads, in metres.
     pub opening_m: f64,
-    /// How far behind the origin of the gripper frame the palm begins, in metres: an object that reaches farther
-    /// back than that does not fit between the fingers.
+    /// Distance of the palm behind the origin of the gripper frame, in metres: an object that reaches farther back does
+    /// not fit between the fingers.
     pub finger_depth_m: f64,
-    /// With what the pads press on what they hold, in newtons.
+    /// Force of the pads on the held object, in newtons.
     pub closing_force_n: f64,
-    /// Its flat pads, where they are known better than from the solids of its fingers ([`Pads::of`](crate::Pads::of)).
+    /// Flat pads, if known better than from the solids of the fingers ([`Pads::of`](crate::Pads::of)).
     pub pads: Option<PadRectangle>,
 }
 
 /// The flat pads of a hand, along x and z of the gripper frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PadRectangle {
-    /// Middle along x and z, in metres.
+    /// Centre along x and z, in metres.
     pub middle_m: [f64; 2],
     /// Half of the size along x and z, in metres.
     pub half_m: [f64; 2],
@@ -38,33 +38,33 @@ pub struct PadRectangle {
 /// A finger that closes in a straight line.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finger {
-    /// Which of the hand's parts it has.
+    /// Indices of its parts in [`Hand::parts`].
     pub parts: std::ops::Range<usize>,
-    /// How far it moves until the hand is closed on nothing, in the gripper frame (m).
+    /// Travel until the hand is closed on nothing, in the gripper frame (m).
     pub stroke_m: Vector,
 }
 
-/// A parallel hand as data: two equal fingers, each a box, on a palm, which is a box too. Lengths in
-/// metres, along the axes of the gripper frame (see [`Hand`]).
+/// A parallel hand as data: two equal box-shaped fingers on a box-shaped palm. Lengths in metres, along the axes of the
+/// gripper frame (see [`Hand`]).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BoxHand {
-    /// What it is called.
+    /// Name of the hand.
     pub name: String,
-    /// Between the pads when the fingers stand open.
+    /// Distance between the pads of the open hand.
     pub opening_m: f64,
-    /// A finger's size across (x).
+    /// Size of a finger across (x).
     pub finger_width_m: f64,
-    /// A finger's size outwards from its pad (y).
+    /// Size of a finger outwards from its pad (y).
     pub finger_thickness_m: f64,
-    /// From the palm to the tips of the fingers (z).
+    /// Distance from the palm to the tips of the fingers (z).
     pub finger_length_m: f64,
-    /// How far the tips reach beyond the origin of the gripper frame (z).
+    /// Distance of the tips beyond the origin of the gripper frame (z).
     pub tip_ahead_m: f64,
-    /// The palm's sizes along x, y, z.
+    /// Sizes of the palm along x, y, z.
     pub palm_size_m: [f64; 3],
-    /// With what the pads press on what they hold, in newtons. Default: 40, what small hands can do, between the least
-    /// of a Robotiq 2F-85 (20) and what a Franka hand holds for long (70).
+    /// Force of the pads on the held object, in newtons. Default: 40, usual for small hands, between the minimum of a
+    /// Robotiq 2F-85 (20) and the continuous force of a Franka hand (70).
     #[serde(default = "default_closing_force_n")]
     pub closing_force_n: f64,
 }
@@ -74,7 +74,7 @@ fn default_closing_force_n() -> f64 {
 }
 
 impl Default for BoxHand {
-    /// About the sizes of a Franka hand.
+    /// Approximate dimensions of a Franka hand.
     fn default() -> Self {
         Self {
             name: "boxes".to_owned(),
@@ -89,19 +89,19 @@ impl Default for BoxHand {
     }
 }
 
-/// What a length of a hand can be, in metres, and a force, in newtons.
+/// Valid ranges of a length of a hand, in metres, and of a force, in newtons.
 const LENGTHS_M: (f64, f64) = (1e-6, 10.0);
 const FORCES_N: (f64, f64) = (1e-3, 1e6);
 
 impl BoxHand {
-    /// The hand of these boxes.
+    /// Builds the hand of these boxes.
     ///
     /// # Errors
-    /// [`GraspError::HandFigure`] for a figure out of range: lengths lie in [1 µm, 10 m], the closing force in
-    /// [1 mN, 1 MN], and the tips at most 10 m from the origin.
+    /// [`GraspError::HandFigure`] for a value out of range: lengths lie in [1 µm, 10 m], the closing force in [1 mN, 1
+    /// MN], and the tips at most 10 m from the origin.
     ///
     /// # Panics
-    /// Never: sizes in this range are those of a box.
+    /// Never: sizes in this range form boxes.
     pub fn hand(&self) -> Result<Hand, GraspError> {
         let [palm_x_m, palm_y_m, palm_z_m] = self.palm_size_m;
         for (figure, value, (least, greatest)) in [

@@ -3,8 +3,8 @@ use cranny_spatial::{Pose, Rotation, Vector};
 
 use crate::GraspError;
 
-/// The pose `target_from_source` whose homogeneous 4 × 4 matrix is `rows`, row by row, translation in metres. A
-/// rotation part that is off by rounding (`f32` files) becomes a unit quaternion.
+/// Pose `target_from_source` of the homogeneous 4 × 4 matrix `rows`, row by row, translation in metres. A rotation part
+/// that is off by rounding (`f32` files) becomes a unit quaternion.
 ///
 /// # Errors
 /// [`GraspError::NotANumber`], [`GraspError::LastRow`], [`GraspError::NotARotation`] beyond
@@ -31,17 +31,17 @@ pub fn pose_of_rows(rows: &[f64; 16]) -> Result<Pose, GraspError> {
     Ok(Pose::from_parts(Vector::new(rows[3], rows[7], rows[11]).into(), rotation))
 }
 
-/// The homogeneous matrix of a pose `target_from_source`, row by row.
+/// Homogeneous matrix of a pose `target_from_source`, row by row.
 pub fn rows_of_pose(pose: &Pose) -> [f64; 16] {
     let matrix = pose.to_homogeneous();
     std::array::from_fn(|index| matrix[(index / 4, index % 4)])
 }
 
-/// How much an element of `RᵀR` may differ from the identity: the rounding of an `f32` file is 1e-6, that
-/// of one printed with four digits 1e-4.
+/// Maximum deviation of an element of `RᵀR` from the identity: the rounding of an `f32` file is 1e-6, that of one printed
+/// with four digits 1e-4.
 const ROTATION_TOLERANCE: f64 = 1e-4;
 
-/// How much the last row may differ from 0 0 0 1, which every format can write exactly.
+/// Maximum deviation of the last row from 0 0 0 1, which every format can write exactly.
 const LAST_ROW_TOLERANCE: f64 = 1e-9;
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Files of grasps of other projects, read into the gripper frame of this one: y along the closing axis, z along the approach,
+//! Import of grasps of other projects into the gripper frame of this one: y along the closing axis, z along the approach,
 //! the origin between the pads.
 
 mod acronym;
@@ -18,33 +18,33 @@ use cranny_spatial::{Pose, Rotation, Vector};
 /// Grasps of another project, in the frame of their object and of our gripper.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Imported {
-    /// The format that was read.
+    /// Format of the file.
     pub format: GraspFormat,
-    /// The grasps that are kept, in the order of the file.
+    /// Grasps that are kept, in the order of the file.
     pub grasps: GraspSet,
     /// Number of grasps in the file.
     pub in_file: usize,
     /// Number of them that are masked or marked invalid.
     pub masked: usize,
-    /// Number of them with a score below the least, or none.
+    /// Number of them with a score below the minimum, or without one.
     pub below: usize,
-    /// The axis along which fingers close in the file.
+    /// Axis along which the fingers close in the file.
     pub closing: ClosingAxis,
-    /// From the origin of the file's frame to that of ours along the approach, in metres.
+    /// Distance from the origin of the file's frame to that of ours along the approach, in metres.
     pub offset_m: f64,
-    /// By how much the file scales the mesh of its object.
+    /// Scale of the object's mesh in the file, if given.
     pub object_scale: Option<f64>,
     /// Meaning of the score, and contents of the file that were not read.
     pub notes: Vec<String>,
 }
 
-/// Reads a file of grasps of another project; the format is recognized by its content.
+/// Imports a file of grasps of another project; the format is recognized by its content.
 ///
 /// # Errors
-/// [`GraspError::Unreadable`]; [`GraspError::Import`] for a file of no such format, of a wrong shape, with a grasp that is no
-/// rigid pose (named by its place, from 0) or has no such score or a width above 1 m, for unknown keys, names that are there
-/// twice and what follows the end, for a frame that only the caller knows (any but that of the Franka hand), for an object
-/// with more scales than one, and for a file in which no grasp is left.
+/// [`GraspError::Unreadable`]; [`GraspError::Import`] for an unknown format, a wrong shape, a grasp that is no rigid pose
+/// (named by its index, from 0) or has an invalid score or a width above 1 m, for unknown keys, repeated names and
+/// trailing data, for a frame that only the caller knows (any but that of the Franka hand), for an object with more
+/// scales than one, and for a file in which no grasp is left.
 pub fn import_grasps(path: &Path, settings: &ImportSettings) -> Result<Imported, GraspError> {
     let bytes = cranny_file::TABLE
         .bytes(path)
@@ -98,7 +98,7 @@ fn imported(bytes: &[u8], settings: &ImportSettings) -> Result<Imported, String>
     Ok(Imported { format, grasps, in_file, masked, below, closing, offset_m, object_scale, notes })
 }
 
-/// `theirs_from_ours` of a gripper frame with approach z: the closing axis becomes y.
+/// Pose `theirs_from_ours` of a gripper frame with approach z: the closing axis becomes y.
 fn frame(closing: ClosingAxis, offset_m: f64) -> Pose {
     let turn = match closing {
         ClosingAxis::X => -std::f64::consts::FRAC_PI_2,

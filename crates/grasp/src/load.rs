@@ -1,4 +1,4 @@
-//! The load of a grasp: the factor by which loads may grow before the pads slip.
+//! Load of a grasp: the factor by which loads may grow before the pads slip.
 
 pub(crate) mod between;
 pub(crate) mod course;

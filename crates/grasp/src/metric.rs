@@ -1,4 +1,4 @@
-//! How far grasps are from each other, and how well one set stands for another.
+//! Distances between grasps, and coverage of one set by another.
 
 use cranny_spatial::nalgebra::Quaternion;
 use cranny_spatial::{Rotation, Vector};
@@ -6,16 +6,16 @@ use rayon::prelude::*;
 
 use crate::Grasp;
 
-/// The distance of two grasps: millimetres between their origins plus degrees between their rotations, over
-/// the 180° symmetry of the gripper. Twice the released metric.
+/// Distance of two grasps: millimetres between their origins plus degrees between their rotations, up to the 180°
+/// symmetry of the gripper. Twice the released metric.
 ///
 /// `distance(a, b) = distance(b, a)`, `distance(a, a.twin()) = 0`.
 pub fn grasp_distance(a: &Grasp, b: &Grasp) -> f64 {
     Place::of(a).distance(&Place::of(b))
 }
 
-/// Greatest [`grasp_distance`] at which a grasp counts as found because one of a set is near it (coverage: Eppner et
-/// al. 2019, §V).
+/// Maximum [`grasp_distance`] at which a grasp counts as found because one of a set is near it (coverage: Eppner et al.
+/// 2019, §V).
 pub const COVERAGE_THRESHOLD: f64 = 15.0;
 
 /// Distances of the grasps of `reference`, one per grasp, to the nearest of `set`, in the unit of [`grasp_distance`];
@@ -31,31 +31,31 @@ pub fn nearest_distances(reference: &[Grasp], set: &[Grasp]) -> Vec<f64> {
         .collect()
 }
 
-/// How much of `reference` the grasps of `set` cover: the share of its grasps that are within `threshold` of
-/// one of `set` by [`grasp_distance`] (Eppner et al. 2019, §V); 0 for an empty reference.
+/// Share of the grasps of `reference` that are within `threshold` of one of `set` by [`grasp_distance`] (Eppner et al.
+/// 2019, §V); 0 for an empty reference.
 pub fn coverage(reference: &[Grasp], set: &[Grasp], threshold: f64) -> f64 {
     let distances = nearest_distances(reference, set);
     let covered = distances.iter().filter(|distance| **distance <= threshold).count();
     if reference.is_empty() { 0.0 } else { covered as f64 / reference.len() as f64 }
 }
 
-/// How far grasps are from each other, over all pairs of different ones: see [`spread`].
+/// Distances between grasps over all pairs of different ones; see [`spread`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spread {
-    /// The least distance.
+    /// Minimum.
     pub least: f64,
-    /// The one in the middle; of an even number the upper.
+    /// Median; the upper one of an even number.
     pub median: f64,
-    /// The greatest.
+    /// Maximum.
     pub greatest: f64,
 }
 
-/// The least, the middle and the greatest distance of all pairs of different grasps, without holding all in memory
-/// (5·10⁹ distances of 10⁵ grasps have 40 GB); None for fewer than two grasps.
+/// Minimum, median and maximum distance of all pairs of different grasps, without storing all distances (5·10⁹ distances
+/// of 10⁵ grasps have 40 GB); `None` for fewer than two grasps.
 ///
-/// The bits of numbers that are not negative are ordered as the numbers are. The middle one is found by its
-/// topmost bits, which are counted over all pairs, then by the next ones among those with the same bits above, and
-/// then by the last (radix selection).
+/// The bits of numbers that are not negative are ordered as the numbers are. Finds the median by its topmost bits,
+/// counted over all pairs, then by the next ones among those with the same bits above, and then by the last (radix
+/// selection).
 pub fn spread(grasps: &[Grasp]) -> Option<Spread> {
     let places: Vec<Place> = grasps.iter().map(Place::of).collect();
     let pairs = places.len() * places.len().checked_sub(1)? / 2;
@@ -101,14 +101,14 @@ pub fn spread(grasps: &[Grasp]) -> Option<Spread> {
     Some(Spread { least, median: f64::from_bits(median), greatest })
 }
 
-/// A third of the bits of a number but its sign: three passes, and 16 MB of counts a thread.
+/// Third of the bits of a number without its sign: three passes, and 16 MB of counts a thread.
 const DIGIT_BITS: u32 = 21;
 
 fn digit(bits: u64, shift: u32) -> usize {
     usize::try_from((bits >> shift) & ((1 << DIGIT_BITS) - 1)).unwrap_or_default()
 }
 
-/// A grasp, made ready to be compared with many.
+/// Grasp prepared for comparison with many others.
 #[derive(Clone, Copy)]
 pub(crate) struct Place {
     pub origin_mm: Vector,
@@ -130,7 +130,7 @@ impl Place {
         self.distance_if_below(other, f64::INFINITY)
     }
 
-    /// The distance, or `limit` if it is not below.
+    /// Distance, or `limit` if the distance is not below it.
     pub fn distance_if_below(&self, other: &Self, limit: f64) -> f64 {
         let translation_mm = (self.origin_mm - other.origin_mm).norm();
         if translation_mm >= limit {
@@ -141,14 +141,14 @@ impl Place {
         limit.min(translation_mm + (2.0 * libm::atan2(sine, cosine)).to_degrees())
     }
 
-    /// Whether the distance is at most `threshold`: the same answer as [`Self::distance`] gives, mostly without
-    /// its arc tangent.
+    /// Returns true if the distance is at most `threshold`. Agrees with [`Self::distance`], mostly without its arc
+    /// tangent.
     pub fn is_within(&self, other: &Self, threshold: f64) -> bool {
         let apart_squared_mm2 = (self.origin_mm - other.origin_mm).norm_squared();
         if apart_squared_mm2 > threshold * threshold {
             return false;
         }
-        // Half the angle that is left, h: 1 − h²/2 ≤ cos h ≤ 1 − h²/2 + h⁴/24.
+        // With h, half the angle that is left: 1 − h²/2 ≤ cos h ≤ 1 − h²/2 + h⁴/24.
         let half_squared = (0.5 * (threshold - apart_squared_mm2.sqrt())).to_radians().powi(2);
         let over = self.cosine(other) - (1.0 - 0.5 * half_squared);
         over >= -DOUBT
@@ -161,5 +161,5 @@ impl Place {
     }
 }
 
-/// Cosines closer than this are left to the arc tangent: well above their rounding.
+/// Difference of cosines below which the arc tangent decides: well above rounding.
 const DOUBT: f64 = 1e-12;

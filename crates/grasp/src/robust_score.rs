@@ -1,25 +1,25 @@
 use serde::ser::SerializeStruct as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// How often a grasp holds in physics when everything is a little wrong: the share of its trials is the robust score.
+/// Outcome of perturbed physics trials of a grasp; the share of trials that held is the robust score.
 ///
-/// It is written with the keys `trials`, `held` and `score`.
+/// Serialized with the keys `trials`, `held` and `score`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RobustScore {
-    /// How often the grasp was tried, at least once.
+    /// Number of trials, at least 1.
     pub trials: usize,
-    /// How often it held, at most `trials`.
+    /// Number of trials that held, at most `trials`.
     pub held: usize,
 }
 
 impl RobustScore {
-    /// The share of the trials that held, in [0, 1].
+    /// Share of the trials that held, in [0, 1].
     pub fn score(&self) -> f64 {
         self.held as f64 / self.trials.max(1) as f64
     }
 
-    /// From the share of a number of trials, `of_share(r.score(), r.trials) = r`; `None` for what is none: a share
-    /// outside [0, 1], no whole number of trials, or a share that no count of them makes to two decimals.
+    /// Restores the counts from a share of trials: `of_share(r.score(), r.trials) = r`. `None` for a share outside [0,
+    /// 1], a number of trials that is not whole, or a share that no count makes to two decimals.
     pub fn of_share(score: f64, trials: f64) -> Option<Self> {
         if !(0.0..=1.0).contains(&score) || !(1.0..=MOST_TRIALS).contains(&trials) || trials.fract() != 0.0 {
             return None;
@@ -34,19 +34,19 @@ impl RobustScore {
         ((found.score() - score).abs() <= TWO_DECIMALS).then_some(found)
     }
 
-    /// Whether it counts what can be counted.
+    /// Returns true if the counts are consistent.
     pub(crate) fn is_sound(&self) -> bool {
         self.trials > 0 && self.held <= self.trials
     }
 }
 
-/// More trials of one grasp nobody has the time for, and a float still holds each count below.
+/// Maximum number of trials, so that a float holds each count exactly.
 const MOST_TRIALS: f64 = 1e9;
 
-/// How far a score that a person rounded to two decimals may be from the share that it stands for.
+/// Maximum error of a score that a person rounded to two decimals.
 const TWO_DECIMALS: f64 = 0.005 + 1e-9;
 
-/// Difference between a written score and its counts that is rounding of the last decimal.
+/// Maximum difference between a written score and its counts: rounding of the last decimal.
 const SCORE_ROUNDING: f64 = 1e-9;
 
 impl Serialize for RobustScore {
@@ -61,7 +61,7 @@ impl Serialize for RobustScore {
 
 impl<'de> Deserialize<'de> for RobustScore {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        /// The score follows from the counts, and may not contradict them.
+        /// Counts, with an optional score that follows from them and must not contradict them.
         #[derive(Deserialize)]
         #[serde(deny_unknown_fields)]
         struct Counts {

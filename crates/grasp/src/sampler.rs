@@ -1,16 +1,16 @@
 //! Antipodal grasps of a bare object (the paper's §IV.C; Eppner et al. 2019, §III).
 //!
-//! 1. A first contact, uniform over the surface's area.
-//! 2. Rays from it, uniform over the solid angle of the friction cone about the inward normal.
-//! 3. A second contact wherever a ray leaves the object, no farther away than the gripper opens, if the ray
-//!    lies inside that contact's friction cone too, and both contacts are the first that the pads meet as they close:
-//!    faces inside other bodies of the object, or in its sealed cavities, are none.
-//! 4. Approach directions, evenly about the closing axis, or some of them.
-//! 5. What the caller does not accept (a hand that collides) goes.
-//! 6. Grasps that an earlier one equals, or its twin, go.
+//! 1. Draws a first contact, uniform over the surface's area.
+//! 2. Casts rays from it, uniform over the solid angle of the friction cone about the inward normal.
+//! 3. Takes a second contact wherever a ray leaves the object, no farther away than the gripper opens, if the ray lies
+//!    inside that contact's friction cone too, and both contacts are the first that the pads meet as they close. Faces
+//!    inside other bodies of the object, or in its sealed cavities, are no contacts.
+//! 4. Spaces approach directions evenly about the closing axis, and keeps all or some of them.
+//! 5. Drops grasps that the caller does not accept (a hand that collides).
+//! 6. Drops grasps that equal an earlier one, or its twin.
 //!
-//! First contacts come in chunks of a fixed size, each with a random stream of its own, and are put together
-//! in the order of the chunks: the answer does not depend on the number of threads.
+//! First contacts come in chunks of a fixed size, each with its own random stream, and are merged in the order of the
+//! chunks: the result does not depend on the number of threads.
 
 use cranny_shape::{AreaDistribution, Surface, SurfacePoint};
 use cranny_spatial::{Point, Pose, Rotation, Stream, Vector, nalgebra, sin_cos};
@@ -20,56 +20,56 @@ use serde::{Deserialize, Serialize};
 use crate::twins::TwinFilter;
 use crate::{Contact, Grasp, GraspError, friction_needed, friction_score};
 
-/// How grasps are sampled. Directions are in the object's frame.
+/// Settings of the grasp sampler. Directions are in the object's frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SamplerSettings {
-    /// How many grasps to find. Default 2000.
+    /// Number of grasps to find. Default 2000.
     pub count: usize,
-    /// The coefficient of friction between pads and object, which bounds the cones and scales the score;
-    /// positive. Default 0.24, which the paper's object library gives all its objects.
+    /// Coefficient of friction between pads and object, which bounds the cones and scales the score; positive. Default
+    /// 0.24, the value of all objects in the paper's library.
     pub friction: f64,
-    /// How far apart two contacts may be, in metres: the gripper's opening. Default 0.08, a Panda's.
+    /// Maximum distance of two contacts, in metres: the gripper's opening. Default 0.08, a Panda's.
     pub opening_m: f64,
-    /// Rays from each first contact. Default 1: another contact tells more than another ray from the same.
+    /// Rays from each first contact. Default 1: another contact adds more than another ray from the same one.
     pub rays: usize,
     /// Approach directions about each closing axis. Default 12, every 30°, as in the released grasps.
     pub approaches: usize,
-    /// How many of them each pair of contacts keeps, drawn at random. Default 1: another pair tells more than
-    /// another turn about the same one.
+    /// Number of approach directions that each pair of contacts keeps, drawn at random. Default 1: another pair adds more
+    /// than another turn about the same one.
     pub kept_approaches: usize,
-    /// Where the first of them points. Default [`FirstApproach::Level`], as in the released grasps.
+    /// Direction of the first approach. Default [`FirstApproach::Level`], as in the released grasps.
     pub first_approach: FirstApproach,
-    /// Which way is up. Default z.
+    /// Upward direction. Default z.
     pub up: Vector,
-    /// How steeply an approach may rise, in radians from −π/2 to π/2: 0 keeps those that come from the side
-    /// or from above. Default π/2: all.
+    /// Maximum elevation of an approach direction, in radians from −π/2 to π/2: 0 keeps approaches from the side or from
+    /// above. Default π/2: all.
     pub steepest_rise_rad: f64,
-    /// Height of the ground along `up`, in metres in the object's frame: grasps of which an open pad, half the
-    /// opening beside the origin of the gripper frame, would lie below it are left out. Default none. The
-    /// released grasps keep to this rule; that the whole hand stays above is for `accept` to say.
+    /// Height of the ground along `up`, in metres in the object's frame. Drops grasps with an open pad, half the opening
+    /// beside the origin of the gripper frame, below it. Default none. The released grasps follow this rule; `accept`
+    /// must check that the whole hand stays above.
     pub ground_m: Option<f64>,
-    /// How far behind the gripper frame the palm is, in metres ([`Hand::finger_depth_m`](crate::Hand::finger_depth_m)):
-    /// grasps where the object reaches farther back, on the line of approach through the frame, are left out,
-    /// for the palm would be in it. The released grasps keep to this rule for a Panda's 46.6 mm. Default none:
-    /// for `accept` to say.
+    /// Distance of the palm behind the gripper frame, in metres ([`Hand::finger_depth_m`](crate::Hand::finger_depth_m)).
+    /// Drops grasps for which the object reaches farther back, on the line of approach through the frame, because the
+    /// palm would collide. The released grasps follow this rule for a Panda's 46.6 mm. Default none: `accept` must check
+    /// this.
     pub finger_depth_m: Option<f64>,
-    /// Between which depths the gripper frame stands, in metres along the approach direction from the middle
-    /// between the contacts, drawn uniformly. Default 0 to 0, as in the released grasps.
+    /// Range of depths of the gripper frame, in metres along the approach direction from the middle between the contacts,
+    /// drawn uniformly. Default 0 to 0, as in the released grasps.
     pub depth_m: [f64; 2],
-    /// First contacts after which the search gives up. Default a million: two seconds or so.
+    /// Number of first contacts after which the search gives up. Default a million: about two seconds.
     pub most_contacts: usize,
     /// Seed of all randomness. Default 0.
     pub seed: u64,
 }
 
-/// Where the first of several approach directions points.
+/// Direction of the first of several approaches.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FirstApproach {
-    /// Level: at a right angle to `up`. Objects that lie as given are then grasped from the side and from
-    /// above at the same angles.
+    /// Level: at a right angle to `up`. Objects that lie as given are then grasped from the side and from above at the
+    /// same angles.
     #[default]
     Level,
-    /// Anywhere, drawn anew for each closing axis.
+    /// Random, drawn anew for each closing axis.
     Random,
 }
 
@@ -94,36 +94,36 @@ impl Default for SamplerSettings {
     }
 }
 
-/// A grasp with the contacts that it was made from. Its pose is `object_from_gripper`.
+/// Grasp with the contacts that it was made from. Its pose is `object_from_gripper`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SampledGrasp {
-    /// The grasp, scored, with its width.
+    /// The grasp, with its score and width.
     pub grasp: Grasp,
-    /// Where the pads touch, first on the side of −y of the gripper, then of +y.
+    /// Contacts of the pads, first at −y of the gripper, then at +y.
     pub contacts: [Contact; 2],
 }
 
-/// What a sampling found.
+/// Result of a sampling.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Sampling {
-    /// The grasps, `count` or fewer.
+    /// Grasps found, at most `count`.
     pub grasps: Vec<SampledGrasp>,
-    /// First contacts that were tried.
+    /// Number of first contacts tried.
     pub first_contacts: usize,
-    /// Pairs of contacts in force closure that were found.
+    /// Number of pairs of contacts found in force closure.
     pub pairs: usize,
-    /// Grasps that the caller did not accept.
+    /// Number of grasps that the caller did not accept.
     pub rejected: usize,
-    /// Grasps that were left out because an earlier one, or its twin, is the same.
+    /// Number of grasps left out because they equal an earlier one, or its twin.
     pub merged: usize,
 }
 
 /// Samples grasps on `surface`, whose triangles face outwards; it may have holes.
 ///
-/// `accept` is asked from several threads whether a grasp may stay. `progress` hears after each wave how many
-/// there are, and says whether to go on.
+/// Several threads call `accept`, which returns true for a grasp to keep. After each wave `progress` gets the number of
+/// grasps, and returns false to stop.
 ///
 /// # Errors
 /// [`GraspError::Setting`] for a setting out of its range, [`GraspError::NoArea`].
@@ -136,7 +136,7 @@ pub fn sample_grasps(
     go_on_sampling(Sampling::default(), surface, settings, accept, progress)
 }
 
-/// [`sample_grasps`] from where it was stopped, with the same arguments: the end is the same.
+/// Continues [`sample_grasps`] after a stop, with the same arguments; the final result is the same.
 ///
 /// # Errors
 /// As [`sample_grasps`].
@@ -182,16 +182,16 @@ pub fn go_on_sampling(
     Ok(found)
 }
 
-/// First contacts that share a random stream: enough to outweigh the making of the stream.
+/// First contacts that share a random stream: enough to outweigh the cost of the stream.
 const CONTACTS_PER_CHUNK: usize = 16;
 
-/// Chunks between two reports of progress; a fixed number, so that it decides nothing.
+/// Chunks between two reports of progress; a fixed number, so that it does not affect the result.
 const CHUNKS_PER_WAVE: u64 = 32;
 
-/// Contacts closer than this are one, in metres: no finger closes on less than an export's noise.
+/// Minimum distance of two contacts, in metres: no finger closes on less than the noise of an export.
 const LEAST_WIDTH_M: f64 = 1e-4;
 
-/// Layers of a surface closer together are one, in metres, for the pad that meets the outer one.
+/// Distance below which layers of a surface count as one, in metres, for the pad that meets the outer one.
 const LEAST_GAP_M: f64 = 1e-5;
 
 impl SamplerSettings {
@@ -233,7 +233,7 @@ impl SamplerSettings {
     }
 }
 
-/// What the first contacts of one random stream give.
+/// Grasps from the first contacts of one random stream.
 #[derive(Default)]
 struct Chunk {
     grasps: Vec<SampledGrasp>,
@@ -259,7 +259,7 @@ impl Chunk {
     }
 }
 
-/// Steps 1 to 4 for one first contact at a time, for who wants few grasps and says when.
+/// Sampler of one first contact at a time (steps 1 to 4), for callers that need few grasps on demand.
 #[derive(Clone, Debug)]
 pub struct GraspSampler<'a> {
     surface: &'a Surface,
@@ -268,8 +268,8 @@ pub struct GraspSampler<'a> {
 }
 
 impl<'a> GraspSampler<'a> {
-    /// The sampler of grasps on `surface`. The seed of `settings`, and how many grasps they want of how many first
-    /// contacts, have no part in it.
+    /// Creates the sampler of grasps on `surface`. [`Self::draw`] ignores the seed of `settings`, and the numbers of
+    /// grasps and of first contacts.
     ///
     /// # Errors
     /// As [`sample_grasps`].
@@ -279,9 +279,9 @@ impl<'a> GraspSampler<'a> {
         Ok(Self { surface, area, settings: settings.clone() })
     }
 
-    /// By how much the object is too wide for the gripper, as far as so many first contacts tell: the least distance of two
-    /// contacts in force closure, in metres, where all are farther apart than `most_m`, no more than it opens. `None` as soon
-    /// as two are not, and where there are none at all.
+    /// Least distance of two contacts in force closure, in metres, over `first_contacts` first contacts, if the object is
+    /// too wide: all pairs are farther apart than `most_m` (m), which is at most the opening. `None` as soon as one pair
+    /// is not, and if there is no pair.
     pub fn too_wide_m(&self, first_contacts: usize, most_m: f64) -> Option<f64> {
         let endless_m = 4.0 * self.surface.aabb().half_extents.norm();
         let settings = SamplerSettings { opening_m: endless_m, ..self.settings.clone() };
@@ -300,8 +300,8 @@ impl<'a> GraspSampler<'a> {
         Some(narrowest_m).filter(|distance_m| distance_m.is_finite())
     }
 
-    /// Draws one first contact and hands over the grasps that it leads to, often none; returns in how many pairs of
-    /// contacts in force closure it is.
+    /// Draws one first contact and passes the grasps that result, often none, to `found`. Returns the number of its pairs
+    /// of contacts in force closure.
     pub fn draw(&self, random: &mut Stream, found: &mut dyn FnMut(SampledGrasp)) -> usize {
         let Self { surface, area, settings } = self;
         let mut pairs = 0;
@@ -324,8 +324,7 @@ impl<'a> GraspSampler<'a> {
     }
 }
 
-/// A unit vector uniform over the solid angle of the cone about `axis` whose half angle has the tangent
-/// `friction`.
+/// Unit vector, uniform over the solid angle of the cone about `axis` whose half angle has the tangent `friction`.
 fn direction_in_cone(axis: &Vector, friction: f64, random: &mut Stream) -> Vector {
     let least_cosine = 1.0 / (1.0 + friction * friction).sqrt();
     let cosine = random.uniform_between(least_cosine, 1.0);
@@ -335,9 +334,8 @@ fn direction_in_cone(axis: &Vector, friction: f64, random: &mut Stream) -> Vecto
     axis * cosine + (across * cos_turn + beside * sin_turn) * sine
 }
 
-/// The pairs of contacts in force closure along a ray that pads meet first as they close from `opening_m` apart, straight
-/// towards each other. The contact that comes first is the one on the side of −y, and y is one and the same for a pair
-/// and its twin.
+/// Pairs of contacts in force closure along a ray that the pads meet first as they close from `opening_m` (m) apart,
+/// straight towards each other. The first contact of a pair is at −y, and a pair and its twin have the same y axis.
 fn pairs_along(
     surface: &Surface,
     first: &SurfacePoint,
@@ -353,8 +351,8 @@ fn pairs_along(
         let end = contact(first.point + ray * hit.distance_m, hit.normal);
         let leaves = hit.normal.dot(ray) > 0.0 && hit.distance_m >= LEAST_WIDTH_M;
         let travel_m = 0.5 * (opening_m - hit.distance_m);
-        // What a pad on its way out meets first is farther than where it stands open, and is met from outside. The surface
-        // that it ends at lies within rounding of where its line begins.
+        // The next surface outwards must be farther than the open pad and face the contact. The ray starts beyond the
+        // surface of the contact itself, which lies within rounding.
         let is_met_first = |contact: &Contact, outwards: Vector| {
             let before = contact.point_in_object + outwards * LEAST_GAP_M;
             let met = surface.ray_hits(&before, &outwards, beyond_m);
@@ -372,17 +370,17 @@ fn pairs_along(
     pairs
 }
 
-/// Whether the object ends before the palm, on the line of approach.
+/// Returns true if the object ends before the palm, on the line of approach.
 fn palm_has_room(surface: &Surface, pose: &Pose, finger_depth_m: Option<f64>) -> bool {
     finger_depth_m.is_none_or(|depth_m| {
         let back = pose.rotation * -Vector::z();
         let palm = Point::from(pose.translation.vector + back * depth_m);
-        // From anywhere near the object to beyond its far side.
+        // The ray reaches from the palm beyond the far side of the object.
         surface.ray_hits(&palm, &back, 4.0 * surface.aabb().half_extents.norm()).is_empty()
     })
 }
 
-/// The poses of the gripper frame about one pair of contacts, of those that `has_room` takes.
+/// Poses of the gripper frame about one pair of contacts that `has_room` accepts.
 fn gripper_poses(
     contacts: &[Contact; 2],
     settings: &SamplerSettings,
@@ -394,7 +392,7 @@ fn gripper_poses(
     let middle = begin + (end - begin) * 0.5;
     let up = settings.up.normalize();
     let level = y.cross(&up);
-    // A closing axis that stands upright has only level approaches, and any may be the first.
+    // An upright closing axis has only level approaches, and any may be the first.
     let first = level.try_normalize(UPRIGHT).unwrap_or_else(|| perpendiculars(&y)[0]);
     let beside = first.cross(&y);
     let step = std::f64::consts::TAU / settings.approaches as f64;
@@ -427,7 +425,7 @@ fn gripper_poses(
         }
         return poses;
     }
-    // In random order, so that few are asked.
+    // In random order, so that few poses are checked.
     let mut kept = Vec::new();
     while kept.len() < settings.kept_approaches && !poses.is_empty() {
         let pose = poses.swap_remove(random.index(poses.len()));
@@ -438,10 +436,10 @@ fn gripper_poses(
     kept
 }
 
-/// Sine of the angle below which a closing axis counts as upright.
+/// Sine of the angle to `up` below which a closing axis counts as upright.
 const UPRIGHT: f64 = 1e-6;
 
-/// A level approach may rise by as much from rounding, as a sine.
+/// Tolerance for the rounding of a level approach, as the sine of its rise.
 const LEVEL: f64 = 1e-9;
 
 fn scored(object_from_gripper: Pose, contacts: [Contact; 2], friction: f64) -> SampledGrasp {

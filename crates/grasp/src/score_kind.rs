@@ -1,22 +1,22 @@
 use serde::{Deserialize, Serialize};
 use strum::{EnumString, IntoStaticStr};
 
-/// Which of its scores says how good a grasp is.
+/// Kind of score that ranks grasps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, EnumString, IntoStaticStr)]
 #[serde(rename_all = "kebab-case")]
 #[strum(serialize_all = "kebab-case")]
 pub enum ScoreKind {
-    /// The geometric one, [`Grasp::score`](crate::Grasp::score).
+    /// Geometric score, [`Grasp::score`](crate::Grasp::score).
     #[default]
     Geometric,
-    /// The robust one, [`Grasp::robust`](crate::Grasp::robust).
+    /// Robust score, [`Grasp::robust`](crate::Grasp::robust).
     Physics,
-    /// The factor by which gravity may grow, [`Grasp::load`](crate::Grasp::load).
+    /// Factor by which gravity may grow, [`Grasp::load`](crate::Grasp::load).
     Load,
 }
 
 impl ScoreKind {
-    /// What files and flags call it.
+    /// Name in files and flags.
     pub fn name(self) -> &'static str {
         self.into()
     }

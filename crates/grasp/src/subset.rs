@@ -1,4 +1,4 @@
-//! Few grasps that stand for many: at random, far from each other, or near to as many others as can be.
+//! Subsets of grasps that represent many: random, far from each other, or near to as many others as possible.
 
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
@@ -9,8 +9,7 @@ use rayon::prelude::*;
 use crate::Grasp;
 use crate::metric::Place;
 
-/// `count` of `total` indices, each set of them as likely as any other, in ascending order; all of them if
-/// there are no more.
+/// Chooses `count` of `total` indices uniformly at random, in ascending order; all of them if there are no more.
 pub fn random_subset(total: usize, count: usize, seed: u64) -> Vec<usize> {
     let mut random = Stream::new(seed, SUBSET_STREAM);
     let mut indices: Vec<usize> = (0..total).collect();
@@ -23,9 +22,9 @@ pub fn random_subset(total: usize, count: usize, seed: u64) -> Vec<usize> {
     indices
 }
 
-/// Indices of `count` grasps that lie far from each other, in the order in which they were chosen: the first at random,
-/// then always the one farthest from all before (Gonzalez 1985, "Clustering to minimize the maximum intercluster
-/// distance", whole); of equally far ones the first. All indices if there are no more.
+/// Indices of `count` grasps that are far from each other, in the order of choice: the first at random, then always the
+/// one farthest from all before (Gonzalez 1985, "Clustering to minimize the maximum intercluster distance", whole); ties
+/// go to the first. All indices if there are no more.
 pub fn farthest_subset(grasps: &[Grasp], count: usize, seed: u64) -> Vec<usize> {
     let places: Vec<Place> = grasps.iter().map(Place::of).collect();
     if places.is_empty() || count == 0 {
@@ -36,7 +35,7 @@ pub fn farthest_subset(grasps: &[Grasp], count: usize, seed: u64) -> Vec<usize> 
     let mut distance = vec![f64::INFINITY; places.len()];
     while chosen.len() < count.min(places.len()) {
         let place = places[newest];
-        // A chosen one is at distance 0 from itself, but so may be others: only −1 keeps it out for ever.
+        // A chosen grasp has distance 0, but so may others: only −1 excludes it for good.
         distance[newest] = -1.0;
         let farthest = distance
             .par_iter_mut()
@@ -54,23 +53,22 @@ pub fn farthest_subset(grasps: &[Grasp], count: usize, seed: u64) -> Vec<usize> 
     chosen
 }
 
-/// No stream of a sampling has this number.
+/// Random stream of the subsets; no sampling uses this number.
 const SUBSET_STREAM: u64 = u64::MAX;
 
-/// Fewer are not worth a thread.
+/// Minimum number of grasps per task; fewer are not worth a thread.
 const PLACES_PER_TASK: usize = 2048;
 
-/// The farther of two, of equals the first: the same whatever order they are compared in.
+/// Returns the farther of two, of equals the first; independent of the order of comparison.
 fn farther(a: (f64, usize), b: (f64, usize)) -> (f64, usize) {
     let order = b.0.total_cmp(&a.0).then(a.1.cmp(&b.1));
     if order.is_gt() { b } else { a }
 }
 
-/// Indices of `count` grasps of which as many as possible of all are near, in the order in which they were chosen:
-/// always the one that has most grasps within `threshold` by [`grasp_distance`](crate::grasp_distance) that no chosen
-/// one is near to yet; of equally good ones the first (greedy maximum coverage: Nemhauser, Wolsey & Fisher 1978, "An
-/// analysis of approximations for maximizing submodular set functions", whole). Where all are covered, the count begins
-/// anew. All indices if there are no more.
+/// Indices of `count` grasps that have as many grasps as possible nearby, in the order of choice: always the one with
+/// most grasps within `threshold` by [`grasp_distance`](crate::grasp_distance) that no chosen one is near yet; ties go to
+/// the first (greedy maximum coverage: Nemhauser, Wolsey & Fisher 1978, "An analysis of approximations for maximizing
+/// submodular set functions", whole). Once all are covered, the count begins anew. All indices if there are no more.
 pub fn covering_subset(grasps: &[Grasp], count: usize, threshold: f64) -> Vec<usize> {
     let near = neighbours(grasps, threshold);
     let count = count.min(grasps.len());
@@ -113,10 +111,10 @@ pub fn covering_subset(grasps: &[Grasp], count: usize, threshold: f64) -> Vec<us
     chosen
 }
 
-/// For each grasp all that are within `threshold` of it, itself included.
+/// Indices of all grasps within `threshold` of each grasp, itself included.
 ///
-/// Two grasps cannot be near unless their approach directions are, so they are looked for in cells of these
-/// directions, and in each cell along the axis on which they are spread farthest.
+/// Two grasps cannot be near unless their approach directions are. So the search uses cells of these directions, and in
+/// each cell the axis along which the grasps are spread farthest.
 fn neighbours(grasps: &[Grasp], threshold: f64) -> Vec<Vec<u32>> {
     let places: Vec<Place> = grasps.iter().map(Place::of).collect();
     // The chord of `threshold` degrees is shorter than the arc.
@@ -162,5 +160,5 @@ fn neighbours(grasps: &[Grasp], threshold: f64) -> Vec<Vec<u32>> {
         .collect()
 }
 
-/// Smaller cells of directions would only be empty.
+/// Minimum size of a cell of directions; smaller ones would only be empty.
 const LEAST_CELL: f64 = 0.01;

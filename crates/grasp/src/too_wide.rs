@@ -6,18 +6,18 @@ use serde::{Deserialize, Serialize};
 
 use crate::{GraspSampler, SamplerSettings};
 
-/// So many first contacts are drawn: a handle with a thousandth of the surface is met by some ten.
+/// Number of first contacts drawn: some ten of them hit a handle with a thousandth of the surface.
 const FIRST_CONTACTS: usize = 10_000;
 
-/// An object that no grasp fits, as far as was sampled: two pads that hold it are farther apart than the hand opens.
+/// Object that no grasp fits, as sampled: two pads that hold it are farther apart than the hand opens.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TooWide {
-    /// The least distance of two contacts in force closure, in metres.
+    /// Least distance of two contacts in force closure, in metres.
     pub narrowest_m: f64,
-    /// Between the pads of the open hand, in metres.
+    /// Distance between the pads of the open hand, in metres.
     pub opening_m: f64,
-    /// Distance that is demanded of the object on the side of either pad while the hand is open, in metres.
+    /// Clearance required between the object and either pad of the open hand, in metres.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub clearance_m: f64,
 }
@@ -28,7 +28,7 @@ fn is_zero(clearance_m: &f64) -> bool {
 }
 
 impl TooWide {
-    /// Of an object, if it is, with a distance (m) to either pad; `settings` are those of the sampling of grasps.
+    /// Checks an object with a clearance (m) to either pad; `None` if it fits. `settings` are those of the grasp sampler.
     pub fn of(surface: &Surface, settings: &SamplerSettings, clearance_m: f64) -> Option<Self> {
         let opening_m = settings.opening_m;
         let most_m = opening_m - 2.0 * clearance_m;
@@ -59,7 +59,7 @@ impl fmt::Display for TooWide {
 mod tests {
     use super::*;
 
-    /// As in a plan file.
+    /// Reason as in a plan file.
     #[derive(Debug, PartialEq, Deserialize)]
     #[serde(rename_all = "kebab-case", tag = "reason")]
     enum Reason {

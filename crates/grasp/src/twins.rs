@@ -4,16 +4,16 @@ use cranny_spatial::Pose;
 
 use crate::Grasp;
 
-/// Says of one grasp after the other whether one before it, or its twin, was the same.
+/// Filter that detects grasps equal to an earlier one or its twin.
 #[derive(Default)]
 pub(crate) struct TwinFilter {
     cells: HashMap<[i64; 3], Vec<Pose>>,
 }
 
-/// Grasps closer than this are one, in metres: a tenth of what counts as exact.
+/// Distance below which grasps are equal, in metres: a tenth of what counts as exact.
 const SAME_M: f64 = 1e-4;
 
-/// The same for the angle between them, in radians.
+/// Angle below which grasps are equal, in radians.
 const SAME_RAD: f64 = 0.1 * cranny_spatial::EXACT_ROTATION_RAD;
 
 impl TwinFilter {

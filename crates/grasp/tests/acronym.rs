@@ -1,4 +1,4 @@
-//! ACRONYM as h5py wrote it: `fixtures/acronym.py`.
+//! ACRONYM files as h5py wrote them: `fixtures/acronym.py`.
 
 use std::path::{Path, PathBuf};
 
@@ -40,7 +40,7 @@ fn acronym_is_read_as_h5py_wrote_it() {
     }
 }
 
-/// Every gripper was taken for the Franka hand.
+/// Guards against taking every gripper for the Franka hand.
 #[test]
 fn another_gripper_needs_its_frame() {
     let other = fault("acronym_other_gripper.h5");
@@ -65,7 +65,7 @@ fn another_gripper_needs_its_frame() {
 fn a_mask_is_applied_and_what_is_unknown_is_noted() {
     let masked = read("acronym_masked.h5", &ImportSettings::default()).expect("grasps");
     assert_eq!((masked.in_file, masked.masked, masked.grasps.len()), (3, 1, 2));
-    // Booleans of h5py are an enumeration.
+    // h5py writes booleans as an enumeration.
     let grasps = masked.grasps.grasps();
     assert_eq!([grasps[0].score, grasps[1].score], [Some(1.0), Some(1.0)]);
     assert_axes(

@@ -1,4 +1,4 @@
-//! Archives and arrays of `NumPy` that hold more, or other things, than what is read.
+//! `NumPy` archives and arrays with more content, or other content, than is read.
 
 use std::io::{Cursor, Write as _};
 
@@ -15,7 +15,7 @@ fn archive(entries: &[(&str, &[u8])]) -> Vec<u8> {
     archive.finish().expect("an archive").into_inner()
 }
 
-/// The library gives the last of two entries of one name.
+/// The library returns the last of two entries of one name.
 #[test]
 fn an_archive_that_holds_a_name_twice_is_refused() {
     let poses = npy(&[1, 4, 4], &QUARTER);

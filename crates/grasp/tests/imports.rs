@@ -1,4 +1,4 @@
-//! Files of grasps of other projects: poses in our gripper frame, masks kept, and nothing believed.
+//! Grasp files of other projects: poses in our gripper frame, masks respected, and nothing trusted.
 
 use std::io::Write as _;
 use std::path::PathBuf;
@@ -9,7 +9,7 @@ use cranny_grasp::{
 use cranny_spatial::{Point, Pose, Vector};
 use npyz::WriterBuilder as _;
 
-/// A folder, and what is read of files in it.
+/// Temporary folder, with a reader of the files in it.
 pub struct Files(tempfile::TempDir);
 
 impl Files {
@@ -56,7 +56,7 @@ pub fn npz(arrays: &[(&str, Vec<u8>)]) -> Vec<u8> {
     archive.finish().expect("an archive").into_inner()
 }
 
-/// Turned by a quarter about x, at (1, 2, 3).
+/// Pose rotated by 90° about x, at (1, 2, 3) m.
 pub const QUARTER: [f64; 16] =
     [1.0, 0.0, 0.0, 1.0, 0.0, 0.0, -1.0, 2.0, 0.0, 1.0, 0.0, 3.0, 0.0, 0.0, 0.0, 1.0];
 
@@ -83,7 +83,7 @@ pub fn assert_axes(pose: &Pose, origin: [f64; 3], closing: [f64; 3], approach: [
     let (at, y, z) = axes(pose);
     let is_near = |a: Vector, b: [f64; 3]| (a - Vector::from(b)).norm() < 1e-9;
     assert!(is_near(at.coords, origin), "{at} is not {origin:?}");
-    // Fingers are exchanged by half a turn.
+    // Half a turn exchanges the fingers.
     assert!(is_near(y, closing) || is_near(-y, closing), "{y} is not {closing:?}");
     assert!(is_near(z, approach), "{z} is not {approach:?}");
 }
@@ -238,7 +238,7 @@ fn poses_keep_their_mask() {
         files.read(&npz(&[&masked[..], &[scores]].concat()), &ImportSettings::default()).expect("grasps");
     assert_eq!((read.grasps.len(), read.masked), (2, 1));
     assert_eq!([0, 1].map(|grasp| read.grasps.grasps()[grasp].score), [Some(0.25), None]);
-    // What is under a mask is nothing, and without the mask it is a fault.
+    // Values under a mask are ignored; without the mask they are a fault.
     let fault = files.read(&npz(&masked[..1]), &ImportSettings::default()).expect_err("NaN");
     assert!(fault.contains("grasp 1: "), "{fault}");
 }
@@ -293,6 +293,6 @@ fn hostile_files_are_refused_by_name() {
     );
 }
 
-/// Columns 0 and 1 of the matrix that `NumPy` makes of view 17 and an angle of 0.6.
+/// Columns 0 and 1 of the matrix that `NumPy` computes for view 17 and an angle of 0.6 rad.
 const VIEW_17: [f64; 3] = [0.468345087, 0.0193675397, 0.883333333];
 const CLOSING_17: [f64; 3] = [-0.532442671, 0.804022833, 0.264673545];

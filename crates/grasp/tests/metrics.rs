@@ -1,4 +1,4 @@
-//! Distances of grasps, coverage of sets, and subsets of them.
+//! Distances between grasps, coverage of sets, and subsets of them.
 
 use cranny_grasp::{
     Contact, Grasp, coverage, covering_subset, farthest_subset, friction_needed, friction_score,
@@ -18,7 +18,7 @@ fn grasps(count: usize, seed: u64) -> Vec<Grasp> {
         .collect()
 }
 
-/// Millimetres plus degrees, the nearer of the grasp and its twin, by angles of rotations.
+/// Millimetres plus degrees to the nearer of the grasp and its twin, by angles of rotations.
 fn distance_by_angles(a: &Grasp, b: &Grasp) -> f64 {
     let to = |b: &Grasp| {
         let difference = PoseDifference::between(&a.world_from_gripper, &b.world_from_gripper);
@@ -143,8 +143,8 @@ fn contacts_that_face_each_other_need_no_friction_and_tilted_ones_their_tangent(
     assert!(friction_score(f64::INFINITY, 0.5) < 1e-15 && (friction_score(0.1, 0.4) - 0.75).abs() < 1e-15);
 }
 
-/// Whether two contacts with friction `friction` can press on each other with forces inside the inner half of
-/// their cones, by trying many forces: an oracle for force closure that measures no angle to a line.
+/// Returns true if two contacts with friction `friction` can press on each other with forces inside the inner half of
+/// their cones. Tries many forces: an oracle for force closure that measures no angle to a line.
 fn can_squeeze(a: &Contact, b: &Contact, friction: f64) -> bool {
     let line = (b.point_in_object - a.point_in_object).normalize();
     let inside = |force: &Vector, normal: &Vector| {
@@ -185,7 +185,7 @@ proptest! {
     }
 }
 
-/// `grasps distances` held all distances in memory: 6.4 GB for 10⁵ grasps.
+/// Guards against storing all distances: 6.4 GB for 10⁵ grasps.
 #[test]
 fn the_spread_is_that_of_all_distances_sorted() {
     for (count, seed) in [(2, 1), (3, 2), (40, 3), (151, 4)] {

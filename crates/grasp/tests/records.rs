@@ -1,4 +1,4 @@
-//! Keys of JSON and YAML that are not understood are refused by name or noted, and grasps keep the order of the file.
+//! Unknown keys of JSON and YAML are rejected by name or noted, and grasps keep the order of the file.
 
 use cranny_grasp::{ClosingAxis, ImportSettings};
 
@@ -22,7 +22,7 @@ fn grasp(place: usize, more: &str) -> String {
     )
 }
 
-/// They were sorted by their names, `grasp_10` before `grasp_2`.
+/// Guards against sorting by name, `grasp_10` before `grasp_2`.
 #[test]
 fn isaacs_grasps_are_in_the_order_of_the_file() {
     let grasps: String = [11, 2, 10, 0, 1].map(|place| grasp(place, "")).concat();

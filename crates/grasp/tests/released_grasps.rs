@@ -1,4 +1,4 @@
-//! The grasps of the paper's release, which lie beside the checkout.
+//! Grasps of the paper's release, which are stored beside the checkout.
 
 use std::io::{Write as _, stderr};
 use std::path::PathBuf;
@@ -9,7 +9,7 @@ use cranny_grasp::read_csv;
 fn all_released_grasp_files_hold_two_hundred_unscored_grasps() {
     let Some(data) = std::env::var_os("CRANNY_DATA").map(PathBuf::from) else {
         assert!(std::env::var_os("CRANNY_REQUIRE_ALL").is_none(), "CRANNY_DATA is not set");
-        // Straight to the stream, because the test runner keeps back what a passing test prints.
+        // Writes straight to the stream, because the test runner captures what a passing test prints.
         let _ = writeln!(stderr(), "SKIPPED: CRANNY_DATA is not set, so the released grasps are not read");
         return;
     };

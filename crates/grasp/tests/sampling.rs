@@ -1,4 +1,4 @@
-//! Sampled grasps against what makes a grasp, checked triangle by triangle.
+//! Sampled grasps against the definition of a grasp, checked triangle by triangle.
 
 use cranny_grasp::{
     BoxHand, FirstApproach, GraspError, GraspSampler, SampledGrasp, SamplerSettings, Sampling,
@@ -23,7 +23,7 @@ fn settings(count: usize) -> SamplerSettings {
     SamplerSettings { count, ..SamplerSettings::default() }
 }
 
-/// The distance of a point from a triangle, by its corners, edges and inside one after the other.
+/// Distance of a point from a triangle, by its corners, edges and inside in turn.
 fn distance_to_triangle(point: &Point, corners: &[Point; 3]) -> f64 {
     let [a, b, c] = corners;
     let normal = (b - a).cross(&(c - a)).normalize();
@@ -37,8 +37,8 @@ fn distance_to_triangle(point: &Point, corners: &[Point; 3]) -> f64 {
     if is_above { (point - foot).norm() } else { to_edge(a, b).min(to_edge(b, c)).min(to_edge(c, a)) }
 }
 
-/// The angle between a direction and the normal of the triangle nearest to `point`, the most favourable one
-/// where several are equally near.
+/// Distance of `point` from the nearest triangle, and the angle between a direction and its normal, the most favourable
+/// one of equally near triangles.
 fn angle_at(soup: &TriangleSoup, point: &Point, outwards: &Vector) -> (f64, f64) {
     let distances: Vec<f64> =
         (0..soup.triangles.len()).map(|t| distance_to_triangle(point, &soup.corners(t))).collect();
@@ -98,9 +98,8 @@ fn nothing_wider_than_the_opening_is_grasped() {
     assert!(none.grasps.is_empty() && none.first_contacts >= 10_000);
 }
 
-/// A search for what cannot be found went on to its end and said nothing.
-/// A box of 60 mm by 50 mm by 70 mm with one of 20 mm in it, off its middle: as a second body, as a cavity, and as a room
-/// between six plates of 24 mm. A pad that closes from outside never comes to the inner faces.
+/// A box of 60 mm by 50 mm by 70 mm with one of 20 mm in it, off its middle: as a second body, as a cavity, and as a
+/// space between six plates of 24 mm. A pad that closes from outside never reaches the inner faces.
 #[test]
 fn nothing_inside_an_object_is_grasped() {
     let outer = Surface::cuboid_soup(&Vector::new(0.03, 0.025, 0.035));
@@ -135,7 +134,7 @@ fn nothing_inside_an_object_is_grasped() {
     }
 }
 
-/// The wall of a pipe is grasped where the inner pad has room inside.
+/// The wall of a pipe is grasped where the inner pad fits inside.
 #[test]
 fn a_wall_is_grasped_where_there_is_room_behind_it() {
     let mut pipe = Surface::cuboid_soup(&Vector::new(0.002, 0.1, 0.05));
@@ -147,7 +146,7 @@ fn a_wall_is_grasped_where_there_is_room_behind_it() {
         found.grasps.iter().filter(|grasp| grasp.grasp.width_m.unwrap() < 0.01).count()
     };
     assert!(thin(0.05) > 50);
-    // From 160 mm apart the inner pad would have to pass the other wall, but near its edges.
+    // From 160 mm apart the inner pad would have to pass the other wall, except near its edges.
     assert!(thin(0.16) < 15);
 }
 
@@ -158,7 +157,7 @@ fn what_is_too_wide_everywhere_is_known_by_how_wide_it_is() {
         let settings = SamplerSettings { opening_m, ..settings(1) };
         GraspSampler::new(&surface, &settings).unwrap().too_wide_m(1000, opening_m)
     };
-    // A ray within the cone of friction is longer than the object is wide, by 3 % at most.
+    // A ray within the friction cone is at most 3 % longer than the width of the object.
     assert!(too_wide_m(0.03).is_some_and(|narrowest_m| (0.04..0.0412).contains(&narrowest_m)));
     assert_eq!(too_wide_m(0.042), None);
 }
@@ -232,7 +231,7 @@ fn no_object_is_deeper_between_the_fingers_than_to_the_palm() {
     let half = Vector::new(0.02, 0.05, 0.09);
     let surface = Surface::new(&cuboid()).unwrap();
     let finger_depth_m = 0.0466;
-    // How far back from the gripper frame the way out of the box is, axis by axis.
+    // Distance from the gripper frame back to the exit of the box, axis by axis.
     let way_out_m = |grasp: &SampledGrasp| {
         let pose = grasp.grasp.world_from_gripper;
         let (origin, back) = (pose.translation.vector, pose.rotation * -Vector::z());
@@ -253,7 +252,7 @@ fn no_object_is_deeper_between_the_fingers_than_to_the_palm() {
 
 #[test]
 fn twins_are_found_once() {
-    // Two parallel triangles, nearly points: whatever is sampled there is one of few grasps.
+    // Two parallel triangles, nearly points: every sample there is one of few grasps.
     let tiny = |y: f64, flip: bool| {
         let corners = [(0.0, 0.0), (1e-6, 0.0), (0.0, 1e-6)].map(|(x, z)| Point::new(x, y, z));
         if flip { [corners[0], corners[2], corners[1]] } else { corners }
@@ -306,7 +305,7 @@ fn a_gripper_of_boxes_leaves_its_opening_free() {
     for finger in &hand.fingers {
         let [(pose, solid)] = &hand.parts[finger.parts.clone()] else { panic!("a box each") };
         assert!((pose.translation.y.abs() - solid.as_cuboid().unwrap().y - 0.04).abs() < 1e-12);
-        // Closed on nothing, each pad is in the middle.
+        // With the hand closed on nothing, each pad is in the middle.
         assert!((finger.stroke_m + pose.translation.y.signum() * 0.04 * Vector::y()).norm() < 1e-12);
     }
     for (bad, says) in [

@@ -1,12 +1,12 @@
-//! The files of `MotionBenchMaker` families.
+//! Files of `MotionBenchMaker` families.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The folders in a folder, sorted.
+/// Returns the subfolders of a folder, sorted.
 ///
 /// # Errors
-/// Those of the system.
+/// Errors of the operating system.
 pub fn folders_in(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
     let entries: std::io::Result<Vec<PathBuf>> =
         fs::read_dir(folder)?.map(|entry| entry.map(|e| e.path())).collect();
@@ -15,10 +15,10 @@ pub fn folders_in(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
     Ok(folders)
 }
 
-/// The scenes of a family, sorted.
+/// Returns the scene files of a family, sorted.
 ///
 /// # Errors
-/// Those of the system.
+/// Errors of the operating system.
 pub fn scenes_in(family: &Path) -> std::io::Result<Vec<PathBuf>> {
     let entries: std::io::Result<Vec<PathBuf>> =
         fs::read_dir(family)?.map(|entry| entry.map(|e| e.path())).collect();
@@ -31,7 +31,7 @@ pub fn scenes_in(family: &Path) -> std::io::Result<Vec<PathBuf>> {
     Ok(scenes)
 }
 
-/// `scene0001.yaml` → `request0001.yaml`
+/// Returns the path of the request of a scene: `scene0001.yaml` → `request0001.yaml`.
 pub fn request_of(scene: &Path) -> PathBuf {
     let name = scene.file_name().unwrap_or_default().to_string_lossy();
     scene.with_file_name(name.replacen("scene", "request", 1))

@@ -13,41 +13,39 @@ use crate::grasp_judge::GraspJudge;
 use crate::step::{RELEASED_STEP_M, Stepper};
 use crate::{Cause, GoalError, JointOffset, Location, PathError, PickAudit, Violation};
 
-/// What a judge found in a path.
+/// Verdict on a path.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Audit {
-    /// Whether the path meets the criterion: no violation at all.
+    /// True if the path meets the criterion, that is, has no violation.
     pub valid: bool,
-    /// What is wrong, in the order of the path: of the first thousand edges that touch something every pair, of
-    /// further ones a single pair.
+    /// Violations in path order. The first thousand or so faulty edges list every pair in contact, further ones a single pair.
     pub violations: Vec<Violation>,
-    /// How the path ends: the nearest grasp, and how far it is.
+    /// Error at the end of the path relative to the nearest grasp.
     pub goal: Option<GoalError>,
-    /// The grasp that it ends at, where no set of them is given and it is one.
+    /// Grasp at the end of the path, if the problem gives no set of grasps and the hand grasps the target there.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub own_grasp: Option<OwnGrasp>,
-    /// The grasps of all picks of a task, where there are several; `goal` and `own_grasp` are those of the first.
+    /// Grasps of all picks of a task with several picks; `goal` and `own_grasp` are those of the first.
     #[serde(skip_serializing_if = "is_one_pick")]
     pub picks: Vec<PickAudit>,
-    /// The least distance along the whole path, in metres, certified from below (`exact` only); `None` where
-    /// there is nothing to touch.
+    /// Clearance of the whole path in metres, a certified lower bound (`exact` only); `None` if nothing can collide.
     pub clearance_m: Option<f64>,
-    /// The two things that limit it; `None` where it is 0, infinite, or not measured edge by edge.
+    /// Pair that limits the clearance; `None` if the clearance is 0, infinite, or not measured per edge.
     pub clearance_limit: Option<ClearanceLimit>,
-    /// The same for every edge (`exact` only); 0 for an edge that is not proven.
+    /// Clearance of each edge in metres, a certified lower bound (`exact` only); 0 for an edge that is not proven.
     pub clearances_per_edge_m: Vec<Option<f64>>,
-    /// What touches and was not compared (`exact` only): all that is said holds but for these.
+    /// Pairs in contact that were not checked (`exact` only). The verdict excludes these.
     pub not_checked: Vec<NotChecked>,
 }
 
 impl Audit {
-    /// The score of the grasp that the path ends at, if it ends at one that has a score.
+    /// Returns the score of the grasp at which the path ends, or `None` if there is none or it has no score.
     pub fn grasp_score(&self, problem: &Problem) -> Option<f64> {
         let given = || problem.grasps()?.grasps()[self.goal?.grasp].score;
         self.own_grasp.map_or_else(given, |grasp| Some(grasp.score))
     }
 
-    /// The verdict on no motion at all.
+    /// Returns the verdict on an empty motion.
     pub fn of_nothing() -> Self {
         Self {
             valid: false,
@@ -62,7 +60,7 @@ impl Audit {
         }
     }
 
-    /// Adds the grasp of a pick.
+    /// Adds the result of a pick; the first one also sets `goal` and `own_grasp`.
     pub(crate) fn add_pick(&mut self, pick: PickAudit) {
         if self.picks.is_empty() {
             (self.goal, self.own_grasp) = (pick.goal, pick.own_grasp);
@@ -70,7 +68,7 @@ impl Audit {
         self.picks.push(pick);
     }
 
-    /// The same with the grasps that somebody states for the stages of picks judged too, as far as they are grasps.
+    /// Adds a violation for each grasp stated in `said`, given by the stage of its pick, that differs from the measured one.
     #[must_use]
     pub fn with_said_grasps(mut self, said: &[(usize, OwnGrasp)]) -> Self {
         for (stage, said) in said {
@@ -91,37 +89,36 @@ fn is_one_pick(picks: &[PickAudit]) -> bool {
     picks.len() < 2
 }
 
-/// Distance that a path may begin from the start of its problem, per joint (m or rad): way points are often
-/// written with six digits.
+/// Tolerance on the start of a path, per joint (m or rad). Way points are often written with six digits.
 pub(crate) const START_TOLERANCE: f64 = 1e-5;
 
-/// The length of a path of way points (m, rad; one value per joint): the sum of the L2 lengths of its edges in
+/// Returns the length of a path of way points (m, rad; one value per joint): the sum of the L2 lengths of its edges in
 /// configuration space (m and rad mixed).
 pub fn path_length(path: &[Vec<f64>]) -> f64 {
     path.windows(2).map(|edge| distance(&edge[0], &edge[1])).fold(0.0, |sum, length| sum + length)
 }
 
-/// What is judged of a path.
+/// Settings of an audit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AuditSettings {
-    /// Whether it must end at a goal. Default: it must.
+    /// True if the path must end at a goal. Default: true.
     pub at_goal: bool,
-    /// Which clearances are measured. Default: those of edges.
+    /// Clearances to measure. Default: those of edges.
     pub clearances: Clearances,
 }
 
-/// Which clearances are measured besides the verdict, under the exact criterion.
+/// Clearances to measure in addition to the verdict, under the exact criterion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Clearances {
-    /// None: a fraction of the time of the others.
+    /// No clearances: takes a fraction of the time of the others.
     None,
-    /// The least along the path, a proven bound at most a tenth (and 10 µm) below the truth.
+    /// Clearance of the whole path, a certified lower bound at most a tenth (and 10 µm) below the true value.
     OfPath,
-    /// The least along every edge, proven bounds at most 10 µm below the truth: some milliseconds an edge.
+    /// Clearance of every edge, certified lower bounds at most 10 µm below the true values: a few milliseconds per edge.
     OfEdges,
 }
 
-/// How far the clearance of a path may lie below the truth, as a share of it.
+/// Relative slack of the lower bound of the clearance of a path.
 const PATH_SHARE: f64 = 0.1;
 
 impl Default for AuditSettings {
@@ -130,8 +127,8 @@ impl Default for AuditSettings {
     }
 }
 
-/// Judges a path of way points (m, rad; one value per joint), whoever made it, by the criterion of `problem`;
-/// [`audit_with`] the default settings.
+/// Audits a path of way points (m, rad; one value per joint) from any source by the criterion of `problem`, as [`audit_with`]
+/// with the default settings.
 ///
 /// # Errors
 /// As [`audit_with`].
@@ -139,21 +136,20 @@ pub fn audit(problem: &Problem, path: &[Vec<f64>]) -> Result<Audit, PathError> {
     audit_with(problem, path, AuditSettings::default())
 }
 
-/// Judges a path of way points (m, rad; one value per joint), whoever made it, by the criterion of `problem`. The
-/// verdict does not depend on what is measured, but for this: a proof that the clearance of its own edge contradicts
-/// is none.
+/// Audits a path of way points (m, rad; one value per joint) from any source by the criterion of `problem`. The verdict does
+/// not depend on `settings.clearances`, except that a measured clearance can refute the proof of its edge.
 ///
-/// 1. It begins at the start.
+/// 1. The path begins at the start.
 /// 2. Every way point is within the joint limits.
-/// 3. Under `exact` every edge is proven, with every pair of links checked that is free at any way point; under `paper` every way point but the first and the last (a goal
-///    root is not checked by the released planners) passes the released check, and no step is longer than
-///    theirs.
-/// 4. It ends at a goal, if that is asked: without a set of grasps, in a grasp of the target that its surface shows to be
-///    good enough, and with a proof that the fingers can close on it.
+/// 3. Under `exact` every edge is proven, for every pair of links that is free at any way point. Under `paper` every way point
+///    except the first and the last (the released planners do not check a goal root) passes the released check, and no step is
+///    longer than theirs.
+/// 4. The path ends at a goal, if `at_goal` is set. Without a set of grasps, it ends in a grasp of the target with a sufficient
+///    score on the target surface, and the closing motion of the fingers is proven.
 ///
 /// # Errors
-/// [`TaskError::JointCount`](cranny_task::TaskError::JointCount) or [`TaskError::NotFinite`](cranny_task::TaskError::NotFinite) for a way point that is no configuration of the
-/// robot, [`PathError::EmptyPath`] for a path without way points.
+/// [`TaskError::JointCount`](cranny_task::TaskError::JointCount) or [`TaskError::NotFinite`](cranny_task::TaskError::NotFinite)
+/// for a way point that is not a configuration of the robot, [`PathError::EmptyPath`] for a path without way points.
 pub fn audit_with(problem: &Problem, path: &[Vec<f64>], settings: AuditSettings) -> Result<Audit, PathError> {
     for q in path {
         problem.check_configuration("way point", q)?;
@@ -193,7 +189,7 @@ pub fn audit_with(problem: &Problem, path: &[Vec<f64>], settings: AuditSettings)
                 let at = Location::of_contact(cell, 0, 0.0, &contact);
                 Violation { at, cause: Cause::Clearance { clearance_m, required_m } }
             }));
-            // A path of one way point is an edge of no length.
+            // A path of one way point is audited as an edge of zero length.
             let single = [first.clone(), first.clone()];
             let path = if path.len() == 1 { &single[..] } else { path };
             let mut faulty = 0;
@@ -259,11 +255,11 @@ pub fn audit_with(problem: &Problem, path: &[Vec<f64>], settings: AuditSettings)
 struct End<'a> {
     way_point: usize,
     q: &'a [f64],
-    /// Whether it must be at a goal.
+    /// True if it must be at a goal.
     must_arrive: bool,
 }
 
-/// How a path ends: the nearest of the given grasps, or the one that the hand takes there.
+/// Judges the end of a path: returns the nearest of the given grasps, or the grasp that the hand takes there.
 fn judge_end(
     problem: &Problem,
     end: &End,
@@ -295,7 +291,7 @@ fn judge_end(
             nearest
         }
         (Goal::Configurations(goals), None) => {
-            // The joint that is farthest off, of the goal where that is least.
+            // The largest joint offset of each goal, then the goal with the smallest of these.
             let worst = |goal: &Vec<f64>| {
                 let off = goal.iter().zip(last).enumerate();
                 let off = off.map(|(joint, (a, b))| (joint, problem.robot().joint_difference(joint, *a, *b)));
@@ -312,7 +308,7 @@ fn judge_end(
     (goal, own_grasp)
 }
 
-/// The score of the grasp at which a path ends that ends at one.
+/// Returns the score of the grasp at which a path ends, or `None` if it ends at none.
 pub(crate) fn end_score(problem: &Problem, q: &[f64]) -> Option<f64> {
     if let Some(measure) = problem.grasp_measure() {
         return GraspJudge::new(measure).grasp_at(q).ok().map(|grasp| grasp.score);
@@ -321,11 +317,11 @@ pub(crate) fn end_score(problem: &Problem, q: &[f64]) -> Option<f64> {
     grasps.grasps()[end_at_grasp(problem, grasps, q)?.0].score
 }
 
-/// The end of a path against one of the given grasps of a problem, by its index, where the gripper has arrived at it.
-/// `q`: one value per joint, m or rad.
+/// Returns the error of the end of a path relative to grasp `grasp` of the problem, or `None` if the gripper has not arrived at
+/// it. `q`: one value per joint, m or rad.
 ///
 /// # Panics
-/// If `q` has not one value per joint.
+/// If `q` does not have one value per joint.
 pub fn arrival_at(problem: &Problem, grasp: usize, q: &[f64]) -> Option<GoalError> {
     let frames = problem.robot().frames_at(q);
     let difference = problem.grasps()?.grasps().get(grasp)?.difference(frames.link(problem.robot().tip()));
@@ -334,8 +330,7 @@ pub fn arrival_at(problem: &Problem, grasp: usize, q: &[f64]) -> Option<GoalErro
     problem.is_arrival(&difference).then_some(found)
 }
 
-/// The grasp at which the path ends: of those where the gripper has arrived the one with the best score,
-/// else the nearest.
+/// Returns the grasp at which the path ends: under `exact` the best-scored one where the gripper has arrived, else the nearest.
 fn end_at_grasp(problem: &Problem, grasps: &GraspSet, q: &[f64]) -> Option<(usize, PoseDifference)> {
     let frames = problem.robot().frames_at(q);
     let gripper = frames.link(problem.robot().tip());
@@ -353,30 +348,29 @@ fn end_at_grasp(problem: &Problem, grasps: &GraspSet, q: &[f64]) -> Option<(usiz
     }
 }
 
-/// So many edges are judged by all cores before the next ones are.
+/// Number of edges that are judged in parallel as one batch.
 const EDGES_AT_ONCE: usize = 1024;
 
-/// Fewer are not worth a thread, and the scratch that it needs.
+/// Minimum number of edges per thread: fewer do not justify a thread and its scratch.
 const EDGES_PER_THREAD: usize = 128;
 
-/// After about so many edges with faults, of each further one a single pair that touches is told: to find all takes
-/// milliseconds an edge, and a path may have a million.
+/// Approximate number of faulty edges after which only one colliding pair is reported per edge. Finding all pairs takes
+/// milliseconds per edge, and a path may have a million edges.
 const MOST_DETAILED: usize = 1000;
 
-/// What is told of an edge that touches something.
+/// Level of detail reported for an edge in contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Detail {
-    /// Every pair that touches, where it is deepest.
+    /// Every colliding pair, at its deepest sample.
     EveryPair,
-    /// One pair, at an end, in the middle, or where the proof met it.
+    /// One colliding pair, at an end, at the midpoint, or where the proof found it.
     FirstPair,
 }
 
-/// Verdict on an edge: proven, or its violations; and its least clearance (m) where that is measured, with the pair
-/// that has it.
+/// Verdict on an edge: proven, or its violations; and its clearance (m) with the nearest pair, if measured.
 type JudgedEdge = (Result<(), Vec<Violation>>, Option<(f64, Option<NearestPair>)>);
 
-/// Judges each edge: proven, or its violations, and its least clearance (m) if that is measured.
+/// Judges each edge: proven, or its violations, and its clearance (m) if measured.
 fn judge_edges(
     cell: &Cell,
     path: &[Vec<f64>],
@@ -408,7 +402,7 @@ fn judge_edges(
     edges.into_par_iter().with_min_len(EDGES_PER_THREAD).map_init(|| cell.scratch(), judge).collect()
 }
 
-/// Whether an edge is proven; else what is wrong with it on the way, if not only its ends are.
+/// Proves an edge, or returns the violations along it; there are none if only joint limits are violated.
 fn judge_edge(
     cell: &Cell,
     edge: usize,
@@ -418,7 +412,7 @@ fn judge_edge(
 ) -> Result<(), Vec<Violation>> {
     let of_contact = |(along, contact): &(f64, Contact)| Violation::of_contact(cell, edge, *along, contact);
     if detail == Detail::FirstPair {
-        // Where the ends or the middle touch something, a proof would only look for the first such place.
+        // If the ends or the midpoint collide, a proof would only search for the first contact.
         let found = deepest_contacts(cell, [a, b], None, 2, scratch);
         if let Some(first) = found.first() {
             return Err(vec![of_contact(first)]);
@@ -433,7 +427,7 @@ fn judge_edge(
         Motion::OutOfBounds { at, bound, by } => {
             return Err(vec![Violation::out_of_bounds(cell, (edge, at), bound, by)]);
         }
-        // The limits are judged at the way points; what touches on the way counts all the same.
+        // Joint limits are judged at the way points; contacts along the edge are violations all the same.
         Motion::OutOfLimits { .. } => None,
     };
     let contacts = match seed {
@@ -444,10 +438,10 @@ fn judge_edge(
     Err(contacts.iter().map(of_contact).collect())
 }
 
-/// How many pieces an edge is cut into to find what it touches.
+/// Number of intervals into which an edge is divided to find its contacts.
 const SAMPLES: u32 = 64;
 
-/// Every pair that touches on an edge, each at the deepest of the ends of so many pieces and of `seed`.
+/// Returns every colliding pair on an edge, each at the deepest of the ends of `pieces` intervals and `seed`.
 fn deepest_contacts(
     cell: &Cell,
     [a, b]: [&[f64]; 2],
@@ -472,7 +466,7 @@ fn deepest_contacts(
             keep(at, contact);
         }
     }
-    // Links first, then bodies, in the order of the robot: the same list for the same path.
+    // Links come first, then bodies, in the order of the robot, so that a path always yields the same list.
     let rank = |collider: Collider| match collider {
         Collider::Link(link) => (0, link),
         Collider::Body(body) => (1, body),

@@ -1,16 +1,16 @@
 use cranny_collision::{Cell, NearestPair};
 use serde::Serialize;
 
-/// The two things whose distance limits the clearance of a path, and the margin that applies to them.
+/// Pair whose distance limits the clearance of a path, and the margin that applies to it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ClearanceLimit {
-    /// A link.
+    /// Name of a link.
     pub first: String,
-    /// Another link, or a body.
+    /// Name of another link, or of a body.
     pub second: String,
-    /// The least distance of the two that counts as free, in metres.
+    /// Minimum distance of the pair that counts as free, in metres.
     pub required_m: f64,
-    /// The margin that applies to them.
+    /// Margin that applies to the pair.
     pub margin: AppliedMargin,
 }
 
@@ -20,8 +20,8 @@ pub struct ClearanceLimit {
 pub enum AppliedMargin {
     /// [`Margins::margin_m`](cranny_collision::Margins::margin_m).
     Margin,
-    /// [`Margins::grasp_margin_m`](cranny_collision::Margins::grasp_margin_m): a link of the hand against what it grasps,
-    /// or what carries that.
+    /// [`Margins::grasp_margin_m`](cranny_collision::Margins::grasp_margin_m): for a link of the hand against the object it
+    /// grasps, or against the support of that object.
     GraspMargin,
 }
 

@@ -6,14 +6,14 @@ use crate::clearance_limit::ClearanceLimit;
 use crate::violation::{Cause, JointOffset};
 use crate::{Audit, AuditSettings, Clearances, Violation};
 
-/// How far the clearance of a rounded corner may lie below the truth, as a share of it.
+/// Relative slack of the lower bound of the clearance of a rounded corner.
 const SHARE: f64 = 0.02;
 
-/// Judges the rounded corners of segments, and adds that to what was found of their edges: a verdict, and clearances, that
-/// hold for the edges and for the curve that is executed. Edges are counted through all segments.
+/// Audits the rounded corners of segments and merges the result into the audit of their edges. The verdict and the clearances
+/// then hold for the edges and for the executed curve. Edges are numbered through all segments.
 ///
-/// Every curve is proven from its control points in the state along its segment, where an object in the hand is an obstacle
-/// to what carries it; the clearance, certified from below, counts for both edges between which it lies.
+/// Every curve is proven from its control points in the state along its segment, in which the support of a held object is an
+/// obstacle to it. The clearance of a curve, a certified lower bound, counts for both adjacent edges.
 pub(crate) fn audit_corners(
     audit: &mut Audit,
     segments: &[Segment],
@@ -39,7 +39,7 @@ struct CornerJudge<'a> {
 }
 
 impl CornerJudge<'_> {
-    /// Judges a corner that lies between an edge and the one before it.
+    /// Judges a corner between edge `edge` and the edge before it.
     fn judge(&self, audit: &mut Audit, corner: &RoundedCorner, edge: usize) {
         let (cell, points) = (self.cell, &corner.control_points);
         let (reach, scratch) = (cell.reach(), &mut cell.scratch());
@@ -84,7 +84,7 @@ impl CornerJudge<'_> {
     }
 }
 
-/// The fault of a corner at way point `at` whose control points (m, rad; one value per joint each) lie beyond a limit.
+/// Returns the violation at way point `at` by a corner whose control points (m, rad; one value per joint each)exceed a limit.
 fn beyond_limits(cell: &Cell, control_points: &[Vec<f64>], joint: usize, at: usize) -> Violation {
     let robot = cell.robot();
     let JointLimits { lower, upper, unit, .. } = robot.limits()[joint];

@@ -1,90 +1,90 @@
-/// A malformed path, or limits along which there is no trajectory. That a path collides is a verdict, not an error.
+/// Error for a malformed path, or for limits that permit no trajectory. A collision of the path is a verdict, not an error.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PathError {
     /// A path has no way point.
     #[error("the path has no way points")]
     EmptyPath,
-    /// The weight of a grasp's score is none.
-    #[error("{weight} is no weight of a score; it must be finite and at least 0")]
+    /// The weight of the grasp score is invalid.
+    #[error("{weight} is not a valid weight of the score: it must be finite and at least 0")]
     ScoreWeight {
         /// The weight.
         weight: f64,
     },
-    /// A joint has no limit that a trajectory needs.
+    /// A joint lacks a limit that a trajectory needs.
     #[error(
         "joint '{joint}' has no {quantity} limit, which a trajectory needs; give it one in the limits.yaml of \
          the robot"
     )]
     MissingLimit {
-        /// Which joint.
+        /// Name of the joint.
         joint: String,
-        /// Of what: `acceleration` or `jerk`.
+        /// Limited quantity: `acceleration` or `jerk`.
         quantity: &'static str,
     },
-    /// A joint has a limit that no motion can keep to.
+    /// A joint has a limit that is not positive and finite.
     #[error("joint '{joint}' has a {quantity} limit of {value}, but it must be positive and finite")]
     Limit {
-        /// Which joint.
+        /// Name of the joint.
         joint: String,
-        /// Of what.
+        /// Limited quantity.
         quantity: &'static str,
-        /// The limit.
+        /// Value of the limit.
         value: f64,
     },
-    /// The URDF states no effort of a joint, which limits of torque need.
+    /// The URDF states no effort for a joint, which torque limits need.
     #[error(
-        "the URDF states no effort above 0 of joint '{joint}', which limits of torque need; add it to its <limit>"
+        "joint '{joint}' has no effort above 0 in the URDF, which torque limits need; add it to its <limit>"
     )]
     MissingEffort {
-        /// The joint.
+        /// Name of the joint.
         joint: String,
     },
-    /// The URDF states no mass and inertia of a link, which limits of torque need.
+    /// The URDF states no mass and inertia for a link, which torque limits need.
     #[error(
-        "the URDF states no mass and inertia of link '{link}' that a body can have, which limits of torque need; give it \
-         an <inertial>"
+        "link '{link}' has no valid mass and inertia in the URDF, which torque limits need; give it an \
+         <inertial>"
     )]
     MissingInertia {
-        /// The link.
+        /// Name of the link.
         link: String,
     },
-    /// Neither mass nor moments of an object in the hand are known, which limits of torque need.
+    /// The mass and moments of a held object are unknown, and torque limits need them.
     #[error(
-        "nothing states how '{object}' weighs, which limits of torque need, and it encloses no volume from which that could be \
-         assumed; state the mass and moments of an object, or give it a closed surface"
+        "the mass of '{object}' is unknown, which torque limits need, and it encloses no volume from which \
+         it could be estimated; state the mass and moments of the object, or give it a closed surface"
     )]
     UnknownMass {
-        /// The object.
+        /// Name of the object.
         object: String,
     },
-    /// A drive may not hold the robot at rest.
+    /// A drive may be unable to hold the robot at rest.
     #[error(
-        "joint '{joint}' may not hold the weight of the arm on edge {edge} of the motion: that takes {needed:.1} (N, N m) there, \
-         its effort is {effort:.1}"
+        "joint '{joint}' may be too weak to hold the arm on edge {edge} of the motion: up to {needed:.1} (N, \
+         N m) are needed there, its effort is {effort:.1}"
     )]
     Weight {
-        /// The joint.
+        /// Name of the joint.
         joint: String,
-        /// The edge, from 0.
+        /// Index of the edge, from 0.
         edge: usize,
-        /// A bound of the force that it needs, in N or N m.
+        /// Upper bound of the required force, in N or N m.
         needed: f64,
-        /// The greatest force of its drive, in N or N m.
+        /// Maximum force of the drive, in N or N m.
         effort: f64,
     },
-    /// A rounded corner is none of the path.
+    /// A rounded corner does not lie at a corner of the path.
     #[error("the path has no corner at way point {waypoint}, where one is rounded")]
     NoCorner {
         /// Index of the way point.
         waypoint: usize,
     },
-    /// A trajectory cannot be sampled at this rate.
-    #[error("a trajectory is sampled at more than 0 and at most {greatest_hz} Hz, not at {rate_hz}")]
+    /// The sample rate of a trajectory is out of range.
+    #[error("the sample rate of a trajectory must be above 0 and at most {greatest_hz} Hz, but is {rate_hz}")]
     SampleRate {
-        /// The rate asked for.
+        /// Requested rate, in Hz.
         rate_hz: f64,
-        /// The greatest that there is.
+        /// Maximum rate, in Hz.
         greatest_hz: f64,
     },
     /// The task of the path is malformed.

@@ -4,7 +4,7 @@ use cranny_task::{ClosedHand, FailureReason, GraspMeasure, OwnGrasp};
 
 use crate::Cause;
 
-/// Says of a configuration whether the hand holds the target there: the one judge, whom planners ask too.
+/// Judge of whether the hand holds the target at a configuration, shared by the audit and the planners.
 #[derive(Debug)]
 pub struct GraspJudge<'a> {
     measure: &'a GraspMeasure,
@@ -12,23 +12,23 @@ pub struct GraspJudge<'a> {
 }
 
 impl<'a> GraspJudge<'a> {
-    /// A judge of grasps by a measure.
+    /// Creates a judge that scores grasps with `measure`.
     pub fn new(measure: &'a GraspMeasure) -> Self {
         Self { measure, scratch: measure.hand().holding().scratch() }
     }
 
-    /// The grasp that the hand takes at a configuration (m, rad; one per joint).
+    /// Returns the grasp that the hand takes at a configuration (m, rad; one per joint).
     ///
-    /// 1. The fingers close on the target, which stays where it is, each until it touches, and proven meet nothing else on
-    ///    their way.
-    /// 2. Where the pads touch the surface of the target, they are in force closure, with a score of
-    ///    [`GraspMeasure::LEAST_SCORE`] or more.
+    /// 1. The fingers close on the stationary target, each until it touches. The closing motion is proven free of other
+    ///    contacts.
+    /// 2. The contacts of the pads with the target surface are in force closure, with a score of at least
+    ///    [`GraspMeasure::LEAST_SCORE`].
     ///
     /// # Errors
-    /// The fault of it.
+    /// The cause of the rejection.
     ///
     /// # Panics
-    /// If `q` has not one value per joint.
+    /// If `q` does not have one value per joint.
     pub fn grasp_at(&mut self, q: &[f64]) -> Result<OwnGrasp, Cause> {
         let grip = |reason| Cause::Grip { reason };
         // 1.

@@ -2,30 +2,29 @@ use cranny_robot::Robot;
 
 use crate::MotionLimits;
 
-/// A metric of configuration space whose joints weigh as much as they move: the farthest that any point of
-/// the robot beyond the joint lies from its origin at `q = 0`, in metres, at most 1; 1 for a prismatic joint.
+/// Metric of configuration space that weights each joint by its reach: the largest distance of a point of the robot beyond the
+/// joint from the joint origin at `q = 0`, in metres, at most 1; 1 for a prismatic joint.
 ///
-/// With weights by reach a sample is near where the robot looks alike, not where its wrist happens to be
-/// turned alike.
+/// With weights by reach, configurations are near each other if the robot has a similar shape, even if wrist angles differ.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JointMetric {
     weights: Vec<f64>,
 }
 
 impl JointMetric {
-    /// Of the joints of a robot, as above.
+    /// Creates the metric of a robot weighted by joint reach.
     pub fn by_reach(robot: &Robot) -> Self {
-        // A joint that moves nothing still tells configurations apart.
+        // A joint that moves nothing must still distinguish configurations.
         const LEAST_WEIGHT: f64 = 0.1;
         Self { weights: robot.joint_reaches().iter().map(|reach| reach.clamp(LEAST_WEIGHT, 1.0)).collect() }
     }
 
-    /// The plain L2 norm, metres and radians alike.
+    /// Creates the plain L2 norm, metres and radians alike.
     pub fn plain(dof: usize) -> Self {
         Self { weights: vec![1.0; dof] }
     }
 
-    /// Joints weigh as many seconds as they take for a unit.
+    /// Creates the metric that weights each joint by its time per unit at full speed, in seconds.
     pub fn by_speed(limits: &MotionLimits) -> Self {
         Self { weights: limits.velocity.iter().map(|velocity| velocity.recip()).collect() }
     }
@@ -37,14 +36,14 @@ impl JointMetric {
         }
     }
 
-    /// The inverse of [`Self::scale`], which writes `q` (m, rad; one per joint).
+    /// Inverts [`Self::scale`] and writes `q` (m, rad; one per joint).
     pub fn unscale(&self, scaled: &[f64], q: &mut [f64]) {
         for ((q, scaled), weight) in q.iter_mut().zip(scaled).zip(&self.weights) {
             *q = scaled / weight;
         }
     }
 
-    /// The distance of two configurations (m, rad; one per joint).
+    /// Returns the distance between two configurations (m, rad; one per joint).
     pub fn distance(&self, a: &[f64], b: &[f64]) -> f64 {
         let sum: f64 =
             a.iter().zip(b).zip(&self.weights).map(|((a, b), weight)| ((a - b) * weight).powi(2)).sum();

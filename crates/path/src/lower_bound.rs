@@ -9,38 +9,38 @@ use crate::audit::START_TOLERANCE;
 use crate::pose_clusters::{Cluster, PoseClusters};
 use crate::pose_functional::Functional;
 
-/// Greatest number of boxes, each with a cluster of grasps.
+/// Maximum number of boxes, each with a cluster of grasps.
 const MOST_BOXES: usize = 5_000;
 
-/// Boxes whose joints have less than this half width are not split, in metres or radians.
+/// Half width below which a joint of a box is not split further, in metres or radians.
 const FINEST: f64 = 1e-3;
 
-/// Damping of the pseudo-inverse that chooses a functional: any functional gives a true bound.
+/// Damping of the pseudo-inverse that chooses a functional. Any functional gives a valid bound.
 const DAMPING: f64 = 0.4;
 
-/// Chord of the rotations of a cluster above which positions alone may bound it better.
+/// Chord of the rotations of a cluster above which a bound by positions alone is evaluated too.
 const MIXED: f64 = 0.2;
 
-/// Lengths err by less, from rounding.
+/// Upper bound of the rounding error of lengths.
 const ROUNDING: f64 = 1e-9;
 
-/// A length, in the plain norm of `q` (m and rad alike), that no path from the start of a problem to its goal goes below: at
-/// most `most`, which is the length of a known path. `None` under another criterion than `exact`, and where the planner makes
-/// grasps of its own.
+/// Returns a lower bound on the length, in the plain norm of `q` (m and rad alike), of every path from the start of a problem
+/// to its goal: at most `most`, the length of a known path. Returns `None` under criteria other than `exact`, and if the
+/// planner generates its own grasps.
 ///
-/// A path to configurations is at least as long as the straight line to the nearest. For grasps, the least distance of a
+/// A path to configurations is at least as long as the straight line to the nearest one. For grasps, the minimum distance of a
 /// configuration that reaches any of them, within the tolerance of `exact`, is bounded by best-first branch and bound over
-/// boxes of joint values (Land & Doig 1960, "An automatic method of solving discrete programming problems", whole). In a box with
-/// centre c and half widths h, a linear functional f of the pose of the tip satisfies
+/// boxes of joint values (Land & Doig 1960, "An automatic method of solving discrete programming problems", whole). In a box
+/// with centre c and half widths h, a linear functional f of the pose of the tip satisfies
 ///
 /// `f(q) ≤ f(c) + ∇f(c)·(q − c) + ½ Σ_ij min(M_ij, |∂_i∂_j f(c)| + ⅓ Σ_k T_ijk h_k) h_i h_j`,
 ///
-/// M and T being bounds on its second and third derivatives. As f must reach its value at the grasp, this is one linear
-/// constraint on q, and the least distance from the start under it, within the box, is bounded by its dual. Obstacles play
-/// no part.
+/// where M and T bound its second and third derivatives. Since f must reach its value at the grasp, this is one linear
+/// constraint on q. The minimum distance from the start under this constraint, within the box, is bounded by its dual.
+/// Obstacles are ignored.
 pub fn least_length(problem: &Problem, most: f64) -> Option<f64> {
     problem.cell()?;
-    // By as much a path may begin and end elsewhere.
+    // The start and the end of a path may each be off by this tolerance.
     let tolerance = START_TOLERANCE * (problem.robot().dof() as f64).sqrt();
     match problem.goal() {
         Goal::Configurations(ends) => {
@@ -60,26 +60,26 @@ pub fn least_length(problem: &Problem, most: f64) -> Option<f64> {
     }
 }
 
-/// The distance of two configurations; joints without an end up to whole turns.
+/// Returns the distance between two configurations, modulo full turns for continuous joints.
 fn least_distance(robot: &Robot, start: &[f64], end: &[f64]) -> f64 {
     let difference = |(joint, (a, b)): (usize, (&f64, &f64))| robot.joint_difference(joint, *a, *b);
     let squared: f64 = start.iter().zip(end).enumerate().map(difference).map(|d| d * d).sum();
     (squared.sqrt() - ROUNDING).max(0.0)
 }
 
-/// A search for the box of joint values nearest to the start that may reach one of several poses of the tip.
+/// Search for the box of joint values nearest to the start that may reach one of several poses of the tip.
 struct BoxSearch<'a> {
     robot: &'a Robot,
     start: &'a [f64],
     clusters: PoseClusters,
     movers: &'a [Mover],
-    /// Bound on the distance of the tip from the axis of each mover, whatever the joints do, in metres; 1 for one that slides.
+    /// Upper bound of the distance of the tip from the axis of each mover at any joint values, in metres; 1 if prismatic.
     arms_m: Vec<f64>,
-    /// Share of the error of a functional that counts: 1, and less to test that it must be.
+    /// Factor applied to the error of a functional: 1, or less in tests that show that the error is needed.
     error_factor: f64,
 }
 
-/// Joint values between `lower` and `upper` that may reach a cluster of poses, at `bound` from the start or farther.
+/// Joint values between `lower` and `upper` that may reach a cluster of poses, at least `bound` away from the start.
 #[derive(Clone, Debug)]
 struct JointBox {
     bound: f64,
@@ -87,16 +87,16 @@ struct JointBox {
     upper: Vec<f64>,
     cluster: usize,
     split: Split,
-    /// Number of the box, by which equal ones are ordered.
+    /// Index of the box, which orders boxes with equal bounds.
     number: usize,
 }
 
-/// Choice of how to split a box and its cluster in two.
+/// Split of a box, or of its cluster, in two.
 #[derive(Clone, Copy, Debug)]
 enum Split {
     Joint(usize),
     Cluster([usize; 2]),
-    /// It is not worth it.
+    /// No split, because it would not pay off.
     Neither,
 }
 
@@ -115,14 +115,14 @@ impl PartialOrd for JointBox {
 }
 
 impl Ord for JointBox {
-    /// The nearest box is the greatest, as the heap has it.
+    /// Orders the nearest box as the greatest, as the max-heap requires.
     fn cmp(&self, other: &Self) -> Ordering {
         other.bound.total_cmp(&self.bound).then(other.number.cmp(&self.number))
     }
 }
 
 impl JointBox {
-    /// The two halves.
+    /// Returns the two halves, or `None` if there is no split.
     fn halves(self) -> Option<[Self; 2]> {
         let mut halves = [self.clone(), self];
         match halves[0].split {
@@ -151,7 +151,7 @@ impl<'a> BoxSearch<'a> {
         Self { robot, start, clusters: PoseClusters::new(poses), movers, arms_m, error_factor: 1.0 }
     }
 
-    /// A distance below which no configuration within limits reaches any of the poses, at most `most`.
+    /// Returns a distance below which no configuration within limits reaches any of the poses, at most `most`.
     fn least_distance(&self, most: f64, most_boxes: usize) -> f64 {
         let within = |(&at, limits): (&f64, &JointLimits)| {
             let lower = (at - most).max(limits.lower);
@@ -174,24 +174,24 @@ impl<'a> BoxSearch<'a> {
                 boxes.extend((half.bound < most).then_some(half));
             }
         }
-        // Every box lies beyond.
+        // Every box lies beyond `most`.
         (most - ROUNDING).max(0.0)
     }
 }
 
-/// Kinematics in the centre of a box, and what follows from its widths.
+/// Kinematics at the centre of a box, and bounds that follow from its widths.
 struct BoxModel {
     frames: LinkFrames,
     jacobian: Jacobian,
     center: Vec<f64>,
     /// Half width of each mover.
     widths: Vec<f64>,
-    /// Bound on the distance of the tip from the axis of each mover in the box, in metres.
+    /// Upper bound of the distance of the tip from the axis of each mover in the box, in metres.
     arms_m: Vec<f64>,
-    /// Axis of each mover, and `axis × (tip − origin)`, or the axis for one that slides.
+    /// Axis of each mover and `axis × (tip − origin)`; zero and the axis for a prismatic one.
     axes: Vec<[Vector; 2]>,
     gradient: Vec<f64>,
-    /// Share of each joint in the error of the last bound.
+    /// Contribution of each joint to the error of the last bound.
     shares: Vec<f64>,
 }
 
@@ -210,20 +210,20 @@ impl BoxModel {
         }
     }
 
-    /// Bounds the distance at which a box reaches its poses, and chooses how to split it.
+    /// Bounds the distance at which a box reaches its poses, and chooses its split.
     fn bound(&mut self, search: &BoxSearch<'_>, of: &mut JointBox) {
         self.place(search, of);
         let cluster = &search.clusters.clusters[of.cluster];
         of.split = Split::Neither;
         let Some(inverse) = DampedInverse::new(&self.jacobian, DAMPING) else { return };
         let mut greatest = f64::NEG_INFINITY;
-        // Positions alone count where the poses are turned too differently.
+        // If the rotations of the poses differ too much, positions alone may give the better bound.
         let is_mixed = cluster.chord > MIXED;
         for only_position in [false, true].into_iter().take(1 + usize::from(is_mixed)) {
             let functional = self.functional(search, &inverse, cluster, only_position);
             let (bound, error) = self.distance(search, &functional, [&of.lower, &of.upper]);
             of.bound = of.bound.max(bound);
-            // As the functional that bounds it best has it.
+            // The functional with the best bound determines the split.
             if bound > greatest {
                 greatest = bound;
                 let of_poses = functional.slack(cluster.radius_m, cluster.chord);
@@ -240,7 +240,7 @@ impl BoxModel {
         }
     }
 
-    /// Puts the robot into the centre of a box.
+    /// Computes the kinematics at the centre of a box.
     fn place(&mut self, search: &BoxSearch<'_>, of: &JointBox) {
         let robot = search.robot;
         for (center, (lower, upper)) in self.center.iter_mut().zip(of.lower.iter().zip(&of.upper)) {
@@ -249,7 +249,7 @@ impl BoxModel {
         robot.tip_kinematics(&self.center, &mut self.frames);
         robot.jacobian(&self.frames, robot.tip(), &mut self.jacobian);
         let tip = self.frames.link(robot.tip()).translation.vector;
-        // From the tip back, by how much the tip moves within the box at most.
+        // The loop runs from the tip back and accumulates an upper bound of the tip motion within the box.
         let mut moves_m = 0.0;
         for (index, mover) in search.movers.iter().enumerate().rev() {
             let joint = mover.joint;
@@ -270,8 +270,8 @@ impl BoxModel {
         }
     }
 
-    /// A functional of the pose of the tip that grows towards a cluster of poses: the dual of the least motion there from the
-    /// start, as the Jacobian in the centre of the box has it.
+    /// Returns a functional of the tip pose that grows towards a cluster of poses: the dual of the minimum motion from the
+    /// start to the cluster, linearised by the Jacobian at the centre of the box.
     fn functional(
         &self,
         search: &BoxSearch<'_>,
@@ -290,7 +290,7 @@ impl BoxModel {
             twist.axpy(center - start, &column, 1.0);
         }
         let (force, torque) = if only_position {
-            // The direction alone counts.
+            // Only the direction matters.
             (twist.fixed_rows::<3>(0).into_owned(), Vector::zeros())
         } else {
             let dual = inverse.dual(&twist);
@@ -299,8 +299,8 @@ impl BoxModel {
         Functional::new(force, torque, cluster, tip)
     }
 
-    /// Bound on the distance from the start of a configuration in the box at which the functional reaches its value at the
-    /// goal, infinite if none does; and the error of the functional in the box.
+    /// Returns a lower bound of the distance from the start to a configuration in the box at which the functional reaches its
+    /// value at the goal, infinite if there is none; and the error of the functional in the box.
     fn distance(
         &mut self,
         search: &BoxSearch<'_>,
@@ -316,13 +316,13 @@ impl BoxModel {
         for (j, mover) in search.movers.iter().enumerate() {
             let [axis, moves] = &self.axes[j];
             self.gradient[mover.joint] += mover.multiplier * (of.force.dot(moves) + of.turn.dot(axis));
-            // Bound on second derivatives in which this is the later joint.
+            // Bound of the second derivatives in which this is the later joint.
             let most = force_norm * self.arms_m[j] + torque_norm(j);
             let later = |k: usize| (force_norm * self.arms_m[k] + torque_norm(k)) * self.widths[k];
             let later: f64 = (j + 1..search.movers.len()).filter(|_| is_turning(&j)).map(later).sum();
             let before: f64 = (0..=j).filter(is_turning).map(|i| self.widths[i]).sum();
             let third = most * before + later;
-            // A joint that slides turns nothing that follows it.
+            // A prismatic joint does not rotate the joints after it.
             for i in (0..=j).filter(is_turning) {
                 let first = &self.axes[i][0];
                 let here = of.force.dot(&first.cross(moves)) + of.second(first, axis);
@@ -339,8 +339,8 @@ impl BoxModel {
     }
 }
 
-/// A lower bound of `min ‖q − start‖` over q between `lower` and `upper` with `gradient · (q − center) ≥ needed`, by weak duality;
-/// infinite if there is none.
+/// Returns a lower bound of `min ‖q − start‖` over q between `lower` and `upper` with `gradient · (q − center) ≥ needed`, by
+/// weak duality; infinite if no such q exists.
 fn least_distance_above(
     gradient: &[f64],
     needed: f64,
@@ -371,7 +371,7 @@ fn least_distance_above(
         if missing <= 1e-6 || squared <= 0.0 {
             break;
         }
-        // Joints that are not at a bound give at most this; the dual is concave, so that steps never go beyond its top.
+        // Joints that are not at a bound contribute at most this. The dual is concave, so steps never overshoot its top.
         multiplier += 2.0 * missing / squared;
     }
     best.max(0.0).sqrt()
@@ -386,7 +386,7 @@ mod tests {
 
     use super::*;
 
-    /// A base that slides along x and y, six or seven joints about random axes, and one that slides between them.
+    /// Returns a robot with a base that slides along x and y, and six or seven joints on random axes, one of them prismatic.
     fn arm(stream: &mut Stream) -> Robot {
         let turning = 6 + usize::from(stream.uniform() < 0.5);
         let mut urdf = String::from("<robot name=\"arm\"><link name=\"l0\"/>");
@@ -415,7 +415,8 @@ mod tests {
         Robot::from_urdf_text(&urdf, "arm.urdf", None, &RobotOptions::default()).expect("a URDF")
     }
 
-    /// Least distance, as far as steps within the null space find it, from `start` to a configuration with the pose at `end`.
+    /// Returns the minimum distance that steps within the null space find from `start` to a configuration with the pose at
+    /// `end`.
     fn relaxed(robot: &Robot, start: &[f64], end: &[f64]) -> f64 {
         let (mut frames, mut jacobian) = (robot.frames(), robot.empty_jacobian());
         let goal = *robot.frames_at(end).link(robot.tip());
@@ -444,8 +445,8 @@ mod tests {
         best
     }
 
-    /// No configuration that reaches one of several poses, within the tolerance, is nearer than the bound, on random arms; a
-    /// search that leaves out the error of its functionals is wrong.
+    /// Checks on random arms that no configuration that reaches one of several poses, within the tolerance, is nearer than the
+    /// bound. A search that omits the error of its functionals must fail.
     #[test]
     fn no_configuration_at_a_goal_is_nearer_than_the_bound() {
         let mut stream = Stream::new(5, 0);

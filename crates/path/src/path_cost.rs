@@ -12,74 +12,74 @@ use crate::audit::end_score;
 use crate::joint_metric::JointMetric;
 use crate::{MotionLimits, PathError, TimingMethod, Trajectory};
 
-/// What is measured of a path.
+/// Measure of the cost of a path.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, EnumString, IntoStaticStr)]
 #[serde(rename_all = "lowercase")]
 #[strum(serialize_all = "lowercase")]
 pub enum CostKind {
-    /// Its length in the metric weighted by reach: a joint weighs as many metres as it moves the farthest point beyond
-    /// it per radian, at most 1, and a prismatic joint 1.
+    /// Path length in the metric weighted by reach. The weight of a joint is the largest displacement of a point beyond it per
+    /// radian, in metres, at most 1; a prismatic joint weighs 1.
     #[default]
     Length,
-    /// Its plain L2 length, metres and radians alike.
+    /// Plain L2 length of the path, metres and radians alike.
     L2,
-    /// The seconds of the time-optimal trajectory along it, which stops where the path turns.
+    /// Duration in seconds of the time-optimal trajectory along the path, which stops where the path turns.
     Time,
-    /// Its length in the metric weighted by reach, each piece up to eleven times as long the nearer the robot comes there
-    /// to the world than 20 mm: [`Self::PENALTY`], [`Self::WISHED_M`].
+    /// Path length in the metric weighted by reach, where a piece counts up to eleven times as the robot comes closer to the
+    /// world than 20 mm: [`Self::PENALTY`], [`Self::WISHED_M`].
     Clearance,
-    /// Path of the origin of the gripper frame, in metres.
+    /// Path length of the origin of the gripper frame, in metres.
     Tool,
-    /// Angle by which the gripper frame, with what it holds, turns, in radians.
+    /// Angle by which the gripper frame, with any held object, turns along the path, in radians.
     Turn,
-    /// Its length in the metric weighted by reach, and [`Self::CORNER_M`] for each straight piece: few corners.
+    /// Path length in the metric weighted by reach, plus [`Self::CORNER_M`] per straight piece, which favours few corners.
     Smooth,
-    /// Seconds of the time-optimal trajectory along it, with [`Self::TOOL_S_PER_M`] for the path of the tool and
-    /// [`Self::TURN_S_PER_RAD`] for its turn.
+    /// Duration in seconds of the time-optimal trajectory along the path, plus [`Self::TOOL_S_PER_M`] for the length of the
+    /// tool path and [`Self::TURN_S_PER_RAD`] for its rotation.
     Mix,
 }
 
 impl CostKind {
-    /// Worth of a straight piece of the path under [`Self::Smooth`], in metres.
+    /// Cost of a straight piece of the path under [`Self::Smooth`], in metres.
     pub const CORNER_M: f64 = 0.5;
-    /// Worth of a metre of the tool's path under [`Self::Mix`], in seconds.
+    /// Cost of a metre of the tool path under [`Self::Mix`], in seconds.
     pub const TOOL_S_PER_M: f64 = 1.0;
-    /// Worth of a radian of the tool's turn under [`Self::Mix`], in seconds.
+    /// Cost of a radian of tool rotation under [`Self::Mix`], in seconds.
     pub const TURN_S_PER_RAD: f64 = 0.3;
 
-    /// Under [`Self::Clearance`] the robot is to keep so far off the world where it can, in metres: more than the errors
-    /// of a calibrated arm, less than the openings that it must pass.
+    /// Desired clearance from the world under [`Self::Clearance`], in metres: more than the errors of a calibrated arm, less
+    /// than the openings that it must pass.
     pub const WISHED_M: f64 = 0.02;
-    /// Under [`Self::Clearance`] a motion in contact is so many times longer than it is, besides: a detour of as much is
-    /// worth it.
+    /// Relative penalty of a motion in contact under [`Self::Clearance`]: it costs its length plus this multiple of it, so that
+    /// a detour up to that length pays off.
     pub const PENALTY: f64 = 10.0;
 
-    /// Name in files and on the command line.
+    /// Returns the name used in files and on the command line.
     pub fn name(self) -> &'static str {
         self.into()
     }
 }
 
-/// What a path costs: what is measured of it, minus the score of its grasp times a weight.
+/// Cost of a path: its measure minus the weighted score of its grasp.
 ///
-/// Laws: a path costs the same forwards and backwards, and a way point on a straight edge adds nothing, but for
-/// clearances and paths of the tool, which are sampled (test `a_detour_costs_and_a_way_point_on_the_way_does_not`).
+/// Laws: a path costs the same forwards and backwards. A way point on a straight edge adds nothing, except for clearances and
+/// tool paths, which are sampled (test `a_detour_costs_and_a_way_point_on_the_way_does_not`).
 #[derive(Clone, Debug)]
 pub struct PathCost {
-    /// Metric by which a search is bounded; under costs of the tool it orders paths otherwise than the measure does.
+    /// Metric that bounds a search; under tool costs it orders paths differently from the measure.
     metric: JointMetric,
-    /// Where time is measured.
+    /// Motion limits, for kinds that measure time.
     limits: Option<MotionLimits>,
-    /// Where clearances are measured.
+    /// Collision model, for kinds that measure clearance.
     cell: Option<Arc<Cell>>,
-    /// Cost of the tool's path, for kinds under which it counts.
+    /// Cost of the tool path, for kinds that include it.
     tool: Option<ToolCost>,
-    /// Cost of each straight piece beside its length.
+    /// Cost of each straight piece in addition to its length.
     per_piece: f64,
     score_weight: f64,
 }
 
-/// Worth of the path of the gripper frame of a robot.
+/// Weights of the path of the gripper frame of a robot.
 #[derive(Clone, Debug)]
 struct ToolCost {
     robot: Arc<Robot>,
@@ -89,11 +89,11 @@ struct ToolCost {
 }
 
 impl ToolCost {
-    /// Cost of a straight edge: the sum over chords between samples.
+    /// Returns the cost of a straight edge: the sum over chords between samples.
     fn of_edge(&self, a: &[f64], b: &[f64]) -> f64 {
-        /// Distance of samples in the metric by reach, in metres.
+        /// Spacing of the samples in the metric by reach, in metres.
         const SPACING_M: f64 = 0.05;
-        /// Greatest number of chords of an edge.
+        /// Maximum number of chords per edge.
         const MOST: f64 = 1000.0;
         let count = (self.metric.distance(a, b) / SPACING_M).ceil().clamp(1.0, MOST);
         let mut frames = self.robot.frames();
@@ -113,11 +113,12 @@ impl ToolCost {
 }
 
 impl PathCost {
-    /// The cost of paths of the robot of a problem, with `score_weight` for a score of 1, in the unit of the measure.
+    /// Creates the cost of paths for the robot of a problem. A score of 1 is worth `score_weight`, in the unit of the measure.
     ///
     /// # Errors
     /// [`PathError::ScoreWeight`] unless the weight is finite and at least 0; those of [`MotionLimits::of`] for
-    /// [`CostKind::Time`] and [`CostKind::Mix`]; [`TaskError::Goal`](cranny_task::TaskError::Goal) for [`CostKind::Clearance`] under another criterion than `exact`.
+    /// [`CostKind::Time`] and [`CostKind::Mix`]; [`TaskError::Goal`](cranny_task::TaskError::Goal) for [`CostKind::Clearance`]
+    /// under a criterion other than `exact`.
     pub fn new(problem: &Problem, kind: CostKind, score_weight: f64) -> Result<Self, PathError> {
         if !(score_weight.is_finite() && score_weight >= 0.0) {
             return Err(PathError::ScoreWeight { weight: score_weight });
@@ -152,10 +153,10 @@ impl PathCost {
         Ok(Self { metric, limits, cell, tool, per_piece, score_weight })
     }
 
-    /// The measure of a path of way points (m, rad; one value per joint), in the unit of its [`CostKind`].
+    /// Returns the measure of a path of way points (m, rad; one value per joint), in the unit of its [`CostKind`].
     ///
     /// # Errors
-    /// Those of [`Trajectory::along`] where time is measured.
+    /// Those of [`Trajectory::along`] if time is measured.
     pub fn measure(&self, path: &[Vec<f64>]) -> Result<f64, PathError> {
         match (&self.limits, &self.cell) {
             (Some(limits), _) => {
@@ -176,7 +177,7 @@ impl PathCost {
         }
     }
 
-    /// The cost of a path of way points (m, rad; one value per joint) to a grasp of this score in [0, 1]; a grasp
+    /// Returns the cost of a path of way points (m, rad; one value per joint) to a grasp with this score in [0, 1]; a grasp
     /// without a score counts as 0.
     ///
     /// # Errors
@@ -185,7 +186,7 @@ impl PathCost {
         Ok(self.measure(path)? - self.reward(score))
     }
 
-    /// What a straight edge adds at least to a path that turns at both its ends; exactly, unless [`Self::is_of_the_world`].
+    /// Returns a lower bound of [`Self::of_edge`], which is exact unless [`Self::is_of_the_world`].
     pub(crate) fn least_of_edge(&self, a: &[f64], b: &[f64]) -> f64 {
         let tool = self.tool.as_ref().map(|tool| tool.of_edge(a, b));
         match (&self.limits, tool) {
@@ -195,9 +196,9 @@ impl PathCost {
         }
     }
 
-    /// Number of the way points between the ends of a path at which it does not turn.
+    /// Returns the number of way points between the ends of a path at which it does not turn.
     fn passed(&self, path: &[Vec<f64>]) -> usize {
-        /// Shares of a length by which it may differ from the way by a way point on it: rounding.
+        /// Relative excess of the length over the straight line, due to rounding, up to which a path does not turn.
         const SAME: f64 = 1e-12;
         let is_passed = |way: &&[Vec<f64>]| {
             let [before, here, after] = way else { return false };
@@ -207,18 +208,18 @@ impl PathCost {
         path.windows(3).filter(is_passed).count()
     }
 
-    /// Whether a path costs more the nearer it leads to the world.
+    /// Returns true if a path costs more the closer it comes to the world.
     pub(crate) fn is_of_the_world(&self) -> bool {
         self.cell.is_some()
     }
 
-    /// What a straight edge adds to a path that turns at both its ends; `scratch` belongs to a cell of the problem.
+    /// Returns the cost that a straight edge adds to a path that turns at both ends. `scratch` is from a cell of the problem.
     pub(crate) fn of_edge(&self, a: &[f64], b: &[f64], scratch: &mut Scratch) -> f64 {
         let length = self.least_of_edge(a, b);
         let Some(cell) = &self.cell else { return length };
-        /// Clearances are measured at places so far apart, by reach, in metres.
+        /// Spacing of the samples at which clearances are measured, by reach, in metres.
         const SPACING: f64 = 2.0 * CostKind::WISHED_M;
-        /// An edge is measured at no more places, however long a robot's slides are.
+        /// Maximum number of samples per edge, for robots with long prismatic joints.
         const MOST: f64 = 1000.0;
         let count = (length / SPACING).ceil().clamp(1.0, MOST);
         let shortfall = |clearance_m: f64| 1.0 - (clearance_m / CostKind::WISHED_M).clamp(0.0, 1.0);
@@ -232,44 +233,44 @@ impl PathCost {
         length * (1.0 + CostKind::PENALTY * total / count)
     }
 
-    /// The length of a path in the metric of a search.
+    /// Returns the length of a path in the metric of a search.
     fn length(&self, path: &[Vec<f64>]) -> f64 {
         sum(path.windows(2).map(|edge| self.metric.distance(&edge[0], &edge[1])))
     }
 
-    /// The metric of the joints.
+    /// Returns the metric of the joints.
     pub fn metric(&self) -> &JointMetric {
         &self.metric
     }
 
-    /// The score of the grasp at which a path ends, if that counts. `end` (m, rad; one per joint).
+    /// Returns the score of the grasp at the end of a path, if scores count. `end` (m, rad; one per joint).
     pub fn score_at(&self, problem: &Problem, end: &[f64]) -> Option<f64> {
         if self.score_weight > 0.0 { end_score(problem, end) } else { None }
     }
 
-    /// Cost of paths to each grasp of a problem beside their length, counted from the best there can be: one value per
-    /// grasp, in the unit of the cost.
+    /// Returns the cost of each grasp of a problem in addition to the path length, relative to the best possible grasp: one
+    /// value per grasp, in the unit of the cost.
     pub fn of_grasps(&self, problem: &Problem) -> Vec<f64> {
         let set = problem.grasps().map_or(&[][..], GraspSet::grasps);
         set.iter().map(|grasp| self.score_weight - self.reward(grasp.score)).collect()
     }
 
-    /// Cost of a path (way points in m, rad; one value per joint) to a search, whose goals cost [`Self::of_grasps`]: its length in the metric of the
-    /// search, and what its grasp costs.
+    /// Returns the cost of a path (way points in m, rad; one value per joint) in a search whose goals cost [`Self::of_grasps`]:
+    /// its length in the metric of the search, plus the cost of its grasp.
     pub fn search_bound(&self, path: &[Vec<f64>], score: Option<f64>) -> f64 {
         self.length(path) - self.reward(score) + self.score_weight
     }
 
-    /// By how much a path to a grasp of this score costs less than what is measured of it.
+    /// Returns the discount that a grasp with this score gives on the measure of a path.
     pub fn reward(&self, score: Option<f64>) -> f64 {
         self.score_weight * score.unwrap_or(0.0)
     }
 }
 
-/// Seconds of the time-optimal motion along a straight edge with a stop at either end: as fast as the joint that is slowest
-/// for its way allows.
+/// Returns the duration in seconds of the time-optimal motion along a straight edge between stops, which the slowest joint
+/// limits.
 fn rest_to_rest_s(a: &[f64], b: &[f64], limits: &MotionLimits) -> f64 {
-    // Of the whole edge, per second and per second squared.
+    // Limits in units of the whole edge, per second and per second squared.
     let least = |rates: &[f64]| {
         let rate = |((a, b), limit): ((&f64, &f64), &f64)| limit / (b - a).abs();
         a.iter().zip(b).zip(rates).map(rate).fold(f64::INFINITY, f64::min)

@@ -8,11 +8,11 @@ use crate::GoalError;
 pub struct PickAudit {
     /// Index of the stage.
     pub stage: usize,
-    /// The nearest of the given grasps.
+    /// Error relative to the nearest of the given grasps.
     pub goal: Option<GoalError>,
-    /// The grasp that the hand takes, where no set of them is given.
+    /// Grasp that the hand takes, if no set of grasps is given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub own_grasp: Option<OwnGrasp>,
-    /// Number of the way point.
+    /// Index of the way point.
     pub way_point: usize,
 }

@@ -1,7 +1,7 @@
 use cranny_spatial::nalgebra::Quaternion;
 use cranny_spatial::{Pose, ROUNDING_M, Rotation, Vector};
 
-/// Poses in a binary tree of clusters, the first of which holds all.
+/// Binary tree of clusters of poses; the first holds all poses.
 pub(crate) struct PoseClusters {
     pub clusters: Vec<Cluster>,
 }
@@ -15,7 +15,7 @@ pub(crate) struct Cluster {
 }
 
 impl PoseClusters {
-    /// Clusters of these poses, all in one frame, which that of each cluster is in too.
+    /// Creates the clusters of these poses, which share one frame; the middle of each cluster is in that frame too.
     pub fn new(poses: Vec<Pose>) -> Self {
         let mut clusters = Vec::with_capacity(2 * poses.len());
         if !poses.is_empty() {
@@ -24,7 +24,7 @@ impl PoseClusters {
         Self { clusters }
     }
 
-    /// Adds a cluster with all below it, and returns its index.
+    /// Adds a cluster with all clusters below it, and returns its index.
     fn add(poses: Vec<Pose>, clusters: &mut Vec<Cluster>) -> usize {
         let index = clusters.len();
         let first = &poses[0];
@@ -49,7 +49,7 @@ impl PoseClusters {
             },
         );
         clusters.push(Cluster { middle, radius_m, chord, halves: None });
-        // About the two that are farthest from each other, a radian counting as much as an arm's length.
+        // The split is about two poses far from each other, where a radian counts as much as an arm length.
         const ARM_M: f64 = 0.5;
         let distance = |a: &Pose, b: &Pose| {
             let (distance_m, chord) = apart(a, b);

@@ -6,23 +6,23 @@ use crate::pose_clusters::Cluster;
 /// A linear functional of a pose, `force · p + ⟨V, R⟩`.
 pub(crate) struct Functional {
     pub force: Vector,
-    /// Gradient of the second term by a turn in the centre of the box.
+    /// Gradient of the second term with respect to rotations at the centre of the box.
     pub turn: Vector,
-    /// `R Vᵀ` in the centre.
+    /// `R Vᵀ` at the centre.
     product: Matrix3<f64>,
-    /// Bound on the sum of the singular values of V.
+    /// Upper bound of the sum of the singular values of V.
     pub torque_norm: f64,
-    /// Growth from the centre of the box to any pose of the cluster, less the tolerance.
+    /// Increase from the centre of the box to any pose of the cluster, minus the tolerance.
     pub rise: f64,
 }
 
 impl Functional {
-    /// With V so that the second term grows with a turn about `torque`, between where the tip is and the cluster, both in the root
-    /// frame.
+    /// Creates a functional whose V makes the second term grow with a rotation about `torque`, between the pose of the tip and
+    /// the cluster, both in the root frame.
     pub fn new(force: Vector, torque: Vector, cluster: &Cluster, root_from_tip: &Pose) -> Self {
         let [here, there] =
             [root_from_tip, &cluster.middle].map(|pose| *pose.rotation.to_rotation_matrix().matrix());
-        // The mean of two rotations has no singular value above 1, and half a cross matrix two of half the norm.
+        // The mean of two rotations has no singular value above 1, and half a cross-product matrix has two of half the norm.
         let of_torque = torque.cross_matrix() * (here + there) * 0.25;
         let product = here * of_torque.transpose();
         let turn = Vector::new(
@@ -38,12 +38,12 @@ impl Functional {
         Self { rise: rise - slack, ..functional }
     }
 
-    /// Bound on its change where a pose is moved by `radius_m` and turned by a rotation of this chord.
+    /// Returns an upper bound of its change for a translation of a pose by `radius_m` (m) and a rotation of this chord.
     pub fn slack(&self, radius_m: f64, chord: f64) -> f64 {
         self.force.norm() * radius_m + self.torque_norm * chord
     }
 
-    /// The second derivative of the second term by turns about two axes, the outer one first.
+    /// Returns the second derivative of the second term by rotations about two axes, the outer one first.
     pub fn second(&self, outer: &Vector, inner: &Vector) -> f64 {
         outer.dot(&(self.product * inner)) - outer.dot(inner) * self.product.trace()
     }

@@ -9,12 +9,12 @@ use cranny_task::{Goal, Problem, gripper_poses};
 use crate::wall_clock::now;
 use crate::{CostKind, PathCost, PathError};
 
-/// How hard to shorten a path.
+/// Settings of [`shortcut`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShortcutSettings {
-    /// Changes of the path to try. Default 100: twice as many take twice as long for another half per cent.
+    /// Number of changes of the path to try. Default 100; twice as many take twice as long for a further half per cent.
     pub attempts: usize,
-    /// The seed of the random changes.
+    /// Seed of the random changes.
     pub seed: u64,
 }
 
@@ -24,54 +24,53 @@ impl Default for ShortcutSettings {
     }
 }
 
-/// A shorter path, and what it cost.
+/// Shortened path, and the time it took.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shortened {
-    /// Way points from the same start to the same goal configuration, or to the same grasp or its twin; every
-    /// edge is proven, or a part of an edge of the path given.
+    /// Way points from the same start to the same goal configuration, or to the same grasp or its twin. Every edge is proven,
+    /// or is a section of an edge of the given path.
     pub path: Vec<Vec<f64>>,
-    /// Seconds spent.
+    /// Computation time, in seconds.
     pub time_s: f64,
 }
 
-/// A shortcut that saves less than this share of its detour is not worth its proof, nor is a way point that is moved for
-/// less than that share of its edges: there are many of those.
+/// Minimum saving of a shortcut that justifies a proof, as a share of its detour; `LEAST_PULL` is that of a moved way point, as
+/// a share of its edges, which is tried more often.
 const LEAST_GAIN: f64 = 0.02;
 const LEAST_PULL: f64 = 5e-4;
 
-/// A way point is skipped for nothing, whatever rounding says: a motion stops there.
+/// Minimum saving for skipping a way point, as a share: none, up to rounding, since the motion stops at each way point.
 const LEAST_SKIP: f64 = -1e-9;
 
-/// A motion that takes more intervals than this to prove passes something very closely: another will do.
+/// Maximum number of intervals in the proof of a motion. A motion that needs more passes an obstacle very closely.
 const MOST_EFFORT: u64 = 300;
 
-/// Of so many attempts the last skips way points, the first is a shortcut at random, the third moves the end where the goal
-/// is a grasp, and the others move way points.
+/// Period of the attempts. The last of each period skips way points, the first is a random shortcut, the second and third move
+/// the end if the goal is a grasp, and the others move way points.
 const TURNS: usize = 5;
 
-/// Shortens a proven path of way points (m, rad; one value per joint), by its plain L2 length, and keeps the proof:
-/// every new edge is proven with the cell's margins before it replaces a detour.
+/// Shortens a proven path of way points (m, rad; one value per joint), by its plain L2 length, and keeps the proof: every new
+/// edge is proven with the margins of the cell before it replaces a detour.
 ///
-/// 1. From each way point on, straight to the farthest later one that can be reached, halving the reach
-///    where it cannot. Where the goal is a grasp, and a joint has turned around on the way there, the rest of the
-///    path is turned back.
-/// 2. A random way point, most often where the path turns most, moves towards the straight line between its neighbours, by
-///    a random share of the way and to a random side by about as much: where it is held up by an obstacle it slides
-///    along it.
-/// 3. Every fifth time a straight line between random points of the path before and after a random way point, wherever they lie
-///    on its edges (Geraerts & Overmars 2007, §3); where one is blocked, another nearer to the way point. Then the
-///    first step again: way points that have become needless hold up the others.
-/// 4. Where the goal is a grasp, as often a straight line leads from a random point of the path to a configuration near
-///    it that brings the gripper to where the path ends, or to its twin: an arm to spare can hold it otherwise.
-/// 5. Once more the first step: a motion stops wherever a path turns.
+/// 1. From each way point, connects straight to the farthest reachable later one, halving the reach after a failure. If the
+///    goal is a grasp and a joint has made a full turn, the rest of the path is turned back.
+/// 2. Moves a random way point, most often where the path turns most, towards the straight line between its neighbours by a
+///    random share of the distance, and sideways at random by about as much. A way point that is blocked by an obstacle thus
+///    slides along it.
+/// 3. Every fifth attempt tries a straight line between random points of the path before and after a random way point, anywhere
+///    on its edges (Geraerts & Overmars 2007, §3); if it is blocked, points closer to the way point. The first step is repeated
+///    as often, because needless way points block the others.
+/// 4. If the goal is a grasp, two of five attempts try a straight line from a random point of the path to a nearby
+///    configuration with the gripper pose at the end of the path, or its twin. A redundant arm has many.
+/// 5. Repeats the first step once more, because a motion stops wherever a path turns.
 ///
-/// A function of problem, path and settings alone.
+/// The result depends on problem, path and settings alone.
 ///
 /// # Errors
-/// [`TaskError::Goal`](cranny_task::TaskError::Goal) for a problem under another criterion than `exact`, where nothing is proven.
+/// [`TaskError::Goal`](cranny_task::TaskError::Goal) under a criterion other than `exact`, where nothing is proven.
 ///
 /// # Panics
-/// If a way point has not one value per joint.
+/// If a way point does not have one value per joint.
 pub fn shortcut(
     problem: &Problem,
     path: &[Vec<f64>],
@@ -86,29 +85,31 @@ pub fn shortcut(
     Ok(Shortened { path: shortener.into_path(), time_s: begin.elapsed().as_secs_f64() })
 }
 
-/// What another way point of a path that is delivered must save, as a share of its cost: a motion stops there.
+/// Minimum saving of an additional way point in a delivered path, as a share of its cost: the motion stops there.
 pub const STOP: f64 = 0.01;
 
-/// Paths of one problem that are made cheaper, one after the other, as [`shortcut`] says.
+/// Shortener for paths of one problem, one after the other, as in [`shortcut`].
 pub struct Shortener<'a> {
     problem: &'a Problem,
     cell: &'a Cell,
     cost: &'a PathCost,
-    /// What another way point must save, as a share of the path's cost.
+    /// Minimum saving of an additional way point, as a share of the cost of the path.
     stop: f64,
     scratch: Scratch,
     random: Stream,
     path: Vec<Vec<f64>>,
-    /// What each edge costs.
+    /// Cost of each edge.
     costs: Vec<f64>,
-    /// Where the end may be another configuration.
+    /// End poses, if the end may move to another configuration.
     hold: Option<Hold<'a>>,
     attempts: usize,
 }
 
 impl<'a> Shortener<'a> {
+    /// Creates a shortener without a path.
+    ///
     /// # Errors
-    /// [`TaskError::Goal`](cranny_task::TaskError::Goal) for another criterion than `exact`.
+    /// [`TaskError::Goal`](cranny_task::TaskError::Goal) for a criterion other than `exact`.
     pub fn new(problem: &'a Problem, cost: &'a PathCost, stop: f64) -> Result<Self, PathError> {
         let cell = problem.exact_cell("shortcut")?;
         Ok(Self {
@@ -125,14 +126,14 @@ impl<'a> Shortener<'a> {
         })
     }
 
-    /// Begins with another path of way points (m, rad; one value per joint).
+    /// Starts over with another path of way points (m, rad; one value per joint).
     pub fn take(&mut self, path: &[Vec<f64>], seed: u64) {
         self.random = Stream::new(seed, 1);
         self.attempts = 0;
         self.path.clear();
         self.path.extend_from_slice(path);
         self.hold = match (self.problem.goal(), path.last()) {
-            // A grasp of one's own was measured at this very end.
+            // A grasp generated by the planner was measured at exactly this end.
             _ if self.problem.grasp_measure().is_some() => None,
             (Goal::Grasps(_), Some(end)) => Some(Hold::at(self.problem.robot(), end)),
             _ => None,
@@ -141,7 +142,7 @@ impl<'a> Shortener<'a> {
         self.skip_way_points();
     }
 
-    /// Tries so many changes of the path, unless it `is_over` before. Says whether it is not.
+    /// Tries `attempts` changes of the path, and stops early once `is_over`. Returns true if all were tried.
     pub fn shorten(&mut self, attempts: usize, is_over: &dyn Fn() -> bool) -> bool {
         for _ in 0..attempts {
             if is_over() {
@@ -158,12 +159,12 @@ impl<'a> Shortener<'a> {
         true
     }
 
-    /// The path as it is now: way points (m, rad; one value per joint).
+    /// Returns the current path: way points (m, rad; one value per joint).
     pub fn path(&self) -> &[Vec<f64>] {
         &self.path
     }
 
-    /// The path as it is now: way points of one value per joint, m or rad.
+    /// Returns the current path by value: way points of one value per joint, m or rad.
     pub fn into_path(self) -> Vec<Vec<f64>> {
         self.path
     }
@@ -174,7 +175,7 @@ impl<'a> Shortener<'a> {
         costs.extend(path.windows(2).map(|edge| cost.of_edge(&edge[0], &edge[1], scratch)));
     }
 
-    /// Step 1.
+    /// Step 1 of [`shortcut`].
     fn skip_way_points(&mut self) {
         let mut at = 0;
         while at + 2 < self.path.len() {
@@ -192,8 +193,8 @@ impl<'a> Shortener<'a> {
         }
     }
 
-    /// Turns the path from way point `from` on by whole turns of joints to where it is nearest to way point `at`, if that
-    /// moves it and may be, and goes straight there.
+    /// Shifts the path from way point `from` on by full turns of joints to be nearest to way point `at`, and connects the two
+    /// straight. Returns false if that moves nothing, violates a limit or is not free.
     fn turn_rest_towards(&mut self, at: usize, from: usize) -> bool {
         let robot = self.cell.robot();
         let mut turned = self.path[from].clone();
@@ -213,15 +214,15 @@ impl<'a> Shortener<'a> {
         may_turn
     }
 
-    /// Step 2.
+    /// Step 2 of [`shortcut`].
     fn pull_way_point(&mut self) {
-        /// How far to the side, as a share of how far towards the line.
+        /// Sideways displacement, relative to the displacement towards the line.
         const ASIDE: f64 = 1.3;
         if self.path.len() < 3 {
             return;
         }
         let metric = self.cost.metric();
-        // The more can be gained at it, the more often.
+        // A way point is chosen more often the more it can save.
         let excess: Vec<f64> =
             self.path.windows(3).map(|way| self.excess([&way[0], &way[1], &way[2]])).collect();
         let mut left = self.random.uniform() * excess.iter().sum::<f64>();
@@ -237,7 +238,7 @@ impl<'a> Shortener<'a> {
             return;
         }
         let straight: Vec<f64> = between(before, after, lengths[0] / length).collect();
-        // Long ways succeed the more seldom, and gain the more.
+        // Long moves succeed less often, but save more.
         let share = self.random.uniform().sqrt();
         let aside = ASIDE * share * metric.distance(here, &straight) / (here.len() as f64).sqrt();
         let offset: Vec<f64> = here.iter().map(|_| aside * self.random.normal()).collect();
@@ -252,7 +253,7 @@ impl<'a> Shortener<'a> {
         }
     }
 
-    /// Step 3.
+    /// Step 3 of [`shortcut`].
     fn cut_at_random(&mut self) {
         /// Tries at one way point, each half as far from it as the one before.
         const TRIES: usize = 3;
@@ -267,7 +268,7 @@ impl<'a> Shortener<'a> {
             let ((first, a), (last, b)) = (self.point_at(corner - before), self.point_at(corner + after));
             if first != last {
                 let chain = vec![self.path[first].clone(), a, b, self.path[last + 1].clone()];
-                // Past one way point the path gets another.
+                // A shortcut past a single way point adds another way point to the path.
                 let stop = if last == first + 1 { self.stop * total / (before + after) } else { 0.0 };
                 let least_gain = LEAST_GAIN.max(stop);
                 if self.offer(first..last + 1, chain, 1..2, least_gain) {
@@ -278,7 +279,7 @@ impl<'a> Shortener<'a> {
         }
     }
 
-    /// Step 4.
+    /// Step 4 of [`shortcut`].
     fn move_end(&mut self) {
         if self.path.len() < 2 {
             return;
@@ -292,13 +293,13 @@ impl<'a> Shortener<'a> {
         self.offer(edge..self.costs.len(), chain, 1..2, LEAST_GAIN);
     }
 
-    /// How much longer the way by a way point is than the straight one past it.
+    /// Returns the excess length of the path via `here` over the straight line from `before` to `after`.
     fn excess(&self, [before, here, after]: [&[f64]; 3]) -> f64 {
         let metric = self.cost.metric();
         metric.distance(before, here) + metric.distance(here, after) - metric.distance(before, after)
     }
 
-    /// The edge on which the point lies up to which the path costs so much, and the point.
+    /// Returns the edge of the point up to which the path costs `cost`, and the point.
     fn point_at(&self, cost: f64) -> (usize, Vec<f64>) {
         let mut left = cost;
         let mut edge = 0;
@@ -310,8 +311,8 @@ impl<'a> Shortener<'a> {
         (edge, between(&self.path[edge], &self.path[edge + 1], at).collect())
     }
 
-    /// Puts other way points, from end to end, in the place of these edges of the path, if their `open` edges, which no
-    /// edge of the path contains, cost less by this share than what they are there for, and are proven.
+    /// Replaces these edges of the path by the way points `chain`, from end to end, if the `open` edges of `chain`, which no
+    /// edge of the path contains, cost less than what they replace by the share `least_gain`, and are proven.
     fn offer(
         &mut self,
         edges: Range<usize>,
@@ -324,10 +325,10 @@ impl<'a> Shortener<'a> {
         let is_less = |new: &[f64]| {
             let opened: f64 = new[open.clone()].iter().sum();
             let kept = new.iter().sum::<f64>() - opened;
-            // Under some costs edges cost nothing; what saves nothing there is not taken.
+            // Edges are free under some costs; a change that saves nothing there is rejected.
             opened <= (1.0 - least_gain) * (before - kept) && (before > kept || least_gain <= 0.0)
         };
-        // What a check against the world adds is asked last: it takes longest.
+        // The clearance term is evaluated last, because it takes longest.
         let mut new: Vec<f64> = chain.windows(2).map(|edge| cost.least_of_edge(&edge[0], &edge[1])).collect();
         let mut is_taken =
             is_less(&new) && open.clone().all(|edge| is_free(cell, &chain[edge], &chain[edge + 1], scratch));
@@ -343,7 +344,7 @@ impl<'a> Shortener<'a> {
     }
 }
 
-/// The gripper poses that count as the end of a path.
+/// Gripper poses that count as the end of a path.
 struct Hold<'a> {
     solver: IkSolver<'a>,
     poses: [Pose; 2],
@@ -351,8 +352,7 @@ struct Hold<'a> {
 
 impl<'a> Hold<'a> {
     fn at(robot: &'a Robot, end: &[f64]) -> Self {
-        /// However often a path is shortened, its end moves by no more than this each time, in metres and
-        /// radians: far less than what separates a grasp from a miss.
+        /// Maximum motion of the end per shortening of a path, in metres and radians: far below the tolerance of a grasp.
         const TOLERANCE: f64 = 1e-6;
         let frames = robot.frames_at(end);
         let grasp = Grasp::at(*frames.link(robot.tip()));
@@ -365,7 +365,7 @@ impl<'a> Hold<'a> {
     }
 }
 
-/// Whether the straight motion is proven.
+/// Returns true if the straight motion is proven.
 fn is_free(cell: &Cell, a: &[f64], b: &[f64], scratch: &mut Scratch) -> bool {
     let places: [f64; 16] = std::array::from_fn(|check| (check + 1) as f64 / 16.0);
     cell.free_ahead(a, b, &places, scratch) == 16 && cell.unproven_at(MOST_EFFORT, a, b, scratch).is_none()

@@ -1,15 +1,14 @@
 use cranny_robot::{JointKind, LinkFrames, Robot};
 use cranny_spatial::Vector;
 
-/// How far the released planners step at most, in metres (ε).
+/// Maximum step of the released planners, in metres (ε).
 pub const RELEASED_STEP_M: f64 = 0.1;
 
-/// Steps through configuration space whose size is measured at the links: the largest displacement of the
-/// origin of any link frame on the chain to the tip, in metres (as in the released code; the paper speaks
-/// of a bound on each joint).
+/// Steps through configuration space whose size is measured at the links: the largest displacement of the origin of any link
+/// frame on the chain to the tip, in metres (as in the released code; the paper bounds each joint instead).
 #[derive(Clone, Debug)]
 pub struct Stepper {
-    /// The links that move on the way from the root to the tip.
+    /// Moving links between the root and the tip.
     chain: Vec<usize>,
     from_frames: LinkFrames,
     to_frames: LinkFrames,
@@ -17,9 +16,9 @@ pub struct Stepper {
 }
 
 impl Stepper {
-    /// A measure of steps of a robot.
+    /// Creates a stepper for a robot.
     pub fn new(robot: &Robot) -> Self {
-        // Links that no other joint moves than their parent does, and that share its origin, say nothing new.
+        // Links that no joint moves never move, so they are left out.
         let mut chain = Vec::new();
         let mut link = Some(robot.tip());
         while let Some(at) = link {
@@ -32,15 +31,15 @@ impl Stepper {
         Self { chain, from_frames: robot.frames(), to_frames: robot.frames(), q: vec![0.0; robot.dof()] }
     }
 
-    /// The configuration on the straight line from `from` towards `to` (m, rad; one per joint) that is as far as a
-    /// step of `size_m` allows, and whether that is `to` itself.
+    /// Returns the configuration on the straight line from `from` towards `to` (m, rad; one per joint) at the end of a step of
+    /// at most `size_m` metres, and true if it is `to` itself.
     ///
     /// 1. The velocities of the links along the line give the first guess.
     /// 2. While a link moves farther than allowed (paths of links are curved), the guess is shortened.
     pub fn towards(&mut self, robot: &Robot, from: &[f64], to: &[f64], size_m: f64) -> (&[f64], bool) {
         robot.tip_kinematics(from, &mut self.from_frames);
         let slope = |joint: usize| to[joint] - from[joint];
-        // 1. The motion of the whole link is one turning, and one sliding of what is at the origin.
+        // 1. The motion of a link is a rotation, and a translation of the point at the origin.
         let mut speed_squared = 0.0_f64;
         let (mut turning, mut sliding) = (Vector::zeros(), Vector::zeros());
         let mut passed = 0;
@@ -74,26 +73,26 @@ impl Stepper {
             if displacement <= size_m {
                 return (&self.q, is_end);
             }
-            /// Shortens a little more than in proportion, so that a few rounds suffice.
+            /// Factor that shortens slightly more than in proportion, so that a few rounds suffice.
             const SHORTEN: f64 = 0.99;
             fraction = fraction.min(1.0) * SHORTEN * size_m / displacement;
         }
     }
 
-    /// Greatest distance between the origins of a link frame of the chain at `from` and at `to`
-    /// (m, rad; one per joint), in metres.
+    /// Returns the largest displacement of the origin of a link frame of the chain between `from` and `to` (m, rad; one per
+    /// joint), in metres.
     pub fn displacement_between(&mut self, robot: &Robot, from: &[f64], to: &[f64]) -> f64 {
         robot.tip_kinematics(from, &mut self.from_frames);
         robot.tip_kinematics(to, &mut self.to_frames);
         self.displacement()
     }
 
-    /// The configuration (m, rad; one per joint) that the last step led to.
+    /// Returns the configuration (m, rad; one per joint) that the last step reached.
     pub fn q(&self) -> &[f64] {
         &self.q
     }
 
-    /// Its link frames.
+    /// Returns the link frames at that configuration.
     pub fn frames(&self) -> &LinkFrames {
         &self.to_frames
     }

@@ -7,16 +7,16 @@ use cranny_task::{
 use crate::corner_audit::audit_corners;
 use crate::{Audit, AuditSettings, Cause, Location, PathError, PickAudit, Violation, audit_with};
 
-/// Tolerance on the finger opening that is stated, in metres.
+/// Tolerance on the stated finger opening, in metres.
 const OPENING_TOLERANCE_M: f64 = 1e-4;
-/// Tolerance on the length of an object's path, in metres: straight lines in joint space are none in space.
+/// Tolerance on the length of an object's path, in metres: straight lines in joint space are curved in Cartesian space.
 const LENGTH_TOLERANCE_M: f64 = 1e-3;
 
-/// Judges the segments of a task, whoever made them: every motion as [`audit_with`] does, in the state along it
-/// ([`StatesAlong`]); that the hand closes and opens; and the end of each stage. Edges are counted through all segments.
+/// Audits the segments of a task from any source: every motion as [`audit_with`] does, in the state along it ([`StatesAlong`]);
+/// the closing and opening of the hand; and the end of each stage. Edges are numbered through all segments.
 ///
 /// # Errors
-/// [`cranny_task::TaskError::Segments`] for segments that are not of these stages ([`check_segments`]), and those of [`audit_with`].
+/// [`cranny_task::TaskError::Segments`] for segments of other stages ([`check_segments`]), and those of [`audit_with`].
 pub fn audit_task(
     problem: &Problem,
     stages: &[Stage],
@@ -30,7 +30,7 @@ pub fn audit_task(
     audit_with(problem, &joined(segments), settings)
 }
 
-/// [`audit_task`] where the states along the segments are known, under `exact`.
+/// Audits segments as [`audit_task`] does, with known states along them, under `exact`.
 ///
 /// # Errors
 /// As [`audit_task`].
@@ -83,14 +83,14 @@ pub fn audit_along(
     Ok(audit)
 }
 
-/// True for segments of one stage in one world.
+/// Returns true for segments of one stage in one world.
 fn is_one_motion(a: &Segment, b: &Segment) -> bool {
     let properties = |segment: &Segment| (segment.stage, segment.mode.holds, segment.mode.rests_at);
     let is_straight = [a, b].iter().any(|segment| segment.mode == Mode::APPROACH);
     properties(a) == properties(b) && a.mode.rests_at.is_none() && !is_straight
 }
 
-/// A motion, the edges before it, and the segment that follows.
+/// Motion, the number of edges before it, and the segment that follows.
 struct Run<'a> {
     segment: &'a Segment,
     before: usize,
@@ -98,7 +98,7 @@ struct Run<'a> {
 }
 
 impl Run<'_> {
-    /// Number of its last way point.
+    /// Returns the index of its last way point.
     fn last(&self) -> usize {
         self.before + self.segment.waypoints.len() - 1
     }
@@ -170,7 +170,7 @@ impl TaskJudge<'_> {
         }
     }
 
-    /// Compares the length of a straight motion with the one that its stage demands.
+    /// Compares the length of a straight motion with the length that its stage requires.
     fn straight(&self, audit: &mut Audit, state: &State, run: &Run<'_>, is_at_grasp: bool) {
         let stage = &self.stages[run.segment.stage];
         let required_m = match stage {
@@ -194,7 +194,7 @@ impl TaskJudge<'_> {
         audit_with(&state.moving(vec![state.q.clone()])?, run.path(), settings)
     }
 
-    /// Judges the last motion of a move, with what is in the hand, and where it ends.
+    /// Judges the last motion of a move, with any held object, and its end.
     fn moved(&self, audit: &mut Audit, state: &State, goal: &Move, run: &Run<'_>) -> Result<(), PathError> {
         let ends = goal.ends(self.problem).filter(|_| self.settings.at_goal);
         let Some(ends) = ends else { return self.moved_anywhere(audit, state, goal, run) };
@@ -230,7 +230,7 @@ impl TaskJudge<'_> {
         Ok(())
     }
 
-    /// Judges a motion with an object in the hand.
+    /// Judges a motion with a held object.
     fn held(
         &self,
         audit: &mut Audit,
@@ -261,7 +261,7 @@ impl TaskJudge<'_> {
     }
 }
 
-/// Compares what a segment states about the object in the hand with what the hand holds.
+/// Compares the held object stated by a segment with the object that the hand holds.
 fn check_hold(audit: &mut Audit, carrier: &Carrier, grip: &Grip, segment: &Segment, way_point: usize) {
     let Some((name, opening_m)) = segment.attached.as_ref().zip(segment.opening_m) else { return };
     let off_m = (opening_m - grip.opening_m).abs();
@@ -272,7 +272,7 @@ fn check_hold(audit: &mut Audit, carrier: &Carrier, grip: &Grip, segment: &Segme
     }
 }
 
-/// A motion along which a held object is near what carries it, at one of its ends.
+/// Motion along which a held object is near its support, at one of its ends.
 struct Near<'a> {
     carrier: &'a Carrier,
     grip: &'a Grip,
@@ -283,8 +283,8 @@ struct Near<'a> {
 }
 
 impl Near<'_> {
-    /// Adds what was found of its edges; whether the object stays off what carries it, and goes no farther than it may; and
-    /// whether it is off at the other end.
+    /// Adds the audit of its edges, and checks that the object stays off its support, travels no farther than allowed, and is
+    /// off its support at the other end.
     fn judge(&self, audit: &mut Audit, mut judged: Audit) {
         let Self { carrier, grip, resting, run, .. } = *self;
         let (kind, off_at, off_way_point) = match self.end {
@@ -326,7 +326,7 @@ impl Near<'_> {
     }
 }
 
-/// Adds what was found of a motion whose first edge has this number.
+/// Merges the audit of a motion whose first edge has the index `before`.
 fn append(audit: &mut Audit, piece: Audit, before: usize) {
     audit.violations.extend(piece.violations.into_iter().map(|violation| violation.counted_from(before)));
     audit.clearances_per_edge_m.extend(piece.clearances_per_edge_m);

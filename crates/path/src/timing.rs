@@ -1,4 +1,4 @@
-//! When to be where on a path: limits, laws of time, trajectories.
+//! Timing of paths: limits, time laws, trajectories.
 
 pub(crate) mod drives;
 pub(crate) mod motion_limits;

@@ -9,28 +9,28 @@ use serde::ser::SerializeMap;
 use serde::{Deserialize, Serialize, Serializer};
 use strum::IntoStaticStr;
 
-/// A fault of a path. It is shown in one sentence ([`fmt::Display`]); as JSON it is an object of `kind`, `edge`, `at`,
-/// `first`, `second`, `depth_m` and what its cause has besides.
+/// Fault of a path. [`fmt::Display`] writes it as one sentence; as JSON it is an object of `kind`, `edge`, `at`, `first`,
+/// `second`, `depth_m` and the further values of its cause.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Violation {
-    /// Place on the path.
+    /// Location on the path.
     pub at: Location,
-    /// The fault.
+    /// Cause of the fault.
     pub cause: Cause,
 }
 
-/// Place on a path.
+/// Location on a path.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Location {
-    /// Edge, from 0; the way point, from 0, where the fault is at a single one.
+    /// Index of the edge, from 0, or of the way point, from 0, if the fault is at a single one.
     pub edge: usize,
-    /// Share of the edge before the place, in [0, 1].
+    /// Position along the edge, in [0, 1].
     pub along: f64,
-    /// The two that are too close: a link, and another link or a body.
+    /// Names of the pair that is too close: a link, and another link or a body.
     pub pair: Option<[String; 2]>,
 }
 
-/// Fault of a path.
+/// Cause of a fault of a path.
 #[derive(Clone, Debug, PartialEq, IntoStaticStr)]
 #[strum(serialize_all = "kebab-case")]
 pub enum Cause {
@@ -38,132 +38,132 @@ pub enum Cause {
     Start(JointOffset),
     /// A joint is outside its limits, by the offset.
     JointLimit(JointOffset),
-    /// Two things touch.
+    /// A pair is in contact.
     Contact {
-        /// Depth, in metres.
+        /// Penetration depth, in metres.
         depth_m: f64,
     },
-    /// Under `paper`: the released check finds a way point not free.
+    /// A way point fails the released check (under `paper`).
     #[strum(to_string = "contact")]
     NotFree,
-    /// Two things come closer than the margin that is demanded.
+    /// A pair comes closer than the required margin.
     Clearance {
-        /// Their distance, in metres.
+        /// Distance of the pair, in metres.
         clearance_m: f64,
-        /// The distance that is demanded, in metres.
+        /// Required distance, in metres.
         required_m: f64,
     },
-    /// No contact was found, but none could be excluded either.
+    /// No contact was found, but none could be excluded.
     Unresolved {
-        /// The least distance that was seen, in metres.
+        /// Smallest distance found, in metres.
         clearance_m: f64,
     },
-    /// Under `paper`: a step farther than any that the released planners take between two checks.
+    /// A step is longer than any that the released planners take between two checks (under `paper`).
     Step {
-        /// Length beyond theirs, in metres.
+        /// Excess over their step length, in metres.
         excess_m: f64,
     },
     /// The path does not end at a grasp.
     #[strum(to_string = "goal")]
     Grasp {
-        /// The nearest grasp, if there is any.
+        /// Nearest grasp, if there is one.
         nearest: Option<GoalError>,
     },
     /// The path does not end at a goal configuration.
     #[strum(to_string = "goal")]
     Configuration {
-        /// The joint that is farthest off from the nearest one.
+        /// Joint with the largest offset from the nearest goal.
         farthest: JointOffset,
     },
-    /// The hand does not hold the object where it is to close on it.
+    /// The hand does not hold the object where it must close on it.
     Grip {
-        /// Why.
+        /// Reason of the failure.
         reason: FailureReason,
     },
-    /// The hand closes on the target in no grasp, or in one that is too bad.
+    /// The hand closes on the target in no grasp, or in one with too low a score.
     #[strum(to_string = "grip")]
     WeakGrasp {
-        /// Its score, in [0, 1]; 0 where its contacts are in no force closure.
+        /// Score, in [0, 1]; 0 if the contacts are not in force closure.
         score: f64,
-        /// The score that is demanded.
+        /// Required score.
         required: f64,
     },
-    /// The statement on the grasp at which the path ends is false.
+    /// The stated grasp at the end of the path is wrong.
     #[strum(to_string = "grip")]
     SaidGrasp {
-        /// The stated and the measured grasp.
+        /// Stated and measured grasp.
         said_and_measured: Box<[OwnGrasp; 2]>,
     },
-    /// A plan file states a false figure.
+    /// A plan file states a wrong value.
     Statement {
-        /// Its key in the file.
+        /// Key in the file.
         key: String,
-        /// The value in the file, in words.
+        /// Value in the file, in words.
         stated: String,
-        /// The measured value, in words.
+        /// Measured value, in words.
         measured: String,
     },
-    /// The object comes nearer to what it rested on than at rest, or that could not be excluded.
+    /// The object comes closer to its support than at rest during lift-off, or that could not be excluded.
     LiftOff,
-    /// At the end of the lift-off the object is not off what it rested on.
+    /// The object is not off its support at the end of the lift-off.
     #[strum(to_string = "lift-off")]
     NotOff,
-    /// The object goes farther in its lift-off than it may.
+    /// The object travels farther in its lift-off than allowed.
     #[strum(to_string = "lift-off")]
     LongLiftOff {
         /// Length of the object's path, in metres.
         length_m: f64,
-        /// The length that is allowed, in metres.
+        /// Allowed length, in metres.
         most_m: f64,
     },
-    /// On its way down the object comes nearer to what it is put down on than it is then to be, or that could not be excluded.
+    /// The object comes closer to its support than at rest during set-down, or that could not be excluded.
     SetDown,
-    /// At the begin of its way down the object is not off what it is put down on.
+    /// The object is not off its support at the beginning of the set-down.
     #[strum(to_string = "set-down")]
     NotAbove,
-    /// The object goes farther on its way down than it may.
+    /// The object travels farther in its set-down than allowed.
     #[strum(to_string = "set-down")]
     LongSetDown {
         /// Length of the object's path, in metres.
         length_m: f64,
-        /// The length that is allowed, in metres.
+        /// Allowed length, in metres.
         most_m: f64,
     },
-    /// What is held is tilted farther than it may be, or was not proven not to be.
+    /// The held object is tilted farther than allowed, or was not proven to keep the limit.
     Tilt {
-        /// The tilt, in radians.
+        /// Tilt, in radians.
         tilt_rad: f64,
-        /// The tilt that is allowed, in radians.
+        /// Allowed tilt, in radians.
         most_rad: f64,
     },
-    /// The tool does not keep a bound, or was not proven to keep it.
+    /// The tool violates a bound, or was not proven to keep it.
     Tool {
         /// Name of the bound.
         name: String,
-        /// The excess over it, in radians or metres; not above 0 where only the proof failed.
+        /// Excess over the bound, in radians or metres; not positive if only the proof failed.
         by: f64,
         /// True for a bound on an angle.
         is_angle: bool,
     },
-    /// The object is let go elsewhere than where it is to be put down.
+    /// The object is released away from its goal placement.
     #[strum(to_string = "goal")]
     NotPlaced {
-        /// The difference, in words.
+        /// Description of the difference.
         fault: String,
     },
-    /// At the end of its retreat the hand is still too near to the object.
+    /// The hand is still too close to the object at the end of its retreat.
     #[strum(to_string = "retreat")]
     NotClear {
-        /// Distance between hand and object there, in metres.
+        /// Distance between hand and object, in metres.
         clearance_m: f64,
-        /// The distance that is demanded, in metres.
+        /// Required distance, in metres.
         required_m: f64,
     },
-    /// The hand goes less far straight to its grasp, or off what it has put down, than it is to.
+    /// The straight approach or retreat of the hand is shorter than required.
     NotStraight {
-        /// Length of its straight line, in metres.
+        /// Length of the straight line, in metres.
         length_m: f64,
-        /// The length that is demanded, in metres.
+        /// Required length, in metres.
         required_m: f64,
     },
     /// The path ends before the task does.
@@ -174,55 +174,55 @@ pub enum Cause {
         /// Number of stages.
         stages: usize,
     },
-    /// The statement on the object in the hand is false.
+    /// The stated held object or finger opening is wrong.
     #[strum(to_string = "grip")]
     Hold {
-        /// The stated object, and distance between the fingers, in metres.
+        /// Stated object, and distance between the fingers, in metres.
         said: (String, f64),
-        /// The object that the hand closes on, and distance between the fingers then, in metres.
+        /// Object that the hand closes on, and distance between the fingers, in metres.
         held: (String, f64),
     },
-    /// Carried out, the object is still too near to something.
+    /// The carried object is still too close to a body at the end of the move.
     #[strum(to_string = "goal")]
     NotOut {
-        /// Distance of the object from the nearest body there, in metres.
+        /// Distance of the object from the nearest body, in metres.
         clearance_m: f64,
-        /// The distance that is demanded, in metres.
+        /// Required distance, in metres.
         required_m: f64,
     },
-    /// The hand, or the object in it, is brought elsewhere than to the demanded poses.
+    /// The hand, or the object in it, does not reach the required poses.
     #[strum(to_string = "goal")]
     NotThere {
-        /// The difference, in words.
+        /// Description of the difference.
         fault: String,
     },
 }
 
-/// The end of a path against the nearest grasp.
+/// Error of the end of a path relative to the nearest grasp.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GoalError {
     /// Index of the grasp.
     pub grasp: usize,
-    /// Distance of the gripper frame from it, in metres.
+    /// Distance of the gripper frame from the grasp, in metres.
     pub translation_error_m: f64,
-    /// Angle between the gripper frame and it or its twin, in radians.
+    /// Angle between the gripper frame and the grasp or its twin, in radians.
     pub rotation_error_rad: f64,
 }
 
-/// How far a joint is from where it may be.
+/// Offset of a joint from its allowed or required value.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JointOffset {
-    /// The joint.
+    /// Name of the joint.
     pub joint: String,
-    /// How far (m or rad).
+    /// Offset (m or rad).
     pub off: f64,
-    /// What that is measured in.
+    /// Unit of the offset.
     pub unit: JointUnit,
 }
 
 impl Location {
-    /// A way point, from 0.
+    /// Returns the location of a way point, numbered from 0.
     pub fn way_point(way_point: usize) -> Self {
         Self { edge: way_point, ..Self::default() }
     }
@@ -233,12 +233,12 @@ impl Location {
 }
 
 impl Violation {
-    /// A fault at a way point, from 0.
+    /// Creates a fault at a way point, numbered from 0.
     pub fn at_way_point(way_point: usize, cause: Cause) -> Self {
         Self { at: Location::way_point(way_point), cause }
     }
 
-    /// Two things that are too close on an edge.
+    /// Creates the fault of a pair that is too close on an edge.
     pub(crate) fn of_contact(cell: &Cell, edge: usize, along: f64, contact: &Contact) -> Self {
         let Contact { clearance_m, required_m, depth_m, .. } = *contact;
         let cause = if clearance_m < CONTACT_M {
@@ -251,13 +251,13 @@ impl Violation {
         Self { at: Location::of_contact(cell, edge, along, contact), cause }
     }
 
-    /// Two things of which neither is known whether they are too close on an edge.
+    /// Creates the fault of a pair on an edge that is neither proven free nor in contact.
     pub(crate) fn unresolved(cell: &Cell, edge: usize, along: f64, contact: &Contact) -> Self {
         let cause = Cause::Unresolved { clearance_m: contact.clearance_m };
         Self { at: Location::of_contact(cell, edge, along, contact), cause }
     }
 
-    /// The tool does not keep the bound of this number on an edge, with an excess over it in radians or metres.
+    /// Creates the fault of tool bound `bound` on an edge, with its excess in radians or metres.
     pub(crate) fn out_of_bounds(cell: &Cell, (edge, along): (usize, f64), bound: usize, by: f64) -> Self {
         let is_tilt = cell.tilt_bound() == Some(bound);
         let cause = match cell.tool_bounds().nth(bound) {
@@ -273,12 +273,12 @@ impl Violation {
         Self { at: Location { edge, along, pair: None }, cause }
     }
 
-    /// Name of its kind in files and `--json`.
+    /// Returns the name of its kind in files and `--json`.
     pub fn kind(&self) -> &'static str {
         (&self.cause).into()
     }
 
-    /// The same of a path that has so many edges before this one.
+    /// Returns this fault in a path with `before` more edges in front.
     pub(crate) fn counted_from(mut self, before: usize) -> Self {
         self.at.edge += before;
         self
@@ -294,7 +294,7 @@ impl fmt::Display for Location {
     }
 }
 
-/// Difference of two values that are not equal, with as many decimals as it takes not to show zero.
+/// Formats the difference of two unequal values with enough decimals not to show zero.
 fn apart(off: f64, decimals: usize) -> String {
     let [off, _] = distinct([off, 0.0], decimals);
     off
@@ -324,10 +324,14 @@ impl fmt::Display for Violation {
                 write!(f, "{at}: {first} is {clearance} mm from {second}, {required} mm are demanded")
             }
             Cause::Unresolved { .. } => {
-                write!(f, "{at}: {first} against {second} can be neither proven nor refuted")
+                write!(f, "{at}: contact of {first} and {second} can be neither proven nor refuted")
             }
-            Cause::Step { .. } => write!(f, "edge {} is longer than the released planners step", at.edge),
-            Cause::Grasp { nearest: None } => write!(f, "the path ends at no grasp, for there is none"),
+            Cause::Step { .. } => {
+                write!(f, "edge {} is longer than a step of the released planners", at.edge)
+            }
+            Cause::Grasp { nearest: None } => {
+                write!(f, "the path does not end at a grasp: the problem has no grasps")
+            }
             Cause::Grasp { nearest: Some(nearest) } => {
                 let off = apart(mm(nearest.translation_error_m), 2);
                 let turned = apart(nearest.rotation_error_rad.to_degrees(), 2);
@@ -340,7 +344,7 @@ impl fmt::Display for Violation {
             Cause::Grip { reason } => write!(f, "{at}: {}", reason.sentence()),
             Cause::WeakGrasp { score, required } => {
                 let [score, required] = distinct([*score, *required], 3);
-                write!(f, "{at}: a grasp of score {score} there, {required} is demanded")
+                write!(f, "{at}: the grasp has a score of {score}, {required} is demanded")
             }
             Cause::SaidGrasp { said_and_measured } => {
                 let [said, measured] = said_and_measured.as_ref();
@@ -350,10 +354,12 @@ impl fmt::Display for Violation {
                 write!(f, "{key}: the file states {stated}, measured {measured}")
             }
             Cause::LiftOff | Cause::SetDown => {
-                write!(f, "{at}: {first} is not proven to stay off {second} as it was at rest")
+                write!(f, "{at}: {first} is not proven to stay as far from {second} as at rest")
             }
-            Cause::NotOff => write!(f, "{at}: the object is not yet off what it rested on"),
-            Cause::NotAbove => write!(f, "{at}: the object is not yet off what it is put down on"),
+            Cause::NotOff => write!(f, "{at}: the object is not yet clear of its support"),
+            Cause::NotAbove => {
+                write!(f, "{at}: the set-down does not begin clear of the support of the object")
+            }
             Cause::LongLiftOff { length_m, most_m } | Cause::LongSetDown { length_m, most_m } => {
                 let [length, most] = distinct([mm(*length_m), mm(*most_m)], 1);
                 let moved =
@@ -395,7 +401,7 @@ impl fmt::Display for Violation {
             Cause::Hold { said, held } => {
                 let [said, held] = [said, held]
                     .map(|(name, opening_m)| format!("{name}, fingers {:.2} mm apart", mm(*opening_m)));
-                write!(f, "{at}: the hand holds {held}, and not, as is said, {said}")
+                write!(f, "{at}: the hand holds {held}; stated: {said}")
             }
         }
     }

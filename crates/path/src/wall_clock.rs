@@ -1,6 +1,6 @@
 use std::time::Instant;
 
-/// The one place of this room that looks at the time.
+/// Returns the current time; the only access of this crate to the clock.
 #[expect(clippy::disallowed_methods, reason = "the clock of the searches")]
 pub(crate) fn now() -> Instant {
     Instant::now()

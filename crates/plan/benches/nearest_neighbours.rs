@@ -1,4 +1,4 @@
-//! One addition and one question of nearest neighbours, with uniform random points in nine dimensions.
+//! Benchmark of one addition to and one query of nearest neighbours, with uniform random points in nine dimensions.
 
 use std::hint::black_box;
 use std::time::Duration;
@@ -9,7 +9,7 @@ use criterion::{BatchSize, BenchmarkId, Criterion, Throughput, criterion_group, 
 
 const DIMENSIONS: usize = 9;
 
-/// Additions and questions to one copy of a tree: too few to make it another size.
+/// Number of additions and queries per copy of a tree, few enough to keep its size.
 const CALLS: usize = 64;
 
 fn grow(criterion: &mut Criterion) {

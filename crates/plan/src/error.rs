@@ -1,48 +1,48 @@
 use cranny_file::did_you_mean;
 use cranny_path::PathError;
 
-/// A search that cannot begin. That it finds no path is an outcome, not an error.
+/// Error of a search that cannot begin. Finding no path is an outcome, not an error.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PlanError {
-    /// A planner is named that does not exist.
-    #[error("there is no planner '{name}' (there are: {known}){}", did_you_mean(name, known.split(", ")))]
+    /// The requested planner does not exist.
+    #[error("unknown planner '{name}' (known: {known}){}", did_you_mean(name, known.split(", ")))]
     UnknownPlanner {
-        /// The name asked for.
+        /// Requested name.
         name: String,
-        /// The names that there are.
+        /// Names of the existing planners.
         known: String,
     },
-    /// A registry knows a planner of that name already.
+    /// The registry has a planner of that name already.
     #[error("there is a planner '{name}' already")]
     TwicePlanner {
-        /// The name.
+        /// Name of the planner.
         name: &'static str,
     },
     /// A planner has no such setting.
-    #[error("planner '{planner}' has no setting '{setting}' (there are: {known}){}", did_you_mean(setting, known.split(", ")))]
+    #[error("planner '{planner}' has no setting '{setting}' (known: {known}){}", did_you_mean(setting, known.split(", ")))]
     UnknownSetting {
-        /// Which planner.
+        /// Name of the planner.
         planner: String,
-        /// The setting asked for.
+        /// Requested setting.
         setting: String,
-        /// The settings that there are.
+        /// Names of the existing settings.
         known: String,
     },
-    /// A setting of a planner has a value that is none.
+    /// A setting of a planner has an invalid value.
     #[error("a setting of planner '{planner}': {problem}")]
     Setting {
-        /// Which planner.
+        /// Name of the planner.
         planner: String,
-        /// Which setting, what is wrong with it, and what would fit.
+        /// Name of the setting, its fault, and its valid range.
         problem: String,
     },
-    /// The file of a roadmap is none of this robot.
+    /// The roadmap file cannot be used for this robot.
     #[error("{}: no roadmap that can be used: {problem}", path.display())]
     Roadmap {
-        /// The file.
+        /// Path of the file.
         path: std::path::PathBuf,
-        /// What is wrong with it.
+        /// Description of the fault.
         problem: String,
     },
     /// The task is malformed.
@@ -54,7 +54,7 @@ pub enum PlanError {
 }
 
 impl From<PathError> for PlanError {
-    /// A malformed task is one, wherever it was found.
+    /// Keeps a malformed task as [`Self::Task`], regardless of its origin.
     fn from(fault: PathError) -> Self {
         match fault {
             PathError::Task(fault) => Self::Task(fault),

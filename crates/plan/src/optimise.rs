@@ -11,32 +11,31 @@ use crate::search::goal_pool::GoalPool;
 use crate::wall_clock::now;
 use crate::{Budget, Observer, Outcome, PlanError, PlanReport, Planner, Reach, search};
 
-/// How to go on once there is a path.
+/// Settings for the improvement of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OptimiseSettings {
-    /// How long after the first path, the shortening of which is begun in any case. It may only cut short what the seed and
-    /// the iterations determine; of a task of several stages half of it ends the search of whole tasks, if the iterations do
-    /// not. Default: 10 s.
+    /// Time after the first path, whose shortening begins in any case. It may only cut short the sequence that the seed and the
+    /// iterations determine. In a task of several stages half of it ends the search of whole tasks, unless the iterations do.
+    /// Default: 10 s.
     pub time: Duration,
-    /// At most so many iterations of all searches together, the first included. Default: any number.
+    /// Maximum number of iterations of all searches together, including the first. Default: unlimited.
     pub iterations: u64,
-    /// It is over after so many searches running that brought less than 1 % each. Default: any number.
+    /// Number of consecutive searches with a gain of less than 1 % each after which it ends. Default: unlimited.
     pub idle_searches: u64,
-    /// What a grasp of score 1 is worth against one of score 0, in the unit of the cost. Default 1: by length as
-    /// much as one metre of the base, a fifth to a half of a usual path, so that a better grasp is worth a detour
-    /// but not any detour.
+    /// Value of a grasp of score 1 relative to one of score 0, in the unit of the cost. Default 1: by length this equals one
+    /// metre of base motion, a fifth to a half of a usual path, so that a better grasp is worth a limited detour.
     pub score_weight: f64,
-    /// What a path costs. Default: its length.
+    /// Cost of a path. Default: its length.
     pub cost: CostKind,
-    /// What another way point must save, as a share of the path's cost, in [0, 1]: a motion stops there. Default 0: the cost
-    /// alone counts.
+    /// Minimum saving of an additional way point, as a share of the cost of the path, in [0, 1]: the motion stops there.
+    /// Default 0: only the cost counts.
     pub stop: f64,
 }
 
 impl OptimiseSettings {
-    /// What is done before a path is delivered where nobody asks for more: shortened by its plain L2 length, and further
-    /// searches until three running were hardly worth it, which takes a millisecond or a few. A stop of 0.01 makes paths
-    /// 0.2 % longer and trajectories 4 % shorter.
+    /// Returns the default settings for delivered paths: shortening by plain L2 length, and further searches until three in a
+    /// row gain hardly anything, which takes a few milliseconds. A stop of 0.01 makes paths 0.2 % longer and trajectories 4 %
+    /// shorter.
     pub fn delivery() -> Self {
         Self { time: Duration::MAX, idle_searches: 3, cost: CostKind::L2, stop: STOP, ..Self::default() }
     }
@@ -55,34 +54,34 @@ impl Default for OptimiseSettings {
     }
 }
 
-/// A path that was better than all before.
+/// Record of a path that was better than all before it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Improvement {
-    /// Seconds since the planner was asked.
+    /// Time since the planner was called, in seconds.
     pub time_s: f64,
-    /// Iterations until then, of all searches together; the shortening of one path counts as one.
+    /// Number of iterations up to then, of all searches together; the shortening of one path counts as one.
     pub iterations: u64,
-    /// What the path costs (see [`PathCost`]).
+    /// Cost of the path (see [`PathCost`]).
     pub cost: f64,
 }
 
-/// The best path, and how it came about.
+/// Best path, and its history.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Optimised {
-    /// Outcome and cost of the first search, with the best path of all.
+    /// Outcome and statistics of the first search, with the best path of all.
     pub report: PlanReport,
-    /// The first path, shortened, and every better one; costs fall strictly. Empty unless solved.
+    /// Records of the first path, shortened, and of every better one; costs decrease strictly. Empty unless solved.
     pub improvements: Vec<Improvement>,
-    /// Seconds spent after the first search.
+    /// Time spent after the first search, in seconds.
     pub time_s: f64,
-    /// Iterations of all searches together.
+    /// Number of iterations of all searches together.
     pub iterations: u64,
-    /// Searches after the first.
+    /// Number of searches after the first.
     pub searches: u64,
 }
 
-/// Looks for a path, and then for better ones: [`search`] and [`better`].
+/// Searches for a path, and then for better ones: [`search`] and [`better`].
 ///
 /// # Errors
 /// Those of the planner and of [`better`].
@@ -101,28 +100,27 @@ pub fn optimise(
     better(problem, report, settings, seed, observer)
 }
 
-/// Looks for better paths than the one that was found, until time, iterations or searches are over (anytime planning by
-/// restarts: Luna, Şucan, Moll & Kavraki 2013, "Anytime solution optimization for sampling-based motion planning",
-/// whole, without their hybridisation). Each search is bounded by the best cost as in AORRTC (Wilson, Thomason,
-/// Kingston & Gammell 2025, Algorithm 1, lines 5 to 8), but without its cost dimension: a node is dropped if its cost
-/// to come and the straight line to go exceed three times the bound, since shortening comes after.
+/// Searches for better paths than `first` until time, iterations or searches are used up (anytime planning by restarts: Luna,
+/// Şucan, Moll & Kavraki 2013, "Anytime solution optimization for sampling-based motion planning", whole, without their
+/// hybridisation). Each search is bounded by the best cost as in AORRTC (Wilson, Thomason, Kingston & Gammell 2025, Algorithm
+/// 1, lines 5 to 8), but without its cost dimension: a node is dropped if its cost-to-come plus the straight line to the goal
+/// exceeds three times the bound, because shortening comes later.
 ///
-/// 1. The first path, shortened, is the best so far.
-/// 2. Whichever planner found that, again and again [`Reach`], by its default settings, searches from the start
-///    and from all goals that were ever found, each with what its grasp costs, but for those to which the straight line
-///    costs more than the best path. Every other one begins with the best path in its tree, as does the one after a search
-///    that found nothing. A path that it finds is shortened, block by block, as long as it costs little more than the best.
-/// 3. After each search the best path is shortened once more with another seed, until that gained nothing a
-///    few times running.
-/// 4. Whatever costs less than the best so far takes its place.
-/// 5. The best is judged like anybody's path; what the judge refuses gives way to the one before.
+/// 1. The first path, shortened, is the initial best path.
+/// 2. Whichever planner found it, [`Reach`] with default settings searches repeatedly from the start and from all known goals,
+///    each with the cost of its grasp. Goals to which the straight line costs more than the best path are left out. Every
+///    second search begins with the best path in its tree, as does a search after an unsuccessful one. A new path is shortened,
+///    block by block, as long as its cost is close to the best.
+/// 3. After each search the best path is shortened again with another seed, until several attempts in a row gain nothing.
+/// 4. A path that costs less than the best path replaces it.
+/// 5. The best path is audited like any other; if it is rejected, its predecessor takes over.
 ///
-/// Laws: costs fall; the end is no worse than the first path shortened; with the same iterations the same
-/// path comes out, and time only cuts the same sequence short (tests in `tests/optimise.rs`).
+/// Laws: costs decrease. The result is no worse than the first path shortened. Equal iterations give equal paths, and time only
+/// cuts the same sequence short (tests in `tests/optimise.rs`).
 ///
 /// # Errors
-/// [`TaskError::Goal`](cranny_task::TaskError::Goal) for a problem under another criterion than `exact`, where nothing is proven;
-/// [`PathError::ScoreWeight`](cranny_path::PathError::ScoreWeight), and those of [`PathCost::new`].
+/// [`TaskError::Goal`](cranny_task::TaskError::Goal) for a problem under a criterion other than `exact`, where nothing is
+/// proven; [`PathError::ScoreWeight`](cranny_path::PathError::ScoreWeight), and those of [`PathCost::new`].
 pub fn better(
     problem: &Problem,
     first: PlanReport,
@@ -165,54 +163,54 @@ pub fn better(
     Ok(Optimised { report, improvements, time_s: begin.elapsed().as_secs_f64(), iterations, searches })
 }
 
-/// The best path so far, and those before it.
+/// Best path, and its predecessors.
 struct Best<'a> {
     problem: &'a Problem,
     cost: &'a PathCost,
     shortener: Shortener<'a>,
     begin: Instant,
-    /// Seconds that the first path took.
+    /// Planning time of the first path, in seconds.
     first_time_s: f64,
-    /// When to stop looking for better ones; nothing for a time that no clock tells.
+    /// Instant at which the search ends; `None` for a time beyond the range of the clock.
     end: Option<Instant>,
     steps: Vec<Step>,
     iterations: u64,
     searches: u64,
 }
 
-/// A path that was the best once.
+/// Path that was once the best.
 struct Step {
     improvement: Improvement,
     path: Vec<Vec<f64>>,
     score: Option<f64>,
 }
 
-/// A search is given up after so many iterations: what is found later is seldom shorter.
+/// Number of iterations after which a search is abandoned: later paths are seldom shorter.
 const PATIENCE: u64 = 300;
 
-/// A path is shortened by blocks of so many attempts; after each it is shortened further only while it costs no more than
-/// the best and this share of what is measured of it.
+/// Number of shortening attempts per block. After each block a path is shortened further only while its cost exceeds the best
+/// by at most the share `WORSE` of its measure.
 const ATTEMPTS_PER_BLOCK: usize = 20;
 const WORSE: [f64; 5] = [0.1, 0.075, 0.05, 0.025, 0.0];
 
-/// So many batches of goals are drawn before each search: the nearest grasp is seldom among the first few.
+/// Number of goal batches drawn before each search: the nearest grasp is seldom among the first few.
 const BATCHES: usize = 16;
 
-/// A path that became cheaper by less than this share in a block is as cheap as it gets from this seed.
+/// Saving of a block, as a share, below which a path is converged for this seed.
 const STILL: f64 = 2e-4;
 
-/// A search was worth it if after it the best path is cheaper by this share of what is measured of it.
+/// Saving by a search, as a share of the measure of the best path, above which it was worthwhile.
 const WORTH: f64 = 0.01;
 
-/// So many shortenings running without a gain, and the best path is taken for as short as it gets.
+/// Number of consecutive shortenings without a gain after which the best path is converged.
 const IDLE_SHORTENINGS: u32 = 3;
 
 impl Best<'_> {
-    /// Whether the path, shortened, took the place of the best. Steps 2 and 4.
+    /// Shortens a path, and returns true if it replaced the best one. Steps 2 and 4.
     fn challenge(&mut self, path: &[Vec<f64>], seed: u64) -> Result<bool, PlanError> {
         self.iterations += 1;
         let Some(goal) = path.last() else { return Ok(false) };
-        // However it is shortened, it ends at the same grasp.
+        // Shortening keeps the grasp at the end.
         let score = self.cost.score_at(self.problem, goal);
         let mut has_won = false;
         self.shortener.take(path, seed);
@@ -241,7 +239,7 @@ impl Best<'_> {
         Ok(has_won)
     }
 
-    /// Steps 2 and 3, until the time of the search is spent, or so many iterations are.
+    /// Runs steps 2 and 3 until the time of the search or the iterations are used up.
     fn improve(
         &mut self,
         (lanes, observer): (&mut LaneSearch, &mut dyn Observer),
@@ -276,7 +274,7 @@ impl Best<'_> {
                     }
                 }
                 Err(Outcome::GaveUp) => {}
-                // Among all grasps there may be better goals than those that are known.
+                // Other grasps may offer better goals than those that are known.
                 Err(Outcome::GoalsInvalid) if pool.is_some() => {}
                 Err(_) => break,
             }
@@ -293,12 +291,12 @@ impl Best<'_> {
         Ok(())
     }
 
-    /// Whether time is over; the first path is shortened in any case.
+    /// Returns true if time is over; the first path is shortened in any case.
     fn is_over(&self) -> bool {
         !self.steps.is_empty() && self.end.is_some_and(|end| now() >= end)
     }
 
-    /// Step 5.
+    /// Returns the best path that passes the audit. Step 5.
     fn judged(&mut self) -> Result<Vec<Vec<f64>>, PlanError> {
         let settings = AuditSettings { clearances: Clearances::None, ..AuditSettings::default() };
         while let Some(best) = self.steps.last() {
@@ -311,7 +309,7 @@ impl Best<'_> {
     }
 }
 
-/// Counts on from the searches before.
+/// Observer that adds the iterations of the searches before.
 struct Offset<'a> {
     observer: &'a mut dyn Observer,
     before: u64,

@@ -1,4 +1,4 @@
-//! The planners, one a file, and the registry that knows them by name.
+//! Planners, one per file, and the registry that lists them by name.
 
 pub(crate) mod even_sequence;
 pub(crate) mod grasp_reach;

@@ -1,4 +1,4 @@
-//! What planners are made of: the door [`Planner`](crate::Planner), trees and their nearest neighbours, samples, goals.
+//! Building blocks of planners: the trait [`Planner`](crate::Planner), trees and their nearest neighbours, samples, goals.
 
 pub(crate) mod approach_sphere;
 pub(crate) mod base_shift;

@@ -1,6 +1,6 @@
 use std::time::Instant;
 
-/// The one place of this room that looks at the time: for the budget, and for what is told of a search.
+/// Returns the current time, for budgets and statistics; the only access of this crate to the clock.
 #[expect(clippy::disallowed_methods, reason = "the clock of the searches")]
 pub(crate) fn now() -> Instant {
     Instant::now()

@@ -1,4 +1,4 @@
-//! What a judge finds in paths that are known to be wrong, and in what way.
+//! Tests of the audit with paths that have known faults.
 
 use cranny_collision::{Body, Margins, World};
 use cranny_grasp::Grasp;
@@ -13,7 +13,7 @@ use cranny_task::{Goal, Problem, RoundedCorner, Segment, Stage};
 
 use crate::fixture::{ball, block, exact, grasps, paper};
 
-/// Of the ball, in metres.
+/// Radius of the ball, in metres.
 const RADIUS_M: f64 = 0.05;
 
 const FROM: [f64; 3] = [-0.5, 0.0, 0.0];
@@ -39,7 +39,7 @@ fn only(verification: &Audit) -> &Violation {
     &verification.violations[0]
 }
 
-/// What JSON says of a violation under a key.
+/// Returns the number under a key of a violation as JSON.
 fn number(violation: &Violation, key: &str) -> f64 {
     serde_json::json!(violation)[key].as_f64().unwrap_or_else(|| panic!("no {key} in {violation:?}"))
 }
@@ -55,7 +55,7 @@ fn kinds(verification: &Audit) -> Vec<&'static str> {
     verification.violations.iter().map(Violation::kind).collect()
 }
 
-/// The clearance of the edges is not that of the curve that cuts their corner past a post.
+/// Checks that the clearance is that of the curve which cuts a corner past a post, not that of the edges.
 #[test]
 fn the_clearance_of_a_path_with_rounded_corners_is_that_of_the_curve() {
     let corner = [[-0.98, 0.0, 0.0], [0.0; 3], [0.0, 0.98, 0.0]];
@@ -96,7 +96,7 @@ fn the_clearance_of_a_path_with_rounded_corners_is_that_of_the_curve() {
     assert!(of_curve_m <= seen_m && of_curve_m > 0.98 * seen_m - 1e-4, "{of_curve_m} {seen_m}");
     assert!(of_curve_m < of_edges_m - 5e-3, "{of_curve_m} {of_edges_m}");
     assert_eq!(curve.clearances_per_edge_m, [Some(of_curve_m); 2]);
-    // A cell that asks for more than the curve keeps, and one in which it meets something.
+    // The first cell requires more clearance than the curve keeps, and in the second the curve collides.
     let margins = Margins { margin_m: 0.5 * (of_curve_m + of_edges_m), ..Margins::default() };
     let world = || World::new(vec![post(0.36)]).expect("a world");
     let asking = Problem::exact(ball(), world(), None, corner[0].to_vec(), goal(), margins);
@@ -104,7 +104,7 @@ fn the_clearance_of_a_path_with_rounded_corners_is_that_of_the_curve() {
     assert_eq!(kinds(&judged(&exact(&ball(), vec![post(0.1225)], &corner[0], goal()))), ["contact"]);
 }
 
-/// A corner that begins beyond a limit by rounding is a fault, whether or not clearances are measured: no proof was tried.
+/// Checks that a corner beyond a limit by rounding is a fault with and without clearances, because no proof was tried.
 #[test]
 fn a_corner_beyond_a_limit_by_rounding_is_not_accepted() {
     let path = [vec![-0.5, -1.0, 0.0], vec![0.5, -1.0, 0.0], vec![0.5, 0.5, 0.0]];
@@ -228,7 +228,7 @@ fn a_contact_is_told_with_its_depth_and_place() {
     assert_eq!((violation.kind(), violation.at.edge), ("contact", 0));
     assert_eq!(["first", "second"].map(|key| word(violation, key)), ["ball", "block"]);
     assert!((number(violation, "depth_m") - 0.07).abs() < 1e-6, "{violation:?}");
-    // The edge is 1 m long, and the ball over the block from 0.15 to 0.85 of it.
+    // The edge is 1 m long, and the ball is over the block from 0.15 to 0.85 of it.
     assert!(number(violation, "at") > 0.15 && number(violation, "at") < 0.85);
     assert_eq!(verification.clearances_per_edge_m, [Some(0.0)]);
 }
@@ -248,7 +248,7 @@ fn everything_that_an_edge_touches_is_listed_and_the_others_keep_their_clearance
     assert!(verification.clearances_per_edge_m[1..].iter().all(|c| c.is_some_and(|c| c > 0.2)));
 }
 
-/// Of a long path each edge is judged by one of many threads: it is the same verdict as that of the edge alone.
+/// Checks that the verdicts on the edges of a long path, judged in parallel, equal those on single edges.
 #[test]
 fn the_edges_of_a_long_path_are_judged_as_each_is_alone() {
     let bodies = || vec![Body::floor(-0.4), block("b", [0.3, 0.0, 0.0], [0.02; 3])];
@@ -270,7 +270,7 @@ fn the_edges_of_a_long_path_are_judged_as_each_is_alone() {
     }
 }
 
-/// A million way points that collide took an hour, most of it for every pair of every edge.
+/// Checks that further faulty edges report one pair each, which bounds the time for a million colliding way points.
 #[test]
 fn after_a_thousand_edges_with_faults_each_further_one_has_one() {
     let bodies = vec![block("a", [0.0, 0.0, 0.0], [0.02; 3]), block("b", [0.02, 0.0, 0.0], [0.02; 3])];
@@ -297,7 +297,7 @@ fn what_comes_nearer_than_the_margin_is_told_apart_from_contact() {
     assert!((number(violation, "clearance_m") - 0.02).abs() < 1e-9);
     assert!((number(violation, "required_m") - 0.03).abs() < 1e-12);
     assert!(verify_path(&with_margin(0.019, floor()), &[FROM, TO]).valid);
-    // Under a margin a contact is a contact all the same.
+    // A contact remains a contact under a margin.
     let deep = vec![Body::floor(-0.01)];
     let verification = verify_path(&with_margin(0.03, deep), &[FROM, TO]);
     assert_eq!(only(&verification).kind(), "contact");
@@ -327,7 +327,7 @@ fn a_path_of_one_way_point_is_judged_like_any_other() {
     assert_eq!((only(&elsewhere).kind(), only(&elsewhere).at.edge), ("goal", 0));
 }
 
-/// `FROM` to `TO`, 1 m apart, in so many steps.
+/// Returns a path from `FROM` to `TO`, 1 m apart, in `count` steps.
 fn in_steps(count: u32) -> Vec<[f64; 3]> {
     (0..=count).map(|k| [-0.5 + f64::from(k) / f64::from(count), 0.0, 0.0]).collect()
 }
@@ -338,11 +338,11 @@ fn under_paper_only_way_points_between_start_and_goal_are_checked() {
         |bodies: Vec<Body>, path: &[[f64; 3]]| verify_path(&paper(&ball(), bodies, &FROM, there()), path);
     assert!(judge(Vec::new(), &in_steps(10)).valid);
     assert_eq!(judge(Vec::new(), &in_steps(10)).clearance_m, None);
-    // A plate that the fourth way point touches with its surface.
+    // The surface of the plate touches the ball at the fourth way point.
     let plate = || block("plate", [-0.2, 0.0, 0.0], [0.001, 0.2, 0.2]);
     let verification = judge(vec![plate()], &in_steps(10));
     assert_eq!((only(&verification).kind(), only(&verification).at.edge), ("contact", 3));
-    // At start and goal it does not matter.
+    // Contacts at start and goal do not count.
     for x in [-0.5, 0.5] {
         assert!(judge(vec![block("plate", [x, 0.0, 0.0], [0.001, 0.02, 0.02])], &in_steps(10)).valid);
     }

@@ -1,4 +1,4 @@
-//! What is malformed is an error that names it, not an outcome.
+//! Checks that malformed input is an error that names the fault, not an outcome.
 
 use cranny_collision::{CollisionError, Margins, World};
 use cranny_path::{PathError, audit};
@@ -76,7 +76,7 @@ fn a_problem_without_goals_is_refused_by_every_planner() {
                 .and_then(|p| p.plan(problem, &Budget::default(), 0, &mut Unobserved))
         };
         if makes_grasps(name) {
-            // An empty set is one, too.
+            // An empty set is a set of grasps, too.
             assert!(matches!(run(&no_grasps), Err(PlanError::Task(TaskError::GraspSet { .. }))), "{name}");
             assert!(
                 matches!(run(&no_configurations), Err(PlanError::Task(TaskError::GraspSet { .. }))),

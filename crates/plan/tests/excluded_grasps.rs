@@ -1,4 +1,4 @@
-//! Grasps that no search is needed to exclude, and the reasons that are given for it.
+//! Grasps that are excluded without a search, and the reported reasons.
 
 use cranny_collision::{Margins, World};
 use cranny_grasp::Grasp;
@@ -11,7 +11,7 @@ use crate::fixture::{
     without_set,
 };
 
-/// A little wider than the hand of the gantry opens, in metres.
+/// Width slightly above the opening of the gantry hand, in metres.
 const WIDE_M: f64 = 0.080_000_4;
 
 fn searched(planner: &str, problem: &Problem, budget: Budget) -> PlanReport {
@@ -19,7 +19,7 @@ fn searched(planner: &str, problem: &Problem, budget: Budget) -> PlanReport {
     search(planner.as_ref(), problem, &budget, 0, &mut Unobserved).expect("a good problem")
 }
 
-/// A report of no search at all.
+/// Returns the failures of a report without a search.
 fn excluded(planner: &str, problem: &Problem) -> Vec<GraspFailure> {
     let report = searched(planner, problem, Budget::default());
     assert_eq!((report.outcome, report.statistics.iterations), (Outcome::NoReachableGrasp, 0), "{planner}");
@@ -37,7 +37,7 @@ fn grasps_of_what_is_too_wide_are_excluded_before_the_search() {
         let reason = failures[0].reason.sentence();
         assert_eq!(reason, "the object is 80.0004 mm wide there, and the hand opens 80.0000 mm", "{planner}");
     }
-    // The hand of the gantry would be free at all of them.
+    // The hand of the gantry is free at all of them.
     let one_fits: Vec<Grasp> = easy_grasps()
         .into_iter()
         .enumerate()
@@ -85,7 +85,7 @@ fn what_is_beyond_reach_is_told_by_how_much_and_by_which_shift_of_the_base_it_is
     assert!(0.5 < miss.beyond_m && miss.beyond_m <= miss.missed_by_m && miss.missed_by_m < 3.5, "{miss:?}");
     assert_eq!(miss.joints_at_limits.first().map(String::as_str), Some("slide"), "{miss:?}");
 
-    // Seen from the base where it is proposed, the search finds a path.
+    // From the proposed position of the base, the search finds a path.
     let [x, y] = miss.base_shift_m.expect("a rail that ends before it");
     let new_from_old = Pose::translation(-x, -y, 0.0);
     let world = World::new(far([at[0] - x, at[1] - y, at[2]])).expect("good poses");
@@ -95,7 +95,7 @@ fn what_is_beyond_reach_is_told_by_how_much_and_by_which_shift_of_the_base_it_is
     let report = searched("reach", &shifted.expect("a good problem"), Budget::default());
     assert_eq!(report.outcome, Outcome::Solved);
 
-    // No base is high enough.
+    // The grasp is too high for any position of the base.
     let above = [0.5, 0.45, 9.0];
     let problem = exact(&arm(), far(above), &START, grasps(vec![grasp_at(above, 0.0)]));
     let reason = NoGrasp::of(&problem, &excluded("reach", &problem));

@@ -1,4 +1,4 @@
-//! Joints that can stand several turns apart: paths do not wind.
+//! Joints with a range of several turns: paths do not wind.
 
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
@@ -13,12 +13,12 @@ use cranny_task::{Goal, Problem};
 
 use crate::fixture::block;
 
-/// An arm of six joints that turn by 2π either way, as many arms of today do.
+/// Returns an arm of six joints that turn by 2π in both directions, as many current arms do.
 fn arm() -> Arc<Robot> {
     arm_of(r#"type="revolute""#, r#"lower="-6.2832" upper="6.2832""#)
 }
 
-/// An arm of six joints of this type and these limits.
+/// Returns an arm of six joints of this type with these limits.
 fn arm_of(kind: &str, range: &str) -> Arc<Robot> {
     let mut urdf = String::from(r#"<robot name="six"><link name="l0"/>"#);
     let joints = [
@@ -44,7 +44,7 @@ fn arm_of(kind: &str, range: &str) -> Arc<Robot> {
 
 const START: [f64; 6] = [0.0, -1.2, 1.6, -0.4, 0.3, 0.2];
 
-/// To hold what the arm holds at `q`, near an obstacle.
+/// Returns the problem to grasp at the tip pose of `q`, near an obstacle.
 fn problem(q: &[f64]) -> Problem {
     problem_of(arm(), START, q)
 }
@@ -57,13 +57,13 @@ fn problem_of(robot: Arc<Robot>, start: [f64; 6], q: &[f64]) -> Problem {
     Problem::exact(robot, world, None, start.to_vec(), goal, Margins::default()).expect("a good problem")
 }
 
-/// From the least to the greatest value of a joint along a path.
+/// Returns the range of the values of a joint along a path.
 fn turned(path: &[Vec<f64>], joint: usize) -> f64 {
     let values = || path.iter().map(|q| q[joint]);
     values().fold(f64::MIN, f64::max) - values().fold(f64::MAX, f64::min)
 }
 
-/// Of ten seeds eight turned a joint by more than half a turn, though its goal was less than that away.
+/// Checks that no joint turns by more than half a turn to a goal less than that away.
 #[test]
 fn no_goal_is_more_than_half_a_turn_away() {
     let problem = problem(&[1.3, -0.6, 1.0, -0.6, 0.1, 0.4]);
@@ -106,7 +106,7 @@ fn a_path_that_winds_is_turned_back() {
     assert!(audit(&problem, &path).expect("a path").valid);
 }
 
-/// A joint without limits goes on past a full turn where that is the short way.
+/// Checks that a joint without limits passes a full turn if that is the shorter direction.
 #[test]
 fn continuous_joints_wrap() {
     let mut start = START;
@@ -129,7 +129,7 @@ fn continuous_joints_wrap() {
     assert!(beyond > 3, "{beyond} of 10 paths go past a full turn");
 }
 
-/// Values that differ by whole turns are one place of a joint without an end.
+/// Checks that values that differ by full turns are equivalent for a continuous joint.
 #[test]
 fn goals_and_starts_of_joints_without_an_end_are_wrapped() {
     let robot = arm_of(r#"type="continuous""#, "");
@@ -150,7 +150,7 @@ fn goals_and_starts_of_joints_without_an_end_are_wrapped() {
         assert!((last - first - turns).abs() < 1e-9, "{start} to {goal}: from {first} to {last}");
         assert!(audit(&problem, &report.path).expect("a path").valid);
     }
-    // Whoever ends a whole turn away has arrived.
+    // A path that ends a full turn away has arrived.
     let far = problem(3.0, -3.0);
     for end in [-3.0, TAU - 3.0] {
         assert!(audit(&far, &[at(3.0), at(end)]).expect("a path").valid, "{end}");
@@ -158,7 +158,7 @@ fn goals_and_starts_of_joints_without_an_end_are_wrapped() {
     assert!(!audit(&far, &[at(3.0), at(TAU - 2.9)]).expect("a path").valid);
 }
 
-/// A goal that cannot be gone to is given with the joint or the pair that is why.
+/// Checks that an infeasible goal is reported with the joint or pair that is the reason.
 #[test]
 fn goals_that_cannot_be_gone_to_have_a_reason() {
     let goals = vec![vec![7.0, 0.0, 0.0, 0.0, 0.0, 0.0], vec![0.0; 6], vec![0.5; 6]];

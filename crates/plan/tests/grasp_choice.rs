@@ -1,4 +1,4 @@
-//! How J⁺-RRT picks grasps by their score.
+//! Choice of grasps by score in J⁺-RRT.
 
 use cranny_path::audit;
 use cranny_plan::{Budget, GraspChoice, JPlusRrt, Outcome, Planner, Unobserved};
@@ -31,7 +31,7 @@ fn a_grasp_of_score_zero_is_not_gone_for_beside_one_with_a_score() {
     let near = scored(easy_grasps()[0], 1.0);
     let problem = exact(&arm(), still_life(), &START, grasps(vec![far, near]));
     let with = |grasps_of: &cranny_task::Problem| {
-        // Nothing but reaching for grasps.
+        // The planner only extends towards grasps.
         let planner = JPlusRrt { choice: GraspChoice::ByScore, p_goal: 1.0, ..JPlusRrt::default() };
         let budget = Budget { iterations: 200, ..Budget::default() };
         planner.plan(grasps_of, &budget, 5, &mut Unobserved).expect("a good problem")

@@ -1,4 +1,4 @@
-//! Which grasps the hand alone can take.
+//! Grasps that are free for the hand alone.
 
 use cranny_collision::{Body, World};
 use cranny_grasp::{BoxHand, Grasp, Hand};
@@ -14,7 +14,7 @@ fn world(bodies: Vec<Body>) -> World {
     World::new(bodies).unwrap()
 }
 
-/// A ball of 3 cm radius at the origin.
+/// Returns a ball of 3 cm radius at the origin.
 fn ball() -> Body {
     Body::new("ball", Pose::identity(), Solid::sphere(0.03).unwrap())
 }
@@ -23,7 +23,7 @@ fn grasp(pose: Pose) -> Grasp {
     Grasp::at(pose)
 }
 
-/// From above: z of the gripper down.
+/// Returns the rotation of a grasp from above: z of the gripper points down.
 fn downwards() -> Rotation {
     Rotation::from_axis_angle(&Vector::x_axis(), std::f64::consts::PI)
 }
@@ -42,7 +42,7 @@ fn a_hand_about_a_ball_is_free_until_ground_or_ceiling_come_too_near() {
     };
     // The tips reach 7 mm beyond the origin.
     assert!(free(-0.0071, 0.3) && !free(-0.0069, 0.3));
-    // Palm and fingers are 0.1126 m long behind it, and come from 5 cm higher.
+    // Palm and fingers are 0.1126 m long behind it, and approach from 5 cm higher.
     assert!(free(-0.05, 0.1627) && !free(-0.05, 0.1625));
     let filter = HandFilter::new(&hand(), world(vec![ball(), Body::floor(-0.006)]), 0.0).unwrap();
     assert_eq!(filter.blocking_body(&at_ball.world_from_gripper), Some(1));
@@ -51,7 +51,7 @@ fn a_hand_about_a_ball_is_free_until_ground_or_ceiling_come_too_near() {
 #[test]
 fn an_obstacle_on_the_way_blocks_though_the_grasp_itself_is_free() {
     let at_ball = grasp(Pose::from_parts(Vector::zeros().into(), downwards()));
-    // Right above where the palm ends: free to stand under, not to come through.
+    // The bar is right above the end of the palm: the grasp is free, but the approach to it is not.
     let bar = Body::new(
         "bar",
         Pose::translation(0.0, 0.0, 0.13),
@@ -85,7 +85,7 @@ fn the_sweep_blocks_exactly_where_some_place_on_the_way_does() {
                 }
             }
         }
-        // Between two places on the way no part moves more than half a millimetre from the nearer one.
+        // Between two samples of the approach no point of the hand moves more than half a millimetre from the nearer one.
         let is_free = filter.pose_is_free(&pose);
         if least_m <= CONTACT_M {
             assert!(!is_free);
@@ -117,7 +117,7 @@ fn a_surface_with_a_hole_blocks_like_the_closed_one() {
         blocked += usize::from(!verdicts.0);
         different += usize::from(verdicts.0 != verdicts.1);
     }
-    // They differ only where the hand is within rounding of the ball, goes through the hole, or swallows it.
+    // They differ only if the hand is within rounding of the ball, passes through the hole, or encloses the ball.
     assert!(blocked > 100 && different <= 5, "{blocked} blocked, {different} different");
 }
 

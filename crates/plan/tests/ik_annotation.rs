@@ -1,4 +1,4 @@
-//! What becomes of every grasp of a set.
+//! Annotation of every grasp of a set with its status.
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
@@ -14,8 +14,8 @@ use crate::fixture::{
 const SETTINGS: IkAnnotationSettings =
     IkAnnotationSettings { method: IkMethod::Restarts, solutions: 3, attempts: 300, seed: 4 };
 
-/// Grasps of each fate: held; in a block; out of reach; in reach, but with a pebble in the wrist; held; near, but
-/// not in the plane that the arm moves in.
+/// Returns grasps with these results: solved; in a block; out of reach; in reach, but with a pebble in the wrist; solved; near,
+/// but not in the plane in which the arm moves.
 fn problem() -> Problem {
     let pebble = block("pebble", [-0.4 - 0.105, 0.4, 0.3], [0.01; 3]);
     let rock = block("rock", [0.0, 0.6, 0.3], [0.1; 3]);

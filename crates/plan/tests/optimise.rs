@@ -1,4 +1,4 @@
-//! What going on after the first path promises.
+//! Guarantees of the improvement after the first path.
 
 use std::time::Duration;
 
@@ -22,7 +22,7 @@ fn optimised(problem: &Problem, iterations: u64, time: Duration, seed: u64) -> O
     optimise(planner.as_ref(), problem, &budget, settings, seed, &mut Unobserved).expect("a good problem")
 }
 
-/// The easy problem with scores: the later the grasp, the better.
+/// Returns the easy problem with scores that increase with the index of the grasp.
 fn scored() -> Problem {
     let set: Vec<Grasp> = easy_grasps();
     let count = set.len() as f64;
@@ -38,7 +38,7 @@ fn cost_of(problem: &Problem, path: &[Vec<f64>]) -> f64 {
     cost.of(path, set.grasps()[goal.grasp].score).expect("a path")
 }
 
-/// The first path, shortened, without another search.
+/// Returns the first path, shortened, without another search.
 fn first_shortened(problem: &Problem, seed: u64) -> Optimised {
     let budget = Budget { iterations: 1_000_000, time: FOR_EVER };
     let first =
@@ -117,7 +117,7 @@ fn an_arm_without_limits_has_no_time() {
     assert!(matches!(cost, Err(PathError::MissingLimit { .. })), "{cost:?}");
 }
 
-/// A ball and a wall that it must go around.
+/// Returns the problem of a ball and a wall that it must avoid.
 fn around_a_wall() -> Problem {
     let wall = vec![block("wall", [0.0, -0.2, 0.0], [0.01, 1.0, 2.0])];
     exact(&ball(), wall, &[-0.5, -0.9, 0.0], Goal::Configurations(vec![vec![0.5, -0.9, 0.0]]))
@@ -149,7 +149,7 @@ fn what_lies_farther_than_is_wished_costs_its_length() {
     let far = [vec![-0.5, -0.9, 0.0], vec![-0.5, 0.9, 0.0]];
     let [length, clearance] = [CostKind::Length, CostKind::Clearance].map(|cost| measure(cost, &far));
     assert!((length - clearance).abs() < 1e-12);
-    // Along the wall, half of what is wished away from it.
+    // The ball passes the wall at half the desired clearance.
     let ball_m = problem.cell().expect("exact").world_clearance(
         &[0.0, 0.9, 0.0],
         1.0,
@@ -172,7 +172,7 @@ fn without_a_first_path_there_is_nothing_to_better() {
     assert!(found.improvements.is_empty() && found.report.path.is_empty());
 }
 
-/// Stops every search once one was begun after the first.
+/// Observer that stops every search after the first.
 struct Impatient {
     searches: u32,
 }

@@ -1,4 +1,4 @@
-//! What every planner of the registry promises.
+//! Guarantees of every planner of the registry.
 
 use std::time::Duration;
 
@@ -11,7 +11,7 @@ use crate::fixture::{
     out_of_reach_for, plan, still_life, walled_in_for, without_set,
 };
 
-/// The names of those that also reach for configurations: they know too which grasps the hand alone can take.
+/// Returns the names of the planners that also accept goal configurations, and that filter grasps by the hand alone.
 fn take_configurations() -> Vec<&'static str> {
     Registry::default()
         .names()
@@ -24,7 +24,7 @@ fn bits(report: &PlanReport) -> Vec<Vec<u64>> {
     report.path.iter().map(|q| q.iter().map(|value| value.to_bits()).collect()).collect()
 }
 
-/// Those that were released with the paper, and take its criterion.
+/// Names of the planners released with the paper, which support its criterion.
 const RELEASED: [&str; 4] = ["ik-rrt", "ik-rbt", "j-plus-rrt", "j-plus-rbt"];
 
 fn under_paper() -> Problem {
@@ -171,7 +171,7 @@ fn time_ends_a_search_that_nothing_else_would_end() {
     }
 }
 
-/// Stops a search, and counts what it hears.
+/// Observer that stops a search, and counts its reports.
 #[derive(Default)]
 struct Impatient {
     stop_after: u64,

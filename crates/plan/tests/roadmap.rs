@@ -1,4 +1,4 @@
-//! Roadmaps of planner `prm`: what a file keeps, and what of a file that lies is believed.
+//! Roadmaps of planner `prm`: content of a file, and distrust of a wrong file.
 
 use std::path::{Path, PathBuf};
 
@@ -28,7 +28,7 @@ fn plan_with(path: &Path, problem: &Problem) -> PlanReport {
     prm.plan(problem, &budget, 0, &mut Unobserved).expect("a roadmap of this robot")
 }
 
-/// A way from one side of the arm to the other.
+/// Returns a goal on the other side of the arm.
 fn across() -> Goal {
     Goal::Configurations(vec![vec![0.6, -1.5, 0.4, 0.2, 0.0]])
 }

@@ -1,4 +1,4 @@
-//! What shortening a path promises.
+//! Guarantees of shortening a path.
 
 use cranny_path::{PathError, ShortcutSettings, audit, path_length, shortcut};
 use cranny_task::{Goal, Problem, TaskError};
@@ -40,7 +40,7 @@ fn a_path_to_a_configuration_ends_there() {
         let short = shortcut(&problem, &path, settings(seed)).expect("an exact problem").path;
         assert_eq!((&short[0], short.last()), (&path[0], Some(&goal)));
         assert!(audit(&problem, &short).expect("a path of the robot").valid);
-        // Around the edge of the wall and back; no way is shorter than this, and none left much longer.
+        // The path leads around the edge of the wall and back. No path is shorter than this, and the result is not much longer.
         let shortest = 2.0 * 0.5_f64.hypot(1.75) - 1e-9;
         assert!((shortest..1.2 * shortest).contains(&path_length(&short)), "{}", path_length(&short));
     }

@@ -1,4 +1,4 @@
-//! What a robot may rely on when it runs a trajectory: limits, rest at both ends, the proven edges.
+//! Guarantees of a trajectory: limits, rest at both ends, and the proven edges.
 
 #![allow(clippy::float_cmp, reason = "the ends of a trajectory are exact")]
 
@@ -12,7 +12,7 @@ use proptest::prelude::*;
 
 const METHODS: [TimingMethod; 2] = [TimingMethod::TimeOptimal, TimingMethod::JerkLimited];
 
-/// The built-in robot with its own limits.
+/// Returns the built-in robot with its own limits.
 fn panda() -> Robot {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenario/robots/panda_mobile");
     let text = std::fs::read_to_string(folder.join("panda_mobile.urdf")).expect("the URDF");
@@ -30,7 +30,7 @@ fn options(folder: &Path) -> RobotOptions {
     }
 }
 
-/// Way points of all kinds: far and near, repeated, on one line, there and back.
+/// Returns way points of all kinds: far and near, repeated, on one line, there and back.
 fn polyline(robot: &Robot, seed: u64, count: usize) -> Vec<Vec<f64>> {
     let mut stream = Stream::new(seed, 0);
     let anywhere = |stream: &mut Stream| -> Vec<f64> { robot.random_configuration(stream) };
@@ -62,7 +62,7 @@ fn limit(limits: &[JointLimits], of: impl Fn(&JointLimits) -> Option<f64>) -> Ve
     limits.iter().map(|l| of(l).expect("the limit is known")).collect()
 }
 
-/// The greatest distance per joint from `q` to the nearest point of the polyline.
+/// Returns the greatest distance per joint from `q` to the nearest point of the polyline.
 fn distance_to(path: &[Vec<f64>], q: &[f64]) -> f64 {
     let to_edge = |a: &[f64], b: &[f64]| {
         let dot = |x: &[f64], y: &[f64]| -> f64 {
@@ -78,8 +78,8 @@ fn distance_to(path: &[Vec<f64>], q: &[f64]) -> f64 {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 40, failure_persistence: None, ..Default::default() })]
 
-    /// Limits are looked at twice: in the derivatives that the trajectory states, and in differences of its
-    /// positions, which no mistake in a derivative can hide.
+    /// Checks limits twice: in the derivatives that the trajectory states, and in differences of its positions, which no error
+    /// in a derivative can hide.
     #[test]
     fn every_limit_holds_at_1_khz(seed in any::<u64>(), count in 2usize..12) {
         let robot = panda();
@@ -149,8 +149,8 @@ proptest! {
         }
     }
 
-    /// The slowest joint by the trapezoid `T = L/v + v/a`, or the triangle `T = 2√(L/a)`; on a straight line
-    /// the joints share one profile, so the bounds of velocity and acceleration may come from two of them.
+    /// Compares with the trapezoid `T = L/v + v/a`, or the triangle `T = 2√(L/a)`, of the slowest joint. On a straight line the
+    /// joints share one profile, so the bounds of velocity and acceleration may come from two of them.
     #[test]
     fn a_straight_motion_takes_as_long_as_the_closed_form_says(seed in any::<u64>()) {
         let robot = panda();
@@ -186,7 +186,7 @@ fn one_joint_is_moved_bang_bang() {
     };
     let limits = MotionLimits::new(&["slide".to_owned()], &[joint], TimingMethod::TimeOptimal).expect("fine");
     let trajectory = Trajectory::along(&[vec![0.0], vec![3.0]], &limits).expect("a trajectory");
-    // Half a second up, a second at 2 m/s, half a second down.
+    // The joint accelerates for half a second, moves at 2 m/s for a second, and decelerates for half a second.
     assert!((trajectory.duration_s() - 2.0).abs() < 1e-5);
     for (time_s, q, v, a) in
         [(0.0, 0.0, 0.0, 4.0), (0.25, 0.125, 1.0, 4.0), (1.0, 1.5, 2.0, 0.0), (1.75, 2.875, 1.0, -4.0)]

@@ -1,4 +1,4 @@
-//! A grasp can be held by its twin where it cannot be held itself.
+//! Grasps that can be held only by their twins.
 
 use cranny_path::audit;
 use cranny_plan::Outcome;
@@ -6,7 +6,7 @@ use cranny_task::Problem;
 
 use crate::fixture::{OBJECT, START, arm, block, exact, finned_arm, grasp_at, grasps, off, plan, still_life};
 
-/// Solved, and only by the twin: the gripper ends turned by about half a turn from the grasp itself.
+/// Checks that a problem is solved only by the twin: the gripper ends rotated by about half a turn from the grasp itself.
 fn assert_solved_at_the_twin(name: &str, problem: &Problem, grasp: cranny_grasp::Grasp) {
     let report = plan(name, problem, 1_000_000, 3);
     assert_eq!(report.outcome, Outcome::Solved, "{name}");
@@ -35,7 +35,7 @@ fn a_grasp_at_which_only_the_twin_of_an_uneven_hand_is_free_is_solved() {
     for name in ["reach", "ik-rrt"] {
         assert_solved_at_the_twin(name, &problem, grasp);
     }
-    // Without the lid the fin may point upwards: it alone decides.
+    // Without the lid the fin may point upwards, so the lid alone decides.
     bodies.pop();
     let problem = exact(&finned_arm(), bodies, &START, grasps(vec![grasp]));
     let seen_upright = (0..10).any(|seed| {

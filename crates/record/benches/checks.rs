@@ -9,10 +9,10 @@ use cranny_robot::between;
 use cranny_spatial::Stream;
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 
-/// Uniform random configurations that are checked.
+/// Number of uniform random configurations that are checked.
 const CONFIGURATIONS: usize = 2048;
 
-/// An edge takes this part of the way from one of them to the next: about a step of a planner.
+/// Length of an edge as a share of the distance between two of them: about a step of a planner.
 const EDGE: f64 = 0.05;
 
 fn checks(criterion: &mut Criterion) {

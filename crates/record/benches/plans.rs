@@ -7,7 +7,7 @@ use std::time::Duration;
 use cranny_plan::{Budget, Unobserved, default_planner};
 use criterion::{BenchmarkId, Criterion, SamplingMode, Throughput, criterion_group, criterion_main};
 
-/// Plans in one measurement: how long one takes depends on its seed.
+/// Number of plans in one measurement: the duration of one depends on its seed.
 const SEEDS: u64 = 4;
 
 fn plans(criterion: &mut Criterion) {

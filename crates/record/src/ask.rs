@@ -12,85 +12,85 @@ use serde_json::{Map, Value};
 
 use crate::{PaceWords, RecordError};
 
-/// What is asked of a planner, in the words of flags and keywords: the only place where they become a [`Request`].
+/// Options of a plan, in the words of flags and keywords: only this type converts them to a [`Request`].
 #[derive(Clone, Debug)]
 #[expect(clippy::struct_excessive_bools, reason = "a flag or keyword each")]
 pub struct Ask {
-    /// The planners that there are.
+    /// Available planners.
     pub registry: Registry,
     /// Name of the planner; `None`: the best for the criterion.
     pub planner: Option<String>,
     /// Settings of the planner that differ from their defaults.
     pub settings: Map<String, Value>,
-    /// Seed of all randomness.
+    /// Seed of all random numbers.
     pub seed: u64,
-    /// Time after which the search ends.
+    /// Time limit of the search.
     pub time_limit: Duration,
-    /// Iterations after which it ends; `None`: any number.
+    /// Iteration limit of the search; `None`: no limit.
     pub iterations: Option<u64>,
-    /// Score of the grasps that counts; `None`: as a request decides ([`Request::score`]).
+    /// Score used to rank grasps; `None`: the default of a request ([`Request::score`]).
     pub score: Option<ScoreKind>,
     /// Least score, or load, of a grasp.
     pub min_score: Option<f64>,
     /// Threshold of the paper's criterion.
     pub goal_threshold: Option<f64>,
-    /// Keeps the path as the planner found it.
+    /// True to keep the path as the planner found it.
     pub keep_path: bool,
-    /// Time for better paths; `None`: none are looked for.
+    /// Time for better paths; `None`: the first path only.
     pub optimise: Option<Duration>,
-    /// Cost of a path; `None`: [`CostKind::Mix`] for a robot with limits of acceleration, else [`CostKind::Length`].
+    /// Cost of a path; `None`: [`CostKind::Mix`] for a robot with limits of acceleration, otherwise [`CostKind::Length`].
     pub cost: Option<CostKind>,
     /// Weight of a grasp's score against the cost.
     pub score_weight: f64,
-    /// Limits that the time of the path keeps; `None`: those of jerk too where the robot states them.
+    /// Limits of the timing; `None`: those of jerk too if the robot states them.
     pub timing: Option<TimingMethod>,
-    /// Stops at each corner, and rounds none.
+    /// True to stop at each corner and round none.
     pub stops: bool,
-    /// Speeds of the motions.
+    /// Speed limits of the motions.
     pub paces: PaceWords,
-    /// Greatest speed of the gripper frame, in m/s, that the problem demands where `paces` state none.
+    /// Greatest speed of the gripper frame that the problem requires, in m/s, if `paces` state none.
     pub tool_m_s: Option<f64>,
-    /// Keeps the forces and torques of the joints within the efforts of the URDF.
+    /// True to keep the forces and torques of the joints within the efforts of the URDF.
     pub torque: bool,
-    /// Demands a trajectory.
+    /// True to require a trajectory.
     pub is_timing_demanded: bool,
-    /// End of a carry.
+    /// Goal of a carry.
     pub carry: Option<CarryWord>,
-    /// Name of the place where the target is put down.
+    /// Name of the placement goal of the target.
     pub place: Option<String>,
     /// Task of several stages.
     pub task: Option<TaskWord>,
     /// Motion of the robot after the target has been put down. Default: home.
     pub then: Option<AfterPlacing>,
-    /// Distance, in metres, of the object, or of the hand, that counts as clear.
+    /// Distance of the object or the hand that counts as clear, in metres.
     pub clear_m: Option<f64>,
-    /// Least length of the straight approach to each grasp, in metres; `None`: as stages state it.
+    /// Least length of the straight approach to each grasp, in metres; `None`: as in the stages.
     pub approach_m: Option<f64>,
-    /// Least length of the straight retreat from each object that is put down, in metres; `None`: as stages state it.
+    /// Least length of the straight retreat from each object that is put down, in metres; `None`: as in the stages.
     pub retreat_m: Option<f64>,
-    /// Error of the pose of each object that is to be forgiven.
+    /// Error of the pose of each object that the plan must tolerate.
     pub robust: Option<PoseRadius>,
-    /// Factor by which the hand holds at least what it carries; 0 demands nothing.
+    /// Least factor of the hold on the carried object; 0 requires nothing.
     pub hold: f64,
 }
 
 /// A task of several stages.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TaskWord {
-    /// The task of the scenario that has this name.
+    /// Name of a task of the scenario.
     Named(String),
-    /// These stages.
+    /// List of stages.
     Stages(Vec<Stage>),
 }
 
-/// End of a carry.
+/// Goal of a carry.
 #[derive(Clone, Debug, PartialEq)]
 pub enum CarryWord {
-    /// Where the robot started.
+    /// Start configuration of the robot.
     Home,
-    /// Where the object is clear of everything but floors.
+    /// Any configuration at which the object is clear of everything but floors.
     Out,
-    /// One of these configurations (m, rad).
+    /// Any of these configurations (m, rad).
     Configurations(Vec<Vec<f64>>),
 }
 
@@ -131,11 +131,11 @@ impl Default for Ask {
 }
 
 impl Ask {
-    /// The request to a problem, which is that of a scenario or of other files; and the task of the scenario that is asked for
-    /// by its name.
+    /// Creates the request for a problem, from a scenario or from other files, and returns it with the scenario's task if one
+    /// is requested by name.
     ///
     /// # Errors
-    /// [`RecordError::Ask`] names a word that does not go with another, and those of [`Request::check`];
+    /// [`RecordError::Ask`] for options that exclude each other, and those of [`Request::check`];
     /// [`ScenarioError::UnknownTask`](cranny_scenario::ScenarioError::UnknownTask).
     pub fn request(
         &self,
@@ -192,7 +192,7 @@ impl Ask {
         Ok((request, task))
     }
 
-    /// Stages with the straight approaches and retreats that are asked for.
+    /// Returns stages with the requested straight approaches and retreats.
     fn straight(&self, problem: &Problem, mut stages: Vec<Stage>) -> Result<Vec<Stage>, RecordError> {
         if self.approach_m.is_some() && stages.is_empty() {
             stages = Stage::of_goal(problem);
@@ -213,30 +213,27 @@ impl Ask {
         }
         let refuse = |field, problem: &str| Err(RecordError::Ask { field, problem: problem.to_owned() });
         if self.approach_m.is_some() && picks == 0 {
-            return refuse(
-                "approach",
-                "nothing is grasped in this task, before which the hand could approach",
-            );
+            return refuse("approach", "nothing is grasped in this task");
         }
         if self.retreat_m.is_some() && places == 0 {
-            return refuse("retreat", "nothing is put down in this task, after which the hand could retreat");
+            return refuse("retreat", "it is only valid with `place` and with tasks that put an object down");
         }
         Ok(stages)
     }
 
-    /// The stages that are asked for, and the task of the scenario that they are.
+    /// Returns the requested stages, and the task of the scenario if they are one.
     fn stages(&self, scenario: Option<&Scenario>) -> Result<(Vec<Stage>, Option<NamedTask>), RecordError> {
         let refuse = |field, problem: &str| Err(RecordError::Ask { field, problem: problem.to_owned() });
         let asked =
             [("carry", self.carry.is_some()), ("place", self.place.is_some()), ("task", self.task.is_some())];
         let mut asked = asked.into_iter().filter(|(_, is_asked)| *is_asked).map(|(field, _)| field);
         if let (Some(_), Some(second)) = (asked.next(), asked.next()) {
-            return refuse(second, "of `carry`, `place` and tasks only one can be asked for");
+            return refuse(second, "only one of `carry`, `place` and a task can be given");
         }
         if self.then.is_some() && self.place.is_none() {
             return refuse(
                 "then",
-                "it goes with `place` alone; a task has a stage of its own for where the robot goes",
+                "it is only valid with `place`; in a task, add a stage with `move` instead",
             );
         }
         if self.clear_m.is_some()
@@ -244,7 +241,7 @@ impl Ask {
             && self.task.is_none()
             && self.carry != Some(CarryWord::Out)
         {
-            return refuse("clear", "it goes with `carry` out, `place` and tasks alone");
+            return refuse("clear", "it is only valid with `carry` out, `place` and tasks");
         }
         let clear_m = self.clear_m.unwrap_or(CLEAR_M);
         if let Some(place) = &self.place {
@@ -277,17 +274,17 @@ impl Ask {
     }
 }
 
-/// Clearance between the open hand and what it is to pick up that a plan demands unless another is given, in metres, where
-/// `goes_on` from the grasp: what a hand grazes does not stand any more where it closes. Where an error of the pose is to be
-/// forgiven, its margin stands in.
+/// Default clearance that a plan requires between the open hand and the object to pick up, in metres, if motion `goes_on` after
+/// the grasp: an object that the hand grazes has moved by the time it closes. If an error of the pose must be tolerated, its
+/// margin takes over.
 pub fn default_grasp_margin_m(goes_on: bool, robust: Option<PoseRadius>) -> f64 {
     if goes_on && robust.is_none() { 1e-3 } else { 0.0 }
 }
 
-/// Margins that forgive an error of the pose of a scenario's target too, if one is to be forgiven.
+/// Returns margins that also tolerate an error of the pose of a scenario's target, if one is given.
 ///
 /// # Errors
-/// [`ScenarioError::NoTarget`] where it has no target that could be elsewhere.
+/// [`ScenarioError::NoTarget`] for a scenario without a target that could be displaced.
 pub fn margins_forgiving(
     scenario: &Scenario,
     margins: Margins,

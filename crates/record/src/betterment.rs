@@ -3,13 +3,13 @@ use cranny_plan::Improvement;
 use cranny_solve::{Optimisation, Shortening};
 use serde::{Deserialize, Serialize};
 
-/// How a path was shortened after the search.
+/// Statistics of the shortening of a path after the search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlanShortening {
-    /// Random changes of the path that were tried, drawn from the plan's seed.
+    /// Number of random changes of the path that were tried, drawn from the plan's seed.
     pub attempts: usize,
-    /// Further searches for a better path.
+    /// Number of further searches for a better path.
     #[serde(default)]
     pub searches: u64,
 }
@@ -20,22 +20,22 @@ impl PlanShortening {
     }
 }
 
-/// How a path was bettered after the first search.
+/// Statistics of the optimisation of a path after the first search.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlanOptimisation {
-    /// How long it was to go on after the first path, in seconds.
+    /// Time limit after the first path, in seconds.
     pub time_limit_s: f64,
-    /// What was measured of a path.
+    /// Cost of a path.
     #[serde(default)]
     pub cost: CostKind,
-    /// What a grasp of score 1 is worth, in the unit of the cost.
+    /// Reward of a grasp of score 1, in the unit of the cost.
     pub score_weight: f64,
-    /// How long it went on, in seconds.
+    /// Duration, in seconds.
     pub time_s: f64,
-    /// Iterations of all searches together.
+    /// Number of iterations of all searches together.
     pub iterations: u64,
-    /// The cost over time: of the first path, and of every better one.
+    /// Cost over time: of the first path, and of each improvement.
     pub improvements: Vec<Improvement>,
 }
 

@@ -3,7 +3,7 @@ use std::path::PathBuf;
 use cranny_scenario::ScenarioError;
 use cranny_solve::SolveError;
 
-/// What can be wrong with a plan file or a file of way points. The message is complete in itself: file and line where there is one.
+/// Error of a plan file or a file of way points. The message is self-contained: it has file and line if there are any.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RecordError {
@@ -14,20 +14,20 @@ pub enum RecordError {
         path: PathBuf,
         /// Index of the way point, from 0.
         waypoint: usize,
-        /// How many values there should be.
+        /// Expected number of values.
         expected: usize,
-        /// How many there are.
+        /// Number of values found.
         actual: usize,
     },
-    /// A plan of a search that found nothing.
-    #[error("{}: the plan has no path; as stated, its search ended as {outcome}", path.display())]
+    /// A plan without a path.
+    #[error("{}: the plan has no path (stated outcome of its search: {outcome})", path.display())]
     NoPath {
         /// The plan file.
         path: PathBuf,
-        /// How its search ended.
+        /// Outcome of its search.
         outcome: &'static str,
     },
-    /// A file's ending says nothing about how to read it.
+    /// A file with an unknown ending.
     #[error("{}: cannot tell what this file is (known endings: .plan.json, .csv, .try)", path.display())]
     WaypointFormat {
         /// The file.
@@ -38,7 +38,7 @@ pub enum RecordError {
     NotFinite {
         /// The file.
         path: PathBuf,
-        /// Which field of the plan.
+        /// Field of the plan.
         field: &'static str,
     },
     /// A file that cannot be read or written, or the scenario of a plan that cannot be opened.
@@ -50,15 +50,15 @@ pub enum RecordError {
     /// The task of a plan is malformed.
     #[error(transparent)]
     Task(#[from] cranny_task::TaskError),
-    /// A word of what is asked does not go with another, or with the problem.
+    /// An option does not fit another one, or the problem.
     #[error("{field}: {problem}")]
     Ask {
-        /// The word; flags and keywords have the same name.
+        /// Name of the option, as in flags and keywords.
         field: &'static str,
-        /// What is wrong, with a hint.
+        /// The fault, with a hint.
         problem: String,
     },
-    /// The planner, the judge or the timing refuses.
+    /// Error of the planner, the audit or the timing.
     #[error(transparent)]
     Plan(#[from] cranny_plan::PlanError),
 }

@@ -14,10 +14,10 @@ use crate::betterment::{PlanOptimisation, PlanShortening};
 use crate::timing::PlanTiming;
 use crate::{LeftOut, PlanPick, PlanTry, RecordError};
 
-/// An answer, with all that is needed to judge it and to find it again: what a `*.plan.json` holds.
+/// Contents of a `*.plan.json`: an answer, with all data needed to audit it and to reproduce it.
 ///
-/// Every number is read back bit by bit. What was not measured, or has no value (a clearance where nothing
-/// is near, a proof under the `paper` criterion), is `None`, never a made-up number.
+/// Every number is read back bit by bit. Values that were not measured or do not exist (a clearance where nothing is near, a
+/// proof under the `paper` criterion) are `None`, never a made-up number.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlanFile {
@@ -28,139 +28,138 @@ pub struct PlanFile {
     /// Name of the task, if it is one of those of the scenario.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub task_name: Option<String>,
-    /// The stages of the task; empty where the goal of the scenario is all.
+    /// Stages of the task; empty if the task is the goal of the scenario alone.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub task: Vec<Stage>,
-    /// The URDF that was given instead of the scenario's robot.
+    /// URDF that replaces the scenario's robot, if given.
     pub robot: Option<String>,
-    /// The geometry of a released scenario, where it was asked for.
+    /// Geometry of a released scenario, if requested.
     pub geometry: Option<String>,
-    /// The file of grasps that was given instead of the scenario's own; `none` where no set was given.
+    /// File of grasps that replaces the scenario's own, if given; `none` for no set of grasps.
     #[serde(default)]
     pub grasps: Option<String>,
     /// Name of the planner.
     pub planner: String,
-    /// The planner's settings.
+    /// Settings of the planner.
     pub settings: serde_json::Value,
-    /// What counted as solved.
+    /// Criterion by which the problem counts as solved.
     pub criterion: Criterion,
-    /// Which score of the grasps counted.
+    /// Score of the grasps that was used.
     #[serde(default)]
     pub score: ScoreKind,
-    /// Least score of the grasps that were goals, if that was asked.
+    /// Least score of the goal grasps, if requested.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub min_score: Option<f64>,
-    /// Number of grasps that were excluded by it.
+    /// Number of grasps excluded by it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub below_min_score: Option<usize>,
     /// Under `paper`: the value of `½·mm + ½·deg` below which the gripper has arrived.
     pub goal_threshold: Option<f64>,
-    /// What the random numbers were drawn from.
+    /// Seed of all random numbers.
     pub seed: u64,
-    /// The version of Cranny: with the same version the seed gives the same path.
+    /// Version of Cranny: with the same version the seed gives the same path.
     pub version: String,
-    /// How the search ended.
+    /// Outcome of the search.
     pub outcome: Outcome,
-    /// The clearance that was demanded.
+    /// Required clearance.
     pub margins: Margins,
-    /// What the search was allowed to spend.
+    /// Budget of the search.
     pub budget: PlanBudget,
     /// Names of the joints, in the order of every way point.
     pub joint_names: Vec<String>,
-    /// Index of the grasp that the path, or that of the first pick, ends at.
+    /// Index of the grasp at the end of the path, or of the first pick.
     pub grasp: Option<usize>,
-    /// How far the gripper ends from it, in metres.
+    /// Distance of the gripper from it at the end, in metres.
     pub translation_error_m: Option<f64>,
-    /// How far the gripper ends turned from it, in radians.
+    /// Angle of the gripper to it at the end, in radians.
     pub rotation_error_rad: Option<f64>,
-    /// The grasp that the path ends at, where no set was given and the planner made it.
+    /// Grasp at the end of the path that the planner generated, if no set was given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub own_grasp: Option<OwnGrasp>,
-    /// The grasps of the picks that follow the first.
+    /// Grasps of the picks that follow the first.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub picks: Vec<PlanPick>,
-    /// The least clearance along the whole path, proven, in metres.
+    /// Proven lower bound of the clearance along the whole path, in metres.
     pub clearance_m: Option<f64>,
-    /// The same for each edge of the path, in metres; `None` where nothing is near, empty without a proof.
+    /// Proven lower bound of the clearance of each edge, in metres; `None` if nothing is near, empty without a proof.
     pub clearances_per_edge_m: Vec<Option<f64>>,
-    /// What touches and was not compared: the path is proven but for these.
+    /// Pairs that touch and were not compared: the path is proven except for these.
     #[serde(default)]
     pub not_checked: Vec<NotChecked>,
     /// Length of the path in the plain norm of `q` (m and rad alike).
     pub path_length: f64,
-    /// Length that every path of the task has at least, proven; `None` where that was not asked, or is not known.
+    /// Proven lower bound of the length of every path of the task; `None` if not requested or unknown.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub least_length: Option<f64>,
-    /// The path, piece by piece: `waypoints` and `clearances_per_edge_m` are those of all pieces.
+    /// Path in segments: `waypoints` and `clearances_per_edge_m` are those of all segments.
     #[serde(default)]
     pub segments: Vec<Segment>,
-    /// The path: one value per joint each (m, rad), straight lines between.
+    /// Way points of the path: one value per joint each (m, rad), straight lines between.
     pub waypoints: Vec<Vec<f64>>,
-    /// When they are passed; `None` for a robot without limits of acceleration.
+    /// Timing of the path; `None` for a robot without limits of acceleration.
     #[serde(default)]
     pub timing: Option<PlanTiming>,
-    /// What the search cost: the first, where others followed to better its path.
+    /// Statistics of the search; of the first one, if others followed to improve its path.
     pub statistics: Statistics,
-    /// How the path was shortened; `None` if it was not, or the file is older than this key.
+    /// Shortening of the path; `None` if there was none, or the file is older than this key.
     #[serde(default)]
     pub shortening: Option<PlanShortening>,
-    /// How the path became better after the first; `None` where nobody tried.
+    /// Optimisation of the path after the first search; `None` if there was none.
     #[serde(default)]
     pub optimisation: Option<PlanOptimisation>,
-    /// What stood between the robot and each grasp, from a planner that keeps account of it; empty if solved.
+    /// Obstacle or reason for each grasp, from a planner that records them; empty if solved.
     #[serde(default)]
     pub failures: Vec<GraspFailure>,
     /// Reasons why each goal configuration was refused, in sentences, if all of them were.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub goal_faults: Vec<Vec<String>>,
-    /// Why no grasp was taken at all, after a search in which the arm came to none.
+    /// Reason why no grasp was reached, after a search in which the arm reached none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub no_grasp: Option<NoGrasp>,
-    /// How far things may be from where the path has them, each kind of error by itself; `None` where that was not asked, or
-    /// there is no proof.
+    /// Tolerated deviations from the path, for each kind of error by itself; `None` if not requested, or without a proof.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub robustness: Option<Robustness>,
-    /// Tilt of what is held along the whole motion, proven; `None` where none is limited.
+    /// Proven tilt of the held object along the whole motion; `None` if it is not limited.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tilt: Option<Tilt>,
-    /// Distance of the tool within each of its bounds along the whole motion, proven.
+    /// Proven distance of the tool within each of its bounds along the whole motion.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub tool: Vec<ToolSlack>,
-    /// Factor by which loads were to grow at least before what is in the hand slips; `None` where nothing was demanded.
+    /// Required factor by which loads may grow before the object in the hand slips; `None` if nothing was required.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hold_demanded: Option<f64>,
-    /// Factor by which they may; `None` where nothing is carried, or it cannot be computed.
+    /// Measured factor of the hold; `None` if nothing is carried, or it cannot be computed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hold: Option<Hold>,
-    /// Plans that were tried in physics, of which this is the last, if any were.
+    /// Plans that were tried in simulation, of which this is the last, if any were.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub tries: Vec<PlanTry>,
 }
 
-/// What a plan is of: what an [`Answer`] does not know.
+/// Source of a plan: the data that an [`Answer`] does not have.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PlanSource {
     /// Id of the scenario.
     pub scenario: String,
-    /// The URDF that was given instead of the scenario's robot.
+    /// URDF that replaces the scenario's robot, if given.
     pub robot: Option<PathBuf>,
-    /// The geometry of a released scenario, where it was asked for.
+    /// Geometry of a released scenario, if requested.
     pub geometry: Option<Geometry>,
-    /// The grasps that were given.
+    /// Source of the grasps.
     pub grasps: GivenGrasps,
-    /// The clearance that was demanded.
+    /// Required clearance.
     pub margins: Margins,
-    /// The task of the scenario that was planned, if it has a name.
+    /// Task of the scenario that was planned, if it has a name.
     pub task: Option<NamedTask>,
 }
 
-/// What a search was allowed to spend.
+/// Budget of a search.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlanBudget {
-    /// Iterations; `None`: no limit.
+    /// Iteration limit; `None`: no limit.
     pub iterations: Option<u64>,
-    /// Wall-clock time, in seconds; `None`: no limit.
+    /// Limit of wall-clock time, in seconds; `None`: no limit.
     pub time_limit_s: Option<f64>,
 }
 
@@ -176,13 +175,13 @@ impl PlanBudget {
 }
 
 impl PlanFile {
-    /// The format that this program writes.
+    /// Format that this program writes.
     pub const FORMAT: &'static str = "cranny-plan/2";
 
-    /// The version that this program writes into its plans.
+    /// Version that this program writes into its plans.
     pub const VERSION: &'static str = env!("CARGO_PKG_VERSION");
 
-    /// What a file says of an answer.
+    /// Creates the contents of a plan file from an answer.
     pub fn of(answer: &Answer, source: &PlanSource) -> Self {
         let goal = answer.audit.as_ref().and_then(|audit| audit.goal);
         let waypoints: Vec<Vec<f64>> = answer.waypoints();
@@ -241,8 +240,8 @@ impl PlanFile {
         }
     }
 
-    /// The request that a plan was made by, where iterations alone end it: the time that a search took says nothing of
-    /// this machine.
+    /// Returns the request that reproduces the plan, limited by iterations alone: the time of the original search does not
+    /// apply to this machine.
     pub fn request(&self) -> Request {
         let mut paces = Paces::default();
         paces.of_modes.extend(self.segments.iter().map(|segment| (segment.mode, segment.pace)));
@@ -259,25 +258,25 @@ impl PlanFile {
             hold: self.hold_demanded,
             left_out: LeftOut::before_last(&self.tries),
             paces,
-            // Way points lie where a motion with rounded corners takes less time.
+            // The positions of the way points depend on the timing with rounded corners.
             timing: self.timing.as_ref().map(|timing| Timing {
                 method: Some(timing.method),
                 stops: !timing.blended,
                 is_demanded: false,
                 torque_up: timing.torque_up,
             }),
-            // How far the same path is from everything stands in the plan.
+            // The plan already states the clearances of this path.
             audit: AuditSettings { clearances: Clearances::None, ..AuditSettings::default() },
             ..Request::default()
         }
     }
 
-    /// The grasps that were given.
+    /// Source of the grasps.
     pub fn given_grasps(&self) -> GivenGrasps {
         GivenGrasps::of_text(self.grasps.as_deref())
     }
 
-    /// The geometry of a released scenario, where it was asked for.
+    /// Geometry of a released scenario, if requested.
     pub fn given_geometry(&self) -> Option<Geometry> {
         self.geometry.as_deref()?.parse().ok()
     }
@@ -285,8 +284,8 @@ impl PlanFile {
     /// Writes the plan, as a whole or not at all.
     ///
     /// # Errors
-    /// [`RecordError::NotFinite`] for a number that JSON cannot hold, [`ScenarioError::Unwritable`]. In
-    /// both cases what stood there before is untouched.
+    /// [`RecordError::NotFinite`] for a number that JSON cannot hold, [`ScenarioError::Unwritable`]. In both cases an existing
+    /// file is untouched.
     pub fn write(&self, path: &Path) -> Result<(), RecordError> {
         self.check_finite(path)?;
         let mut text = serde_json::to_string_pretty(self)
@@ -416,7 +415,7 @@ mod tests {
         };
         untimed.write(&path).unwrap();
         assert_eq!(PlanFile::read(&path).unwrap(), untimed);
-        // As plans were written before there was any of these.
+        // Plans were written like this before any of these keys existed.
         let mut old: serde_json::Value = serde_json::from_slice(&fs::read(&path).unwrap()).unwrap();
         let keys = old.as_object_mut().unwrap();
         for key in ["format", "segments", "shortening", "timing", "not_checked", "optimisation", "failures"] {
@@ -441,8 +440,8 @@ mod tests {
             ("/segments/0/attached", "ball".into(), "segment 0, 'reach', states what is in the hand"),
             ("/segments/0/opening_m", 0.04.into(), "segment 0, 'reach', states what is in the hand"),
             ("/segments/0/stage", 1.into(), "segment 0, 'reach', is of a stage that the task does not have"),
-            ("/segments/0/waypoints/0/0", 0.5.into(), "its segments are not its way points"),
-            ("/segments", serde_json::json!([]), "its segments are not its way points"),
+            ("/segments/0/waypoints/0/0", 0.5.into(), "its segments do not match its way points"),
+            ("/segments", serde_json::json!([]), "its segments do not match its way points"),
         ] {
             let mut other = sound.clone();
             *other.pointer_mut(pointer).unwrap() = value;

@@ -10,47 +10,47 @@ use serde_json::Value;
 use crate::statement::{NOT_CHECKED, Statement, differences};
 use crate::{PlanFile, PlanPick, PlanSource, PlanTiming};
 
-/// Verdict on a plan file: on its path, and on everything else that it states.
+/// Verdict on a plan file: on its path, and on all other statements.
 #[derive(Clone, Debug, Serialize)]
 pub struct Judgement {
-    /// The verdict on the path. A false statement is one of its violations, unless it is of another task than the one that
-    /// the plan is judged in.
+    /// Verdict on the path. A false statement is one of its violations, unless the plan was made for another task than the one
+    /// of this audit.
     #[serde(flatten)]
     pub audit: Audit,
-    /// Demands of the file that the path was judged by, unless `differs` names them.
+    /// Requirements of the file that the audit used, unless `differs` names them.
     pub demanded: Demanded,
-    /// Statements of the file that differ from what was measured, or from the task that it is judged in. The verdict does
-    /// not depend on them.
+    /// Statements of the file that differ from the measured values, or from the task of this audit. The verdict does not depend
+    /// on them.
     pub differs: Vec<Statement>,
     /// Keys of the file whose values were measured again and compared.
     pub compared: Vec<&'static str>,
     /// Keys of the file that were not compared: they record how the path was found.
     pub not_compared: Vec<&'static str>,
-    /// The plan with every figure as it was measured.
+    /// The plan with all figures as measured.
     #[serde(skip)]
     pub measured: PlanFile,
-    /// True if the plan was made for the task that it is judged in, whichever grasps it states.
+    /// True if the plan was made for the task of this audit, with any set of grasps.
     #[serde(skip)]
     pub is_own_task: bool,
 }
 
-/// Demands on a path that a plan file brings along.
+/// Requirements on a path that a plan file contains.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Demanded {
-    /// The clearance of every proof.
+    /// Clearance of every proof.
     pub margins: Margins,
-    /// As [`PlanFile::task`].
+    /// Stages, as [`PlanFile::task`].
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub task: Vec<Stage>,
 }
 
-/// Keys that state for which task a plan was made: where one differs, no figure is of the task that it is judged in.
+/// Keys that state the task of a plan: if one differs, no figure belongs to the task of this audit.
 const TASK: [&str; 5] = ["scenario", "robot", "geometry", "criterion", "margins"];
 
-/// The key of the set of grasps.
+/// Key of the set of grasps.
 const GRASPS: &str = "grasps";
 
-/// Figures that depend on the set of grasps: no other does, for it moves nothing.
+/// Figures that depend on the set of grasps, which moves nothing; no others do.
 const OF_GRASPS: [&str; 5] = ["grasp", "translation_error_m", "rotation_error_rad", "own_grasp", "picks"];
 
 /// Keys whose values are measured again.
@@ -79,7 +79,7 @@ const MEASURED: [&str; 22] = [
     "hold_demanded",
 ];
 
-/// Keys of which nothing is measured: they record how the path was found.
+/// Keys that are never measured: they record how the path was found.
 const RECORD: [&str; 15] = [
     "planner",
     "settings",
@@ -98,15 +98,15 @@ const RECORD: [&str; 15] = [
     "tries",
 ];
 
-/// Keys of a plan without a path that are as stated.
+/// Keys of a plan without a path that are taken as stated.
 const AS_STATED: [&str; 2] = ["outcome", NOT_CHECKED];
 
 impl PlanFile {
-    /// Judges the path, as anybody's, and compares everything else that the plan states with what is measured along it;
-    /// `None` for a plan without a path. `task` is what the problem was made of.
+    /// Audits the path like one of any other origin, and compares all other statements of the plan with values measured along
+    /// it; `None` for a plan without a path. `task` is the source of the problem.
     ///
-    /// Pairs that the problem does not compare, but can ([`Problem::checking_all_pairs`]), are compared where the plan does
-    /// not name them and holds with them: it was planned so.
+    /// Pairs that the problem does not compare, but can ([`Problem::checking_all_pairs`]), are compared if the plan does not
+    /// name them and is valid with them: it was planned that way.
     ///
     /// # Errors
     /// As [`audit_task`](cranny_path::audit_task).
@@ -130,8 +130,8 @@ impl PlanFile {
         Ok(judgement)
     }
 
-    /// Compares what a plan without a path states with the task. Its outcome, and why there is no path, are as stated: no
-    /// search is repeated. Nothing else is there to be stated.
+    /// Compares the statements of a plan without a path with the task. Its outcome, and the reasons for it, are taken as
+    /// stated: no search is repeated. It has no other statements.
     pub fn judge_without_path(&self, task: &PlanSource, problem: &Problem) -> Judgement {
         let audit = Audit::of_nothing();
         let measured = Self {
@@ -190,7 +190,7 @@ impl PlanFile {
             Some(along) => Hold::of(problem, along, &self.segments, self.timing_asked())?,
             None => None,
         };
-        // No plan demands more than it holds.
+        // The plan states the requirement, which must not exceed the measured hold.
         let met =
             |demanded: f64| hold.map_or(demanded, |hold| demanded.min(hold.factor.unwrap_or(hold.at_rest)));
         let hold_demanded = self.hold_demanded.map(met);
@@ -209,17 +209,17 @@ impl PlanFile {
         let of_grasps = differences(&[GRASPS], &stated, &found);
         let has_own_grasps = of_grasps.is_empty();
         judgement.differs.extend(of_grasps);
-        // What is stated of a path that does not hold was measured of another one.
+        // Statements on an invalid path were measured on another one.
         let holds = judgement.audit.valid;
-        // No pairs are a statement too: that all were compared.
+        // An empty list of pairs is a statement too: that all were compared.
         let is_promise = |key: &&str| is_stated(key) || *key == NOT_CHECKED && self::is_stated(&found[*key]);
-        // A task without a name is demanded, and not stated.
+        // A task without a name is a requirement, not a statement.
         let is_named = |key: &&str| self.task_name.is_some() || !key.starts_with("task");
         let measured_keys: Vec<_> = MEASURED.into_iter().filter(is_promise).filter(is_named).collect();
         if holds {
             for statement in differences(&measured_keys, &stated, &found) {
                 let key = statement.key.split(['.', '[']).next().unwrap_or_default();
-                // Where nothing is proven, whatever is stated of clearances is more than there is.
+                // Without a proof, every stated clearance is more than there is.
                 let is_unproven =
                     problem.cell().is_none() && statement.measured.is_null() && key != NOT_CHECKED;
                 let is_of_task = is_own_task && (has_own_grasps || !OF_GRASPS.contains(&key));
@@ -238,7 +238,7 @@ impl PlanFile {
         Ok(Some(judgement))
     }
 
-    /// A verdict before anything that the plan states is compared.
+    /// Creates a verdict before any statement of the plan is compared.
     fn judgement(&self, task: &PlanSource, audit: Audit, measured: Self) -> Judgement {
         Judgement {
             audit,
@@ -251,19 +251,19 @@ impl PlanFile {
         }
     }
 
-    /// The radii where the file states some.
+    /// Measures the radii if the file states some.
     fn measured_robustness(&self, along: Option<&StatesAlong>) -> Option<Robustness> {
         let along = along.filter(|_| self.robustness.is_some() && !self.waypoints.is_empty())?;
         Robustness::of(along, &self.segments)
     }
 
-    /// The bound on the length of any path where the file states one.
+    /// Measures the lower bound of the length of every path if the file states one.
     fn measured_least_length(&self, problem: &Problem) -> Option<f64> {
         self.least_length?;
         least_length(problem, &self.task, path_length(&self.waypoints))
     }
 
-    /// The task of this name as its scenario has it, where the two differ in more than the distances that are demanded.
+    /// Returns the scenario's task of this name if the two differ in more than the required distances.
     fn own_task<'a>(&self, source: &'a PlanSource) -> Option<&'a NamedTask> {
         let named = source.task.as_ref()?;
         let is_same = named.stages.len() == self.task.len()
@@ -271,8 +271,8 @@ impl PlanFile {
         (!is_same).then_some(named)
     }
 
-    /// The plan with every figure but its bounds and its hold as it is measured: no field is left out, so that a new one needs
-    /// a decision.
+    /// Returns the plan with all figures as measured, except its bounds and its hold. Every field is listed, so that a new one
+    /// needs a decision.
     fn measured(
         &self,
         task: &PlanSource,
@@ -292,7 +292,7 @@ impl PlanFile {
             Clearances::OfPath | Clearances::None => (self.clearance_m, self.clearances_per_edge_m.clone()),
         };
         let goal = audit.goal.map(|nearest| {
-            // Of several grasps at the end any is one that the path ends at.
+            // If several grasps match at the end, the path ends at any of them.
             let stated =
                 self.grasp.and_then(|grasp| cranny_path::arrival_at(problem, grasp, self.reach().last()?));
             stated.unwrap_or(nearest)
@@ -346,7 +346,7 @@ impl PlanFile {
         })
     }
 
-    /// The segments with their clearances, and what the hand holds where it is closed.
+    /// Returns the segments with their measured clearances, and the object and payload of the hand while it is closed.
     fn measured_segments(
         &self,
         (along, problem): (Option<&StatesAlong>, &Problem),
@@ -366,14 +366,14 @@ impl PlanFile {
     }
 }
 
-/// All values of a plan but its way points, which are judged themselves.
+/// Returns all values of a plan except its way points, which the audit checks itself.
 fn figures(plan: &PlanFile) -> Value {
     let segments = plan.segments.iter().map(|segment| Segment { waypoints: Vec::new(), ..segment.clone() });
     let without = PlanFile { waypoints: Vec::new(), segments: segments.collect(), ..plan.clone() };
     serde_json::to_value(without).unwrap_or_default()
 }
 
-/// Returns whether a value states anything: `null` and an empty list do not.
+/// Returns true if a value states anything: `null` and an empty list do not.
 fn is_stated(value: &Value) -> bool {
     !value.is_null() && value.as_array().is_none_or(|list| !list.is_empty())
 }

@@ -1,16 +1,16 @@
-//! Plans of earlier formats, as values of the present one.
+//! Conversion of plans of earlier formats to the present one.
 
 use cranny_scenario::STEPS;
 use serde_json::{Map, Value, json};
 
 use crate::PlanFile;
 
-/// The format before stages: one carry or place at most.
+/// Format before stages: at most one carry or place.
 pub(crate) const FIRST: &str = "cranny-plan/1";
-/// A list of plans of that format, one for each step of a scenario.
+/// List of plans of that format, one for each step of a scenario.
 pub(crate) const SEQUENCE: &str = "cranny-sequence/1";
 
-/// Makes the present format of a plan of the first one, or of one written before there was any.
+/// Converts a plan of the first format, or one written before there was any, to the present format.
 ///
 /// # Errors
 /// A sentence: segments without a format, or several ends.
@@ -71,10 +71,10 @@ fn take(keys: &mut Map<String, Value>, key: &str) -> Option<Value> {
     keys.remove(key).filter(|value| !value.is_null())
 }
 
-/// Makes one plan of those of several steps.
+/// Joins plans of several steps to one plan.
 ///
 /// # Errors
-/// A sentence that names what is wrong with the list.
+/// A sentence that names the fault of the list.
 pub(crate) fn of_sequence(mut sequence: Map<String, Value>) -> Result<Map<String, Value>, String> {
     let Some(Value::Array(steps)) = sequence.remove("steps") else {
         return Err("it has no steps".to_owned());
@@ -92,7 +92,7 @@ pub(crate) fn of_sequence(mut sequence: Map<String, Value>) -> Result<Map<String
             return Err(format!("the plan of step {} is not of format '{FIRST}'", number + 1));
         }
         of_first(&mut step)?;
-        // The target of a step is what it picks.
+        // The target of a step is the object that it picks.
         if let Some(object) = picked(&step) {
             step["task"][0] = json!({"pick": object});
         }
@@ -110,7 +110,7 @@ pub(crate) fn of_sequence(mut sequence: Map<String, Value>) -> Result<Map<String
     Ok(whole)
 }
 
-/// Name of the object that a plan states to have in the hand.
+/// Returns the name of the object that a plan states to have in the hand.
 fn picked(plan: &Map<String, Value>) -> Option<String> {
     let segments = plan.get("segments")?.as_array()?;
     segments.iter().find_map(|segment| Some(segment["attached"].as_str()?.to_owned()))
@@ -120,10 +120,10 @@ fn disagreement(key: &str, step: usize) -> String {
     format!("step {step} states another {key} than the plan, or the steps before it")
 }
 
-/// Keys by which plans of steps are of one task.
+/// Keys that plans of the steps of one task share.
 const SHARED: [&str; 5] = ["scenario", "robot", "geometry", "criterion", "joint_names"];
 
-/// A plan, and that of the step that follows.
+/// Joins a plan and that of the next step.
 fn joined(
     mut whole: Map<String, Value>,
     mut next: Map<String, Value>,
@@ -194,7 +194,7 @@ fn joined(
     Ok(whole)
 }
 
-/// The times of a plan, and of one that begins where it ends.
+/// Joins the times of a plan and of one that begins where it ends.
 fn timing_of(before: Option<&Value>, next: Option<&Value>) -> Option<Value> {
     let mut timing = before?.as_object()?.clone();
     let (next, begin_s) = (next?.as_object()?, timing.get("duration_s")?.as_f64()?);
@@ -210,14 +210,14 @@ fn timing_of(before: Option<&Value>, next: Option<&Value>) -> Option<Value> {
     Some(timing.into())
 }
 
-/// The smaller of two radii each; nothing where one of them states none.
+/// Returns the smaller of two radii each; nothing if one of them states none.
 fn least_of(a: Option<&Value>, b: Option<&Value>) -> Value {
     match (a, b) {
         (Some(Value::Object(a)), Some(Value::Object(b))) => {
             let keys = a.keys().map(|key| (key.clone(), least_of(a.get(key), b.get(key))));
             keys.collect::<Map<_, _>>().into()
         }
-        // However far.
+        // `null` means an unlimited radius.
         (Some(Value::Null), Some(b)) => b.clone(),
         (Some(a), Some(Value::Null)) => a.clone(),
         (Some(a), Some(b)) => a.as_f64().zip(b.as_f64()).map_or(Value::Null, |(a, b)| Value::from(a.min(b))),

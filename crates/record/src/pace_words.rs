@@ -9,9 +9,9 @@ use crate::RecordError;
 /// A number for all motions, or `MODE=NUMBER` for those of a mode (`carry=0.2`).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PaceWord {
-    /// The mode; `None`: all.
+    /// Mode; `None`: all.
     pub mode: Option<Mode>,
-    /// A share of the limits, or a speed in m/s or °/s.
+    /// Share of the limits, or speed in m/s or °/s.
     pub value: f64,
 }
 
@@ -23,12 +23,12 @@ impl FromStr for PaceWord {
             Some((mode, number)) => (Some(Mode::of_name(mode.trim())?), number),
             None => (None, word),
         };
-        let value = number.trim().parse().map_err(|_| format!("'{number}' is no number"))?;
+        let value = number.trim().parse().map_err(|_| format!("'{number}' is not a number"))?;
         Ok(Self { mode, value })
     }
 }
 
-/// Speeds as people set them; words for a mode go before those for all, later words before earlier ones.
+/// Speeds in the words of users; words for a mode override those for all, later words override earlier ones.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PaceWords {
     /// Shares of the limits of velocity.
@@ -37,15 +37,15 @@ pub struct PaceWords {
     pub acceleration: Vec<PaceWord>,
     /// Greatest speeds of the gripper frame, in m/s.
     pub tool_speed: Vec<PaceWord>,
-    /// Greatest speeds with which the hand turns, in °/s.
+    /// Greatest angular speeds of the hand, in °/s.
     pub turn_speed: Vec<PaceWord>,
 }
 
-/// A writer of one limit of a pace.
+/// Function that sets one limit of a pace.
 type SetLimit = fn(&mut Pace, f64);
 
 impl PaceWords {
-    /// The words of a scenario followed by these.
+    /// Returns the words of a scenario followed by these.
     pub(crate) fn after(&self, stated: &[StatedSpeed]) -> Self {
         let words = |of: fn(&StatedSpeed) -> Option<f64>, own: &[PaceWord]| {
             let word = |speed: &StatedSpeed| Some(PaceWord { mode: speed.mode, value: of(speed)? });
@@ -59,11 +59,11 @@ impl PaceWords {
         }
     }
 
-    /// The paces that they ask for; `tool_m_s` is the greatest speed of the gripper frame, in m/s, where they state none for all
-    /// motions.
+    /// Returns the requested paces; `tool_m_s` is the greatest speed of the gripper frame, in m/s, if the words state none for
+    /// all motions.
     ///
     /// # Errors
-    /// [`RecordError::Ask`] for a number that is none of its kind.
+    /// [`RecordError::Ask`] for an invalid number.
     pub(crate) fn paces(&self, tool_m_s: Option<f64>) -> Result<Paces, RecordError> {
         let kinds: [(&'static str, &[PaceWord], SetLimit); 4] = [
             ("speed", &self.speed, |pace, share| pace.velocity = share),
@@ -77,7 +77,7 @@ impl PaceWords {
                 let mut alone = Pace::default();
                 set(&mut alone, *value);
                 if let Some((_, _, values)) = alone.fault() {
-                    let problem = format!("'{value}' is no such limit; give a number {values}");
+                    let problem = format!("'{value}' is not a valid limit: expected a number {values}");
                     return Err(RecordError::Ask { field, problem });
                 }
                 if mode.is_none() {
@@ -143,6 +143,6 @@ mod tests {
         }
         assert!(words(&[], &["inf"]).paces(None).unwrap_err().to_string().starts_with("tool_speed: "));
         assert!("fly=1".parse::<PaceWord>().unwrap_err().contains("reach, approach, lift-off"));
-        assert!("carry=fast".parse::<PaceWord>().unwrap_err().contains("'fast' is no number"));
+        assert!("carry=fast".parse::<PaceWord>().unwrap_err().contains("'fast' is not a number"));
     }
 }

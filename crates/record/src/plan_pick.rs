@@ -2,7 +2,7 @@ use cranny_path::{Audit, PickAudit};
 use cranny_task::OwnGrasp;
 use serde::{Deserialize, Serialize};
 
-/// Grasp of a pick, as a plan file states that of the first.
+/// Grasp of a later pick, in the same form as that of the first in a plan file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlanPick {
@@ -14,10 +14,10 @@ pub struct PlanPick {
     /// Distance of the gripper from it, in metres.
     #[serde(default)]
     pub translation_error_m: Option<f64>,
-    /// Angle between the two, in radians.
+    /// Angle between gripper and grasp, in radians.
     #[serde(default)]
     pub rotation_error_rad: Option<f64>,
-    /// The grasp, where the planner made it.
+    /// The grasp, if the planner generated it.
     #[serde(default)]
     pub own_grasp: Option<OwnGrasp>,
 }
@@ -33,7 +33,7 @@ impl PlanPick {
         }
     }
 
-    /// The grasps of the picks that follow the first.
+    /// Returns the grasps of the picks that follow the first.
     pub(crate) fn all_of(audit: &Audit) -> Vec<Self> {
         audit.picks.iter().skip(1).map(Self::of).collect()
     }

@@ -4,17 +4,17 @@ use cranny_task::{Problem, StatesAlong, TaskError, are_complete};
 use crate::{PlanFile, PlanSource, RecordError};
 
 impl PlanFile {
-    /// The source of its problem, with the task whose name it states if the scenario has it.
+    /// Returns the source of its problem, with the task of its stated name if the scenario has it.
     pub fn source_in(&self, scenario: &Scenario, source: &PlanSource) -> PlanSource {
         let task = self.task_name.as_ref().and_then(|name| scenario.task(name).ok());
         PlanSource { task: task.cloned(), ..source.clone() }
     }
 
-    /// Checks that its stages are those of the scenario's task that it names, and that its path comes to their end.
+    /// Checks that its stages are those of the scenario's task that it names, and that its path reaches their end.
     ///
     /// # Errors
-    /// [`ScenarioError::UnknownTask`](cranny_scenario::ScenarioError::UnknownTask); [`TaskError::Segments`] for other
-    /// stages, or a path that ends before.
+    /// [`ScenarioError::UnknownTask`](cranny_scenario::ScenarioError::UnknownTask); [`TaskError::Segments`] for other stages,
+    /// or a path that ends early.
     pub fn check_task(&self, scenario: &Scenario) -> Result<(), RecordError> {
         let refuse = |problem: String| Err(TaskError::Segments { problem }.into());
         if let Some(name) = &self.task_name {
@@ -32,17 +32,17 @@ impl PlanFile {
         Ok(())
     }
 
-    /// The scenario once the plan has been carried out: bodies stand where it has put them, and the robot where it ends.
+    /// Returns the scenario after the plan: bodies stand where it has put them, and the robot where it ends.
     ///
     /// # Errors
-    /// [`TaskError::Segments`] for a plan without a path, whose hand cannot do what it demands, or that holds an object at
-    /// its end.
+    /// [`TaskError::Segments`] for a plan without a path, with an impossible motion of the hand, or with an object in the hand
+    /// at its end.
     pub fn scenario_after(&self, scenario: &Scenario, problem: &Problem) -> Result<Scenario, RecordError> {
         let refuse = |problem: &str| TaskError::Segments { problem: problem.to_owned() };
         let along =
             self.states(problem)?.ok_or_else(|| refuse("under the paper criterion nothing is put down"))?;
         let StatesAlong { end, stopped: None, states, .. } = along else {
-            return Err(refuse("the hand cannot do what the plan demands").into());
+            return Err(refuse("the plan contains an impossible motion of the hand").into());
         };
         if states.is_empty() || end.held().is_some() {
             return Err(refuse("at its end the plan has put nothing down").into());

@@ -9,10 +9,10 @@ use serde_json::{Map, Value};
 use crate::file::PlanFile;
 use crate::{RecordError, old_formats};
 
-/// Checks the stages and segments of a plan that was read: they belong together, and the segments are its way points.
+/// Checks that the stages and segments of a plan match, and that the segments contain its way points.
 ///
 /// # Errors
-/// [`ScenarioError::Content`] for what does not hold together.
+/// [`ScenarioError::Content`] for a mismatch.
 fn check_task(path: &Path, plan: &PlanFile) -> Result<(), RecordError> {
     let own = [Stage::pick()];
     let stages = if plan.task.is_empty() { &own[..] } else { &plan.task };
@@ -26,15 +26,15 @@ fn check_task(path: &Path, plan: &PlanFile) -> Result<(), RecordError> {
     });
     let mut ends = ends;
     let problem = if let Some(geometry) = unknown {
-        format!("its 'geometry' is '{geometry}', but there are 'scene' and 'export'")
+        format!("its 'geometry' is '{geometry}', but must be 'scene' or 'export'")
     } else if let Err(problem) = check_segments(stages, &plan.segments) {
         problem
     } else if joined(&plan.segments) != plan.waypoints || clearances_m != plan.clearances_per_edge_m {
-        "its segments are not its way points and clearances".to_owned()
+        "its segments do not match its way points and clearances".to_owned()
     } else if ends.any(|ends| ends.is_empty() || ends.iter().any(|end| end.len() != joints)) {
-        format!("its 'task' moves to no configuration of {joints} values")
+        format!("its 'task' has a move without a configuration of {joints} values")
     } else if plan.criterion == Criterion::Paper && plan.segments.iter().any(|s| !s.corners.is_empty()) {
-        "its corners are rounded, but nothing is proven of them under 'paper'".to_owned()
+        "its corners are rounded, which needs the criterion 'exact'".to_owned()
     } else {
         return Ok(());
     };
@@ -49,8 +49,8 @@ impl PlanFile {
     /// Reads a plan.
     ///
     /// # Errors
-    /// [`ScenarioError`] with file and line if it cannot be read, is no plan, has a way point without one value per
-    /// joint, or segments that this version does not know.
+    /// [`ScenarioError`] with file and line if it cannot be read, is not a plan, has a way point without one value per joint,
+    /// or segments that this version does not know.
     pub fn read(path: &Path) -> Result<Self, RecordError> {
         let text = cranny_file::TABLE
             .argument()
@@ -60,7 +60,7 @@ impl PlanFile {
             return Err(ScenarioError::Empty { path: path.to_owned() }.into());
         }
         let malformed = |reason| ScenarioError::Json { path: path.to_owned(), reason };
-        // What another format holds is not known.
+        // The format decides which keys are valid.
         let Head { format } = cranny_file::json(&text).map_err(malformed)?;
         let plan: Self = match format.as_deref() {
             Some(Self::FORMAT) => cranny_file::json(&text).map_err(malformed)?,
@@ -84,7 +84,7 @@ impl PlanFile {
         };
         plan.check_waypoints(path, plan.joint_names.len())?;
         check_task(path, &plan)?;
-        // Plans of earlier versions cut corners by curves that no file states: their time cannot be computed anew.
+        // Plans of earlier versions cut corners by curves that no file states, so that their timing cannot be recomputed.
         let is_rounded = plan.segments.iter().any(|segment| !segment.corners.is_empty());
         Ok(Self { timing: plan.timing.clone().filter(|timing| is_rounded || !timing.blended), ..plan })
     }
@@ -93,13 +93,13 @@ impl PlanFile {
         serde_json::from_value(plan.into()).map_err(|problem| fault(path, problem.to_string()))
     }
 
-    /// Whether JSON can hold all of its numbers.
+    /// Checks that JSON can hold all of its numbers.
     pub(crate) fn check_finite(&self, path: &Path) -> Result<(), RecordError> {
         let fault = |field| RecordError::NotFinite { path: path.to_owned(), field };
         self.field_not_finite().map_or(Ok(()), |field| Err(fault(field)))
     }
 
-    /// The way points (m, rad; one value per joint) of the plan, which was read from `path`.
+    /// Returns the way points (m, rad; one value per joint) of the plan, which was read from `path`.
     ///
     /// # Errors
     /// [`RecordError::Waypoint`] unless each has `joints` values, [`RecordError::NoPath`] if there is none.
@@ -192,7 +192,7 @@ impl PlanFile {
     }
 }
 
-/// The way points, if there are any.
+/// Returns the way points, or an error if there are none.
 pub(crate) fn some(path: &Path, waypoints: Vec<Vec<f64>>) -> Result<Vec<Vec<f64>>, RecordError> {
     if waypoints.is_empty() {
         Err(ScenarioError::Empty { path: path.to_owned() }.into())
@@ -201,7 +201,7 @@ pub(crate) fn some(path: &Path, waypoints: Vec<Vec<f64>>) -> Result<Vec<Vec<f64>
     }
 }
 
-/// What is read of a plan before the rest.
+/// Key of a plan that is read before the rest.
 // Other keys are read by the reader of the format.
 #[derive(Deserialize)]
 pub(crate) struct Head {

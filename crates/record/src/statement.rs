@@ -5,14 +5,14 @@ use cranny_path::{Cause, Violation};
 use serde::Serialize;
 use serde_json::Value;
 
-/// A value of a plan file that differs from what was measured.
+/// A value of a plan file that differs from the measured one.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Statement {
-    /// Its key, with those of the objects and lists that it is in: `robustness.base.translation_m`.
+    /// Path of the key through objects and lists: `robustness.base.translation_m`.
     pub key: String,
-    /// The value in the file.
+    /// Value in the file.
     pub stated: Value,
-    /// The value that was measured.
+    /// Measured value.
     pub measured: Value,
     /// True if the file promises more than was measured, beyond the tolerance of the measurement.
     #[serde(skip)]
@@ -20,7 +20,7 @@ pub struct Statement {
 }
 
 impl Statement {
-    /// Both values, with their unit and as many digits as it takes to distinguish them.
+    /// Returns both values, with their unit and enough digits to distinguish them.
     pub fn in_words(&self) -> [String; 2] {
         let (Some(stated), Some(measured)) = (self.stated.as_f64(), self.measured.as_f64()) else {
             return [&self.stated, &self.measured].map(|value| match value {
@@ -39,7 +39,7 @@ impl Statement {
         apart.unwrap_or_else(|| [stated, measured].map(|value| value.to_string()))
     }
 
-    /// The statement as something that is wrong with the plan.
+    /// Converts the statement to a violation of the plan.
     pub(crate) fn violation(self) -> Violation {
         let [stated, measured] = self.in_words();
         Violation::at_way_point(0, Cause::Statement { key: self.key, stated, measured })
@@ -69,24 +69,24 @@ impl fmt::Display for Statement {
     }
 }
 
-/// When a value that differs is false.
+/// Condition under which a differing value is false.
 #[derive(Clone, Copy)]
 enum Law {
-    /// A lower bound: beyond what was measured, for nothing proves that. A weaker bound is true. A version measures a path
-    /// alike each time, so that nothing is allowed for but rounding.
+    /// A lower bound: false above the measured value, because nothing proves it. A weaker bound is true. A version measures a
+    /// path identically each time, so only rounding is allowed.
     AtLeast,
-    /// An upper bound: below what was measured, by more than [`DEPTH_TOLERANCE_M`].
+    /// An upper bound: false below the measured value by more than [`DEPTH_TOLERANCE_M`].
     AtMost,
-    /// Never.
+    /// Never false.
     Reported,
-    /// Only where it is no number: the judge of the path has compared numbers.
+    /// False only if it is not a number: the audit of the path has compared numbers.
     Judged,
-    /// Always.
+    /// Always false.
     Equal,
 }
 
 impl Law {
-    /// The law of a key of a plan file.
+    /// Returns the law of a key of a plan file.
     fn of(key: &str) -> Self {
         match key {
             "clearance_m"
@@ -96,20 +96,20 @@ impl Law {
             | "hold"
             | "hold_demanded" => Self::AtLeast,
             "own_grasp" => Self::Judged,
-            // Under `paper`, of the judge's own: which grasp is reached how exactly is measured.
+            // Under `paper` the audit has its own: it measures which grasp is reached, and how exactly.
             "goal_threshold" => Self::Reported,
             _ => Self::Equal,
         }
     }
 
-    /// The law of a key within a value.
+    /// Returns the law of a key within a value.
     fn within(self, key: &str) -> Self {
         match key {
             "clearances_m" | "slack_m" | "slack_rad" => Self::AtLeast,
             "opening_m" => Self::Judged,
             "greatest_rad" => Self::AtMost,
             "mass_assumed" => Self::Equal,
-            // Files of older versions do not have it.
+            // Files of older versions do not have this key.
             "uneven_m" => Self::Reported,
             _ => self,
         }
@@ -117,7 +117,7 @@ impl Law {
 
     fn is_false(self, stated: &Value, measured: &Value) -> bool {
         match (self, stated.as_f64(), measured.as_f64()) {
-            // A clearance without a measure: nothing is near.
+            // A clearance without a measured value: nothing is near.
             (Self::Reported, _, _) | (Self::Judged, Some(_), Some(_)) | (Self::AtLeast, Some(_), None) => {
                 false
             }
@@ -129,9 +129,9 @@ impl Law {
     }
 }
 
-/// Depths are measured to 10 µm: other versions may take other samples.
+/// Tolerance of depths, which are measured to 10 µm: other versions may take other samples.
 const DEPTH_TOLERANCE_M: f64 = 1.1e-5;
-/// A figure (m, rad, s) is right to within this, and this share of it: other versions may add up in another order.
+/// Absolute (m, rad, s) and relative tolerance of a figure: other versions may sum in another order.
 const TOLERANCE: f64 = 1e-6;
 /// Relative difference below which two figures count as the same.
 const ROUNDING: f64 = 1e-9;
@@ -140,7 +140,7 @@ fn is_near(a: f64, b: f64, tolerance: f64) -> bool {
     (a - b).abs() <= tolerance * b.abs().max(1.0)
 }
 
-/// The values under these keys that differ.
+/// Returns the values under these keys that differ.
 pub(crate) fn differences(keys: &[&str], stated: &Value, measured: &Value) -> Vec<Statement> {
     let mut found = Vec::new();
     for key in keys {
@@ -153,11 +153,11 @@ pub(crate) fn differences(keys: &[&str], stated: &Value, measured: &Value) -> Ve
     found
 }
 
-/// The key of the pairs that are not compared.
+/// Key of the pairs that are not compared.
 pub(crate) const NOT_CHECKED: &str = "not_checked";
 
-/// Compares the pairs that are stated as not compared with those that are not. A pair that is left out is false: it is
-/// stated as compared. One too many is not.
+/// Compares the stated exceptions with the pairs that are not compared. A missing pair is false, because it is stated as
+/// compared. An extra pair is not.
 fn compare_pairs(stated: &[Value], measured: &[Value], found: &mut Vec<Statement>) {
     let key = |index: usize| format!("{NOT_CHECKED}[{index}]");
     let mut named = vec![false; stated.len()];
@@ -180,8 +180,8 @@ fn compare_pairs(stated: &[Value], measured: &[Value], found: &mut Vec<Statement
     }
 }
 
-/// Returns whether a pair that is stated as not compared covers one that is not: for the same reason, in the same segment.
-/// For one that is proven never to touch, any reason claims less.
+/// Returns true if a stated exception covers a pair that is not compared: for the same reason, in the same segment. For a pair
+/// that is proven never to touch, any reason claims less.
 fn is_pair(stated: &Value, measured: &Value) -> bool {
     let is = |key: &str, other: &str| stated[key] == measured[other];
     let are_named = is("first", "first") && is("second", "second");

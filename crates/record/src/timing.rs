@@ -2,30 +2,29 @@ use cranny_path::TimingMethod;
 use cranny_solve::TaskTrajectory;
 use serde::{Deserialize, Serialize};
 
-/// When a path is run through. With the limits of the robot it determines the trajectory:
+/// Timing of a path. With the limits of the robot it determines the trajectory:
 /// [`Trajectory::along_curve`](cranny_path::Trajectory::along_curve) the way points and rounded corners by the same method.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlanTiming {
-    /// How the path was given its time.
+    /// Timing method.
     pub method: TimingMethod,
-    /// Whether a corner is rounded, instead of a stop at each.
+    /// True if a corner is rounded, instead of a stop at each.
     pub blended: bool,
-    /// From the first way point to the last, in seconds.
+    /// Duration from the first way point to the last, in seconds.
     pub duration_s: f64,
-    /// When each way point is passed, or its rounded corner half passed, in seconds.
+    /// Times at which each way point, or the middle of its rounded corner, is passed, in seconds.
     pub waypoint_times_s: Vec<f64>,
-    /// Direction against gravity in the planning frame under which the drives keep their efforts; missing where that is not
-    /// limited.
+    /// Direction against gravity in the planning frame for the effort limits of the drives; missing if efforts are not limited.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub torque_up: Option<[f64; 3]>,
-    /// From when to when the hand closes or opens, in seconds, each time.
+    /// Start and end of each closing or opening of the hand, in seconds.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub hand_s: Vec<[f64; 2]>,
 }
 
 impl PlanTiming {
-    /// What a plan says of its trajectory.
+    /// Creates the timing from a trajectory.
     pub(crate) fn of(trajectory: &TaskTrajectory) -> Self {
         Self {
             method: trajectory.method(),

@@ -10,27 +10,26 @@ use cranny_task::{Problem, Stage, StatesAlong, TaskError, joined, legs};
 use crate::PlanFile;
 
 impl PlanFile {
-    /// When to be where on the path, computed anew from the limits of the robot: as the plan's timing states; where it
-    /// has none, as fast as the limits allow. `None` for a plan without a path, and for a robot without the limits that this
-    /// needs.
+    /// Recomputes the trajectory from the limits of the robot: with the plan's timing, or as fast as the limits allow if it has
+    /// none. `None` for a plan without a path, and for a robot without the required limits.
     ///
     /// # Errors
-    /// [`PlanError`] for what is no path of the robot.
+    /// [`PlanError`] for an invalid path of the robot.
     pub fn trajectory(&self, robot: &Robot) -> Result<Option<TaskTrajectory>, PlanError> {
         TaskTrajectory::of(self.timing_asked(), robot, &self.segments)
     }
 
-    /// The stages of the task in a problem.
+    /// Returns the stages of the task in a problem.
     pub fn stages(&self, problem: &Problem) -> Vec<Stage> {
         if self.task.is_empty() { Stage::of_goal(problem) } else { self.task.clone() }
     }
 
-    /// The path of the first pick, or of all where nothing is picked.
+    /// Returns the path of the first pick, or the whole path without a pick.
     pub(crate) fn reach(&self) -> Vec<Vec<f64>> {
         legs(&self.segments).next().map(joined).unwrap_or_default()
     }
 
-    /// The state along each segment; `None` under `paper`.
+    /// Returns the state along each segment; `None` under `paper`.
     ///
     /// # Errors
     /// As [`StatesAlong::of`].
@@ -38,7 +37,7 @@ impl PlanFile {
         StatesAlong::of(problem, &self.stages(problem), &self.segments)
     }
 
-    /// How the path gets its time.
+    /// Timing of the path.
     pub fn timing_asked(&self) -> Timing {
         self.timing.as_ref().map_or_else(Timing::default, |timing| Timing {
             method: Some(timing.method),
@@ -47,8 +46,8 @@ impl PlanFile {
         })
     }
 
-    /// The verdict on the path alone, on all that it does, and on the grasps that it is stated to take where no set is
-    /// given; `None` for a plan without a path. [`Self::judge`] compares everything else that the file states.
+    /// Audits the path alone, all motions of the hand, and the stated grasps if no set is given; `None` for a plan without a
+    /// path. [`Self::judge`] compares all other statements of the file.
     ///
     /// # Errors
     /// As [`audit_task`].
@@ -76,10 +75,10 @@ impl PlanFile {
         Ok(Some(audit.with_said_grasps(&said)))
     }
 
-    /// Whether the plan, which was read from `path`, moves the joints of a robot.
+    /// Checks that the plan, which was read from `path`, moves the joints of a robot.
     ///
     /// # Errors
-    /// [`ScenarioError::Content`] names the first that differs.
+    /// [`ScenarioError::Content`] names the first joint that differs.
     pub fn check_joints(&self, path: &Path, robot: &Robot) -> Result<(), crate::RecordError> {
         let mut pairs = self.joint_names.iter().zip(robot.joint_names());
         pairs.find(|(found, expected)| found != expected).map_or(Ok(()), |(found, expected)| {
@@ -139,7 +138,7 @@ mod tests {
         );
     }
 
-    /// A hand does not close between two pieces of the way to the grasp, and a cell is asked only for cut corners.
+    /// The hand does not close between two segments of the path to the grasp, and only rounded corners need a cell.
     #[test]
     fn what_follows_the_closing_of_the_hand_is_timed_by_itself() {
         let scenario = Scenario::open("021", &OpenOptions::default()).unwrap();

@@ -6,16 +6,15 @@ use cranny_solve::TaskTrajectory;
 
 use crate::RecordError;
 
-/// Writes a trajectory as a table, sampled at `rate_hz` and at its end: a header, then one line for each
-/// instant.
+/// Writes a trajectory as a table, sampled at `rate_hz` and at its end: a header, then one line for each instant.
 ///
-/// The columns are `time_s`, then `q_<joint>` (m, rad), then `v_<joint>` (m/s, rad/s), then `a_<joint>`
-/// (m/s², rad/s²), each in the order of the joints; where the hand closes on something, `opening_m` last, how far the
-/// fingers are apart. Numbers are read back as they were.
+/// The columns are `time_s`, then `q_<joint>` (m, rad), then `v_<joint>` (m/s, rad/s), then `a_<joint>` (m/s², rad/s²), each in
+/// the order of the joints; if the hand closes on an object, `opening_m` last, the distance between the fingers. Numbers are
+/// read back bit by bit.
 ///
 /// # Errors
-/// [`PathError::SampleRate`](cranny_path::PathError::SampleRate) for a rate that is none, [`ScenarioError::Unwritable`](cranny_scenario::ScenarioError::Unwritable); what stood there before
-/// is then untouched.
+/// [`PathError::SampleRate`](cranny_path::PathError::SampleRate) for an invalid rate,
+/// [`ScenarioError::Unwritable`](cranny_scenario::ScenarioError::Unwritable); an existing file is then untouched.
 pub fn write_trajectory_csv(
     path: &Path,
     trajectory: &TaskTrajectory,
@@ -34,7 +33,7 @@ pub fn write_trajectory_csv(
     for sample in trajectory.samples(rate_hz)? {
         let _ = write!(text, "{}", sample.time_s);
         for value in sample.position.iter().chain(&sample.velocity).chain(&sample.acceleration) {
-            // Without the sign of a zero.
+            // Adding zero drops the sign of a negative zero.
             let _ = write!(text, ",{}", value + 0.0);
         }
         if let Some(opening_m) = trajectory.opening_m(sample.time_s) {
@@ -45,7 +44,7 @@ pub fn write_trajectory_csv(
     Ok(write_whole_file(path, text.as_bytes())?)
 }
 
-/// A field of the table; names with a separator in them are quoted (RFC 4180, §2).
+/// Formats a field of the table; names with a separator in them are quoted (RFC 4180, §2).
 fn field(name: &str) -> String {
     if name.contains([',', '"', '\n', '\r']) {
         format!("\"{}\"", name.replace('"', "\"\""))

@@ -5,12 +5,12 @@ use cranny_scenario::{configurations_text, read_configurations, write_whole_file
 use crate::reading::some;
 use crate::{PlanFile, RecordError};
 
-/// The way points (m, rad; one value per joint) of a plan file (`.plan.json`) or of a file with one configuration a
+/// Reads the way points (m, rad; one value per joint) of a plan file (`.plan.json`) or of a file with one configuration per
 /// line (`.csv`, `.try`: comma-separated, no header), each of `joints` values.
 ///
 /// # Errors
-/// [`RecordError`] with file and line for a wrong count or what is no finite number, and for a file
-/// without way points or with an unknown ending.
+/// [`RecordError`] with file and line for a wrong count or a value that is not a finite number, and for a file without way
+/// points or with an unknown ending.
 pub fn read_waypoints(path: &Path, joints: usize) -> Result<Vec<Vec<f64>>, RecordError> {
     let waypoints = match path.extension().and_then(|extension| extension.to_str()) {
         Some("json") => PlanFile::read(path)?.into_waypoints(path, joints)?,
@@ -20,11 +20,11 @@ pub fn read_waypoints(path: &Path, joints: usize) -> Result<Vec<Vec<f64>>, Recor
     some(path, waypoints)
 }
 
-/// Writes way points (m, rad; one value per joint) as the released `.csv` and `.try` files hold them: one
-/// configuration a line. Numbers are read back bit by bit.
+/// Writes way points (m, rad; one value per joint) in the format of the released `.csv` and `.try` files: one configuration per
+/// line. Numbers are read back bit by bit.
 ///
 /// # Errors
-/// [`ScenarioError::Unwritable`](cranny_scenario::ScenarioError::Unwritable); what stood there before is then untouched.
+/// [`ScenarioError::Unwritable`](cranny_scenario::ScenarioError::Unwritable); an existing file is then untouched.
 pub fn write_waypoints_csv(path: &Path, waypoints: &[Vec<f64>]) -> Result<(), RecordError> {
     Ok(write_whole_file(path, configurations_text(waypoints).as_bytes())?)
 }

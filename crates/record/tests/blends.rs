@@ -1,4 +1,4 @@
-//! Rounded corners: proven free, within every limit, faster than stops; and what a file states of them is judged.
+//! Rounded corners: proven free, within every limit, faster than stops; and statements of a file on them are checked.
 
 use cranny_collision::Margins;
 use cranny_path::TimingMethod;
@@ -9,7 +9,7 @@ use cranny_solve::{Request, Timing, solve};
 use cranny_task::{Move, Stage};
 use serde_json::{Value, json};
 
-/// Every sample must be free, with the margins that were demanded, and the acceleration change no faster than the jerk.
+/// Every sample must be free, with the required margins, and the acceleration must change no faster than the jerk limit.
 #[test]
 fn a_rounded_trajectory_is_free_and_keeps_every_limit_at_1_khz() {
     let mut rounded = 0;
@@ -66,8 +66,8 @@ fn carried() -> (Scenario, Value) {
     (scenario, serde_json::to_value(PlanFile::of(&answer, &source)).unwrap())
 }
 
-/// A corner of other edges, of more than half an edge, of another form, out of order, at a way point that is none, or where
-/// the object may rest is no plan; one through an obstacle, or another pace, is a plan with a fault.
+/// A corner of other edges, of more than half an edge, of another form, out of order, at an invalid way point, or where the
+/// object may rest makes a file invalid; one through an obstacle, or another pace, is a fault of the plan.
 #[test]
 fn corners_that_a_file_states_are_judged_from_their_control_points() {
     let (scenario, plan) = carried();
@@ -95,11 +95,12 @@ fn corners_that_a_file_states_are_judged_from_their_control_points() {
     for point in 0..5 {
         let moved = json!(number(&control(point)) + 1e-3);
         let fault = read(&changed(&control(point), moved)).unwrap_err();
-        assert!(fault.contains("has a rounded corner that is none of its edges"), "{fault}");
+        assert!(fault.contains("has a rounded corner that does not fit its edges"), "{fault}");
     }
-    for (at, says) in
-        [(json!(0), "rounds a corner where none may be"), (json!(999), "rounds a corner where none may be")]
-    {
+    for (at, says) in [
+        (json!(0), "rounds a corner where this is not allowed"),
+        (json!(999), "rounds a corner where this is not allowed"),
+    ] {
         let fault = read(&changed(&format!("{first}/waypoint"), at)).unwrap_err();
         assert!(fault.contains(says), "{fault}");
     }
@@ -109,7 +110,7 @@ fn corners_that_a_file_states_are_judged_from_their_control_points() {
         let fault = read(&changed("/segments/0/corners", json!(reversed))).unwrap_err();
         assert!(fault.contains("out of order"), "{fault}");
     }
-    // The path stops at the corner that is missing, so its times are false.
+    // The path stops at the missing corner, so that its times are false.
     let fewer = read(&changed("/segments/0/corners", json!(corners[1..]))).unwrap();
     assert!(!verdict(&fewer).audit.valid);
     let mut slower = plan.clone();
@@ -117,6 +118,6 @@ fn corners_that_a_file_states_are_judged_from_their_control_points() {
     assert!(!verdict(&read(&slower).unwrap()).audit.valid);
     for pace in [json!({"velocity": 0.0}), json!({"acceleration": 1.5}), json!({"tool_m_s": -1.0})] {
         slower["segments"][0]["pace"] = pace;
-        assert!(read(&slower).unwrap_err().contains("has a pace that is no share of the limits"));
+        assert!(read(&slower).unwrap_err().contains("has an invalid pace: shares of the limits"));
     }
 }

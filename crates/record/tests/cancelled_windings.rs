@@ -1,5 +1,5 @@
-//! Scenarios with meshes whose windings cancel were opened as if there were nothing in them, and a path within an
-//! obstacle was proven. They are repaired, which is said, or refused.
+//! Regression tests for scenarios with meshes whose windings cancel: they were opened as empty space, and a path inside an
+//! obstacle was proven. They must be repaired, with a report, or refused.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -15,7 +15,7 @@ fn false_proofs() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../cli/tests/fixtures/false_proofs")
 }
 
-/// Whether the path of the folder is valid in it, and what was repaired.
+/// Returns whether the path of the folder is valid in it, and the repairs of its meshes.
 fn judged(folder: &Path) -> (bool, String) {
     let scenario = Scenario::open(&folder.to_string_lossy(), &OpenOptions::default()).unwrap();
     let problem = scenario.problem(Margins::default()).unwrap();
@@ -35,7 +35,7 @@ fn a_link_inside_a_mesh_whose_windings_cancel_is_in_contact() {
     }
 }
 
-/// The scenario `two_sided` with another mesh, in a folder of its own.
+/// Creates a copy of the scenario `two_sided` with another mesh, in a folder of its own.
 fn with_mesh(mesh: &str, text: &str) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     for file in ["r.urdf", "p.csv", "grasps.csv", "scenario.yaml"] {
@@ -47,7 +47,7 @@ fn with_mesh(mesh: &str, text: &str) -> tempfile::TempDir {
     folder
 }
 
-/// The triangles of the fixture, as text of other formats.
+/// Returns the triangles of the fixture, to write them in other formats.
 fn two_sided_triangles() -> Vec<[[f64; 3]; 3]> {
     let text = fs::read_to_string(false_proofs().join("two_sided/m.obj")).unwrap();
     let numbers = |line: &str| -> Vec<f64> { line.split(' ').skip(1).map(|w| w.parse().unwrap()).collect() };
@@ -98,7 +98,7 @@ fn no_format_lets_windings_cancel() {
 #[test]
 fn a_mesh_that_cannot_be_repaired_is_refused_with_its_file_and_a_hint() {
     let text = fs::read_to_string(false_proofs().join("two_sided/m.obj")).unwrap();
-    // Without two of its faces, in both orientations.
+    // Remove two of its faces, in both orientations.
     let open: Vec<&str> = text.lines().filter(|line| !["f 1 2 4", "f 4 2 1"].contains(line)).collect();
     let folder = with_mesh("m.obj", &open.join("\n"));
     let faults = check(&folder.path().to_string_lossy()).expect("a folder");

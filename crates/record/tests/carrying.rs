@@ -1,4 +1,4 @@
-//! Tasks that take the target away, in the built-in scenarios.
+//! Tasks that carry the target away, in the built-in scenarios.
 
 use cranny_collision::Margins;
 use cranny_path::{Audit, AuditSettings, Cause, Clearances, Violation};
@@ -44,7 +44,7 @@ fn the_target_of_every_scenario_can_be_carried_home() {
             assert_eq!(carry.waypoints.last().map(Vec::as_slice), Some(problem.start()), "{id}");
             let opening_m = lift_off.opening_m.unwrap();
             assert!(opening_m > 0.0 && opening_m < 0.08, "{id}: {opening_m}");
-            // The same once more is the same.
+            // A second run gives the same path.
             if level == 1 {
                 let again = carried(&problem, Move::Home);
                 assert_eq!(again.waypoints(), answer.waypoints(), "{id}");
@@ -66,10 +66,10 @@ fn a_plan_file_of_a_task_is_read_and_judged_and_lies_are_seen() {
     let sound = audit_of(&read, &problem);
     assert!(sound.valid, "{:?}", sound.violations);
     assert_eq!(plan.task, [Stage::pick(), Stage::home()]);
-    // Its request is the one that it was made by.
+    // Its request reproduces the plan.
     let again = solve(&problem, &plan.request(), &mut Unobserved).unwrap();
     assert_eq!(again.waypoints(), plan.waypoints);
-    // The hand and the end that it states are judged, along its edges alone.
+    // The audit checks the stated hand and goal, along the edges alone.
     let mut plan = plan;
     plan.segments.iter_mut().for_each(|segment| segment.corners.clear());
     let kinds = |plan: &PlanFile| -> Vec<&str> {
@@ -91,7 +91,7 @@ fn a_plan_file_of_a_task_is_read_and_judged_and_lies_are_seen() {
     short.segments[2].waypoints.truncate(1);
     short.task[1] = Stage::Move(Move::Clear { clear_m: 1.0 });
     assert_eq!(kinds(&short), ["goal"]);
-    // Up and down again until the object has gone too far.
+    // Move up and down again until the object has gone too far.
     let mut long = plan.clone();
     let lift_off = long.segments[1].waypoints.clone();
     for _ in 0..5 {
@@ -99,7 +99,7 @@ fn a_plan_file_of_a_task_is_read_and_judged_and_lies_are_seen() {
         long.segments[1].waypoints.extend(lift_off.iter().skip(1).cloned());
     }
     assert_eq!(kinds(&long), ["lift-off"]);
-    // The object dragged on along the table instead of off it.
+    // Drag the object along the table instead of lifting it.
     let mut dragged = plan.clone();
     let grasp = dragged.segments[1].waypoints[0].clone();
     let mut aside = grasp.clone();
@@ -107,7 +107,7 @@ fn a_plan_file_of_a_task_is_read_and_judged_and_lies_are_seen() {
     dragged.segments[1].waypoints = vec![grasp.clone(), aside.clone()];
     dragged.segments[2].waypoints = vec![aside];
     assert!(kinds(&dragged).contains(&"lift-off"), "{:?}", kinds(&dragged));
-    // Closed where the object is not.
+    // Close the hand where there is no object.
     let mut missed = plan.clone();
     let mut above = grasp.clone();
     above[3] -= 0.4;
@@ -130,7 +130,7 @@ fn where_the_object_is_carried_to_can_be_said() {
     let answer = carried(&problem, to(&end));
     assert!(answer.is_solved());
     assert_eq!(answer.waypoints().last(), Some(&end));
-    // An end in which the arm touches something, whatever is held: no grasp will do, which is known without a search.
+    // At this goal the arm itself collides: every grasp is refused, without a search.
     let cell = problem.cell().expect("the default criterion is exact");
     let mut scratch = cell.scratch();
     let mut random = Stream::new(0, 0);
@@ -151,7 +151,7 @@ fn where_the_object_is_carried_to_can_be_said() {
     end[4] = f64::NAN;
     assert!(refused(Move::Configurations(vec![end])).contains("not a finite number"));
     assert!(refused(Move::Configurations(Vec::new())).contains("no configuration"));
-    assert!(refused(Move::Clear { clear_m: f64::NAN }).contains("no clearance"));
+    assert!(refused(Move::Clear { clear_m: f64::NAN }).contains("not a valid clearance"));
 }
 
 #[test]
@@ -165,7 +165,7 @@ fn out_is_where_the_object_is_clear_of_everything_but_the_floor() {
         let source = PlanSource { scenario: id.to_owned(), ..PlanSource::default() };
         let mut plan = PlanFile::of(&answer, &source);
         assert_eq!(plan.task[1], Stage::Move(Move::Clear { clear_m }));
-        // Farther out is more than was asked.
+        // A farther distance than the requested one.
         plan.task[1] = Stage::Move(Move::Clear { clear_m: 1.0 });
         let kinds: Vec<&str> = audit_of(&plan, &problem).violations.iter().map(Violation::kind).collect();
         assert_eq!(kinds, ["goal"], "{id}");
@@ -179,7 +179,7 @@ fn what_cannot_be_carried_is_refused_in_words() {
         solve(problem, request, &mut Unobserved).unwrap_err().to_string()
     };
     let sound = problem("021", Margins::default());
-    // Every planner carries: one whose search cannot go on begins anew for each grasp.
+    // Every planner carries: one whose search cannot continue starts again for each grasp.
     for planner in ["ik-rrt", "rrt-connect", "j-plus-rbt"] {
         let other = Request { planner: Some(planner.to_owned()), ..request.clone() };
         let answer = solve(&sound, &other, &mut Unobserved).unwrap();

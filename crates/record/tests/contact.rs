@@ -1,4 +1,4 @@
-//! Contacts allowed of an object where it is lifted off and put down, in scenarios with another body beside it.
+//! Allowed contacts of an object during lift-off and set-down, in scenarios with another body beside it.
 
 use cranny_collision::{Body, CollisionError, Margins};
 use cranny_path::{AuditSettings, Violation};
@@ -35,7 +35,7 @@ fn asked(problem: &Problem, stages: Vec<Stage>) -> Answer {
     solve(problem, &request, &mut Unobserved).unwrap()
 }
 
-/// Corners of the box around the target, along the axes of the planning frame.
+/// Returns the corners of the bounding box of the target, along the axes of the planning frame.
 fn target_box(scenario: &Scenario) -> [Point; 2] {
     let part = &scenario.world.bodies()[scenario.target.unwrap()].parts[0];
     let aabb = part.solid.aabb().transformed(&part.world_from_solid);
@@ -48,7 +48,7 @@ fn block(name: &str, low: Point, high: Point) -> Body {
     Body::new(name, Pose::translation(middle.x, middle.y, middle.z), solid)
 }
 
-/// The ball of 021 with a post at the distance `gap_m` beside it, below the hand.
+/// Opens 021 with a post at the distance `gap_m` (m) beside the ball, below the hand.
 fn with_post(gap_m: f64) -> Scenario {
     let scenario = opened("021");
     let [low, high] = target_box(&scenario);
@@ -67,13 +67,13 @@ fn a_post_beside_the_object_is_an_obstacle_of_its_lift_off() {
     let audit = answer.audit.as_ref().unwrap();
     let clearance_m = audit.clearance_m.unwrap();
     assert!(clearance_m <= 0.001 && clearance_m > 0.0005, "{clearance_m}");
-    // So little room the object has in the hand, and no more.
+    // The object has this clearance for slip in the hand, and no more.
     let slip_m = answer.robustness.unwrap().slip.unwrap().translation_m;
     assert!(slip_m <= 0.001, "{slip_m}");
     let object_margin = Margins { object_margin_m: 0.015, ..Margins::default() };
     let robust = scenario.problem(object_margin).unwrap();
     assert_ne!(asked(&robust, carry()).outcome, Outcome::Solved);
-    // A greater margin does not hide it.
+    // A greater margin does not hide the post.
     let answer = asked(&problem(&scenario, 0.004), carry());
     assert_ne!(answer.outcome, Outcome::Solved);
     let names_post = answer.failures.iter().any(|failure| failure.reason.sentence().contains("post"));
@@ -98,7 +98,7 @@ fn the_contact_that_is_allowed_is_named_with_every_answer() {
     let mut plan = PlanFile::of(&answer, &PlanSource { scenario: "021".to_owned(), ..PlanSource::default() });
     let text = serde_json::to_string(&plan).unwrap();
     assert!(text.contains(r#""reason":"resting","segment":"set-down","allowance_m":0.0001"#), "{text}");
-    // Whatever a file states of them, the judge names them.
+    // The audit names the contacts, regardless of the statements of the file.
     plan.not_checked.clear();
     let judged = plan.audit(&problem, AuditSettings::default()).unwrap().unwrap();
     assert_eq!(judged.not_checked, audit.not_checked);
@@ -118,7 +118,7 @@ fn what_does_not_carry_the_object_is_not_touched_at_the_start() {
     }
 }
 
-/// Fault of putting the target down at its present pose moved by `motion`, if any.
+/// Returns the fault of putting the target down at its present pose moved by `motion`, if any.
 fn fault(scenario: &Scenario, motion: &Pose) -> Option<String> {
     let problem = problem(scenario, 0.0);
     let carrier = Carrier::new(&problem, LiftOffSettings::default()).unwrap();
@@ -162,13 +162,13 @@ fn an_object_is_put_down_on_level_faces_below_it() {
         * Pose::translation(-middle.x, -middle.y, -middle.z);
     let diagonal_m = 0.5 * (size.x.hypot(size.z) - size.z);
     let on_edge = Pose::translation(0.0, 0.0, diagonal_m) * about * aside(0.0);
-    assert!(fault(&scenario, &on_edge).unwrap().contains("from any way to rest"));
+    assert!(fault(&scenario, &on_edge).unwrap().contains("from any resting pose"));
 }
 
 #[test]
 fn a_slope_is_no_place_for_a_robot_that_is_tilted_as_it_is() {
     let scenario = opened("031");
-    // In the frame of a root that leans by 20°, what is level for the root is a slope.
+    // In the frame of a root that leans by 20°, a face that is level for the root is a slope.
     let up = Pose::rotation(Vector::x() * 0.35).rotation * Vector::z();
     let world = scenario.world.clone().with_up(&up);
     let tilted = Scenario { world, ..scenario };
@@ -216,6 +216,6 @@ fn a_rectangle_is_level_in_the_scene_however_the_robot_stands() {
         })
     };
     assert!(places("[0, 0, 20]").unwrap() > 0);
-    // What is level for the robot is not.
+    // A rectangle that is level for the robot is not level in the scene.
     assert!(places("[0, 4, 0]").unwrap_err().to_string().contains("not level"));
 }

@@ -1,4 +1,4 @@
-//! What is soon known of each grasp: what attempts find, and what somebody knew.
+//! Quick IK status of each grasp: from attempts, and from known configurations.
 
 use std::sync::atomic::AtomicBool;
 
@@ -16,7 +16,7 @@ fn a_known_configuration_solves_the_grasps_that_it_holds() {
         annotate_ik(&problem, &IkAnnotationSettings::default(), &|| (), &AtomicBool::new(false)).unwrap();
     let hard = many.iter().find(|grasp| !grasp.solutions.is_empty() && few[grasp.grasp] != IkStatus::Solved);
     let hard = hard.expect("a grasp that few attempts do not solve");
-    // What is of another robot is passed over.
+    // Configurations of another robot are skipped.
     let known = [vec![0.0], hard.solutions[0].q.clone()];
     let told = ik_statuses(&problem, &known).unwrap();
     assert_eq!(told[hard.grasp], IkStatus::Solved);

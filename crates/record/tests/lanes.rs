@@ -1,5 +1,5 @@
-//! The law of the vector lanes on the twenty released scenarios: their verdict is that of the exact check,
-//! whatever the instruction set, for 10⁵ configurations each, half of them at contact.
+//! Law of the vector lanes on the twenty released scenarios: their verdict equals that of the exact check, for every
+//! instruction set, for 10⁵ configurations each, half of them at contact.
 
 use std::io::{Write as _, stderr};
 use std::path::{Path, PathBuf};
@@ -11,14 +11,14 @@ use cranny_solve::{Request, solve};
 use cranny_spatial::{Stream, simd_levels};
 use cranny_task::{Carrier, LiftOffSettings, Stage};
 
-/// Configurations of each kind in a scenario, in the plain run and in the long one.
+/// Number of configurations of each kind in a scenario, in the plain run and in the long one.
 const OF_EACH: [usize; 2] = [10_000, 50_000];
 
 fn is_long() -> bool {
     std::env::var_os("CRANNY_LONG").is_some()
 }
 
-/// Bisection ends where no joint differs by more, in metres or radians: links move less than 0.1 mm then.
+/// Joint difference at which the bisection ends, in metres or radians: links then move less than 0.1 mm.
 const BISECTED: f64 = 2e-5;
 
 #[test]
@@ -41,10 +41,10 @@ fn verdicts_are_exact_behind_the_gate() {
     verdicts_are_exact(4);
 }
 
-/// Configurations of each kind in a hold, in the plain run and in the long one.
+/// Number of configurations of each kind in a hold, in the plain run and in the long one.
 const HELD: [usize; 2] = [1_000, 50_000];
 
-/// The law while the hand holds the target, by two grasps: half of the configurations at contact of what is held.
+/// The law while the hand holds the target, in two grasps: half of the configurations are at contact of the held object.
 #[test]
 fn verdicts_are_exact_with_the_target_in_the_hand() {
     let Some(data) = data() else { return };
@@ -73,9 +73,9 @@ fn verdicts_are_exact_with_the_target_in_the_hand() {
     }
 }
 
-/// As [`judged`], the second half near `along`, where what is held is about to touch.
+/// Works as [`judged`], with the second half near `along`, where the held object is about to touch.
 fn judged_held(cell: &Cell, along: &[&Vec<f64>], count: usize, random: &mut Stream) -> (Vec<f64>, Vec<bool>) {
-    /// How far from a way point a joint of these may be, in metres or radians.
+    /// Greatest distance of a joint of these from a way point, in metres or radians.
     const NEAR: f64 = 0.4;
     let (mut scratch, held) = (cell.scratch(), cell.robot().held_link().map(Collider::Link));
     let (mut rows, mut verdicts) = (Vec::new(), Vec::new());
@@ -111,7 +111,7 @@ fn data() -> Option<PathBuf> {
     let data = std::env::var_os("CRANNY_DATA").map(PathBuf::from);
     if data.is_none() {
         assert!(std::env::var_os("CRANNY_REQUIRE_ALL").is_none(), "CRANNY_DATA is not set");
-        // Straight to the stream, because the test runner keeps back what a passing test prints.
+        // Write to the stream directly, because the test runner hides the output of a passing test.
         let _ = writeln!(stderr(), "SKIPPED: CRANNY_DATA is not set, so no verdict in a released scenario");
     }
     data
@@ -139,7 +139,7 @@ fn verdicts_are_exact(environment: usize) {
     }
 }
 
-/// Configurations in rows, and the verdict of the exact check on each.
+/// Returns configurations in rows, and the verdict of the exact check on each.
 fn judged(cell: &Cell, random: &mut Stream) -> (Vec<f64>, Vec<bool>) {
     let mut scratch = cell.scratch();
     let (mut rows, mut verdicts) = (Vec::new(), Vec::new());

@@ -1,4 +1,4 @@
-//! The lower bound of a path's length, on built-in scenarios.
+//! Lower bound of the length of paths, on built-in scenarios.
 
 use std::time::Duration;
 
@@ -9,7 +9,7 @@ use cranny_scenario::{OpenOptions, Scenario};
 use cranny_solve::{Request, solve};
 use cranny_task::Stage;
 
-/// No path of any seed, and none that was optimised, is shorter than the bound that another one states.
+/// No path of any seed, optimised or not, is shorter than the bound that another one states.
 #[test]
 fn no_path_is_shorter_than_the_bound_of_another() {
     let carry = vec![Stage::pick(), Stage::home()];

@@ -1,4 +1,4 @@
-//! Scenes and requests of `MoveIt`: what is read of them, what is refused, and the published families.
+//! Scenes and requests of `MoveIt`: supported contents, refused contents, and the published families.
 
 use std::fs;
 use std::io::{Write as _, stderr};
@@ -13,7 +13,7 @@ use cranny_scenario::{MoveItDeviation, MoveItOptions, MoveItProblem, ScenarioErr
 use cranny_spatial::{Point, Vector};
 use cranny_task::{Goal, Problem};
 
-/// Two turning joints, a hand, a sliding finger and one that follows it.
+/// Two revolute joints, a hand, a sliding finger and one that mimics it.
 const URDF: &str = "<robot name='arm'>
 <link name='base'><collision><geometry><sphere radius='0.05'/></geometry></collision></link>
 <link name='upper'><collision><geometry><sphere radius='0.04'/></geometry></collision></link>
@@ -87,7 +87,7 @@ goal_constraints:
       - {position: 1.5, joint_name: shoulder, tolerance_above: 0.01}
 ";
 
-/// A sound problem in a folder of its own, of which one file can be changed.
+/// A valid problem in a folder of its own, of which one file can be changed.
 struct Copy(tempfile::TempDir);
 
 impl Copy {
@@ -110,7 +110,7 @@ impl Copy {
         MoveItProblem::open(&scene, &request, &MoveItOptions::default())
     }
 
-    /// What becomes of it once `from` in `file` is `to`.
+    /// Opens the problem with `from` in `file` replaced by `to`.
     fn changed(&self, file: &str, from: &str, to: &str) -> Result<MoveItProblem, ScenarioError> {
         let text = fs::read_to_string(self.path(file)).unwrap();
         assert!(text.contains(from), "{from}");
@@ -120,7 +120,7 @@ impl Copy {
         result
     }
 
-    /// Each case: what is replaced, by what, what the message must contain.
+    /// Checks cases: text, replacement, and an excerpt of the expected message.
     fn expect_faults(&self, file: &str, cases: &[(&str, &str, &str)]) {
         for (from, to, expected) in cases {
             let fault = self.changed(file, from, to).unwrap_err().to_string();
@@ -359,12 +359,12 @@ fn faults_of_a_request_name_file_and_line() {
     assert!(fault.contains("unknown SRDF group `both`"), "{fault}");
 }
 
-/// The published families; `None`, said loudly, where they are not there.
+/// Returns the folder of the published families; `None`, with a message, if it does not exist.
 fn families() -> Option<PathBuf> {
     let data = std::env::var_os("CRANNY_DATA").map(PathBuf::from);
     if data.is_none() {
         assert!(std::env::var_os("CRANNY_REQUIRE_ALL").is_none(), "CRANNY_DATA is not set");
-        // Straight to the stream, because the test runner keeps back what a passing test prints.
+        // Write to the stream directly, because the test runner hides the output of a passing test.
         static SAID: Once = Once::new();
         SAID.call_once(|| {
             let _ = writeln!(
@@ -389,7 +389,7 @@ fn open(family: &Path, number: usize, options: &MoveItOptions) -> MoveItProblem 
     MoveItProblem::open(&scene, &request, options).unwrap()
 }
 
-/// Whether start and goal are free, and what is in the way if not.
+/// Returns the contacts at start and goal; empty if both are free.
 fn faults(problem: &Problem) -> Vec<String> {
     let cell = problem.cell().expect("the criterion is exact");
     let Goal::Configurations(goals) = problem.goal() else { panic!("the goal is a configuration") };
@@ -461,6 +461,6 @@ fn the_robot_of_detailed_meshes_keeps_its_fingers_within_their_limit() {
     let frames = problem.robot.frames();
     let at = |name: &str| frames.link(problem.robot.link_index(name).unwrap()).translation.vector;
     assert!(((at("panda_leftfinger") - at("panda_rightfinger")).norm() - 0.08).abs() < 1e-9);
-    // The SRDF is the one of the scene's folder, since none lies beside this URDF.
+    // The SRDF is that of the scene's folder, because there is none beside this URDF.
     assert!(!problem.robot.disabled_pairs().is_empty());
 }

@@ -1,4 +1,4 @@
-//! Plans of earlier formats are read and judged as they were when they were written.
+//! Plans of earlier formats are read and audited as when they were written.
 
 use cranny_path::{AuditSettings, Violation};
 use cranny_record::{Judgement, PlanFile, PlanSource, RecordError};
@@ -42,13 +42,13 @@ fn plans_of_every_earlier_format_are_read_and_hold() {
         assert!(judgement.audit.valid, "{name}: {:?}", judgement.audit.violations);
         assert!(judgement.differs.is_empty(), "{name}: {:?}", judgement.differs);
         assert_eq!(judgement.measured.scenario, id);
-        // Written in the present format it says the same.
+        // Written in the present format it has the same contents.
         let folder = tempfile::tempdir().expect("a folder");
         let file = folder.path().join("new.plan.json");
         judgement.measured.write(&file).expect("written");
         assert_eq!(PlanFile::read(&file).expect("a plan"), judgement.measured);
     }
-    // Before there was any format, a plan was its way points.
+    // Before there was any format, a plan consisted of its way points.
     let mut oldest = plan("a reach");
     for key in ["format", "segments"] {
         oldest.as_object_mut().expect("a plan").remove(key);
@@ -93,7 +93,7 @@ fn what_is_no_plan_of_an_earlier_format_is_refused() {
         other
     };
     refused(&changed("a carry", "/format", Value::Null), "no 'format'");
-    refused(&changed("a carry", "/carry_to", json!([])), "moves to no configuration");
+    refused(&changed("a carry", "/carry_to", json!([])), "has a move without a configuration");
     let mut two = plan("a carry");
     two["carry_clear_m"] = json!(0.05);
     refused(&two, "more than one");

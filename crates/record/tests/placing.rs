@@ -1,4 +1,4 @@
-//! Tasks that put the target down, in the built-in scenarios, and how much error plans forgive.
+//! Tasks that put the target down, in the built-in scenarios, and the errors that plans tolerate.
 
 use cranny_collision::{Body, Cell, Collider, Margins, Part, World};
 use cranny_path::{Audit, AuditSettings, Clearances, Violation, audit_task};
@@ -31,7 +31,7 @@ fn placed(problem: &Problem, stages: Vec<Stage>) -> Answer {
     asked(problem, stages, 0).unwrap()
 }
 
-/// The same problem whose target is put down at a goal.
+/// Returns this problem with a goal at which the target is put down.
 fn at(problem: &Problem, goal: PlaceGoal) -> Problem {
     problem.clone().with_places(&[PlaceGoal { name: "outside".to_owned(), ..goal }])
 }
@@ -41,7 +41,7 @@ fn audit_of(plan: &PlanFile, problem: &Problem) -> Audit {
     plan.audit(problem, settings).unwrap().unwrap()
 }
 
-/// Where the target is, moved from where it was, once the hand has opened.
+/// Returns the motion of the target from its start pose, once the hand has opened.
 fn moved(answer: &Answer, problem: &Problem) -> Pose {
     let tip = |q: &[f64]| *problem.robot().frames_at(q).link(problem.robot().tip());
     let last = |mode: Mode| {
@@ -51,7 +51,7 @@ fn moved(answer: &Answer, problem: &Problem) -> Pose {
     last(Mode::SET_DOWN) * last(Mode::REACH).inverse()
 }
 
-/// By the corners of its triangles alone: whether the target lies on the rectangle, and nowhere beyond its edges.
+/// Checks by the corners of its triangles alone that the target lies on the rectangle, and nowhere beyond its edges.
 fn lies_on(scenario: &Scenario, moved: &Pose, place: &PlaceGoal) -> bool {
     let PlaceSpot::Surface { pose, size_m, .. } = &place.spot else { return false };
     let mesh = scenario.target_mesh().unwrap().unwrap();
@@ -98,17 +98,17 @@ fn the_target_of_every_scenario_can_be_put_down_outside() {
 fn the_target_is_brought_to_a_pose() {
     let (scenario, problem) = open("031");
     let now = problem.cell().unwrap().world().bodies()[problem.target().unwrap()].parts[0].world_from_solid;
-    // Beside where it stands, turned by 20°.
+    // Beside its present pose, turned by 20°.
     let there = Pose::translation(-0.1, -0.15, 0.0) * now * Pose::rotation(Vector::x() * 0.35);
     let goal = PlaceGoal { name: "there".to_owned(), spot: PlaceSpot::Target(there) };
     let answer = placed(&at(&problem, goal), then(AfterPlacing::Home));
-    // Tilted it is let go, but does not stand: that is not asked of a pose.
+    // A tilted object may be released but does not stand: a goal pose does not require that.
     assert!(matches!(answer.outcome, Outcome::Solved | Outcome::BudgetExhausted | Outcome::NoReachableGrasp));
     let upright = Pose::translation(-0.1, -0.15, 0.0) * now;
     let goal = PlaceGoal { name: "there".to_owned(), spot: PlaceSpot::Target(upright) };
     let answer = placed(&at(&problem, goal), then(AfterPlacing::Home));
     assert!(answer.is_solved(), "{:?} {:?}", answer.outcome, answer.audit);
-    // In the air, or in the floor, nothing can be let go.
+    // In the air, or in the floor, no object can be released.
     for off_m in [0.02, -0.005] {
         let spot = PlaceSpot::Target(Pose::translation(-0.1, -0.15, off_m) * now);
         let goal = PlaceGoal { name: "there".to_owned(), spot };
@@ -137,7 +137,7 @@ fn what_a_plan_file_says_of_a_place_is_judged() {
     let kinds = |plan: &PlanFile, problem: &Problem| -> Vec<&str> {
         audit_of(plan, problem).violations.iter().map(Violation::kind).collect()
     };
-    // The same path for a smaller place, or one beside it, or one that floats.
+    // The same path for a smaller rectangle, one beside it, and one that floats.
     let PlaceGoal { name, spot } = problem.place("outside").unwrap().clone();
     let PlaceSpot::Surface { on, pose, size_m } = spot else { panic!("a surface") };
     let other = |pose: Pose, size_m: [f64; 2], on: &str| {
@@ -154,7 +154,7 @@ fn what_a_plan_file_says_of_a_place_is_judged() {
     ] {
         assert_eq!(kinds(&plan, &problem), ["goal"], "{what}");
     }
-    // Another end of the retreat is demanded, or of the path; along its edges alone.
+    // Require another end of the retreat, or of the path; along its edges alone.
     let mut plan = plan;
     plan.segments.iter_mut().for_each(|segment| segment.corners.clear());
     let mut far = plan.clone();
@@ -166,7 +166,7 @@ fn what_a_plan_file_says_of_a_place_is_judged() {
     assert_eq!(problems, ["goal"], "the path ends before it goes home");
     stays.task.pop();
     assert!(audit_of(&stays, &problem).valid);
-    // Let go from higher up, or carried through the table.
+    // Release from higher up, or carry through the table.
     let mut early = plan.clone();
     let above = early.segments[3].waypoints[0].clone();
     early.segments[3].waypoints = vec![above.clone(), above.clone()];
@@ -177,7 +177,7 @@ fn what_a_plan_file_says_of_a_place_is_judged() {
     deep[2] += 0.3;
     through.segments[3].waypoints.insert(1, deep);
     assert!(!audit_of(&through, &problem).valid);
-    // A jump between two pieces: no file has one, but a caller may.
+    // A jump between two segments: no file has one, but a caller may.
     for piece in [1, 2, 3, 4, 5] {
         let mut segments = plan.segments.clone();
         segments[piece].waypoints[0] =
@@ -185,19 +185,19 @@ fn what_a_plan_file_says_of_a_place_is_judged() {
         let fault = audit_task(&problem, &plan.task, &segments, AuditSettings::default()).unwrap_err();
         assert!(fault.to_string().contains("does not begin where"), "piece {piece}: {fault}");
     }
-    // What is not there is an error, and not a verdict.
+    // An unknown goal is an error, and not a verdict.
     let mut unknown = plan.clone();
     unknown.task[1] = Stage::place("nowhere");
     assert!(matches!(
         unknown.audit(&problem, AuditSettings::default()),
         Err(PlanError::Task(TaskError::UnknownPlace { known, .. })) if known == "'outside'"
     ));
-    // A way to the grasp alone does not put anything down, whatever is said.
+    // A path to the grasp alone does not put anything down, regardless of the stated task.
     let mut reach = plan.clone();
     reach.segments.truncate(1);
     reach.waypoints = reach.segments[0].waypoints.clone();
     assert_eq!(kinds(&reach, &problem), ["goal"]);
-    // Without its task, its segments are of none.
+    // Without its task, its segments match no stage.
     let placeless = PlanFile { task: Vec::new(), ..plan };
     assert!(matches!(
         placeless.audit(&problem, AuditSettings::default()),
@@ -219,24 +219,24 @@ fn places_that_are_none_are_refused_and_those_that_hold_nothing_are_told() {
         |clear_m: f64| vec![Stage::pick(), Stage::Place(PlaceAt { clear_m, ..PlaceAt::named("outside") })];
     let tilted = pose * Pose::rotation(Vector::x() * 0.1);
     for (problem, stages, says) in [
-        (with("ball", pose, size_m), clear(CLEAR_M), "lies on what is to be put down"),
+        (with("ball", pose, size_m), clear(CLEAR_M), "lies on the object that is to be put down"),
         (with("moon", pose, size_m), clear(CLEAR_M), "moon"),
         (with(&on, tilted, size_m), clear(CLEAR_M), "not level"),
         (with(&on, pose, [0.1, f64::NAN]), clear(CLEAR_M), "no size"),
         (problem.clone().with_weights(&[]), clear(CLEAR_M), "ball rolls away from 'outside'"),
-        (problem.clone(), clear(-0.1), "no clearance"),
-        (problem.clone(), clear(f64::INFINITY), "no clearance"),
+        (problem.clone(), clear(-0.1), "not a valid clearance"),
+        (problem.clone(), clear(f64::INFINITY), "not a valid clearance"),
     ] {
         let fault = asked(&problem, stages, 0).unwrap_err().to_string();
         assert!(fault.contains(says), "{fault}");
     }
-    // Too small for it: no error, and every grasp says why.
+    // The rectangle is too small: no error, and every grasp has a reason.
     let answer = placed(&with(&on, pose, [0.01, 0.01]), clear(CLEAR_M));
     assert_ne!(answer.outcome, Outcome::Solved);
     assert!(answer.failures.iter().any(|failure| failure.reason.sentence().contains("no place")));
 }
 
-/// Everything around the robot as it would be seen by one whose root is off.
+/// Returns the surroundings as they appear to a robot whose root is displaced.
 fn seen_from(cell: &Cell, root_from_planned: &Pose, only: Option<usize>) -> World {
     let planned_from_root = root_from_planned.inverse();
     let bodies = cell.world().bodies().iter().enumerate().map(|(index, body)| {
@@ -254,7 +254,7 @@ fn seen_from(cell: &Cell, root_from_planned: &Pose, only: Option<usize>) -> Worl
     World::new(bodies.collect()).unwrap()
 }
 
-/// Of length and angle that use up a share of a radius; about a point.
+/// Returns an error of pose about a point whose length and angle use up a share of a radius (m, rad).
 fn error(random: &mut Stream, radius: [f64; 2], share: f64, about: &Vector) -> Pose {
     let direction = random.rotation() * Vector::x();
     let axis = random.rotation() * Vector::x();
@@ -268,13 +268,13 @@ fn error(random: &mut Stream, radius: [f64; 2], share: f64, about: &Vector) -> P
         * about.inverse()
 }
 
-/// The law of [`Robustness`]: what is off by no more than the radius touches nothing; and the radius is not so small that
-/// much more would touch nothing either.
+/// The law of [`Robustness`]: an error within the radius causes no contact; and the radius is not so small that a much larger
+/// error causes none either.
 #[test]
 fn within_the_radius_nothing_is_touched() {
-    // Ten thousand with those of both scenarios and the three kinds, where there is time.
+    // Ten thousand for both scenarios and the three kinds in the long run.
     let executions = if std::env::var_os("CRANNY_LONG").is_some() { 1700 } else { 30 };
-    // How often something touches within the radius, at three times and at thirty times of it, by kind.
+    // Number of executions with contact within the radius, at three times and at thirty times of it, by kind.
     let mut touching = [[0; 3]; 3];
     let shares = [1.0, 3.0, 30.0];
     for id in ["012", "033"] {
@@ -293,7 +293,7 @@ fn within_the_radius_nothing_is_touched() {
         let middle = empty.world().bodies()[target].ball().unwrap().center.coords;
         let mut random = Stream::new(7, 0);
         for execution in 0..executions {
-            // Of an error of the object, before the hand closes; of the base, on the way with the empty hand too.
+            // An error of the object, before the hand closes; and of the base, on the path of the empty hand too.
             for (kind, radius, about, only) in
                 [(0, object, middle, Some(target)), (1, base, Vector::zeros(), None)]
             {
@@ -330,7 +330,7 @@ fn within_the_radius_nothing_is_touched() {
     assert!(touching[2].iter().all(|count| *count > 0), "{touching:?}");
 }
 
-/// Whether anything touches along a path whose joints are off by this, by exact distances at samples.
+/// Returns true if anything touches along a path (m, rad) whose joints are off by `off`, by exact distances at samples.
 fn touches_along(cell: &Cell, path: &[Vec<f64>], off: &[f64], random: &mut Stream) -> bool {
     let mut scratch = cell.scratch();
     path.windows(2).any(|edge| {
@@ -343,7 +343,7 @@ fn touches_along(cell: &Cell, path: &[Vec<f64>], off: &[f64], random: &mut Strea
     })
 }
 
-/// A little beyond the radius, in the direction of what is nearest where it is nearest, something touches.
+/// An error slightly beyond the radius, towards the nearest body at the nearest configuration, causes a contact.
 #[test]
 fn just_beyond_the_radius_the_nearest_is_touched() {
     let looked_at = if std::env::var_os("CRANNY_LONG").is_some() { 4 } else { 2 };
@@ -354,7 +354,7 @@ fn just_beyond_the_radius_the_nearest_is_touched() {
         let path = &answer.segments[0].waypoints;
         let Robustness { object, base, .. } = answer.robustness.unwrap();
         let (cell, target) = (problem.cell().unwrap(), problem.target().unwrap());
-        // Neither error moves a link against another: the nearest of the world is looked for.
+        // Neither error moves a link against another: only the nearest body of the world matters.
         let names: Vec<&str> = cell.robot().links().iter().map(|link| link.name.as_str()).collect();
         let pairs = names.iter().flat_map(|a| names.iter().map(|b| [(*a).to_owned(), (*b).to_owned()]));
         let unchecked_pairs = pairs.filter(|[a, b]| a < b).collect();
@@ -380,7 +380,7 @@ fn just_beyond_the_radius_the_nearest_is_touched() {
                 samples.filter_map(of_bodies).min_by(|a, b| a.1.distance_m.total_cmp(&b.1.distance_m));
             let (q, closest) = nearest.expect("something is near");
             let [on_link, on_body] = closest.points.unwrap();
-            // Beside its share of the distance, the radius leaves out some hundredths of a millimetre.
+            // Beside its share of the distance, the radius omits some hundredths of a millimetre.
             let touches = |share: f64| {
                 let beyond_m = share * radius_m + if share > 1.0 { 2e-5 } else { 0.0 };
                 let shift = (on_link - on_body).normalize() * beyond_m;

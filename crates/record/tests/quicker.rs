@@ -1,4 +1,4 @@
-//! Better paths by the time that they take.
+//! Optimisation of paths by their duration.
 
 use std::time::Duration;
 
@@ -7,7 +7,7 @@ use cranny_path::{CostKind, MotionLimits, TimingMethod, Trajectory, audit};
 use cranny_plan::{Budget, OptimiseSettings, Unobserved, default_planner, optimise};
 use cranny_scenario::{OpenOptions, Scenario};
 
-/// Searches are bounded by one measure and paths chosen by another.
+/// Searches are bounded by one measure, and paths are chosen by another.
 #[test]
 fn by_time_the_seconds_of_the_trajectory_fall() {
     let scenario = Scenario::open("021", &OpenOptions::default()).expect("a scenario");

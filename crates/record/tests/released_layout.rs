@@ -13,12 +13,12 @@ use cranny_scenario::{Geometry, OpenOptions, Scenario};
 use cranny_spatial::{Pose, PoseDifference, Rotation, Vector};
 use cranny_task::{Criterion, IkAnnotationSettings, IkStatus, annotate_ik};
 
-/// The folder of the released scenarios; `None`, said loudly, where there is none.
+/// Returns the folder of the released scenarios; `None`, with a message, if there is none.
 fn scenarios() -> Option<PathBuf> {
     let data = std::env::var_os("CRANNY_DATA").map(PathBuf::from);
     if data.is_none() {
         assert!(std::env::var_os("CRANNY_REQUIRE_ALL").is_none(), "CRANNY_DATA is not set");
-        // Straight to the stream, because the test runner keeps back what a passing test prints.
+        // Write to the stream directly, because the test runner hides the output of a passing test.
         static SAID: Once = Once::new();
         SAID.call_once(|| {
             let _ = writeln!(stderr(), "SKIPPED: CRANNY_DATA is not set, so no released scenario is opened");
@@ -36,8 +36,7 @@ fn open(folder: &std::path::Path, criterion: Criterion, geometry: Option<Geometr
     Scenario::open(folder.to_str().unwrap(), &options).unwrap()
 }
 
-/// Obstacles and how many cuboids each consists of, and the centre of the target's bounds in the scene
-/// (SOURCES.md).
+/// Returns the obstacles with their number of cuboids, and the centre of the target's bounds in the scene (SOURCES.md).
 fn expected(environment: usize, level: usize) -> (Vec<(&'static str, usize)>, Vector) {
     let k = level as f64 - 1.0;
     let gates = ["gate_0_86", "gate_0_78", "gate_0_7", "gate_0_62", "gate_0_54"];
@@ -163,7 +162,7 @@ fn another_robot_can_stand_in() {
 #[test]
 fn as_many_grasps_are_within_reach_as_an_outside_search_found() {
     let Some(folder) = scenarios() else { return };
-    /// Of 200, for 011 to 015, 021 to 025 and so on, by another program with the same link meshes.
+    /// Number of grasps of 200, for 011 to 015, 021 to 025 and so on, by another program with the same link meshes.
     const FOUND: [[usize; 5]; 4] =
         [[40, 50, 42, 35, 19], [72, 76, 73, 44, 32], [90, 80, 95, 107, 100], [67, 66, 74, 73, 68]];
     for (environment, level) in ids() {

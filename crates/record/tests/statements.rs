@@ -82,7 +82,7 @@ fn a_figure_beyond_what_is_measured_is_a_violation() {
             !found.audit.valid && violations.iter().any(|line| line.starts_with(&says)),
             "{says}: {violations:?}"
         );
-        // In another task nothing is false, but all is named.
+        // In another task no statement is false, but all differences are named.
         let task = PlanSource { scenario: "mine".to_owned(), ..source.clone() };
         let found = judge(&other, &task);
         let named = |statement: &dyn std::fmt::Display| statement.to_string().starts_with(&says);
@@ -94,7 +94,7 @@ fn a_figure_beyond_what_is_measured_is_a_violation() {
     assert_eq!(found.measured.clearance_m, Some(clearance_m));
 }
 
-/// A figure stays false whatever else a file states, unless that is another task.
+/// A figure stays false regardless of the other statements of a file, unless they are of another task.
 #[test]
 fn what_is_left_out_makes_no_other_statement_true() {
     let (problem, source, plan) = planned("035", carry());
@@ -111,12 +111,12 @@ fn what_is_left_out_makes_no_other_statement_true() {
     let pairs = plan["not_checked"].as_array().unwrap().clone();
     assert!(!pairs.is_empty());
     let lie = changed(&plan, "/clearance_m", json!(0.5));
-    // A pair that is left out is one more false statement, or as many as there are.
+    // Each missing pair is one more false statement.
     for (left, count) in [(json!([]), pairs.len()), (json!(pairs[1..]), 1)] {
         let found = judge(&changed(&lie, "/not_checked", left));
         assert_eq!(keys(&found), [vec!["not_checked"; count], vec!["clearance_m"]].concat());
     }
-    // One too many, or of more depth, is none.
+    // An extra pair, or one of greater depth, is not.
     let mut more = pairs.clone();
     more.push(json!({"first": "a", "second": "b", "depth_m": 0.1, "reason": "always-touching"}));
     let found = judge(&changed(&lie, "/not_checked", json!(more)));
@@ -142,7 +142,7 @@ fn what_is_left_out_makes_no_other_statement_true() {
     assert!(judge(&other).audit.valid);
 }
 
-/// A larger bound than the one that is measured is not proven, however little larger it is.
+/// A bound larger than the measured one is not proven, even by the smallest amount.
 #[test]
 fn a_bound_holds_to_the_last_digit() {
     let (problem, source, plan) = planned("021", Vec::new());
@@ -173,7 +173,7 @@ const ELBOW: &str = r#"<robot name="elbow"><link name="root"/>
     <limit lower="-1.6" upper="1.6" velocity="1" effort="1"/></joint>
   <joint name="t" type="fixed"><parent link="lower"/><child link="tip"/></joint></robot>"#;
 
-/// A planner that compares more pairs than the judge leaves them out of the list: the judge then compares them too.
+/// A planner that compares more pairs than the audit leaves them out of the list: the audit then compares them too.
 #[test]
 fn pairs_that_a_plan_leaves_out_are_compared() {
     let folder = tempfile::tempdir().unwrap();
@@ -224,8 +224,8 @@ fn ends_and_times_that_no_path_can_have_are_refused() {
         let fault = read(&other).unwrap_err().to_string();
         assert!(fault.contains("x.plan.json") && fault.contains(says), "{fault}");
     };
-    refused(changed(&plan, "/task/1/move", json!([])), "moves to no configuration");
-    refused(changed(&plan, "/task/1/move", json!([[0.0]])), "moves to no configuration");
+    refused(changed(&plan, "/task/1/move", json!([])), "has a move without a configuration");
+    refused(changed(&plan, "/task/1/move", json!([[0.0]])), "has a move without a configuration");
     refused(
         changed(&plan, "/task/1", json!({"move": "away"})),
         "'move' is 'home', 'clear', configurations or a region",

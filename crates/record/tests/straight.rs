@@ -39,8 +39,8 @@ fn tip(robot: &Robot, q: &[f64]) -> Pose {
     *robot.frames_at(q).link(robot.tip())
 }
 
-/// By forward kinematics alone: poses of the gripper frame along edges and rounded corners lie on the line that ends at
-/// `end`, within 1 mm and 1°, and it is that long.
+/// Checks by forward kinematics alone that poses of the gripper frame along edges and rounded corners lie on the line that ends
+/// at `end`, within 1 mm and 1°, and that it has the required length.
 fn is_straight(robot: &Robot, segment: &Segment, (end, far): (&[f64], &[f64]), least_m: f64) {
     let world_from_end = tip(robot, end);
     let in_end = |q: &[f64]| world_from_end.inverse() * tip(robot, q);
@@ -94,7 +94,7 @@ fn what_is_not_straight_is_refused() {
     other.segments[approach].mode = Mode::REACH;
     is_refused(&other, "0.0 mm on a straight line, 60.0 mm are demanded");
 
-    // A stage that demands more than the path has.
+    // A stage that requires a longer motion than the path has.
     for (stage, demanded) in [(0, "70.0 mm are demanded"), (1, "380.0 mm are demanded")] {
         let mut other = plan.clone();
         match &mut other.task[stage] {
@@ -105,7 +105,7 @@ fn what_is_not_straight_is_refused() {
         is_refused(&other, demanded);
     }
 
-    // A begin that lies 3 mm beside the line.
+    // A start that lies 3 mm beside the line.
     let mut other = plan.clone();
     let robot = problem.robot();
     let begin = plan.segments[approach].waypoints[0].clone();
@@ -117,10 +117,10 @@ fn what_is_not_straight_is_refused() {
     *other.segments[approach - 1].waypoints.last_mut().unwrap() = moved;
     is_refused(&other, "the bound 'straight line' is exceeded");
 
-    // An approach where nothing is grasped after it.
+    // An approach without a grasp after it.
     let mut other = plan.clone();
     other.segments[approach - 1].mode = Mode::APPROACH;
-    is_refused(&other, "approaches nothing that is grasped after it");
+    is_refused(&other, "is an approach, but no grasp follows it");
     assert_eq!(faults(&plan, &problem), Vec::<String>::new());
 }
 
@@ -130,10 +130,10 @@ fn lengths_that_are_none_and_tasks_without_them_are_refused() {
     let fault = |ask: Ask| ask.request(&problem, None).unwrap_err().to_string();
     for length_m in [-0.01, 0.6, f64::NAN] {
         let words = fault(Ask { approach_m: Some(length_m), ..Ask::default() });
-        assert!(words.contains("no length of an approach; give 0 to 0.5 m"), "{words}");
+        assert!(words.contains("not a valid length of an approach: expected 0 to 0.5 m"), "{words}");
     }
     let words = fault(Ask { retreat_m: Some(0.05), ..Ask::default() });
-    assert!(words.contains("nothing is put down"), "{words}");
+    assert!(words.contains("it is only valid with `place`"), "{words}");
     let moving =
         problem.with_goal(cranny_task::Goal::Configurations(vec![problem.start().to_vec()])).unwrap();
     let ask = Ask { approach_m: Some(0.05), ..Ask::default() };

@@ -1,4 +1,4 @@
-//! Tasks of several stages: their plans, what files state of them, and plans of earlier formats.
+//! Tasks of several stages: their plans, the statements of their files, and plans of earlier formats.
 
 use cranny_collision::Margins;
 use cranny_path::{AuditSettings, Violation};
@@ -48,7 +48,7 @@ fn what_stands_in_the_way_is_put_aside_and_then_the_object() {
         assert!(timing.duration_s > 10.0 && timing.hand_s.len() == 2 * picks);
         let judgement = judged(&scenario, &plan);
         assert!(judgement.audit.valid && judgement.differs.is_empty(), "{}: {:?}", entry.id, judgement);
-        // What it moved stands where it was put, and the robot is home.
+        // The moved objects stand where they were put, and the robot is home.
         let after = plan.scenario_after(&scenario, &scenario.problem(Margins::default()).unwrap()).unwrap();
         assert_eq!(after.start, scenario.start);
         let moved = scenario.world.bodies().iter().zip(after.world.bodies());
@@ -72,7 +72,7 @@ fn a_file_of_several_stages_is_read_and_judged_and_lies_are_seen() {
     let mut short = plan.clone();
     short.segments.retain(|segment| segment.stage < 6);
     assert_eq!(kinds(&short), ["goal"]);
-    // Other stages than those of the task that it names: the columns in the other order, or another place.
+    // Other stages than those of the named task: the columns in the other order, or another goal.
     let mut swapped = plan.clone();
     swapped.task.swap(0, 3);
     assert!(kinds(&swapped).contains(&"grip"), "the hand closes on another column");
@@ -122,7 +122,7 @@ fn another_body_becomes_the_target() {
     assert!(scenario.task("tidy").unwrap_err().to_string().contains("'steps'"));
 }
 
-/// A scenario of `examples/tasks`.
+/// Returns the path of a scenario of `examples/tasks`.
 fn example(name: &str) -> String {
     format!("{}/../../examples/tasks/{name}", env!("CARGO_MANIFEST_DIR"))
 }
@@ -176,7 +176,7 @@ fn the_hand_is_moved_to_a_pose_and_to_none_that_is_no_pose() {
     let tip = *robot.frames_at(there).link(robot.tip());
     assert!((tip.translation.vector - Vector::new(0.4, 0.2, 0.6)).norm() < 1e-4, "{tip}");
     for (row, why) in [
-        (r#"{"hand": {"quaternion_xyzw": [0, 0, 0, 0]}}"#, "no rotation"),
+        (r#"{"hand": {"quaternion_xyzw": [0, 0, 0, 0]}}"#, "not a rotation"),
         (r#"{"hand": {}, "object": {}}"#, "either"),
         (r#"{"hand": {}, "within_deg": 200}"#, "within_deg"),
         (r#"{"hand": {}, "within_m": [-1, 0, 0]}"#, "within_m"),

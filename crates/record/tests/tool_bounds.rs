@@ -1,4 +1,4 @@
-//! Bounds of tool and joints of a `scenario.yaml`: kept by what is planned, stated, judged, and written again.
+//! Bounds of tool and joints of a `scenario.yaml`: plans keep and state them, audits check them, and they are written again.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -25,7 +25,7 @@ speeds:
   carry: {acceleration: 0.25}
 ";
 
-/// Scenario 021 with bounds, in a folder.
+/// Creates scenario 021 with bounds, in a folder.
 fn folder(bounds: &str) -> (tempfile::TempDir, PathBuf) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("021");
@@ -121,17 +121,20 @@ fn bounds_and_tilts_are_written_again() {
 #[test]
 fn a_bound_that_is_none_is_refused_with_its_line() {
     for (bounds, says) in [
-        ("tool_bounds: [{name: a, size: [1, 1, 0]}]\n", "'a' bounds nothing"),
-        ("tool_bounds: [{name: a, radius: .nan}]\n", "'a' bounds nothing"),
+        ("tool_bounds: [{name: a, size: [1, 1, 0]}]\n", "bound 'a' is not valid"),
+        ("tool_bounds: [{name: a, radius: .nan}]\n", "bound 'a' is not valid"),
         ("tool_bounds: [{name: a}]\n", "either the `size` of a box"),
         ("tool_bounds: [{name: a, axis: [0, 0, 1], toward: [0, 0, 1]}]\n", "either the `size` of a box"),
         (
             "tool_bounds: [{name: a, axis: [0, 0, 0], toward: [0, 0, 1], within_deg: 5}]\n",
-            "'a' bounds nothing",
+            "bound 'a' is not valid",
         ),
         ("tool_bounds: [{name: a, radius: 1}, {name: a, radius: 2}]\n", "'a'"),
-        ("speeds: {all: {speed: 1.5}}\n", "'1.5' is no such limit; give a number above 0 and at most 1"),
-        ("speeds: {fly: {speed: 1}}\n", "'fly' is no mode of a motion (reach,"),
+        (
+            "speeds: {all: {speed: 1.5}}\n",
+            "'1.5' is not a valid limit: expected a number above 0 and at most 1",
+        ),
+        ("speeds: {fly: {speed: 1}}\n", "'fly' is not a motion mode (known: reach,"),
         ("joint_bounds: {panda_joint1: [1, -1]}\n", "no value of panda_joint1"),
         ("joint_bounds: {panda_joint1: [8, 9]}\n", "no value of panda_joint1"),
         (

@@ -1,4 +1,4 @@
-//! Trajectories within the efforts of the drives, and within speeds of the hand.
+//! Trajectories within the efforts of the drives, and within speed limits of the hand.
 
 use cranny_collision::Margins;
 use cranny_path::TimingMethod;
@@ -12,7 +12,7 @@ use cranny_task::{Payload, Problem, Weight, legs};
 
 const RATE_HZ: f64 = 1000.0;
 
-/// A scenario whose target weighs so much.
+/// Opens a scenario whose target has the mass `mass_kg`.
 fn open(id: &str, robot: Option<&str>, mass_kg: f64) -> Problem {
     let options = OpenOptions { robot: robot.map(Into::into), ..OpenOptions::default() };
     let scenario = Scenario::open(id, &options).unwrap();
@@ -35,8 +35,8 @@ fn carried(problem: &Problem, torque: bool, timing: TimingMethod) -> Answer {
     answer
 }
 
-/// The greatest force of each joint along a plan, as a share of its effort, from samples; the load of each leg is that of the
-/// answer.
+/// Returns the greatest sampled force of each joint along a plan, as a share of its effort; the payload of each leg is that of
+/// the answer.
 fn greatest_shares(robot: &Robot, answer: &Answer, payload: Option<&Payload>) -> Vec<f64> {
     let trajectory = &answer.timed.as_ref().unwrap().trajectory;
     let mut shares = vec![0.0_f64; robot.dof()];
@@ -107,7 +107,7 @@ fn a_load_that_the_arm_may_not_hold_is_an_error_with_its_joint() {
     let ask = Ask { carry: Some(CarryWord::Home), hold: 0.0, torque: true, ..Ask::default() };
     let (request, _) = ask.request(&problem, None).unwrap();
     let fault = solve(&problem, &request, &mut Unobserved).unwrap_err().to_string();
-    assert!(fault.contains("may not hold the weight of the arm on edge"), "{fault}");
+    assert!(fault.contains("may be too weak to hold the arm on edge"), "{fault}");
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! The tilt of what is carried: bounded along every edge and curve, stated, and judged.
+//! Tilt of the carried object: bounded along every edge and curve, stated, and audited.
 
 use cranny_collision::Margins;
 use cranny_plan::Unobserved;
@@ -22,7 +22,7 @@ fn planned(id: &str, tilt_deg: Option<f64>, seed: u64) -> (PlanSource, cranny_ta
     (source, problem, plan)
 }
 
-/// The greatest tilt at samples of the edges and of the trajectory, in radians, in the hand as it holds the object.
+/// Returns the greatest tilt of the held object at samples of the edges and of the trajectory, in radians.
 fn sampled_rad(plan: &PlanFile, problem: &cranny_task::Problem) -> f64 {
     let along = plan.states(problem).unwrap().unwrap();
     let mut greatest_rad = 0.0_f64;
@@ -82,7 +82,7 @@ fn a_path_that_tilts_its_object_too_far_is_none() {
         judged(&PlanFile { margins: Margins { tilt_rad: Some(0.2), ..plan.margins }, ..plan.clone() }, 0.2);
     let kinds: Vec<_> = verdict.audit.violations.iter().map(cranny_path::Violation::kind).collect();
     assert!(!kinds.is_empty() && kinds.iter().all(|kind| *kind == "tilt"), "{kinds:?}");
-    // A statement of less tilt than there is, and of another limit.
+    // State less tilt than there is, and another limit.
     let (source, problem, plan) = planned("043", Some(15.0), 0);
     let verdict = |plan: &Value| {
         let plan: PlanFile = serde_json::from_value(plan.clone()).unwrap();

@@ -1,4 +1,4 @@
-//! Forward kinematics one at a time and in lanes, and attempts of inverse kinematics, of the built-in robot.
+//! Forward kinematics singly and in lanes, and attempts of inverse kinematics, of the built-in robot.
 
 use std::hint::black_box;
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! Joints in motion: forward kinematics, limits, bounds on errors and reach.
+//! Kinematics and dynamics of joint chains: forward kinematics, Jacobians, limits, bounds on errors and reach.
 
 pub(crate) mod coupled_limits;
 pub(crate) mod derived;

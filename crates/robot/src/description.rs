@@ -1,4 +1,4 @@
-//! Robots from files: URDF, SRDF, limits, meshes.
+//! Loading of robots from files: URDF, SRDF, limits, meshes.
 
 pub(crate) mod assembly;
 pub(crate) mod inertial;

@@ -5,12 +5,12 @@ use cranny_shape::ShapeError;
 
 use crate::hindrance::Hindrance;
 
-/// Where in a text file something stands. Shown as `file:line`.
+/// Location in a text file. Displayed as `file:line`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Location {
-    /// The file's path, or the name that the caller gave to a text.
+    /// Path of the file, or the name that the caller gave to a text.
     pub file: String,
-    /// The line, counted from 1.
+    /// Line number, counted from 1.
     pub line: u32,
 }
 
@@ -20,40 +20,40 @@ impl fmt::Display for Location {
     }
 }
 
-/// Why a robot could not be built. The message is complete in itself: file and line where there is one, the
-/// name concerned and, where a name is unknown, the nearest known ones.
+/// Reason why a robot could not be built. The message is complete in itself: file and line if there is one, the name
+/// concerned and, for an unknown name, the nearest known ones.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RobotError {
     /// A file could not be read.
     #[error("{}: cannot be read: {reason}", path.display())]
     Unreadable {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What the operating system says.
+        /// Error of the operating system.
         reason: std::io::Error,
     },
-    /// A file is written for xacro, which makes a URDF of it.
+    /// A file is in the xacro language and must be expanded to a URDF first.
     #[error(
         "{at}: this is a xacro file, not yet a URDF (expand it first: xacro {file} > {})",
         expanded(file)
     )]
     Xacro {
-        /// Where xacro is first spoken of.
+        /// Location of the first mention of xacro.
         at: Location,
         /// The file.
         file: String,
     },
-    /// A file holds more of something than any robot has.
+    /// A file contains more of something than any robot has.
     #[error("{at}: {actual} {what}, but at most {most} are read; leave out what no motion needs")]
     TooMany {
         /// Location in the file.
         at: Location,
-        /// What there is too much of.
+        /// Kind of content that exceeds the limit.
         what: &'static str,
-        /// The limit.
+        /// Maximum number.
         most: usize,
-        /// How many there are.
+        /// Actual number.
         actual: usize,
     },
     /// A file has no content.
@@ -65,9 +65,9 @@ pub enum RobotError {
     /// A file is not well-formed XML.
     #[error("{at}: not well-formed XML: {reason}")]
     Xml {
-        /// Where reading stopped.
+        /// Location at which parsing stopped.
         at: Location,
-        /// What the XML reader says.
+        /// Error of the XML parser.
         reason: Box<roxmltree::Error>,
     },
     /// The outermost element is not `<robot>`.
@@ -78,17 +78,17 @@ pub enum RobotError {
         /// The element found.
         found: String,
     },
-    /// A needed element is missing.
+    /// A required element is missing.
     #[error("{at}: {owner} has no <{element}>")]
     MissingElement {
-        /// Where its owner stands.
+        /// Location of the owner in the file.
         at: Location,
-        /// What lacks it, with its name.
+        /// Element that lacks it, with its name.
         owner: String,
         /// The missing element.
         element: &'static str,
     },
-    /// A needed attribute is missing.
+    /// A required attribute is missing.
     #[error("{at}: <{element}> has no attribute `{attribute}`")]
     MissingAttribute {
         /// Location of the element in the file.
@@ -98,7 +98,7 @@ pub enum RobotError {
         /// The missing attribute.
         attribute: &'static str,
     },
-    /// An attribute does not hold the numbers it should.
+    /// An attribute does not contain the expected numbers.
     #[error("{at}: {attribute}=\"{text}\" of <{element}>: expected {expected} finite number(s)")]
     NotNumbers {
         /// Location of the element in the file.
@@ -107,12 +107,12 @@ pub enum RobotError {
         element: String,
         /// The attribute.
         attribute: &'static str,
-        /// How many numbers it should hold.
+        /// Expected count of numbers.
         expected: usize,
-        /// What it holds.
+        /// Actual content.
         text: String,
     },
-    /// A link can be farther from the root than anything may be.
+    /// A link can be farther from the root than allowed.
     #[error(
         "{file}: link `{link}` can be {farthest_m:.1} m from the root, but no more than {most} m are allowed: is a length in \
          millimetres, or a limit too wide?", most = cranny_spatial::FARTHEST_M
@@ -122,26 +122,26 @@ pub enum RobotError {
         file: String,
         /// The link.
         link: String,
-        /// How far a point of it can be, in metres.
+        /// Maximum distance of a point of it from the root, in metres.
         farthest_m: f64,
     },
-    /// Rounding would move a link by more than a proof allows for.
+    /// Rounding displaces a link by more than proofs allow for.
     #[error(
-        "{file}: link `{link}` cannot be placed to better than {error_m:.1e} m in double precision, which is more than proofs \
-         allow for: its own joint goes up to {greatest:e}, and those before it add to that; narrow the limits or \
-         shorten the chain"
+        "{file}: the position of link `{link}` is uncertain by {error_m:.1e} m in double precision, more \
+         than proofs allow: its own joint goes up to {greatest:e}, and the joints before it add to that; \
+         narrow the limits or shorten the chain"
     )]
     Unsteady {
         /// The file.
         file: String,
         /// The link.
         link: String,
-        /// By how much rounding could move a point of it, in metres.
+        /// Bound on the displacement of a point of it by rounding, in metres.
         error_m: f64,
-        /// The greatest value of its own joint, either way (m, rad).
+        /// Maximum absolute value of its own joint (m, rad).
         greatest: f64,
     },
-    /// A file holds something that no reader here understands where it could change geometry or motion.
+    /// A file contains something that is not understood and could affect geometry or motion.
     #[error(
         "{at}: {what} in {owner} is not understood, and may change where things are or how they move{}",
         known_there(known)
@@ -151,19 +151,19 @@ pub enum RobotError {
         at: Location,
         /// The element, attribute or text.
         what: String,
-        /// The element that it is in.
+        /// Element that contains it.
         owner: String,
         /// Names that are understood there.
         known: Vec<String>,
     },
-    /// A quaternion is not of length 1.
+    /// The norm of a quaternion is not 1.
     #[error("{at}: `quat_xyzw` of {element} has the length {norm}, but that of a rotation is 1")]
     NoRotation {
         /// Location of the element in the file.
         at: Location,
         /// The element.
         element: String,
-        /// Its length.
+        /// Norm of the quaternion.
         norm: f64,
     },
     /// A quantity that must be greater than zero is not.
@@ -175,10 +175,10 @@ pub enum RobotError {
         element: String,
         /// The attribute.
         attribute: &'static str,
-        /// Its value.
+        /// Value of the attribute.
         value: f64,
     },
-    /// A collision geometry of a kind that is not known.
+    /// A collision geometry is of an unknown kind.
     #[error(
         "{at}: link `{link}`: unknown geometry <{geometry}> (known: box, sphere, cylinder, capsule, mesh)"
     )]
@@ -190,7 +190,7 @@ pub enum RobotError {
         /// The element found.
         geometry: String,
     },
-    /// A joint type that is not supported.
+    /// A joint type is not supported.
     #[error(
         "{at}: joint `{joint}` is of type `{kind}`; supported: fixed, revolute, continuous, prismatic, planar, floating"
     )]
@@ -199,21 +199,21 @@ pub enum RobotError {
         at: Location,
         /// The joint.
         joint: String,
-        /// Its type.
+        /// Type of the joint.
         kind: String,
     },
-    /// A movable joint's axis has no direction.
+    /// The axis of a movable joint has no direction.
     #[error("{at}: joint `{joint}` can move, but its axis is zero")]
     ZeroAxis {
-        /// Where the axis stands.
+        /// Location of the axis in the file.
         at: Location,
         /// The joint.
         joint: String,
     },
-    /// A joint's lower limit lies above its upper one.
+    /// The lower limit of a joint is greater than its upper one.
     #[error("{at}: joint `{joint}`: lower limit {lower} is greater than upper limit {upper}")]
     LimitsReversed {
-        /// Where the limits stand.
+        /// Location of the limits in the file.
         at: Location,
         /// The joint.
         joint: String,
@@ -222,7 +222,7 @@ pub enum RobotError {
         /// The upper limit, in metres or radians.
         upper: f64,
     },
-    /// A joint and the one that it mimics cannot both keep their limits while they move.
+    /// A joint and the one that it mimics cannot both stay within their limits while they move.
     #[error(
         "{at}: joint `{joint}` mimics `{master}`, but there is no range in which both keep their limits (change the limits of \
          one, or multiplier and offset of <mimic>)"
@@ -232,7 +232,7 @@ pub enum RobotError {
         at: Location,
         /// The joint that mimics.
         joint: String,
-        /// The joint of the group that moves it.
+        /// Joint of the group that moves it.
         master: String,
     },
     /// A joint of the group has no velocity limit.
@@ -246,22 +246,22 @@ pub enum RobotError {
         /// The joint.
         joint: String,
     },
-    /// Two links or two joints bear one name.
+    /// Two links, joints or groups have the same name.
     #[error("{at}: {kind} `{name}` is defined twice, first in line {first_line}")]
     DefinedTwice {
-        /// Where the second stands.
+        /// Location of the second definition.
         at: Location,
         /// `link`, `joint` or `group`.
         kind: &'static str,
         /// The name.
         name: String,
-        /// The line of the first.
+        /// Line of the first definition.
         first_line: u32,
     },
     /// A link is the child of two joints.
     #[error("{at}: link `{link}` has two parents, through joints `{first}` and `{second}`")]
     TwoParents {
-        /// Where the second joint stands.
+        /// Location of the second joint in the file.
         at: Location,
         /// The link.
         link: String,
@@ -270,23 +270,23 @@ pub enum RobotError {
         /// The second joint.
         second: String,
     },
-    /// The links do not form a tree: some lead back to themselves.
+    /// The links do not form a tree, as some joints form a loop.
     #[error("{at}: the joints {} form a loop", quoted(joints))]
     Loop {
-        /// Where the first joint of the loop stands.
+        /// Location of the first joint of the loop.
         at: Location,
-        /// The joints, in order.
+        /// Joints of the loop, in order.
         joints: Vec<String>,
     },
     /// More than one link has no parent.
     #[error("{at}: {} have no parent joint; a robot has one root link", quoted(links))]
     ManyRoots {
-        /// Where the second root stands.
+        /// Location of the second root in the file.
         at: Location,
         /// The root links.
         links: Vec<String>,
     },
-    /// There is no link at all.
+    /// The robot has no link.
     #[error("{file}: the robot has no link")]
     NoLinks {
         /// The file.
@@ -300,22 +300,22 @@ pub enum RobotError {
         /// The joint.
         joint: String,
     },
-    /// A name that the robot does not have.
+    /// A name is unknown.
     #[error("{place}: unknown {kind} `{name}`{}", meant(nearest))]
     UnknownName {
-        /// The file with its line, or the option of the caller.
+        /// File and line, or the option of the caller.
         place: String,
         /// `joint`, `link`, `group`, ….
         kind: &'static str,
-        /// The name.
+        /// Unknown name.
         name: String,
-        /// Known names like it, nearest first.
+        /// Similar known names, nearest first.
         nearest: Vec<String>,
     },
     /// A group of an SRDF contains itself.
     #[error("{at}: group `{group}` contains itself")]
     GroupLoop {
-        /// Where the group stands.
+        /// Location of the group in the file.
         at: Location,
         /// The group.
         group: String,
@@ -323,7 +323,7 @@ pub enum RobotError {
     /// A chain of an SRDF does not lead from its base to its tip.
     #[error("{at}: link `{tip}` does not descend from link `{base}`")]
     BrokenChain {
-        /// Where the chain stands.
+        /// Location of the chain in the file.
         at: Location,
         /// The base link.
         base: String,
@@ -336,13 +336,13 @@ pub enum RobotError {
         /// The file.
         file: String,
     },
-    /// A joint stands twice in the group.
+    /// The group contains a joint twice.
     #[error("joint group: joint `{joint}` is named twice")]
     NamedTwice {
         /// The joint.
         joint: String,
     },
-    /// A joint that is to be moved or held cannot move by itself.
+    /// A joint that should be moved or held cannot move independently.
     #[error("{at}: joint `{joint}` cannot be {wanted}: {hindrance}")]
     NotFree {
         /// Location of the joint in the file.
@@ -351,90 +351,90 @@ pub enum RobotError {
         joint: String,
         /// `moved` or `held at a value`.
         wanted: &'static str,
-        /// What hinders it.
+        /// Reason why it cannot.
         hindrance: Hindrance,
     },
-    /// An SRDF holds something that is not known.
+    /// An SRDF contains unknown content.
     #[error("{at}: unknown {kind} `{name}` in an SRDF (known here: {known})")]
     UnknownInSrdf {
         /// Location in the file.
         at: Location,
         /// `element`, `attribute`, …
         kind: &'static str,
-        /// Its name.
+        /// Unknown name.
         name: String,
-        /// The names that are known.
+        /// Names that are known there.
         known: String,
     },
-    /// A joint is to be held at a value outside its limits.
+    /// A joint should be held at a value outside its limits.
     #[error("{at}: joint `{joint}` cannot be held at {value}: its limits are {lower} to {upper}")]
     HeldOutsideLimits {
         /// Location of the joint in the file.
         at: Location,
         /// The joint.
         joint: String,
-        /// The value asked for, in metres or radians.
+        /// Requested value, in metres or radians.
         value: f64,
-        /// The lower limit.
+        /// Lower limit, in metres or radians.
         lower: f64,
-        /// The upper limit.
+        /// Upper limit, in metres or radians.
         upper: f64,
     },
-    /// A mesh file is not where the robot's file says.
+    /// A mesh file does not exist.
     #[error(
         "{at}: link `{link}`: mesh `{mesh}` not found; tried {}{}", listed(tried),
         if mesh.starts_with("package://") { " (--package FOLDER names the folder that holds the package)" } else { "" }
     )]
     MeshNotFound {
-        /// Where the mesh is named.
+        /// Location of the mesh name in the file.
         at: Location,
         /// The link.
         link: String,
-        /// The name as written.
+        /// Mesh name as written.
         mesh: String,
-        /// The files that were looked for.
+        /// Files that were tried.
         tried: Vec<PathBuf>,
     },
     /// A collision geometry is not a usable solid.
     #[error("{at}: link `{link}`: {reason}")]
     Shape {
-        /// Where the geometry stands.
+        /// Location of the geometry in the file.
         at: Location,
         /// The link.
         link: String,
-        /// What is wrong with it.
+        /// Fault of the geometry.
         reason: Box<ShapeError>,
     },
-    /// A figure of a `robot.yaml` or `limits.yaml` cannot be.
+    /// A value in a `robot.yaml` or `limits.yaml` is invalid.
     #[error("{at}: {attribute} of {element} is {value}, but must be {range}")]
     HandFigure {
         /// Location in the file.
         at: Location,
         /// The hand or finger.
         element: String,
-        /// Which figure.
+        /// Attribute with the value.
         attribute: &'static str,
-        /// Its value.
+        /// Actual value.
         value: f64,
-        /// What would fit.
+        /// Valid values.
         range: String,
     },
-    /// A robot of which no hand is known.
+    /// The hand of a robot is unknown.
     #[error(
-        "robot {robot}: nothing says which joints close its hand, so no grasp can be sampled for it (`cranny robot add \
-         URDF` finds the hand and writes it to a robot.yaml)"
+        "robot {robot}: the joints that close its hand are not known, so grasps cannot be sampled for it \
+         (`cranny robot add URDF` finds the hand and writes it to a robot.yaml)"
     )]
     NoHand {
-        /// Its name.
+        /// Name of the robot.
         robot: String,
     },
-    /// A folder is no robot's.
+    /// A folder does not describe a robot.
     #[error(
-        "{}: a robot's folder has a robot.yaml that names its URDF (`urdf: NAME.urdf`); `cranny robot add URDF` makes \
-         one", folder.display()
+        "{}: the folder has no robot.yaml that names the URDF (`urdf: NAME.urdf`); `cranny robot add URDF` \
+         writes one", folder.display()
     )]
     NoDescription {
-        /// The folder.
+        /// Path of the folder.
         folder: PathBuf,
     },
     /// A `limits.yaml` or `robot.yaml` is malformed.
@@ -442,7 +442,7 @@ pub enum RobotError {
     Yaml {
         /// Location in the file.
         at: Location,
-        /// What is wrong with it.
+        /// Fault in the file.
         reason: cranny_file::TextFault,
     },
 }
@@ -466,7 +466,7 @@ fn listed(paths: &[PathBuf]) -> String {
     paths.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(", ")
 }
 
-/// What the URDF of a xacro file is called.
+/// Returns the name of the URDF that a xacro file expands to.
 fn expanded(file: &str) -> String {
     match file.strip_suffix(".urdf.xacro").or_else(|| file.strip_suffix(".xacro")) {
         Some(stem) => format!("{stem}.urdf"),

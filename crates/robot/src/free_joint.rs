@@ -8,19 +8,19 @@ use crate::description::urdf_model::{
 use crate::description::xml::Element;
 use crate::{FREE_JOINT_LIMIT_M, RobotError};
 
-/// A degree of freedom of a joint that has several: what is put behind the joint's name, how it moves, and about or
-/// along which axis of the joint's frame.
+/// One degree of freedom of a joint that has several: suffix of the joint name, kind of motion, and its axis in the joint
+/// frame.
 pub(crate) type Freedom = (&'static str, UrdfJointKind, fn() -> Vector);
 
-/// A planar joint: along two axes of the plane, then about its normal, as `MoveIt` names them.
+/// Planar joint: translations along two axes of the plane, then a rotation about its normal, named as in `MoveIt`.
 pub(crate) const PLANAR: [Freedom; 3] = [
     ("x", UrdfJointKind::Prismatic, Vector::x),
     ("y", UrdfJointKind::Prismatic, Vector::y),
     ("theta", UrdfJointKind::Continuous, Vector::z),
 ];
 
-/// A floating joint: a place, then yaw, pitch and roll. Where the pitch is ±π/2, yaw and roll turn about one axis; it
-/// stays within.
+/// Floating joint: position, then yaw, pitch and roll. At a pitch of ±π/2, yaw and roll turn about the same axis; the pitch
+/// stays within these limits.
 pub(crate) const FLOATING: [Freedom; 6] = [
     ("x", UrdfJointKind::Prismatic, Vector::x),
     ("y", UrdfJointKind::Prismatic, Vector::y),
@@ -32,8 +32,8 @@ pub(crate) const FLOATING: [Freedom; 6] = [
 
 impl Urdf {
     /// Adds a joint of several degrees of freedom as a chain of joints with one each, `NAME/x`, …, with bare links of the
-    /// same names between them. The normal of a plane is the joint's axis, or z if none is given: nobody who leaves it
-    /// out means the x axis that the URDF specification has in its place.
+    /// same names between them. The normal of a plane is the joint's axis, or z if none is given: files that leave it out
+    /// do not mean the x axis that the URDF specification has as its default.
     pub(crate) fn add_free_joint(
         &mut self,
         element: Element<'_>,
@@ -50,7 +50,7 @@ impl Urdf {
         };
         let zero_axis = || RobotError::ZeroAxis { at: element.at(), joint: name.to_owned() };
         let axis = axis.try_normalize(1e-9).ok_or_else(zero_axis)?;
-        // Upside down there is no shortest turn: about x.
+        // An axis opposite to z has no unique shortest rotation; this one turns about x.
         let joint_from_plane = Rotation::rotation_between(&Vector::z(), &axis)
             .unwrap_or_else(|| Rotation::from_axis_angle(&Vector::x_axis(), PI));
         let limit = element.first("limit");
@@ -65,7 +65,7 @@ impl Urdf {
                     (limits.lower, limits.upper) = (-FREE_JOINT_LIMIT_M, FREE_JOINT_LIMIT_M);
                     if let Some(limit) = limit {
                         let own = parse_limits(limit, *kind, &joint_name)?;
-                        // Without a range it says how fast, not how far.
+                        // A `limit` without a range gives only the velocity.
                         if own.lower < own.upper {
                             (limits.lower, limits.upper) = (own.lower, own.upper);
                         }

@@ -1,4 +1,4 @@
-//! Hands: their fingers, and what they hold.
+//! Hands: their fingers, and the objects they hold.
 
 pub(crate) mod hand;
 pub(crate) mod hand_description;

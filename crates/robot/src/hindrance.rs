@@ -1,45 +1,45 @@
-/// Why a joint has no value of its own to choose.
+/// Reason why the value of a joint cannot be chosen freely.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Hindrance {
-    /// Its type is `fixed`.
+    /// The joint is of type `fixed`.
     #[error("it is of type `fixed`")]
     Fixed,
-    /// It follows another joint.
+    /// The joint mimics another joint.
     #[error("it mimics joint `{master}`")]
     Mimic {
-        /// The joint it follows.
+        /// Name of the mimicked joint.
         master: String,
     },
-    /// It follows another joint to another value.
+    /// The joint mimics another joint, which gives it a different value.
     #[error("it mimics joint `{master}`, which puts it at {value}")]
     MimicValue {
-        /// The joint it follows.
+        /// Name of the mimicked joint.
         master: String,
-        /// The value it has because of that, in metres or radians.
+        /// Value that the mimicry gives it, in metres or radians.
         value: f64,
     },
-    /// It follows another joint to a value outside its limits.
+    /// The joint mimics another joint, which gives it a value outside its limits.
     #[error("it mimics joint `{master}`, which puts it {beyond} outside its limits")]
     MimicOutsideLimits {
-        /// The joint it follows.
+        /// Name of the mimicked joint.
         master: String,
         /// Distance to the nearer limit, in metres or radians.
         beyond: f64,
     },
-    /// It is a finger of the hand, which stands open.
-    #[error("it is a finger of the hand, which stands open with it at {open}")]
+    /// The joint belongs to a finger of the hand, which is open.
+    #[error("it is a finger of the hand, whose open position is {open}")]
     Finger {
-        /// The value it has because of that, in metres or radians.
+        /// Value of the joint with the hand open, in metres or radians.
         open: f64,
     },
-    /// It does not belong to the joint group.
-    #[error("it is not among the joints that move")]
+    /// The joint does not belong to the joint group.
+    #[error("it is not in the joint group")]
     NotInGroup,
-    /// It belongs to the joint group.
+    /// The joint belongs to the joint group.
     #[error("it belongs to the joint group")]
     InGroup,
-    /// Its value is not a finite number.
+    /// The value is not a finite number.
     #[error("{value} is not a finite number")]
     NotFinite {
         /// The value.

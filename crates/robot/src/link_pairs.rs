@@ -5,18 +5,18 @@ use crate::description::urdf_model::Urdf;
 use crate::tree::Tree;
 use crate::{Link, Location, Mover, RobotError, RobotOptions, Srdf};
 
-/// Two links with geometry are adjacent if the way between them through the tree meets no third one, and at most one joint
-/// moves them against each other. Two arms on a bare torso are not, nor a gantry's frame and its tool beyond bare carriages.
+/// Two links with geometry are adjacent if no third one lies between them in the tree and at most one joint moves them
+/// relative to each other. Two arms on a bare torso are not adjacent, nor are a gantry frame and a tool on bare carriages.
 ///
-/// Bare links that hang together form a patch; which links with geometry are around one is found first.
+/// Connected bare links form a patch. The links with geometry around each patch are found first.
 ///
-/// Pairs of `checked` are left out.
+/// Pairs in `checked` are excluded.
 pub(crate) fn adjacent_pairs(
     links: &[Link],
     movers: &[Vec<Mover>],
     checked: &[(usize, usize)],
 ) -> Vec<(usize, usize)> {
-    // A patch is known by its topmost link.
+    // A patch is identified by its topmost link.
     let mut patch_of: Vec<usize> = (0..links.len()).collect();
     let mut around: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
     let mut pairs = Vec::new();
@@ -40,22 +40,22 @@ pub(crate) fn adjacent_pairs(
     pairs
 }
 
-/// How many joints move one link against another, by those that move each.
+/// Returns the number of joints that move one link relative to another, given the movers of each.
 fn joints_between(first: &[Mover], second: &[Mover]) -> usize {
     let common = first.iter().zip(second).take_while(|(a, b)| a.child_link == b.child_link).count();
     first.len() + second.len() - 2 * common
 }
 
-/// Pairs of links by declaration, each sorted.
+/// Pairs of links declared in files and options, each sorted.
 pub(crate) struct DeclaredPairs {
-    /// Those that are never tested.
+    /// Pairs that are never tested.
     pub(crate) disabled: Vec<(usize, usize)>,
-    /// Those that are tested even where they are adjacent.
+    /// Pairs that are tested even if adjacent.
     pub(crate) checked: Vec<(usize, usize)>,
 }
 
-/// The pairs that the SRDF and the options name. As in `MoveIt`, `disable_collisions` goes before `enable_collisions`,
-/// and that before `disable_default_collisions`; the options go before all of them.
+/// Returns the pairs named in the SRDF and the options. As in `MoveIt`, `disable_collisions` takes precedence over
+/// `enable_collisions`, and that over `disable_default_collisions`; the options take precedence over all of them.
 pub(crate) fn declared_pairs(
     urdf: &Urdf,
     tree: &Tree,

@@ -15,7 +15,7 @@ use crate::{JointLimits, LimitViolation, RobotHand, VirtualJoint};
 /// an `Arc`.
 ///
 /// The root link is the planning frame, and `q` holds one value per joint of the group, in metres or
-/// radians. Joints outside the group stand at fixed values.
+/// radians. Joints outside the group have fixed values.
 #[derive(Clone, Debug)]
 pub struct Robot {
     pub(crate) name: String,
@@ -25,9 +25,9 @@ pub struct Robot {
     pub(crate) joint_names: Vec<String>,
     pub(crate) limits: Vec<JointLimits>,
     pub(crate) joint_reaches: Vec<f64>,
-    /// Per joint of the group.
+    /// True for each joint of the group that can turn by 2π without moving any link.
     pub(crate) full_turns: Vec<bool>,
-    /// Per joint of the group whether it has no end: see [`Robot::wrap_towards`].
+    /// True for each joint of the group that turns without end: see [`Robot::wrap_towards`].
     pub(crate) endless: Vec<bool>,
     pub(crate) tip: usize,
     pub(crate) hand_links: Vec<usize>,
@@ -40,29 +40,29 @@ pub struct Robot {
     pub(crate) disabled_pairs: Vec<(usize, usize)>,
     pub(crate) adjacent_pairs: Vec<(usize, usize)>,
     pub(crate) group_states: Vec<(String, Vec<f64>)>,
-    /// The value of every joint of the URDF, by name.
+    /// Value of every joint of the URDF, by name.
     pub(crate) values: BTreeMap<String, JointValue>,
     pub(crate) virtual_joints: Vec<VirtualJoint>,
     pub(crate) passive_joints: Vec<String>,
-    /// Forward kinematics of every link that moves, parents first.
+    /// Forward kinematics of every moving link, parents first.
     pub(crate) steps: Vec<Step>,
-    /// Those of `steps` that lead to the tip.
+    /// Steps of `steps` that lead to the tip.
     pub(crate) tip_steps: Vec<Step>,
-    /// `root_from_link` of the links that do not move; of the others at `q = 0`.
+    /// `root_from_link` of all links at `q = 0`; constant for links that do not move.
     pub(crate) rest: Vec<Pose>,
-    /// What stands on the tip where a hold puts it, if something is held.
+    /// Links attached to the tip by a hold, if something is held.
     pub(crate) loose: Option<LooseLinks>,
     pub(crate) derived: Derived,
 }
 
 impl Robot {
-    /// The name in the URDF.
+    /// Name from the URDF.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// Content of the URDF that was not read, a line for each kind with its place. It changes neither geometry nor motion:
-    /// what could is refused.
+    /// Content of the URDF that was not read, one line for each kind with its file and line. None of it affects geometry or
+    /// motion: such content would be an error.
     pub fn notes(&self) -> &[String] {
         &self.notes
     }
@@ -72,12 +72,12 @@ impl Robot {
         &self.links
     }
 
-    /// The index of the link of that name.
+    /// Returns the index of the link named `name`.
     pub fn link_index(&self, name: &str) -> Option<usize> {
         self.links_by_name.get(name).copied()
     }
 
-    /// How many joints the group has: the length of `q`.
+    /// Returns the number of joints of the group, which is the length of `q`.
     pub fn dof(&self) -> usize {
         self.joints.len()
     }
@@ -87,18 +87,18 @@ impl Robot {
         &self.joints
     }
 
-    /// Their names, in the order of `q`.
+    /// Names of the joints of the group, in the order of `q`.
     pub fn joint_names(&self) -> &[String] {
         &self.joint_names
     }
 
-    /// Their limits, in the order of `q`.
+    /// Limits of the joints of the group, in the order of `q`.
     pub fn limits(&self) -> &[JointLimits] {
         &self.limits
     }
 
-    /// The same robot with a joint, by its index, that stays between two values, in m or rad, besides its limits; limits that
-    /// exclude each other hold for no value.
+    /// Returns this robot with the limits of the joint of index `joint` narrowed to [`lower`, `upper`], in m or rad. If the
+    /// two ranges are disjoint, no value is within the limits.
     #[must_use]
     pub fn with_joint_between(mut self, joint: usize, lower: f64, upper: f64) -> Self {
         let limits = &mut self.limits[joint];
@@ -106,67 +106,67 @@ impl Robot {
         self
     }
 
-    /// The link that reaches for grasps.
+    /// Index of the tip link, the link for which grasp poses are planned.
     pub fn tip(&self) -> usize {
         self.tip
     }
 
-    /// The links of hand and fingers, by index: those with geometry that move as one with the tip, beyond the last
-    /// joint of the arm.
+    /// Indices of the links of hand and fingers: those with geometry that are rigid with the tip, beyond the last joint of
+    /// the arm.
     pub fn hand_links(&self) -> &[usize] {
         &self.hand_links
     }
 
-    /// Start configuration where a scenario gives none (m, rad; one per joint), if one is described
+    /// Default start configuration of a scenario (m, rad; one per joint), if one is described
     /// ([`RobotDescription::start`](crate::RobotDescription::start)).
     pub fn default_start(&self) -> Option<&[f64]> {
         self.start.as_deref()
     }
 
-    /// Height of the ground that it stands on in its root frame, in metres, if that is described
+    /// Height of the ground below the robot in its root frame, in metres, if it is described
     /// ([`RobotDescription::floor_m`](crate::RobotDescription::floor_m)).
     pub fn floor_m(&self) -> Option<f64> {
         self.floor_m
     }
 
-    /// What is known of the hand, if it is described ([`RobotDescription::hand`](crate::RobotDescription::hand)).
+    /// Hand of the robot, if it is described ([`RobotDescription::hand`](crate::RobotDescription::hand)).
     pub fn hand(&self) -> Option<&RobotHand> {
         self.hand.as_ref()
     }
 
-    /// The root link: always 0. Its frame is the planning frame.
+    /// Index of the root link: always 0. Its frame is the planning frame.
     pub fn root(&self) -> usize {
         0
     }
 
-    /// The joints that move `link`, the root's first. A joint of the group occurs once for itself and once
-    /// for every joint on the way that mimics it.
+    /// Joints that move `link`, the root's first. A joint of the group occurs once for itself and once for every joint
+    /// between that mimics it.
     ///
     /// # Panics
-    /// If `link` is no index of [`links`](Self::links).
+    /// If `link` is not an index of [`links`](Self::links).
     pub fn ancestors(&self, link: usize) -> &[Mover] {
         &self.movers[link]
     }
 
-    /// Pairs of links with geometry between which there is no link with geometry, and which at most one joint moves
-    /// against each other: `(low, high)`, sorted.
+    /// Pairs of links with geometry that have no link with geometry between them and that at most one joint moves relative to
+    /// each other: `(low, high)`, sorted.
     pub fn adjacent_pairs(&self) -> &[(usize, usize)] {
         &self.adjacent_pairs
     }
 
-    /// Pairs of links that the SRDF never tests against each other: `(low, high)`, sorted.
+    /// Pairs of links that the SRDF excludes from collision tests: `(low, high)`, sorted.
     pub fn disabled_pairs(&self) -> &[(usize, usize)] {
         &self.disabled_pairs
     }
 
-    /// The values (m, rad; one per joint) that the SRDF's state of that name gives to the whole of `q`; None if there
-    /// is no such state, or none that names every joint of the group.
+    /// Returns the values (m, rad; one per joint) of the SRDF group state `name`; `None` if there is no such state, or none
+    /// that names every joint of the group.
     pub fn group_state(&self, name: &str) -> Option<Vec<f64>> {
         self.group_states.iter().find(|(state, _)| state == name).map(|(_, q)| q.clone())
     }
 
-    /// The value that the joint of that name, whether of the group or not, has at `q` (m, rad; one per joint); 0 if
-    /// it is fixed, None if the URDF has no such joint.
+    /// Returns the value of the joint named `joint`, inside or outside the group, at `q` (m, rad; one per joint); 0 if it is
+    /// fixed, `None` if the URDF has no such joint.
     ///
     /// # Panics
     /// If `q` does not hold [`dof`](Self::dof) values.
@@ -176,12 +176,12 @@ impl Robot {
         Some(follows.map_or(offset, |(joint, multiplier)| multiplier * q[joint] + offset))
     }
 
-    /// Returns whether the URDF has a joint of that name, inside or outside the group.
+    /// Returns true if the URDF has a joint named `joint`, inside or outside the group.
     pub fn has_joint(&self, joint: &str) -> bool {
         self.values.contains_key(joint)
     }
 
-    /// The joints outside the group that could move, but stand still, each with its value (m, rad), by name.
+    /// Movable joints outside the group, held at constant values, each with its value (m, rad), sorted by name.
     pub fn standing_joints(&self) -> Vec<(&str, f64)> {
         let standing = self.values.iter().filter(|(_, value)| value.stands);
         let mut standing: Vec<(&str, f64)> =
@@ -190,27 +190,27 @@ impl Robot {
         standing
     }
 
-    /// The joints of the SRDF between the robot and what it stands on.
+    /// Virtual joints of the SRDF, which connect the robot to its surroundings.
     pub fn virtual_joints(&self) -> &[VirtualJoint] {
         &self.virtual_joints
     }
 
-    /// The joints that no motor drives, by the names in the SRDF.
+    /// Names of the joints without a motor, from the SRDF.
     pub fn passive_joints(&self) -> &[String] {
         &self.passive_joints
     }
 
-    /// Whether every value of `q` (m, rad; one per joint) lies within its limits. A NaN does not.
+    /// Returns true if every value of `q` (m, rad; one per joint) lies within its limits; false if one is NaN.
     ///
     /// # Panics
     /// If `q` does not hold [`dof`](Self::dof) values.
     pub fn within_limits(&self, q: &[f64]) -> bool {
         assert_eq!(q.len(), self.dof(), "one value for each joint of the group");
-        // Without a branch for each joint.
+        // A fold without a branch for each joint.
         q.iter().zip(&self.limits).fold(true, |all, (&value, limits)| all & limits.contain(value))
     }
 
-    /// The first joint whose value in `q` (m, rad; one per joint) lies outside its limits.
+    /// Returns the first joint whose value in `q` (m, rad; one per joint) lies outside its limits.
     ///
     /// # Panics
     /// If `q` does not hold [`dof`](Self::dof) values.
@@ -218,7 +218,7 @@ impl Robot {
         self.limit_violations(q).next()
     }
 
-    /// The joints whose values in `q` (m, rad; one per joint) lie outside their limits, in its order.
+    /// Returns the joints whose values in `q` (m, rad; one per joint) lie outside their limits, in the order of `q`.
     ///
     /// # Panics
     /// If `q` does not hold [`dof`](Self::dof) values.
@@ -233,8 +233,8 @@ impl Robot {
 }
 
 impl Robot {
-    /// What `work_out` makes of this robot, worked out once as long as the robot lives. There is room for one such
-    /// thing, of the type that is asked for first; others are worked out every time.
+    /// Returns `work_out(self)`, computed once per robot and cached. The cache holds one value, of the type requested first;
+    /// values of other types are computed at every call.
     pub fn derived<T: Any + Send + Sync>(&self, work_out: impl FnOnce(&Self) -> T) -> Arc<T> {
         let mut work_out = Some(work_out);
         let known = self.derived.0.get_or_init(|| match work_out.take() {

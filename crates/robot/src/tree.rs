@@ -5,12 +5,12 @@ use cranny_file::nearest_names;
 use crate::description::urdf_model::Urdf;
 use crate::{Location, RobotError};
 
-/// The links of a URDF as a tree, parents before children, each link's children in the order of the file.
+/// Tree of the links of a URDF, parents before children, each link's children in the order of the file.
 pub(crate) struct Tree {
     pub(crate) nodes: Vec<TreeNode>,
-    /// Index of the link in the file → index in `nodes`.
+    /// Maps the index of a link in the file to its index in `nodes`.
     node_of_link: Vec<usize>,
-    /// Index of the joint in the file → index in `nodes` of its child link.
+    /// Maps the index of a joint in the file to the index in `nodes` of its child link.
     pub(crate) node_of_joint: Vec<usize>,
     links_by_name: HashMap<String, usize>,
     joints_by_name: HashMap<String, usize>,
@@ -19,21 +19,20 @@ pub(crate) struct Tree {
 pub(crate) struct TreeNode {
     /// Index of the link in the file.
     pub(crate) link: usize,
-    /// The node above, and the index in the file of the joint between; None for the root.
+    /// Parent node, and the index in the file of the joint between the two; `None` for the root.
     pub(crate) above: Option<(usize, usize)>,
 }
 
-/// The most links, and the most joints, that a robot may have: five times those of a humanoid with two hands. The
-/// joints above each link are listed, and each pair of links may have to be checked, so that both grow with the
-/// square of this.
+/// Maximum number of links, and of joints, of a robot: five times those of a humanoid with two hands. The lists of the
+/// joints above each link and of the pairs of links to check both grow with its square.
 pub const MAX_LINKS: usize = 1000;
 
 impl Tree {
-    /// Orders the links of `urdf`.
+    /// Orders the links of `urdf`:
     ///
     /// 1. Names are unique, and joints name links that exist.
     /// 2. No link has two parents, one link has none.
-    /// 3. From that link all others are reached; those that are not lie on a loop or below one.
+    /// 3. All other links are reached from that link; those that are not lie on a loop or below one.
     pub(crate) fn of(urdf: &Urdf) -> Result<Self, RobotError> {
         if urdf.links.is_empty() {
             return Err(RobotError::NoLinks { file: urdf.file.clone() });
@@ -100,17 +99,17 @@ impl Tree {
         Ok(Self { nodes, node_of_link, node_of_joint, links_by_name, joints_by_name })
     }
 
-    /// The node of the link of that name.
+    /// Returns the node of the link named `link`.
     pub(crate) fn node(&self, link: &str) -> Option<usize> {
         self.links_by_name.get(link).map(|&link| self.node_of_link[link])
     }
 
-    /// The index in the file of the joint of that name.
+    /// Returns the index in the file of the joint named `joint`.
     pub(crate) fn joint(&self, joint: &str) -> Option<usize> {
         self.joints_by_name.get(joint).copied()
     }
 
-    /// The joints above `node`, the nearest first.
+    /// Returns the joints above `node`, the nearest first.
     pub(crate) fn joints_above(&self, node: usize) -> impl Iterator<Item = usize> {
         std::iter::successors(self.nodes[node].above, |&(above, _)| self.nodes[above].above)
             .map(|(_, joint)| joint)
@@ -133,14 +132,14 @@ fn unique<'a>(
     Ok(by_name)
 }
 
-/// The loop that `link`, which no root leads to, lies on or below.
+/// Returns the error for the loop on or above `link`, which is not reachable from any root.
 fn loop_above(
     urdf: &Urdf,
     link: usize,
     joint_above: &[Option<usize>],
     ends: &[(usize, usize)],
 ) -> RobotError {
-    // Upwards from `link`, every link has a parent, so that after one step per link the walk is on the loop.
+    // From `link` upwards every link has a parent, so after one step per link the walk is on the loop.
     let up = |link: usize| joint_above[link].map_or(link, |joint| ends[joint].0);
     let on_loop = (0..urdf.links.len()).fold(link, |link, _| up(link));
     let mut joints: Vec<usize> = Vec::new();
@@ -150,7 +149,7 @@ fn loop_above(
         current = ends[joint].0;
     }
     joints.reverse();
-    // Told from the joint that comes first in the file.
+    // The error lists the loop from the joint that comes first in the file.
     let first = (0..joints.len()).min_by_key(|&position| joints[position]).unwrap_or(0);
     joints.rotate_left(first);
     let at =

@@ -1,12 +1,12 @@
-//! Every fixture of `tests/fixtures/bad` is refused with a message that says where and what. Other URDFs are golden cases,
-//! in `crates/cli/tests/golden/bad_input`.
+//! Every fixture of `tests/fixtures/bad` is refused with a message that gives the location and the fault. Other URDFs are
+//! golden cases, in `crates/cli/tests/golden/bad_input`.
 
 use std::collections::BTreeSet;
 use std::path::Path;
 
 use cranny_robot::{JointGroup, Robot, RobotError, RobotOptions, TextSource};
 
-/// File, line (0: none to name), and what the message must say besides.
+/// File, line (0 if none is expected), and further text expected in the message.
 const URDF: &[(&str, u32, &[&str])] = &[
     ("missing_mesh.urdf", 6, &["link `b`", "`meshes/absent.stl` not found", "bad/meshes/absent.stl"]),
     (
@@ -139,7 +139,7 @@ fn a_missing_file_and_a_mesh_without_a_folder_are_named() {
     assert!(error.to_string().starts_with("inline:6: link `b`"), "{error}");
 }
 
-/// A robot of links in a chain, or all on one.
+/// Returns a robot whose links form a chain, or are all children of the root.
 fn large(links: usize, is_chain: bool) -> String {
     let mut text = vec!["<robot name=\"large\">\n<link name=\"l0\"/>\n".to_owned()];
     for link in 1..links {
@@ -157,7 +157,7 @@ fn fault_of(urdf: &str) -> String {
     Robot::from_urdf_text(urdf, "large.urdf", None, &RobotOptions::default()).unwrap_err().to_string()
 }
 
-/// A chain of 10 000 joints and a star of 20 000 links took more than 40 s each, and gigabytes.
+/// Guards against a chain of 10 000 joints and a star of 20 000 links, which took more than 40 s each and gigabytes.
 #[test]
 fn a_robot_of_more_links_than_any_has_is_refused_at_once() {
     let begin = std::time::Instant::now();
@@ -173,7 +173,7 @@ fn a_robot_of_more_links_than_any_has_is_refused_at_once() {
     assert!(begin.elapsed().as_secs() < 5, "{:?}", begin.elapsed());
 }
 
-/// Attributes are compared each with each: 100 000 of them took minutes.
+/// Guards against the comparison of all pairs of attributes: 100 000 of them took minutes.
 #[test]
 fn an_element_of_very_many_attributes_is_refused_at_once() {
     let many = (0..100_000).map(|index| format!(" a{index}=\"<>\"")).collect::<Vec<_>>().concat();
@@ -184,7 +184,7 @@ fn an_element_of_very_many_attributes_is_refused_at_once() {
     assert!(fault_of(&deep).contains("no link"));
 }
 
-/// The elements of xacro are no links, so that a robot in it "has no link".
+/// Guards against the misleading error "has no link": elements of xacro are not links.
 #[test]
 fn a_xacro_file_is_called_by_its_name() {
     let with_namespace = "<robot name=\"a\" xmlns:xacro=\"http://www.ros.org/wiki/xacro\">\n\
@@ -196,13 +196,13 @@ fn a_xacro_file_is_called_by_its_name() {
         assert!(said.contains("arm.urdf.xacro:2: this is a xacro file"), "{said}");
         assert!(said.contains("xacro arm.urdf.xacro > arm.urdf"), "{said}");
     }
-    // What xacro has made still names its language.
+    // The output of xacro still declares its namespace.
     let expanded =
         large(3, true).replacen("<robot", "<robot xmlns:xacro=\"http://www.ros.org/wiki/xacro\"", 1);
     Robot::from_urdf_text(&expanded, "arm.urdf", None, &RobotOptions::default()).unwrap();
 }
 
-/// Each group that holds two others twice over was walked twice as often as the one before.
+/// Guards against exponential time: each group that contains two others was walked twice as often as the one before.
 #[test]
 fn groups_within_groups_are_walked_once() {
     let mut srdf =
@@ -222,7 +222,7 @@ fn groups_within_groups_are_walked_once() {
     assert_eq!(robot.dof(), 1);
 }
 
-/// A pipe named as a mesh made whoever opened the robot wait for ever.
+/// Guards against blocking on a device: a pipe named as a mesh made the loader wait forever.
 #[cfg(unix)]
 #[test]
 fn a_device_named_as_a_mesh_is_refused() {

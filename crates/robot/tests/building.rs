@@ -1,4 +1,4 @@
-//! What a robot knows about itself after it was built from its files.
+//! Properties of a robot built from its files.
 
 use std::path::Path;
 
@@ -42,7 +42,7 @@ fn links_come_after_their_parents_and_know_what_moves_them() {
     assert!(movers("root").is_empty());
     assert_eq!(movers("link0"), [0, 1]);
     assert_eq!(movers("right_finger"), (0..9).collect::<Vec<_>>());
-    // A mimic joint counts towards its master, with the factor of the whole chain of mimicry.
+    // A mimic joint counts towards its master, with the factor of the whole chain of mimic joints.
     let mimic = crate::fixture::mimic();
     let movers: Vec<_> = mimic.ancestors(4).iter().map(|mover| (mover.joint, mover.multiplier)).collect();
     assert_eq!(movers, [(0, 1.0), (0, -0.5), (1, 1.0), (0, -1.0)]);
@@ -77,7 +77,7 @@ fn links_are_adjacent_across_bare_ones_and_not_across_solid_ones() {
     assert!(has("link7", "hand"), "the flange between them is bare: {pairs:?}");
     assert!(has("hand", "left_finger") && has("hand", "right_finger"));
     assert!(!has("left_finger", "right_finger") && !has("link5", "link7"));
-    // Eleven solid links in a row, and a second finger.
+    // The robot has eleven solid links in a row, and a second finger.
     assert_eq!(pairs.len(), 11);
 }
 
@@ -117,7 +117,7 @@ fn a_group_of_names_keeps_their_order_and_holds_the_rest() {
     let robot = Robot::load(&crate::fixture::path("mobile_arm/mobile_arm.urdf"), &options).unwrap();
     assert_eq!(robot.joint_names(), group);
     assert_eq!(robot.ancestors(robot.tip()).iter().map(|mover| mover.joint).collect::<Vec<_>>(), [1, 0]);
-    // All others stand where the whole arm's stand, joint 4 at the limit next to 0.
+    // All other joints have the values of the whole arm at 0, joint 4 at its limit nearest to 0.
     let whole = crate::fixture::mobile_arm();
     let (mut frames, mut whole_frames) = (robot.frames(), whole.frames());
     robot.forward_kinematics(&[0.3, -0.2], &mut frames);
@@ -138,7 +138,7 @@ fn limits_are_closed_and_exclude_nan() {
     assert_eq!(robot.first_limit_violation(&q), Some(violation));
     q[0] = f64::NAN;
     assert!(!robot.within_limits(&q));
-    // One that follows it has an end.
+    // A joint with a follower is limited by it.
     let lead = crate::fixture::mimic().limits()[0];
     assert_eq!((lead.lower, lead.upper), (-8.0, CONTINUOUS_LIMIT_RAD));
 }
@@ -242,7 +242,7 @@ fn a_link_looks_as_its_visuals_say() {
     assert!((box_.link_from_visual.translation.z - 1.0).abs() < 1e-12);
     assert_eq!(cylinder.colour, Some([0.0, 0.0, 1.0, 0.5]), "a material is known by its name everywhere");
     assert_eq!((cylinder.rounding_m, cylinder.blend_m), (0.01, 0.02));
-    // The file is not needed before somebody looks.
+    // The file is needed only for display.
     assert!(matches!(&mesh.form, LinkForm::Mesh { name, .. } if name == "no/such.dae"));
     assert!(robot.links()[0].collisions.is_empty());
 }

@@ -1,10 +1,10 @@
-//! Forces of joints against Lagrange's equations by differences, and bounds on their change.
+//! Joint forces against Lagrange's equations by finite differences, and bounds on their change.
 
 use cranny_robot::{Dynamics, Inertial, PathForces, Robot, RobotOptions};
 use cranny_spatial::nalgebra::Matrix3;
 use cranny_spatial::{Point, Stream, Vector};
 
-/// A slide, three turning joints, one of which mimics another at half its rate, and a bare frame between them.
+/// A slide, three revolute joints, one of which mimics another at half its rate, and a bare frame between them.
 const ARM: &str = r#"<robot name="arm">
 <link name="base"/>
 <link name="a"><inertial><origin xyz="0.1 0 0.05" rpy="0.3 0 0"/><mass value="3"/><inertia ixx="0.03" iyy="0.02" izz="0.04" ixy="0.002" ixz="0" iyz="0"/></inertial></link>
@@ -55,7 +55,7 @@ fn moved(q: &[f64], rate: &[f64], by: f64) -> Vec<f64> {
     q.iter().zip(rate).map(|(q, rate)| q + by * rate).collect()
 }
 
-/// Kinetic minus potential energy, by differences of places and rotations.
+/// Returns kinetic minus potential energy, from finite differences of positions and rotations.
 fn lagrangian(robot: &Robot, q: &[f64], rate: &[f64]) -> f64 {
     let [before, now, after] = [-STEP, 0.0, STEP].map(|by| bodies(robot, &moved(q, rate, by)));
     let up = Vector::from(UP);
@@ -86,7 +86,7 @@ fn forces_are_those_of_lagrange_s_equations() {
             |most: f64| (0..dof).map(|_| random.uniform_between(-most, most)).collect::<Vec<f64>>();
         let (q, rate, acceleration) = (draw(0.4), draw(1.5), draw(2.0));
         let forces = robot.path_forces(&dynamics, [&q, &rate, &acceleration], &mut frames);
-        // Along q(t) with these derivatives: d/dt ∂L/∂q' − ∂L/∂q.
+        // Lagrange's equations along q(t) with these derivatives: d/dt ∂L/∂q' − ∂L/∂q.
         let h = 1e-3;
         for joint in 0..dof {
             let momentum = |time: f64| {
@@ -108,7 +108,7 @@ fn forces_are_those_of_lagrange_s_equations() {
             let found = forces.bend[joint] + forces.weight[joint];
             assert!((found - expected).abs() < 2e-3 * (1.0 + expected.abs()), "{joint}: {found} {expected}");
         }
-        // The coefficient of the change of speed is the part that is linear in it.
+        // The coefficient of the acceleration is the term that is linear in it.
         let twice: Vec<f64> = acceleration.iter().zip(&rate).map(|(a, r)| a + 2.0 * r).collect();
         let faster = robot.path_forces(&dynamics, [&q, &rate, &twice], &mut frames);
         for joint in 0..dof {

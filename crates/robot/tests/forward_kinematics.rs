@@ -6,8 +6,8 @@ use cranny_robot::{Robot, RobotOptions};
 use cranny_spatial::Stream;
 use cranny_spatial::nalgebra::{Isometry3, Translation3, Unit, UnitQuaternion, Vector3};
 
-/// Compares all links at random configurations. `k` moves every joint that does not mimic, so that the joints
-/// outside the group are set to `others`.
+/// Compares all links at random configurations. `k` moves every joint that does not mimic, so the joints outside the
+/// group are set to `others`.
 fn assert_agrees_with_k(robot: &Robot, urdf: &Path, others: &[(&str, f64)]) {
     let chain: k::Chain<f64> = k::Chain::from_urdf_file(urdf).expect("k reads the file");
     let mut random = Stream::new(1, 0);
@@ -68,7 +68,7 @@ fn mimic_joints_follow_with_factor_and_offset() {
     assert_eq!(robot.joint_names(), ["lead", "slide"]);
     let (value, shift) = (0.7, 0.3);
     let frames = robot.frames_at(&[value, shift]);
-    // The same tree written out by hand, in nalgebra's own terms.
+    // The expected tree is written out by hand with nalgebra.
     let pose = |x, y, z, roll, pitch, yaw| {
         Isometry3::from_parts(Translation3::new(x, y, z), UnitQuaternion::from_euler_angles(roll, pitch, yaw))
     };

@@ -1,4 +1,4 @@
-//! Planar and floating joints, which are chains of joints with one degree of freedom each.
+//! Planar and floating joints, represented by chains of joints with one degree of freedom each.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -103,7 +103,7 @@ fn a_floating_joint_stays_off_where_yaw_and_roll_are_one() {
     assert_eq!(kinds[3..], [JointKind::Revolute; 3]);
 }
 
-/// Files for other programs have attributes whose namespace nobody declares.
+/// Covers files for other programs, whose attributes have undeclared namespaces.
 #[test]
 fn a_prefix_that_nobody_declares_is_read_over() {
     let text = urdf(&format!(

@@ -1,4 +1,4 @@
-//! What a `robot.yaml` says of a robot's hand.
+//! Hands described in a `robot.yaml`.
 
 use cranny_robot::{
     HandDescription, JointGroup, JointKind, Robot, RobotDescription, RobotError, RobotOptions, TextSource,
@@ -73,7 +73,7 @@ fn what_the_robot_lacks_is_left_out_and_what_is_asked_for_goes_first() {
     assert_eq!(halfway.links()[halfway.tip()].name, "camera");
     let at = |name: &str| halfway.frames().link(halfway.link_index(name).unwrap()).translation.y;
     assert!((at("jaw_a") - 0.03).abs() < 1e-12 && (at("jaw_b") + 0.01).abs() < 1e-12);
-    // Who names a finger's joint wants it to move.
+    // A finger's joint in the group moves.
     let joints = ["turn", "slide_a"].map(str::to_owned).to_vec();
     let options = RobotOptions {
         known_hands: vec![hand()],
@@ -111,7 +111,7 @@ fn a_hand_beside_the_urdf_is_found() {
     std::fs::write(folder.path().join("robot.yaml"), HAND).unwrap();
     let robot = Robot::load(&urdf, &RobotOptions::default()).unwrap();
     assert_eq!(robot.hand().unwrap().description, hand());
-    // Of its own hand nothing is left out.
+    // Nothing of the robot's own hand may be missing.
     for (from, to, says) in [
         ("slide_b", "slide_c", "robot.yaml:6: fingers: unknown joint 'slide_c'"),
         ("tip: between", "tip: betwen", "robot.yaml:3: tip: unknown link 'betwen'"),
@@ -144,7 +144,7 @@ fn a_faulty_description_is_refused_with_its_line() {
     assert!(fault.contains("empty"), "{fault}");
 }
 
-/// The robot of [`GRIPPER`] with another text of its URDF and `robot.yaml`.
+/// Returns the robot of [`GRIPPER`] with another text of its URDF and `robot.yaml`.
 fn with_files(urdf: &str, description: &str) -> Result<Robot, RobotError> {
     let description = TextSource::Text { name: "robot.yaml".to_owned(), text: description.to_owned() };
     let options = RobotOptions { description: Some(description), ..RobotOptions::default() };
@@ -198,7 +198,7 @@ fn a_joint_that_mimics_a_held_one_keeps_its_limits() {
         let fault = with_files(&coupled(limits, mimic), &one).expect_err(mimic).to_string();
         assert!(fault.contains("outside its limits"), "{fault}");
     }
-    // A finger is driven by its master, to where that puts it.
+    // A finger follows its master to the value that mimicry gives.
     let urdf = coupled(r#"lower="0" upper="0.03""#, "");
     let alone = HAND.replace("    slide_a: {open: 0.03, closed: 0.0}\n", "");
     assert!(with_files(&urdf, &alone).is_err());

@@ -1,4 +1,4 @@
-//! Attempts of inverse kinematics that run side by side.
+//! Attempts of inverse kinematics that run in parallel.
 
 use cranny_robot::{IK_BATCH, IkBatch, IkSettings, IkSolution, Robot};
 use cranny_spatial::{Pose, PoseDifference, Stream};
@@ -9,7 +9,7 @@ fn tip_at(robot: &Robot, q: &[f64]) -> Pose {
     *frames.link(robot.tip())
 }
 
-/// A target of its own for each attempt, and what they came to.
+/// Returns a target for each attempt, and its solution.
 fn solve(robot: &Robot, seed: u64) -> Vec<(Pose, Option<IkSolution>)> {
     let mut random = Stream::new(seed, 0);
     let mut batch = IkBatch::new(robot, IkSettings::default());

@@ -60,7 +60,7 @@ fn solutions_are_distinct_accepted_and_the_same_again() {
 
 #[test]
 fn two_thirds_of_random_starts_succeed_within_ten_steps_on_average() {
-    // What planners count on when they budget attempts.
+    // Planners rely on these rates when they budget attempts.
     let robot = crate::fixture::mobile_arm();
     let mut random = Stream::new(11, 0);
     let (mut attempts, mut successes, mut iterations) = (0, 0, 0);
@@ -130,7 +130,7 @@ fn a_target_out_of_reach_has_no_solution() {
     let mut search = IkSearch::new(&robot, &target, IkSearchSettings::default());
     assert!(search.next_solution(&mut Stream::new(1, 0), 100, &mut |_| true).is_none());
     assert_eq!(search.attempts(), 100);
-    // The same where the target is not even a number.
+    // A target that is not a number has no solution either.
     target.translation.vector.y = f64::NAN;
     let mut search = IkSearch::new(&robot, &target, IkSearchSettings::default());
     assert!(search.next_solution(&mut Stream::new(1, 0), 100, &mut |_| true).is_none());
@@ -139,7 +139,7 @@ fn a_target_out_of_reach_has_no_solution() {
 
 #[test]
 fn an_arm_with_few_joints_is_solved_too() {
-    // Two joints cannot reach a given pose in general, but one of their own they can.
+    // Two joints cannot reach an arbitrary pose, but they can reach one of their own.
     let robot = crate::fixture::mimic();
     let target = tip_at(&robot, &[0.4, -0.2]);
     let mut search = IkSearch::new(&robot, &target, IkSearchSettings::default());

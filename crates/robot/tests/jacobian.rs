@@ -4,7 +4,7 @@ use cranny_robot::{DampedInverse, Robot, Twist, damped_pseudo_inverse_step};
 use cranny_spatial::nalgebra::DVector;
 use proptest::prelude::*;
 
-/// Of the central difference: its error is of the order of its square, that of rounding of 10⁻¹⁶ / STEP.
+/// Step of the central difference: its error is of the order of its square, that of rounding of 10⁻¹⁶ / STEP.
 const STEP: f64 = 1e-5;
 
 fn assert_is_derivative(robot: &Robot, q: &[f64], link: usize) {
@@ -44,7 +44,7 @@ proptest! {
         twist in prop::array::uniform6(-1.0..1.0),
         damping in 0.01..1.0,
     ) {
-        // The oracle is the other form of the same minimum, over joints: (JᵀJ + λ²I) dq = Jᵀ v.
+        // The oracle is the equivalent formula over joints: (JᵀJ + λ²I) dq = Jᵀ v.
         let robot = crate::fixture::mobile_arm();
         let frames = robot.frames_at(&crate::fixture::within_limits(&robot, &parts));
         let mut jacobian = robot.empty_jacobian();
@@ -72,7 +72,7 @@ proptest! {
         inverse.project_to_null_space(&jacobian, &mut projected);
         let moved = &jacobian * DVector::from(projected.clone());
         prop_assert!(moved.norm() < 1e-6, "{moved}");
-        // A projection: a second one changes nothing.
+        // A projection is idempotent.
         let mut twice = projected.clone();
         inverse.project_to_null_space(&jacobian, &mut twice);
         prop_assert!((DVector::from(twice) - DVector::from(projected)).norm() < 1e-6);

@@ -1,4 +1,4 @@
-//! Forward kinematics in lanes: as far from that in double precision as its bound says, for any robot.
+//! Forward kinematics in lanes: within its bound of that in double precision, for any robot.
 
 use std::fmt::Write as _;
 
@@ -6,7 +6,7 @@ use cranny_robot::{LaneFrame, LaneKinematics, Robot, RobotOptions};
 use cranny_spatial::{LANES, LaneArray, Point, Stream, Vector, simd_level};
 use fearless_simd::dispatch;
 
-/// A chain of random joints: turns of up to a hundred radians, slides, gears, long and short links, far roots.
+/// Returns a chain of random joints: turns of up to a hundred radians, slides, gears, long and short links, distant roots.
 fn random_chain(random: &mut Stream) -> Robot {
     let size_m = 10_f64.powf(random.uniform_between(-2.0, 1.5));
     let turn_rad = 10_f64.powf(random.uniform_between(0.0, 2.5));
@@ -40,8 +40,8 @@ fn random_chain(random: &mut Stream) -> Robot {
     Robot::from_urdf_text(&urdf, "chain.urdf", None, &RobotOptions::default()).expect("a good URDF")
 }
 
-/// Guards against bounds that hold for ordinary angles alone: an arm at 10⁶ rad was 22 mm from where the lanes had it,
-/// one geared by 1000 was 50 µm off.
+/// Guards against bounds that hold only for ordinary angles: the lanes were off by 22 mm for an arm at 10⁶ rad, and by
+/// 50 µm for one with a gear ratio of 1000.
 #[test]
 fn lanes_are_no_farther_off_than_their_bound_says() {
     let mut random = Stream::new(14, 0);

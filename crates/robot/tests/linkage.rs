@@ -1,4 +1,4 @@
-//! Hands on linkages: joints that mimic the one that closes them, one on the other.
+//! Hands with linkages: joints that mimic the closing joint, one mounted on the other.
 
 use std::fmt::Write as _;
 
@@ -6,7 +6,7 @@ use cranny_robot::{Hold, Robot, RobotOptions, TextSource};
 use cranny_spatial::{Point, Pose, Vector};
 use proptest::prelude::*;
 
-/// Two fingers on parallelograms: the outer bar turns by q, the finger on it back by q; an inner bar turns along.
+/// Returns two fingers on parallelograms: the outer bar turns by q, the finger on it back by q; an inner bar turns along.
 fn hand() -> Robot {
     hand_with(&RobotOptions::default())
 }
@@ -83,7 +83,7 @@ fn all_that_follows_the_driving_joint_closes_with_it() {
     }
 }
 
-/// The same as a robot whose joint stands there, which knows nothing of holding.
+/// Compares with a robot whose joint is fixed at that value and that holds nothing.
 #[test]
 fn a_hand_that_holds_stands_as_its_joints_do() {
     let robot = hand();
@@ -99,7 +99,7 @@ fn a_hand_that_holds_stands_as_its_joints_do() {
 }
 
 proptest! {
-    /// `closing_way_m` bounds how far any point goes.
+    /// Checks that `closing_way_m` bounds the motion of any point.
     #[test]
     fn no_point_of_a_finger_goes_farther_than_the_bound(
         from in 0.0..1.0, to in 0.0..1.0, x in -0.02..0.02, y in -0.02..0.02, z in -0.02..0.04

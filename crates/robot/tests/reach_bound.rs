@@ -1,10 +1,10 @@
-//! How far a robot reaches at most, against where its tip comes to be.
+//! Bound on the reach of a robot, against sampled tip positions.
 
 use cranny_robot::{Robot, RobotOptions};
 use cranny_spatial::Point;
 use proptest::prelude::*;
 
-/// An arm that turns, slides and turns, on two slides that are not at right angles.
+/// An arm that turns, slides and turns, on two slides that are not perpendicular.
 const ODD: &str = "<robot name='odd'>
 <link name='a'/><link name='b'/><link name='c'/><link name='d'/><link name='e'/><link name='f'/><link name='g'/>
 <joint name='one' type='prismatic'><origin xyz='0.1 0.2 0.3' rpy='0.4 0.5 0.6'/><parent link='a'/><child link='b'/>
@@ -46,7 +46,7 @@ proptest! {
 
 #[test]
 fn the_bound_of_an_arm_is_near_its_reach() {
-    // The farthest tip from the axis of the first joint, while the base stands still, by sampling.
+    // The expected value is the maximum sampled distance of the tip from the axis of the first joint, with the base fixed.
     let robot = crate::fixture::mobile_arm();
     let bound = robot.reach_bound();
     let mut random = cranny_spatial::Stream::new(3, 0);
@@ -60,7 +60,7 @@ fn the_bound_of_an_arm_is_near_its_reach() {
     assert!(farthest_m <= radius_m && radius_m < 1.15 * farthest_m, "{farthest_m} of {radius_m}");
 }
 
-/// Where the second joint of the arm stands: the point that the bound is about.
+/// Returns the position of the second joint of the arm, which is the centre of the bound.
 fn bound_middle(robot: &Robot) -> Point {
     let frames = robot.frames_at(&[0.0; 9]);
     Point::from(frames.link(robot.joints()[3].child_link).translation.vector)
@@ -71,7 +71,7 @@ fn a_point_outside_is_beyond_by_what_it_is_outside() {
     let robot = crate::fixture::mobile_arm();
     let bound = robot.reach_bound();
     let middle = bound_middle(&robot);
-    // The base reaches 1 m to each side in x and y.
+    // The base moves by 1 m to each side in x and y.
     let above = Point::new(middle.x, middle.y, middle.z + bound.radius_m() + 0.25);
     assert!((bound.beyond_m(&above) - 0.25).abs() < 1e-9);
     let beside = Point::new(middle.x + 1.0 + bound.radius_m() + 0.25, middle.y, middle.z);

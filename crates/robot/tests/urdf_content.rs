@@ -1,9 +1,9 @@
-//! Content of a URDF is read, refused where it could change geometry or motion, or named.
+//! Each piece of content of a URDF is read, refused if it could affect geometry or motion, or noted.
 
 use cranny_robot::{Robot, RobotError, RobotOptions, TextSource};
 use cranny_spatial::Point;
 
-/// One of everything that is read.
+/// A URDF with all content that is read.
 const WHOLE: &str = r#"<robot name="whole" version="1.2">
 <link name="foot"><visual rounding="0.01" blend="0.01"><origin xyz="0 0 0.1" rpy="0 0 0"/><geometry><box size="1 1 1"/></geometry><material name="m"><color rgba="1 0 0 1"/></material></visual></link>
 <link name="bar"><inertial><origin xyz="0 0 0" rpy="0 0 0"/><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial><collision><origin xyz="0.5 0 0.5" quat_xyzw="0 0 0 1"/><geometry><cylinder length="1" radius="0.1"/></geometry></collision><collision><geometry><box size="1 2 3"/></geometry></collision></link>
@@ -16,7 +16,7 @@ fn read(text: &str) -> Result<Robot, RobotError> {
     Robot::from_urdf_text(text, "r.urdf", None, &RobotOptions::default())
 }
 
-/// [`WHOLE`] with one passage in place of another.
+/// Returns the robot of [`WHOLE`] with one passage replaced by another.
 fn with(old: &str, new: &str) -> Result<Robot, RobotError> {
     assert!(WHOLE.contains(old), "{old}");
     read(&WHOLE.replacen(old, new, 1))
@@ -30,7 +30,7 @@ fn everything_of_a_whole_urdf_is_read() {
     assert_eq!((turn.acceleration, turn.jerk), (Some(2.0), Some(20.0)));
 }
 
-/// Names of attributes and elements in turn, each with other letters, in capitals and under a prefix.
+/// Tests the names of attributes and elements in turn, each with an added letter, in capitals and with a prefix.
 #[test]
 fn no_name_is_lost_in_any_spelling() {
     let mut changed = 0;
@@ -46,7 +46,7 @@ fn no_name_is_lost_in_any_spelling() {
         if has_no_name {
             continue;
         }
-        // An element has its name at its end too.
+        // An element also has its name at its end.
         let close = if after[..after.find('>').unwrap_or(0)].ends_with('/') {
             None
         } else {
@@ -145,7 +145,7 @@ fn what_changes_neither_is_named_or_known() {
         assert!(with("</robot>", &format!("{known}</robot>")).expect(known).notes().is_empty());
     }
     for kind in ["fixed", "floating"] {
-        // A joint beside the others, with an axis that has no meaning.
+        // This is an additional joint with a meaningless axis.
         let joint = format!(
             "<link name=\"tag\"/><joint name=\"tagged\" type=\"{kind}\"><parent link=\"foot\"/><child link=\"tag\"/>\
              <axis xyz=\"0 0 1\"/><limit velocity=\"1\" effort=\"1\"/></joint></robot>"
@@ -204,12 +204,12 @@ fn what_an_srdf_contradicts_or_leaves_unread_is_named() {
     let options = RobotOptions { srdf: Some(srdf), ..RobotOptions::default() };
     let robot = Robot::from_urdf_text(WHOLE, "r.urdf", None, &options).expect("it is read");
     let expected = [
-        "r.srdf:2: group `arm` is there before: the first counts",
-        "r.srdf:4: state `home` has joint `turn` twice: the last counts",
-        "r.srdf:5: state `home` of group `arm` is there before: the first counts",
+        "r.srdf:2: group `arm` is defined twice: the first definition is used",
+        "r.srdf:4: state `home` has joint `turn` twice: the last value is used",
+        "r.srdf:5: state `home` of group `arm` is defined twice: the first definition is used",
         "r.srdf:5: state `home` has a pose of joint `world`, which is not read",
-        "r.srdf:6: state `home` is of group `leg`, which is not there",
-        "r.srdf:6: end effector `tool` is of group `hand`, which is not there",
+        "r.srdf:6: state `home` refers to the unknown group `leg`",
+        "r.srdf:6: end effector `tool` refers to the unknown group `hand`",
     ];
     assert_eq!(robot.notes(), expected);
 }

@@ -1,4 +1,4 @@
-//! Scenarios made from others: a body more or less, the object elsewhere.
+//! Scenarios derived from others: a body added, removed or moved.
 
 use cranny_collision::{Body, World};
 use cranny_grasp::GraspSet;
@@ -7,12 +7,10 @@ use cranny_spatial::Pose;
 use crate::{Scenario, ScenarioError, TargetPhysics};
 
 impl Scenario {
-    /// The same scenario with one obstacle more. The triangles of a released export, which do not have it, are
-    /// left out.
+    /// Returns the scenario with an additional obstacle. The triangles of a released export do not contain it and are dropped.
     ///
     /// # Errors
-    /// [`ScenarioError::BodyName`] if there is a body of that name, [`ScenarioError::Collision`] for a pose that
-    /// is none.
+    /// [`ScenarioError::BodyName`] if the name is in use, [`ScenarioError::Collision`] for an invalid pose.
     pub fn with_body(&self, body: Body) -> Result<Self, ScenarioError> {
         if self.world.body_index(&body.name).is_ok() {
             return Err(ScenarioError::BodyName { name: body.name });
@@ -26,7 +24,7 @@ impl Scenario {
         Ok(Self { world: self.world.with_bodies(bodies)?, target, export: None, ..self.clone() })
     }
 
-    /// The same scenario without the body of that name; without the target, there is none.
+    /// Returns the scenario without the named body; without the target, it has no target.
     ///
     /// # Errors
     /// [`ScenarioError::Collision`] if there is no such body.
@@ -46,19 +44,18 @@ impl Scenario {
         })
     }
 
-    /// The same scenario with the target moved by `motion`, a rigid motion of the planning frame, and all grasps
-    /// with it. Known IK solutions no longer hold and are left out.
+    /// Returns the scenario with the target moved by `motion`, a rigid motion in the planning frame, and all grasps with it.
+    /// Known IK solutions become invalid and are dropped.
     ///
     /// # Errors
-    /// [`ScenarioError::NoTarget`] if there is nothing to move, [`ScenarioError::Collision`] for a motion that
-    /// leads too far away.
+    /// [`ScenarioError::NoTarget`] if there is no target, [`ScenarioError::Collision`] for a motion that leads too far away.
     pub fn with_target_moved(&self, motion: &Pose) -> Result<Self, ScenarioError> {
         let Some(target) = self.target else { return Err(ScenarioError::NoTarget { id: self.id.clone() }) };
         self.with_moved(target, motion, &self.start)
     }
 
-    /// The scenario with a body elsewhere by a motion in the planning frame, and the robot at another start
-    /// (m, rad; one per joint). The scenario's own grasps move with its target.
+    /// Returns the scenario with a body moved by `motion`, given in the planning frame, and with another start (m, rad; one per
+    /// joint). The scenario's own grasps move with its target.
     ///
     /// # Errors
     /// [`ScenarioError::Collision`] for a motion that leads too far away.
@@ -76,19 +73,19 @@ impl Scenario {
         Ok(Self { world, grasps, start, ik: Vec::new(), export: None, ..self.clone() })
     }
 
-    /// The same scenario with other grasps; known IK solutions are left out.
+    /// Returns the scenario with other grasps; known IK solutions are dropped.
     #[must_use]
     pub fn with_grasps(&self, grasps: GraspSet) -> Self {
         Self { grasps, has_grasp_set: true, ik: Vec::new(), ..self.clone() }
     }
 
-    /// The same scenario without a set of grasps: whoever plans makes a grasp of its own. Known IK solutions are left out.
+    /// Returns the scenario without a set of grasps: planners compute their own. Known IK solutions are dropped.
     #[must_use]
     pub fn without_grasps(&self) -> Self {
         Self { has_grasp_set: false, ..self.with_grasps(GraspSet::default()) }
     }
 
-    /// The same scenario from another start (m, rad; one value per joint).
+    /// Returns the scenario with another start (m, rad; one value per joint).
     ///
     /// # Errors
     /// [`ScenarioError::StartCount`] if there is not one value per joint.
@@ -96,8 +93,8 @@ impl Scenario {
         Self { start, ..self.clone() }.with_checked_start(&self.id)
     }
 
-    /// The same scenario with each body where a world has the one of its name, and the robot at a configuration: `q`, one
-    /// value per joint, m or rad. The scenario's own grasps move with its target.
+    /// Returns the scenario with each body at the pose that the body of the same name has in `world`, and with the start `q`
+    /// (m, rad; one value per joint). The scenario's own grasps move with its target.
     ///
     /// # Errors
     /// [`ScenarioError::Collision`] for a body that the scenario does not have.

@@ -1,61 +1,60 @@
 use crate::layout::own::{self, Texts};
 use crate::{Family, FamilyMaker, OpenOptions, Recipe, Scenario, ScenarioError};
 
-/// A scenario that needs no file.
+/// Built-in scenario; it needs no file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CatalogueEntry {
-    /// What to open it by: `0`, environment, level.
+    /// Identifier: `0`, environment, level.
     pub id: &'static str,
-    /// The environment, in a few words.
+    /// Short description of the environment.
     pub environment: &'static str,
-    /// What is special about this one, in a line.
+    /// Distinguishing feature of this scenario, in one line.
     pub description: &'static str,
-    /// The family that it belongs to.
+    /// Family of the scenario.
     pub family: Family,
-    /// The value of the family's dial, in metres.
+    /// Value of the family's difficulty parameter, in metres.
     pub parameter_m: f64,
-    /// What is to be done.
+    /// Task of the scenario.
     pub task: BuiltInTask,
     scenario: &'static str,
     grasps: &'static str,
 }
 
-/// What is to be done in a built-in scenario.
+/// Task of a built-in scenario.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BuiltInTask {
-    /// The object is to be grasped, and may be put down outside ([`Family::OUTSIDE`]).
+    /// Pick the object; it may be placed outside ([`Family::OUTSIDE`]).
     Pick,
-    /// The object lies outside at first, and is to be put where the paper has it ([`Family::INSIDE`]).
+    /// Place the object, which starts outside, at its pose in the paper ([`Family::INSIDE`]).
     Insert,
-    /// Columns stand in the way, which are to be taken away before the object is.
+    /// Move the columns that block the access aside, then the object.
     Clear,
 }
 
-/// All built-in scenarios, by id: the twenty of the paper.
+/// Returns the twenty built-in scenarios of the paper, ordered by id.
 pub fn catalogue() -> &'static [CatalogueEntry] {
     &CATALOGUE
 }
 
-/// The built-in scenarios in which the object lies outside, and is to be brought in: of levels 1, 3 and 5 of each
-/// environment, by id: `1`, environment, level.
+/// Returns the built-in scenarios in which the object starts outside and must be placed inside: levels 1, 3 and 5 of each
+/// environment, ordered by id (`1`, environment, level).
 pub fn insertions() -> &'static [CatalogueEntry] {
     &INSERTIONS
 }
 
-/// The built-in scenarios of several steps: what stands in the way is put aside, then the object; by id: `2`, environment,
-/// level.
+/// Returns the built-in scenarios with several steps: obstacles are moved aside first, then the object. Ordered by id (`2`,
+/// environment, level).
 pub fn sequences() -> &'static [CatalogueEntry] {
     &SEQUENCES
 }
 
-/// All that is built in.
+/// Returns all built-in scenarios.
 pub fn built_in() -> impl Iterator<Item = &'static CatalogueEntry> {
     CATALOGUE.iter().chain(&INSERTIONS).chain(&SEQUENCES)
 }
 
-/// Entries with the files that `Recipe`s of the catalogue are written to, which a test holds equal. Per family its
-/// environment, what is said of the parameter before and after it, and the scenarios: id, parameter, and the parameter
-/// as it is said.
+/// Entries with the files that `Recipe`s of the catalogue are written to; a test checks that both are equal. Per family: the
+/// environment, the text before and after the parameter, and the scenarios with id, parameter, and the parameter as text.
 macro_rules! entries {
     ($task:ident, $($family:ident, $environment:literal, $before:literal, $after:literal {
         $($id:literal: $parameter_m:literal = $said:literal,)*
@@ -142,12 +141,12 @@ const SEQUENCES: [CatalogueEntry; 3] = entries! {
     }
 };
 
-/// The built-in ids, for a message about an unknown one.
+/// Returns the built-in ids, for an error message about an unknown id.
 pub(crate) fn known_ids() -> String {
     built_in().map(|entry| entry.id).collect::<Vec<_>>().join(", ")
 }
 
-/// The built-in ids that `what` may stand for: the same number, or the same but for one letter or digit.
+/// Returns the built-in ids close to `what`: with the same number, or with one differing character.
 pub(crate) fn near_ids(what: &str) -> Vec<&'static str> {
     let ids = || built_in().map(|entry| entry.id);
     let number = |text: &str| text.parse::<u32>().ok();
@@ -159,7 +158,7 @@ pub(crate) fn near_ids(what: &str) -> Vec<&'static str> {
     ids().filter(|id| id.len() == what.len() && differ(id) == 1).take(3).collect()
 }
 
-/// The built-in scenario of that id, if there is one.
+/// Opens the built-in scenario `id`; `None` if there is none.
 pub(crate) fn open(id: &str, options: &OpenOptions) -> Option<Result<Scenario, ScenarioError>> {
     let entry = built_in().find(|entry| entry.id == id)?;
     let texts = Texts {
@@ -172,13 +171,13 @@ pub(crate) fn open(id: &str, options: &OpenOptions) -> Option<Result<Scenario, S
 }
 
 impl CatalogueEntry {
-    /// The seed of the grasps of all built-in scenarios; any other would do as well.
+    /// Seed of the grasps of all built-in scenarios; the value is arbitrary.
     pub const GRASP_SEED: u64 = 0;
 
-    /// The recipe from which the files of this entry are made, by a maker of its family.
+    /// Returns the recipe from which the files of this entry are made, by a maker of its family.
     ///
     /// # Errors
-    /// None on a sound build.
+    /// None unless the built-in files are broken.
     pub fn recipe(&self, maker: &FamilyMaker) -> Result<Recipe, ScenarioError> {
         let title = format!("{}, {}: {}", self.id, self.environment, self.description);
         let recipe = match self.task {
@@ -189,7 +188,7 @@ impl CatalogueEntry {
         Ok(Recipe { title, ..recipe? })
     }
 
-    /// The text of its `scenario.yaml` and of its `grasps.csv`.
+    /// Returns the texts of `scenario.yaml` and `grasps.csv`.
     pub fn files(&self) -> (&'static str, &'static str) {
         (self.scenario, self.grasps)
     }

@@ -8,25 +8,25 @@ use cranny_spatial::{Point, Pose};
 use crate::object::mesh_repairs::{body_repairs, link_repairs};
 use crate::{DEFAULT_FRICTION, Scenario, measured_opening_m};
 
-/// From the pads of a hand at a grasp to what it grasps there is no way farther than this, in metres: half of what the
-/// widest two-finger hands open.
+/// Maximum distance from the gripper frame at a grasp to the target, in metres: half the opening of the widest two-finger
+/// hands.
 const FARTHEST_GRASP_M: f64 = 0.1;
 
-/// The links that are seen and not checked: the URDF says how they look and not what they collide with.
+/// Returns the links that have a visual but no collision geometry in the URDF.
 pub fn seen_only_links(robot: &Robot) -> impl Iterator<Item = &str> {
     let is_seen_only = |link: &&Link| link.collisions.is_empty() && !link.visuals.is_empty();
     robot.links().iter().filter(is_seen_only).map(|link| link.name.as_str())
 }
 
-/// Notes on a robot and the bodies around it: content of URDF and SRDF that was not read, meshes that had to be repaired,
-/// [`seen_only_links`], [`wide_opening`].
+/// Returns notes on a robot and the bodies around it: unread content of URDF and SRDF, repaired meshes, [`seen_only_links`],
+/// [`wide_opening`].
 pub fn model_notes(robot: &Robot, world: &World) -> Vec<String> {
     let unread = robot.notes().iter().cloned();
     let repaired = link_repairs(robot).into_iter().chain(body_repairs(world));
     unread.chain(repaired).chain(unseen_notes(robot)).chain(wide_opening(robot)).collect()
 }
 
-/// [`model_notes`], with one line for each kind of which there are several.
+/// Returns [`model_notes`], with several notes of one kind summarized in one line.
 pub fn brief_model_notes(robot: &Robot, world: &World) -> Vec<String> {
     let name = robot.name();
     let brief = |notes: Vec<String>, all: &dyn Fn(usize) -> String| match notes.len() {
@@ -44,45 +44,43 @@ pub fn brief_model_notes(robot: &Robot, world: &World) -> Vec<String> {
     });
     let unseen = brief(unseen_notes(robot), &|count| {
         let names = seen_only_links(robot).map(|link| format!("'{link}'")).collect::<Vec<_>>().join(", ");
-        format!(
-            "{count} links have a <visual> and no <collision>: no proof keeps {names} from touching anything"
-        )
+        format!("{count} links have a <visual> and no <collision>: collisions of {names} are not checked")
     });
     [unread, links, bodies, unseen, wide_opening(robot).into_iter().collect()].concat()
 }
 
 fn unseen_notes(robot: &Robot) -> Vec<String> {
-    let note = |link| {
-        format!("link '{link}' has a <visual> and no <collision>: no proof keeps it from touching anything")
-    };
+    let note =
+        |link| format!("link '{link}' has a <visual> and no <collision>: its collisions are not checked");
     seen_only_links(robot).map(note).collect()
 }
 
-/// What an opening may be said to be wider than measured, in metres: meshes are that rough.
+/// Maximum excess of a stated opening over the measured one, in metres: meshes are that inaccurate.
 const OPENING_OFF_M: f64 = 1e-3;
 
-/// What is wrong with the opening of a robot's hand, if its fingers are not that far apart.
+/// Returns a note if the stated opening of a robot's hand exceeds the measured distance between its fingers.
 pub fn wide_opening(robot: &Robot) -> Option<String> {
     let hand = &robot.hand()?.description;
     let measured_m = measured_opening_m(robot)?;
     (hand.opening_m > measured_m + OPENING_OFF_M).then(|| {
         let [said_mm, measured_mm] = [hand.opening_m, measured_m].map(|metres| metres * 1e3);
         format!(
-            "the opening_m of hand '{}' says {said_mm:.1} mm, but its open fingers are {measured_mm:.1} mm apart: what is \
-             wider does not fit between them",
+            "the opening_m of hand '{}' is {said_mm:.1} mm, but its open fingers are {measured_mm:.1} mm \
+             apart: a wider object does not fit between them",
             hand.name
         )
     })
 }
 
-/// Share of a load, at least of a load of 1, by which a stated one may be off: digits in a file.
+/// Tolerance of a stated load, as a share of the load (at least of a load of 1): digits in a file.
 const LOAD_OFF_SHARE: f64 = 0.01;
 
-/// A target may lie so deep in what it rests on, and so high above it, in metres: settled objects do by a few tenths.
+/// Tolerance of penetration and of the gap between a target and its support, in metres: settled objects deviate by a few tenths
+/// of a millimetre.
 const LOOSE_M: f64 = 2e-3;
 
 impl Scenario {
-    /// Why a planner that makes grasps of its own will find none for the target, where nothing else gives any.
+    /// Returns why a planner that samples its own grasps will find none for the target; `None` if grasps are given or possible.
     pub fn too_wide_target(&self) -> Option<String> {
         let hand = self.robot.hand().filter(|_| self.grasps.is_empty())?;
         let surface = Surface::new(&self.target_mesh().ok()??).ok()?;
@@ -96,7 +94,7 @@ impl Scenario {
         Some(format!("{}: {too_wide}", self.world.bodies()[self.target?].name))
     }
 
-    /// What is odd about where the target is: deep in something, or in the air.
+    /// Returns notes on an implausible target pose: penetrating another body, or floating.
     pub fn odd_places(&self) -> Vec<String> {
         let Some(index) = self.target else { return Vec::new() };
         let bodies = self.world.bodies();
@@ -125,11 +123,11 @@ impl Scenario {
         odd
     }
 
-    /// The number of grasps whose stated load differs from the computed one, with the first of them, in words; `None` if none
-    /// does.
+    /// Returns a message with the number of grasps whose stated load differs from the computed one, and the first of them;
+    /// `None` if all agree.
     ///
     /// # Errors
-    /// Reason, in words, for which stated loads were not compared.
+    /// Reason why stated loads were not compared, as a message.
     pub fn false_loads(&self) -> Result<Option<String>, String> {
         let stated: Vec<usize> =
             (0..self.grasps.len()).filter(|index| self.grasps.grasps()[*index].load.is_some()).collect();
@@ -158,8 +156,7 @@ impl Scenario {
         }))
     }
 
-    /// What is wrong with the set of grasps, if it is of another place than the target: none of them has anything of it
-    /// between the pads.
+    /// Returns a message if the grasps do not belong to the target pose: no grasp has any of the target between the pads.
     pub fn misplaced_grasps(&self) -> Option<String> {
         let target = &self.world.bodies()[self.target?];
         let distance_m = |grasp: &cranny_grasp::Grasp| {
@@ -174,8 +171,8 @@ impl Scenario {
         (nearest_m > FARTHEST_GRASP_M).then(|| {
             let millimetres = nearest_m * 1e3;
             format!(
-                "none of the {} is at {}, the nearest {millimetres:.0} mm away: they are of another place; `cranny \
-                 grasps sample` makes new ones",
+                "none of the {} is at {}, the nearest is {millimetres:.0} mm away: they belong to another \
+                 pose of the target; `cranny grasps sample` makes new ones",
                 counted(self.grasps.len(), "grasp"),
                 target.name
             )

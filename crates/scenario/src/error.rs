@@ -7,25 +7,25 @@ use crate::family::error::FamilyError;
 use crate::moveit::error::MoveItError;
 use crate::object::error::ObjectError;
 
-/// What can be wrong with a scenario, a plan file or a file of way points. The message is complete in
-/// itself: file and line where there is one.
+/// Errors of scenarios, plan files and way point files. Each message is self-contained and names file and line if there are
+/// any.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ScenarioError {
-    /// The name is neither that of a built-in scenario nor that of a folder.
+    /// The name matches neither a built-in scenario nor a folder.
     #[error(
         "no built-in scenario '{what}' (there are {known}) and no folder of that name ({})",
         meant(near, "give an id, or a folder that holds scenario.yaml or scene.yaml")
     )]
     Unknown {
-        /// What was asked for.
+        /// Requested name.
         what: String,
-        /// The built-in ids.
+        /// Built-in ids.
         known: String,
-        /// Those of them that may be meant.
+        /// Built-in ids that are likely meant.
         near: Vec<String>,
     },
-    /// A file stands where the folder of a scenario is meant.
+    /// A file exists where a scenario folder is expected.
     #[error(
         "{}: this is a file, not a scenario (give the folder that it is in, or a packed scenario that ends in \
          .zip)",
@@ -35,7 +35,7 @@ pub enum ScenarioError {
         /// The file.
         path: PathBuf,
     },
-    /// A folder describes no scenario.
+    /// A folder contains no scenario.
     #[error(
         "{}: the folder holds neither scenario.yaml (Cranny's layout) nor scene.yaml (the released layout)",
         folder.display()
@@ -49,55 +49,55 @@ pub enum ScenarioError {
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// What the operating system says.
+        /// Error of the operating system.
         reason: std::io::Error,
     },
-    /// A file cannot be written; what stood there before is untouched.
+    /// A file cannot be written; its previous content is unchanged.
     #[error("{}: cannot be written: {reason}", path.display())]
     Unwritable {
         /// The file.
         path: PathBuf,
-        /// What the operating system says.
+        /// Error of the operating system.
         reason: std::io::Error,
     },
-    /// A file that should say something is empty.
+    /// A file that must have content is empty.
     #[error("{}: the file is empty", path.display())]
     Empty {
         /// The file.
         path: PathBuf,
     },
-    /// A YAML file is malformed, or says what it should not.
+    /// A YAML file is malformed or has invalid content.
     #[error("{at}: {reason}")]
     Yaml {
-        /// Where.
+        /// Location in the file.
         at: Location,
-        /// What is wrong with it.
+        /// Reason of the failure.
         reason: TextFault,
     },
-    /// A JSON file is malformed, or says what it should not.
+    /// A JSON file is malformed or has invalid content.
     #[error("{}:{}: {reason}", path.display(), reason.line)]
     Json {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Reason of the failure.
         reason: TextFault,
     },
     /// A line of a file of configurations has the wrong number of values.
     #[error("{at}: {actual} numbers instead of {expected} (one for each joint)")]
     NumberCount {
-        /// Where.
+        /// Location in the file.
         at: Location,
-        /// How many there should be.
+        /// Expected number of values.
         expected: usize,
-        /// How many there are.
+        /// Actual number of values.
         actual: usize,
     },
-    /// What should be a number is none, or none that is finite.
+    /// A text that must be a number is none, or is not finite.
     #[error("{at}: '{text}' is not a finite number")]
     NotANumber {
-        /// Where.
+        /// Location in the file.
         at: Location,
-        /// What stands there.
+        /// Text at that location.
         text: String,
     },
     /// The start configuration does not fit the robot.
@@ -105,43 +105,43 @@ pub enum ScenarioError {
     StartCount {
         /// The file (with line where there is one).
         file: String,
-        /// How many joints the robot has.
+        /// Number of joints of the robot.
         expected: usize,
-        /// How many values there are.
+        /// Number of values.
         actual: usize,
-        /// The names of the joints.
+        /// Names of the joints.
         joints: String,
     },
     /// A joint is named that the robot does not have.
     #[error("{at}: unknown joint '{joint}' (the robot has: {known}){}", did_you_mean(joint, known.split(", ")))]
     UnknownJoint {
-        /// Where.
+        /// Location in the file.
         at: Location,
-        /// The name.
+        /// Name of the joint.
         joint: String,
-        /// The names that there are.
+        /// Names of the robot's joints.
         known: String,
     },
-    /// What a file says of a place is none.
+    /// A place entry of a file is invalid.
     #[error("{at}: {problem}")]
     Place {
-        /// Where.
+        /// Location in the file.
         at: Location,
-        /// What is wrong, with a hint.
+        /// Description of the fault, with a hint.
         problem: String,
     },
-    /// A bound that a file states is none.
+    /// A bound in a file is invalid.
     #[error("{at}: {problem}")]
     Bound {
-        /// Place in the file.
+        /// Location in the file.
         at: Location,
-        /// Fault, with a hint.
+        /// Description of the fault, with a hint.
         problem: String,
     },
     /// The start leaves a joint out.
     #[error("{at}: the start gives no value for joint '{joint}'")]
     MissingJoint {
-        /// Where the start stands.
+        /// Location of the start in the file.
         at: Location,
         /// The joint.
         joint: String,
@@ -149,11 +149,11 @@ pub enum ScenarioError {
     /// A scene names an object that its library does not have.
     #[error("{at}: the object library has no '{name}' (it has: {known}){}", did_you_mean(name, known.split(", ")))]
     UnknownObject {
-        /// Where.
+        /// Location in the file.
         at: Location,
-        /// The name.
+        /// Name of the object.
         name: String,
-        /// The names that there are.
+        /// Names of the objects in the library.
         known: String,
     },
     /// A scene has no object to grasp, or several.
@@ -161,52 +161,52 @@ pub enum ScenarioError {
     TargetCount {
         /// The scene file.
         path: PathBuf,
-        /// How many objects there are.
+        /// Number of objects.
         actual: usize,
     },
-    /// Two things have one name.
+    /// Two items have the same name.
     #[error("{at}: the name '{name}' is taken already (names are unique, and 'floor' is the floor's)")]
     NameTaken {
-        /// Where the second one stands.
+        /// Location of the second one.
         at: Location,
-        /// The name.
+        /// Name.
         name: String,
     },
     /// A body is added under the name of another.
     #[error("there is a body '{name}' already (names are unique)")]
     BodyName {
-        /// The name.
+        /// Name.
         name: String,
     },
-    /// The search that a drawn scenario must pass cannot begin.
-    #[error("no search for a way to a grasp: {problem}")]
+    /// The reachability search for a randomly generated scenario cannot start.
+    #[error("cannot search for a path to a grasp: {problem}")]
     Search {
-        /// Why not.
+        /// Reason of the failure.
         problem: String,
     },
     /// A scenario has no task of that name.
     #[error(
-        "scenario '{id}' has no task '{name}' (there are: {known}; `tasks` of its scenario.yaml){}",
+        "scenario '{id}' has no task '{name}' (known: {known}; see `tasks` in its scenario.yaml){}",
         cranny_file::did_you_mean(name, known.split(", ").map(|known| known.trim_matches('\'')))
     )]
     UnknownTask {
-        /// The scenario.
+        /// Id of the scenario.
         id: String,
-        /// The name asked for.
+        /// Requested name.
         name: String,
-        /// The names that there are.
+        /// Names of the scenario's tasks.
         known: String,
     },
-    /// There is no object to be grasped.
+    /// The scenario has no object to grasp.
     #[error("scenario '{id}' has no target")]
     NoTarget {
-        /// The scenario.
+        /// Id of the scenario.
         id: String,
     },
-    /// The floor is not where a scenario's files have it.
-    #[error("only one floor, at {height_m} m in the planning frame, can be written: there the robot stands")]
+    /// The floor is at another height than the one that scenario files can express.
+    #[error("only a floor at {height_m} m in the planning frame can be written, where the robot stands")]
     OtherFloor {
-        /// Where it would have to be.
+        /// Required height of the floor in the planning frame, in metres.
         height_m: f64,
     },
     /// A shape entry is not exactly one shape.
@@ -215,130 +215,130 @@ pub enum ScenarioError {
          given"
     )]
     ShapeCount {
-        /// Where.
+        /// Location in the file.
         at: Location,
-        /// How many are given.
+        /// Number of shapes that are given.
         actual: usize,
     },
     /// A pose gives its rotation twice.
     #[error("{at}: a pose has either rotation_rpy_deg or quaternion_xyzw, not both")]
     TwoRotations {
-        /// Where.
+        /// Location in the file.
         at: Location,
     },
     /// A quaternion is not of unit length.
     #[error("{at}: the quaternion has length {norm} instead of 1")]
     Quaternion {
-        /// Where.
+        /// Location in the file.
         at: Location,
-        /// Its length.
+        /// Its norm.
         norm: f64,
     },
-    /// A matrix is not the pose of anything.
+    /// A matrix is not a rigid transform.
     #[error("{at}: {reason}")]
     Pose {
-        /// Where.
+        /// Location in the file.
         at: Location,
-        /// What is wrong with it.
+        /// Reason of the failure.
         reason: cranny_grasp::GraspError,
     },
     /// A body's shape cannot be built.
     #[error("{at}: '{body}': {reason}")]
     Shape {
-        /// Where the shape is asked for.
+        /// Location of the shape in the file.
         at: Location,
-        /// Of which body.
+        /// Name of the body.
         body: String,
-        /// What is wrong with it.
+        /// Reason of the failure.
         reason: cranny_shape::ShapeError,
     },
-    /// A safety margin or a bound of the tool is demanded where there is no proof to hold it.
+    /// A safety margin or a tool bound is required under a criterion that proves nothing.
     #[error(
         "a margin or a bound of the tool needs the criterion 'exact': the criterion 'paper' proves nothing"
     )]
     MarginUnderPaper,
-    /// A file says something that would change the problem but is not read.
+    /// A file contains something that would change the problem but is not supported.
     #[error("{at}: {what} is not supported ({hint})")]
     Unsupported {
-        /// Where.
+        /// Location in the file.
         at: Location,
-        /// What it is.
+        /// Unsupported item.
         what: &'static str,
-        /// What would fit.
+        /// Supported alternative.
         hint: &'static str,
     },
-    /// A gripper has a figure that cannot be.
+    /// A gripper file contains an invalid figure.
     #[error("{}: {reason}", path.display())]
     GripperFigure {
-        /// The gripper's file.
+        /// Gripper file.
         path: PathBuf,
-        /// Which figure.
+        /// Invalid figure.
         reason: cranny_grasp::GraspError,
     },
-    /// A scenario's robot is nowhere.
+    /// The robot of a scenario is not found.
     #[error(
-        "{at}: there is no robot '{name}': it is neither built in ({known}) nor a file or folder ({}){}",
+        "{at}: unknown robot '{name}': it is neither built in ({known}) nor a file or folder ({}){}",
         path.display(),
         did_you_mean_robot(name, known)
     )]
     UnknownRobot {
-        /// Where.
+        /// Location in the file.
         at: Location,
-        /// The name.
+        /// Name of the robot.
         name: String,
-        /// What was looked for.
+        /// Path that was searched.
         path: PathBuf,
-        /// The built-in robots.
+        /// Names of the built-in robots.
         known: String,
     },
-    /// A robot is named that is nowhere.
+    /// A requested robot is not found.
     #[error(
-        "there is no robot '{}': it is neither built in ({known}) nor a file or folder{}",
+        "unknown robot '{}': it is neither built in ({known}) nor a file or folder{}",
         what.display(),
         did_you_mean_robot(&what.display().to_string(), known)
     )]
     NoRobot {
-        /// Its name, or its path.
+        /// Its name or path.
         what: PathBuf,
-        /// The built-in robots.
+        /// Names of the built-in robots.
         known: String,
     },
-    /// What a line of a file leads to is wrong.
+    /// An error that a line of a file causes.
     #[error("{at}: {fault}")]
     At {
-        /// Where.
+        /// Location in the file.
         at: Location,
-        /// What is wrong.
+        /// Error at that location.
         fault: Box<ScenarioError>,
     },
-    /// Only scenarios whose robot can be named can be written.
+    /// The scenario's robot cannot be referenced by name, so the scenario cannot be written.
     #[error(
-        "a scenario that says more of its robot than the robot's own files cannot be written (joints {joints})"
+        "the scenario cannot be written: it changes its robot beyond the robot's own files (joints {joints})"
     )]
     OtherRobot {
-        /// The robot's joints.
+        /// Joint names of the robot.
         joints: String,
     },
-    /// A scenario would be written where something is.
+    /// The output path of a scenario exists already.
     #[error("{}: exists already (give another folder, or remove it)", path.display())]
     Exists {
-        /// The folder or file.
+        /// Folder or file.
         path: PathBuf,
     },
-    /// A file of `NumPy` holds something else than poses.
+    /// A `NumPy` file contains something other than poses.
     #[error("{}: {problem} (expected: floats of shape (n, 4, 4))", path.display())]
     Npy {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// Description of the fault.
         problem: String,
     },
-    /// An archive cannot be read; or a plan file says what this version does not know, or two different things.
+    /// An archive cannot be read, or a plan file has unknown or contradictory content.
     #[error("{}: {problem}", path.display())]
     Content {
-        /// The archive or the plan file.
+        /// Archive or plan file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Description of the fault.
         problem: String,
     },
     /// The robot cannot be built.
@@ -350,30 +350,30 @@ pub enum ScenarioError {
     /// A mesh cannot be read.
     #[error(transparent)]
     ShapeFile(#[from] cranny_shape::ShapeError),
-    /// The world is malformed.
+    /// The world is invalid.
     #[error(transparent)]
     Collision(#[from] cranny_collision::CollisionError),
-    /// The problem is malformed.
+    /// The problem is invalid.
     #[error(transparent)]
     Task(#[from] cranny_task::TaskError),
-    /// What can be wrong with a `MoveIt` scene, a request, or the robot that they name.
+    /// A `MoveIt` scene, a request, or the robot that they name is invalid.
     #[error(transparent)]
     MoveIt(#[from] MoveItError),
-    /// What can be wrong with an object to be grasped.
+    /// An object to be grasped is invalid.
     #[error(transparent)]
     Object(#[from] ObjectError),
-    /// What can be wrong with a family of scenarios.
+    /// The parameters of a scenario family are invalid.
     #[error(transparent)]
     Family(#[from] FamilyError),
 }
 
-/// The names that may be meant, or else a hint.
+/// Returns suggested names, or else `hint`.
 fn meant(near: &[String], hint: &str) -> String {
     if near.is_empty() { hint.to_owned() } else { format!("did you mean {}?", near.join(" or ")) }
 }
 
-/// The end of a message about a robot that is nowhere: the built-in ones, and files and folders without a scenario, whose
-/// names are near.
+/// Returns the end of a message about an unknown robot: suggested built-in robots, and files and folders without a scenario,
+/// with similar names.
 fn did_you_mean_robot(name: &str, known: &str) -> String {
     let files = nearest_files(Path::new(name)).into_iter();
     let is_scenario = |file: &String| Path::new(file).join("scenario.yaml").exists();

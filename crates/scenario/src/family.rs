@@ -1,4 +1,4 @@
-//! Families of environments with a dial, and large random sets of them.
+//! Families of environments with a difficulty parameter, and large random sets of them.
 
 pub(crate) mod error;
 pub(crate) mod kind;

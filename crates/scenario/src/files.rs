@@ -1,4 +1,4 @@
-//! Files of any kind: read with a place for each fault, written whole or not at all.
+//! File access: reading with a location for each fault, and atomic writing.
 
 pub(crate) mod atomic_file;
 pub(crate) mod number_table;

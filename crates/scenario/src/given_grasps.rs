@@ -2,23 +2,23 @@ use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-/// Which grasps a path may end at.
+/// Grasps at which a path may end.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum GivenGrasps {
-    /// Those that the scenario comes with.
+    /// Grasps of the scenario.
     #[default]
     Own,
-    /// Those of a file, in the planning frame.
+    /// Grasps of a file, in the planning frame.
     File(PathBuf),
-    /// No set is given: whoever plans makes a grasp of its own.
+    /// No given grasps: the planner computes its own.
     None,
 }
 
-/// What flags and files call it if no set is given; a file of that name is `./none`.
+/// Text in flags and files if no set is given; a file of that name is written as `./none`.
 const NONE: &str = "none";
 
 impl GivenGrasps {
-    /// What a file says of it; nothing of those that the scenario comes with.
+    /// Returns the text that files store; `None` for the scenario's own grasps.
     pub fn text(&self) -> Option<String> {
         match self {
             Self::Own => None,
@@ -26,7 +26,7 @@ impl GivenGrasps {
         }
     }
 
-    /// What a file says, in words that [`Self::text`] would use.
+    /// Parses the text that [`Self::text`] returns.
     pub fn of_text(text: Option<&str>) -> Self {
         match text {
             None => Self::Own,
@@ -35,7 +35,7 @@ impl GivenGrasps {
         }
     }
 
-    /// These; where they are the scenario's own, the others.
+    /// Returns `self`, or `other` if `self` is the scenario's own set.
     #[must_use]
     pub fn or(self, other: Self) -> Self {
         if self == Self::Own { other } else { self }

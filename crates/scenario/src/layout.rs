@@ -1,4 +1,4 @@
-//! A scenario on disk: its own layout, the released one, packed; reading, checking, writing.
+//! Scenarios on disk: Cranny's layout, the released layout, archives; reading, checking, writing.
 
 pub(crate) mod archive;
 pub(crate) mod archive_contents;

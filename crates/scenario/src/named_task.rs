@@ -1,20 +1,20 @@
 use cranny_spatial::Pose;
 use cranny_task::Stage;
 
-/// Name of the task that the steps of a scenario are.
+/// Name of the task that the steps of a scenario form.
 pub const STEPS: &str = "steps";
 
-/// A task of a scenario that has a name.
+/// Named task of a scenario.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct NamedTask {
-    /// The name.
+    /// Name of the task.
     pub name: String,
-    /// The stages.
+    /// Stages of the task.
     pub stages: Vec<Stage>,
 }
 
 impl NamedTask {
-    /// The same in a frame in which the one that it is in has this pose.
+    /// Returns the task in a new frame, in which the present frame has the pose `new_from_old`.
     #[must_use]
     pub fn seen_from(&self, new_from_old: &Pose) -> Self {
         let stages = self.stages.iter().map(|stage| stage.seen_from(new_from_old)).collect();

@@ -1,4 +1,4 @@
-//! Objects to be grasped: built in, from a mesh, from a folder; and what they weigh.
+//! Objects to be grasped: built in, from a mesh, from a folder; and their mass properties.
 
 pub(crate) mod builtin;
 pub(crate) mod error;

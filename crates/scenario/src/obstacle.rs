@@ -4,49 +4,48 @@ use cranny_spatial::{Pose, Vector};
 
 use crate::ScenarioError;
 
-/// A parametric obstacle, made of boxes; all sizes in metres. Its frame has its origin on the floor at a
-/// corner, x along its width, y along its depth, z up.
+/// Parametric obstacle made of boxes; all sizes in metres. The origin of its frame is on the floor at a corner; x along its
+/// width, y along its depth, z up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Obstacle {
-    /// Two legs that stand on the floor and a slab, as thick as the legs, that lies on them: a table, an open
-    /// shelf.
+    /// Two legs on the floor and a slab of the same thickness on top of them: a table, an open shelf.
     InvertedU {
-        /// Of legs and slab.
+        /// Thickness of legs and slab.
         thickness_m: f64,
-        /// Outside, along x.
+        /// Outer width, along x.
         width_m: f64,
-        /// Along y.
+        /// Depth, along y.
         depth_m: f64,
-        /// Of the legs, without the slab.
+        /// Height of the legs, without the slab.
         leg_height_m: f64,
     },
-    /// A cuboid that stands on the floor: a segment of a wall, a pedestal.
+    /// Cuboid on the floor: a wall segment, a pedestal.
     Block {
-        /// Along x.
+        /// Width, along x.
         width_m: f64,
-        /// Along y.
+        /// Depth, along y.
         depth_m: f64,
-        /// Along z.
+        /// Height, along z.
         height_m: f64,
     },
 }
 
 impl Obstacle {
-    /// The paper's table.
+    /// Table of the paper.
     pub const TABLE: Self =
         Self::InvertedU { thickness_m: 0.1, width_m: 2.0, depth_m: 0.8, leg_height_m: 0.4 };
 
-    /// The paper's open shelf, which stands on a table.
+    /// Open shelf of the paper, which stands on a table.
     pub const SHELF: Self =
         Self::InvertedU { thickness_m: 0.03, width_m: 0.46, depth_m: 0.5, leg_height_m: 0.4 };
 
-    /// The paper's segment of a wall.
+    /// Wall segment of the paper.
     pub const WALL_SEGMENT: Self = Self::Block { width_m: 0.8, depth_m: 0.1, height_m: 1.0 };
 
-    /// The paper's pedestal.
+    /// Pedestal of the paper.
     pub const PEDESTAL: Self = Self::Block { width_m: 0.4, depth_m: 0.4, height_m: 0.5 };
 
-    /// The paper's gate: 2 m wide, its opening as high as it is wide, its legs filling the rest.
+    /// Returns the gate of the paper: 2 m wide, with an opening as high as it is wide; the legs fill the remaining width.
     pub fn gate(opening_m: f64) -> Self {
         const WIDTH_M: f64 = 2.0;
         Self::InvertedU {
@@ -57,7 +56,7 @@ impl Obstacle {
         }
     }
 
-    /// The boxes: where each one's middle is in the obstacle's frame, and its size.
+    /// Returns the boxes: centre in the obstacle's frame, and size, in metres.
     pub fn boxes(&self) -> Vec<(Vector, Vector)> {
         let placed = |low: Vector, size: Vector| (low + size * 0.5, size);
         match *self {
@@ -75,10 +74,10 @@ impl Obstacle {
         }
     }
 
-    /// The obstacle as a body of a world.
+    /// Returns the obstacle as a body of a world.
     ///
     /// # Errors
-    /// [`ScenarioError::ShapeFile`] for a size that is none, or legs that leave no room between them.
+    /// [`ScenarioError::ShapeFile`] for an invalid size, or legs without space between them.
     pub fn body(&self, name: &str, world_from_obstacle: &Pose) -> Result<Body, ScenarioError> {
         if let Self::InvertedU { thickness_m, width_m, .. } = *self
             && 2.0 * thickness_m >= width_m

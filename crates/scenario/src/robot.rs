@@ -1,4 +1,4 @@
-//! Robots and hands: built in, from files, and what a scenario says of them.
+//! Robots and hands: built in, from files, and as scenario files modify them.
 
 pub(crate) mod builtin;
 pub(crate) mod file;

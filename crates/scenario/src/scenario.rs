@@ -16,88 +16,87 @@ use crate::{
     TargetPhysics,
 };
 
-/// A task: a robot, what stands around it, what it should grasp and how it may.
+/// Scenario: robot, environment, target and grasps.
 #[derive(Clone, Debug)]
 pub struct Scenario {
-    /// The built-in id, or the name of the folder.
+    /// Built-in id, or name of the folder.
     pub id: String,
-    /// What counts as solved.
+    /// Criterion under which paths are checked.
     pub criterion: Criterion,
-    /// The robot; its root frame is the planning frame.
+    /// Robot; its root frame is the planning frame.
     pub robot: Arc<Robot>,
-    /// Where it comes from.
+    /// Source of the robot.
     pub robot_source: RobotSource,
-    /// All bodies, in the planning frame: obstacles, then the target, then the floor, as far as there are.
+    /// All bodies, in the planning frame: obstacles, then the target and the floor if there are any.
     pub world: World,
-    /// Which body is to be grasped, by index.
+    /// Index of the body to grasp.
     pub target: Option<usize>,
-    /// The object that the target is, where it is one alone; its frame is that of the body's only part.
+    /// Object that the target consists of, if it is a single one; its frame is that of the body's only part.
     pub target_source: Option<ObjectSource>,
-    /// What is said of the target itself, which goes before what its object says; see
+    /// Mass and friction that the scenario states for the target; they take precedence over those of its object. See
     /// [`Self::target_physics`].
     pub given_physics: TargetPhysics,
-    /// The configuration to start from (m, rad).
+    /// Start configuration (m, rad).
     pub start: Vec<f64>,
-    /// How the target can be grasped: poses of the gripper frame in the planning frame.
+    /// Grasps of the target: poses of the gripper frame in the planning frame.
     pub grasps: GraspSet,
-    /// Whether a path must end at one of these. Where no set is given there is none of them, and whoever plans makes a
-    /// grasp of its own.
+    /// True if a path must end at one of `grasps`. Otherwise `grasps` is empty, and the planner computes its own.
     pub has_grasp_set: bool,
-    /// Configurations that reach a grasp, as known from the files; often none.
+    /// Known configurations at grasps, from the files (m, rad); often none.
     pub ik: Vec<Vec<f64>>,
-    /// Where the target can be put down.
+    /// Goals where the target can be placed.
     pub places: Vec<PlaceGoal>,
-    /// Tasks of several stages, by name; often none.
+    /// Named tasks of several stages; often none.
     pub tasks: Vec<NamedTask>,
-    /// Mass and friction of bodies besides the target, by name, as far as they are given.
+    /// Stated mass and friction of bodies other than the target, by name.
     pub physics: BTreeMap<String, TargetPhysics>,
-    /// Values (m, rad) between which joints of `robot` stay besides their limits, by name, as far as they are given.
+    /// Stated bounds (m, rad) of joints of `robot` in addition to their limits, by name.
     pub joint_bounds: BTreeMap<String, [f64; 2]>,
-    /// Speeds of motions unless a plan is asked for others, those of all first.
+    /// Default speeds of motions, used unless a plan specifies others; the entry for all motions comes first.
     pub speeds: Vec<StatedSpeed>,
-    /// The triangles, in the planning frame, that the `paper` criterion checks instead of the bodies of
-    /// `world`: the released export.
+    /// Triangles, in the planning frame, that the `paper` criterion checks instead of the bodies of `world`: the released
+    /// export.
     pub export: Option<Surface>,
 }
 
-/// What a scenario's files leave open, or what should be taken instead.
+/// Options that complete or override the files of a scenario.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct OpenOptions {
-    /// What counts as solved. Default: what the scenario says, else [`Criterion::Exact`].
+    /// Criterion under which paths are checked. Default: that of the scenario, otherwise [`Criterion::Exact`].
     pub criterion: Option<Criterion>,
-    /// Another robot: a built-in one by its name, a folder with a `robot.yaml`, or a URDF. Default: the scenario's own. It
-    /// stands where that stood, on the same floor if its files say where its ground is, and starts where they say, if they
-    /// do; known IK solutions are then left out.
+    /// Another robot: the name of a built-in one, a folder with a `robot.yaml`, or a URDF. Default: the scenario's own. It
+    /// takes the position of that one, on the same floor if its files give the height of its ground, and the start
+    /// configuration of its files, if they give one; known IK solutions are dropped.
     pub robot: Option<PathBuf>,
-    /// The geometry of a scenario in the released layout; others have but one. Default:
-    /// [`Geometry::Scene`] under `exact`, [`Geometry::Export`] under `paper`.
+    /// Geometry of a scenario in the released layout; others have only one. Default: [`Geometry::Scene`] under `exact`,
+    /// [`Geometry::Export`] under `paper`.
     pub geometry: Option<Geometry>,
-    /// Which grasps a path may end at. Default: the scenario's own. Of others no known IK solutions are left.
+    /// Grasps at which a path may end. Default: the scenario's own. Other grasps have no known IK solutions.
     pub grasps: GivenGrasps,
 }
 
-/// The two geometries that a released scenario comes with.
+/// Geometries of a released scenario.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, EnumString, IntoStaticStr)]
 #[strum(serialize_all = "kebab-case")]
 pub enum Geometry {
-    /// The true scene: `scene.yaml` with the object library.
+    /// True scene: `scene.yaml` with the object library.
     Scene,
-    /// `export/obstacles.obj`, obstacles and target in one mesh, as the released planners used it.
+    /// `export/obstacles.obj`: obstacles and target in one mesh, as the released planners used it.
     Export,
 }
 
 impl Geometry {
-    /// What flags and plan files call it.
+    /// Returns the name in flags and plan files.
     pub fn name(self) -> &'static str {
         self.into()
     }
 }
 
 impl Scenario {
-    /// The task of that name.
+    /// Returns the task of that name.
     ///
     /// # Errors
-    /// [`ScenarioError::UnknownTask`], which lists the names that there are.
+    /// [`ScenarioError::UnknownTask`], which lists the names of the scenario's tasks.
     pub fn task(&self, name: &str) -> Result<&NamedTask, ScenarioError> {
         self.tasks.iter().find(|task| task.name == name).ok_or_else(|| {
             let known: Vec<String> = self.tasks.iter().map(|task| format!("'{}'", task.name)).collect();
@@ -106,11 +105,11 @@ impl Scenario {
         })
     }
 
-    /// The scenario in which a body of this name is the target. Its own target has its own grasps, mass and friction; of
-    /// anything else no grasps are given, and the planner makes one.
+    /// Returns the scenario with the named body as its target. The scenario's own target keeps its grasps, mass and friction.
+    /// For any other body no grasps are given, and the planner computes them.
     ///
     /// # Errors
-    /// [`ScenarioError::Task`] for the name of nothing.
+    /// [`ScenarioError::Task`] if there is no body of that name.
     pub fn with_target(&self, name: &str) -> Result<Self, ScenarioError> {
         let target = self.world.body_index(name).map_err(TaskError::from)?;
         if self.target == Some(target) {
@@ -120,25 +119,25 @@ impl Scenario {
         Ok(Self { target: Some(target), target_source: None, given_physics, ..self.without_grasps() })
     }
 
-    /// Mass and friction of a body besides the target, as far as the scenario gives them.
+    /// Returns mass and friction that the scenario states for a body other than the target.
     pub fn physics_of(&self, body: usize) -> TargetPhysics {
         let name = &self.world.bodies()[body].name;
         self.physics.get(name).copied().unwrap_or_default()
     }
 
-    /// The problem to plan for.
+    /// Returns the planning problem.
     ///
-    /// Under `exact`, the world decides, with the demanded margins. Under `paper`, the released check does:
-    /// the triangles of the export where there is one, else the boxes of the world's bodies, and the frames
-    /// of the links from the second turning joint on, whose origins must stay 4 cm above the root frame.
+    /// Under `exact`, the world is checked with the requested margins. Under `paper`, the released check applies: the triangles
+    /// of the export, or the boxes of the world's bodies if there is no export, and the frames of the links from the second
+    /// revolute joint on, whose origins must stay 4 cm above the root frame.
     ///
-    /// Where no set of grasps is given, they are measured with the friction of [`Self::target_physics`], else with
+    /// If no set of grasps is given, grasps are evaluated with the friction of [`Self::target_physics`], otherwise with
     /// [`DEFAULT_FRICTION`].
     ///
     /// # Errors
-    /// [`ScenarioError::Task`] for a start that does not fit the robot or a margin that is none, or without a set of grasps
-    /// for what has no grasp to measure ([`Problem::without_grasp_set`]); [`ScenarioError::MarginUnderPaper`] for a margin
-    /// that nothing would check.
+    /// [`ScenarioError::Task`] for a start that does not fit the robot or an invalid margin, or without a set of grasps for a
+    /// target whose grasps cannot be evaluated ([`Problem::without_grasp_set`]); [`ScenarioError::MarginUnderPaper`] for a
+    /// margin that nothing would check.
     pub fn problem(&self, margins: Margins) -> Result<Problem, ScenarioError> {
         let bodies = 0..self.world.bodies().len();
         let of_body = |body| match self.target {
@@ -188,8 +187,8 @@ impl Scenario {
         }
     }
 
-    /// What must be kept free about the target that may be so far from where it is thought to be, moved and turned about the
-    /// middle of a ball around it at once, in metres; `None` without a target.
+    /// Returns the clearance that the target needs to tolerate an error of its pose, in metres: a translation, and a rotation
+    /// about the centre of its bounding ball. `None` without a target.
     pub fn object_margin_m(&self, translation_m: f64, rotation_rad: f64) -> Option<f64> {
         self.margin_about(self.target?, translation_m, rotation_rad)
     }
@@ -199,8 +198,8 @@ impl Scenario {
         Some(translation_m + rotation_rad * ball.radius_m)
     }
 
-    /// Stages each pick of which demands the clearance about its object that forgives such an error of its pose (m, rad), as
-    /// [`Self::object_margin_m`] does about the target.
+    /// Returns the stages with an object margin for each pick that tolerates such an error of the object's pose (m, rad), as
+    /// [`Self::object_margin_m`] does for the target.
     pub fn forgiving(&self, stages: &[Stage], translation_m: f64, rotation_rad: f64) -> Vec<Stage> {
         let forgiving = |stage: &Stage| match stage {
             Stage::Pick(pick @ Pick { object: Some(object), .. }) => {
@@ -214,8 +213,8 @@ impl Scenario {
         stages.iter().map(forgiving).collect()
     }
 
-    /// The scenario with another robot lifted or lowered so that the ground that it stands on is the floor, as far as both
-    /// are said. The planning frame goes with it.
+    /// Returns the scenario with another robot raised or lowered so that its ground coincides with the floor, if both heights
+    /// are given. The planning frame moves with it.
     pub(crate) fn on_its_ground(self, options: &OpenOptions) -> Result<Self, ScenarioError> {
         let parts = || self.world.bodies().iter().flat_map(|body| &body.parts);
         let floor = parts().find(|part| part.solid.is_half_space()).map(|part| part.world_from_solid);
@@ -233,7 +232,7 @@ impl Scenario {
         Ok(Self { world, grasps: self.grasps.moved(&lower), places, ..self })
     }
 
-    /// Checks that the start, which stands in `file`, has one value per joint.
+    /// Checks that the start, given in `file`, has one value per joint.
     pub(crate) fn with_checked_start(self, file: &str) -> Result<Self, ScenarioError> {
         if self.start.len() == self.robot.dof() {
             return Ok(self);
@@ -247,10 +246,10 @@ impl Scenario {
     }
 }
 
-/// The height that the released check keeps link frames above, in metres in the planning frame.
+/// Minimum height of link frames in the released check, in metres in the planning frame.
 const PAPER_FLOOR_M: f64 = 0.04;
 
-/// The id of the scenario in `folder`: its name, also where it is given as `.` or `..`.
+/// Returns the id of the scenario in `folder`: the name of the folder, also if the path is `.` or `..`.
 pub(crate) fn id_of(folder: &Path) -> String {
     let whole = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
     whole.file_name().unwrap_or(whole.as_os_str()).to_string_lossy().into_owned()

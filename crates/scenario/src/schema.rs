@@ -5,7 +5,7 @@ use strum::{EnumString, IntoStaticStr, VariantArray};
 
 use crate::layout::own_file::ScenarioFile;
 
-/// A file that people write, of which there is a JSON Schema.
+/// User-written file with a JSON Schema.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, EnumString, IntoStaticStr, VariantArray)]
 #[strum(serialize_all = "kebab-case")]
 pub enum SchemaFile {
@@ -15,18 +15,18 @@ pub enum SchemaFile {
     Robot,
     /// `limits.yaml`.
     Limits,
-    /// A gripper of boxes, as `--gripper` reads it.
+    /// Gripper made of boxes, as read by `--gripper`.
     Gripper,
 }
 
 impl SchemaFile {
-    /// What flags and the schema's own file call it.
+    /// Returns the name in flags and in the file name of the schema.
     pub fn name(self) -> &'static str {
         self.into()
     }
 
-    /// The JSON Schema, with which an editor completes and checks such a file. Generated from the types that read it, so
-    /// that the two cannot differ.
+    /// Returns the JSON Schema, with which an editor completes and checks such a file. It is generated from the types that read
+    /// the file, so both always agree.
     ///
     /// # Panics
     /// Never: a schema is JSON.

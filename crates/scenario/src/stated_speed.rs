@@ -1,27 +1,27 @@
 use cranny_task::{Mode, Pace};
 
-/// Speeds that a scenario states of motions, as far as it does.
+/// Speed limits that a scenario states for motions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StatedSpeed {
-    /// The mode of the motions; `None`: all.
+    /// Mode of the motions; `None`: all motions.
     pub mode: Option<Mode>,
-    /// Share of the limits of velocity, above 0 and at most 1.
+    /// Share of the velocity limits, above 0 and at most 1.
     pub velocity: Option<f64>,
-    /// Share of the limits of acceleration, above 0 and at most 1.
+    /// Share of the acceleration limits, above 0 and at most 1.
     pub acceleration: Option<f64>,
-    /// Greatest speed of the gripper frame, in m/s.
+    /// Maximum speed of the gripper frame, in m/s.
     pub tool_m_s: Option<f64>,
-    /// Greatest speed with which the hand turns, in °/s.
+    /// Maximum angular speed of the hand, in °/s.
     pub turn_deg_s: Option<f64>,
 }
 
 impl StatedSpeed {
-    /// The name of its mode in files, `all` for all.
+    /// Returns the name of its mode in files; `all` for all motions.
     pub fn key(&self) -> &'static str {
         self.mode.map_or(ALL, |mode| mode.name)
     }
 
-    /// The first value that is no limit, with the values that are.
+    /// Returns the first invalid value, with a description of the valid values.
     pub(crate) fn fault(&self) -> Option<(f64, &'static str)> {
         let Self { velocity, acceleration, tool_m_s, turn_deg_s, .. } = *self;
         let full = Pace::default();
@@ -35,5 +35,5 @@ impl StatedSpeed {
     }
 }
 
-/// The key of speeds of all motions.
+/// Key of the speeds of all motions.
 pub(crate) const ALL: &str = "all";

@@ -1,4 +1,4 @@
-//! Scenarios made from others, and written as files of our own and of others.
+//! Scenarios derived from others, and written in Cranny's and other formats.
 
 use cranny_collision::{Body, Margins};
 use cranny_scenario::{
@@ -73,7 +73,7 @@ fn what_was_altered_is_written_and_read_back() {
     assert!(!nowhere.exists());
 }
 
-/// Round things, a hull and a mesh come back as what is as free as they were.
+/// Round shapes, a hull and a mesh keep their clearances in a round trip.
 #[test]
 fn a_world_survives_a_planning_scene() {
     let folder = tempfile::tempdir().unwrap();
@@ -108,7 +108,7 @@ fn a_world_survives_a_planning_scene() {
         [1.0, 0.9, 0.5, 0.2, 0.0].map(&mut clearance)
     });
     for (here, there) in clearances[0].iter().zip(&clearances[1]) {
-        // Distances are certified to less than this, whatever a solid is made of.
+        // Distances are certified to less than this for all kinds of solids.
         assert!((here - there).abs() < 1e-6, "{clearances:?}");
     }
 }
@@ -122,7 +122,7 @@ fn a_planning_scene_is_one_that_a_request_can_stand_beside() {
     let (scene, request) = (folder.path().join("scene.yaml"), folder.path().join("request.yaml"));
     std::fs::write(&scene, text).unwrap();
     std::fs::write(&request, "group_name: none\n").unwrap();
-    // The scene is read, and it is the robot's files that are missing beside it.
+    // The scene is read; only the robot's files beside it are missing.
     let fault =
         MoveItProblem::open(&scene, &request, &cranny_scenario::MoveItOptions::default()).unwrap_err();
     assert!(fault.to_string().contains("urdf"), "{fault}");

@@ -1,11 +1,11 @@
-//! What is wrong with a file is said with file and line.
+//! Faults of a file are reported with file and line.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use cranny_scenario::{OpenOptions, Scenario};
 
-/// A copy of a sound scenario, to be spoilt. Faults of a single file are golden cases, in `crates/cli/tests/golden`.
+/// Copy of a sound scenario, for modification. Faults of a single file are golden cases, in `crates/cli/tests/golden`.
 struct Copy {
     folder: tempfile::TempDir,
 }
@@ -35,7 +35,7 @@ fn the_copy_itself_is_sound() {
     Copy::new().open().unwrap();
 }
 
-/// A folder in the released layout, with whatever is wrong with it.
+/// Folder in the released layout, with various faults.
 #[test]
 fn faults_of_a_released_folder_name_file_and_line() {
     let root = tempfile::tempdir().unwrap();
@@ -77,7 +77,7 @@ fn faults_of_a_released_folder_name_file_and_line() {
     assert!(fault().contains("ball.obj: cannot read the mesh"), "{}", fault());
 }
 
-/// A device named as a mesh took all memory, and a pipe all time.
+/// A device or a pipe named as a mesh must not exhaust memory or block.
 #[cfg(unix)]
 #[test]
 fn what_a_scenario_names_must_be_a_regular_file() {
@@ -92,7 +92,7 @@ fn what_a_scenario_names_must_be_a_regular_file() {
     assert!(fault.contains("grasps.csv: cannot read the grasps: it is a device"), "{fault}");
 }
 
-/// The reader's budget ended at 12 450 obstacles, and each name was compared with all before it.
+/// Reading must not exceed the reader's budget with many obstacles, nor compare each name with all earlier ones.
 #[test]
 fn ten_thousand_obstacles_open_in_a_moment() {
     let copy = Copy::new();
@@ -110,7 +110,7 @@ fn ten_thousand_obstacles_open_in_a_moment() {
     assert!(begin.elapsed().as_secs() < 10, "{:?}", begin.elapsed());
 }
 
-/// A line of 10⁸ numbers was kept as a whole before it was refused.
+/// A line of 10⁸ numbers must not be stored before it is refused.
 #[test]
 fn a_line_of_many_numbers_is_counted_and_not_kept() {
     let folder = tempfile::tempdir().unwrap();
@@ -120,7 +120,7 @@ fn a_line_of_many_numbers_is_counted_and_not_kept() {
     assert!(fault.contains("path.csv:2: 5000001 numbers instead of 2"), "{fault}");
 }
 
-/// Without permission a folder was called "no folder of that name".
+/// Without permission, the message must not claim that the folder does not exist.
 #[cfg(unix)]
 #[test]
 fn a_folder_that_may_not_be_read_is_called_so() {
@@ -131,7 +131,7 @@ fn a_folder_that_may_not_be_read_is_called_so() {
     let is_kept_out = fs::read_dir(copy.folder.path()).is_err();
     let opened = copy.open();
     set(0o700);
-    // To an administrator every folder is open.
+    // An administrator can open every folder.
     if is_kept_out {
         let said = opened.unwrap_err().to_string();
         assert!(said.contains("no permission to read it"), "{said}");

@@ -1,4 +1,4 @@
-//! The built-in scenarios, which need no file.
+//! Built-in scenarios, which need no file.
 
 use std::collections::BTreeSet;
 
@@ -17,16 +17,16 @@ fn every_built_in_scenario_opens_with_a_free_start() {
             assert_eq!(scenario.id, entry.id);
             let problem = scenario.problem(Margins::default()).unwrap();
             let is_free = problem.start_is_free();
-            // The boxes around the built-in robot's links are larger than the released ones: under `paper` they
-            // meet the two lowest gates.
+            // The boxes around the built-in robot's links are larger than the released ones: under `paper` they touch the two
+            // lowest gates.
             let is_low = criterion == Criterion::Paper && ["044", "045"].contains(&entry.id);
             assert_eq!(is_free, !is_low, "{} {criterion:?}", entry.id);
         }
     }
 }
 
-/// Names of obstacles with how many cuboids each consists of, the middle of the target's bounds in the scene as
-/// in the paper's release, along x and y, and what it rests on.
+/// Names of obstacles with their number of cuboids, the centre of the target's bounds in the scene as in the paper's release,
+/// along x and y, and the height of its support.
 fn expected(family: Family, level: f64) -> (Vec<(&'static str, usize)>, [f64; 2], f64) {
     match family {
         Family::Shelf => (vec![("table", 3), ("shelf", 3)], [0.993, 0.713 + 0.1 * level], 0.5),
@@ -42,7 +42,7 @@ fn open(id: &str) -> Scenario {
 
 /// Low and high corner of a body, in the scene.
 fn bounds_in_scene(body: &Body) -> (Vector, Vector) {
-    // The robot's root is at (1, 0, 0.05) m, turned by a quarter.
+    // The robot's root is at (1, 0, 0.05) m, rotated by a quarter turn.
     let to_scene = |v: Vector| Vector::new(1.0 - v.y, v.x, v.z + 0.05);
     let boxes = body.parts.iter().map(|part| match part.solid.bounding_points() {
         Some((points, radius_m)) => Aabb::around(

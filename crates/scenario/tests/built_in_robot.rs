@@ -6,10 +6,10 @@ use cranny_robot::{LinkShape, Robot, RobotOptions};
 use cranny_shape::{Solid, separation};
 use cranny_spatial::{Point, Pose, Stream, Vector};
 
-/// Every vertex of a link's mesh is covered to this, in metres.
+/// Maximum distance from a vertex of a link's mesh to the primitives, in metres.
 const COVER_M: f64 = 2e-3;
 
-/// How far the primitives of a link may stand out of the hull of its mesh, in metres.
+/// Maximum protrusion of the primitives of a link from the hull of its mesh, in metres.
 fn bulge_limit_m(link: &str) -> f64 {
     match link {
         "panda_leftfinger" | "panda_rightfinger" => 1e-3,
@@ -19,14 +19,14 @@ fn bulge_limit_m(link: &str) -> f64 {
 }
 
 fn distance_m(point: &Point, shape: &LinkShape) -> f64 {
-    // A ball far smaller than any tolerance stands for the point.
+    // A ball far smaller than any tolerance represents the point.
     let probe = Solid::sphere(1e-9).expect("a positive size");
     let at = Pose::translation(point.x, point.y, point.z);
     separation(&probe, &at, &shape.solid, &shape.link_from_shape, f64::MAX).upper_m
 }
 
-/// The extreme points of a convex solid in many directions. The distance from a convex hull is a convex
-/// function, so its maximum over the solid is found among them.
+/// Returns the extreme points of a convex solid in many directions. The distance from a convex hull is a convex function, so
+/// its maximum over the solid is attained at one of them.
 fn extreme_points(shape: &LinkShape, random: &mut Stream) -> Vec<Point> {
     let extreme = |_| {
         let direction = random.rotation() * Vector::z();

@@ -1,11 +1,11 @@
-//! What a bubble says to be free is free by the proof that needs no bubble, among real shapes.
+//! Motions that a bubble certifies as free are also proven free without bubbles, among real shapes.
 
 use cranny_collision::{Margins, Motion};
 use cranny_robot::between;
 use cranny_scenario::{OpenOptions, Scenario};
 use cranny_spatial::Stream;
 
-/// Free configurations in a scenario, and spines of each bur.
+/// Number of free configurations in a scenario, and of spines of each bur.
 const BURS: usize = 100;
 const SPINES: usize = 7;
 
@@ -33,7 +33,7 @@ fn every_spine_of_a_bur_is_proven_again_by_the_judge() {
                 total += share;
             }
         }
-        // Nothing at all would be proven too.
+        // Spines of length zero would be proven too.
         let mean = total / (BURS * SPINES) as f64;
         assert!(mean > 0.02, "{id}: a spine is {mean} of the way");
     }

@@ -1,11 +1,11 @@
-//! `check` says everything that is wrong at once.
+//! `check` reports all faults at once.
 
 use std::fs;
 use std::path::Path;
 
 use cranny_scenario::check;
 
-/// A copy of a sound scenario with these replacements in its file; what is said of it.
+/// Returns the faults of a copy of a sound scenario with these replacements in its file.
 fn said(replacements: &[(&str, &str)]) -> Vec<String> {
     let folder = tempfile::tempdir().unwrap();
     let original = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures/corner");

@@ -1,4 +1,4 @@
-//! Difficulty as a dial, and large sets.
+//! Families with a difficulty parameter, and large sets.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -19,7 +19,7 @@ fn watched(write: impl FnOnce(&SetProgress) -> SetReport) -> SetReport {
     write(&SetProgress { done: &|| (), stop: &AtomicBool::new(false) })
 }
 
-/// Of the paper's robot.
+/// Returns a maker for the paper's robot.
 fn maker(family: Family, change: impl FnOnce(SetSettings) -> SetSettings) -> SetMaker {
     let robot = RecipeRobot::of_the_paper().unwrap();
     let settings = change(SetSettings::new(family, &robot, 0));
@@ -46,7 +46,7 @@ fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     all
 }
 
-/// Whether the target sinks into nothing by more than the millimetre that its ground may give.
+/// Returns true if the target penetrates no other body by more than the millimetre that is permitted for its support.
 fn rests_beside_everything(scenario: &Scenario) -> bool {
     let target = scenario.target.unwrap();
     let bodies = scenario.world.bodies();

@@ -1,6 +1,6 @@
-//! Grasps on the released scans against the released grasps, with code of its own for triangles.
+//! Grasps on the released scans against the released grasps, with independent code for triangles.
 //!
-//! These tests need the released data, and say so where they are skipped.
+//! These tests need the released data, and print a message if they are skipped.
 
 use std::collections::BTreeMap;
 use std::io::{Write as _, stderr};
@@ -15,7 +15,7 @@ fn data() -> Option<PathBuf> {
     let data = std::env::var_os("CRANNY_DATA").map(|data| PathBuf::from(data).join("jogramop"));
     if data.is_none() {
         assert!(std::env::var_os("CRANNY_REQUIRE_ALL").is_none(), "CRANNY_DATA is not set");
-        // Straight to the stream, because the test runner keeps back what a passing test prints.
+        // Written directly to the stream, because the test runner captures the output of a passing test.
         let _ = writeln!(stderr(), "SKIPPED: CRANNY_DATA is not set, so no released scan is sampled");
     }
     data
@@ -25,7 +25,7 @@ fn data() -> Option<PathBuf> {
 fn two_thousand_grasps_cover_the_released_ones_and_each_passes_the_test_of_its_contacts() {
     let Some(data) = data() else { return };
     let mut of_object: BTreeMap<String, (usize, usize)> = BTreeMap::new();
-    // All twenty are in the stored run; here the first and the last level of each environment must do.
+    // The stored run covers all twenty; this test is limited to the first and the last level of each environment.
     for id in ["011", "015", "021", "025", "031", "035", "041", "045"] {
         let released = ReleasedObject::open(&data, id).unwrap();
         let surface = Surface::new(&released.mesh).unwrap();
@@ -49,8 +49,8 @@ fn two_thousand_grasps_cover_the_released_ones_and_each_passes_the_test_of_its_c
     }
 }
 
-/// The two contacts of a grasp: on the surface to 0.1 mm, on triangles whose normals are within the friction
-/// cone of the closing axis, no farther apart than the gripper opens.
+/// Checks the two contacts of a grasp: on the surface to 0.1 mm, on triangles whose normals are within the friction cone of the
+/// closing axis, no farther apart than the gripper opens.
 fn check_contacts(mesh: &TriangleSoup, grasp: &Grasp, friction: f64, opening_m: f64) {
     let pose = grasp.world_from_gripper;
     let width_m = grasp.width_m.unwrap();
@@ -60,7 +60,7 @@ fn check_contacts(mesh: &TriangleSoup, grasp: &Grasp, friction: f64, opening_m: 
         let contact = Point::from(pose.translation.vector + outwards * (0.5 * width_m));
         let holds = (0..mesh.triangles.len()).any(|index| {
             let corners = mesh.corners(index);
-            // Most triangles are far away.
+            // Skips distant triangles, which are the majority.
             let size = (corners[1] - corners[0]).norm().max((corners[2] - corners[0]).norm());
             if (contact - corners[0]).norm() > size + 1e-4 {
                 return false;
@@ -88,14 +88,14 @@ fn distance_to_triangle(point: &Point, corners: &[Point; 3]) -> f64 {
     edges.iter().map(to_edge).fold(f64::INFINITY, f64::min)
 }
 
-/// The released library has stable poses of its scans, with probabilities.
+/// The released library gives stable poses of its scans, with probabilities.
 #[test]
 fn stable_poses_of_the_released_screwdriver_are_as_likely_as_in_the_release() {
     let Some(data) = data() else { return };
     let released = ReleasedObject::open(&data, "011").unwrap();
     let center = VolumeMoments::of_mesh(&released.mesh).unwrap().center;
     let poses = stable_poses(&released.mesh.vertices, &center).unwrap();
-    // As in `object_library.yaml`, where the poses are those of samples.
+    // Values of `object_library.yaml`, where the poses are those of samples.
     for (pose, expected) in poses.iter().zip([0.1007, 0.1006, 0.0414, 0.0363]) {
         assert!((pose.probability - expected).abs() < 0.004, "{}, {expected}", pose.probability);
     }

@@ -1,4 +1,4 @@
-//! A scenario is the same wherever its files lie, and another one as soon as they differ.
+//! The identity of a scenario depends on its files but not on their location.
 
 use std::fs;
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! All tests of this crate from outside: one program, which is linked once.
+//! External tests of this crate, in one program, which is linked once.
 
 #![allow(clippy::disallowed_methods, reason = "what is compared to may come from the system")]
 

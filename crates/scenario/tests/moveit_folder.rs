@@ -1,4 +1,4 @@
-//! A problem in `MoveIt`'s files that has every key of every message, in a folder in which files can be changed.
+//! Problem in `MoveIt`'s files with every key of every message, in a folder whose files can be modified.
 
 use std::fs;
 use std::path::PathBuf;
@@ -20,7 +20,7 @@ pub const URDF: &str = r#"<robot name="bot">
 pub const SRDF: &str = r#"<robot name="bot"><virtual_joint name="stand" type="floating" parent_frame="world" child_link="base_link"/>
 <group name="arm"><joint name="j1"/><joint name="j2"/></group></robot>"#;
 
-/// A scene with every key that its messages have.
+/// Scene with every key of its messages.
 pub const SCENE: &str = "name: ''
 robot_model_name: bot
 robot_state:
@@ -57,7 +57,7 @@ world:
 is_diff: false
 ";
 
-/// A request with every key that its messages have.
+/// Request with every key of its messages.
 pub const REQUEST: &str = "workspace_parameters: {header: {frame_id: world}}
 start_state:
   joint_state: {name: [j1, j2], position: [0, 0]}

@@ -1,5 +1,4 @@
-//! Forms in which `MoveIt` scenes and requests are written: each is read for what it is, or refused by name; nothing is
-//! passed over.
+//! Forms of `MoveIt` scenes and requests: each is read correctly or refused by name; nothing is ignored.
 
 use std::fs;
 
@@ -9,7 +8,7 @@ use cranny_spatial::Vector;
 
 use crate::moveit_folder::{Folder, REQUEST, SCENE, SRDF};
 
-/// Position of the first body, in the root frame.
+/// Returns the position of the first body, in the root frame.
 fn place(problem: &MoveItProblem) -> Vector {
     problem.world.bodies()[0].parts[0].world_from_solid.translation.vector
 }
@@ -110,7 +109,7 @@ mesh
     }
 }
 
-/// Offsets of the ends of the keys of a text, each before its `:`.
+/// Returns the offsets of the ends of the keys of a text, each before its `:`.
 fn keys(text: &str) -> Vec<usize> {
     let is_key = |(at, _): &(usize, &str)| text[..*at].ends_with(|c: char| c.is_ascii_alphanumeric());
     text.match_indices(':').filter(is_key).map(|(at, _)| at).collect()
@@ -124,7 +123,7 @@ fn a_key_that_is_misspelt_is_refused_wherever_it_stands() {
     for (file, text) in [("scene.yaml", SCENE), ("request.yaml", REQUEST)] {
         for at in keys(text) {
             let line = text[..at].rsplit('\n').next().unwrap();
-            // Of a value that has no bearing on the problem the keys may be any.
+            // A value without effect on the problem may have any keys.
             let passed = [
                 "  type: {",
                 "object_colors: [",
@@ -216,7 +215,12 @@ fn what_a_message_holds_and_is_not_read_is_refused_by_name() {
             "position_constraints: [{link_name: fore, constraint_region: {}}]",
             "no configuration",
         ),
-        ("request.yaml", "max_cartesian_speed: 0", "max_cartesian_speed: -1", "Cartesian speed that is none"),
+        (
+            "request.yaml",
+            "max_cartesian_speed: 0",
+            "max_cartesian_speed: -1",
+            "an invalid limit of Cartesian speed",
+        ),
         (
             "request.yaml",
             "limited_link: ''\nmax_cartesian_speed: 0",
@@ -275,7 +279,7 @@ fn constraints_on_the_pose_of_the_tip_are_bounds_of_the_tool() {
     let ToolRegion::Box { point_in_link, world_from_box, half_m } = &position.region else {
         panic!("{position:?}")
     };
-    // The shelf is 1 m above the world.
+    // The shelf is 1 m above the world origin.
     assert!((point_in_link.coords - Vector::new(0.1, 0.0, 0.0)).norm() < 1e-12, "{point_in_link}");
     assert_eq!(position.link.as_deref(), Some("flag"));
     assert!((world_from_box.translation.vector - Vector::new(1.0, 2.0, 4.0)).norm() < 1e-12);
@@ -322,7 +326,7 @@ fn the_base_stands_where_either_state_has_it() {
     folder.changed("bot.srdf", "floating", "planar").changed("request.yaml", "[0.1, 0, 0]", "[0.1, 0, 0.2]");
     assert!(folder.fault().contains("leaves its plane"));
     folder.changed("bot.srdf", "planar", "fixed");
-    assert!(folder.deviations()[0].contains("no virtual joint of its SRDF that moves"));
+    assert!(folder.deviations()[0].contains("not a movable virtual joint of its SRDF"));
 }
 
 #[test]
@@ -332,7 +336,7 @@ fn the_planning_frame_is_that_of_the_virtual_joint() {
     assert!(folder.fault().contains("unknown frame 'world'"));
     let text = SCENE.replace("frame_id: world", "frame_id: odom");
     assert!((place(&folder.write("scene.yaml", &text).open().unwrap()).x - 0.4).abs() < 1e-12);
-    // A frame that the scene fixes is where the scene puts it, whatever its name.
+    // A frame that the scene fixes has the pose given by the scene, also if it is named like the planning frame.
     folder.write("bot.srdf", &SRDF.replace("<virtual_joint name=\"stand\" type=\"floating\" parent_frame=\"world\" child_link=\"base_link\"/>", ""));
     let text = SCENE.replace(
         "{header: {frame_id: world}, child_frame_id: shelf",

@@ -1,5 +1,4 @@
-//! The robot of a `MoveIt` problem: where its joints stand, their limits, and what its SRDF has to them and to pairs of
-//! links.
+//! Robot of a `MoveIt` problem: joint values, limits, and the effect of its SRDF on joints and on pairs of links.
 
 use std::fs;
 
@@ -28,7 +27,7 @@ fn joints_stand_where_they_can_and_each_change_is_named() {
         "name: [j1, j2, lower], position: [-2.00001, 0, 0.4]",
     );
     let [rounded, follows] = &folder.deviations()[..] else { panic!("{:?}", folder.deviations()) };
-    assert!(follows.contains("j1' of the start is -2.00001, taken for its limit -2.00000"), "{follows}");
+    assert!(follows.contains("j1' of the start is -2.00001, read as its limit -2.00000"), "{follows}");
     assert!(rounded.contains("'lower' stands at -1.0000 instead of 0.4000"), "{rounded}");
     assert_eq!(folder.open().unwrap().start, [-2.0, 0.0]);
     folder.changed("request.yaml", "-2.00001", "-2.001");
@@ -122,7 +121,7 @@ fn pairs_are_checked_as_srdf_and_matrix_have_it() {
         &with("<disable_collisions link1=\"base_link\" link2=\"fore\" reason=\"Never\"/>"),
     );
     assert_eq!(disabled(&folder), ["base_link fore"]);
-    // The scene has the pair checked.
+    // The scene requires a check of the pair.
     folder.changed("scene.yaml", "[base_link, arm]", "[base_link, fore]");
     folder.changed(
         "scene.yaml",
@@ -143,7 +142,7 @@ fn pairs_are_checked_as_srdf_and_matrix_have_it() {
         let said = folder.write("bot.srdf", &with(element)).fault();
         assert!(said.contains(fault), "{said}");
     }
-    // Without effect on groups and pairs, as in SRDFs that serve several hands and programs.
+    // Other elements do not affect groups and pairs, as in SRDFs for several hands and programs.
     folder.write("bot.srdf", &with("<passive_joint name=\"j3\"/><gripper><tip/></gripper>"));
     let notes = folder.open().unwrap().robot.notes().to_vec();
     assert!(notes[0].contains("element <gripper> of <robot> is not read"), "{notes:?}");
@@ -162,7 +161,7 @@ joint_limits:
         let problem = folder.open().unwrap();
         let [first, second] = problem.robot.limits() else { panic!("two joints") };
         assert_eq!((first.lower, first.upper, first.acceleration), (-0.5, 1.5, Some(2.0)));
-        // Of the request, which goes before the file's default.
+        // The value of the request takes precedence over the default of the file.
         assert!((first.velocity - 0.2).abs() < 1e-12 && (second.velocity - 0.5).abs() < 1e-12);
         assert!(problem.deviations[0].to_string().contains("joint_limits.yaml"));
         folder.write(file, &limits.replace("max_velocity", "max_velocty"));

@@ -28,8 +28,8 @@ fn built_in_objects_have_their_published_sizes_and_sound_meshes() {
     let banana = builtin_object("banana").unwrap();
     let (low, high) = bounds(&banana.mesh);
     assert!(((high - low).z - 0.036).abs() < 2e-4, "{}", high - low);
-    // Along its bend: the middles of the rings, which each have the same number of vertices. The ends of the
-    // bend are its farthest points, the straight line between them shorter.
+    // The extent along the bend: the ends of the bend are its farthest points, and the straight line between them is shorter
+    // than the bend.
     assert!((high - low).y > 0.16 && (high - low).y < 0.19);
     for name in builtin_object_names() {
         let object = builtin_object(name).unwrap();
@@ -113,7 +113,7 @@ fn figures_of_an_object_that_its_meshes_do_not_have_are_refused() {
         std::fs::write(&file, changed).unwrap();
         assert!(ObjectType::read_folder(&path).is_err(), "{key}{stated}");
     }
-    // A part less is no object with the stated error.
+    // An object with a part removed does not have the stated error.
     let first = text.find("- parts/00.obj").unwrap();
     let line = &text[first..first + text[first..].find('\n').unwrap()];
     std::fs::write(&file, text.replacen(line, "", 1)).unwrap();
@@ -159,7 +159,7 @@ fn obstacles_have_the_sizes_of_the_paper() {
     let gate = Obstacle::gate(0.54).boxes();
     assert!(gate.iter().all(|(_, size)| close(size.y, 0.1)));
     assert!(close(gate[0].1.x, 0.73) && close(gate[0].1.z, 0.54) && close(gate[2].1.z, 0.73));
-    // Nothing of a gate stands in its opening.
+    // No box of a gate protrudes into its opening.
     let free = gate.iter().all(|(middle, size)| {
         (middle.x - 1.0).abs() >= 0.5 * (size.x + 0.54) - 1e-12 || middle.z - 0.5 * size.z >= 0.54 - 1e-12
     });

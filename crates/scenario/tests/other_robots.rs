@@ -1,4 +1,4 @@
-//! Scenarios of a robot that is not the built-in one: written, opened, packed with its files.
+//! Scenarios with a robot that is not built in: written, opened, packed with its files.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -8,7 +8,7 @@ use cranny_scenario::{
     Credits, OpenOptions, Scenario, SchemaFile, TemplateRobot, check, pack, unpack, write_template,
 };
 
-/// A small arm with its SRDF, limits and mesh, and a scenario beside it.
+/// Path of a file of a small arm with SRDF, limits and mesh, and of a scenario beside it.
 fn sound(file: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../cli/tests/file_readers/sound").join(file)
 }
@@ -17,7 +17,7 @@ fn open(what: &Path) -> Scenario {
     Scenario::open(what.to_str().unwrap(), &OpenOptions::default()).unwrap()
 }
 
-/// The same joints, and the same geometry on every link.
+/// Asserts that the robots have the same joints, and the same geometry on every link.
 fn assert_same_robot(one: &Scenario, other: &Scenario) {
     assert_eq!(one.robot.joint_names(), other.robot.joint_names());
     assert_eq!(one.robot.limits(), other.robot.limits());
@@ -46,11 +46,11 @@ fn a_new_scenario_has_the_files_of_its_robot() {
     assert_eq!(scenario.robot.joint_names(), ["shoulder", "elbow"]);
     assert_eq!(scenario.robot.links()[scenario.robot.tip()].name, "hand");
     assert_eq!(scenario.start, [0.0, 0.0]);
-    // SRDF and limits came along.
+    // SRDF and limits are copied too.
     assert!(!scenario.robot.disabled_pairs().is_empty());
     assert_eq!(scenario.robot.limits()[0].jerk, Some(50.0));
     assert_same_robot(&scenario, &open(&sound("own")));
-    // The robot of the template is spelt out, and nothing of it is left over.
+    // The robot of the template is replaced completely.
     let text = fs::read_to_string(folder.join("scenario.yaml")).unwrap();
     assert!(
         text.contains("\nrobot: \"robot/arm.urdf\"\n") && text.contains("\nsrdf: \"robot/arm.srdf\"\n"),
@@ -69,7 +69,7 @@ fn a_robot_from_outside_the_folder_is_packed_with_it() {
     let root = tempfile::tempdir().unwrap();
     let archive = root.path().join("own.zip");
     let files = pack(&sound("own"), &archive, &Credits::default()).unwrap_err();
-    // Its obstacles need a mesh from outside too, which is nobody's to move.
+    // Its obstacles need a mesh outside the folder too, which packing does not move.
     assert!(
         files.to_string().contains("does not open by itself") && files.to_string().contains("mesh.obj"),
         "{files}"
@@ -95,12 +95,12 @@ fn a_robot_from_outside_the_folder_is_packed_with_it() {
     let unpacked = root.path().join("unpacked");
     unpack(&archive, &unpacked).unwrap();
     assert_same_robot(&open(&unpacked), &open(&folder));
-    // What was packed is untouched, and packs again to the same bytes.
+    // The packed folder is unchanged, and packs again to the same bytes.
     assert_eq!(fs::read_to_string(folder.join("scenario.yaml")).unwrap(), text);
     let again = root.path().join("again.zip");
     pack(&folder, &again, &Credits::default()).unwrap();
     assert_eq!(fs::read(&again).unwrap(), fs::read(&archive).unwrap());
-    // From its own folder it packs as it is.
+    // From its own folder it packs unchanged.
     let third = root.path().join("third.zip");
     pack(&unpacked, &third, &Credits::default()).unwrap();
     assert_same_robot(&open(&third), &open(&folder));

@@ -1,4 +1,4 @@
-//! Scenarios in Cranny's own layout.
+//! Scenarios in Cranny's layout.
 
 use std::path::Path;
 
@@ -24,12 +24,12 @@ fn everything_that_a_file_says_stands_in_the_planning_frame() {
         let found = place(body, part).translation.vector;
         assert!((found - cranny_spatial::Vector::new(x, y, z)).norm() < 1e-12, "{found}");
     };
-    // The root stands at (1, 0, 0.05), turned by a quarter: x there is y here.
+    // The root is at (1, 0, 0.05) m, rotated by a quarter turn: x of the scene is y here.
     expect(0, 0, [1.0, 0.0, 0.35]);
     expect(0, 1, [1.0, -0.3, 0.45]);
     expect(3, 0, [1.0, 0.0, 0.41]);
     assert!((place(4, 0).translation.z + 0.05).abs() < 1e-12);
-    // The pipe lies along y of the scene, x of the planning frame.
+    // The pipe lies along y of the scene, which is x of the planning frame.
     let axis = place(1, 0).rotation * cranny_spatial::Vector::z();
     assert!((axis.x.abs() - 1.0).abs() < 1e-6, "{axis}");
     assert_eq!(bodies[0].parts[0].solid.as_cuboid().unwrap(), cranny_spatial::Vector::new(0.3, 0.15, 0.01));

@@ -1,4 +1,4 @@
-//! The object of a released scenario: its scan, how it lies, and its released grasps in its own frame.
+//! Object of a released scenario: its scan, its pose, and its released grasps in its own frame.
 
 use std::path::Path;
 
@@ -8,13 +8,13 @@ use cranny_shape::TriangleSoup;
 use cranny_spatial::{Pose, Rotation, Vector};
 use serde::Deserialize;
 
-/// Whatever goes wrong.
+/// Any error.
 pub type Failure = Box<dyn std::error::Error>;
 
-/// Grasps that stand for an object in the end.
+/// Number of grasps that are kept for an object.
 pub const KEPT: usize = 2000;
 
-/// Grasps from which those are chosen: ten times as many, as `cranny grasps sample` does.
+/// Number of grasps from which those are selected: ten times as many, as in `cranny grasps sample`.
 pub const CANDIDATES: usize = 20_000;
 
 #[derive(Deserialize)]
@@ -28,20 +28,20 @@ struct Placed {
     pose: [[f64; 4]; 4],
 }
 
-/// The object of a released scenario.
+/// Object of a released scenario.
 pub struct ReleasedObject {
-    /// What it is called.
+    /// Name of the object.
     pub object: String,
-    /// Its scan, in its own frame.
+    /// Scan of the object, in its own frame.
     pub mesh: TriangleSoup,
-    /// How it lies.
+    /// Pose of the object in the scene.
     pub scene_from_object: Pose,
-    /// Its released grasps, in its own frame.
+    /// Released grasps, in the object's frame.
     pub grasps: Vec<Grasp>,
 }
 
 impl ReleasedObject {
-    /// The object of scenario `id` below `data`, the folder `jogramop`.
+    /// Opens the object of scenario `id` below `data`, the folder `jogramop`.
     pub fn open(data: &Path, id: &str) -> Result<Self, Failure> {
         let folder = data.join("scenarios").join(id);
         let scene: Scene = serde_saphyr::from_str(&std::fs::read_to_string(folder.join("scene.yaml"))?)?;
@@ -64,9 +64,8 @@ impl ReleasedObject {
         })
     }
 
-    /// How grasps like the released ones are sampled: from the side or from above, twelve approaches from
-    /// level on, open pads above what the object lies on, the object no deeper between the fingers than to the
-    /// palm, friction 0.24.
+    /// Returns settings to sample grasps like the released ones: from the side or from above, twelve approaches from level on,
+    /// open pads above the support of the object, the object no deeper between the fingers than to the palm, friction 0.24.
     pub fn settings(&self, count: usize, seed: u64) -> SamplerSettings {
         let up = self.scene_from_object.rotation.inverse() * Vector::z();
         let heights = self.mesh.vertices.iter().map(|vertex| vertex.coords.dot(&up));

@@ -1,4 +1,4 @@
-//! The released scenarios through Cranny's files and back.
+//! Round trips of the released scenarios through Cranny's files.
 
 use std::fs;
 use std::io::{Write as _, stderr};
@@ -10,7 +10,7 @@ use cranny_shape::{TriangleSoup, VolumeMoments};
 use cranny_spatial::{PoseDifference, Vector};
 use cranny_task::Criterion;
 
-/// The folder of the released data; `None`, said loudly, where there is none.
+/// Returns the folder of the released data; `None`, with a message, if there is none.
 fn data() -> Option<PathBuf> {
     let data = std::env::var_os("CRANNY_DATA").map(PathBuf::from);
     if data.is_none() {
@@ -25,7 +25,7 @@ fn open(folder: &Path, robot: Option<&Path>) -> Scenario {
     Scenario::open(folder.to_str().unwrap(), &options).unwrap()
 }
 
-/// Bounds in the planning frame, and volume, of an obstacle's cuboids.
+/// Returns bounds in the planning frame, and volume, of an obstacle's cuboids.
 fn measure(body: &Body) -> (Vector, Vector, f64) {
     let mut low = Vector::repeat(f64::INFINITY);
     let (mut high, mut volume_m3) = (-low, 0.0);
@@ -47,20 +47,20 @@ fn all_twenty_come_back_as_they_were() {
         let id = format!("0{environment}{level}");
         let source = data.join("scenarios").join(&id);
         let original = open(&source, None);
-        // There.
+        // Import.
         let own = root.path().join("own").join(&id);
         Recipe::import_released(&source).unwrap().write_folder(&own).unwrap();
         let imported = open(&own, None);
         same(&original, &imported, &id);
-        // And back.
+        // Export.
         let released = root.path().join("scenarios").join(&id);
         Recipe::of_scenario(&imported).unwrap().write_released(&released).unwrap();
         let exported = open(&released, None);
         same(&original, &exported, &id);
-        // The array alone, which is single precision.
+        // The array alone, in single precision.
         fs::remove_file(released.join("export/grasps.csv")).unwrap();
         same_grasps(&original, &open(&released, None), &id);
-        // The merged mesh holds target and obstacles, as volumes.
+        // The merged mesh contains target and obstacles, as volumes.
         let merged = TriangleSoup::load(&released.join("export/obstacles.obj"), Vector::repeat(1.0)).unwrap();
         let target_m3 = volume_of_target(&original);
         let obstacles_m3: f64 = obstacles(&original).map(|body| measure(body).2).sum();

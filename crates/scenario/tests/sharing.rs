@@ -1,4 +1,4 @@
-//! Scenarios as one file, their schema, their template.
+//! Scenarios as one file, schema of scenarios, template of a scenario.
 
 use std::fs;
 use std::io::{Cursor, Read, Write};
@@ -60,10 +60,10 @@ fn an_archive_cut_short_at_any_byte_is_one_clear_error() {
         let folder = root.path().join("never");
         assert!(unpack(&cut, &folder).is_err() && !folder.exists());
     }
-    assert!(open(&cut).unwrap_err().contains("is no whole zip archive"));
+    assert!(open(&cut).unwrap_err().contains("is not a complete zip archive"));
 }
 
-/// The files of an archive, each changed by `change`, which may rename it.
+/// Returns an archive with each file changed by `change`, which may rename it.
 fn rewritten(archive: &Path, change: impl Fn(&mut String, &mut Vec<u8>)) -> Vec<u8> {
     let mut from = zip::ZipArchive::new(Cursor::new(fs::read(archive).unwrap())).unwrap();
     let mut to = zip::ZipWriter::new(Cursor::new(Vec::new()));
@@ -172,11 +172,11 @@ fn what_a_recipe_writes_opens_as_the_same_scenario() {
     }
 }
 
-/// An archive of one file beside the manifest, written by hand, so that nothing keeps it from being false.
+/// Returns an archive with these names, patched byte by byte, so that it can be invalid.
 fn archive_of(names: &[&str], content: &[u8]) -> Vec<u8> {
     let mut to = zip::ZipWriter::new(Cursor::new(Vec::new()));
     for (index, _) in names.iter().enumerate() {
-        // Names of the same length, put right in the bytes: the library writes none twice.
+        // Placeholders of the same length are replaced in the bytes: the library writes no name twice.
         to.start_file(format!("{index:0width$}", width = names[index].len()), SimpleFileOptions::default())
             .unwrap();
         to.write_all(content).unwrap();
@@ -197,7 +197,7 @@ fn archive_of(names: &[&str], content: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// What was accepted, or unpacked over each other.
+/// Names that a system would reject, or that would overwrite each other.
 #[test]
 fn names_that_hurt_where_they_are_unpacked_are_refused() {
     let root = tempfile::tempdir().unwrap();
@@ -223,7 +223,7 @@ fn names_that_hurt_where_they_are_unpacked_are_refused() {
     assert!(fault.contains("no manifest.json"), "{fault}");
 }
 
-/// 0.9 GB of zeros in 0.9 MB were unpacked, in half a minute.
+/// An archive that unpacks from 0.9 MB to 0.9 GB of zeros must not be unpacked.
 #[test]
 fn an_archive_that_unpacks_to_far_more_than_it_is_is_refused_at_once() {
     let root = tempfile::tempdir().unwrap();
@@ -231,7 +231,7 @@ fn an_archive_that_unpacks_to_far_more_than_it_is_is_refused_at_once() {
     fs::write(&archive, archive_of(&["a.obj", "b.obj"], &vec![0; 20 << 20])).unwrap();
     let fault = unpack(&archive, &root.path().join("out")).unwrap_err().to_string();
     assert!(fault.contains("over 100 times its own size"), "{fault}");
-    // A lie about the size helps nobody.
+    // A false size in the directory does not circumvent the limit.
     let mut bytes = fs::read(&archive).unwrap();
     for at in 0..bytes.len() - 46 {
         if bytes[at..].starts_with(b"PK\x01\x02") {
@@ -243,7 +243,7 @@ fn an_archive_that_unpacks_to_far_more_than_it_is_is_refused_at_once() {
     assert!(!root.path().join("out").exists());
 }
 
-/// What could not be unpacked again is not packed.
+/// Files that could not be unpacked again are not packed.
 #[test]
 fn a_folder_with_a_name_that_no_archive_may_hold_is_not_packed() {
     let root = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! The target as a physical object: what it weighs, how it slides, where its frame is.
+//! The target as a physical object: mass, friction and frame.
 
 use std::fs;
 use std::io::{Write as _, stderr};
@@ -25,7 +25,7 @@ fn target(scenario: &Scenario) -> TargetObject {
     scenario.target_object(&AS_SAID).unwrap().expect("a target")
 }
 
-/// A scenario whose target has these lines beneath its name and pose, and whose obstacle these beneath its name.
+/// Creates a scenario with these lines below name and pose of its target, and below the name of its obstacle.
 fn folder_with(target: &str, obstacle: &str) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let corner = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures/corner");
@@ -48,7 +48,7 @@ fn fault(target: &str, obstacle: &str) -> String {
     let folder = folder_with(target, obstacle);
     let what = folder.path().to_str().unwrap();
     let fault = Scenario::open(what, &OpenOptions::default()).unwrap_err().to_string();
-    // Whoever asks for everything that is wrong is told the same first.
+    // A check for all faults reports this one first.
     let all: Vec<String> = check(what).unwrap().iter().map(ToString::to_string).collect();
     assert_eq!(all[0], fault);
     fault
@@ -63,7 +63,7 @@ fn near(a: f64, b: f64, tolerance: f64) -> bool {
     (a - b).abs() <= tolerance * b.abs()
 }
 
-/// The object where it stands is the target's mesh: every corner of one is a corner of the other, and they
+/// Asserts that the placed object coincides with the target's mesh: every corner of one is a corner of the other, and they
 /// enclose the same volume.
 fn stands_where_the_target_does(scenario: &Scenario, found: &TargetObject) {
     let expected = scenario.target_mesh().unwrap().expect("a target");
@@ -75,12 +75,12 @@ fn stands_where_the_target_does(scenario: &Scenario, found: &TargetObject) {
     assert!(is_among(&placed, &expected) && is_among(&expected, &placed), "{}", scenario.id);
     let volume_m3 = |soup: &TriangleSoup| VolumeMoments::of_mesh(soup).unwrap().volume_m3;
     assert!(near(volume_m3(&placed), volume_m3(&expected), 1e-6), "{}", scenario.id);
-    // Parts that overlap weigh once.
+    // The volume of overlapping parts counts once.
     let union_m3 = UnionMoments::of_mesh(&expected).unwrap().moments.volume_m3;
     assert!(near(found.object.volume_m3, union_m3, 1e-3), "{}", scenario.id);
 }
 
-/// Mass, friction, pose and inertia are the same.
+/// Asserts that mass, friction, pose and inertia are the same.
 fn same(one: &TargetObject, other: &TargetObject) {
     let apart = PoseDifference::between(&one.world_from_object, &other.world_from_object);
     assert!(apart.translation_m < 1e-9 && apart.rotation_rad < 1e-9, "{apart:?}");
@@ -103,8 +103,8 @@ fn built_in_targets_weigh_what_is_published_and_stand_where_the_scenario_has_the
         assert!(near(found.object.friction, DEFAULT_FRICTION, 1e-12), "{id}");
         stands_where_the_target_does(&scenario, &found);
         assert!(!found.object.stable_poses.is_empty(), "{id}");
-        // Also a target that is looked at as a sphere or a box weighs and turns as the object that it stands for,
-        // in the same frame: a sphere of triangles is a percent too small.
+        // A target that is checked as a sphere or a box still has the mass and inertia of the object that it represents, in the
+        // same frame: a sphere of triangles is a percent too small.
         let published = builtin_object(name).unwrap();
         let off = (found.object.inertia_kg_m2 - published.inertia_kg_m2).amax();
         assert!(off < 0.03 * published.inertia_kg_m2.amax(), "{id}: {off}");
@@ -140,7 +140,7 @@ fn a_target_of_several_shapes_has_each_in_convex_parts_of_its_own() {
     assert!(error.excess < 0.01 && error.missing < 0.01, "{error:?}");
     assert_eq!(found.world_from_object.rotation, Pose::identity().rotation, "axes of the planning frame");
     stands_where_the_target_does(&scenario, &found);
-    // The masses of the boxes are as their volumes, 4 to 1; their middles lie 0.08 m apart.
+    // The masses of the boxes are proportional to their volumes, 4 to 1; their centres are 0.08 m apart.
     let bodies = scenario.world.bodies();
     let middles: Vec<Vector> = bodies[scenario.target.unwrap()]
         .parts
@@ -191,7 +191,7 @@ fn a_target_without_a_mass_and_a_scenario_without_a_target() {
     let fault = scenario.target_object(&AS_SAID).unwrap_err();
     assert!(matches!(fault, ScenarioError::Object(ObjectError::NoMass { .. })));
     let text = fault.to_string();
-    assert!(text.contains("'thing' weighs") && text.contains("mass_kg beneath target"), "{text}");
+    assert!(text.contains("mass of its target 'thing'") && text.contains("mass_kg under target"), "{text}");
     let light = TargetPhysics { mass_kg: Some(0.1), ..AS_SAID };
     assert!(scenario.target_object(&light).unwrap().is_some());
     for id in ["011", "021"] {
@@ -248,11 +248,11 @@ fn a_written_folder_has_the_same_target() {
         assert_eq!(read.given_physics, scenario.given_physics);
         same(&target(&scenario), &target(&read));
     }
-    // A built-in object is named again, not written out.
+    // A built-in object is referenced by name again, not written out.
     assert!(
         fs::read_to_string(root.path().join("0/scenario.yaml")).unwrap().contains("object: flat_screwdriver")
     );
-    // Without a file: what a recipe says.
+    // A recipe without files has the same values.
     let scenario = open("021");
     let recipe = Recipe::of_scenario(&scenario).unwrap();
     assert_eq!(recipe.target_physics(), scenario.target_physics());
@@ -265,7 +265,7 @@ fn an_object_of_ones_own_comes_along_in_folders_and_archives() {
     let settings = ObjectSettings { friction: 0.4, ..ObjectSettings::new("hammer", 0.8) };
     let soup = Surface::cuboid_soup(&Vector::new(0.01, 0.02, 0.1));
     let mut hammer = ObjectType::from_mesh(&soup, &settings).unwrap().0;
-    // Its head is heavier than the rest, which no mesh shows.
+    // The head is heavier than the rest, which no mesh shows.
     hammer.center_of_mass.z = 0.06;
     hammer.write_folder(&folder.path().join("hammer")).unwrap();
     let scenario = open_folder(folder.path());
@@ -291,7 +291,7 @@ fn an_object_of_ones_own_comes_along_in_folders_and_archives() {
     assert!(apart.translation_m < 1e-9 && apart.rotation_rad < 1e-9, "{apart:?}");
 }
 
-/// The folder of the released data; `None`, said loudly, where there is none.
+/// Returns the folder of the released data; `None`, with a message, if there is none.
 fn data() -> Option<PathBuf> {
     let data = std::env::var_os("CRANNY_DATA").map(PathBuf::from);
     if data.is_none() {

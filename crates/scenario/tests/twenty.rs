@@ -1,4 +1,4 @@
-//! The twenty built-in scenarios, and those that bring the object in: their files are what their recipes make.
+//! The files of the twenty built-in scenarios, and of the derived ones, agree with their recipes.
 
 use std::fs;
 use std::path::Path;
@@ -9,7 +9,7 @@ use cranny_scenario::{
 };
 use strum::VariantArray as _;
 
-/// The files are written anew where `CRANNY_WRITE` is set; the program has to be built again afterwards.
+/// The files are rewritten if `CRANNY_WRITE` is set; the program must then be built again.
 #[test]
 fn the_files_of_the_twenty_are_what_their_recipes_make() {
     let scenarios = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios");

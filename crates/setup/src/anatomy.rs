@@ -10,27 +10,27 @@ use cranny_spatial::{CONTACT_M, Point, Pose, Vector};
 
 use crate::limits;
 
-/// A robot with all its joints free, and its links brought together to bodies: what moves as one.
+/// Robot with all joints free, whose links are merged into rigid bodies.
 pub(crate) struct Anatomy {
     pub robot: Robot,
-    /// By the name of the joint.
+    /// Joint data by joint name.
     pub joints: HashMap<String, JointFacts>,
     pub bodies: Vec<RigidBody>,
     pub body_of: Vec<usize>,
 }
 
-/// Links between which no joint moves.
+/// Links that are rigid with each other.
 pub(crate) struct RigidBody {
-    /// The topmost of its links.
+    /// Topmost of the links.
     pub top: usize,
     pub links: Vec<usize>,
-    /// The body above and the joint between; none for that of the root.
+    /// Parent body and the joint between; `None` for the body of the root.
     pub above: Option<(usize, Mover)>,
     pub below: Vec<usize>,
 }
 
 impl Anatomy {
-    /// `solid_meshes`: as in [`RobotOptions`].
+    /// Builds the anatomy of a URDF. `solid_meshes`: as in [`RobotOptions`].
     pub fn of(
         urdf: &UrdfText,
         base_dir: Option<&Path>,
@@ -41,7 +41,7 @@ impl Anatomy {
         let is_free =
             |joint: &&JointFacts| joint.motion.as_ref().is_some_and(|motion| motion.mimics.is_none());
         let group: Vec<String> = facts.iter().filter(is_free).map(|joint| joint.name.clone()).collect();
-        // Without a joint there is no robot; what has none is told so by the robot itself.
+        // A robot without a joint is an error, which `Robot` reports.
         let group = if group.is_empty() { JointGroup::RootToTip } else { JointGroup::Joints(group) };
         let options = RobotOptions {
             group,
@@ -81,12 +81,12 @@ impl Anatomy {
         Ok(Self { robot, joints, bodies, body_of })
     }
 
-    /// The configuration (m, rad; one per joint) in which each joint is as near to 0 as it can be.
+    /// Returns the configuration (m, rad; one per joint) with each joint as near to 0 as its limits allow.
     pub fn rest(&self) -> Vec<f64> {
         self.robot.limits().iter().map(|limits| limits.clamp(0.0)).collect()
     }
 
-    /// A body and all below it.
+    /// Returns a body and all its descendants.
     pub fn branch(&self, body: usize) -> Vec<usize> {
         let mut branch = vec![body];
         let mut next = 0;
@@ -97,7 +97,7 @@ impl Anatomy {
         branch
     }
 
-    /// The solids of bodies, where they are in the frame of a link.
+    /// Returns the solids of bodies, with their poses in the frame of a link.
     pub fn solids_in(&self, bodies: &[usize], link: usize, frames: &LinkFrames) -> Vec<(Pose, Solid)> {
         let link_from_root = frames.link(link).inverse();
         let links = bodies.iter().flat_map(|&body| &self.bodies[body].links);
@@ -109,13 +109,13 @@ impl Anatomy {
         placed.collect()
     }
 
-    /// The facts of the joint right above a body.
+    /// Returns the data of the joint directly above a body.
     pub fn joint_above(&self, body: usize) -> Option<&JointFacts> {
         let top = &self.robot.links()[self.bodies[body].top].name;
         self.joints.values().find(|joint| joint.child == *top)
     }
 
-    /// The joints of the group that move a body, by index, root first; those that it mimics too.
+    /// Returns the joints of the group that move a body, root first, with the joints that its mimic joints follow.
     pub fn joints_of(&self, body: usize) -> impl Iterator<Item = &Mover> {
         self.robot.ancestors(self.bodies[body].top).iter()
     }
@@ -124,13 +124,13 @@ impl Anatomy {
         &self.robot.links()[link].name
     }
 
-    /// Whether the joint above a body turns without end and follows no other: a wheel, if little hangs on it.
+    /// Returns true if the joint above a body turns without end and mimics no other: a wheel, if it carries little.
     pub fn is_endless(&self, body: usize) -> bool {
         let motion = self.joint_above(body).and_then(|joint| joint.motion.as_ref());
         motion.is_some_and(|motion| motion.is_continuous && motion.mimics.is_none())
     }
 
-    /// Wheels: what turns without end and carries nothing.
+    /// Returns the number of wheels: leaf bodies that turn without end about a horizontal axis.
     pub fn wheels(&self) -> usize {
         let is_wheel = |&body: &usize| self.bodies[body].below.is_empty() && self.is_endless(body);
         let is_upright = |&body: &usize| {
@@ -144,7 +144,7 @@ impl Anatomy {
     }
 }
 
-/// How far a direction goes to the end of solids, in metres from the origin.
+/// Returns the extent of solids in a direction, in metres from the origin.
 pub(crate) fn extent_m(solids: &[(Pose, Solid)], direction: &Vector) -> f64 {
     let ends = solids.iter().filter_map(|(pose, solid)| {
         let (points, radius_m) = solid.bounding_points()?;
@@ -154,9 +154,9 @@ pub(crate) fn extent_m(solids: &[(Pose, Solid)], direction: &Vector) -> f64 {
     ends.fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// How far a point is from solids, in metres; 0 inside.
+/// Returns the distance of a point from solids, in metres; 0 inside.
 pub(crate) fn distance_m(solids: &[(Pose, Solid)], point: &Point) -> f64 {
-    /// Far below all that is measured here, in metres.
+    /// Radius of the ball that stands for the point, negligible here, in metres.
     const POINT_M: f64 = 1e-7;
     let Ok(ball) = Solid::sphere(POINT_M) else { return 0.0 };
     let pose = Pose::from_parts(point.coords.into(), cranny_spatial::Rotation::identity());
@@ -166,14 +166,14 @@ pub(crate) fn distance_m(solids: &[(Pose, Solid)], point: &Point) -> f64 {
     distances.fold(f64::INFINITY, f64::min)
 }
 
-/// Whether two sets of solids touch.
+/// Returns true if two sets of solids touch.
 pub(crate) fn touch(first: &[(Pose, Solid)], second: &[(Pose, Solid)]) -> bool {
     first.iter().any(|(pose_a, a)| {
         second.iter().any(|(pose_b, b)| separation(a, pose_a, b, pose_b, CONTACT_M).lower_m < CONTACT_M)
     })
 }
 
-/// The middle of the balls around solids.
+/// Returns the mean of the centres of the bounding balls of solids.
 pub(crate) fn middle(solids: &[(Pose, Solid)]) -> Option<Point> {
     let centers: Vec<Vector> =
         solids.iter().map(|(pose, solid)| (pose * solid.ball().center).coords).collect();
@@ -181,13 +181,13 @@ pub(crate) fn middle(solids: &[(Pose, Solid)]) -> Option<Point> {
     (!centers.is_empty()).then(|| (centers.iter().sum::<Vector>() / count).into())
 }
 
-/// Whether a name is one that people give to hands and fingers.
+/// Returns true if a name is typical of hands and fingers.
 pub(crate) fn is_hand_name(name: &str) -> bool {
     let name = name.to_lowercase();
     ["grip", "finger", "jaw", "claw", "hand", "thumb", "knuckle"].iter().any(|word| name.contains(word))
 }
 
-/// The values of joints by name.
+/// Returns joint values by joint name.
 pub(crate) fn by_name(robot: &Robot, q: &[f64]) -> BTreeMap<String, f64> {
     robot.joint_names().iter().cloned().zip(q.iter().copied()).collect()
 }

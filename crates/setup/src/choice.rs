@@ -1,15 +1,15 @@
 use serde::Serialize;
 
-/// Something that was chosen where nobody said it.
+/// Choice made for a setting that was not given.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Choice {
-    /// What it is about.
+    /// Subject of the choice.
     pub what: &'static str,
-    /// What was chosen.
+    /// Chosen value.
     pub chosen: String,
-    /// Why.
+    /// Reason for the choice.
     pub why: String,
-    /// How to choose otherwise.
+    /// Instruction to choose differently.
     pub otherwise: String,
 }
 

@@ -2,16 +2,16 @@ use cranny_robot::{LinkFrames, Robot};
 use cranny_shape::{Solid, overlap, quick_lower_bound, separation};
 use cranny_spatial::{CONTACT_M, Pose, Stream};
 
-/// Number of configurations that are searched for one in which two links are free of each other.
+/// Number of configurations searched for one in which two links do not touch.
 pub const SEARCH_SAMPLES: usize = 100_000;
 
-/// Values of each of two joints in a grid of about [`SEARCH_SAMPLES`]: less than 0.5 % of a range apart.
+/// Number of values of each of two joints in a grid of about [`SEARCH_SAMPLES`]: less than 0.5 % of a range apart.
 const GRID: usize = 316;
 
-/// Random configurations from which the depth is lowered joint by joint, values of each joint, and rounds over all joints.
+/// Number of random configurations whose depth is minimised joint by joint, of values per joint, and of rounds over all joints.
 const DESCENTS: [usize; 3] = [8, 256, 2];
 
-/// A pair of links of a robot, and the joints that move one against the other.
+/// Pair of links of a robot, and the joints that move one relative to the other.
 pub(crate) struct PairSearch<'r> {
     robot: &'r Robot,
     links: (usize, usize),
@@ -19,7 +19,7 @@ pub(crate) struct PairSearch<'r> {
     frames: LinkFrames,
 }
 
-/// Solids, where they are.
+/// Solids with their poses in the root frame.
 type Placed<'r> = Vec<(Pose, &'r Solid)>;
 
 impl<'r> PairSearch<'r> {
@@ -33,9 +33,9 @@ impl<'r> PairSearch<'r> {
         Self { robot, links, joints, frames: robot.frames() }
     }
 
-    /// A configuration (m, rad; one per joint) in which the links are free of each other, if one is found: in a grid
-    /// over one or two joints between them; else among random ones, and where each joint in turn is put where the
-    /// links are least deep in each other.
+    /// Searches for a configuration (m, rad; one per joint) in which the links do not touch: in a grid over one or two joints
+    /// between them; otherwise among random ones, and by moving each joint in turn to its value of minimum penetration
+    /// depth.
     pub fn free_configuration(&mut self) -> Option<Vec<f64>> {
         let limits = self.robot.limits();
         let value = |joint: usize, step: usize, steps: usize| {
@@ -85,17 +85,17 @@ impl<'r> PairSearch<'r> {
         None
     }
 
-    /// Greatest size of a window in which the links are free and that the search can have missed.
+    /// Describes the maximum size of a window of free configurations that the search may have missed.
     pub fn missed(&self) -> &'static str {
         match self.joints.len() {
             0 | 1 => "a window of 0.001 % of the joint's range",
             2 => "a window of 0.32 % of the range of either joint",
-            // No hit in n samples: less than 3 / n with 95 % confidence.
+            // No hit in n samples means a share below 3 / n with 95 % confidence.
             _ => "0.003 % of all configurations",
         }
     }
 
-    /// Whether the links are free of each other at `q` (m, rad; one per joint).
+    /// Returns true if the links do not touch at `q` (m, rad; one per joint).
     pub fn is_free(&mut self, q: &[f64]) -> bool {
         self.robot.forward_kinematics(q, &mut self.frames);
         let (first, second) = self.placed();
@@ -107,7 +107,7 @@ impl<'r> PairSearch<'r> {
         })
     }
 
-    /// The greatest depth of any two solids of the links in each other at `q` (m, rad; one per joint), in metres.
+    /// Returns the maximum penetration depth of any two solids of the links at `q` (m, rad; one per joint), in metres.
     pub fn depth_m(&mut self, q: &[f64]) -> f64 {
         self.robot.forward_kinematics(q, &mut self.frames);
         let (first, second) = self.placed();
@@ -117,7 +117,7 @@ impl<'r> PairSearch<'r> {
         overlaps.map(|overlap| overlap.depth_m).fold(0.0, f64::max)
     }
 
-    /// The solids of both links, where they are.
+    /// Returns the solids of both links with their poses in the root frame.
     fn placed(&self) -> (Placed<'r>, Placed<'r>) {
         let of = |link: usize| {
             let root_from_link = *self.frames.link(link);

@@ -19,9 +19,9 @@ use crate::{Base, SetupError, SetupOptions, xacro};
 
 const BASE_LINK: &str = "ground";
 
-/// A robot that is being found out about: its text as it will be written, and what was chosen so far.
+/// Draft of a robot setup: the URDF text to be written, and the choices made.
 pub(crate) struct Draft<'a> {
-    /// What errors call it.
+    /// Name in errors.
     pub file: String,
     folder: PathBuf,
     options: &'a SetupOptions,
@@ -29,9 +29,9 @@ pub(crate) struct Draft<'a> {
     anatomy: Anatomy,
     pub choices: Vec<Choice>,
     pub hand: Option<HandDescription>,
-    /// Links whose meshes stand for what they enclose.
+    /// Links whose meshes represent the solid they enclose.
     pub solid_meshes: Vec<String>,
-    /// Whether it is a hand without an arm.
+    /// True if it is a hand without an arm.
     is_alone: bool,
 }
 
@@ -68,7 +68,7 @@ impl<'a> Draft<'a> {
         Ok(())
     }
 
-    /// Finds the hand, or mounts one: which, if it is not the robot's own.
+    /// Finds the hand or mounts one; returns the gripper that was mounted, if any.
     pub fn find_hand(&mut self) -> Result<Option<MountedGripper>, SetupError> {
         let link = |name: &Option<String>| {
             name.as_ref().map(|name| named_link(&self.anatomy, &self.file, name)).transpose()
@@ -97,12 +97,12 @@ impl<'a> Draft<'a> {
         }
     }
 
-    /// Whether a jaw was found once its meshes, and those of the palm that is one body with the other jaw, were taken for
-    /// what they enclose: their hulls may fill the mouth between them.
+    /// Returns true if a jaw is found once the meshes of the jaw, and of the palm that is one body with the other jaw,
+    /// represent the solids they enclose: their hulls may fill the mouth between them.
     fn open_mouth(&mut self, palm: Option<usize>) -> bool {
         let Some(links) = jaw_links(&self.anatomy, palm) else { return false };
         let (folder, packages) = (Some(self.folder.as_path()), &self.options.packages);
-        // Meshes that enclose nothing stay hulls.
+        // Meshes that enclose no solid remain hulls.
         let Ok(anatomy) = Anatomy::of(&self.text, folder, packages, &links) else { return false };
         if HandGuess::of(&anatomy, palm).is_none_or(|guess| guess.kind != HandKind::Jaw) {
             return false;
@@ -110,14 +110,14 @@ impl<'a> Draft<'a> {
         self.choices.push(Choice::new(
             "solid meshes",
             links.join(", "),
-            "the convex hulls that other meshes stand for fill the mouth between the jaws",
+            "the convex hulls of their meshes would fill the gap between the jaws",
             "`solid_meshes` in robot.yaml",
         ));
         (self.anatomy, self.solid_meshes) = (anatomy, links);
         true
     }
 
-    /// Whether there were bodies to leave out because they are marks.
+    /// Removes bodies that are marks; returns true if there were any.
     fn leave_out_marks(&mut self, guess: Option<&HandGuess>) -> Result<bool, SetupError> {
         let marks = guess.map_or_else(Vec::new, |guess| marks(&self.anatomy, guess));
         for mark in &marks {
@@ -126,7 +126,8 @@ impl<'a> Draft<'a> {
             self.choices.push(Choice::new(
                 "left out",
                 format!("the collision geometry of {name}"),
-                "a speck between the pads that touches nothing is a mark, and every grasp would collide with it",
+                "a tiny body between the pads that touches no other link is a marker, and every grasp would \
+                 collide with it",
                 "put it back in the URDF",
             ));
         }
@@ -147,7 +148,7 @@ impl<'a> Draft<'a> {
         self.choices.push(Choice::new(
             "hand",
             format!("none found: the built-in gripper ({}) is mounted on {name}", gripper.hand.name),
-            "no link carries parts that close towards each other",
+            "no link carries fingers that close towards each other",
             "--bare leaves the arm as it is; --palm LINK names the link that carries the fingers; --tip LINK the flange",
         ));
         Ok(gripper)
@@ -158,7 +159,7 @@ impl<'a> Draft<'a> {
         SetupError::NoArm { file: self.file.clone(), tip: self.options.tip.clone(), joints }
     }
 
-    /// Puts the robot on the base that is wanted; a hand alone on one that flies.
+    /// Puts the robot on the requested base; a hand alone gets a floating one by default.
     pub fn put_on_base(&mut self) -> Result<Base, SetupError> {
         let base = self.options.base.unwrap_or(if self.is_alone { Base::Floating } else { Base::Own });
         if base == Base::Own && self.is_alone {
@@ -171,7 +172,7 @@ impl<'a> Draft<'a> {
         Ok(base)
     }
 
-    /// The robot as the files will have it.
+    /// Builds the robot as described by its future files.
     pub fn robot(&self, written: &Written) -> Result<Arc<Robot>, RobotError> {
         let named = |name: &str, text: String| Some(TextSource::Text { name: name.to_owned(), text });
         let options = RobotOptions {
@@ -190,14 +191,14 @@ pub(crate) fn read_text(path: &Path) -> Result<String, RobotError> {
     cranny_file::TEXT.argument().text(path).map_err(unreadable)
 }
 
-/// The name that a file gives to its robot: `arm` of `arm.urdf` and of `arm.urdf.xacro`.
+/// Returns the robot name from a file name: `arm` for `arm.urdf` and `arm.urdf.xacro`.
 pub fn robot_name(urdf: &Path) -> String {
     let name = urdf.file_name().unwrap_or_default().to_string_lossy();
     let plain = name.strip_suffix(".xacro").unwrap_or(&name);
     Path::new(plain).file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// The text of a URDF, expanded if it is a xacro file, and what errors call it.
+/// Reads the text of a URDF, expanded if it is a xacro file, and returns it with its name in errors.
 fn read(
     urdf: &Path,
     options: &SetupOptions,
@@ -219,7 +220,7 @@ fn read(
         }
         Some(_) if !options.xacro.is_empty() => Err(SetupError::NotThere {
             file,
-            what: "arguments are given for xacro, but this is no xacro file".to_owned(),
+            what: "arguments for xacro are given, but this is not a xacro file".to_owned(),
         }),
         Some(text) => Ok((text?, file)),
     }
@@ -229,11 +230,11 @@ fn named_link(anatomy: &Anatomy, file: &str, name: &str) -> Result<usize, SetupE
     let known = || anatomy.robot.links().iter().map(|link| link.name.as_str()).collect::<Vec<_>>().join(", ");
     anatomy.robot.link_index(name).ok_or_else(|| SetupError::NotThere {
         file: file.to_owned(),
-        what: format!("there is no link {name}; it has {}", cranny_file::excerpt(&known())),
+        what: format!("unknown link '{name}' (known: {})", cranny_file::excerpt(&known())),
     })
 }
 
-/// That something moves.
+/// Checks that most joints have a range.
 fn check_ranges(file: &str, anatomy: &Anatomy) -> Result<(), SetupError> {
     let limits = anatomy.robot.limits().iter().zip(anatomy.robot.joint_names());
     let stuck: Vec<&str> = limits
@@ -251,7 +252,7 @@ fn fixed(name: &str) -> MountingJoint {
     MountingJoint { name: name.to_owned(), kind: "fixed", mount_from_carried: Pose::identity() }
 }
 
-/// Where a tool goes: a bare link with a flange's name on the last body of the longest chain, else its last link.
+/// Returns the mounting link of a tool: a flange, by its name, on the last body of the longest chain, else its last link.
 fn flange(anatomy: &Anatomy) -> Option<usize> {
     let depth = |body: &usize| anatomy.joints_of(*body).count();
     let body = (0..anatomy.bodies.len()).max_by_key(depth)?;
@@ -267,13 +268,13 @@ fn flange(anatomy: &Anatomy) -> Option<usize> {
     named.iter().find_map(find).or_else(|| links.last().copied())
 }
 
-/// Whether enough joints lead there to speak of an arm.
+/// Returns true if enough joints move the link for its chain to be an arm.
 fn is_on_arm(anatomy: &Anatomy, link: usize) -> bool {
     const FEWEST: usize = 3;
     anatomy.joints_of(anatomy.body_of[link]).count() >= FEWEST
 }
 
-/// The hand that was found, its frame made a link of the URDF.
+/// Describes the hand that was found, and adds its frame as a link of the URDF.
 fn describe(
     anatomy: &Anatomy,
     guess: &HandGuess,
@@ -296,12 +297,10 @@ fn describe(
         }
         HandKind::Jaw => (
             format!("on {palm}, closed by {}", joints.join(", ")),
-            "one jaw moves towards one that is part of it",
+            "one jaw moves towards a fixed jaw on that link",
         ),
         HandKind::Rigid => (
-            format!(
-                "two prongs on {palm} that do not come together: grasps can be reached, but not closed on"
-            ),
+            format!("two rigid prongs on {palm}: grasps can be reached, but not closed"),
             "no joint moves them towards each other",
         ),
     };
@@ -309,7 +308,7 @@ fn describe(
     let name = match (tip, guess.existing) {
         (Some(tip), _) => {
             let name = anatomy.link_name(tip).to_owned();
-            choices.push(Choice::new("gripper frame", name.clone(), "as told", "--tip LINK"));
+            choices.push(Choice::new("gripper frame", name.clone(), "as requested", "--tip LINK"));
             name
         }
         (None, Some(link)) => {
@@ -362,14 +361,14 @@ fn describe(
     })
 }
 
-/// A name that no link has.
+/// Returns an unused link name.
 fn free_name(anatomy: &Anatomy, name: &str) -> String {
     let numbered = (2..).map(|number: u32| format!("{name}_{number}"));
     let mut names = std::iter::once(name.to_owned()).chain(numbered);
     names.find(|name| anatomy.robot.link_index(name).is_none()).unwrap_or_default()
 }
 
-/// The same on a base that moves.
+/// Returns the robot on a mobile base.
 fn on_base(text: &UrdfText, base: Base) -> Result<UrdfText, SetupError> {
     let name = text.robot_name()?.replace(['<', '&', '"'], "_");
     let ground = format!("<robot name=\"{name}\">\n  <link name=\"{BASE_LINK}\"/>\n</robot>\n");
@@ -382,11 +381,11 @@ fn describe_base(anatomy: &Anatomy, base: Base, is_alone: bool, choices: &mut Ve
     let (what, why, otherwise) = match base {
         Base::Floating => (
             "flies: floating joint under its root (x, y, z, yaw, pitch, roll)".to_owned(),
-            if is_alone { "a hand without an arm" } else { "as told" },
+            if is_alone { "a hand without an arm" } else { "as requested" },
             "give the URDF of the whole robot",
         ),
         Base::Planar => {
-            ("drives: planar joint under its root (x, y, theta)".to_owned(), "as told", "--base own")
+            ("drives: planar joint under its root (x, y, theta)".to_owned(), "as requested", "--base own")
         }
         Base::Own => {
             let slides = anatomy.robot.joints().iter().filter(|joint| joint.kind == JointKind::Prismatic);
@@ -398,7 +397,7 @@ fn describe_base(anatomy: &Anatomy, base: Base, is_alone: bool, choices: &mut Ve
             });
             match (drives, anatomy.wheels()) {
                 (true, _) => {
-                    ("its own joints move its base".to_owned(), "they come first in it", "limits.yaml")
+                    ("its own joints move its base".to_owned(), "they are its first joints", "limits.yaml")
                 }
                 (false, 0) => ("fixed".to_owned(), "no joint moves its root", "--base planar lets it drive"),
                 (false, wheels) => (

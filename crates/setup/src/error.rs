@@ -4,11 +4,11 @@ use cranny_collision::CollisionError;
 use cranny_robot::RobotError;
 use cranny_scenario::ScenarioError;
 
-/// Why a URDF cannot be made a robot of one's own.
+/// Reason why a robot cannot be set up from a URDF.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SetupError {
-    /// A robot file is wrong.
+    /// A robot file has a fault.
     #[error(transparent)]
     Robot(#[from] RobotError),
     /// A folder cannot be written.
@@ -17,15 +17,15 @@ pub enum SetupError {
     /// A body cannot be checked.
     #[error(transparent)]
     Collision(#[from] CollisionError),
-    /// A xacro file that is not expanded.
+    /// A xacro file is not expanded.
     #[error("{} is a xacro file, which becomes a URDF by `xacro {} > robot.urdf`: {reason}", path.display(), path.display())]
     Xacro {
         /// The file.
         path: PathBuf,
-        /// Why that is not done here.
+        /// Reason why it is not expanded here.
         reason: String,
     },
-    /// Neither an arm nor a hand.
+    /// The robot has neither an arm nor a hand.
     #[error(
         "{file}: nothing here can grasp: no joint moves {} ({joints}). Give the URDF of the whole robot{}",
         tip.as_ref().map_or_else(|| "a hand or a tool".to_owned(), |tip| format!("--tip {tip}")),
@@ -34,12 +34,12 @@ pub enum SetupError {
     NoArm {
         /// The file.
         file: String,
-        /// The link that is to grasp, if it was named.
+        /// Requested tip link, if given.
         tip: Option<String>,
-        /// What moves.
+        /// Joints that move.
         joints: String,
     },
-    /// Joints that could move, but have no range.
+    /// Most joints have no range.
     #[error(
         "{file}: {joints}: lower and upper limit are the same, so nothing moves (a <limit> without lower and upper means 0 \
          to 0: give both, or make the joint continuous)"
@@ -50,23 +50,24 @@ pub enum SetupError {
         /// The joints.
         joints: String,
     },
-    /// A link that was named is not there, or carries no hand.
+    /// A named link does not exist, or carries no hand.
     #[error("{file}: {what}")]
     NotThere {
         /// The file.
         file: String,
-        /// What.
+        /// Description of the fault.
         what: String,
     },
-    /// No configuration is free.
+    /// No drawn configuration is free of self-collision.
     #[error(
-        "{file}: in each of the drawn configurations the robot touches itself or the ground, mostly {pair}: if links may \
-         touch there, say so in an SRDF (<disable_collisions link1=… link2=… reason=…/>) and give it by --srdf"
+        "{file}: in each of the drawn configurations the robot touches itself or the ground, mostly {pair}: \
+         if links may touch there, declare them in an SRDF (<disable_collisions link1=… link2=… reason=…/>) \
+         and give it with --srdf"
     )]
     NeverFree {
         /// The file.
         file: String,
-        /// Which links.
+        /// Links that touch most often.
         pair: String,
     },
 }

@@ -8,30 +8,30 @@ use serde::Serialize;
 use crate::SetupError;
 use crate::self_contacts::{SELF_CONTACT_SAMPLES, SelfContact};
 
-/// What follows from a robot's files.
+/// Findings from a robot's files.
 #[derive(Clone, Debug, Serialize)]
 pub struct RobotFindings {
-    /// The joints that move, a line each.
+    /// Joints that move, one line each.
     pub joints: Vec<String>,
-    /// All else.
+    /// Other findings.
     pub findings: Vec<Finding>,
 }
 
-/// One thing that a robot's files say or leave out, and what follows from it.
+/// Property or omission of a robot's files, and its consequence.
 #[derive(Clone, Debug, Serialize)]
 pub struct Finding {
-    /// What it is about.
+    /// Subject of the finding.
     pub what: &'static str,
-    /// What was found.
+    /// Observed property.
     pub found: String,
-    /// What follows.
+    /// Consequence for planning.
     pub consequence: String,
-    /// Whether nothing can be planned until it is mended.
+    /// True if it must be fixed before anything can be planned.
     pub is_fault: bool,
 }
 
 impl RobotFindings {
-    /// Of a robot.
+    /// Collects the findings of a robot.
     ///
     /// # Errors
     /// [`SetupError::Collision`] for a body that cannot be checked.
@@ -53,8 +53,7 @@ impl RobotFindings {
         let contacts = SelfContact::sample(robot)?;
         let mut findings = vec![tip(robot), hand(robot)];
         findings.extend(cranny_scenario::wide_opening(robot).map(|doubt| {
-            let consequence =
-                "grasps are sampled that the fingers do not reach round (`opening_m` in robot.yaml)";
+            let consequence = "sampled grasps can be too wide for the fingers (`opening_m` in robot.yaml)";
             finding("opening", doubt, consequence, false)
         }));
         findings.push(rates(robot));
@@ -63,18 +62,16 @@ impl RobotFindings {
                 finding("not read", note.clone(), "nothing planned or proven depends on it", false)
             }),
         );
-        findings.extend(
-            cranny_scenario::link_repairs(robot)
-                .into_iter()
-                .map(|repair| finding("mesh", repair, "what its mended surface encloses is full", false)),
-        );
+        findings.extend(cranny_scenario::link_repairs(robot).into_iter().map(|repair| {
+            finding("mesh", repair, "the volume that its repaired surface encloses is solid", false)
+        }));
         findings.extend(geometry(robot));
         findings.extend(pairs(robot, &contacts));
         findings.push(start(robot)?);
         Ok(Self { joints, findings })
     }
 
-    /// Whether something can be planned for it.
+    /// Returns true if there is no fault that prevents planning.
     pub fn is_sound(&self) -> bool {
         self.findings.iter().all(|finding| !finding.is_fault)
     }
@@ -88,19 +85,19 @@ fn name(robot: &Robot, link: usize) -> &str {
     &robot.links()[link].name
 }
 
-/// Links that are seen and not checked.
+/// Reports links that have visual but no collision geometry.
 fn geometry(robot: &Robot) -> Option<Finding> {
     let shaped = robot.links().iter().filter(|link| !link.collisions.is_empty()).count();
     let unseen: Vec<&str> = cranny_scenario::seen_only_links(robot).collect();
     let names = unseen.join(", ");
-    let consequence = "what has a <visual> and no <collision> touches nothing in any check or proof";
+    let consequence = "links with a <visual> but no <collision> are ignored by collision checks and proofs";
     (!unseen.is_empty()).then(|| finding("not checked", names, consequence, shaped == 0))
 }
 
 fn tip(robot: &Robot) -> Finding {
     let found = name(robot, robot.tip()).to_owned();
-    let consequence =
-        "it is brought to grasps: y must be the axis on which the pads close, z the approach direction";
+    let consequence = "the frame that is moved to grasps: y must be the axis on which the pads close, z the \
+                       approach direction";
     finding("gripper frame", found, consequence, false)
 }
 
@@ -108,8 +105,8 @@ fn hand(robot: &Robot) -> Finding {
     let links: Vec<&str> = robot.hand_links().iter().map(|&link| name(robot, link)).collect();
     let links = links.join(", ");
     let Some(hand) = robot.hand() else {
-        let consequence = "no joint is known to close it: grasps of files can be reached, none sampled, nothing carried \
-                           (`hand` in robot.yaml)";
+        let consequence = "no joint is known to close it: grasps from files can be reached, but none sampled \
+                           and nothing carried (`hand` in robot.yaml)";
         return finding("hand", links, consequence, false);
     };
     let description = &hand.description;
@@ -123,7 +120,7 @@ fn hand(robot: &Robot) -> Finding {
     let consequence = match (joints.is_empty(), hand.fingers) {
         (true, _) => "grasps are sampled for it, and reached; nothing is carried".to_owned(),
         (false, 1) => format!(
-            "one finger moves ({}), closing with {} N; the other side stands",
+            "one finger moves ({}), closing with {} N; the other side is fixed",
             counted(hand.joints.len(), "joint"),
             description.closing_force_n
         ),
@@ -169,14 +166,15 @@ fn pairs(robot: &Robot, contacts: &[SelfContact]) -> Vec<Finding> {
         let adjacent = if contact.is_adjacent { "adjacent, " } else { "" };
         let found =
             format!("{}: {adjacent}they touch in {touched} % of drawn configurations{depth}", pair(contact));
-        findings.push(finding("unchecked pair", found, "not checked, as its SRDF says", false));
+        findings.push(finding("unchecked pair", found, "not checked, as declared in its SRDF", false));
     }
     for (contact, reason) in contacts.iter().filter_map(|c| Some((c, c.unchecked?))) {
         let touched = contact.touching * 100 / SELF_CONTACT_SAMPLES;
         let found = format!("{}: they touch in {touched} % of drawn configurations", pair(contact));
         let consequence = match reason {
             UncheckedReason::AdjacentFree => {
-                "adjacent, proven to touch at no value of their joint; their distance counts for no clearance"
+                "adjacent, proven to touch at no value of their joint; their distance does not count as \
+                 clearance"
             }
             UncheckedReason::AdjacentAtJoint => {
                 "adjacent, not checked, and named with every plan: near their joint they touch at some of its values \
@@ -186,13 +184,13 @@ fn pairs(robot: &Robot, contacts: &[SelfContact]) -> Vec<Finding> {
                 "adjacent, not checked, and named with every plan: too close to prove anything of them"
             }
             _ => {
-                "proven to touch wherever the joints between them stand; not checked, and named with every plan; an SRDF that \
-                 disables the pair says that it is meant"
+                "proven to touch in every configuration; not checked, and named with every plan; to accept \
+                 the contact, disable the pair in an SRDF"
             }
         };
         findings.push(finding("not compared", found, consequence, false));
     }
-    /// Pairs that touch in more of them, in per cent, take much of what a robot can do.
+    /// Minimum share of configurations in contact, in per cent, above which a pair severely restricts the robot.
     const OFTEN: usize = 60;
     let often = |c: &&SelfContact| {
         !c.is_declared && c.unchecked.is_none() && c.touching * 100 > OFTEN * SELF_CONTACT_SAMPLES
@@ -203,7 +201,7 @@ fn pairs(robot: &Robot, contacts: &[SelfContact]) -> Vec<Finding> {
         findings.push(finding(
             "touching pair",
             found,
-            "checked: the robot can do little of what its joints allow",
+            "checked: it severely restricts the motion of the robot",
             false,
         ));
     }
@@ -212,13 +210,14 @@ fn pairs(robot: &Robot, contacts: &[SelfContact]) -> Vec<Finding> {
 
 fn start(robot: &Arc<Robot>) -> Result<Finding, SetupError> {
     let Some(start) = robot.default_start() else {
-        let consequence = "a scenario says where it starts, or each joint is as near to 0 as it can be (`start` in robot.yaml)";
-        return Ok(finding("start", "none is said".to_owned(), consequence, false));
+        let consequence = "a scenario states the start; otherwise each joint is as near to 0 as its limits \
+                           allow (`start` in robot.yaml)";
+        return Ok(finding("start", "not stated".to_owned(), consequence, false));
     };
     if let Some(outside) = robot.first_limit_violation(start) {
         let joint = &robot.joint_names()[outside.joint];
         let found =
-            format!("{joint} stands at {}, outside {} to {}", outside.value, outside.lower, outside.upper);
+            format!("{joint} is at {}, outside {} to {}", outside.value, outside.lower, outside.upper);
         return Ok(finding("start", found, "nothing can be planned from there", true));
     }
     let floor = robot.floor_m().map(Body::floor);
@@ -228,7 +227,7 @@ fn start(robot: &Arc<Robot>) -> Result<Finding, SetupError> {
         None => {
             let clear_mm = cell.clearance(start, &mut scratch) * 1000.0;
             let found = format!("free, {clear_mm:.1} mm from itself and the ground");
-            finding("start", found, "plans begin there unless a scenario says otherwise", false)
+            finding("start", found, "plans begin there unless a scenario states another start", false)
         }
         Some(contact) => {
             let [first, second] = contact.names(&cell);

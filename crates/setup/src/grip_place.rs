@@ -4,11 +4,11 @@ use cranny_spatial::{Point, Pose, Rotation, Vector};
 use crate::anatomy::{distance_m, extent_m};
 use crate::palm::LONGEST_FINGER_M;
 
-/// Less than this between two sides holds nothing, in metres.
+/// Minimum distance between two sides that can hold an object, in metres.
 const LEAST_OPENING_M: f64 = 1e-3;
 
-/// A frame of which y is as told, z as near as can be to where the fingers point, and x along the hinges, if there are any;
-/// along the axes of the palm where they are nearly that.
+/// Returns a frame with the given y, z as near as possible to the pointing direction of the fingers, and x along the hinges,
+/// if there are any; axes near those of the palm are snapped to them.
 pub(crate) fn upright(y: &Vector, ahead: &Vector, hinge: Option<&Vector>) -> Option<Rotation> {
     let y = snapped(&y.try_normalize(1e-9)?, 5.0_f64.to_radians());
     let mut z = ahead - y * ahead.dot(&y);
@@ -21,27 +21,27 @@ pub(crate) fn upright(y: &Vector, ahead: &Vector, hinge: Option<&Vector>) -> Opt
     Some(Rotation::from_matrix(&axes))
 }
 
-/// The axis of the frame that is within that angle of a direction, if one is; else the direction.
+/// Returns the axis of the frame within that angle of a direction, if there is one; else the direction.
 fn snapped(direction: &Vector, within_rad: f64) -> Vector {
     let axes = [Vector::x(), Vector::y(), Vector::z()].into_iter().flat_map(|axis| [axis, -axis]);
     let near = |axis: &Vector| axis.dot(direction) > cranny_spatial::sin_cos(within_rad).1;
     axes.into_iter().find(near).unwrap_or(*direction)
 }
 
-/// Where the gripper frame lies.
+/// Geometry of the grip.
 pub(crate) struct Place {
     pub origin: Point,
     pub opening_m: f64,
     pub finger_depth_m: f64,
 }
 
-/// How far behind the tips of fingers of that length, in metres.
+/// Distance of the gripper frame behind the tips of fingers of that length, in metres.
 fn inset_m(finger_m: f64) -> f64 {
     (0.15 * finger_m).clamp(0.003, 0.012)
 }
 
-/// The middle between two sides, a little behind the nearer end of them; `all` is the whole hand. None for a side without
-/// a body.
+/// Returns the grip centred between two sides, slightly behind the end of the shorter one; `all` is the whole hand. `None`
+/// for a side without a body.
 pub(crate) fn place(
     rotation: &Rotation,
     [low, high]: &[Vec<(Pose, Solid)>; 2],
@@ -59,7 +59,7 @@ pub(crate) fn place(
     let both: Vec<(Pose, Solid)> = low.iter().chain(high).cloned().collect();
     let middle_x = 0.5 * (extent_m(&both, &x) - extent_m(&both, &-x));
     let at = |across: f64| Point::from(x * middle_x + y * across + z * depth_z);
-    // As far from the one as from the other.
+    // The origin is equidistant from both sides.
     let (mut near, mut far) = (-extent_m(low, &-y), extent_m(high, &y));
     for _ in 0..60 {
         let across = 0.5 * (near + far);
@@ -67,7 +67,7 @@ pub(crate) fn place(
         if distance_m(low, &point) < distance_m(high, &point) { near = across } else { far = across }
     }
     let mut origin = at(0.5 * (near + far));
-    // Half a tenth of a millimetre is what such a search leaves.
+    // The bisection has an error of up to half a tenth of a millimetre.
     if (origin - between).dot(&y).abs() < 1e-4 {
         origin += y * (between - origin).dot(&y);
     }
@@ -76,9 +76,9 @@ pub(crate) fn place(
     (opening_m > LEAST_OPENING_M).then_some(Place { origin, opening_m, finger_depth_m })
 }
 
-/// How far a point can go in a direction before it meets a solid, in metres; at most as long as a finger is.
+/// Returns the free distance from a point in a direction to a solid, in metres; at most the maximum length of a finger.
 pub(crate) fn free_way_m(solids: &[(Pose, Solid)], from: &Point, direction: &Vector) -> f64 {
-    /// Nearer is there, in metres.
+    /// Distance that counts as contact, in metres.
     const THERE_M: f64 = 1e-4;
     let mut way_m = 0.0;
     while way_m < LONGEST_FINGER_M {

@@ -1,12 +1,12 @@
-//! The hand of a robot, found by its structure; names only decide between equals.
+//! Detection of the hand of a robot by its structure; names only break ties.
 //!
-//! 1. The palm is a body on which two or more small parts move that are no wheels, the farthest from the root; or one on
-//!    which a single one moves that is called a jaw or the like.
-//! 2. Each joint that moves them stands open at that end of its range at which the fingers are farthest apart.
-//! 3. The closing axis is that of the slides, or at a right angle to the hinges; the approach direction leads from the palm
-//!    to the tips of the fingers.
-//! 4. The gripper frame lies between the pads, in their middle, a little behind the tips. A bare link that is there already
-//!    is taken for it.
+//! 1. The palm is the body farthest from the root that carries two or more small moving bodies other than wheels; or one
+//!    that carries a single such body with a name like "jaw".
+//! 2. Each joint that moves them is open at the end of its range at which the fingers are farthest apart.
+//! 3. The closing axis is that of the slides, or perpendicular to the hinges; the approach direction points from the palm to
+//!    the tips of the fingers.
+//! 4. The gripper frame lies centred between the pads, slightly behind the tips. An existing bare link at this pose is used
+//!    for it.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -19,24 +19,24 @@ use crate::grip_place::{Place, free_way_m, place, upright};
 use crate::palm::{LONGEST_FINGER_M, Palm, palm_link, palms};
 use crate::posture::Posture;
 
-/// What was found.
+/// Detected hand.
 #[derive(Clone, Debug)]
 pub(crate) struct HandGuess {
-    /// The link that carries the fingers, or is the tool.
+    /// Link that carries the fingers, or is the tool.
     pub palm: usize,
-    /// The gripper frame on it.
+    /// Gripper frame in the palm link.
     pub palm_from_frame: Pose,
-    /// A bare link that is this frame.
+    /// Existing bare link with this frame.
     pub existing: Option<usize>,
-    /// The joints that close it; none: it cannot close.
+    /// Joints that close the hand; empty if it cannot close.
     pub fingers: BTreeMap<String, FingerRange>,
     pub opening_m: f64,
     pub finger_depth_m: f64,
-    /// With what it closes, where the drives say so.
+    /// Closing force in newtons, if the drives give one.
     pub force_n: Option<f64>,
-    /// How it was found.
+    /// Kind of hand.
     pub kind: HandKind,
-    /// Palms that were found besides.
+    /// Palm links of other candidates.
     pub others: Vec<usize>,
 }
 
@@ -44,27 +44,27 @@ pub(crate) struct HandGuess {
 pub(crate) enum HandKind {
     /// Fingers that move on both sides.
     Fingers,
-    /// One jaw that moves towards one that does not.
+    /// One jaw that moves towards a fixed one.
     Jaw,
-    /// Two prongs that do not move.
+    /// Two fixed prongs.
     Rigid,
 }
 
-/// Less than this between two ends of a joint's range opens nothing, in metres.
+/// Minimum difference of the finger spread between the ends of a joint's range that counts as opening, in metres.
 const LEAST_OPENING_M: f64 = 1e-3;
 
-/// No hand of one jaw is held wider open than this, in metres and radians: what it can take between its tips.
+/// Maximum opening of a hand with one jaw, in metres and radians: the size of an object between its tips.
 const WIDEST_JAW_M: f64 = 0.08;
 const WIDEST_JAW_RAD: f64 = 0.7;
 
-/// How long the tips are taken for that go on fingers without bodies, in metres.
+/// Assumed length of the fingertips of fingers without bodies, in metres.
 const FINGERTIP_M: f64 = 0.04;
 
-/// What fingers press with where the drives do not say so: as much as a Robotiq 2F-85 does at a sixth of its range.
+/// Default force of the fingers in newtons, if the drives give none: that of a Robotiq 2F-85 at a sixth of its range.
 pub(crate) const DEFAULT_FORCE_N: f64 = 40.0;
 
 impl HandGuess {
-    /// The hand on `palm`, a link, or else the best one that is found.
+    /// Returns the hand on the link `palm`, or else the best one found.
     pub fn of(anatomy: &Anatomy, palm: Option<usize>) -> Option<Self> {
         let wanted = |body: usize| palm.is_none_or(|link| anatomy.body_of[link] == body);
         let mut found = palms(anatomy, 2);
@@ -129,8 +129,8 @@ fn of_fingers(anatomy: &Anatomy, palm: &Palm) -> Option<HandGuess> {
     // 3.
     let posture = Posture::at(anatomy, link, &open);
     let tips: Vec<Point> = palm.fingers.iter().map(|&finger| posture.tip(finger)).collect();
-    // The finger that reaches farthest, and of those that reach about as far the one farthest from it: with the knuckles
-    // of a linkage the ends of others are farther away, but not across.
+    // `first` is the finger that reaches farthest, `second` the one farthest from it among those that reach about as far: the
+    // knuckles of a linkage may be farther away, but not across.
     let behind = palm_origin(&posture, palm.body);
     let reach_m = |index: &usize| (tips[*index] - behind).norm();
     let first = (0..tips.len()).max_by(|a, b| reach_m(a).total_cmp(&reach_m(b)))?;
@@ -148,7 +148,7 @@ fn of_fingers(anatomy: &Anatomy, palm: &Palm) -> Option<HandGuess> {
     let hinge = (kind == JointKind::Revolute).then_some(axis);
     let palm_from_frame = upright(&y, &(between - behind), hinge.as_ref())?;
     let y = palm_from_frame * Vector::y();
-    // Who is on which side.
+    // The fingers are divided into the two sides.
     let side = |sign: f64| -> Vec<usize> {
         let on = |index: &usize| sign * (tips[*index] - between).dot(&y) > 0.0;
         (0..tips.len()).filter(on).map(|index| palm.fingers[index]).collect()
@@ -157,7 +157,7 @@ fn of_fingers(anatomy: &Anatomy, palm: &Palm) -> Option<HandGuess> {
     let solids_of = |posture: &Posture, fingers: &[usize]| -> Vec<(Pose, Solid)> {
         fingers.iter().flat_map(|&finger| posture.solids(finger)).collect()
     };
-    // 2. Closed is where they meet, or the other end. Where hulls of knuckles are in each other all the while, it is the end.
+    // 2. Closed is where the fingers meet, or else the other end. Knuckle hulls that always overlap also give that end.
     const STEPS: usize = 200;
     let touch_at = |share: f64| {
         let posture = Posture::at(anatomy, link, &between_of(&open, &ends, share));
@@ -174,10 +174,10 @@ fn of_fingers(anatomy: &Anatomy, palm: &Palm) -> Option<HandGuess> {
     let hinge_z = hinge_z.fold(f64::INFINITY, f64::min);
     let mut all = posture.palm_solids();
     all.extend(sides.iter().flatten().cloned());
-    // What does not close holds nothing, but can be brought to where it would.
+    // A hand that does not close cannot hold an object, but it can be moved to grasp poses.
     let hand_kind = if closing.is_empty() { HandKind::Rigid } else { HandKind::Fingers };
     let place = place(&palm_from_frame, &sides, &all, hinge_z, &between).or_else(|| {
-        // Fingers without bodies: as far apart as they come together, and as long as fingertips are.
+        // For fingers without bodies, the opening is their total travel, and their length that of assumed fingertips.
         let between = between + palm_from_frame * Vector::z() * FINGERTIP_M;
         let closed = Posture::at(anatomy, link, &closed);
         let shift = |finger: usize| {
@@ -203,7 +203,7 @@ fn of_jaw(anatomy: &Anatomy, palm: &Palm) -> Option<HandGuess> {
         q[mover.joint] = value;
         Posture::at(anatomy, link, &q)
     };
-    // How far the end of the jaw is from what it closes on.
+    // Each gap is the distance from the end of the jaw to the fixed side.
     const STEPS: usize = 200;
     let value = |step: usize| limits.lower + (limits.upper - limits.lower) * step as f64 / STEPS as f64;
     let gaps: Vec<f64> = (0..=STEPS)
@@ -215,7 +215,7 @@ fn of_jaw(anatomy: &Anatomy, palm: &Palm) -> Option<HandGuess> {
         })
         .collect();
     let closed = (0..=STEPS).min_by(|a, b| gaps[*a].total_cmp(&gaps[*b]))?;
-    // From there towards the end that is farther away, until it is open wide enough.
+    // From the closed position, the jaw opens towards the farther end until it is wide enough.
     let towards_high = STEPS - closed >= closed;
     let steps: Vec<usize> =
         if towards_high { (closed..=STEPS).collect() } else { (0..=closed).rev().collect() };
@@ -235,7 +235,7 @@ fn of_jaw(anatomy: &Anatomy, palm: &Palm) -> Option<HandGuess> {
     let y = y * if towards_high { 1.0 } else { -1.0 };
     let hinge = (kind == JointKind::Revolute).then_some(axis);
     let palm_from_frame = upright(&y, &(tip - palm_origin(&posture, palm.body)), hinge.as_ref())?;
-    // The middle between both, as far ahead as the open jaw goes, less a little.
+    // The grip is centred between both, slightly behind the reach of the open jaw.
     let moved = at(value(open)).solids(jaw);
     let mut all = fixed.clone();
     all.extend(moved.iter().cloned());
@@ -247,7 +247,7 @@ fn of_jaw(anatomy: &Anatomy, palm: &Palm) -> Option<HandGuess> {
     Some(guess(anatomy, link, palm_from_frame, &place, fingers, force_n, HandKind::Jaw))
 }
 
-/// The farthest point of a jaw from its hinge.
+/// Returns the farthest point of a jaw from its hinge.
 fn jaw_end(posture: &Posture, jaw: usize, solids: &[(Pose, Solid)]) -> Point {
     let hinge = posture.origin(posture.anatomy.bodies[jaw].top);
     let points = solids.iter().flat_map(|(pose, solid)| {
@@ -258,7 +258,7 @@ fn jaw_end(posture: &Posture, jaw: usize, solids: &[(Pose, Solid)]) -> Point {
     farthest.unwrap_or(hinge)
 }
 
-/// Two prongs on the last link of the longest chain, which do not move.
+/// Detects two fixed prongs on the last link of the longest chain.
 fn rigid(anatomy: &Anatomy, palm: Option<usize>) -> Option<HandGuess> {
     let depth = |body: &usize| anatomy.joints_of(*body).count();
     let deepest = (0..anatomy.bodies.len()).max_by_key(depth)?;
@@ -278,7 +278,7 @@ fn rigid(anatomy: &Anatomy, palm: Option<usize>) -> Option<HandGuess> {
         let [a, b] = [&own[a], &own[b]];
         let center = |(pose, solid): &(Pose, Solid)| pose * solid.ball().center;
         let between: Point = ((center(a).coords + center(b).coords) * 0.5).into();
-        // Prongs are alike, and nothing is between them.
+        // Prongs have similar sizes, and a gap between them.
         let is_alike = (a.1.ball().radius_m / b.1.ball().radius_m - 1.0).abs() < 0.2;
         let is_apart = distance_m(&all, &between) > 5e-3;
         let palm_from_frame = upright(&(center(b) - center(a)), &(between - whole), None)?;
@@ -297,7 +297,7 @@ fn rigid(anatomy: &Anatomy, palm: Option<usize>) -> Option<HandGuess> {
     Some(guess(anatomy, link, palm_from_frame, &place, BTreeMap::new(), None, HandKind::Rigid))
 }
 
-/// Where a body's fingers point away from: the origin of its topmost link, which the last joint of the arm moves.
+/// Origin from which a body's fingers point away: that of its topmost link, which the last joint of the arm moves.
 fn palm_origin(posture: &Posture, body: usize) -> Point {
     posture.origin(posture.anatomy.bodies[body].top)
 }
@@ -320,7 +320,7 @@ fn ranges(
     joints.iter().map(range).collect()
 }
 
-/// With what slides press, if their drives say something that a gripper does.
+/// Returns the force of the slides, if their drives give a value plausible for a gripper.
 fn force_n(anatomy: &Anatomy, joints: &[usize]) -> Option<f64> {
     let named = joints.iter().map(|&joint| &anatomy.joints[&anatomy.robot.joint_names()[joint]]);
     let slides = named.filter_map(|joint| joint.motion.as_ref());
@@ -353,7 +353,7 @@ fn guess(
     }
 }
 
-/// A bare link with the same axes, in the same plane between the pads, and about as deep.
+/// Returns a bare link with the same axes, in the same plane between the pads, and about as deep, if there is one.
 fn existing_frame(anatomy: &Anatomy, palm: usize, palm_from_frame: &Pose) -> Option<usize> {
     const BESIDE_M: f64 = 5e-3;
     const DEEP_M: f64 = 0.015;

@@ -1,4 +1,4 @@
-//! Greatest speeds, accelerations and jerks where nobody says them.
+//! Default limits of speed, acceleration and jerk for robots without them.
 
 use std::fmt::Write as _;
 
@@ -6,18 +6,18 @@ use cranny_robot::{JointFacts, JointKind, JointMotion};
 
 use crate::choice::Choice;
 
-/// `MoveIt`'s own defaults where a robot has no such limits, 1 rad/s² and 1 m/s², and ten times that for the jerk.
+/// Default acceleration of `MoveIt` for robots without such limits, 1 rad/s² and 1 m/s², and ten times that for the jerk.
 const ACCELERATION: f64 = 1.0;
 const JERK: f64 = 10.0;
 
-/// A careful speed for a joint without one: `MoveIt`'s 1 rad/s, and half a metre a second.
+/// Cautious default speed of a joint: `MoveIt`'s 1 rad/s, and half a metre per second.
 const SPEED_RAD_S: f64 = 1.0;
 const SPEED_M_S: f64 = 0.5;
 
-/// What is narrower than the URDF has it, by the joint's name.
+/// Ranges narrower than those of the URDF, by joint name (m, rad).
 pub(crate) type Ranges = Vec<(String, [f64; 2])>;
 
-/// A `limits.yaml` with just what a robot cannot be built without.
+/// Returns a `limits.yaml` with only the values that a robot cannot be built without.
 pub(crate) fn needed_text(joints: &[JointFacts]) -> String {
     text_of(joints, |text, name, speed, _| {
         if let Some(speed) = speed {
@@ -26,7 +26,7 @@ pub(crate) fn needed_text(joints: &[JointFacts]) -> String {
     })
 }
 
-/// A whole `limits.yaml`, in which each default is called one.
+/// Returns a complete `limits.yaml`, which marks its defaults as such.
 pub(crate) fn text(joints: &[JointFacts], ranges: &Ranges) -> String {
     let header = format!(
         "# Greatest velocities, accelerations and jerks of the joints (m, rad, s), where the URDF does not say them.\n\
@@ -55,7 +55,7 @@ pub(crate) fn text(joints: &[JointFacts], ranges: &Ranges) -> String {
     header + &body
 }
 
-/// What was chosen of them.
+/// Returns the choice of default limits.
 pub(crate) fn choice(joints: &[JointFacts]) -> Choice {
     let moving = joints.iter().filter_map(|joint| Some((joint, joint.motion.as_ref()?)));
     let slow = moving.filter(|(_, motion)| {
@@ -73,7 +73,7 @@ pub(crate) fn choice(joints: &[JointFacts]) -> Choice {
     Choice::new("limits", chosen, "defaults, where the URDF has none", "the maker's figures in limits.yaml")
 }
 
-/// Calls `line` for each joint that moves by itself, with a speed if it has none, and with what the URDF has of it.
+/// Calls `line` for each joint that does not mimic, with a default speed if it has none, and with its motion in the URDF.
 fn text_of(joints: &[JointFacts], line: impl Fn(&mut String, &str, Option<f64>, &JointMotion)) -> String {
     let mut text = String::from("joints:\n");
     let mut is_empty = true;
@@ -91,7 +91,7 @@ fn text_of(joints: &[JointFacts], line: impl Fn(&mut String, &str, Option<f64>, 
     if is_empty { "joints: {}\n".to_owned() } else { text }
 }
 
-/// A name as a YAML key.
+/// Formats a name as a YAML key.
 pub(crate) fn yaml_key(name: &str) -> String {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "_-./".contains(c);
     if !name.is_empty() && name.chars().all(is_plain) && name.starts_with(|c: char| c.is_ascii_alphabetic()) {

@@ -5,10 +5,10 @@ use crate::anatomy::Anatomy;
 use crate::hand_guess::HandGuess;
 use crate::posture::Posture;
 
-/// Links whose bodies are marks: specks that float between the pads and touch nothing, as some put them where the hand
-/// grasps. With them every grasp would collide.
+/// Returns the links whose bodies are marks: small bodies that float between the pads without touching anything, added to
+/// mark the grasp point. With them every grasp would collide.
 pub(crate) fn marks(anatomy: &Anatomy, guess: &HandGuess) -> Vec<usize> {
-    /// A mark is no larger, in metres, and this far from everything else.
+    /// Maximum size of a mark, in metres, and its minimum distance from all other bodies.
     const LARGEST_M: f64 = 0.02;
     const APART_M: f64 = 3e-3;
     let mut q = anatomy.rest();

@@ -1,4 +1,4 @@
-//! An SRDF that does not lie beside a URDF under its name, but where packages of ROS have it.
+//! Search for an SRDF that is not beside its URDF, but in the usual location in ROS packages.
 
 use std::path::{Path, PathBuf};
 
@@ -7,14 +7,14 @@ use cranny_robot::{Robot, RobotError, Srdf};
 use crate::choice::Choice;
 use crate::draft::{read_text, robot_name};
 
-/// What was found.
+/// SRDF that was found.
 pub(crate) struct NearSrdf {
     path: PathBuf,
     srdf: Result<Srdf, RobotError>,
 }
 
-/// The SRDF of the folder `../srdf` that has most of the beginning of its name in common with the URDF, and all of one of
-/// the two names.
+/// Finds the SRDF in the folder `../srdf` that shares the longest prefix with the name of the URDF, where one of the two
+/// names must be a prefix of the other.
 pub(crate) fn find(urdf: &Path) -> Option<NearSrdf> {
     let stem = &*robot_name(urdf);
     let folder = std::path::absolute(urdf).ok()?.parent()?.parent()?.join("srdf");
@@ -25,7 +25,7 @@ pub(crate) fn find(urdf: &Path) -> Option<NearSrdf> {
         let name = path.file_name()?.to_str()?.strip_suffix(".srdf")?;
         (name.starts_with(stem) || stem.starts_with(name)).then(|| name.len().min(stem.len()))
     };
-    // Of equals the shortest name: the robot itself, not one of its variants.
+    // Ties are broken by the shortest name, which is the robot itself and not one of its variants.
     let rank = |path: &PathBuf| Some((in_common(path)?, usize::MAX - path.as_os_str().len()));
     let path = files.into_iter().filter(|path| rank(path).is_some()).max_by_key(rank)?;
     let srdf = read_text(&path).and_then(|text| Srdf::parse(&text, &path.display().to_string()));
@@ -33,12 +33,12 @@ pub(crate) fn find(urdf: &Path) -> Option<NearSrdf> {
 }
 
 impl NearSrdf {
-    /// The SRDF, if it can be read.
+    /// Parsed SRDF, if it is readable.
     pub fn srdf(&self) -> Option<&Srdf> {
         self.srdf.as_ref().ok()
     }
 
-    /// The pairs that it disables, of links that the robot has.
+    /// Returns the disabled pairs of links that the robot has.
     pub fn pairs(&self, robot: &Robot) -> Vec<[String; 2]> {
         let is_known = |name: &String| robot.link_index(name).is_some();
         let pairs = self.srdf().into_iter().flat_map(|srdf| &srdf.disabled_pairs);
@@ -50,7 +50,7 @@ impl NearSrdf {
         let (chosen, why) = match &self.srdf {
             Ok(_) => (
                 format!("pairs and states of {path}"),
-                "it lies where packages have it, and its name is that of the URDF".to_owned(),
+                "it is in the usual folder of a package and has the name of the URDF".to_owned(),
             ),
             Err(fault) => ("none".to_owned(), format!("{path} cannot be read: {fault}")),
         };

@@ -2,19 +2,19 @@ use std::collections::BTreeSet;
 
 use crate::anatomy::{Anatomy, is_hand_name};
 
-/// A part farther from its joint than this, in metres, is no finger.
+/// Maximum extent of a finger from its joint, in metres.
 pub(crate) const LONGEST_FINGER_M: f64 = 0.35;
 
-/// A finger has at most so many parts.
+/// Maximum number of bodies of a finger.
 const MOST_PHALANGES: usize = 6;
 
-/// A body with its fingers.
+/// Body with its fingers.
 pub(crate) struct Palm {
     pub body: usize,
     pub fingers: Vec<usize>,
 }
 
-/// The bodies with at least so many fingers, the best first.
+/// Returns the bodies with at least `least` fingers, the best first.
 pub(crate) fn palms(anatomy: &Anatomy, least: usize) -> Vec<Palm> {
     let mut palms: Vec<(bool, usize, Palm)> = Vec::new();
     for body in 0..anatomy.bodies.len() {
@@ -31,7 +31,7 @@ pub(crate) fn palms(anatomy: &Anatomy, least: usize) -> Vec<Palm> {
             let joint = anatomy.joint_above(finger);
             joint.is_some_and(|joint| is_hand_name(&joint.name) || is_hand_name(&joint.child))
         });
-        // A single part that moves is mostly the last link of an arm.
+        // A single moving body is usually the last link of an arm.
         if least > 1 || (is_named && fingers.len() == 1) {
             palms.push((is_named, anatomy.joints_of(body).count(), Palm { body, fingers }));
         }
@@ -57,13 +57,13 @@ fn is_finger(anatomy: &Anatomy, child: usize) -> bool {
     far_m.fold(0.0, f64::max) < LONGEST_FINGER_M
 }
 
-/// The link that the joint above a finger hangs on.
+/// Returns the parent link of the joint above a finger.
 pub(crate) fn palm_link(anatomy: &Anatomy, finger: usize) -> usize {
     let top = anatomy.bodies[finger].top;
     anatomy.robot.links()[top].parent.unwrap_or(0)
 }
 
-/// The links with bodies of the best palm on which a single part moves, and of that part.
+/// Returns the links with bodies of the best palm with a single finger, and of that finger.
 pub(crate) fn jaw_links(anatomy: &Anatomy, palm: Option<usize>) -> Option<Vec<String>> {
     let wanted = |body: usize| palm.is_none_or(|link| anatomy.body_of[link] == body);
     let palm = palms(anatomy, 1).into_iter().find(|palm| wanted(palm.body) && palm.fingers.len() == 1)?;

@@ -4,7 +4,7 @@ use cranny_spatial::{Point, Pose, Vector};
 
 use crate::anatomy::Anatomy;
 
-/// A hand at one configuration, in the frame of its palm link.
+/// Hand at one configuration, in the frame of its palm link.
 pub(crate) struct Posture<'a> {
     pub anatomy: &'a Anatomy,
     palm: usize,
@@ -12,7 +12,7 @@ pub(crate) struct Posture<'a> {
 }
 
 impl<'a> Posture<'a> {
-    /// The hand of a palm link at `q` (m, rad; one per joint).
+    /// Returns the hand of a palm link at `q` (m, rad; one per joint).
     pub fn at(anatomy: &'a Anatomy, palm: usize, q: &[f64]) -> Self {
         Self { anatomy, palm, frames: anatomy.robot.frames_at(q) }
     }
@@ -21,17 +21,17 @@ impl<'a> Posture<'a> {
         (self.frames.link(self.palm).inverse() * self.frames.link(link)).translation.vector.into()
     }
 
-    /// The solids of a finger, each with its `palm_from_solid`.
+    /// Returns the solids of a finger, each with its `palm_from_solid`.
     pub fn solids(&self, finger: usize) -> Vec<(Pose, Solid)> {
         self.anatomy.solids_in(&self.anatomy.branch(finger), self.palm, &self.frames)
     }
 
-    /// The solids of the palm itself, each with its `palm_from_solid`.
+    /// Returns the solids of the palm, each with its `palm_from_solid`.
     pub fn palm_solids(&self) -> Vec<(Pose, Solid)> {
         self.anatomy.solids_in(&[self.anatomy.body_of[self.palm]], self.palm, &self.frames)
     }
 
-    /// About where a finger ends: the middle of that part that is farthest from where it is hinged.
+    /// Returns the approximate tip of a finger: the centre of its body or joint that is farthest from its hinge.
     pub fn tip(&self, finger: usize) -> Point {
         let hinge = self.origin(self.anatomy.bodies[finger].top);
         let ends = self.solids(finger).into_iter().map(|(pose, solid)| pose * solid.ball().center);
@@ -42,7 +42,7 @@ impl<'a> Posture<'a> {
         farthest.copied().unwrap_or(hinge)
     }
 
-    /// The axis of the joint right above a finger.
+    /// Returns the axis of the joint directly above a finger, in the frame of the palm link.
     pub fn axis(&self, finger: usize) -> Option<(JointKind, Vector)> {
         let (_, mover) = self.anatomy.bodies[finger].above?;
         let palm_from_link = self.frames.link(self.palm).inverse() * self.frames.link(mover.child_link);

@@ -1,4 +1,4 @@
-//! The files of a robot's folder, as texts with comments.
+//! Files of a robot's folder, as texts with comments.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -14,7 +14,7 @@ use crate::contact_search::SEARCH_SAMPLES;
 use crate::limits::yaml_key;
 use crate::self_contacts::{SELF_CONTACT_SAMPLES, SelfContact};
 
-/// What goes into the files.
+/// Content of the files.
 pub(crate) struct Written {
     pub stem: String,
     pub limits: String,
@@ -39,7 +39,7 @@ impl Written {
         files
     }
 
-    /// The text of `robot.yaml`.
+    /// Returns the text of `robot.yaml`.
     pub fn description(&self) -> String {
         let mut text = String::from(
             "# What the URDF of this robot does not say. `cranny robot check` tells what follows from it.\n",
@@ -103,7 +103,7 @@ impl Written {
     }
 }
 
-/// An SRDF with the pairs of links that need not be compared, and those that touch in every sample.
+/// Returns an SRDF with the pairs of links that need no check, and those that touch in every sample.
 pub(crate) fn srdf_text(robot: &Robot, contacts: &[SelfContact], extra: &[[String; 2]]) -> String {
     let name = |link: usize| robot.links()[link].name.as_str();
     let mut text = format!(
@@ -124,7 +124,7 @@ pub(crate) fn srdf_text(robot: &Robot, contacts: &[SelfContact], extra: &[[Strin
     text + "</robot>\n"
 }
 
-/// An SRDF extended by those of the pairs it checks that need not be compared, or touch in every sample.
+/// Extends an SRDF by the checked pairs that need no check, or touch in every sample.
 pub(crate) fn with_always_pairs(own: &str, robot: &Robot, contacts: &[SelfContact]) -> String {
     let name = |link: usize| robot.links()[link].name.as_str();
     let line = |c: &SelfContact| Some(disabled(name(c.links.0), name(c.links.1), &reason(c)?));
@@ -135,7 +135,7 @@ pub(crate) fn with_always_pairs(own: &str, robot: &Robot, contacts: &[SelfContac
     }
 }
 
-/// Why a pair is written into the SRDF, if it is.
+/// Returns the reason for a pair in the SRDF, or `None` if it is not written there.
 fn reason(contact: &SelfContact) -> Option<String> {
     let depth_mm = contact.least_depth_m * 1000.0;
     match contact.unchecked {
@@ -148,7 +148,7 @@ fn reason(contact: &SelfContact) -> Option<String> {
     }
 }
 
-/// A line of an SRDF.
+/// Returns a line of an SRDF.
 fn disabled(a: &str, b: &str, reason: &str) -> String {
     let (a, b) = (escaped(a), escaped(b));
     format!("  <disable_collisions link1=\"{a}\" link2=\"{b}\" reason=\"{reason}\"/>\n")
@@ -167,12 +167,12 @@ pub(crate) fn pairs_choice(robot: &Robot, contacts: &[SelfContact], is_own: bool
     };
     let mut parts = Vec::new();
     if is_own {
-        parts.push(format!("{}, as its SRDF says", counted(robot.disabled_pairs().len(), "pair")));
+        parts.push(format!("{}, as declared in its SRDF", counted(robot.disabled_pairs().len(), "pair")));
     }
     let adjacent = count(&|contact| contact.is_adjacent && contact.is_proven());
     parts.push(format!("{} proven to touch always or never", counted(adjacent, "adjacent pair")));
     let proven = contacts.iter().filter(|c| c.unchecked == Some(UncheckedReason::AlwaysTouching)).map(pair);
-    parts.extend(proven.map(|pair| format!("{pair}, wherever the joints between them stand, proven")));
+    parts.extend(proven.map(|pair| format!("{pair}, in every configuration, proven")));
     let sampled: Vec<String> = contacts
         .iter()
         .filter(|contact| contact.is_always())
@@ -180,8 +180,8 @@ pub(crate) fn pairs_choice(robot: &Robot, contacts: &[SelfContact], is_own: bool
         .collect();
     if !sampled.is_empty() {
         parts.push(format!(
-            "{} that touched in all of {SEARCH_SAMPLES} configurations and at the start, which is no proof; where they are free, \
-             no check sees them touch: {}",
+            "{} that touched in all of {SEARCH_SAMPLES} configurations and at the start, which is no proof; \
+             contacts of these pairs are never reported: {}",
             counted(sampled.len(), "pair"),
             sampled.join(", ")
         ));
@@ -196,7 +196,7 @@ pub(crate) fn pairs_choice(robot: &Robot, contacts: &[SelfContact], is_own: bool
     }
 }
 
-/// Writes files by their names, with slashes.
+/// Writes files, given by name with slashes, into a folder.
 pub(crate) fn write(folder: &Path, files: &BTreeMap<String, Vec<u8>>) -> Result<(), ScenarioError> {
     for (name, content) in files {
         let path = folder.join(name);

@@ -7,54 +7,54 @@ use rayon::prelude::*;
 
 use crate::contact_search::PairSearch;
 
-/// Two links of a robot over what the joints between them can do.
+/// Contact statistics of two links of a robot over the motion of the joints between them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SelfContact {
-    /// The links, by index.
+    /// Indices of the links.
     pub links: (usize, usize),
-    /// In how many of [`SELF_CONTACT_SAMPLES`] configurations they touched.
+    /// Number of configurations, of [`SELF_CONTACT_SAMPLES`], in which they touched.
     pub touching: usize,
     /// True if one joint and no third link with geometry is between them.
     pub is_adjacent: bool,
-    /// True if the robot's SRDF, or the caller, exempts them from comparison.
+    /// True if the robot's SRDF, or the caller, exempts them from checks.
     pub is_declared: bool,
-    /// How deep they were in each other at the least, of those where they touched, in metres.
+    /// Minimum penetration depth among configurations in contact, in metres.
     pub least_depth_m: f64,
     /// Reason why no check compares them, though no file exempts them.
     pub unchecked: Option<UncheckedReason>,
-    /// A configuration in which they are free of each other (m, rad), of pairs that touched in nine of ten or more.
+    /// Configuration in which they do not touch (m, rad; one per joint), for pairs that touched in at least 90 % of samples.
     pub free_at: Option<Vec<f64>>,
-    /// Greatest size of a window that the search for it can have missed.
+    /// Description of the maximum size of a window that the search for it may have missed.
     pub missed: &'static str,
 }
 
-/// As many configurations are drawn.
+/// Number of configurations drawn.
 pub const SELF_CONTACT_SAMPLES: usize = 1000;
 
-/// The depth of how many contacts of a pair is looked at.
+/// Maximum number of contacts of a pair whose depth is computed.
 const DEPTH_SAMPLES: usize = 10;
 
 impl SelfContact {
-    /// Returns whether they touched in every sample, which proves nothing, and no file declares them.
+    /// Returns true if they touched in every sample, which is no proof, and no file declares them.
     pub fn is_always(&self) -> bool {
         let is_known = self.is_declared || self.is_proven();
         self.touching == SELF_CONTACT_SAMPLES && self.free_at.is_none() && !is_known
     }
 
-    /// Returns whether it is proven that comparing them shows nothing new.
+    /// Returns true if a proof shows that checking them is unnecessary.
     pub fn is_proven(&self) -> bool {
         use UncheckedReason::{AdjacentFree, AdjacentTouching, AlwaysTouching};
         matches!(self.unchecked, Some(AlwaysTouching | AdjacentTouching | AdjacentFree))
     }
 
-    /// Returns whether they touch so often that a configuration in which they do not is seldom drawn.
+    /// Returns true if they touch so often that configurations without contact are rarely drawn.
     fn is_often(&self) -> bool {
         self.touching * 10 >= 9 * SELF_CONTACT_SAMPLES
     }
 
-    /// All pairs of links with geometry that move against each other, from [`SELF_CONTACT_SAMPLES`] drawn configurations.
-    /// For pairs that touched in nearly all, and are not declared or proven to, a free one is searched for among
-    /// [`SEARCH_SAMPLES`](crate::SEARCH_SAMPLES) others.
+    /// Samples all pairs of links with geometry that move relative to each other, in [`SELF_CONTACT_SAMPLES`] drawn
+    /// configurations. For pairs that touched in all of them and are neither declared nor proven, a free configuration is
+    /// searched for among [`SEARCH_SAMPLES`](crate::SEARCH_SAMPLES) others.
     ///
     /// # Errors
     /// [`CollisionError`] for a body that cannot be checked.

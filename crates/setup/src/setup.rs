@@ -16,34 +16,34 @@ use crate::setup_options::{Base, SetupOptions};
 use crate::start_choice::StartChoice;
 use crate::{SetupError, limits, near_srdf};
 
-/// A robot that was found out about, with the files that say so.
+/// Setup of a robot derived from its URDF, with the files that describe it.
 #[derive(Clone, Debug)]
 pub struct RobotSetup {
-    /// Its name.
+    /// Name of the robot.
     pub name: String,
-    /// The robot, as its files have it.
+    /// Robot built from its files.
     pub robot: Arc<Robot>,
-    /// Its files by their names.
+    /// Content of its files by name.
     pub files: BTreeMap<String, Vec<u8>>,
-    /// What was chosen, in the order in which it matters.
+    /// Choices that were made, in order of importance.
     pub choices: Vec<Choice>,
-    /// Pairs of links, as they were found in drawn configurations.
+    /// Contacts of pairs of links in drawn configurations.
     pub contacts: Vec<SelfContact>,
 }
 
-/// Below a body that moves over it, the floor is laid so much lower than its lowest point, in metres.
+/// Distance of the floor below the lowest point of a body that moves over it, in metres.
 const FLOOR_GAP_M: f64 = 1e-3;
 
 impl RobotSetup {
-    /// Finds out about the robot of a URDF, or a xacro file if Python's `xacro` is installed.
+    /// Derives the setup of a robot from a URDF, or from a xacro file if Python's `xacro` is installed.
     ///
     /// 1. Its text; its joints and bodies.
-    /// 2. The hand, or one for it; the gripper frame, as a link of the URDF; a base for a hand alone.
+    /// 2. The hand, or one mounted on it; the gripper frame, as a link of the URDF; a base for a hand alone.
     /// 3. Limits; pairs of links that touch by design.
-    /// 4. Where it stands and starts.
+    /// 4. The height of the ground and the start configuration.
     ///
     /// # Errors
-    /// [`SetupError`], with what would help.
+    /// [`SetupError`], with advice in its message.
     pub fn of(urdf: &Path, options: &SetupOptions) -> Result<Self, SetupError> {
         // 1.
         let mut draft = Draft::read(urdf, options)?;
@@ -94,7 +94,7 @@ impl RobotSetup {
         let seldom_free: Vec<&[f64]> = contacts.iter().filter_map(|c| c.free_at.as_deref()).collect();
         let start = StartChoice::of(&robot, written.floor_m, &states, &seldom_free)?
             .ok_or_else(|| never_free(&draft.file, &robot, &contacts))?;
-        // What is free at the start is free somewhere.
+        // A pair that does not touch at the start does not always touch.
         for contact in contacts.iter_mut().filter(|contact| contact.is_always()) {
             if PairSearch::new(&robot, contact.links).is_free(&start.q) {
                 contact.free_at = Some(start.q.clone());
@@ -117,16 +117,16 @@ impl RobotSetup {
         Ok(Self { name: stem, robot, files, choices: draft.choices, contacts })
     }
 
-    /// Writes its files into a folder that is made.
+    /// Writes its files into a new folder.
     ///
     /// # Errors
-    /// [`ScenarioError`](cranny_scenario::ScenarioError) for one that is there already or cannot be written.
+    /// [`ScenarioError`](cranny_scenario::ScenarioError) for a folder that exists or cannot be written.
     pub fn write(&self, folder: &Path) -> Result<(), SetupError> {
         Ok(write_whole_folder(folder, |folder| robot_folder::write(folder, &self.files))?)
     }
 }
 
-/// What is told of a robot of which no drawn configuration is free.
+/// Returns the error for a robot of which no drawn configuration is free.
 fn never_free(file: &str, robot: &Robot, contacts: &[SelfContact]) -> SetupError {
     let worst =
         contacts.iter().filter(|c| c.unchecked.is_none() && !c.is_always()).max_by_key(|c| c.touching);
@@ -138,7 +138,7 @@ fn never_free(file: &str, robot: &Robot, contacts: &[SelfContact]) -> SetupError
     SetupError::NeverFree { file: file.to_owned(), pair }
 }
 
-/// Where the ground is on which a robot stands: at the lowest point of what carries its arm.
+/// Height of the ground below a robot in its root frame, in metres: the lowest point of the bodies that carry its arm.
 fn floor_m(robot: &Robot, base: Base) -> f64 {
     if base == Base::Floating {
         return 0.0;
@@ -165,11 +165,11 @@ fn floor_m(robot: &Robot, base: Base) -> f64 {
     };
     let (standing, moved) = (lowest(false), lowest(true) - FLOOR_GAP_M);
     let floor = standing.min(moved);
-    // What stands on it does not touch it either.
+    // The bodies on the ground must not touch it either.
     if floor.is_finite() { (floor * 1e4).floor() / 1e4 - 1e-4 } else { 0.0 }
 }
 
-/// Its named states that say where all joints of the group stand.
+/// Returns the named states of the SRDF that set at least three joints of the group, other joints at their default.
 fn states(robot: &Robot, srdf: &Srdf) -> Vec<(String, Vec<f64>)> {
     let base = robot.limits().iter().map(|limits| limits.clamp(0.0)).collect::<Vec<_>>();
     let q_of = |values: &[(String, f64)]| -> Option<Vec<f64>> {

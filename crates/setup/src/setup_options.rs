@@ -2,41 +2,41 @@ use std::path::PathBuf;
 
 use crate::limits::Ranges;
 
-/// What a base is called that is put under a robot.
+/// Name of the joint of a base that is added under a robot.
 pub(crate) const BASE_JOINT: &str = "base";
 
-/// What whoever adds a robot says of it; what is left open is chosen.
+/// Options for the setup of a robot; those not given are chosen automatically.
 #[derive(Clone, Debug, Default)]
 pub struct SetupOptions {
-    /// Its SRDF. Default: the one beside the URDF; else what fits of one in `../srdf`, if there is one.
+    /// Path of its SRDF. Default: the one beside the URDF; else the applicable content of one in `../srdf`, if there is one.
     pub srdf: Option<PathBuf>,
-    /// Folders in which `package://` names, and xacro's `$(find …)`, are looked for.
+    /// Folders searched for packages in `package://` names and xacro's `$(find …)`.
     pub packages: Vec<PathBuf>,
     /// Arguments of a xacro file, `NAME=VALUE`.
     pub xacro: Vec<String>,
-    /// The gripper frame, a link. Default: found with the hand.
+    /// Link with the gripper frame. Default: found with the hand.
     pub tip: Option<String>,
-    /// The link that carries the fingers. Default: found.
+    /// Link that carries the fingers. Default: found by structure.
     pub palm: Option<String>,
-    /// How its root moves. Default: as the URDF has it; a hand without an arm flies.
+    /// Motion of its root. Default: that of the URDF; a hand without an arm floats.
     pub base: Option<Base>,
-    /// Whether an arm without a hand gets the built-in gripper. Default: it does.
+    /// True if an arm without a hand gets no gripper. Default: it gets the built-in one.
     pub is_bare: bool,
 }
 
-/// How the root of a robot moves.
+/// Motion of the root of a robot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Base {
-    /// As the URDF has it.
+    /// As in the URDF.
     Own,
     /// Drives on the floor, with a heading.
     Planar,
-    /// Flies.
+    /// Moves in all six degrees of freedom.
     Floating,
 }
 
 impl Base {
-    /// How its joints are narrowed.
+    /// Returns the narrowed ranges of its joints.
     pub(crate) fn ranges(self) -> Ranges {
         let range = |part: &str, range| (format!("{BASE_JOINT}/{part}"), range);
         match self {
@@ -47,7 +47,7 @@ impl Base {
     }
 }
 
-/// A joint's range, in metres: as far as today's scenes ask, and no lower than the floor.
+/// Range of a joint of the base, in metres: as far as typical scenes require, and not below the floor.
 const DRIVE_M: [f64; 2] = [-1.0, 1.0];
 
 const FLY_M: [f64; 2] = [0.0, 1.5];

@@ -4,26 +4,26 @@ use cranny_collision::{Body, Cell, CollisionError, Margins, World};
 use cranny_robot::{JointKind, Robot};
 use cranny_spatial::{Point, Stream, Vector};
 
-/// A configuration to start from, and where it comes from.
+/// Start configuration, and the reason for its choice.
 #[derive(Clone, Debug)]
 pub(crate) struct StartChoice {
     pub q: Vec<f64>,
     pub why: String,
 }
 
-/// As many configurations are drawn.
+/// Number of configurations drawn.
 const DRAWS: usize = 4000;
 
-/// A robot that starts in front of a scene has its arm this much of its reach ahead at most.
+/// Maximum distance of the robot ahead of the shoulder at the start, as a share of the reach of its arm.
 const AHEAD: f64 = 0.22;
 
 impl StartChoice {
-    /// A start free of the robot itself and of the ground: a named state that keeps the arm in front of its base,
-    /// else the drawn configuration that does so best. None if no drawn one is free. Configurations are in m and rad,
-    /// one value per joint.
+    /// Returns a start free of collisions with the robot itself and the ground: a named state that does not reach too far
+    /// ahead, else the best of the drawn configurations. `None` if no drawn one is free. Configurations are in m and rad, one
+    /// value per joint.
     ///
-    /// `seldom_free` has a free configuration for each pair of links that is seldom free: if none of those drawn is
-    /// free, others are drawn that take the values of some joints from there.
+    /// `seldom_free` contains a free configuration for each pair of links that is seldom free: if no drawn configuration is
+    /// free, others are drawn that take some joint values from these.
     pub fn of(
         robot: &Arc<Robot>,
         floor_m: f64,
@@ -76,14 +76,14 @@ impl StartChoice {
     }
 }
 
-/// What a good start is.
+/// Criteria for a good start.
 struct Judge {
-    /// Joints that move the whole robot: they stand at 0.
+    /// Joints that move the whole robot; they start at 0.
     base: Vec<usize>,
     reach_m: f64,
-    /// How far ahead the robot may be, and how far the base itself is.
+    /// Maximum x of the robot in its root frame at the start, in metres; at least that of the base.
     ahead_m: f64,
-    /// Where the arm begins.
+    /// Origin of the arm.
     shoulder: Point,
 }
 
@@ -95,7 +95,7 @@ impl Judge {
             robot.links()[parent].collisions.is_empty()
                 && robot.ancestors(parent).iter().all(|m| m.joint != mover.joint)
         });
-        // A fixed arm whose first link has no body has no base that moves: it begins with a joint that turns.
+        // A fixed arm whose first link has no body has no mobile base: it begins with a revolute joint.
         let mut base: Vec<usize> = before_body.map(|mover| mover.joint).collect();
         if movers.first().is_some_and(|mover| mover.kind == JointKind::Revolute) {
             base.clear();
@@ -118,12 +118,12 @@ impl Judge {
         judge
     }
 
-    /// Joints that move the whole robot at 0, those that turn without end within a turn.
+    /// Draws a configuration with the joints that move the whole robot at 0, and revolute joints within a turn.
     fn draw(&self, robot: &Robot, random: &mut Stream) -> Vec<f64> {
         let mut q = robot.random_configuration(random);
         for (joint, (value, limits)) in q.iter_mut().zip(robot.limits()).enumerate() {
             if self.base.contains(&joint) {
-                // In the middle of where it can go: what flies, well above the ground.
+                // The middle of the range keeps a floating robot well above the ground.
                 let middle = 0.5 * (limits.lower + limits.upper);
                 let is_about_zero =
                     limits.contain(0.0) && middle.abs() < 0.25 * (limits.upper - limits.lower);
@@ -165,7 +165,7 @@ impl Judge {
             let middle = if limits.contain(0.0) { 0.0 } else { 0.5 * (limits.lower + limits.upper) };
             ((value - middle) / range).powi(2)
         });
-        // Ahead goes before all; then the hand in front, looking ahead and down.
+        // The limit ahead takes precedence; then the hand should be in front, pointing ahead and down.
         20.0 * too_far
             + (from_shoulder.x - 0.2).max(0.0)
             + (0.05 - from_shoulder.x).max(0.0) * 2.0

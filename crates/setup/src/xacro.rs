@@ -4,9 +4,9 @@ use std::process::{Command, Stdio};
 
 use crate::{SetupError, SetupOptions};
 
-/// Runs xacro with [`PACKAGES`] as the folders of packages: `$(find P)` is asked of a module of ROS, which most who have
-/// xacro do not have. That module is asked for what is not in these folders. An argument that the file does not ask for is
-/// an error.
+/// Python code that runs xacro with [`PACKAGES`] as the folders of packages: `$(find P)` needs a ROS module that most xacro
+/// users do not have. That module is used only for packages that are not in these folders. An argument that the file does
+/// not declare is an error.
 const RUN: &str = "
 import importlib.machinery, importlib.util, os, sys, types
 NAME = 'ament_index_python.packages'
@@ -51,13 +51,13 @@ sys.argv[0] = 'xacro'
 xacro.main()
 ";
 
-/// The variable with the folders in which [`RUN`] looks for packages.
+/// Environment variable with the folders that [`RUN`] searches for packages.
 const PACKAGES: &str = "CRANNY_XACRO_PACKAGES";
 
-/// Its calls: the first finds packages, the second has xacro where it is installed for itself.
+/// Commands that run xacro: the first finds packages, the second is for a standalone installation of xacro.
 const TOOLS: [(&str, &[&str]); 2] = [("python3", &["-c", RUN]), ("xacro", &[])];
 
-/// Whether Python's `xacro` is installed, which robots in `.xacro` files need.
+/// Returns true if Python's `xacro` is installed, which is required for robots in `.xacro` files.
 pub fn has_xacro() -> bool {
     let answers = |(program, arguments): &(&str, &[&str])| {
         let mut command = Command::new(program);
@@ -67,11 +67,11 @@ pub fn has_xacro() -> bool {
     TOOLS.iter().any(answers)
 }
 
-/// The URDF that Python's `xacro` makes of a file, with the arguments and packages of the options, and its warnings in one
-/// line.
+/// Expands a file with Python's `xacro`, with the arguments and packages of the options. Returns the URDF, and the warnings
+/// in one line.
 ///
 /// # Errors
-/// [`SetupError::Xacro`] where it is not installed, or fails, and for an argument that is no `NAME=VALUE`.
+/// [`SetupError::Xacro`] if it is not installed, or fails, and for an argument that is not of the form `NAME=VALUE`.
 pub(crate) fn expand(path: &Path, options: &SetupOptions) -> Result<(String, String), SetupError> {
     let failed = |reason: String| SetupError::Xacro { path: path.to_owned(), reason };
     let mut names: Vec<&str> = Vec::new();
@@ -95,8 +95,8 @@ pub(crate) fn expand(path: &Path, options: &SetupOptions) -> Result<(String, Str
         let Ok(output) = command.output() else { continue };
         let said = String::from_utf8_lossy(&output.stderr);
         if output.status.success() {
-            let urdf =
-                String::from_utf8(output.stdout).map_err(|_| failed("it writes no UTF-8".to_owned()))?;
+            let urdf = String::from_utf8(output.stdout)
+                .map_err(|_| failed("the output of xacro is not UTF-8".to_owned()))?;
             return Ok((urdf, if said.trim().is_empty() { String::new() } else { whole(&said) }));
         }
         if !said.contains("No module named 'xacro'") {
@@ -106,17 +106,17 @@ pub(crate) fn expand(path: &Path, options: &SetupOptions) -> Result<(String, Str
     Err(failed("xacro is not installed (`pip install xacro`)".to_owned()))
 }
 
-/// The given folders, then those above the file, in the form of a search path.
+/// Returns the given folders, then those above the file, joined as a search path.
 fn packages(path: &Path, given: &[PathBuf]) -> OsString {
     let file = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     let given = given.iter().map(|folder| std::path::absolute(folder).unwrap_or_else(|_| folder.clone()));
     let above = file.ancestors().skip(1).map(Path::to_owned);
-    // A folder with the separator in its name cannot be named so.
+    // A folder name that contains the separator cannot be in a search path.
     let separable = given.chain(above).filter(|folder| std::env::join_paths([folder]).is_ok());
     std::env::join_paths(separable).unwrap_or_default()
 }
 
-/// All that xacro wrote of a fault, in one line, each line of it once.
+/// Returns the whole error output of xacro in one line, without repeated lines.
 fn whole(said: &str) -> String {
     let mut lines: Vec<&str> = Vec::new();
     for line in said.lines().map(str::trim).filter(|line| !line.is_empty()) {
@@ -124,5 +124,5 @@ fn whole(said: &str) -> String {
             lines.push(line);
         }
     }
-    if lines.is_empty() { "it fails without a word".to_owned() } else { lines.join("; ") }
+    if lines.is_empty() { "xacro failed without an error message".to_owned() } else { lines.join("; ") }
 }

@@ -1,4 +1,4 @@
-//! What is found out about the built-in robots from their URDFs alone, against what their own files say.
+//! Setup of the built-in robots from their URDFs alone, compared with their own files.
 
 use cranny_robot::{HandJoint, Robot, RobotOptions};
 use cranny_scenario::{BUILTIN_ROBOTS, BuiltinRobot};
@@ -23,7 +23,7 @@ fn the_hand_and_its_frame_are_found() {
         let setup = from_urdf_alone(builtin);
         let own = builtin.robot(&RobotOptions::default()).unwrap();
         let (found, known) = (setup.robot.hand().unwrap(), own.hand().unwrap());
-        // Accelerations stand in the limits.yaml of the built-in ones alone.
+        // Only the built-in robots have accelerations, in their limits.yaml.
         let of_urdf = |joints: &[HandJoint]| -> Vec<HandJoint> {
             joints.iter().map(|joint| HandJoint { acceleration: None, ..*joint }).collect()
         };

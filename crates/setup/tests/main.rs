@@ -1,4 +1,4 @@
-//! What is found out about robots from their URDFs.
+//! Integration tests of the setup of robots from their URDFs.
 
 #![allow(clippy::disallowed_methods, reason = "what is compared to may come from the system")]
 

@@ -1,11 +1,11 @@
-//! Links that are free of each other in a window of a joint alone, and what `RobotSetup` makes of them.
+//! Links that do not touch only in a window of a joint's range, and their treatment by `RobotSetup`.
 
 use std::fmt::Write as _;
 
 use cranny_collision::{Cell, Margins, World};
 use cranny_setup::{RobotSetup, SetupOptions};
 
-/// An arm of three joints; its last link turns in a ring of blocks that is open for that share of the turn.
+/// Returns an arm of three joints; its last link turns in a ring of blocks that is open for that share of the turn.
 fn ring(window: f64, slide: &str) -> String {
     const BLOCKS: u32 = 200;
     let turn = std::f64::consts::TAU;
@@ -42,7 +42,7 @@ fn setup(name: &str, urdf: &str) -> RobotSetup {
     RobotSetup::of(&path, &SetupOptions { is_bare: true, ..SetupOptions::default() }).unwrap()
 }
 
-/// A pair that was free for 4.5 % of a joint's turn was dropped, and so were all of less.
+/// Guards against dropped pairs: one that was free for 4.5 % of a joint's turn was dropped, and so were all with less.
 #[test]
 fn a_pair_that_is_free_in_a_window_is_checked_and_the_start_lies_in_it() {
     for window in [0.045, 0.005] {
@@ -58,7 +58,7 @@ fn a_pair_that_is_free_in_a_window_is_checked_and_the_start_lies_in_it() {
     }
 }
 
-/// A pair that touches everywhere is dropped as proven, and the files state it.
+/// Checks that a pair that touches everywhere is exempted as proven, and that the files state it.
 #[test]
 fn a_pair_that_is_proven_to_touch_always_is_written_down_as_that() {
     let urdf = ring(0.0, "0.01").replace(r#"<box size="0.05 0.002 0.01"/>"#, r#"<sphere radius="0.025"/>"#);

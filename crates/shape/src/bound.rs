@@ -3,23 +3,23 @@ use cranny_spatial::{Point, Pose, Vector};
 /// A ball that contains a shape, in the shape's frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ball {
-    /// Its centre.
+    /// Centre of the ball.
     pub center: Point,
-    /// Its radius, in metres.
+    /// Radius, in metres.
     pub radius_m: f64,
 }
 
 /// A ball and a box that both contain a shape, in the shape's frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
-    /// The ball.
+    /// Bounding ball.
     pub ball: Ball,
-    /// The box.
+    /// Bounding box.
     pub aabb: Aabb,
 }
 
 impl Bounds {
-    /// The bounds of `points`, each with a ball of its own radius (m) around it.
+    /// Bounds of `points`, each with a ball of its own radius (m) around it.
     ///
     /// # Panics
     /// If there is no point.
@@ -36,9 +36,8 @@ impl Bounds {
         Self { ball: Ball { center: aabb.center, radius_m }, aabb }
     }
 
-    /// A lower bound of the distance (m) of two bounded shapes placed in a common frame, at the price of a
-    /// few multiplications; may be negative. Where the balls show that it exceeds `enough_m`, the boxes are
-    /// not asked.
+    /// Lower bound of the distance (m) of two bounded shapes placed in a common frame, for a few multiplications; may be
+    /// negative. Skips the boxes if the balls show that the distance exceeds `enough_m`.
     pub fn distance_bound(
         &self,
         common_from_self: &Pose,
@@ -55,17 +54,17 @@ impl Bounds {
     }
 }
 
-/// A box along the axes of its frame.
+/// Axis-aligned box in its frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Aabb {
-    /// The middle of the box.
+    /// Centre of the box.
     pub center: Point,
-    /// Half its length along each axis, in metres.
+    /// Half extent along each axis, in metres.
     pub half_extents: Vector,
 }
 
 impl Aabb {
-    /// The least box around `points`, grown by `margin_m` on every side.
+    /// Smallest box around `points`, grown by `margin_m` (m) on every side.
     ///
     /// # Panics
     /// If there is no point.
@@ -76,14 +75,14 @@ impl Aabb {
         Self { center: midpoint(&low, &high), half_extents: (high - low) * 0.5 }.grown(margin_m)
     }
 
-    /// The box with every side moved outwards by `margin_m`.
+    /// Returns the box with every side moved outwards by `margin_m` (m).
     #[must_use]
     pub fn grown(mut self, margin_m: f64) -> Self {
         self.half_extents.add_scalar_mut(margin_m);
         self
     }
 
-    /// A box along the axes of the target frame that contains this one.
+    /// Returns an axis-aligned box of the target frame that contains this one.
     #[must_use]
     pub fn transformed(&self, target_from_box: &Pose) -> Self {
         let rotation = target_from_box.rotation.to_rotation_matrix();
@@ -108,21 +107,21 @@ impl Aabb {
         self.center + self.half_extents
     }
 
-    /// Whether `point` lies in this box.
+    /// Returns true if `point` lies in this box.
     pub fn contains(&self, point: &Point) -> bool {
         ((point - self.center).abs() - self.half_extents).max() <= 0.0
     }
 
-    /// Whether the two boxes share a point.
+    /// Returns true if the two boxes share a point.
     pub fn overlaps(&self, other: &Self) -> bool {
         ((other.center - self.center).abs() - other.half_extents - self.half_extents).max() <= 0.0
     }
 
-    /// A lower bound of the distance (m) to `other`, which is placed in this box's frame; 0 or less if no
-    /// face of either box lies between the two.
+    /// Lower bound of the distance (m) to `other`, which is placed in this box's frame; 0 or less if no face of either
+    /// box separates the two.
     ///
-    /// The distance to the box around the other box, from both sides: exact where a face decides, too low
-    /// where two edges are nearest.
+    /// The greater of the distances from each box to the axis-aligned box around the other: exact if a face is nearest,
+    /// too low if two edges are nearest.
     pub fn gap_to(&self, other: &Self, self_from_other: &Pose) -> f64 {
         let rotation = self_from_other.rotation.to_rotation_matrix();
         let turned = rotation.matrix().abs();

@@ -2,17 +2,17 @@ use cranny_spatial::{Point, Pose, Rotation, Vector, nalgebra};
 
 use crate::{Aabb, TriangleSoup};
 
-/// The cuboid whose surface a run of twelve triangles is: its pose in the mesh's frame and its half
-/// extents (m); `None` if the run is no cuboid to within `tolerance_m`.
+/// Cuboid whose surface is a run of twelve triangles: its pose in the mesh's frame and its half extents (m); `None` if
+/// the run is no cuboid to within `tolerance_m` (m).
 ///
-/// The released obstacle meshes are one to three cuboids of twelve consecutive faces each, which share
-/// vertices, so connectivity cannot tell them apart but the order of the faces can.
+/// The released obstacle meshes are one to three cuboids of twelve consecutive faces each. The cuboids share vertices, so
+/// only the order of the faces separates them, not connectivity.
 pub fn cuboid_of_faces(
     soup: &TriangleSoup,
     faces: std::ops::Range<usize>,
     tolerance_m: f64,
 ) -> Option<(Pose, Vector)> {
-    // 1. The corners: eight of them.
+    // 1. The corners: there must be eight.
     let mut corners: Vec<Point> = Vec::with_capacity(8);
     for face in faces.clone() {
         for corner in soup.corners(face) {
@@ -24,7 +24,7 @@ pub fn cuboid_of_faces(
     if faces.len() != 12 || corners.len() != 8 {
         return None;
     }
-    // 2. The axes: the edges that leave the first corner are its three perpendicular neighbours.
+    // 2. The axes: the three perpendicular edges that leave the first corner.
     let origin = corners[0];
     let mut edges: Vec<Vector> = corners[1..].iter().map(|c| c - origin).collect();
     edges.sort_by(|a, b| a.norm_squared().total_cmp(&b.norm_squared()));
@@ -33,7 +33,7 @@ pub fn cuboid_of_faces(
     let second = *edges[1..].iter().find(|e| is_perpendicular(e, &first))?;
     let third = *edges[1..].iter().find(|e| is_perpendicular(e, &first) && is_perpendicular(e, &second))?;
     let mut axes = [first, second, third];
-    // A cuboid along the axes of its frame is given without a rotation.
+    // A cuboid along the axes of its frame gets no rotation.
     axes.sort_by_key(Vector::iamax);
     let mut directions = axes.map(|axis| axis.normalize() * axis[axis.iamax()].signum());
     if directions[0].cross(&directions[1]).dot(&directions[2]) < 0.0 {

@@ -1,4 +1,4 @@
-//! Distances, rays and the trees that find them.
+//! Distances, rays and the trees that accelerate them.
 
 pub(crate) mod ball_tree;
 pub(crate) mod closest;

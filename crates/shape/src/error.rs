@@ -1,15 +1,15 @@
 use std::path::PathBuf;
 
-/// What can be wrong with a shape or a mesh file.
+/// Error of a shape or a mesh file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ShapeError {
     /// A size is zero, negative, beyond [`cranny_spatial::FARTHEST_M`] or not a number.
     #[error("{what} must be a positive number of metres, at most 1000, but is {value}")]
     Size {
-        /// Which size of which shape.
+        /// Name of the size and its shape.
         what: &'static str,
-        /// The offending value.
+        /// The offending value, in metres.
         value: f64,
     },
     /// A vertex has a coordinate beyond [`cranny_spatial::FARTHEST_M`], or that is not a number.
@@ -24,20 +24,20 @@ pub enum ShapeError {
         /// z in metres.
         z: f64,
     },
-    /// A triangle names a vertex that is not there.
+    /// A triangle refers to a vertex that does not exist.
     #[error("triangle {triangle} names vertex {vertex}, but there are only {vertices} vertices")]
     VertexIndex {
         /// Index of the triangle, from 0.
         triangle: usize,
-        /// The index it names.
+        /// Index that it refers to.
         vertex: u32,
-        /// How many vertices there are.
+        /// Number of vertices.
         vertices: usize,
     },
     /// The points span no volume, so they have no convex hull.
     #[error("{points} points span no volume, so they have no convex hull (are they all in one plane?)")]
     FlatHull {
-        /// How many points were given.
+        /// Number of points given.
         points: usize,
     },
     /// A mesh that should be solid has a hole.
@@ -46,20 +46,20 @@ pub enum ShapeError {
          (close it, or take its convex hull)"
     )]
     Open {
-        /// How many edges lack their second triangle.
+        /// Number of edges that lack their second triangle.
         edges: usize,
     },
-    /// Faces of a mesh do not part its inside from what is around it.
+    /// Faces of a mesh do not separate its inside from the space around it.
     #[error(
         "the mesh has no inside: {faces} of its faces have the same space on both sides, or cross others that they \
          share edges with (is it one-sided? take its convex hull, or unite its bodies with Blender's boolean \
          modifier or `trimesh.boolean.union` in Python)"
     )]
     OneSided {
-        /// How many faces do not.
+        /// Number of such faces.
         faces: usize,
     },
-    /// A mesh crosses itself so that what is inside cannot be told.
+    /// A mesh crosses itself so that its inside is undefined.
     #[error(
         "the mesh winds backwards around ({x:.4}, {y:.4}, {z:.4}) m: a body in it crosses itself, so that its inside \
          cannot be told from its outside (mend it with Blender's boolean modifier or `trimesh.boolean.union` in \
@@ -68,9 +68,9 @@ pub enum ShapeError {
     WoundBackwards {
         /// x of a point there, in metres.
         x: f64,
-        /// y of it.
+        /// y of that point, in metres.
         y: f64,
-        /// z of it.
+        /// z of that point, in metres.
         z: f64,
     },
     /// Triangles of a mesh pass through each other.
@@ -81,25 +81,25 @@ pub enum ShapeError {
         depth_m * 1000.0
     )]
     SelfCrossing {
-        /// How many pairs of triangles do.
+        /// Number of crossing pairs of triangles.
         pairs: usize,
-        /// Index of one of the two that do so most deeply.
+        /// Index of one triangle of the deepest pair.
         first: usize,
-        /// Index of the other.
+        /// Index of the other triangle.
         second: usize,
-        /// How deeply, in metres.
+        /// Depth of the deepest crossing, in metres.
         depth_m: f64,
-        /// x of a corner there, in metres.
+        /// x of a corner of the first triangle, in metres.
         x: f64,
-        /// y of it.
+        /// y of that corner, in metres.
         y: f64,
-        /// z of it.
+        /// z of that corner, in metres.
         z: f64,
     },
     /// A mesh encloses no volume, or a negative one.
     #[error("the mesh encloses no volume ({volume_m3:.3e} m³; do its faces look inwards?)")]
     NoVolume {
-        /// What it encloses, in cubic metres.
+        /// Enclosed volume, in cubic metres.
         volume_m3: f64,
     },
     /// A centre of mass lies outside the body.
@@ -112,17 +112,17 @@ pub enum ShapeError {
         /// z in metres.
         z: f64,
     },
-    /// Rings do not make a body.
+    /// Rings do not form a body.
     #[error(
         "{rings} rings, the first of {points} points, make no body: it takes two rings of the same three points or more"
     )]
     Rings {
-        /// How many rings there are.
+        /// Number of rings.
         rings: usize,
-        /// How many points the first one has.
+        /// Number of points of the first ring.
         points: usize,
     },
-    /// A mesh is scaled by zero, or by something that is not a number.
+    /// A mesh is scaled by zero, or by a value that is not finite.
     #[error("a mesh cannot be scaled by ({x}, {y}, {z}): each factor must be a number other than zero")]
     Scale {
         /// The factor of x.
@@ -132,48 +132,48 @@ pub enum ShapeError {
         /// The factor of z.
         z: f64,
     },
-    /// There are more triangles than are worked with.
+    /// A mesh has more triangles than supported.
     #[error(
         "the mesh has {triangles} triangles, more than {most} (reduce it, with Blender's decimate modifier or \
          `simplify_quadric_decimation` of trimesh in Python)"
     )]
     TooManyTriangles {
-        /// How many there are.
+        /// Number of triangles.
         triangles: usize,
-        /// How many there may be.
+        /// Maximum number of triangles.
         most: usize,
     },
-    /// There is no triangle.
+    /// A mesh has no triangles.
     #[error("the mesh has no triangles (is it a mesh at all?)")]
     Empty,
-    /// The file cannot be read.
+    /// A file cannot be read.
     #[error("{path}: cannot read the mesh: {source}", path = path.display())]
     Read {
-        /// The mesh file.
+        /// Path of the mesh file.
         path: PathBuf,
-        /// What the system or the parser says; a parser names the line.
+        /// Error of the system or of the parser; a parser names the line.
         source: std::io::Error,
     },
-    /// The file's ending names no format that is read here.
+    /// The extension of a file names no supported mesh format.
     #[error("{path}: the ending '{extension}' names no mesh format (known: obj, stl, dae, ply)", path = path.display())]
     Format {
-        /// The mesh file.
+        /// Path of the mesh file.
         path: PathBuf,
-        /// Its ending.
+        /// Extension of the file.
         extension: String,
     },
-    /// The file was read, but what it holds is no mesh.
+    /// A file was read, but contains no valid mesh.
     #[error("{path}: {source}", path = path.display())]
     Content {
-        /// The mesh file.
+        /// Path of the mesh file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Fault of the mesh.
         source: Box<ShapeError>,
     },
 }
 
 impl ShapeError {
-    /// The same fault, said of the file it was found in.
+    /// Returns the error with the path of the file that caused it.
     #[must_use]
     pub fn in_file(self, path: &std::path::Path) -> Self {
         match self {
@@ -183,7 +183,7 @@ impl ShapeError {
     }
 }
 
-/// A size, if it is one.
+/// Checks that a size is positive and within bounds, in metres.
 pub(crate) fn positive(what: &'static str, value: f64) -> Result<f64, ShapeError> {
     if value > 0.0 && value <= cranny_spatial::FARTHEST_M {
         Ok(value)
@@ -192,7 +192,7 @@ pub(crate) fn positive(what: &'static str, value: f64) -> Result<f64, ShapeError
     }
 }
 
-/// Refuses factors of a mesh of which one is zero or no finite number.
+/// Rejects scale factors of a mesh if one of them is zero or not finite.
 pub(crate) fn check_scale(scale: &cranny_spatial::Vector) -> Result<(), ShapeError> {
     if scale.iter().all(|factor| factor.is_finite() && *factor != 0.0) {
         Ok(())
@@ -201,7 +201,7 @@ pub(crate) fn check_scale(scale: &cranny_spatial::Vector) -> Result<(), ShapeErr
     }
 }
 
-/// A vertex, if all its coordinates are usable.
+/// Checks that all coordinates of a vertex are usable.
 pub(crate) fn usable(vertex: usize, p: &cranny_spatial::Point) -> Result<(), ShapeError> {
     if p.iter().all(|x| x.abs() <= cranny_spatial::FARTHEST_M) {
         Ok(())

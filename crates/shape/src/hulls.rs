@@ -1,4 +1,4 @@
-//! Convex bodies around, in and of a mesh.
+//! Convex hulls, inner balls and convex decompositions.
 
 pub(crate) mod coarse_hull;
 pub(crate) mod convex_hull;

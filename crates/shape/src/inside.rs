@@ -1,4 +1,4 @@
-//! The inside of a mesh: whether its surface encloses a volume, and what is mended so that it does.
+//! Inside of a mesh: checks that its surface encloses a volume, and repairs to that end.
 
 pub(crate) mod backwards;
 pub(crate) mod closed_mesh;

@@ -2,10 +2,10 @@ use cranny_spatial::{Point, Vector};
 
 use crate::{ShapeError, TriangleSoup};
 
-/// A body through a row of closed rings, which all have the same number of points: neighbouring rings are
-/// joined, the first and the last are closed by a fan about their middle.
+/// Body through a row of closed rings with equal numbers of points. Neighbouring rings are joined. Fans about their
+/// centres close the first and the last ring.
 ///
-/// Rings run counterclockwise seen from where the row leads to, so that normals face outwards.
+/// Rings run counterclockwise as seen from the end of the row, so that normals point outwards.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Loft {
     rings: Vec<Vec<Point>>,
@@ -25,7 +25,7 @@ impl Loft {
         Ok(Self { rings })
     }
 
-    /// The surface: closed, normals outwards.
+    /// Surface of the body: closed, normals outwards.
     ///
     /// # Errors
     /// [`ShapeError::NotFinite`].
@@ -48,7 +48,7 @@ impl Loft {
         TriangleSoup::from_corners(corners)
     }
 
-    /// The convex hulls of pieces of the body: cut at the rings `cuts`, which belong to the pieces on both
+    /// Convex hulls of the pieces of the body between the rings `cuts`. A ring at a cut belongs to the pieces on both
     /// sides.
     ///
     /// # Errors

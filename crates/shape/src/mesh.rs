@@ -15,9 +15,9 @@ pub(crate) struct Mesh {
     triangles: Vec<Convex>,
     balls: Vec<Ball>,
     tree: TriangleTree,
-    /// All vertices, whose hull contains the mesh; nothing for more than [`MOST_CORNERS`].
+    /// Convex hull of all vertices, which contains the mesh; `None` for more than [`MOST_CORNERS`].
     hull: Option<Core>,
-    /// Nothing for a surface that encloses nothing.
+    /// `None` for a surface that encloses nothing.
     inside: Option<Inside>,
     witnesses: Vec<Point>,
     repairs: MeshRepairs,
@@ -32,7 +32,7 @@ impl Mesh {
         Ok(Self { inside: Some(inside), ..Self::of_corners(&corners, one_vertex_per_body(&soup), repairs) })
     }
 
-    /// The same of a mesh whose small holes are closed first, where it has any.
+    /// Mesh whose small holes, if any, are closed first.
     ///
     /// # Errors
     /// As [`Self::new`]; [`ShapeError::Open`] for a hole that is not small.
@@ -47,8 +47,8 @@ impl Mesh {
         Ok(mesh)
     }
 
-    /// Part of the surface that lies higher than `height_m` (m) along a direction, a unit vector; `None` if no part
-    /// does. It encloses nothing.
+    /// Part of the surface higher than `height_m` (m) along the unit vector `direction` (mesh frame); `None` if no part
+    /// is that high. It encloses nothing.
     pub fn above(&self, direction: &Vector, height_m: f64) -> Option<Self> {
         let higher = |corner: &Point| direction.dot(&corner.coords) - height_m;
         let mut kept: Vec<[Point; 3]> = Vec::new();
@@ -67,13 +67,13 @@ impl Mesh {
         Self { triangles, balls, tree, hull: hull_of(corners), inside: None, witnesses, repairs }
     }
 
-    /// What was done to the file's triangles.
+    /// Repairs to the triangles of the file.
     pub fn repairs(&self) -> &MeshRepairs {
         &self.repairs
     }
 
-    /// One vertex of every body of the mesh: if none of them is inside something whose surface the mesh
-    /// does not cross, nothing of the mesh is.
+    /// One vertex of every body of the mesh. If none of them lies inside a solid whose surface the mesh does not cross,
+    /// no part of the mesh lies inside it.
     pub fn witnesses(&self) -> &[Point] {
         &self.witnesses
     }
@@ -82,7 +82,7 @@ impl Mesh {
         &self.triangles
     }
 
-    /// A convex core that contains the mesh, and of which each corner is a vertex, unless there are too many.
+    /// Convex core that contains the mesh and has every corner as a vertex; `None` if there are too many.
     pub fn hull(&self) -> Option<&Core> {
         self.hull.as_ref()
     }
@@ -92,7 +92,7 @@ impl Mesh {
         self.triangles.iter().flat_map(corners)
     }
 
-    /// The corners of at most [`MOST_PIECES`] pieces of the surface, near ones together.
+    /// Corners of at most [`MOST_PIECES`] pieces of the surface, each of neighbouring triangles.
     pub fn pieces(&self) -> Vec<Vec<Point>> {
         let mut triangles: Vec<[Point; 3]> = self.triangles.iter().map(corners).collect();
         let mut pieces = Vec::new();
@@ -100,13 +100,13 @@ impl Mesh {
         pieces
     }
 
-    /// The triangles whose boxes meet `region`, which is given in the mesh's frame.
+    /// Indices of the triangles whose boxes meet `region` (mesh frame).
     pub fn triangles_near(&self, region: &Aabb) -> Vec<u32> {
         self.tree.near(region).collect()
     }
 
-    /// Calls `visit` with triangles within `reach_m` (m), as [`TriangleTree::nearest`]; `gap_m` bounds the distance of a ball (mesh
-    /// frame).
+    /// Calls `visit` with triangles within `reach_m` (m), as [`TriangleTree::nearest`] does. `gap_m` returns a lower
+    /// bound of the distance to a ball (mesh frame).
     pub fn nearest_triangles(
         &self,
         gap_m: impl Fn(&Ball) -> f64,
@@ -120,19 +120,19 @@ impl Mesh {
         self.tree.nearest(&gap_m, reach_m, of_triangle);
     }
 
-    /// Whether the volume contains `point` (mesh frame): bodies that touch or overlap are all full.
+    /// Returns true if the volume contains `point` (mesh frame). Bodies that touch or overlap are all solid.
     pub fn contains(&self, point: &Point) -> bool {
         let corners = |triangle: u32| corners(&self.triangles[triangle as usize]);
         self.inside.as_ref().is_some_and(|inside| inside.contains(&self.tree, corners, point))
     }
 
-    /// The corners of the triangles whose boxes meet `region`.
+    /// Corners of the triangles whose boxes meet `region` (mesh frame).
     pub fn corners_near(&self, region: &Aabb) -> impl Iterator<Item = [Point; 3]> {
         self.tree.near(region).map(|triangle| corners(&self.triangles[triangle as usize]))
     }
 }
 
-/// Greatest number of vertices through which a search is faster than one through the triangles nearby.
+/// Maximum number of vertices for which a scan of all is faster than a search of the nearby triangles.
 const MOST_CORNERS: usize = 16_000;
 
 fn hull_of(corners: &[[Point; 3]]) -> Option<Core> {
@@ -146,7 +146,7 @@ fn hull_of(corners: &[[Point; 3]]) -> Option<Core> {
     (vertices.len() <= MOST_CORNERS).then(|| Core::Hull(Arc::new(HullPoints::new(&vertices))))
 }
 
-/// Part of a triangle that has a positive height: a convex polygon, in order.
+/// Part of a triangle with positive height: a convex polygon, corners in order.
 fn cut_off(triangle: &[Point; 3], height_m: impl Fn(&Point) -> f64) -> Vec<Point> {
     let mut polygon = Vec::new();
     for (index, a) in triangle.iter().enumerate() {
@@ -163,7 +163,7 @@ fn cut_off(triangle: &[Point; 3], height_m: impl Fn(&Point) -> f64) -> Vec<Point
 }
 
 /// Solid angle of a triangle seen from `eye` (van Oosterom & Strackee 1983, "The solid angle of a plane triangle",
-/// whole); positive where the eye sees the back of the triangle.
+/// whole); positive if the eye sees the back of the triangle.
 pub(crate) fn signed_solid_angle(corners: &[Point; 3], eye: &Point) -> f64 {
     let [a, b, c] = corners.map(|corner| corner - eye);
     let (la, lb, lc) = (a.norm(), b.norm(), c.norm());
@@ -171,12 +171,12 @@ pub(crate) fn signed_solid_angle(corners: &[Point; 3], eye: &Point) -> f64 {
     2.0 * libm::atan2(a.dot(&b.cross(&c)), denominator)
 }
 
-/// More of them bulge little less.
+/// Maximum number of pieces; more pieces reduce the bulge only a little.
 const MOST_PIECES: usize = 32;
 
-/// Halves triangles across the longest side of the box around their first corners, until there are so many pieces.
+/// Halves triangles across the longest side of the box around their first corners, until there are `most` pieces.
 fn split(triangles: &mut [[Point; 3]], most: usize, pieces: &mut Vec<Vec<Point>>) {
-    /// Fewer are no less convex in halves.
+    /// Maximum number of triangles that are not halved; their halves are no closer to convex.
     const FEWEST: usize = 8;
     if most <= 1 || triangles.len() <= FEWEST {
         pieces.push(triangles.iter().flatten().copied().collect());
@@ -202,7 +202,7 @@ fn corners(triangle: &Convex) -> [Point; 3] {
     }
 }
 
-/// The first vertex of every set of triangles that hang together by vertices.
+/// First vertex of every set of triangles that are connected by vertices.
 fn one_vertex_per_body(soup: &TriangleSoup) -> Vec<Point> {
     let mut bodies = DisjointSets::new(soup.vertices.len());
     for &[a, b, c] in &soup.triangles {

@@ -8,7 +8,7 @@ use crate::error::positive;
 use crate::mesh::Mesh;
 use crate::{Aabb, Ball, Bounds, MeshRepairs, ShapeError, TriangleSoup, distance::parry};
 
-/// A full body in its own frame. Cheap to clone.
+/// A solid body in its own frame. Cheap to clone.
 #[derive(Clone, Debug)]
 pub struct Solid {
     kind: Kind,
@@ -23,31 +23,31 @@ pub(crate) enum Kind {
     HalfSpace,
 }
 
-/// What a solid is, as far as its sizes say it whole; all are centred at the origin, lengths along z.
+/// Kind and dimensions of a solid. All shapes are centred at the origin, with their length along z.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Outline {
     /// A cuboid of these half extents, in metres.
     Cuboid {
-        /// Half its length along each axis.
+        /// Half extent along each axis, in metres.
         half_extents: Vector,
     },
     /// A capsule; a sphere if the length is 0.
     Segment {
-        /// Half the length of the cylindrical part.
+        /// Half length of the cylindrical part, in metres.
         half_length_m: f64,
-        /// The radius.
+        /// Radius, in metres.
         radius_m: f64,
     },
     /// A cylinder.
     Cylinder {
-        /// Half its length.
+        /// Half length, in metres.
         half_length_m: f64,
-        /// The radius.
+        /// Radius, in metres.
         radius_m: f64,
     },
     /// All points with z ≤ 0.
     HalfSpace,
-    /// A hull or a mesh.
+    /// A hull or a mesh, without dimensions.
     Other,
 }
 
@@ -72,7 +72,7 @@ impl Solid {
         Ok(Self::convex(Convex { core: Core::Point, radius_m }))
     }
 
-    /// A capsule along z, centred at the origin; `half_length_m` is that of its cylindrical part.
+    /// A capsule along z, centred at the origin; `half_length_m` is the half length of its cylindrical part.
     ///
     /// # Errors
     /// [`ShapeError::Size`] unless both sizes are positive and finite.
@@ -92,23 +92,23 @@ impl Solid {
         Ok(Self::convex(Convex::sharp(Core::Cylinder { half_length, radius })))
     }
 
-    /// The volume that a closed triangle mesh encloses: whatever its surface seals off from the space around it,
-    /// however its faces are turned, doubled or divided among bodies that touch and overlap. What had to be
-    /// mended for that is in [`Self::mesh_repairs`]; a mesh that needs nothing keeps its triangles as they are.
+    /// The volume that a closed triangle mesh encloses: all that its surface seals off from the space around it. Faces
+    /// may be wound either way, doubled, or shared by bodies that touch or overlap. [`Self::mesh_repairs`] lists the
+    /// repairs; a mesh that needs none keeps its triangles.
     ///
-    /// A body within another is a cavity only if all its faces look inwards, those of the other outwards, and
-    /// the two do not touch; else it is full.
+    /// A body inside another is a cavity only if all its faces point inwards, all faces of the outer body point outwards,
+    /// and the two do not touch. Otherwise it is solid.
     ///
     /// # Errors
-    /// [`ShapeError::Empty`], [`ShapeError::VertexIndex`], [`ShapeError::Open`] for a mesh with a hole, or
-    /// [`ShapeError::OneSided`] for one with faces that part nothing from nothing, or
-    /// [`ShapeError::WoundBackwards`] for a body that is twisted through itself.
+    /// [`ShapeError::Empty`], [`ShapeError::VertexIndex`], [`ShapeError::Open`] for a mesh with a hole,
+    /// [`ShapeError::OneSided`] for faces with the same space on both sides, or [`ShapeError::WoundBackwards`] for a body
+    /// that crosses itself.
     pub fn mesh(soup: &TriangleSoup) -> Result<Self, ShapeError> {
         Ok(Self::of_mesh(Mesh::new(soup)?, soup))
     }
 
-    /// The same of a mesh with small holes, up to a tenth of it across, each of which is closed: what it leads to is full, as
-    /// suits an obstacle. [`Self::mesh_repairs`] counts them.
+    /// The volume that a mesh encloses after its small holes, up to a tenth of it across, are closed. The space behind
+    /// them is solid, as suits an obstacle. [`Self::mesh_repairs`] counts the holes.
     ///
     /// # Errors
     /// As [`Self::mesh`]; [`ShapeError::Open`] for a mesh with a larger hole.
@@ -116,7 +116,7 @@ impl Solid {
         Ok(Self::of_mesh(Mesh::with_small_holes(soup)?, soup))
     }
 
-    /// A mesh made of a soup: what closes its holes is within the bounds of that.
+    /// Makes a solid of a mesh. The bounds of `soup` contain the triangles that close its holes.
     fn of_mesh(mesh: Mesh, soup: &TriangleSoup) -> Self {
         let mut is_used = vec![false; soup.vertices.len()];
         soup.triangles.iter().flatten().for_each(|vertex| is_used[*vertex as usize] = true);
@@ -142,22 +142,22 @@ impl Solid {
         &self.bounds.ball
     }
 
-    /// The solid's box in its own frame; infinite for a half-space.
+    /// Axis-aligned box around the solid in its own frame; infinite for a half-space.
     pub fn aabb(&self) -> &Aabb {
         &self.bounds.aabb
     }
 
-    /// Both; infinite for a half-space.
+    /// Bounding ball and box of the solid; infinite for a half-space.
     pub fn bounds(&self) -> &Bounds {
         &self.bounds
     }
 
-    /// Whether the solid is the half-space z ≤ 0.
+    /// Returns true if the solid is the half-space z ≤ 0.
     pub fn is_half_space(&self) -> bool {
         matches!(self.kind, Kind::HalfSpace)
     }
 
-    /// The half extents (m) if the solid is a cuboid, as it was made.
+    /// Half extents (m) that a cuboid was made with; `None` for any other solid.
     pub fn as_cuboid(&self) -> Option<Vector> {
         match self.outline() {
             Outline::Cuboid { half_extents } => Some(half_extents),
@@ -165,7 +165,7 @@ impl Solid {
         }
     }
 
-    /// What the solid is, with the sizes that it was made from.
+    /// Kind of the solid, with the dimensions that it was made with.
     pub fn outline(&self) -> Outline {
         match &self.kind {
             Kind::HalfSpace => Outline::HalfSpace,
@@ -184,8 +184,8 @@ impl Solid {
         }
     }
 
-    /// Points and a radius (m): the solid lies in the union of the balls of that radius around the convex
-    /// hull of the points. `None` for a half-space.
+    /// Points and a radius (m): the solid lies within that radius of the convex hull of the points. `None` for a
+    /// half-space.
     pub fn bounding_points(&self) -> Option<(Vec<Point>, f64)> {
         match &self.kind {
             Kind::Convex(convex) => Some((convex.bounding_points(), convex.radius_m)),
@@ -194,7 +194,7 @@ impl Solid {
         }
     }
 
-    /// The point of a convex solid that lies farthest along `direction`; `None` for a mesh or half-space.
+    /// Farthest point of a convex solid along `direction`; `None` for a mesh or half-space.
     pub fn support_point(&self, direction: &Vector) -> Option<Point> {
         match &self.kind {
             Kind::Convex(convex) => Some(support(convex, direction)),
@@ -202,8 +202,8 @@ impl Solid {
         }
     }
 
-    /// Part of a mesh that lies higher than `height_m` (m) along a direction, a unit vector, in its own frame: a
-    /// surface, which encloses nothing. `None` if no part does, or if the solid is not a mesh.
+    /// Part of a mesh higher than `height_m` (m) along the unit vector `direction`, in the mesh's own frame: a surface
+    /// that encloses nothing. `None` if no part is that high, or if the solid is not a mesh.
     #[must_use]
     pub fn surface_above(&self, direction: &Vector, height_m: f64) -> Option<Self> {
         let Kind::Mesh(mesh) = &self.kind else { return None };
@@ -212,8 +212,8 @@ impl Solid {
         Some(Self { kind: Kind::Mesh(Arc::new(mesh)), bounds })
     }
 
-    /// The triangles of its surface whose boxes meet a region of its own frame, or more, normals outwards, as those of
-    /// [`Self::tessellation`]: none of a half-space.
+    /// Triangles of [`Self::tessellation`] whose boxes meet `region` (solid's own frame), or more, with normals outwards.
+    /// Empty for a half-space.
     pub fn triangles_near(&self, region: &Aabb) -> Vec<[Point; 3]> {
         if let Kind::Mesh(mesh) = &self.kind {
             return mesh.corners_near(region).collect();
@@ -222,7 +222,7 @@ impl Solid {
         (0..soup.triangles.len()).map(|triangle| soup.corners(triangle)).collect()
     }
 
-    /// The least z of the solid after `target_from_solid`, in metres; minus infinity for a half-space.
+    /// Lowest z of the solid placed by `target_from_solid`, in metres; minus infinity for a half-space.
     pub fn lowest_z(&self, target_from_solid: &Pose) -> f64 {
         match &self.kind {
             Kind::Convex(convex) => lowest(convex, target_from_solid),
@@ -233,7 +233,7 @@ impl Solid {
         }
     }
 
-    /// What was done to the triangles of a mesh; `None` for what is no mesh, or needed nothing.
+    /// Repairs to the triangles of a mesh; `None` for a mesh that needed none, and for any other solid.
     pub fn mesh_repairs(&self) -> Option<&MeshRepairs> {
         match &self.kind {
             Kind::Mesh(mesh) => Some(mesh.repairs()).filter(|repairs| repairs.is_any()),
@@ -250,7 +250,7 @@ impl Solid {
             convex.bounding_points().into_iter().map(|point| (point, convex.radius_m)).collect();
         let mut bounds = Bounds::around(&points);
         if let Core::Cylinder { half_length, radius } = convex.core {
-            // The points are those of a prism around the cylinder; its own box is narrower.
+            // The points are those of a prism around the cylinder, whose own box is narrower.
             bounds.aabb.half_extents = Vector::new(radius, radius, half_length);
         }
         Self { kind: Kind::Convex(Arc::new(convex)), bounds }

@@ -4,25 +4,25 @@ use crate::distance::triangle_tree::TriangleTree;
 use crate::inside::closed_mesh::check_indices;
 use crate::{Aabb, ShapeError, TriangleSoup};
 
-/// Triangles without an inside: two surfaces touch only where a triangle of one meets a triangle of the
-/// other. What the released planners check (README, "What solved means").
+/// Triangles without an interior: two surfaces touch only where a triangle of one meets a triangle of the other. The
+/// released planners check such surfaces (README, "What solved means").
 #[derive(Clone, Debug)]
 pub struct Surface {
     pub(crate) corners: Vec<[Point; 3]>,
-    /// For each triangle its box, and its unit normal; zero for one without an area.
+    /// Box of each triangle; `normals` holds its unit normal, zero for a triangle without area.
     boxes: Vec<Aabb>,
     normals: Vec<Vector>,
     pub(crate) tree: TriangleTree,
     aabb: Aabb,
 }
 
-/// Up to this many triangles a plain scan beats the tree.
+/// Maximum number of triangles for which a plain scan is faster than the tree.
 const SCAN_LIMIT: usize = 24;
 
-/// Up to this many boxes a plain scan beats the tree.
+/// Maximum number of boxes for which a plain scan is faster than the tree.
 const BOX_SCAN_LIMIT: usize = 96;
 
-/// Far above what rounding does to a distance within 100 m, far below anything that is measured.
+/// Tolerance, in metres: far above the rounding of a distance within 100 m, far below any measured distance.
 const ROUNDING_M: f64 = 1e-12;
 
 impl Surface {
@@ -48,7 +48,7 @@ impl Surface {
         Self { tree: TriangleTree::new(&corners), boxes, normals, corners, aabb }
     }
 
-    /// The triangles for which `keeps` returns true, of a corner and the unit normal; `None` if there are none.
+    /// Triangles for which `keeps` returns true, given a corner and the unit normal; `None` if there are none.
     pub fn filtered(&self, keeps: impl Fn(&Point, &Vector) -> bool) -> Option<Self> {
         let kept =
             self.corners.iter().zip(&self.normals).filter(|(corners, normal)| keeps(&corners[0], normal));
@@ -76,12 +76,12 @@ impl Surface {
         Self::of_checked(&soup)
     }
 
-    /// The surface's box in its own frame.
+    /// Axis-aligned box around the surface in its own frame.
     pub fn aabb(&self) -> &Aabb {
         &self.aabb
     }
 
-    /// Whether a triangle of this surface meets one of `other`, both placed in a common frame.
+    /// Returns true if a triangle of this surface meets one of `other`, both placed in a common frame.
     pub fn touches(&self, common_from_self: &Pose, other: &Self, common_from_other: &Pose) -> bool {
         let other_from_self = common_from_other.inv_mul(common_from_self);
         let rotation = other_from_self.rotation.to_rotation_matrix();
@@ -121,8 +121,8 @@ impl Surface {
     }
 }
 
-/// Whether two triangles share a point, by separating axes: the two normals, the nine products of edges,
-/// and the six in-plane edge normals that decide the coplanar case (Ericson 2005, §5.2).
+/// Returns true if two triangles share a point. The separating axes are the two normals, the nine products of edges, and
+/// the six in-plane edge normals that decide the coplanar case (Ericson 2005, §5.2).
 pub(crate) fn triangles_meet(a: &[Point; 3], b: &[Point; 3]) -> bool {
     let edges = |t: &[Point; 3]| [t[1] - t[0], t[2] - t[1], t[0] - t[2]];
     let separates = |axis: &Vector| {
@@ -150,7 +150,7 @@ mod tests {
     use super::*;
     use cranny_spatial::Stream;
 
-    /// Two triangles meet where an edge of one pierces the other: the oracle shares nothing with the axes.
+    /// Returns true if an edge of one triangle pierces the other: an oracle that uses no separating axes.
     fn edges_pierce(a: &[Point; 3], b: &[Point; 3]) -> bool {
         let pierces = |edge: (Point, Point), t: &[Point; 3]| {
             let volume = |p: &Point, q: &Point, r: &Point, s: &Point| (q - p).cross(&(r - p)).dot(&(s - p));

@@ -5,15 +5,15 @@ use cranny_spatial::{Point, sin_cos};
 use crate::solid::Kind;
 use crate::{Outline, Solid, Surface, TriangleSoup};
 
-/// Corners of a full circle: a cylinder of 5 cm then bulges by 0.15 mm between two of them.
+/// Corners of a full circle: a cylinder of 5 cm radius then bulges by 0.15 mm between two of them.
 const CIRCLE_POINTS: u32 = 40;
 
-/// 1280 triangles for a sphere.
+/// Divisions of a geodesic sphere: 1280 triangles.
 const SPHERE_DIVISIONS: u32 = 3;
 
 impl Solid {
-    /// The surface of the solid as triangles in its own frame, normals outwards, to be looked at: exact for
-    /// cuboids, hulls and meshes, with the corners on the surface for what is round. None for a half-space.
+    /// Surface of the solid as triangles in its own frame, normals outwards, for display. Exact for cuboids, hulls and
+    /// meshes; for round solids the corners lie on the surface. `None` for a half-space.
     pub fn tessellation(&self) -> Option<TriangleSoup> {
         match self.outline() {
             Outline::HalfSpace => None,
@@ -48,8 +48,8 @@ fn capsule(half_length_m: f64, radius_m: f64) -> TriangleSoup {
     turned(&lower.chain(upper.iter().copied()).collect::<Vec<_>>())
 }
 
-/// The body that a profile sweeps out around z: pairs of height and radius (m), upwards; closed flat where it
-/// does not begin or end on the axis.
+/// Body of revolution of a profile about z. The profile is pairs of height and radius (m), upwards; flat discs close ends
+/// that are not on the axis.
 fn turned(profile: &[(f64, f64)]) -> TriangleSoup {
     let mut soup = TriangleSoup::default();
     for &(z, radius_m) in profile {
@@ -97,7 +97,7 @@ mod tests {
 
     use super::*;
 
-    /// The volume of the triangles against that of the solid; a polygon of 40 corners has 0.4 % less than its
+    /// Compares the volume of the triangles with that of the solid. A polygon of 40 corners has 0.4 % less area than its
     /// circle.
     fn volume_is(solid: &Solid, expected_m3: f64) {
         let soup = solid.tessellation().unwrap();

@@ -1,4 +1,4 @@
-//! Volume and area: moments, poses at rest.
+//! Volume and area: moments, stable poses, symmetry.
 
 pub(crate) mod area;
 pub(crate) mod moments;

@@ -1,13 +1,13 @@
-//! Trees of balls contain their solid, whatever a hull algorithm makes of its corners.
+//! Trees of balls contain their solid, even if a hull algorithm misjudges its corners.
 
 use cranny_shape::{Ball, BallTree, Solid};
 use cranny_spatial::{Point, Stream, Vector};
 
-/// What the lanes let the balls stand out of a link by, in metres.
+/// Bulge of the balls of a link that the lanes allow, in metres.
 const BULGE_M: f64 = 0.008;
 
-/// Corners of a hull of some kind on which hull algorithms fail: thin, noisy, nearly degenerate, or with
-/// coordinates rounded to `f32`, as meshes in files are.
+/// Corners of a hull on which hull algorithms fail: thin, noisy, nearly degenerate, or with coordinates rounded to `f32`,
+/// as in mesh files.
 fn awkward_corners(random: &mut Stream) -> Vec<Point> {
     let count = 6 + random.index(60);
     let thickness_m = 10_f64.powf(random.uniform_between(-7.0, -2.0));
@@ -48,12 +48,12 @@ fn leaves(tree: &BallTree) -> Vec<Ball> {
     tree.nodes().iter().filter(|node| node.children.is_none()).map(|node| node.ball).collect()
 }
 
-/// How far a point is outside of all balls, in metres; negative within.
+/// Distance of a point from the union of the balls, in metres; negative within.
 fn outside_m(point: &Point, balls: &[Ball]) -> f64 {
     balls.iter().map(|ball| (point - ball.center).norm() - ball.radius_m).fold(f64::INFINITY, f64::min)
 }
 
-/// A point of the hull of some corners: often one near its surface.
+/// Random point of the hull of some corners, often near its surface.
 fn point_of_hull(corners: &[Point], random: &mut Stream) -> Point {
     let mixed = 1 + random.index(4);
     let (mut sum, mut weights) = (Vector::zeros(), 0.0);
@@ -65,7 +65,7 @@ fn point_of_hull(corners: &[Point], random: &mut Stream) -> Point {
     Point::from(sum / weights)
 }
 
-/// Guards against holes: 34 of 1639 such hulls had points up to 0.33 mm outside of all their balls.
+/// Guards against holes: 34 of 1639 such hulls had points up to 0.33 mm outside all their balls.
 #[test]
 fn no_point_of_an_awkward_hull_lies_outside_its_balls() {
     let mut random = Stream::new(14, 0);
@@ -86,7 +86,7 @@ fn no_point_of_an_awkward_hull_lies_outside_its_balls() {
     assert!(hulls > 1000, "most are hulls: {hulls}");
 }
 
-/// A hull of more corners than are cut exactly: its balls grow by what is left out.
+/// Tests a hull with more corners than are cut exactly: its balls grow by what is left out.
 #[test]
 fn balls_contain_a_hull_of_many_corners() {
     let mut random = Stream::new(15, 0);

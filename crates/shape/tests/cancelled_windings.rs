@@ -1,11 +1,11 @@
-//! Meshes whose faces are turned, doubled, overlapping, inside out: whatever their surface seals off is full.
-//! A winding number or a parity over the whole mesh would call the inside of some of them empty, and a link in
-//! there free.
+//! Meshes with faces that are reversed, doubled, overlapping or inside out: all that their surface seals off is solid. A
+//! winding number or a parity over the whole mesh would report the inside of some of them as empty, and a link in there
+//! as free.
 
 use cranny_shape::{ShapeError, Solid, Surface, TriangleSoup, separation};
 use cranny_spatial::{Point, Pose, Rotation, Stream, Vector};
 
-/// The corners of the triangles of a mesh, three at a time.
+/// Corners of the triangles of a mesh, three at a time.
 type Corners = Vec<[Point; 3]>;
 
 fn corners(soup: &TriangleSoup) -> Corners {
@@ -32,7 +32,7 @@ fn cuboid(low: [f64; 3], high: [f64; 3]) -> Corners {
     corners(&soup).iter().map(|triangle| triangle.map(corner)).collect()
 }
 
-/// The same cuboid with the other diagonals.
+/// Returns the cuboid with the other diagonals.
 fn with_other_diagonals(cuboid: &[[Point; 3]]) -> Corners {
     let quads = cuboid.chunks_exact(2).map(|two| [two[0][0], two[0][1], two[0][2], two[1][2]]);
     quads.flat_map(|[a, b, c, d]| [[b, c, d], [b, d, a]]).collect()
@@ -48,12 +48,12 @@ fn is_full_at(solid: &Solid, point: [f64; 3]) -> bool {
     separation(&speck, &there, solid, &Pose::identity(), f64::MAX).upper_m <= 0.0
 }
 
-/// The mesh as a solid that is full in the middle and empty beside it, with what was repaired.
+/// Checks that the mesh is a solid that is full in the middle and empty beside it; returns its repairs.
 fn full_in_the_middle(corners: &[[Point; 3]]) -> String {
     let solid = Solid::mesh(&soup(corners)).unwrap();
     assert!(is_full_at(&solid, [0.1, 0.02, -0.13]));
     assert!(!is_full_at(&solid, [0.6, 0.02, -0.13]));
-    // A mesh within is looked at in another way than a ball.
+    // A mesh inside is checked differently from a ball.
     let kernel = Solid::mesh(&Surface::cuboid_soup(&Vector::repeat(0.01))).unwrap();
     let gap = separation(&kernel, &Pose::identity(), &solid, &Pose::identity(), f64::MAX);
     assert!(gap.upper_m <= 0.0);
@@ -86,7 +86,7 @@ fn doubled_and_turned_faces_do_not_cancel() {
     let other = with_other_diagonals(&good);
     let mut apart = good.clone();
     for (index, triangle) in apart.iter_mut().enumerate() {
-        // Vertices of no two triangles are equal, as in a mesh of a coarse text.
+        // No two triangles share equal vertices, as in a mesh of a coarse text.
         for corner in triangle.iter_mut() {
             corner.x += 1e-8 * index as f64;
         }
@@ -125,7 +125,7 @@ fn only_a_body_that_looks_inwards_and_touches_nothing_is_a_cavity() {
     assert!(is_full(&[outer.clone(), inner.clone()]));
     assert!(is_full(&[turned(&outer), inner.clone()]));
     assert!(is_full(&[turned(&outer), turned(&inner)]));
-    // With one face in that of the outer box, or through it.
+    // One face of the inner box lies in that of the outer box, or passes through it.
     assert!(is_full(&[outer.clone(), turned(&cuboid([-0.1, -0.1, -1.0], [0.1; 3]))]));
     assert!(is_full(&[outer.clone(), turned(&cuboid([-0.1, -0.1, -1.5], [0.1; 3]))]));
     // Another body fills the cavity, or lies in it.
@@ -154,7 +154,7 @@ fn what_has_no_inside_is_refused() {
     assert!(matches!(Solid::mesh(&soup(&[[line, line, line]])), Err(ShapeError::Empty)));
 }
 
-/// The prism over a polygon, its ends fans from the first corner.
+/// Prism over a polygon; its ends are fans from the first corner.
 fn prism(polygon: &[[f64; 2]]) -> Corners {
     let at = |index: usize, z: f64| {
         let [x, y] = polygon[index % polygon.len()];
@@ -182,14 +182,14 @@ fn a_body_that_is_twisted_through_itself_is_refused() {
 
 #[test]
 fn boxes_that_overlap_at_a_common_edge_or_base_are_full() {
-    // Also where one is inside out.
+    // One of the bodies is inside out.
     let wedge = Pose::from_parts(Vector::zeros().into(), Rotation::from_euler_angles(0.0, 0.0, 0.5));
     let corner = cuboid([0.0; 3], [1.0; 3]);
     let leaning: Corners = corner.iter().map(|triangle| triangle.map(|p| wedge * p)).collect();
     let both = Solid::mesh(&soup(&[corner, turned(&leaning)].concat())).unwrap();
     assert!(is_full_at(&both, [0.5, 0.6, 0.5]) && is_full_at(&both, [-0.2, 0.6, 0.5]));
     assert!(is_full_at(&both, [0.5, 0.1, 0.5]) && !is_full_at(&both, [-0.5, 0.1, 0.5]));
-    // Their bases are one face; one after the other in the file they can be told apart, mixed they cannot.
+    // Their bases are one face. One after the other in the file the bodies can be separated, mixed they cannot.
     let (low, high) = (cuboid([0.0; 3], [1.0; 3]), turned(&cuboid([0.0; 3], [1.0, 1.0, 2.0])));
     let both = Solid::mesh(&soup(&[low.clone(), high.clone()].concat())).unwrap();
     assert!(is_full_at(&both, [0.5, 0.6, 0.5]) && is_full_at(&both, [0.5, 0.6, 1.5]));
@@ -197,16 +197,16 @@ fn boxes_that_overlap_at_a_common_edge_or_base_are_full() {
     assert!(matches!(Solid::mesh(&soup(&mixed)), Err(ShapeError::OneSided { .. })));
 }
 
-/// A convex body by the planes of its faces.
+/// Convex body, given by the planes of its faces.
 struct Convex {
     mesh: Corners,
-    /// A unit normal that points outwards, and how far the plane is along it, in metres.
+    /// Outward unit normal, and distance of the plane along it, in metres.
     planes: Vec<(Vector, f64)>,
-    /// Whether the mesh in the file is inside out as a whole.
+    /// True if the mesh in the file is inside out as a whole.
     is_inward: bool,
 }
 
-/// Points nearer than this to a face are not asked for, in metres.
+/// Distance from a face below which points are not tested, in metres.
 const NEAR_M: f64 = 1e-3;
 
 impl Convex {
@@ -218,7 +218,7 @@ impl Convex {
         Self { planes: mesh.iter().map(plane).collect(), mesh, is_inward: false }
     }
 
-    /// How far a point is above the highest plane, in metres.
+    /// Height of a point above the highest plane, in metres.
     fn height_m(&self, p: &Point) -> f64 {
         self.planes.iter().map(|(normal, at)| normal.dot(&p.coords) - at).fold(f64::NEG_INFINITY, f64::max)
     }
@@ -251,7 +251,7 @@ fn body(random: &mut Stream) -> Convex {
     Convex::of(mesh)
 }
 
-/// The faces of a body as a bad program writes them: turned, doubled.
+/// Faces of a body as a bad program writes them: reversed, doubled.
 fn spoilt(body: &mut Convex, random: &mut Stream) -> Corners {
     let good = body.mesh.clone();
     match below(random, 6) {
@@ -284,7 +284,7 @@ fn is_union(solid: &Solid, bodies: &[Convex], random: &mut Stream, about: &str) 
         if heights.iter().any(|height| height.abs() < NEAR_M) {
             continue;
         }
-        // The wall of a cavity may be meant.
+        // The body may be meant as a cavity.
         let may_be_cavity = |(body, height): (&Convex, &f64)| {
             body.is_inward && *height < 0.0 && bodies.iter().any(|other| other.contains_all_of(body))
         };
@@ -303,7 +303,7 @@ fn a_spoilt_mesh_of_random_bodies_is_their_union() {
         let mut bodies: Vec<Convex> = (0..=below(&mut random, 4)).map(|_| body(&mut random)).collect();
         let mut mesh: Corners = bodies.iter_mut().flat_map(|body| spoilt(body, &mut random)).collect();
         if below(&mut random, 3) == 0 {
-            // A copy of the first on the same place, spoilt in another way.
+            // The copy of the first body has the same position, but other faults.
             mesh.extend(spoilt(&mut bodies[0], &mut random));
             bodies[0].is_inward = false;
         }
@@ -331,14 +331,14 @@ fn boxes_that_share_corners_edges_and_faces_are_united_or_refused() {
             for axis in 0..3 {
                 low[axis] = 0.4 * below(&mut random, 3) as f64 - 0.6;
                 high[axis] = low[axis] + 0.4 * (1 + below(&mut random, 2)) as f64;
-                // To the last bit, whichever way it was reached.
+                // Coordinates must be equal to the last bit, however they were computed.
                 high[axis] = (high[axis] * 1024.0).round() / 1024.0;
                 low[axis] = (low[axis] * 1024.0).round() / 1024.0;
             }
             let mut body = Convex::of(cuboid(low, high));
             let diagonals = below(&mut random, 2) == 0;
             let faces = spoilt(&mut body, &mut random);
-            // Two triangles are a side only in the order in which they were made.
+            // Two triangles form a side only in the order in which they were made.
             let is_as_made = faces == body.mesh;
             mesh.extend(if diagonals && is_as_made { with_other_diagonals(&faces) } else { faces });
             bodies.push(body);

@@ -1,10 +1,10 @@
-//! Closest points: as far apart as the solids are, and on them.
+//! Closest points lie on the solids, and are as far apart as these.
 
 use cranny_shape::{Solid, TriangleSoup, closest_points, separation};
 use cranny_spatial::{Point, Pose, Stream, Vector};
 use proptest::prelude::*;
 
-/// To this the iteration on curved faces agrees with the certificate, in metres.
+/// Agreement of the iteration on curved faces with the certificate, in metres.
 const CLOSE_M: f64 = 2e-5;
 
 fn random_pose(random: &mut Stream) -> Pose {
@@ -13,7 +13,7 @@ fn random_pose(random: &mut Stream) -> Pose {
     Pose::from_parts(translation.into(), random.rotation())
 }
 
-/// One of every kind.
+/// Random solid of a random kind.
 fn random_solid(random: &mut Stream) -> Solid {
     let mut size = || random.uniform_between(0.05, 0.2);
     let (a, b, c) = (size(), size(), size());
@@ -29,7 +29,7 @@ fn random_solid(random: &mut Stream) -> Solid {
     }
 }
 
-/// How far a point is from a solid, in metres, by a ball around it.
+/// Distance of a point from a solid, in metres, by a ball around it.
 fn distance_of(point: &Point, solid: &Solid, pose: &Pose) -> f64 {
     const RADIUS_M: f64 = 1e-6;
     let ball = Solid::sphere(RADIUS_M).unwrap();

@@ -5,7 +5,7 @@ use cranny_spatial::Vector;
 
 use crate::mesh_files::{fault, write};
 
-/// A COLLADA file of four corners at 0 and 1; `primitive` makes faces of them, `nodes` place them.
+/// COLLADA file of four corners at 0 and 1; `primitive` makes faces of them, `nodes` place them.
 pub(crate) fn collada(primitive: &str, nodes: &str) -> String {
     format!(
         "<COLLADA xmlns='http://www.collada.org/2005/11/COLLADASchema' version='1.4.1'>
@@ -38,7 +38,7 @@ fn a_collada_file_is_read_with_its_unit_where_its_nodes_place_it() {
     let plain = load(FACES, NODE);
     assert_eq!((plain.vertices.len(), plain.triangles.len()), (4, 4));
     assert!((Solid::mesh(&plain).unwrap().aabb().half_extents - Vector::repeat(0.25)).norm() < 1e-12);
-    // The same faces as polygons that are counted, and as a strip with one turned round.
+    // The same faces as counted polygons, and as a strip with one face reversed.
     let input = "<input semantic='VERTEX' source='#v' offset='0'/>";
     let list = format!(
         "<polylist count='4'>{input}<vcount>3 3 3 3</vcount><p>0 2 1 0 1 3 0 3 2 1 2 3</p></polylist>"
@@ -46,7 +46,7 @@ fn a_collada_file_is_read_with_its_unit_where_its_nodes_place_it() {
     assert_eq!(load(&list, NODE), plain);
     let strip = load(&format!("<tristrips count='1'>{input}<p>0 1 2 3</p></tristrips>"), NODE);
     assert_eq!(strip.triangles, [[0, 1, 2], [2, 1, 3]]);
-    // Turned by a right angle about z, stretched before, moved after, in a node that is moved again; twice.
+    // The node is rotated by 90° about z, scaled before, moved after, inside a node that is moved again; twice.
     let nodes = "<node><translate>0 0 2</translate><node><translate>10 0 0</translate><rotate>0 0 1 90</rotate>\
                  <scale>3 1 1</scale><instance_geometry url='#g'/></node></node><node><matrix>1 0 0 -8 0 1 0 0 \
                  0 0 1 0 0 0 0 1</matrix><instance_geometry url='#g'/></node>";
@@ -94,7 +94,7 @@ fn load(text: &str) -> TriangleSoup {
 
 const INPUT: &str = "<input semantic='VERTEX' source='#v' offset='0'/>";
 
-/// `<lookat>` was passed over. The places are those that Assimp 6.0 gives for eye, interest and up.
+/// Guards against an ignored `<lookat>`. The positions are those of Assimp 6.0 for eye, interest and up.
 #[test]
 fn a_node_that_looks_at_a_point_is_placed() {
     let node =
@@ -115,7 +115,7 @@ fn a_node_that_looks_at_a_point_is_placed() {
     }
 }
 
-/// Text behind a comment was cut off.
+/// Guards against the loss of text after a comment.
 #[test]
 fn comments_may_stand_in_numbers() {
     let text = collada(FACES, NODE);
@@ -126,14 +126,14 @@ fn comments_may_stand_in_numbers() {
     assert_eq!(load(&remarked), load(&text));
 }
 
-/// Its faces are those of a mesh.
+/// A `<convex_mesh>` has the faces of a mesh.
 #[test]
 fn a_convex_mesh_with_faces_is_read() {
     let text = collada(FACES, NODE);
     assert_eq!(load(&text.replace("mesh>", "convex_mesh>")), load(&text));
 }
 
-/// Geometry was shown where no node places it, if no scene was named.
+/// Guards against geometry that no node places, if no scene is named.
 #[test]
 fn the_only_scene_of_a_file_is_shown() {
     let moved = collada(FACES, "<node><translate>2 0 0</translate><instance_geometry url='#g'/></node>");
@@ -143,7 +143,7 @@ fn the_only_scene_of_a_file_is_shown() {
     assert!(fault("two.dae", &two).contains("a second <visual_scene>, and no <scene>"));
 }
 
-/// Exporters number the parts of each file anew and join files. The last of an id took the place of all.
+/// Exporters number the parts of each file anew and join files. The last element of an id must not replace all.
 #[test]
 fn parts_of_two_geometries_may_have_one_id() {
     let both = "<node><instance_geometry url='#g'/><instance_geometry url='#h'/></node>";
@@ -161,11 +161,11 @@ fn parts_of_two_geometries_may_have_one_id() {
     assert!(
         fault("kind.dae", &text.replace("url='#h'", "url='#v'")).contains("'#v', which is no <geometry>")
     );
-    // Nobody refers to it.
+    // No instance refers to the node.
     load(&text.replace("id='loop'><instance_node url='#loop'/>", "id='n'/><node id='n'>"));
 }
 
-/// Each of these was passed over, with all that it would have shown.
+/// Guards against silently skipping these elements, with all that they show.
 #[test]
 fn what_is_not_read_of_a_collada_file_is_refused() {
     let geometry = |old: &str, new: &str| fault("not.dae", &collada(FACES, NODE).replace(old, new));
@@ -221,7 +221,7 @@ fn what_is_not_read_of_a_collada_file_is_refused() {
     ] {
         assert!(fault.contains(message), "{message}: {fault}");
     }
-    // Content without a surface, or for other programs, is no fault.
+    // Content without a surface, or for other programs, is valid.
     let lines = format!("{FACES}<lines count='1'>{INPUT}<p>0 1</p></lines><extra><skew/></extra>");
     let node = NODE.replace("<node>", "<node><extra><skew/></extra><instance_camera url='#c'/>");
     assert_eq!(load(&collada(&lines, &node)), load(&collada(FACES, NODE)));

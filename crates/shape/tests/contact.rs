@@ -1,10 +1,10 @@
-//! Verdicts of contact where it is decided: between overlap and a gap of some contact distances.
+//! Verdicts of contact near their decision: between overlap and a gap of some contact distances.
 
 use cranny_shape::{Solid, TriangleSoup, closest_points, overlap, separation};
 use cranny_spatial::nalgebra::Translation3;
 use cranny_spatial::{CONTACT_M, Point, Pose, Stream, Vector};
 
-/// One of every kind, with sizes from a tenth of a millimetre to half a metre.
+/// Random solid of a random kind, with sizes from a tenth of a millimetre to half a metre.
 fn random_solid(random: &mut Stream) -> Solid {
     let mut size = || 10_f64.powf(random.uniform_between(-4.0, -0.3));
     let (a, b, c) = (size(), size(), size());
@@ -30,11 +30,11 @@ fn random_pose(random: &mut Stream, spread_m: f64) -> Pose {
     Pose::from_parts(Vector::new(draw(), draw(), draw()).into(), random.rotation())
 }
 
-/// Guards against a contact that is none: of 4774 named pairs 50 were 11.5 to 42 µm apart, and a sphere 39.8 µm
-/// clear was said to be 3.56 mm deep.
+/// Guards against false contacts: of 4774 named pairs 50 were 11.5 to 42 µm apart, and a sphere 39.8 µm clear was
+/// reported as 3.56 mm deep.
 #[test]
 fn both_bounds_meet_where_contact_is_decided() {
-    /// Far less than what a verdict of contact may be off by, 1 µm.
+    /// Tolerance far below the error allowed for a verdict of contact, 1 µm.
     const CLOSE_M: f64 = 1e-7;
     let mut random = Stream::new(14, 0);
     let (mut tried, mut worst_m) = (0, 0.0_f64);
@@ -43,8 +43,8 @@ fn both_bounds_meet_where_contact_is_decided() {
         let (pose_a, far_b) = (random_pose(&mut random, 0.1), random_pose(&mut random, 1.0));
         let Some([on_a, on_b]) = closest_points(&a, &pose_a, &b, &far_b) else { continue };
         tried += 1;
-        // Moved along the shortest way between them, the two are as far apart as the way is long then; beyond its
-        // end at most so far.
+        // After a shift along the shortest connection the solids are `gap_m` apart. After a shift beyond contact they are
+        // at most that far apart.
         let gap_m = random.uniform_between(-1e-5, 5e-5);
         let way = on_a - on_b;
         let shift = Translation3::from(way * (1.0 - gap_m / way.norm()));

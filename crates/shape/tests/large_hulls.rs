@@ -1,4 +1,4 @@
-//! Hulls of many points: in less than seconds, and around all of them.
+//! Hulls of many points take less than seconds, and contain all of them.
 
 use cranny_shape::{MOST_HULL_CORNERS, Solid, TriangleSoup, separation};
 use cranny_spatial::{Point, Pose, Rotation, Stream, Vector};
@@ -19,7 +19,7 @@ fn a_hull_of_more_corners_than_can_be_kept_is_rounded_around_them() {
     assert!(sphere.len() > 2 * MOST_HULL_CORNERS);
     let hull = Solid::hull(&sphere).unwrap();
     let (corners, radius_m) = hull.bounding_points().unwrap();
-    // A distance to it would else take as long as to all forty thousand.
+    // Otherwise a distance to the hull would take as long as to all forty thousand.
     assert!(corners.len() < 2500, "{}", corners.len());
     assert!(radius_m > 0.0 && radius_m < 3e-4, "{radius_m}");
     holds_all(&hull, &sphere);

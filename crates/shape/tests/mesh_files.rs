@@ -61,7 +61,7 @@ fn bad_files_are_named() {
     assert!(missing.to_string().contains("nowhere.obj"));
 }
 
-/// What a reader says of bytes that are no sound file.
+/// Error message of a reader for invalid bytes.
 fn fault_of_bytes(name: &str, bytes: &[u8]) -> String {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(name);
@@ -96,7 +96,7 @@ fn a_binary_stl_that_is_cut_off_at_a_triangle_is_refused() {
     let path = folder.path().join("whole.stl");
     std::fs::write(&path, &whole).unwrap();
     assert_eq!(TriangleSoup::load(&path, Vector::repeat(1.0)).unwrap(), tetrahedron());
-    // Some programs end it like a text or fill it up, and some do not count.
+    // Some programs end the file like a text or pad it, and some write no count.
     let uncounted = binary_stl(&tetrahedron(), 0);
     for rest in [&b"\n"[..], b"\0", &[0; 100]] {
         for start in [&whole, &uncounted] {
@@ -106,7 +106,7 @@ fn a_binary_stl_that_is_cut_off_at_a_triangle_is_refused() {
         }
     }
 
-    // Bytes that are no filling may be triangles, which would be lost.
+    // Bytes that are no padding may be triangles, which would be lost.
     let triangle = &whole[84..134];
     for rest in [&b"made by a program"[..], &triangle[..49], triangle, &[triangle, b"x"].concat(), &whole] {
         let fault = fault_of_bytes("more.stl", &[&whole, rest].concat());
@@ -137,7 +137,7 @@ fn a_text_stl_that_is_cut_off_is_refused() {
     }
 }
 
-/// A cuboid of 0.1 m by 0.02 m by 0.03 m with its faces as quads, in the forms that other programs write and read.
+/// Cuboid of 0.1 m by 0.02 m by 0.03 m with quads as faces, in the forms that other programs write and read.
 #[test]
 fn an_obj_is_read_in_all_its_forms() {
     let plain = "v 0 0 0\nv 0.1 0 0\nv 0 0.02 0\nv 0.1 0.02 0\nv 0 0 0.03\nv 0.1 0 0.03\nv 0 0.02 0.03\n\
@@ -187,7 +187,7 @@ fn a_text_stl_is_read_in_all_its_forms() {
     };
     let plain = format!("solid a b\n{}{}endsolid a b\n", facet(0), facet(2));
     let several = format!("solid\n{}endsolid\n\nsolid two\n{}endsolid two", facet(0), facet(2));
-    // Lines end anywhere but behind a name.
+    // Lines may end anywhere except after a name.
     let on_one_line = format!("solid\n{}\nendsolid", [facet(0), facet(2)].concat().replace('\n', " "));
     let forms = [
         plain.clone(),
@@ -214,7 +214,7 @@ fn a_text_stl_is_read_in_all_its_forms() {
     );
 }
 
-/// A solid on the line of its name was read as a name, corners of two facets as one polygon.
+/// Guards against a solid read as the name on its line, and corners of two facets read as one polygon.
 #[test]
 fn what_is_out_of_place_in_a_text_stl_is_refused() {
     let facet =
@@ -240,7 +240,7 @@ fn what_is_out_of_place_in_a_text_stl_is_refused() {
     }
 }
 
-/// A U of 3 m by 3 m with a slot of 1 m by 2 m, as one polygon: cut as a fan from its first corner it filled the slot.
+/// U of 3 m by 3 m with a slot of 1 m by 2 m, as one polygon: a fan from its first corner would fill the slot.
 #[test]
 fn no_format_fills_a_concave_polygon() {
     let outline = [(2, 3), (2, 1), (1, 1), (1, 3), (0, 3), (0, 0), (3, 0), (3, 3)];
@@ -316,7 +316,7 @@ fn a_ply_that_counts_more_than_it_holds_is_refused_at_once() {
     let text = |elements: &str| {
         fault("bad.ply", &format!("ply\nformat binary_little_endian 1.0\n{elements}end_header\n"))
     };
-    // Made 10^18 empty things before.
+    // Guards against an allocation of 10^18 empty elements.
     let fault = text("element nothing 1000000000000000000\n");
     assert!(fault.contains("line 3") && fault.contains("have no properties"), "{fault}");
     let fault = text("element vertex 1000000000000000000\nproperty float x\n");
@@ -342,7 +342,7 @@ fn a_ply_that_counts_more_than_it_holds_is_refused_at_once() {
     assert!(fault.contains("line 12: 'one' is no number"), "{fault}");
 }
 
-/// A PLY file of the corners of a tetrahedron, twice, with what `elements` announces of them.
+/// PLY file of the corners of a tetrahedron, twice, with the elements that `elements` announces.
 fn ply_of_two(elements: &str, body: &str) -> String {
     format!(
         "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\n{elements}\
@@ -353,7 +353,7 @@ fn ply_of_two(elements: &str, body: &str) -> String {
 const FACE_ELEMENT: &str = "element face 4\nproperty list uchar int vertex_indices\n";
 const PLY_FACES: &str = "3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n";
 
-/// Strips were passed over, and so were the bodies made of them.
+/// Guards against the loss of strips, and of the bodies made of them.
 #[test]
 fn strips_of_a_ply_are_read() {
     let folder = tempfile::tempdir().unwrap();
@@ -363,7 +363,7 @@ fn strips_of_a_ply_are_read() {
         TriangleSoup::load(&path, Vector::repeat(1.0)).unwrap()
     };
     let strips = "element tristrips 1\nproperty list int int vertex_indices\n";
-    // Two triangles side by side, then one alone, then one that is turned by a corner given twice.
+    // Two triangles side by side, then a single one, then one that a repeated corner reverses.
     let body = "15 4 6 5 7 -1 4 5 7 -1 6 6 4 4 7 -1\n";
     let both = load(&format!("{FACE_ELEMENT}{strips}"), &format!("{PLY_FACES}{body}"));
     assert_eq!(both.triangles.len(), 7);
@@ -377,7 +377,7 @@ fn strips_of_a_ply_are_read() {
     assert_eq!(other.triangles.len(), 4);
 }
 
-/// The second element of a name took the place of the first, and faces beyond the count were left out.
+/// Guards against the second element of a name replacing the first, and against dropped faces beyond the count.
 #[test]
 fn what_a_ply_gives_twice_or_does_not_announce_is_refused() {
     let polygon = FACE_ELEMENT.replace("face", "Face");
@@ -413,7 +413,7 @@ fn what_a_ply_gives_twice_or_does_not_announce_is_refused() {
     assert_eq!(TriangleSoup::load(&path, Vector::repeat(1.0)).unwrap(), tetrahedron());
 }
 
-/// All corners fell on one place, and the mesh had no triangles then.
+/// Guards against corners that all fall on one point and leave no triangles.
 #[test]
 fn a_scale_of_zero_is_named() {
     let (_folder, path) = write("tetrahedron.obj", TETRAHEDRON_OBJ);

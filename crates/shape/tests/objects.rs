@@ -1,4 +1,4 @@
-//! Repair, volume, convex parts, rest: what becomes of the mesh of an object.
+//! Processing of the mesh of an object: repair, volume, convex parts, stable poses.
 
 use std::f64::consts::{PI, TAU};
 
@@ -20,7 +20,7 @@ fn moved(soup: &TriangleSoup, pose: &Pose) -> TriangleSoup {
     }
 }
 
-/// Two meshes in one.
+/// Joins two meshes into one.
 fn together(one: &TriangleSoup, other: &TriangleSoup) -> TriangleSoup {
     let corners = |soup: &TriangleSoup| -> Vec<Point> {
         (0..soup.triangles.len()).flat_map(|t| soup.corners(t)).collect()
@@ -28,11 +28,11 @@ fn together(one: &TriangleSoup, other: &TriangleSoup) -> TriangleSoup {
     TriangleSoup::from_corners([corners(one), corners(other)].concat()).unwrap()
 }
 
-/// An L: not convex, its volume known.
+/// L-shaped body: not convex, with a known volume.
 fn angle_iron() -> TriangleSoup {
     let outline = [(0.0, 0.0), (0.2, 0.0), (0.2, 0.05), (0.05, 0.05), (0.05, 0.2), (0.0, 0.2)];
     let ring = |z: f64| outline.map(|(x, y)| Point::new(x, y, z)).to_vec();
-    // A fan about the middle of the outline would leave it, so the caps are cut by hand.
+    // A fan about the centre of the outline would leave it, so the caps are cut by hand.
     let mut corners = Vec::new();
     let (low, high) = (ring(0.0), ring(0.1));
     for i in 0..6 {
@@ -48,7 +48,7 @@ fn angle_iron() -> TriangleSoup {
 #[test]
 fn flipped_and_doubled_faces_are_repaired() {
     let whole = cuboid(0.1, 0.2, 0.3);
-    // Every triangle brings its own three vertices, some are turned round, one stands there twice.
+    // Every triangle has its own three vertices, some are reversed, one is a duplicate.
     let mut soup = TriangleSoup::default();
     for (index, triangle) in (0..12).chain([3]).enumerate() {
         let first = u32::try_from(soup.vertices.len()).unwrap();
@@ -67,7 +67,7 @@ fn flipped_and_doubled_faces_are_repaired() {
     assert!((volume_m3 - 0.006).abs() < 1e-15, "{volume_m3}");
 }
 
-/// A box within another is a cavity if its faces look inwards, as collision checks have it too; else it is in what is full.
+/// A box within another is a cavity if its faces point inwards, as in collision checks. Else it is redundant.
 #[test]
 fn a_cavity_is_kept_and_a_body_within_another_is_part_of_it() {
     let outer = cuboid(0.3, 0.3, 0.3);
@@ -104,11 +104,11 @@ fn what_cannot_be_repaired_is_refused_with_its_reason() {
     assert!(matches!(fault, ShapeError::SelfCrossing { .. }), "{fault}");
     assert!(fault.to_string().contains("trimesh.boolean.union"), "{fault}");
 
-    // Apart from each other the same two boxes are sound.
+    // Apart from each other the same two boxes are valid.
     let apart = together(&cuboid(0.1, 0.1, 0.1), &moved(&cuboid(0.1, 0.1, 0.1), &shift(0.3, 0.04, 0.05)));
     assert_eq!(RepairedMesh::of(&apart).unwrap().flipped_triangles, 0);
 
-    // A Möbius strip of which both faces are given: closed by count, but one-sided.
+    // A Klein bottle: closed by count, but one-sided.
     let klein = klein_bottle(12, 8);
     let fault = RepairedMesh::of(&klein).unwrap_err();
     assert!(matches!(fault, ShapeError::OneSided { .. }), "{fault}");
@@ -120,7 +120,7 @@ fn shift(x: f64, y: f64, z: f64) -> Pose {
     Pose::translation(x, y, z)
 }
 
-/// A torus whose tube is glued to itself the wrong way round.
+/// Torus whose tube is glued to itself in reverse.
 fn klein_bottle(around: u32, tube: u32) -> TriangleSoup {
     let vertex = |i: u32, j: u32| {
         let (i, j) = if i == around { (0, (tube - j) % tube) } else { (i, j % tube) };
@@ -170,7 +170,7 @@ fn convex_parts_of_an_angle_iron_are_few_and_their_error_is_honest() {
     let found = ConvexParts::of_mesh(&mesh, &DecompositionSettings::default()).unwrap();
     assert!((2..=6).contains(&found.parts.len()), "{}", found.parts.len());
     assert!(found.error.excess < 0.02 && found.error.missing < 0.02, "{:?}", found.error);
-    // Against the hull the error is known: the triangle between the two arms.
+    // The error of the hull is known: the triangle between the two arms.
     let hull = TriangleSoup::convex_hull(&mesh.vertices).unwrap();
     let of_hull = ConvexParts::measured(&mesh, vec![hull.clone()]).unwrap();
     let volume_m3 = mesh.signed_volume_m3();
@@ -218,7 +218,7 @@ fn a_leaning_prism_topples_from_the_faces_that_do_not_hold_it() {
     assert!(poses.iter().all(|pose| down(&pose.ground_from_body).z.abs() < 0.9));
 }
 
-/// A body of regular polygons around z, by heights and radii.
+/// Body of regular polygons around z, given by heights and radii (m).
 fn lathed(sides: u32, profile: &[(f64, f64)]) -> TriangleSoup {
     let ring = |&(z, radius): &(f64, f64)| {
         let corner = |side: u32| {
@@ -230,7 +230,7 @@ fn lathed(sides: u32, profile: &[(f64, f64)]) -> TriangleSoup {
     Loft::new(profile.iter().map(ring).collect()).unwrap().mesh().unwrap()
 }
 
-/// The probabilities of the distinct poses of a mesh, and how many poses there were before.
+/// Probabilities of the distinct poses of a mesh, and the number of poses before the merge.
 fn distinct(mesh: &TriangleSoup) -> (Vec<f64>, usize) {
     let center = VolumeMoments::of_mesh(mesh).unwrap().center;
     let poses = stable_poses(&mesh.vertices, &center).unwrap();
@@ -245,10 +245,10 @@ fn a_round_bottle_lies_in_one_way_and_not_in_one_for_each_side() {
     let (found, before) = distinct(&bottle);
     assert!(before >= 49, "{before}");
     assert!((2..=3).contains(&found.len()), "{found:?}");
-    // Turned and moved, its vertices are the same no longer to the last bit.
+    // After a rotation and a shift its vertices are no longer equal to the last bit.
     let tilted = moved(&bottle, &Pose::new(Vector::new(0.3, -0.2, 0.1), Vector::new(0.5, 0.4, -0.9)));
     assert_eq!(distinct(&tilted).0.len(), found.len());
-    // The two ends of a prism are one, and its five sides.
+    // The two ends of a prism are one pose, and so are its five sides.
     let (found, before) = distinct(&lathed(5, &[(0.0, 0.03), (0.05, 0.03)]));
     assert_eq!((found.len(), before), (2, 7));
 }
@@ -260,12 +260,12 @@ fn poses_that_look_different_stay_apart() {
     assert_eq!((found.len(), before), (3, 6));
     let both_sides = 2.0 * share_of_rectangle(0.089, 0.175, 0.5 * 0.038);
     assert!((found[0] - both_sides).abs() < 1e-12, "{found:?}");
-    // A peg on one side of it leaves no symmetry but that of the peg's side: standing on it or on the opposite
-    // side is different, and so are left and right of it where the peg is not in the middle.
+    // A peg on one side leaves no symmetry but that of the peg's side. Standing on that side or on the opposite one
+    // differs, and so do its left and right if the peg is off the middle.
     let peg = moved(&cuboid(0.01, 0.01, 0.02), &shift(0.012, 0.031, 0.097));
     let (found, before) = distinct(&together(&cuboid(0.038, 0.089, 0.175), &peg));
     assert_eq!(found.len(), before, "{found:?}");
-    // A mirror image is not a turn: the two ways to lie of a body that has no other symmetry than a mirror.
+    // A mirror image is not a rotation: a body with only a mirror symmetry keeps all its poses.
     let points =
         [[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.03, 0.05, 0.02], [0.03, -0.05, 0.02], [0.05, 0.0, 0.09]];
     let mirrored = TriangleSoup::convex_hull(&points.map(Point::from)).unwrap();
@@ -321,7 +321,7 @@ proptest! {
         let mut vector = || Vector::new(random.normal(), random.normal(), random.normal());
         let (origin, direction) = (Point::from(vector() * 0.1), vector().normalize());
         let found = surface.ray_hits(&origin, &direction, 1.0);
-        // The oracle: the plane of each triangle, and on which side of each edge it is met.
+        // Oracle: intersects the plane of each triangle, and checks on which side of each edge it is met.
         let mut expected: Vec<f64> = Vec::new();
         for index in 0..soup.triangles.len() {
             let [a, b, c] = soup.corners(index);
@@ -359,8 +359,8 @@ proptest! {
         for solid in &solids {
             let [swept] = &solid.swept(&shift)[..] else { panic!("one convex solid") };
             let gap = separation(swept, &Pose::identity(), &obstacle, &pose, 1.0);
-            // The least distance of the solid on its way, at many places: never less than that of the sweep,
-            // and more by at most half a step.
+            // The least distance of the solid on its path, sampled densely: never less than that of the sweep, and more
+            // by at most half a step.
             let steps = 200;
             let on_the_way = (0..=steps)
                 .map(|step| {

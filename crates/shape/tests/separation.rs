@@ -1,5 +1,5 @@
-//! Distances against oracles that are not GJK: closed formulas, samples of the surface, and other
-//! descriptions of the same body.
+//! Distances against oracles other than GJK: closed formulas, samples of the surface, and other descriptions of the same
+//! body.
 
 use cranny_shape::{
     Range, Solid, Surface, TriangleSoup, overlap, quick_lower_bound, reaches, separation, separation_in,
@@ -19,7 +19,7 @@ fn cuboid_corners(half: &Vector) -> Vec<Point> {
     Surface::cuboid_soup(half).vertices
 }
 
-/// One of every kind, with points on its surface (dense enough to come within 4 mm of any surface point).
+/// Random solid of a random kind, with points on its surface (within 4 mm of any surface point).
 fn random_solid(random: &mut Stream) -> (Solid, Vec<Point>) {
     let mut size = || random.uniform_between(0.05, 0.2);
     let (a, b, c) = (size(), size(), size());
@@ -111,7 +111,7 @@ proptest! {
         prop_assert!(found.lower_m <= found.upper_m + 1e-12);
         prop_assert!(found.upper_m - found.lower_m < cranny_spatial::CONTACT_M, "{found:?}");
         prop_assert!(quick_lower_bound(&a, &pose_a, &b, &pose_b, FAR) <= found.upper_m + 1e-12);
-        // The other body's points against this body: point distances are simple, and never below the truth.
+        // Point distances of the other body's points to this body are simple, and never below the true distance.
         let probe = Solid::sphere(1e-9).unwrap();
         let nearest = points
             .iter()
@@ -144,7 +144,7 @@ proptest! {
         prop_assert!(early.lower_m <= whole.upper_m + 1e-12);
     }
 
-    /// Distances below a bound are exact; of others it is known that they are not.
+    /// Distances below a bound are exact; others are only known to exceed it.
     #[test]
     fn what_matters_of_a_distance_is_the_same(seed in any::<u64>(), beyond_m in 0.0..0.3, exact_below_m in 0.0..0.3) {
         let mut random = Stream::new(seed, 2);
@@ -247,7 +247,7 @@ fn sizes_and_points_that_are_none_are_refused() {
     assert!(Solid::hull(&[Point::new(f64::NAN, 0.0, 0.0); 5]).is_err());
 }
 
-/// Whether a distance is reached is known sooner than the distance, and is the same.
+/// The early decision that a distance is reached agrees with the distance itself.
 #[test]
 fn what_reaches_a_distance_is_what_the_separation_says() {
     let mut random = Stream::new(17, 0);

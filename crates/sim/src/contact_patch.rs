@@ -1,8 +1,8 @@
-//! Where a contact bears: the points at which the engine solves it, and what friction they give.
+//! Contact patches: the points at which the engine solves a contact, and the friction they give.
 //!
-//! By itself the engine puts the middle of friction at the mean of all points that it sees up to 2 mm apart, whether they
-//! bear anything or not, so that a pad on its edge resists turning like a pad on its face; it sees one point twice, and of
-//! more than four may leave out one that bears; and it limits pull and turn each by itself.
+//! By default the engine centres friction at the mean of all points up to 2 mm apart, whether they bear load or not, so that a
+//! pad on its edge resists turning like a pad on its face. It also detects one point twice, may drop a loaded point if there
+//! are more than four, and limits pull and turn separately.
 
 use cranny_grasp::{LEAST_ARM_M, LoadedPoint, limit_factor};
 use cranny_spatial::nalgebra::Vector3;
@@ -11,24 +11,24 @@ use rapier3d_f64::prelude::{
     ContactManifold, ContactModificationContext, PhysicsHooks, RigidBodyHandle, RigidBodySet, SolverContact,
 };
 
-/// What presses on a pad does so on a patch at least, not in a point. A pad that gives way by δ = 0.3 mm touches a ball of
-/// radius R = 33 mm on a patch of radius √(R δ), in metres.
+/// Minimum radius of a contact patch on a pad, in metres. A pad that yields by δ = 0.3 mm touches a ball of radius R = 33 mm on
+/// a patch of radius √(R δ).
 const PATCH_RADIUS_M: f64 = 0.00314;
 
-/// Corners nearer to each other are one, in metres.
+/// Distance below which two corners are merged, in metres.
 const SAME_M: f64 = 1e-5;
 
-/// Gives the solver the patch on which two faces bear, in place of the points where they are near each other.
+/// Replaces the near points of two faces by the patch on which they bear load.
 pub(crate) struct ContactPatch;
 
-/// A corner of the polygon in which two faces meet, or of the patch.
+/// Corner of the polygon in which two faces meet, or of the patch.
 #[derive(Clone, Copy)]
 struct Corner {
-    /// Which of the manifold's points it is.
+    /// Index in the points of the manifold.
     index: u8,
-    /// On the first body and on the second, in the world.
+    /// Anchors on the first and on the second body, in the world.
     anchors: [Vector; 2],
-    /// Between the two; negative: they overlap.
+    /// Gap between the two, in metres; negative if they overlap.
     gap_m: f64,
 }
 
@@ -48,7 +48,7 @@ impl PhysicsHooks for ContactPatch {
                 corners.push(corner);
             }
         }
-        // While nothing touches, the engine looks ahead by itself.
+        // Without contact, the prediction of the engine is sufficient.
         let (Some(patch), Some(&template)) = (patch(&corners), rigid.solver_contacts.first()) else { return };
         *rigid.friction *= share_of_limits(&patch, rigid.manifold, *rigid.normal, &moving);
         rigid.solver_contacts.clear();
@@ -56,8 +56,8 @@ impl PhysicsHooks for ContactPatch {
     }
 }
 
-/// The corners that bear, and each other one moved to where the overlap ends on the way to the nearest that bears, or the
-/// patch at least: at most four, `None` if none bears.
+/// Returns the loaded corners, and each other corner moved towards the nearest loaded one to the end of the overlap, but at
+/// least by the minimum patch: at most four corners, `None` if none is loaded.
 fn patch(corners: &[Corner]) -> Option<Vec<Corner>> {
     let mut patch: Vec<Corner> = corners.iter().copied().filter(|corner| corner.gap_m <= 0.0).collect();
     let bearing = patch.len();
@@ -70,10 +70,11 @@ fn patch(corners: &[Corner]) -> Option<Vec<Corner>> {
     (bearing > 0).then(|| if patch.len() > MOST_CORNERS { widest(&patch) } else { patch })
 }
 
-/// So many points of a contact the engine solves.
+/// Maximum number of points of a contact that the engine solves.
 const MOST_CORNERS: usize = 4;
 
-/// The deepest corner, the one farthest from it, and on each side of the line between them the one farthest from that.
+/// Returns the deepest corner, the one farthest from it, and on each side of the line between them the one farthest from that
+/// line.
 fn widest(corners: &[Corner]) -> Vec<Corner> {
     let (Some(deepest), true) =
         (corners.iter().min_by(|a, b| a.gap_m.total_cmp(&b.gap_m)), corners.len() > MOST_CORNERS)
@@ -104,7 +105,7 @@ impl Corner {
         (self.anchors[0] - other.anchors[0]).length()
     }
 
-    /// On the way from here, where the faces overlap, to `open`, where they do not.
+    /// Returns the end of the overlap between this corner, where the faces overlap, and `open`, where they do not.
     fn toward_end(&self, open: &Self) -> Self {
         let overlap = self.gap_m / (self.gap_m - open.gap_m);
         let share = overlap.max(PATCH_RADIUS_M / self.distance_m(open)).min(1.0);
@@ -115,7 +116,7 @@ impl Corner {
         }
     }
 
-    /// As the solver has it; `template` is another one of the same contact.
+    /// Returns the corner in the form of the solver; `template` is another contact of the same manifold.
     fn contact(&self, template: SolverContact) -> SolverContact {
         let mut contact = template;
         [contact.anchor1, contact.anchor2] = self.anchors;
@@ -125,7 +126,7 @@ impl Corner {
     }
 }
 
-/// The two bodies of a contact.
+/// Relative motion of the two bodies of a contact.
 struct Moving<'a> {
     bodies: &'a RigidBodySet,
     first: Option<RigidBodyHandle>,
@@ -133,7 +134,8 @@ struct Moving<'a> {
 }
 
 impl Moving<'_> {
-    /// How fast the first slides along the second there, in m/s, and turns on it about `normal`, in rad/s.
+    /// Returns the speed at which the first body slides along the second at a point, in m/s, and turns on it about `normal`, in
+    /// rad/s.
     fn slip(&self, at: Vector, normal: Vector) -> (f64, f64) {
         let of = |body: Option<RigidBodyHandle>| {
             let body = body.map(|body| &self.bodies[body]);
@@ -146,11 +148,12 @@ impl Moving<'_> {
     }
 }
 
-/// By what share of the engine's limits of pull and turn the patch slips under both, as it bore them in the last step:
-/// that of the loads of its points where they are, against that of each by itself, the turn about the mean of the points.
+/// Returns the factor on the engine's limits of pull and turn at which the patch slips under both, as loaded in the last step.
+/// It is the limit of the point loads in their locations, relative to the limits of pull and turn alone, the turn about the
+/// mean of the points.
 ///
-/// A patch that slides without turning bears its pull alone. The engine goes on holding the turn that was in it when it
-/// began to slide; of that counts the speed of turning by that of sliding.
+/// A patch that slides without turning bears its pull alone. The engine keeps the turn from the onset of sliding, so that turn
+/// is scaled by the ratio of the speeds of turning and sliding.
 fn share_of_limits(patch: &[Corner], manifold: &ContactManifold, normal: Vector, moving: &Moving<'_>) -> f64 {
     let count = patch.len() as f64;
     let middle = patch.iter().map(|corner| corner.anchors[0]).sum::<Vector>() / count;
@@ -159,7 +162,7 @@ fn share_of_limits(patch: &[Corner], manifold: &ContactManifold, normal: Vector,
     let mut points: Vec<LoadedPoint> = Vec::with_capacity(patch.len());
     for corner in patch {
         let data = &manifold.points[usize::from(corner.index)].data;
-        // The engine keeps both with every point, as impulses on the first body.
+        // The engine stores both with every point, as impulses on the first body.
         pull += data.warmstart_tangent_world / count;
         turn -= data.warmstart_twist_impulse / count;
         let at = corner.anchors[0] - middle;

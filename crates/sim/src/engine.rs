@@ -1,4 +1,4 @@
-//! Where `rapier`'s types meet this project's: conversions, worlds, colliders.
+//! Conversions between `rapier`'s types and those of this project; worlds and colliders.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -17,7 +17,7 @@ use rapier3d_f64::prelude::{
 use crate::contact_patch::ContactPatch;
 use crate::{Physics, Piece, PieceShape, SimError};
 
-/// What belongs together does not touch itself.
+/// Collision groups: hand, object and surroundings each do not collide with themselves.
 pub(crate) const HAND: InteractionGroups =
     InteractionGroups::new(Group::GROUP_1, Group::GROUP_2.union(Group::GROUP_3), InteractionTestMode::And);
 pub(crate) const OBJECT: InteractionGroups =
@@ -43,12 +43,12 @@ pub(crate) fn pose(pose: &Pose) -> RapierPose {
 
 pub(crate) fn to_pose(pose: &RapierPose) -> Pose {
     let q = pose.rotation;
-    // Of unit length as the engine keeps it: no further rounding.
+    // The engine keeps quaternions normalized; no further rounding occurs.
     let rotation = UnitQuaternion::new_unchecked(Quaternion::new(q.w, q.x, q.y, q.z));
     Pose::from_parts(to_vector(pose.translation).into(), rotation)
 }
 
-/// An empty world.
+/// Creates an empty world.
 pub(crate) fn world(physics: &Physics) -> PhysicsWorld {
     let mut world = PhysicsWorld::new();
     world.gravity = RapierVector::new(0.0, 0.0, -physics.gravity);
@@ -58,36 +58,36 @@ pub(crate) fn world(physics: &Physics) -> PhysicsWorld {
     let softness = SpringCoefficients::new(physics.contact_frequency_hz, physics.contact_damping_ratio);
     parameters.contact_softness = softness;
     parameters.static_contact_softness = softness;
-    // Of the two models this one begins to slip at μ N to within 1 %, the other at 0.94 μ N (see `friction_tests.rs`).
+    // This model begins to slip at μ N to within 1 %, the other one at 0.94 μ N (see `friction_tests.rs`).
     parameters.friction_model = FrictionModel::Simplified;
     parameters.friction_in_bias_pass = true;
-    // What saves time where thousands of bodies lie about costs accuracy where three touch.
+    // These options save time with thousands of bodies, but cost accuracy with three.
     parameters.contact_recycling = false;
     parameters.contact_clustering = false;
-    // Contacts are seen this far ahead, in metres, and penetrate this deep before they are pushed apart.
+    // Maximum gap of a predicted contact, and penetration that is not corrected, in metres.
     parameters.normalized_prediction_distance = 0.002;
     parameters.normalized_allowed_linear_error = 1e-5;
     parameters.max_ccd_substeps = 0;
     world
 }
 
-/// A step of a world. Where faces bear, velocities are solved until they rest: one sweep lets a long object that a hand holds
-/// creep by millimetres a second. Where an edge bears, further sweeps would let it bear more than friction allows (see
+/// Advances a world by one step. With face contacts, more stabilization iterations are needed: with one, a long held object
+/// creeps by millimetres per second. With edge contacts, more iterations would exceed the limit of friction (see
 /// `friction_tests.rs`).
 pub(crate) fn step(world: &mut PhysicsWorld, are_faces: bool) {
     world.integration_parameters.num_internal_stabilization_iterations = if are_faces { 4 } else { 1 };
     world.step_with_events(&ContactPatch, &());
 }
 
-/// Colliders without mass; of two friction coefficients that meet, the greater counts.
+/// Creates colliders without mass; the greater of two friction coefficients in contact applies.
 pub(crate) fn colliders(
     of: &str,
     pieces: &[Piece],
     friction: f64,
     groups: InteractionGroups,
 ) -> Result<Vec<Collider>, SimError> {
-    // What stands keeps the contacts of the engine: of those some come and go with every breath, and would take the ground
-    // with them.
+    // Surroundings keep the contacts of the engine: some of them come and go in every step, and with the hook the support would
+    // vanish with them.
     let hooks = if groups == HAND { ActiveHooks::MODIFY_SOLVER_CONTACTS } else { ActiveHooks::empty() };
     let collider = |piece: &Piece| {
         let (place, shape) = shape(piece).ok_or_else(|| SimError::Shape {
@@ -109,7 +109,7 @@ pub(crate) fn colliders(
 
 fn shape(piece: &Piece) -> Option<(RapierPose, SharedShape)> {
     let place = pose(&piece.body_from_piece);
-    // The engine's cylinders stand along y.
+    // The cylinders of the engine have their axis along y.
     let along_z = place
         * RapierPose {
             rotation: RapierRotation::from_rotation_x(FRAC_PI_2),
@@ -128,17 +128,17 @@ fn shape(piece: &Piece) -> Option<(RapierPose, SharedShape)> {
     })
 }
 
-/// How deep a collider is in another, in metres; 0 if it is not. Only the other one may be a half-space.
+/// Penetration depth of two colliders, in metres; 0 if they do not overlap. Only `other` may be a half-space.
 pub(crate) fn depth_m(own: &Collider, other: &Collider) -> f64 {
     if !own.compute_aabb().intersects(&other.compute_aabb()) {
         return 0.0;
     }
-    // In this order: a half-space that comes second the engine sees from the wrong side.
+    // The order matters: the engine treats a half-space as second shape from the wrong side.
     let contact = query::contact(other.position(), other.shape(), own.position(), own.shape(), 0.0);
     contact.ok().flatten().map_or(0.0, |contact| -contact.dist)
 }
 
-/// Mass, centre of mass, and inertia about it.
+/// Converts mass, centre of mass, and inertia about it.
 pub(crate) fn mass_properties(mass_kg: f64, center: &Point, inertia_kg_m2: &Matrix3<f64>) -> MassProperties {
     let columns = [0, 1, 2].map(|column| vector(&inertia_kg_m2.column(column).into_owned()));
     MassProperties::with_inertia_matrix(
@@ -148,8 +148,8 @@ pub(crate) fn mass_properties(mass_kg: f64, center: &Point, inertia_kg_m2: &Matr
     )
 }
 
-/// What the first of two bodies gave the second along the normals of their contacts in the last step, in N s. The engine's
-/// own sum counts points too that it has left out of the step since they last bore something.
+/// Normal impulse of the first of two bodies on the second in the last step, in N s. The engine's own sum also counts points
+/// that it has dropped since they last bore load.
 pub(crate) fn normal_impulse(pair: &ContactPair) -> Vector {
     let mut sum = Vector::zeros();
     for manifold in pair.manifolds() {

@@ -1,78 +1,78 @@
 use cranny_shape::ShapeError;
 
-/// Why something cannot be simulated.
+/// Errors of simulations.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SimError {
-    /// A path has no times.
+    /// A path has no timing.
     #[error("without limits of acceleration (a limits.yaml beside the URDF) the path has no times")]
     NoTimes,
-    /// A hand has nothing that closes.
+    /// A hand has no moving fingers.
     #[error(
         "hand '{hand}' has no fingers that slide, so it cannot close (is there a robot.yaml beside the URDF that names \
          their joints?)"
     )]
     NoFingers {
-        /// What it is called.
+        /// Name of the hand.
         hand: String,
     },
-    /// A finger does not move.
+    /// A finger has no stroke.
     #[error("finger {finger} of hand '{hand}' does not move: open and closed are the same place")]
     NoStroke {
-        /// What the hand is called.
+        /// Name of the hand.
         hand: String,
-        /// The finger, from 1.
+        /// Number of the finger, from 1.
         finger: usize,
     },
-    /// A hand presses with no force.
+    /// The closing force of a hand is not positive.
     #[error("hand '{hand}' closes with {force_n} N; the closing force must be a positive number of newtons")]
     ClosingForce {
-        /// What it is called.
+        /// Name of the hand.
         hand: String,
-        /// The force, in newtons.
+        /// Closing force, in newtons.
         force_n: f64,
     },
-    /// A shape cannot be made of convex pieces.
+    /// A shape cannot be converted to convex pieces.
     #[error("{of}: {reason}")]
     Shape {
-        /// Of what.
+        /// Name of the body.
         of: String,
-        /// What is wrong with it.
+        /// Error of the shape.
         reason: ShapeError,
     },
-    /// A figure of the physics or the course is out of its range.
+    /// A parameter of the physics or the course is out of range.
     #[error("the {figure} of a simulation must be {range}, but is {value}")]
     Figure {
-        /// Which figure.
+        /// Name of the parameter.
         figure: &'static str,
-        /// The offending value.
+        /// Invalid value.
         value: f64,
-        /// What would fit.
+        /// Valid range.
         range: &'static str,
     },
-    /// What a scenario says of its target is not enough.
+    /// The data of a scenario on its target are insufficient.
     #[error(transparent)]
     Scenario(#[from] cranny_scenario::ScenarioError),
-    /// No plan can be looked for.
+    /// No plan can be searched for.
     #[error(transparent)]
     Solve(#[from] cranny_solve::SolveError),
-    /// A plan cannot be carried out.
+    /// A plan cannot be executed.
     #[error(transparent)]
     Plan(#[from] cranny_plan::PlanError),
-    /// There is nothing to grasp.
+    /// The scenario has no target.
     #[error("{id}: the scenario has no target, so there is nothing to grasp")]
     NoTarget {
-        /// The scenario.
+        /// Id of the scenario.
         id: String,
     },
-    /// An object has fewer stable poses.
+    /// An object does not have this stable pose.
     #[error("{object} has {count} stable poses, counted from 0, and none of number {index}")]
     NoPose {
-        /// The object.
+        /// Name of the object.
         object: String,
-        /// The one that was asked for.
+        /// Requested index.
         index: usize,
-        /// How many there are.
+        /// Number of stable poses.
         count: usize,
     },
 }

@@ -1,4 +1,4 @@
-//! Coulomb's law: slip begins where the pull exceeds μ times the pressing force, on a plane and in a hand.
+//! Coulomb's law: slip begins where the pull exceeds μ times the normal force, on a plane and in a hand.
 
 use cranny_grasp::BoxHand;
 use cranny_spatial::nalgebra::Matrix3;
@@ -9,7 +9,7 @@ use crate::gripper::{Gripper, HandModel};
 use crate::rolling::Rolling;
 use crate::{Physics, Piece, PieceShape, engine};
 
-/// A cuboid of 4 cm and 200 g as an object of that friction.
+/// Inserts a cuboid of 4 cm and 200 g with this friction as the object.
 fn cube(world: &mut PhysicsWorld, friction: f64) -> RigidBodyHandle {
     let pieces = [Piece { body_from_piece: Pose::identity(), shape: PieceShape::Cuboid([0.02; 3]) }];
     let body = world.insert_body(RigidBodyBuilder::dynamic().can_sleep(false).additional_mass(0.2));
@@ -20,7 +20,7 @@ fn cube(world: &mut PhysicsWorld, friction: f64) -> RigidBodyHandle {
     body
 }
 
-/// Steps until the cube has moved at 1 mm/s for 0.1 s; the time when that began (s).
+/// Steps until the cube has moved at 1 mm/s for 0.1 s, and returns the time at which that began (s).
 fn slip_begins(
     world: &mut PhysicsWorld,
     cube: RigidBodyHandle,
@@ -53,7 +53,7 @@ fn on_a_plane_that_tilts_slip_begins_at_the_angle_of_friction() {
             world.insert_collider(collider, None);
         }
         let cube = cube(&mut world, friction);
-        // Slowly: until it is seen to slip it goes on tilting.
+        // The tilt is slow, because it continues until the slip is detected.
         let expected = f64::atan(friction);
         let angle = |time_s: f64| expected * (0.9 + 0.05 * time_s);
         let begun_s = slip_begins(&mut world, cube, &physics, 30.0, |world, time_s| {
@@ -76,7 +76,7 @@ fn in_a_hand_slip_begins_at_twice_the_friction_times_the_closing_force() {
         let gripper = Gripper::insert(&model, &physics, closing_force_n, &Pose::identity(), &mut world);
         let cube = cube(&mut world, friction);
         let limit_n = 2.0 * friction * closing_force_n;
-        // The hand closes for a second; then the pull grows to one and a half of the limit in two.
+        // The hand closes for one second; then the pull grows to 1.5 times the limit within two seconds.
         let pull_n = |time_s: f64| 0.75 * limit_n * (time_s - 1.0).max(0.0);
         let mut pressed_n = 0.0;
         let begun_s = slip_begins(&mut world, cube, &physics, 3.0, |world, time_s| {
@@ -99,9 +99,9 @@ fn in_a_hand_slip_begins_at_twice_the_friction_times_the_closing_force() {
     }
 }
 
-/// Two ends of an edge that bear the same, pulled across by a share of what friction holds: what is left of either end
-/// turns. The ends bear all, as in every engine of points; a line of even pressure turned at half of that. The engine by
-/// itself holds more than one and a half times that, with a pull and without.
+/// Two equally loaded ends of an edge, pulled sideways by a share of the friction limit: the remaining friction of the ends
+/// resists turning. The ends bear everything, as in every point-based engine; a line of even pressure would turn at half of
+/// that. Unmodified, the engine holds more than 1.5 times that, with and without a pull.
 #[test]
 fn pads_on_their_edges_turn_at_what_the_ends_of_the_edges_hold() {
     let physics = Physics::default();
@@ -109,7 +109,7 @@ fn pads_on_their_edges_turn_at_what_the_ends_of_the_edges_hold() {
     for (pulled_share, most) in [(0.0, 1.06), (0.5, 1.25)] {
         let open = BoxHand { closing_force_n, ..BoxHand::default() };
         let mut hand = open.hand().unwrap();
-        // The tips lead by a degree, so that the pads are half a millimetre off where the cube ends.
+        // The tips are inclined by one degree, so that the pads are 0.5 mm off the cube at its end.
         for finger in hand.fingers.clone() {
             let tip =
                 Pose::translation(0.0, -0.5 * open.opening_m * finger.stroke_m.y.signum(), open.tip_ahead_m);
@@ -180,7 +180,7 @@ fn what_falls_comes_to_rest_without_gaining_energy() {
         for _ in 0..1000 {
             engine::step(&mut world, false);
             let now = energy(&world);
-            // What a contact that gives way by a hundredth of a millimetre stores of the weight.
+            // Tolerance: elastic energy of the weight in a contact that yields by 0.01 mm.
             assert!(now <= before + 2e-5, "{shape:?}: {before} J, then {now} J");
             before = now;
         }
@@ -189,8 +189,8 @@ fn what_falls_comes_to_rest_without_gaining_energy() {
     }
 }
 
-/// A ball on an incline stays where its weight beside the point of contact is less than the arm of the resistance, as a
-/// share of its radius, and rolls where it is more.
+/// A ball on an incline stays if the horizontal offset of its weight from the contact point is below the arm of the resistance,
+/// and rolls if it is above.
 #[test]
 fn a_ball_rolls_where_the_slope_exceeds_the_resistance_by_its_radius() {
     let (radius_m, arm_m) = (0.03, 3e-4);
@@ -227,8 +227,8 @@ fn a_ball_rolls_where_the_slope_exceeds_the_resistance_by_its_radius() {
         assert_eq!(rolled_m < 5e-4, stays, "{share} of the slope: rolled {rolled_m} m");
     }
 }
-/// A column of 70 cm, held 18 cm from its middle with its axis up to 15° off the vertical: pads that bear with a face do not
-/// let it creep.
+/// Column of 70 cm, held 18 cm from its middle with its axis up to 15° off the vertical: face contacts of the pads prevent
+/// creep.
 #[test]
 fn a_column_stays_where_a_hand_holds_it() {
     let physics = Physics::default();
@@ -255,7 +255,7 @@ fn a_column_stays_where_a_hand_holds_it() {
         let mut pose_after = |steps: u32| {
             for step in 0..steps {
                 let time_s = f64::from(step) * physics.step_s;
-                // Once held, it has its weight.
+                // The weight acts once the column is held.
                 let gravity = if time_s > 0.8 || steps < 1000 { physics.gravity } else { 0.0 };
                 world.gravity = engine::vector(&(down * gravity));
                 gripper.drive(&mut world, 0.1);

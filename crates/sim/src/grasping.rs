@@ -1,4 +1,4 @@
-//! Tests of grasps.
+//! Simulated tests of grasps.
 
 pub(crate) mod course_check;
 pub(crate) mod disturbance;

@@ -8,25 +8,25 @@ use rapier3d_f64::prelude::{
 
 use crate::{Physics, Piece, PieceShape, SimError, engine};
 
-/// A hand as the engine wants it: a palm that goes where it is told, and fingers that slide on it.
+/// Hand in the form of the engine: a palm with prescribed motion, and fingers that slide on it.
 #[derive(Clone, Debug)]
 pub(crate) struct HandModel {
-    /// In the gripper frame.
+    /// Convex pieces of the palm, in the gripper frame.
     pub palm: Vec<Piece>,
     pub fingers: Vec<FingerModel>,
     pub closing_force_n: f64,
     palm_colliders: Vec<Collider>,
 }
 
-/// A finger, in the gripper frame while the hand is open.
+/// Finger, in the gripper frame while the hand is open.
 #[derive(Clone, Debug)]
 pub(crate) struct FingerModel {
     pub pieces: Vec<Piece>,
-    /// Which way it closes, a unit vector.
+    /// Closing direction, a unit vector.
     pub axis: Vector,
-    /// How far, in metres.
+    /// Stroke, in metres.
     pub stroke_m: f64,
-    /// The middle of its pieces.
+    /// Mean of the centres of its pieces.
     pub center: Point,
     colliders: Vec<Collider>,
 }
@@ -49,7 +49,7 @@ impl HandModel {
             }
             Ok(pieces)
         };
-        // Of two friction coefficients that meet the greater counts: the object's.
+        // The greater of two friction coefficients in contact applies, which is that of the object.
         let colliders = |pieces: &[Piece]| engine::colliders(&hand.name, pieces, 0.0, engine::HAND);
         let is_of_finger = |part: &usize| hand.fingers.iter().any(|finger| finger.parts.contains(part));
         let palm = pieces_of(&mut (0..hand.parts.len()).filter(|part| !is_of_finger(part)))?;
@@ -74,7 +74,7 @@ impl HandModel {
         }
         if let Some(pads) = hand.pads.and_then(|_| Pads::of(hand)) {
             for (finger, face_m) in fingers.iter_mut().zip(pads.faces_m) {
-                // What is behind a pad, an edge of an inclined finger above all, does not bear.
+                // The finger behind a pad, in particular an edge of an inclined finger, does not bear load.
                 let back = Pose::translation(0.0, face_m.signum() * BEHIND_M, 0.0);
                 for piece in &mut finger.pieces {
                     piece.body_from_piece = back * piece.body_from_piece;
@@ -87,7 +87,7 @@ impl HandModel {
     }
 }
 
-/// A flat pad whose face is at `face_m` along y.
+/// Returns a flat pad whose face is at `face_m` along y, in metres.
 fn pad(pads: &Pads, face_m: f64) -> Piece {
     let [x, z] = pads.middle_m;
     let y = face_m + face_m.signum() * HALF_PAD_M;
@@ -95,9 +95,9 @@ fn pad(pads: &Pads, face_m: f64) -> Piece {
     Piece { body_from_piece: Pose::translation(x, y, z), shape: PieceShape::Cuboid(half) }
 }
 
-/// Half of the thickness of a pad, in metres.
+/// Half the thickness of a pad, in metres.
 const HALF_PAD_M: f64 = 5e-4;
-/// Distance of a finger behind its pad, in metres: more than that gives way.
+/// Distance of a finger behind its pad, in metres: more than the contact yields.
 const BEHIND_M: f64 = 3e-4;
 
 impl FingerModel {
@@ -112,10 +112,10 @@ impl FingerModel {
     }
 }
 
-/// A finger that moves less is none.
+/// Minimum stroke of a finger, in metres.
 const LEAST_STROKE_M: f64 = 1e-4;
 
-/// The hand in a world of the engine.
+/// Hand in a world of the engine.
 pub(crate) struct Gripper<'a> {
     model: &'a HandModel,
     physics: &'a Physics,
@@ -125,7 +125,7 @@ pub(crate) struct Gripper<'a> {
 }
 
 impl<'a> Gripper<'a> {
-    /// A hand whose palm moves as it is prescribed.
+    /// Inserts a hand whose palm has a prescribed motion.
     pub fn insert(
         model: &'a HandModel,
         physics: &'a Physics,
@@ -140,7 +140,7 @@ impl<'a> Gripper<'a> {
         }
         let mut hand = Self { model, physics, closing_force_n, palm, fingers: Vec::new() };
         for finger in &model.fingers {
-            // The drive's inertia alone; turns are held by the joint, so that any will do.
+            // The body has the inertia of the drive alone; the joint prevents rotation, so any rotational inertia is valid.
             let body = hand.insert_finger(finger, world_from_hand, world);
             world.insert_impulse_joint(hand.palm, body, finger.joint());
         }
@@ -170,7 +170,7 @@ impl<'a> Gripper<'a> {
         body
     }
 
-    /// How far each finger has closed (m) and how fast it closes (m/s), as shares of its stroke.
+    /// Returns the closing of each finger and its rate (1/s), as shares of its stroke.
     fn shares(&self, world: &PhysicsWorld) -> Vec<(f64, f64)> {
         let palm = &world.bodies[self.palm];
         let share = |(model, finger): (&FingerModel, &RigidBodyHandle)| {
@@ -184,7 +184,7 @@ impl<'a> Gripper<'a> {
         self.model.fingers.iter().zip(&self.fingers).map(share).collect()
     }
 
-    /// How far the hand has closed, 0 to 1, and how fast it closes (1/s).
+    /// Returns the closing of the hand, from 0 to 1, and its rate (1/s).
     pub fn closed(&self, world: &PhysicsWorld) -> (f64, f64) {
         let shares = self.shares(world);
         let count = shares.len() as f64;
@@ -192,8 +192,8 @@ impl<'a> Gripper<'a> {
         (sum.0 / count, sum.1 / count)
     }
 
-    /// Sets what the drive does in the next step: all fingers follow a place that wanders from open to closed, `driven_m`
-    /// away from open, with no more than the closing force, and each other.
+    /// Sets the drive forces of the next step. All fingers follow a target that moves from open to closed, `driven_m` metres
+    /// from open, with at most the closing force, and follow each other.
     pub fn drive(&self, world: &mut PhysicsWorld, driven_m: f64) {
         let shares = self.shares(world);
         let (share, rate) = self.closed(world);
@@ -201,7 +201,7 @@ impl<'a> Gripper<'a> {
         for ((model, finger), (own_share, own_rate)) in
             self.model.fingers.iter().zip(&self.fingers).zip(shares)
         {
-            // Behind the end of the stroke the place goes on until the force is whole.
+            // The target moves beyond the end of the stroke until the force is complete.
             let lead_m = driven_m.min(model.stroke_m + self.closing_force_n / drive_stiffness)
                 - share * model.stroke_m;
             let drive_n = (drive_stiffness * lead_m - drive_damping * rate * model.stroke_m)
@@ -217,7 +217,7 @@ impl<'a> Gripper<'a> {
         }
     }
 
-    /// True if each finger bears on another body with a face: three corners overlap in one contact. Of the step just done.
+    /// Returns true if each finger bore on another body with a face in the last step: three corners overlap in one contact.
     pub fn bears_on_faces(&self, world: &PhysicsWorld, other: RigidBodyHandle) -> bool {
         let is_face = |manifold: &ContactManifold| {
             manifold.points.iter().filter(|point| point.dist <= 0.0).count() >= FACE_CORNERS
@@ -227,8 +227,7 @@ impl<'a> Gripper<'a> {
         })
     }
 
-    /// With what each finger presses on another body, in newtons; `None` where it does not touch it. Of the step just
-    /// done.
+    /// Returns the force of each finger on another body in the last step, in newtons; `None` if it does not touch it.
     pub fn pressures(&self, world: &PhysicsWorld, other: RigidBodyHandle) -> Vec<Option<f64>> {
         let pressure = |&finger: &RigidBodyHandle| {
             contacts(world, finger, other)
@@ -241,7 +240,7 @@ impl<'a> Gripper<'a> {
     }
 }
 
-/// Contacts of a finger with another body, with 1 where the finger is the first of the pair, else −1.
+/// Returns the contacts of a finger with another body, with 1 if the finger is the first of the pair, otherwise −1.
 fn contacts(
     world: &PhysicsWorld,
     finger: RigidBodyHandle,
@@ -256,8 +255,8 @@ fn contacts(
     })
 }
 
-/// Number of overlapping corners that make a face.
+/// Minimum number of overlapping corners of a face.
 const FACE_CORNERS: usize = 3;
 
-/// Of the inertia of a finger's body, in metres: about its size.
+/// Radius of gyration of a finger body, in metres: about its size.
 pub(crate) const FINGER_RADIUS_M: f64 = 0.02;

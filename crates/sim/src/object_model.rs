@@ -7,12 +7,12 @@ use rapier3d_f64::prelude::{Collider, MassProperties, PhysicsWorld, RigidBodyBui
 use crate::rolling::Rolling;
 use crate::{Disturbance, Piece, SimError, engine};
 
-/// An object as the engine wants it.
+/// Object in the form of the engine.
 #[derive(Clone, Debug)]
 pub(crate) struct ObjectModel {
     pub name: String,
     pub pieces: Vec<Piece>,
-    /// Its centre of mass.
+    /// Centre of mass.
     pub center: Point,
     pub mass_kg: f64,
     pub inertia_kg_m2: Matrix3<f64>,
@@ -46,7 +46,7 @@ impl ObjectModel {
         })
     }
 
-    /// Its resistance to rolling, on this arm (m).
+    /// Returns the resistance to rolling, with this arm (m).
     pub fn rolling(&self, arm_m: f64, disturbance: &Disturbance) -> Rolling {
         Rolling {
             arm_m,
@@ -56,7 +56,7 @@ impl ObjectModel {
         }
     }
 
-    /// Puts it into a world, free to move.
+    /// Inserts the object into a world, free to move.
     pub fn insert(
         &self,
         world_from_object: &Pose,
@@ -79,7 +79,7 @@ impl ObjectModel {
     }
 }
 
-/// Steps until a body, which resists to rolling, has not moved for `still_s`, at most for `limit_s`. Where it then is, and
+/// Steps until a body with rolling resistance has not moved for `still_s`, or until `limit_s`. Returns its final pose and
 /// whether it is still.
 pub(crate) fn come_to_rest(
     world: &mut PhysicsWorld,
@@ -100,6 +100,6 @@ pub(crate) fn come_to_rest(
     (engine::to_pose(world.bodies[body].position()), since_s >= still_s)
 }
 
-/// What is slower is at rest: where it would be in a tenth of a second is not to be told from where it is.
+/// Speeds below which a body is at rest: its motion within a tenth of a second is insignificant.
 pub(crate) const STILL_M_PER_S: f64 = 1e-3;
 const STILL_RAD_PER_S: f64 = 1e-2;

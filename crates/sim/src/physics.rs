@@ -1,27 +1,26 @@
 use crate::SimError;
 
-/// The constants of the simulated physics. Where MuJoCo has the same notion, the exported model has the same value.
+/// Parameters of the simulated physics. The exported MuJoCo model uses the same values where MuJoCo has the same parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Physics {
-    /// Downwards, in m/s².
+    /// Gravitational acceleration, downwards, in m/s².
     pub gravity: f64,
-    /// A step, in seconds, in (0, 1/480].
+    /// Time step, in seconds, in (0, 1/480].
     pub step_s: f64,
-    /// How often the constraints of a step are solved.
+    /// Number of solver iterations per step.
     pub solver_iterations: usize,
-    /// How stiffly a penetration is undone: the natural frequency of the contact, in Hz.
+    /// Stiffness of a contact, as its natural frequency in Hz.
     pub contact_frequency_hz: f64,
-    /// How strongly it is damped; above 1, nothing bounces.
+    /// Damping ratio of a contact; above 1, nothing bounces.
     pub contact_damping_ratio: f64,
-    /// What a finger's drive adds to its inertia, in kilograms. The gears of a gripper turn a light motor into a heavy
-    /// finger; the fingers of the model have no other mass.
+    /// Inertia that the drive adds to a finger, in kilograms. The gears of a gripper turn a light motor into a heavy finger;
+    /// the fingers of the model have no other mass.
     pub finger_inertia_kg: f64,
-    /// With what the drive and the coupling between the fingers follow where they should be, in N/m.
+    /// Stiffness of the drive and of the coupling between the fingers, in N/m.
     pub drive_stiffness: f64,
-    /// And how fast, in N s/m.
+    /// Damping of the drive and of the coupling, in N s/m.
     pub drive_damping: f64,
-    /// Resistance of the object to rolling on what it stands on: the arm of the normal force that a turn has to overcome,
-    /// in metres.
+    /// Rolling resistance of the object on its support: the arm of the normal force that a rotation has to overcome, in metres.
     pub rolling_m: f64,
 }
 
@@ -43,7 +42,7 @@ impl Default for Physics {
 
 impl Physics {
     /// # Errors
-    /// [`SimError::Figure`] for one that is out of its range.
+    /// [`SimError::Figure`] for a parameter that is out of range.
     pub(crate) fn check(&self) -> Result<(), SimError> {
         let positive = |value: f64| value.is_finite() && value > 0.0;
         for (figure, value, range, is_sound) in [
@@ -79,7 +78,7 @@ impl Physics {
                 "from 0 to 0.1 m",
                 (0.0..=0.1).contains(&self.rolling_m),
             ),
-            // An explicit spring with damper is stable where k dt² + 2 c dt < 4 m; half of that leaves room for contacts.
+            // An explicit spring with damper is stable if k dt² + 2 c dt < 4 m; half of that leaves a margin for contacts.
             (
                 "stiffness of the drive",
                 self.drive_stiffness,

@@ -4,34 +4,34 @@ use cranny_spatial::Pose;
 
 use crate::SimError;
 
-/// A convex piece of a rigid body, as every engine has it.
+/// Convex piece of a rigid body, in a form common to all engines.
 #[derive(Clone, Debug)]
 pub struct Piece {
-    /// Where it is in the body.
+    /// Pose of the piece in the body.
     pub body_from_piece: Pose,
-    /// What it is.
+    /// Shape of the piece.
     pub shape: PieceShape,
 }
 
-/// The shape of a [`Piece`]; lengths in metres, centred at the origin, along z.
+/// Shape of a [`Piece`]; lengths in metres, centred at the origin, along z.
 #[derive(Clone, Debug)]
 pub enum PieceShape {
-    /// Of these half extents.
+    /// Cuboid with these half extents.
     Cuboid([f64; 3]),
-    /// Of this radius.
+    /// Ball with this radius.
     Ball(f64),
-    /// Half the length of the cylindrical part, and radius.
+    /// Capsule: half the length of its cylindrical section, and radius.
     Capsule(f64, f64),
-    /// Half the length, and radius.
+    /// Cylinder: half its length, and radius.
     Cylinder(f64, f64),
-    /// The convex hull of these corners, a closed mesh.
+    /// Convex hull of these corners, a closed mesh.
     Hull(TriangleSoup),
-    /// All points with z ≤ 0.
+    /// Half-space of all points with z ≤ 0.
     HalfSpace,
 }
 
 impl Piece {
-    /// The convex pieces of a solid; a mesh that is not convex is cut (V-HACD). `of` names it in an error.
+    /// Converts a solid to convex pieces; a mesh that is not convex is decomposed (V-HACD). `of` names it in an error.
     ///
     /// # Errors
     /// [`SimError::Shape`] for a mesh that encloses no volume.
@@ -56,7 +56,7 @@ impl Piece {
         Ok(vec![Self { body_from_piece: *body_from_solid, shape }])
     }
 
-    /// One piece for each of these convex meshes.
+    /// Returns one piece for each of these convex meshes.
     pub fn of_hulls(body_from_hulls: &Pose, hulls: impl IntoIterator<Item = TriangleSoup>) -> Vec<Self> {
         let piece = |hull: TriangleSoup| {
             let coarse = Solid::hull(&hull.vertices).ok().and_then(|solid| coarse_hull(&solid));
@@ -65,10 +65,10 @@ impl Piece {
         hulls.into_iter().map(piece).collect()
     }
 
-    /// Those of a body of a world, in the planning frame.
+    /// Returns the pieces of a body of a world, in the planning frame.
     ///
     /// # Errors
-    /// As [`Self::of_solid`].
+    /// See [`Self::of_solid`].
     pub fn of_body(body: &Body) -> Result<Vec<Self>, SimError> {
         let mut pieces = Vec::new();
         for part in &body.parts {
@@ -79,7 +79,7 @@ impl Piece {
 }
 
 impl PieceShape {
-    /// Its surface in its own frame, to be looked at; None for a half-space.
+    /// Surface for display, in the frame of the shape; `None` for a half-space.
     pub fn surface(&self) -> Option<TriangleSoup> {
         let solid = match self {
             Self::Cuboid(half_extents) => Solid::cuboid((*half_extents).into()),
@@ -93,8 +93,8 @@ impl PieceShape {
     }
 }
 
-/// A hull with as few corners as it needs, which the convex solid stands out of by at most [`BULGE_M`]: the time of a
-/// step grows with the corners. `None` for what is no convex hull.
+/// Returns a hull with few corners, beyond which the convex solid protrudes by at most [`BULGE_M`], because the time of a step
+/// grows with the corners. `None` if the solid is not a convex hull.
 fn coarse_hull(solid: &Solid) -> Option<TriangleSoup> {
     let coarse = [32, 64, 128, 256].into_iter().find_map(|most| {
         CoarseHull::of(solid, most).filter(|hull| hull.radius_m == 0.0 && hull.bulge_m <= BULGE_M)
@@ -102,5 +102,5 @@ fn coarse_hull(solid: &Solid) -> Option<TriangleSoup> {
     TriangleSoup::convex_hull(&coarse.corners).ok()
 }
 
-/// A tenth of what an answer may be off by, in metres.
+/// Maximum error of a simplified hull, in metres: a tenth of the tolerance of a result.
 const BULGE_M: f64 = 1e-4;

@@ -1,4 +1,4 @@
-//! Plans in physics.
+//! Simulated execution of plans.
 
 pub(crate) mod arm;
 pub(crate) mod lift;

@@ -3,23 +3,23 @@ use cranny_spatial::Pose;
 
 use crate::Piece;
 
-/// What moved where in a simulation: trajectories of bodies, to be looked at.
+/// Recorded motions of bodies in a simulation, for display.
 #[derive(Clone, Debug, Default)]
 pub struct Recording {
-    /// When, in seconds from the beginning; ascending.
+    /// Instants in seconds from the beginning, ascending.
     pub times_s: Vec<f64>,
-    /// All that moves.
+    /// Moving bodies.
     pub bodies: Vec<RecordedBody>,
 }
 
-/// A body of a [`Recording`].
+/// Body of a [`Recording`].
 #[derive(Clone, Debug)]
 pub struct RecordedBody {
-    /// What it is called.
+    /// Name of the body.
     pub name: String,
-    /// What it is made of.
+    /// Convex pieces of the body.
     pub pieces: Vec<Piece>,
-    /// Its pose in the planning frame at each of the times.
+    /// Pose in the planning frame at each instant.
     pub world_from_body: Vec<Pose>,
 }
 
@@ -28,7 +28,7 @@ impl RecordedBody {
         Self { name: name.to_owned(), pieces: pieces.to_vec(), world_from_body: Vec::new() }
     }
 
-    /// The surfaces of its pieces, in its frame, to be looked at.
+    /// Returns the surfaces of the pieces for display, in the frame of the body.
     pub fn surface(&self) -> TriangleSoup {
         let mut surface = TriangleSoup::default();
         for piece in &self.pieces {

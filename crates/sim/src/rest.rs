@@ -4,30 +4,30 @@ use cranny_spatial::Pose;
 use crate::object_model::ObjectModel;
 use crate::{Disturbance, Physics, Piece, SimError, engine};
 
-/// How far the target of a scenario moves by itself in 2 s, where it stands.
+/// Motion of the target of a scenario by itself within 2 s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rest {
-    /// Displacement of its centre of mass, in metres.
+    /// Displacement of the centre of mass, in metres.
     pub moved_m: f64,
-    /// Turn that can be seen, in radians.
+    /// Visible rotation, in radians.
     pub turned_rad: f64,
-    /// Its pose in the planning frame after that time.
+    /// Pose in the planning frame after that time.
     pub world_from_object: Pose,
 }
 
-/// So long a target is watched, in seconds.
+/// Duration of the observation of a target, in seconds.
 const WATCHED_S: f64 = 2.0;
-/// The mass that stands for one that is not known, in kilograms: no rest depends on it.
+/// Default for an unknown mass, in kilograms: rest does not depend on it.
 const ANY_MASS_KG: f64 = 0.2;
 
 impl Rest {
-    /// A target that moves farther than this does not rest, in metres: more than it sinks into what it stands on …
+    /// Maximum displacement of a resting target, in metres: more than it sinks into its support.
     pub const MOST_M: f64 = 5e-4;
-    /// … or turns farther, in radians.
+    /// Maximum rotation of a resting target, in radians.
     pub const MOST_RAD: f64 = 5e-3;
 
-    /// Watches the target of a scenario; `None` without a target, without gravity's direction, or where nothing is there to
-    /// carry it.
+    /// Simulates the target of a scenario; `None` without a target, without a direction of gravity, or without a possible
+    /// support.
     ///
     /// # Errors
     /// [`SimError::Shape`] for a body without volume.
@@ -71,7 +71,7 @@ impl Rest {
         }))
     }
 
-    /// True if it stays where it stands.
+    /// Returns true if the target stays at its pose.
     pub fn is_at_rest(&self) -> bool {
         self.moved_m <= Self::MOST_M && self.turned_rad <= Self::MOST_RAD
     }

@@ -4,21 +4,21 @@ use rapier3d_f64::prelude::{PhysicsWorld, RigidBodyHandle};
 
 use crate::engine;
 
-/// Resistance of a body to rolling on what stands around, which the engine does not know.
+/// Rolling resistance of a body on its surroundings, which the engine does not model.
 ///
-/// What gives way under a ball carries it a little ahead of its middle: the normal force N, on an arm of `arm_m`, stops a
-/// turn with N · `arm_m` (Lynch & Park 2017, "Modern Robotics", section 12.2.1).
+/// The yielding support carries a ball slightly ahead of its middle: the normal force N on an arm of `arm_m` resists rotation
+/// with the torque N · `arm_m` (Lynch & Park 2017, "Modern Robotics", section 12.2.1).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Rolling {
     pub arm_m: f64,
     pub mass_kg: f64,
-    /// In the frame of the body, about the centre of mass.
+    /// Inertia in the frame of the body, about the centre of mass.
     pub inertia_kg_m2: Matrix3<f64>,
     pub center: Point,
 }
 
 impl Rolling {
-    /// Sets the torque on a body for the next step, by what bore it in the last one.
+    /// Sets the torque on a body for the next step, from the contact forces of the last one.
     pub fn resist(&self, world: &mut PhysicsWorld, object: RigidBodyHandle) {
         if self.arm_m <= 0.0 || world.bodies[object].is_sleeping() {
             return;
@@ -50,12 +50,12 @@ impl Rolling {
         let arm = if borne > 0.0 { at / borne - (pose * self.center).coords } else { Vector::zeros() };
         let world_from_body: Rotation3<f64> = pose.rotation.to_rotation_matrix();
         let inertia = world_from_body.matrix() * self.inertia_kg_m2 * world_from_body.matrix().transpose();
-        // About the point on which it rolls.
+        // This inertia is about the contact point.
         let inertia = axis.dot(&(inertia * axis)) + self.mass_kg * axis.cross(&arm).norm_squared();
         let torque = (self.arm_m * pressed.norm()).min(rolling.norm() * inertia / step_s);
         body.add_torque(engine::vector(&(axis * -torque)), false);
     }
 }
 
-/// What turns more slowly does not roll, in rad/s.
+/// Minimum angular velocity of rolling, in rad/s.
 const LEAST_RAD_PER_S: f64 = 1e-9;

@@ -7,59 +7,59 @@ use serde::Serialize;
 use crate::object_model::{ObjectModel, come_to_rest};
 use crate::{Disturbance, Physics, Piece, PieceShape, SimError, engine};
 
-/// In which poses a dropped object came to rest, against what its geometry says.
+/// Resting poses of a dropped object, compared with the stable poses of its geometry.
 #[derive(Clone, Debug, Serialize)]
 pub struct Settling {
-    /// How often it was dropped.
+    /// Number of drops.
     pub drops: usize,
-    /// Each stable pose of the object; those that look the same are one.
+    /// Stable poses of the object; symmetric ones are merged.
     pub poses: Vec<SettledPose>,
-    /// How often it came to rest otherwise: on an edge, or in a pose too unlikely to be listed.
+    /// Number of drops that ended otherwise: on an edge, or in a pose too improbable to be listed.
     pub elsewhere: usize,
-    /// How often it still moved after 10 s.
+    /// Number of drops that still moved after 10 s.
     pub still_moving: usize,
-    /// Pearson's χ² of the counts against the computed probabilities; poses that fewer than five drops are expected in
-    /// count together. `None` where that leaves but one.
+    /// Pearson's χ² of the counts against the computed probabilities. Poses with fewer than five expected drops are merged.
+    /// `None` if only one remains.
     pub chi_squared: Option<ChiSquared>,
 }
 
-/// A stable pose and how often it was found.
+/// Stable pose with its count.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct SettledPose {
-    /// Which of the object's stable poses, from 0.
+    /// Index of the stable pose of the object, from 0.
     pub pose: usize,
-    /// As computed: quasi-static, by solid angle.
+    /// Computed probability: quasi-static, by solid angle.
     pub probability: f64,
-    /// How often the object came to rest in it.
+    /// Number of drops that ended in this pose.
     pub count: usize,
 }
 
-/// A test of counts against probabilities.
+/// Test of counts against probabilities.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ChiSquared {
-    /// The sum over all poses of (count − expected)² / expected.
+    /// Sum over all poses of (count − expected)² / expected.
     pub statistic: f64,
-    /// One less than there are poses.
+    /// Number of poses minus one.
     pub degrees_of_freedom: usize,
-    /// How likely a greater one is if the probabilities are right.
+    /// Probability of a greater statistic if the probabilities are correct.
     pub p_value: f64,
 }
 
-/// So far above the ground an object is dropped, in metres.
+/// Height above the ground from which an object is dropped, in metres.
 const DROP_M: f64 = 0.02;
 
-/// What is still for so long lies, in seconds: on an edge it would have begun to fall.
+/// Duration without motion after which an object rests, in seconds: on an edge it would have begun to fall.
 const STILL_S: f64 = 0.3;
 
-/// What rolls on is given up after so long, in seconds.
+/// Maximum duration of a drop, in seconds, for objects that roll on.
 const LONGEST_S: f64 = 10.0;
 
-/// How far from a stable pose the vertical may be, in radians: more is an edge.
+/// Maximum angle between the vertical and that of a stable pose, in radians: beyond it the object is on an edge.
 const SAME_POSE_RAD: f64 = 0.05;
 
-/// Drops an object `count` times from 20 mm above level ground, turned at random, each drop by a random stream of its
-/// own; the friction against the ground is the object's. `on_done` hears of each drop; once `stop` says so, no more are
-/// begun, and `drops` says how many were.
+/// Drops an object `count` times from 20 mm above level ground, with a random orientation from a random stream per drop; the
+/// friction with the ground is that of the object. `on_done` is called after each drop. Once `stop` returns true, no further
+/// drop begins, and `drops` is the number of those performed.
 ///
 /// # Errors
 /// [`SimError::Shape`] for a mesh that cannot rest.
@@ -78,7 +78,7 @@ pub fn settle(
     let upward = |pose: &Pose| pose.rotation.inverse() * Vector::z();
     let floor = [Piece { body_from_piece: Pose::identity(), shape: PieceShape::HalfSpace }];
     let floor = engine::colliders("floor", &floor, 0.0, engine::SURROUNDINGS)?;
-    // The face that is down; of the groups the first is the one that the object lists.
+    // Find the face that is down; the first member of its group is the listed pose.
     let listed = |up: &Vector| {
         let angle = |pose: &StablePose| upward(&pose.ground_from_body).angle(up);
         let nearest = (0..known.len()).min_by(|&a, &b| angle(&known[a]).total_cmp(&angle(&known[b])))?;
@@ -143,8 +143,8 @@ impl ChiSquared {
     }
 }
 
-/// The p-value of a χ² statistic, to within some thousandths (its cube root is nearly normal: Wilson & Hilferty 1931, "The
-/// distribution of chi-square", whole).
+/// Returns the p-value of a χ² statistic, to within some thousandths (its cube root is nearly normal: Wilson & Hilferty 1931,
+/// "The distribution of chi-square", whole).
 fn p_value(statistic: f64, degrees_of_freedom: f64) -> f64 {
     let variance = 2.0 / (9.0 * degrees_of_freedom);
     let normal = ((statistic / degrees_of_freedom).cbrt() - 1.0 + variance) / variance.sqrt();
@@ -169,7 +169,7 @@ mod tests {
     fn seldom_poses_count_together() {
         let pose = |probability, count| SettledPose { pose: 0, probability, count };
         let test = ChiSquared::of(&[pose(0.6, 60), pose(0.36, 30), pose(0.03, 6), pose(0.01, 4)], 0).unwrap();
-        // The last two share four expected drops, too few, and go to the second.
+        // The last two poses share four expected drops, which is too few, so they are merged into the second.
         assert_eq!(test.degrees_of_freedom, 1);
         assert!(test.statistic.abs() < 1e-9 && test.p_value > 0.9, "{test:?}");
         assert!(ChiSquared::of(&[pose(1.0, 50)], 0).is_none());

@@ -1,4 +1,4 @@
-//! What another engine gets of a test: `python/tests/test_mujoco_grasps.py` runs the golden experiment.
+//! Tests of the export for other engines: `python/tests/test_mujoco_grasps.py` runs the golden experiment.
 
 use std::f64::consts::PI;
 use std::fs;
@@ -11,10 +11,10 @@ use cranny_shape::TriangleSoup;
 use cranny_sim::{Disturbance, GraspOutcome, GraspTest, Physics};
 use cranny_spatial::{Point, Pose, Rotation, Vector};
 
-/// Of the cube.
+/// Half the edge of the cube, in metres.
 const HALF_M: f64 = 0.02;
 
-/// A cube of 4 cm and 200 g on the floor, and a small hand.
+/// Test of a cube of 4 cm and 200 g on the floor, with a small hand.
 fn cube_test() -> GraspTest {
     let corners: Vec<Point> = (0..8)
         .map(|corner: u32| {
@@ -30,7 +30,7 @@ fn cube_test() -> GraspTest {
     GraspTest::new(&hand, &object, world_from_object, &floor, Physics::default(), Course::default()).unwrap()
 }
 
-/// From above: one around the cube, one above it.
+/// Grasps from above: one around the cube, one above it.
 fn grasps() -> Vec<Pose> {
     let down = Rotation::from_axis_angle(&Vector::x_axis(), PI);
     [HALF_M, 0.2].map(|height_m| Pose::from_parts(Vector::new(0.0, 0.0, height_m).into(), down)).to_vec()
@@ -43,7 +43,7 @@ fn the_cube_is_held_and_the_air_is_not() {
     assert_eq!(outcomes, [GraspOutcome::Held, GraspOutcome::NeverClosed]);
 }
 
-/// `CRANNY_WRITE=1` writes it anew.
+/// Regression test; `CRANNY_WRITE=1` rewrites the golden file.
 #[test]
 fn the_experiment_with_the_cube_is_the_golden_one() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden/cube_experiment.json");

@@ -1,4 +1,4 @@
-//! How grasps end whose end is known.
+//! Tests of grasps with known outcomes.
 
 use cranny_collision::Body;
 use cranny_grasp::{BoxHand, Course, Hand};
@@ -16,7 +16,7 @@ fn object(mesh: &TriangleSoup, mass_kg: f64, friction: f64) -> ObjectType {
     ObjectType::from_mesh(mesh, &settings).unwrap().0
 }
 
-/// Of 4 cm.
+/// Cube of 4 cm.
 fn cube(mass_kg: f64, friction: f64) -> ObjectType {
     object(&Surface::cuboid_soup(&Vector::repeat(0.02)), mass_kg, friction)
 }
@@ -25,7 +25,7 @@ fn floating(object: &ObjectType) -> GraspTest {
     GraspTest::new(&hand(), object, Pose::identity(), &[], Physics::default(), Course::default()).unwrap()
 }
 
-/// From above: z of the gripper down, its origin at this height.
+/// Pose of a grasp from above: z of the gripper down, its origin at this height in metres.
 fn from_above(height_m: f64) -> Pose {
     let down = Rotation::from_axis_angle(&Vector::x_axis(), std::f64::consts::PI);
     Pose::from_parts(Vector::new(0.0, 0.0, height_m).into(), down)
@@ -61,7 +61,7 @@ fn what_is_not_between_the_fingers_is_not_closed_on() {
     let beside = run(&test, &from_above(0.1));
     assert_eq!(beside.outcome, GraspOutcome::NeverClosed);
     assert!(beside.translation_error_m < 1e-9 && beside.held_s == 0.0);
-    // The tips, 7 mm ahead, close 13 mm from the middle of the ball, which slips out like the stone of a cherry.
+    // The tips, 7 mm ahead, close 13 mm from the middle of the ball, which is squeezed out.
     let squeezed = run(&test, &from_above(0.02));
     assert_eq!(squeezed.outcome, GraspOutcome::KnockedAway, "{squeezed:?}");
 }
@@ -90,7 +90,7 @@ fn what_lies_is_lifted_off_what_carries_it() {
     let floor =
         Body::new("table", Pose::translation(0.0, 0.0, 0.25), Solid::cuboid(Vector::repeat(0.25)).unwrap());
     let object = cube(0.2, 0.5);
-    // It stands 3 mm above the table, as in files of others, and comes down first.
+    // The object starts 3 mm above the table, as in files of other projects, and settles first.
     let place = Pose::translation(0.0, 0.0, 0.523);
     let test =
         GraspTest::new(&hand(), &object, place, &[floor], Physics::default(), Course::default()).unwrap();
@@ -147,7 +147,7 @@ fn the_same_test_gives_the_same_bits_on_any_number_of_threads() {
             .collect::<Vec<_>>()
     };
     assert_eq!(bits(1), bits(3));
-    // What was stopped is no answer.
+    // A stopped run has no result.
     let stopped = test.run_all(&trials, &|| {}, &|| true);
     assert!(stopped.iter().all(Option::is_none));
 }

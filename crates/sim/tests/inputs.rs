@@ -1,4 +1,4 @@
-//! What a simulation is made of, and what is refused.
+//! Tests of default inputs and of rejected ones.
 
 use cranny_grasp::{BoxHand, Course};
 use cranny_scenario::builtin_object;
@@ -48,7 +48,7 @@ fn the_hand_goes_up_and_to_and_fro_without_a_jump() {
     let (mut farthest_m, mut farthest_rad, mut time_s) = (0.0_f64, 0.0_f64, 0.0);
     while time_s < course.duration_s() {
         let step = PoseDifference::between(&at(time_s), &at(time_s + 1e-4));
-        // 0.5 m/s and 6 rad/s at most.
+        // The limits are 0.5 m/s and 6 rad/s.
         assert!(step.translation_m < 5e-5 && step.rotation_rad < 6e-4, "at {time_s} s");
         let off = PoseDifference::between(&Pose::translation(0.3, 0.0, 0.6), &at(time_s));
         if time_s > course.lift_s {

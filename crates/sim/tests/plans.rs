@@ -1,4 +1,4 @@
-//! An arm that executes a plan, and what can be said beforehand of how that ends.
+//! Tests of an arm that executes plans with known outcomes.
 
 use std::sync::{Arc, LazyLock};
 
@@ -19,7 +19,7 @@ const DESCRIPTION: &str = include_str!("../../scenario/robots/panda_mobile/robot
 const LIMITS: &str = include_str!("../../scenario/robots/panda_mobile/limits.yaml");
 const SRDF: &str = include_str!("../../scenario/robots/panda_mobile/panda_mobile.srdf");
 
-/// How high the table is, in metres, and half a cube.
+/// Height of the table and half the edge of the cube, in metres.
 const TABLE_M: f64 = 0.3;
 const HALF_M: f64 = 0.02;
 
@@ -39,7 +39,7 @@ fn robot(urdf: &str) -> Arc<Robot> {
 static PANDA: LazyLock<Arc<Robot>> = LazyLock::new(|| robot(URDF));
 static HAND_OF_PANDA: LazyLock<Hand> = LazyLock::new(|| panda_hand().unwrap());
 
-/// A cube on a table.
+/// Test of a cube on a table.
 fn test(mass_kg: f64, friction: f64) -> GraspTest {
     let settings = ObjectSettings { friction, ..ObjectSettings::new("cube", mass_kg) };
     let mesh = Surface::cuboid_soup(&Vector::repeat(HALF_M));
@@ -51,7 +51,7 @@ fn test(mass_kg: f64, friction: f64) -> GraspTest {
     GraspTest::new(&HAND_OF_PANDA, &cube, place, &[table], Physics::default(), Course::default()).unwrap()
 }
 
-/// From 10 cm above the cube down to it, so far below its middle.
+/// Path from 10 cm above the cube down to it, `below_m` metres below its middle.
 fn way(below_m: f64) -> [Vec<f64>; 2] {
     let down = Rotation::from_axis_angle(&Vector::x_axis(), std::f64::consts::PI);
     let at = |z: f64| Pose::from_parts(Vector::new(0.6, 0.0, z).into(), down);
@@ -93,13 +93,13 @@ fn an_arm_reaches_closes_and_lifts() {
     assert!((run.rose_m() - 0.03).abs() < 2e-3, "{}", run.rose_m());
     assert!(run.grasp.is_in_hand && run.grasp.world_from_released.is_none());
     assert_eq!(run.outcome(), PlanOutcome::Grasped(GraspOutcome::Held));
-    // What is let go is where it was to be, or it is not; it is held in no case.
+    // A released object is placed or misplaced, but never held.
     let off = |translation_m, is_there| Some(PlacedError { translation_m, rotation_rad: 0.0, is_there });
     let let_go = PlanRun { released: off(1e-4, true), ..run.clone() };
     let thrown = PlanRun { placed: off(2.7, false), ..let_go.clone() };
     let stands = PlanRun { placed: off(1e-3, true), ..let_go };
     assert_eq!([thrown, stands].map(|run| run.outcome().name()), ["misplaced", "placed"]);
-    // Object, palm, two fingers, and the bodies of the arm: what stands still, base, and nine joints.
+    // Bodies: object, palm, two fingers, and those of the arm: the static one, the base, and nine joints.
     let recording = run.grasp.recording.unwrap();
     assert_eq!(recording.bodies.len(), 4 + 10);
     assert!(recording.bodies.iter().all(|body| body.world_from_body.len() == recording.times_s.len()));

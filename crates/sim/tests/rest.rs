@@ -1,4 +1,4 @@
-//! Targets rest where scenarios have them.
+//! Tests that targets rest at their poses in scenarios.
 
 use cranny_scenario::{OpenOptions, Scenario, built_in};
 use cranny_sim::Rest;

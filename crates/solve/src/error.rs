@@ -2,18 +2,18 @@ use cranny_path::PathError;
 use cranny_plan::PlanError;
 use cranny_task::TaskError;
 
-/// Why there is no answer.
+/// Reason why there is no answer.
 #[derive(Debug, thiserror::Error)]
 pub enum SolveError {
-    /// A field of the request does not go with the problem, or is out of its range.
+    /// A field of the request is out of range or does not fit the problem.
     #[error("{field}: {problem}")]
     Request {
-        /// The field of [`Request`](crate::Request); flags and keywords have the same name.
+        /// Name of the field of [`Request`](crate::Request), as in flags and keywords.
         field: &'static str,
-        /// What is wrong, with a hint.
+        /// The fault, with a hint.
         problem: String,
     },
-    /// What the planner, the judge or the timing says.
+    /// Error of the planner, the audit or the timing.
     #[error(transparent)]
     Plan(#[from] PlanError),
 }

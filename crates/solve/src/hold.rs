@@ -11,29 +11,29 @@ use serde::{Deserialize, Serialize};
 
 use crate::{TaskTrajectory, Timing};
 
-/// Firmness with which the hand holds what it carries along a whole motion: factors by which loads may grow until a pad
-/// slips, computed on the safe side (limit surface of the pads: see `LoadMeasure` of `cranny-grasp`).
+/// Firmness of the hold on the carried object along a whole motion: factors by which loads may grow until a pad slips, as
+/// conservative lower bounds (limit surface of the pads: see `LoadMeasure` of `cranny-grasp`).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Hold {
-    /// The least of all weight and inertia along the motion in its time; `None` for a motion without times.
+    /// Least factor for weight and inertia along the timed motion; `None` for a motion without times.
     pub factor: Option<f64>,
-    /// The least of the weight alone, at rest in each attitude of the motion.
+    /// Least factor for the weight alone, at rest in each orientation of the motion.
     pub at_rest: f64,
     /// True if the mass of an object is not stated, and was assumed from its volume.
     pub mass_assumed: bool,
 }
 
-/// Samples of a motion, in Hz.
+/// Sampling rate of a motion, in Hz.
 const RATE_HZ: f64 = 100.0;
-/// Step of the differences that give the motion of the hand, in seconds.
+/// Step of the finite differences for the motion of the hand, in seconds.
 const STEP_S: f64 = 1e-3;
-/// Step in joint space (m, rad) at which the attitudes of a path are looked at.
+/// Step in joint space (m, rad) at which the orientations along a path are sampled.
 const LOOK_EVERY: f64 = 0.05;
-/// Speeds are multiples of this share of the limits: a legible number, and at least one.
+/// Resolution of the share of the speed limits, and its least value: it keeps numbers legible.
 const SPEED_STEP: f64 = 1e-3;
 
-/// What is in the hand, and how firmly.
+/// The object in the hand and the forces of the grip.
 #[derive(Clone, Debug)]
 pub(crate) struct FirmGrip {
     forces: GripForces,
@@ -42,21 +42,21 @@ pub(crate) struct FirmGrip {
 }
 
 impl FirmGrip {
-    /// Of the object of a carrier in the hand that closed at a configuration (m, rad; one per joint); `None` where it cannot
-    /// be computed, or no pad bears.
+    /// Creates the grip on the object of a carrier in the hand that closed at a configuration (m, rad; one per joint); `None`
+    /// if it cannot be computed, or no pad bears.
     pub fn new(problem: &Problem, carrier: &Carrier, closed_at: &[f64]) -> Option<Self> {
         let firmness = carrier.firmness(problem)?;
         Self::of(&firmness, problem.robot(), closed_at)
     }
 
-    /// The same of a firmness that is at hand, the hand closed at a configuration (m, rad; one per joint).
+    /// Creates the grip from a known firmness, the hand closed at a configuration (m, rad; one per joint).
     pub fn of(firmness: &Firmness, robot: &Robot, closed_at: &[f64]) -> Option<Self> {
         let world_from_closed = *robot.frames_at(closed_at).link(robot.tip());
         let forces = firmness.grip(&world_from_closed)?;
         Some(Self { forces, is_mass_assumed: firmness.is_mass_assumed, world_from_closed })
     }
 
-    /// The least factor of the weight along a path of way points (m, rad; one value per joint).
+    /// Returns the least factor of the weight along a path of way points (m, rad; one value per joint).
     pub fn at_rest(&self, robot: &Robot, path: &[Vec<f64>]) -> f64 {
         let mut frames = robot.frames();
         let mut least = f64::INFINITY;
@@ -83,13 +83,13 @@ impl FirmGrip {
         (self.world_from_closed.rotation.inverse() * world_from_tip).to_rotation_matrix()
     }
 
-    /// The motions of the hand along a leg, every 10 ms.
+    /// Samples the motion of the hand along a leg, every 10 ms.
     fn states(&self, robot: &Robot, leg: &Trajectory) -> Result<Vec<LoadState>, PlanError> {
         let mut frames = robot.frames();
         let to_closed = self.world_from_closed.rotation.inverse();
         let state = |time_s: f64| {
             let sample = leg.sample(time_s);
-            // The joints as they go on from here, for their acceleration may jump.
+            // Extrapolate the joints from this sample, because their acceleration may jump.
             let mut tip = |after_s: f64| {
                 let joints = sample.position.iter().zip(&sample.velocity).zip(&sample.acceleration);
                 let q: Vec<f64> = joints.map(|((q, v), a)| q + after_s * (v + 0.5 * after_s * a)).collect();
@@ -112,7 +112,7 @@ impl FirmGrip {
         Ok(sample_times(leg.duration_s(), RATE_HZ)?.map(state).collect())
     }
 
-    /// The least factor over motions that are run through at a share of their speed.
+    /// Returns the least factor over motions that are slowed down to a share of their speed.
     fn factor(&self, states: &[LoadState], share: f64) -> f64 {
         let slowed = states.iter().map(|state| LoadState {
             acceleration: state.acceleration * share.powi(2),
@@ -123,7 +123,7 @@ impl FirmGrip {
         slowed.map(|state| self.forces.factor(&state)).fold(f64::INFINITY, f64::min)
     }
 
-    /// The least factor along segments in their time; `None` for a robot without the limits for one.
+    /// Returns the least factor along timed segments; `None` for a robot without the required limits.
     fn factor_of(
         &self,
         problem: &Problem,
@@ -134,7 +134,7 @@ impl FirmGrip {
         Ok(Some(self.factor(&self.states(problem.robot(), timed.reach())?, 1.0)))
     }
 
-    /// The greatest share of the speed at which loads may grow by a factor; `None` if they may at no speed.
+    /// Returns the greatest share of the speed at which loads may grow by a factor; `None` if they may at no speed.
     fn fastest(&self, states: &[LoadState], demanded: f64) -> Option<f64> {
         if self.factor(states, 1.0) >= demanded {
             return Some(1.0);
@@ -149,11 +149,11 @@ impl FirmGrip {
     }
 }
 
-/// Gives each segment that holds an object the greatest speed at which the hand holds it by a factor, and measures the
-/// hold; `None` for a motion on which nothing is held, or where it cannot be computed for all that is.
+/// Sets for each segment that holds an object the greatest speed at which the hold reaches the required factor, and measures
+/// the hold; `None` for a motion without a held object, or if it cannot be computed for all held objects.
 ///
 /// # Errors
-/// [`FailureReason::Slips`] within for a motion on which it does not at any speed.
+/// [`FailureReason::Slips`] in the inner result for a motion that reaches the factor at no speed.
 pub(crate) fn hold_firmly(
     problem: &Problem,
     along: &StatesAlong,
@@ -176,7 +176,7 @@ pub(crate) fn hold_firmly(
         let Some(mut share) = grip.fastest(&states, demanded) else {
             return Ok(Err(FailureReason::Slips));
         };
-        // Samples of the slower motion may lie nearer to where its load is greatest.
+        // Samples of the slower motion may lie nearer to the peak of its load.
         loop {
             for segment in &mut segments[range.clone()] {
                 segment.speed = (share < 1.0).then_some(share);
@@ -195,8 +195,8 @@ pub(crate) fn hold_firmly(
 }
 
 impl Hold {
-    /// The hold along segments in their time; `None` for a motion on which nothing is held, or where it cannot be computed
-    /// for all that is.
+    /// Returns the hold along timed segments; `None` for a motion without a held object, or if it cannot be computed for all
+    /// held objects.
     ///
     /// # Errors
     /// [`PlanError`] for a path that cannot be timed.
@@ -211,7 +211,7 @@ impl Hold {
     }
 }
 
-/// Segments, by index, and what is in the hand along them.
+/// Ranges of segments, and the grip along them.
 type Legs = Vec<(std::ops::Range<usize>, FirmGrip)>;
 
 fn grips(problem: &Problem, along: &StatesAlong, segments: &[Segment]) -> Option<Legs> {

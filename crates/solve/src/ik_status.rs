@@ -3,16 +3,16 @@ use std::sync::atomic::AtomicBool;
 use cranny_plan::PlanError;
 use cranny_task::{IkAnnotationSettings, IkStatus, Problem, annotate_ik};
 
-/// Attempts at each grasp: some tens of milliseconds for the grasps of a released scenario, and nine tenths of what
-/// can be found there.
+/// Number of attempts at each grasp: some tens of milliseconds for the grasps of a released scenario, with nine tenths of the
+/// solutions found.
 const ATTEMPTS: usize = 200;
 
-/// What is soon known of each grasp of an `exact` problem.
+/// Returns a quick IK status of each grasp of an `exact` problem.
 ///
-/// 1. [`IkStatus::Solved`] where one of the configurations that are `known` (m, rad; one value per joint) holds it,
-///    free of collision; those of another length are passed over.
-/// 2. Else what a few attempts of inverse kinematics show: [`IkStatus::HandCollides`] and [`IkStatus::OutOfReach`]
-///    are certain, [`IkStatus::NoSolution`] is not.
+/// 1. [`IkStatus::Solved`] if one of the configurations `known` (m, rad; one value per joint) is a collision-free solution;
+///    those of another length are skipped.
+/// 2. Otherwise the result of a few attempts of inverse kinematics: [`IkStatus::HandCollides`] and [`IkStatus::OutOfReach`] are
+///    certain, [`IkStatus::NoSolution`] is not.
 ///
 /// # Errors
 /// As [`annotate_ik`].

@@ -8,50 +8,49 @@ use serde_json::{Map, Value};
 
 use crate::{Paces, SolveError};
 
-/// How a problem is to be solved. The same problem and request give the same way points on every machine, unless time
-/// cuts the search short.
+/// Options of [`solve`](crate::solve()). The same problem and request give the same way points on every machine, unless the
+/// time limit stops the search.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Request {
-    /// The planners that there are. Default: the built-in ones.
+    /// Available planners. Default: the built-in ones.
     pub registry: Registry,
     /// Name of the planner. Default: the best for the criterion.
     pub planner: Option<String>,
-    /// What differs from its default settings, by name.
+    /// Planner settings that differ from the defaults, by name.
     pub settings: Map<String, Value>,
-    /// What the search may spend. Default: 120 s.
+    /// Budget of the search. Default: 120 s.
     pub budget: Budget,
-    /// What all randomness is drawn from.
+    /// Seed of all random numbers.
     pub seed: u64,
-    /// Score of the grasps that counts, wherever one is better than another. Default: the load under `exact` where each
-    /// grasp has one and no least score is demanded, else the geometric score.
+    /// Score used to rank grasps. Default: the load under `exact` if each grasp has one and no least score is required,
+    /// otherwise the geometric score.
     pub score: Option<ScoreKind>,
-    /// Least score of that kind, in [0, 1], or least load, of the grasps that are goals: those below it, or without a score,
-    /// are none. Default: all are.
+    /// Least score of that kind, in [0, 1], or least load, of a goal grasp: grasps below it, or without a score, are not goals.
+    /// Default: all are.
     pub min_score: Option<f64>,
-    /// Under `paper`: arrived where ½·mm + ½·deg is below this, at least 0. Default: what the problem says.
+    /// Under `paper`: the gripper has arrived if ½·mm + ½·deg is below this, at least 0. Default: that of the problem.
     pub goal_threshold: Option<f64>,
-    /// Whether a proven path is left as the planner found it, and not shortened.
+    /// True if a proven path is left as the planner found it, and not shortened.
     pub keep_path: bool,
-    /// How to look for better paths once there is one; they are shortened whatever `keep_path` says.
+    /// Settings of the search for better paths after the first; they are shortened regardless of `keep_path`.
     pub optimise: Option<OptimiseSettings>,
-    /// The stages of the task. Default: the goal of the problem alone.
+    /// Stages of the task. Default: the goal of the problem alone.
     pub stages: Vec<Stage>,
-    /// How the path gets its time; `None` where nobody asks for a trajectory.
+    /// Timing of the path; `None` for no trajectory.
     pub timing: Option<Timing>,
-    /// How fast motions may be, besides the limits of the robot.
+    /// Speed limits of motions, besides the limits of the robot.
     pub paces: Paces,
-    /// What is judged of the path.
+    /// Settings of the audit.
     pub audit: AuditSettings,
-    /// Whether it is worked out how far things may be from where a path that holds has them: some milliseconds an edge.
+    /// True if tolerated deviations from a valid path are computed: some milliseconds per edge.
     pub robustness: bool,
-    /// Bounds the length of every path of the task from below ([`least_length`](crate::least_length)): some ten milliseconds.
+    /// True to compute a lower bound of every path's length ([`least_length`](crate::least_length)): some ten milliseconds.
     pub least_length: bool,
-    /// Factor by which loads may grow before the hand lets slip what it carries, at least, where that can be computed: other
-    /// grasps are none, and motions are slowed down for it. Default [`DEFAULT_HOLD`]; 0 demands nothing; `None` leaves it
-    /// unmeasured.
+    /// Least factor by which loads may grow before the carried object slips, where it can be computed: other grasps are
+    /// refused, and motions are slowed down for it. Default [`DEFAULT_HOLD`]; 0 requires nothing; `None` skips the measurement.
     pub hold: Option<f64>,
-    /// Grasps that are left out, each of a stage, by the pose of the gripper frame in the planning frame; those within
-    /// 2 mm and 2° too.
+    /// Excluded grasps, each of a stage, by the pose of the gripper frame in the planning frame, with all grasps within 2 mm
+    /// and 2°.
     pub left_out: Vec<(usize, Pose)>,
 }
 
@@ -80,28 +79,28 @@ impl Default for Request {
     }
 }
 
-/// The factor of a hold that is demanded unless another one is.
+/// Default of the required factor of a hold.
 pub const DEFAULT_HOLD: f64 = 1.5;
-/// Greatest factor of a hold that may be demanded.
+/// Greatest factor of a hold that may be required.
 pub const MOST_HOLD: f64 = 100.0;
 
-/// How a path gets its time.
+/// Timing of a path.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Timing {
-    /// Within limits of velocity and acceleration, or of jerk too; `None`: of jerk too where the robot states them.
+    /// Limits of velocity and acceleration, or of jerk too; `None`: of jerk too if the robot states them.
     pub method: Option<TimingMethod>,
-    /// Stop at each corner, and do not round those whose curve is proven free.
+    /// True if the motion stops at each corner instead of rounding those whose curve is proven free.
     pub stops: bool,
-    /// Whether a robot without the limits that this needs is refused, and not answered without a trajectory. A jerk
-    /// limit is always demanded.
+    /// True if a robot without the required limits is an error, instead of an answer without a trajectory. A jerk limit is
+    /// always required.
     pub is_demanded: bool,
-    /// Direction against gravity in the planning frame, a unit vector, under which the drives of the robot keep their efforts;
-    /// `None`: forces and torques are not limited.
+    /// Direction against gravity in the planning frame, a unit vector, for effort limits of the drives; `None`: forces and
+    /// torques are not limited.
     pub torque_up: Option<[f64; 3]>,
 }
 
 impl Timing {
-    /// The drives of a robot with what is in its hand, where their forces are limited.
+    /// Creates the drives of a robot with the object in its hand, if their forces are limited.
     ///
     /// # Errors
     /// As [`Drives::new`].
@@ -110,7 +109,7 @@ impl Timing {
         self.torque_up.map(|up| Drives::new(robot, &Vector::from(up), held)).transpose()
     }
 
-    /// The limits of a robot that it needs.
+    /// Returns the limits of a robot that the timing needs.
     ///
     /// # Errors
     /// As [`MotionLimits::new`].
@@ -121,8 +120,8 @@ impl Timing {
         }
     }
 
-    /// A path of way points (m, rad; one value per joint) in time, with a stop at each corner; `None` for a robot without the
-    /// limits that this needs.
+    /// Computes the trajectory of a path of way points (m, rad; one value per joint), with a stop at each corner; `None` for a
+    /// robot without the required limits.
     ///
     /// # Errors
     /// As [`Trajectory::along`].
@@ -132,11 +131,11 @@ impl Timing {
 }
 
 impl Request {
-    /// Whether the request goes with the problem.
+    /// Checks that the request fits the problem.
     ///
     /// # Errors
-    /// [`SolveError::Request`]; [`SolveError::Plan`] for an unknown planner or setting, or where a trajectory is
-    /// demanded of a robot without the limits for it.
+    /// [`SolveError::Request`]; [`SolveError::Plan`] for an unknown planner or setting, or if a trajectory is required of a
+    /// robot without the limits for it.
     pub fn check(&self, problem: &Problem) -> Result<(), SolveError> {
         self.planner_for(&self.first_problem(problem)?)?;
         self.asked(problem)?;
@@ -146,45 +145,47 @@ impl Request {
             Some(value) if !(value.is_finite() && value >= 0.0) => {
                 return refuse(
                     "goal_threshold",
-                    format!("'{value}' is no threshold; give a number, at least 0"),
+                    format!("'{value}' is not a valid threshold: expected a number, at least 0"),
                 );
             }
             Some(_) if !is_paper => {
                 return refuse(
                     "goal_threshold",
-                    "only the paper criterion has a threshold; ask for that one, or leave this out"
+                    "only the paper criterion has a threshold; choose it, or leave this option out"
                         .to_owned(),
                 );
             }
             _ => {}
         }
         if let Some(hold) = self.hold.filter(|hold| !(0.0..=MOST_HOLD).contains(hold)) {
-            let problem = format!("'{hold}' is no factor of loads; give a number from 0 to {MOST_HOLD}");
+            let problem =
+                format!("'{hold}' is not a valid factor of loads: expected a number from 0 to {MOST_HOLD}");
             return refuse("hold", problem);
         }
         if let Some(OptimiseSettings { score_weight, .. }) = self.optimise {
             if !(score_weight.is_finite() && score_weight >= 0.0) {
                 return refuse(
                     "score_weight",
-                    format!("'{score_weight}' is no weight; give a number, at least 0"),
+                    format!("'{score_weight}' is not a valid weight: expected a number, at least 0"),
                 );
             }
             if is_paper {
                 return refuse(
                     "optimise",
-                    "only a proven path can be bettered, under the exact criterion".to_owned(),
+                    "only a path that is proven under the exact criterion can be optimised".to_owned(),
                 );
             }
         }
         if !self.stages.is_empty() {
             if is_paper {
-                let problem = "nothing is carried under it, which proves nothing; ask for the exact one";
+                let problem =
+                    "the paper criterion proves nothing, so nothing is carried under it; choose 'exact'";
                 return refuse("criterion", problem.to_owned());
             }
             Stage::check_all(&self.stages, problem)?;
         }
         if let Some((name, value, values)) = self.paces.fault() {
-            return refuse("pace", format!("'{value}' is no {name}; give a number {values}"));
+            return refuse("pace", format!("'{value}' is not a valid {name}: expected a number {values}"));
         }
         let Some(timing) = self.timing else { return Ok(()) };
         timing.drives(problem.robot(), None)?;
@@ -194,8 +195,8 @@ impl Request {
         Ok(())
     }
 
-    /// The problem, its grasps with the score that counts and without those that are no goals, under `paper` with the
-    /// threshold; and which grasps those that are left were, where some were left out.
+    /// Returns the problem with the grasps that are goals, with the score in use and, under `paper`, the threshold; and, if
+    /// grasps were excluded, the original indices of the remaining ones.
     pub(crate) fn asked(&self, problem: &Problem) -> Result<(Problem, Option<Vec<usize>>), SolveError> {
         let scored = self.scored(problem)?;
         let (chosen, numbers) = match self.min_score {
@@ -209,16 +210,16 @@ impl Request {
         Ok((asked, numbers))
     }
 
-    /// The problem with the grasps of a score of at least `least`, and which those are.
+    /// Returns the problem with the grasps of a score of at least `least`, and their indices.
     fn above(&self, least: f64, problem: &Problem) -> Result<(Problem, Vec<usize>), SolveError> {
         let refuse = |problem| SolveError::Request { field: "min_score", problem };
         let kind = self.score_of(problem);
         let (most, range) = match kind {
-            ScoreKind::Load => (f64::MAX, "load; give a number from 0"),
-            ScoreKind::Geometric | ScoreKind::Physics => (1.0, "score; give a number from 0 to 1"),
+            ScoreKind::Load => (f64::MAX, "load: expected a number from 0"),
+            ScoreKind::Geometric | ScoreKind::Physics => (1.0, "score: expected a number from 0 to 1"),
         };
         if !(0.0..=most).contains(&least) {
-            return Err(refuse(format!("'{least}' is no {range}")));
+            return Err(refuse(format!("'{least}' is not a valid {range}")));
         }
         let grasps = match problem.grasps() {
             Some(grasps) if problem.grasp_measure().is_none() => grasps.grasps(),
@@ -236,7 +237,7 @@ impl Request {
         Ok((problem.with_goal(Goal::Grasps(set))?, numbers))
     }
 
-    /// The kind of score that counts of the grasps of a problem.
+    /// Returns the kind of score in use for the grasps of a problem.
     pub(crate) fn score_of(&self, problem: &Problem) -> ScoreKind {
         let has_loads = || {
             let set = problem.grasps().filter(|_| problem.criterion() == Criterion::Exact);
@@ -256,12 +257,12 @@ impl Request {
         }
         let refuse = |problem| SolveError::Request { field: "score", problem };
         if problem.grasp_measure().is_some() {
-            return Err(refuse("a grasp of the planner's own has the geometric score alone".to_owned()));
+            return Err(refuse("grasps that the planner generates have only the geometric score".to_owned()));
         }
         let grasps = problem
             .grasps()
             .ok_or_else(|| refuse("the goal is a configuration, which has no score".to_owned()))?;
-        // Stated loads serve for the order of preference alone; those that are asked for are computed.
+        // Stated loads serve only to rank grasps; requested ones are computed.
         if self.score == Some(ScoreKind::Load) {
             let loaded = problem.loaded_grasps().ok_or_else(|| {
                 let lacking = "the load of a grasp needs two flat pads that close on each other, and a target that \
@@ -270,7 +271,7 @@ impl Request {
             })?;
             return Ok(problem.with_goal(Goal::Grasps(loaded.scored_by(kind)))?);
         }
-        // Those without are no goals where a least score is demanded.
+        // If a least score is required, grasps without a score are not goals.
         let blank = grasps.grasps().iter().position(|grasp| grasp.score_of(kind).is_none());
         if let Some(grasp) = blank.filter(|_| self.min_score.is_none()) {
             return Err(refuse(GraspError::NoRobustScore { grasp }.to_string()));
@@ -278,7 +279,7 @@ impl Request {
         Ok(problem.with_goal(Goal::Grasps(grasps.scored_by(kind)))?)
     }
 
-    /// A filter of the grasps of a stage that are left out; `None` where all are in.
+    /// Returns a filter of the excluded grasps of a stage; `None` if there are none.
     pub(crate) fn left_out_filter(
         &self,
         stage: usize,
@@ -295,12 +296,12 @@ impl Request {
         })
     }
 
-    /// The stages: those that are asked, or the goal of the problem.
+    /// Returns the requested stages, or the goal of the problem.
     pub(crate) fn stages_of(&self, problem: &Problem) -> Vec<Stage> {
         if self.stages.is_empty() { Stage::of_goal(problem) } else { self.stages.clone() }
     }
 
-    /// The problem of the first stage.
+    /// Returns the problem of the first stage.
     pub(crate) fn first_problem(&self, problem: &Problem) -> Result<Problem, TaskError> {
         match (self.stages.first(), State::start(problem)) {
             (Some(Stage::Pick(pick)), Some(start)) => start.picking(problem, pick),
@@ -315,8 +316,8 @@ impl Request {
         Ok(self.registry.planner_with(name, &self.settings)?)
     }
 
-    /// The planner of a pick that follows another: the one that is asked for, where it makes grasps of its own or takes a set
-    /// of them as this pick needs it; else the default one.
+    /// Returns the planner of a pick that follows another: the requested one if it suits this pick, which needs its own grasps
+    /// or a set of them; otherwise the default planner.
     pub(crate) fn later_planner_for(&self, problem: &Problem) -> Result<Box<dyn Planner>, SolveError> {
         let named = self.planner_for(problem)?;
         let is_suited = named.makes_grasps() == problem.grasp_measure().is_some();

@@ -3,66 +3,66 @@ use cranny_spatial::CONTACT_M;
 use cranny_task::{Segment, StatesAlong};
 use serde::{Deserialize, Serialize};
 
-/// Distances by which things may be from where a plan has them while every motion of it stays free of collision: each kind of
-/// error by itself, and certified. `None`: however far, nothing is there to touch.
+/// Certified distances by which things may deviate from a plan while all its motions stay free of collision, for each kind of
+/// error by itself. `None`: unlimited, there is nothing to touch.
 ///
-/// The law: an error moves nothing farther than the least distance of the pairs that it moves against each other. Measured are
-/// all edges, the curve of every rounded corner, and, where the object is carried, the fingers while the hand closes and
+/// The law: an error moves nothing farther than the least distance of the pairs that it moves against each other. The measure
+/// covers all edges, the curve of every rounded corner, and, if the object is carried, the fingers while the hand closes and
 /// opens.
 ///
 /// | error of | pairs | during |
 /// |---|---|---|
-/// | object | object, where it stands, with every link, those that no joint moves too | motions with the empty hand |
+/// | object | object, where it stands, with every link, moved by a joint or not | motions with the empty hand |
 /// | slip | object with every link that moves against it, and with the world; where it was put down, with every link | motions with the object in the hand, and after |
-/// | base | every link, those that no joint moves too, and what is held, with the world | all motions |
-/// | joints | every link that moves, and what is held, with the world and with each other | all motions |
+/// | base | every link, moved by a joint or not, and the held object, with the world | all motions |
+/// | joints | every moving link, and the held object, with the world and with each other | all motions |
 ///
-/// Left out are pairs that may or must touch: fingers with what they close on, an object with what it rests on until it is
-/// lifted off, and what is named with every answer as not compared, such as a link that no joint moves on what it stands on.
-/// The hand closes as far as it does on an object where the plan has it.
+/// Pairs that may or must touch are excluded: fingers with the object that they close on, an object with its support until the
+/// lift-off, and pairs that every answer names as not compared, such as a link that no joint moves on the body that it stands
+/// on. The hand closes as far as on an object at its planned pose.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Robustness {
-    /// Of the object before the hand closes on it, about the middle of a ball around it.
+    /// Error of the object before the hand closes on it, about the centre of a ball around it.
     pub object: Option<PoseRadius>,
-    /// Of the object in the hand from then on, where it is carried.
+    /// Error of the object in the hand from then on, if it is carried.
     pub slip: Option<PoseRadius>,
-    /// Of the robot's root, about its origin, against all that stands around.
+    /// Error of the robot's root, about its origin, against all surroundings.
     pub base: Option<PoseRadius>,
-    /// Of every joint, all at once.
+    /// Error of every joint, all at once.
     pub joints: Option<JointRadius>,
 }
 
-/// How far a pose may be off: moved by t and turned by θ where `t / translation_m + θ / rotation_rad ≤ 1`.
+/// Tolerated error of a pose: translation t and rotation θ with `t / translation_m + θ / rotation_rad ≤ 1`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PoseRadius {
-    /// If it is not turned, in metres.
+    /// Translation without rotation, in metres.
     pub translation_m: f64,
-    /// If it is turned in place, in radians.
+    /// Rotation in place, in radians.
     pub rotation_rad: f64,
 }
 
-/// How far every joint may be from where the plan has it.
+/// Tolerated error of every joint.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct JointRadius {
-    /// Those that slide, if no other is off, in metres; `None` where none slides.
+    /// Error of sliding joints if no other is off, in metres; `None` if there are none.
     pub sliding_m: Option<f64>,
-    /// Those that turn, if no other is off, in radians; `None` where none turns.
+    /// Error of turning joints if no other is off, in radians; `None` if there are none.
     pub turning_rad: Option<f64>,
 }
 
-/// What is measured may lie so far below the truth, as a share of it.
+/// Relative slack of the lower bound of the clearance.
 const SHARE: f64 = 0.05;
 
 impl PoseRadius {
-    /// Of something that may be moved so far, all of which is within `lever_m` of what it turns about.
+    /// Creates the radius of a thing that may move by `room_m` (m), all of it within `lever_m` (m) of its centre of rotation.
     fn of(room_m: f64, lever_m: f64) -> Option<Self> {
         room_m.is_finite().then(|| Self { translation_m: room_m, rotation_rad: room_m / lever_m })
     }
 
-    /// The smaller of two, one of which there may not be.
+    /// Returns the smaller of two optional radii.
     fn least(a: Option<Self>, b: Option<Self>) -> Option<Self> {
         let smaller = |a: Self, b: Self| Self {
             translation_m: a.translation_m.min(b.translation_m),
@@ -84,14 +84,14 @@ impl JointRadius {
 }
 
 impl Robustness {
-    /// Robustness of segments that are proven, rounded corners included, with the state along each; `None` where a segment
-    /// has no way point.
+    /// Computes the robustness of proven segments, rounded corners included, with the state along each; `None` if a segment has
+    /// no way point.
     pub fn of(along: &StatesAlong, segments: &[Segment]) -> Option<Self> {
         let mut all = Self::default();
         let states = || along.states.iter();
         for (index, (segment, state)) in segments.iter().zip(states()).enumerate() {
             let (first, last) = (segment.waypoints.first()?, segment.waypoints.last()?);
-            // A path of one way point is an edge of no length.
+            // A path of one way point is an edge of zero length.
             let standing = [first.clone(), first.clone()];
             let path = if segment.waypoints.len() > 1 { &segment.waypoints[..] } else { &standing };
             let cell = state.cell();
@@ -100,7 +100,7 @@ impl Robustness {
                 rounded_corners(cell, segment)
                     .map(|Chords { waypoints, deviation_m }| Rooms::along(cell, &waypoints, deviation_m)),
             );
-            // The hand closes on, or opens off, what it holds along one of two segments.
+            // The hand closes on, or opens off, the object that it holds along one of the two segments.
             let next = states().nth(index + 1).filter(|next| next.held().is_some() != state.held().is_some());
             let sweeping = next.map(|next| if next.held().is_some() { next.cell() } else { cell });
             rooms.extend(sweeping.map(|cell| Rooms::while_closing(cell, last)));
@@ -123,7 +123,7 @@ impl Robustness {
     }
 }
 
-/// The rounded corners of a segment as chords, the finer the nearer something is.
+/// Returns the rounded corners of a segment as chords, finer where obstacles are nearer.
 fn rounded_corners(cell: &Cell, segment: &Segment) -> impl Iterator<Item = Chords> {
     /// Deviation as a share of the clearance, and its bounds, in metres.
     const DEVIATION: f64 = 0.02;
@@ -136,14 +136,14 @@ fn rounded_corners(cell: &Cell, segment: &Segment) -> impl Iterator<Item = Chord
     })
 }
 
-/// Distances, in metres, by which the pairs that an error moves against each other are apart during some motion, less what
-/// counts as contact, and how far the same error moves anything.
+/// Clearances, in metres and less the contact distance, of the pairs that an error moves against each other during a motion,
+/// and the levers of the errors.
 struct Rooms {
-    /// Links that move, against each other.
+    /// Moving links against each other.
     links_m: f64,
-    /// Links that move, and what is held, against the world.
+    /// Moving links and the held object against the world.
     around_m: f64,
-    /// The object against all that it may not touch.
+    /// Object against all that it may not touch.
     object_m: f64,
     /// Links that no joint moves, against the world.
     standing: StandingClearance,
@@ -151,20 +151,20 @@ struct Rooms {
 }
 
 impl Rooms {
-    /// Along a path, or a curve that is nowhere farther from it than so much, in metres.
+    /// Computes the clearances along a path, or a curve within `deviation_m` (m) of it.
     fn along(cell: &Cell, path: &[Vec<f64>], deviation_m: f64) -> Self {
         let scratch = &mut cell.scratch();
         let groups = [PairGroup::Links, PairGroup::Around, PairGroup::Object];
         let room_m = |group| cell.group_clearance(path, group, SHARE, scratch) - deviation_m;
         let [links_m, around_m, object_m] = groups.map(room_m);
         let mut levers = cell.levers(path, scratch);
-        // The curve lies between edges of the path, so its joints have no longer levers than these.
+        // The curve lies between edges of the path, so that its joints have no longer levers than these.
         levers.from_root_m += deviation_m;
         Self::of([links_m, around_m, object_m], cell, levers)
     }
 
-    /// While the hand closes from open at a configuration to where it holds the object in a cell, or opens there: fingers
-    /// against all but the object.
+    /// Computes the clearances while the hand closes from fully open on the held object of a cell at a configuration, or opens
+    /// there: fingers against all but the object.
     fn while_closing(cell: &Cell, q: &[f64]) -> Self {
         let scratch = &mut cell.scratch();
         let [links_m, around_m] =
@@ -180,11 +180,11 @@ impl Rooms {
         Self { links_m, around_m, object_m, standing, levers }
     }
 
-    /// The radii, of an object that is held or not, about the middle of a ball of this radius around it.
+    /// Returns the radii; for the object about the centre of a ball of this radius (m) around it.
     fn robustness(&self, object_radius_m: f64) -> Robustness {
         let Self { links_m, around_m, object_m, standing, levers } = self;
         let world_m = around_m.min(*object_m);
-        // What is held is among the links too, and against them. No joint moves what stands still.
+        // A held object is among the links too, and against them. No joint moves links that stand still.
         let rooms_m = [world_m, links_m.min(*object_m)];
         let radius = |levers: [f64; 2]| {
             let each =
@@ -240,7 +240,7 @@ mod tests {
         // No joint moves them.
         let sliding_m = near.joints.and_then(|joints| joints.sliding_m).expect("a joint that slides");
         assert!(sliding_m > 0.4, "{sliding_m}");
-        // What it stands on is named with the answer instead.
+        // The answer names the body that it stands on instead.
         let standing = along(-0.1).base.expect("a floor");
         assert!(standing.translation_m > 0.4, "{standing:?}");
     }

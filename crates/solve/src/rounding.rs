@@ -9,12 +9,12 @@ use crate::task_trajectory::edge_paces;
 /// Share of the least clearance of the edges of a leg that its rounded corners keep.
 const KEPT_SHARE: f64 = 0.8;
 
-/// Gives segments a course that a robot runs along smoothly: rounds their corners and, if `may_move`, moves the way points of
-/// segments that lead past obstacles freely, as serves the time ([`CurvedPath::refined`]).
+/// Smooths segments for a fast motion: rounds their corners and, if `may_move`, moves the way points of segments with a free
+/// course where that saves time ([`CurvedPath::refined`]).
 ///
-/// All of it is proven in the state along its segment, and keeps [`KEPT_SHARE`] of the clearance of the edges. Where nothing is
-/// proven, and where a motion must end, the stop stays. Segments that follow each other are joined where [`are_joined`] allows
-/// it. A robot without the limits for a trajectory has none rounded.
+/// All of it is proven in the state along its segment, and keeps [`KEPT_SHARE`] of the clearance of the edges. The stop remains
+/// where nothing is proven, and where a motion must end. Consecutive segments are joined where [`are_joined`] allows it. A
+/// robot without the limits for a trajectory gets no rounded corners.
 pub(crate) fn smooth(
     robot: &Robot,
     along: &StatesAlong,
@@ -37,7 +37,7 @@ pub(crate) fn smooth(
         let curved = CurvedPath { paces: &paces, robot: Some(robot), ..CurvedPath::stopping(&way) };
         let is_free = |at: usize| {
             let (index, at) = proof.places[at];
-            // A longer way of the tool may take longer than the joints do.
+            // A longer path of the tool may take longer than the joints do.
             let pace = leg[index].pace;
             let is_slow = pace.tool_m_s.is_some() || pace.turn_rad_s.is_some();
             may_move && at > 0 && FREE.contains(&leg[index].mode) && !is_slow
@@ -55,17 +55,17 @@ pub(crate) fn smooth(
     }
 }
 
-/// Segments that lead anywhere past obstacles between their ends; others are straight for a reason.
+/// Modes with a free course past obstacles between their ends; others are straight for a reason.
 const FREE: [Mode; 3] = [Mode::REACH, Mode::CARRY, Mode::RETURN];
 
 /// Proofs for the segments of a leg, between whose ends the hand does not move.
 struct LegProof<'a> {
     states: &'a [State],
-    /// The segment of each way point but the last, and its index there.
+    /// Segment of each way point but the last, and its index there.
     places: Vec<(usize, usize)>,
-    /// Whether a corner at each of these may be rounded.
+    /// True if the corner at each of these may be rounded.
     may_be_rounded: Vec<bool>,
-    /// Clearance to keep, in metres.
+    /// Clearance that is kept, in metres.
     kept_m: f64,
     provers: Vec<Option<(Reach, Scratch)>>,
 }
@@ -88,7 +88,7 @@ impl<'a> LegProof<'a> {
         }
     }
 
-    /// Whether a curve (control points: m, rad; one value per joint each) in a segment keeps the clearance.
+    /// Returns true if a curve (control points: m, rad; one value per joint each) in a segment keeps the clearance.
     fn keeps(&mut self, segment: usize, control_points: &[Vec<f64>]) -> bool {
         let Some(cell) = self.states.get(segment).map(State::cell) else { return false };
         let (reach, scratch) = self.provers[segment].get_or_insert_with(|| (cell.reach(), cell.scratch()));
@@ -116,8 +116,8 @@ impl CurveProof for LegProof<'_> {
     }
 }
 
-/// A lower bound of the least clearance of the edges of segments on which nothing may touch what carries it, in metres, near
-/// enough to the truth for a share of it to count; 0 where there is nothing to touch.
+/// Returns a lower bound of the least clearance, in metres, of the edges of segments without contact with a support, tight
+/// enough to take a share of it; 0 if there is nothing to touch.
 fn least_clearance_m(leg: &[Segment], states: &[State]) -> f64 {
     const SHARE: f64 = 0.04;
     let free = leg.iter().zip(states).filter(|(segment, _)| segment.mode.rests_at.is_none());

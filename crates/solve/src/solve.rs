@@ -17,22 +17,22 @@ use crate::rounding::smooth;
 use crate::way_search::{Found, found_alone, found_in_stages};
 use crate::{Answer, Hold, Request, Robustness, SolveError, TaskTrajectory, Tilt, Timed, Timing, ToolSlack};
 
-/// Solves a problem as a request says.
+/// Solves a problem with the options of a request.
 ///
-/// 1. The planner looks for a path; better ones are looked for if that is asked. Of several stages a path through one counts
-///    only if there is one through all that follow (see `chain.rs`).
-/// 2. A path under `exact` is shortened, unless it is to be kept or was bettered; that of `reach` to a grasp or a
-///    configuration is bettered a little ([`cranny_plan::OptimiseSettings::delivery`]).
-/// 3. If a trajectory is asked, corners are rounded and way points moved where that saves time and is proven free. Motions with an object in the hand are
-///    slowed down until the hand holds it firmly, if that is demanded ([`Request::hold`]).
-/// 4. Whatever was found is judged like anybody's path, curves included, before it is called solved.
-/// 5. A path that holds gets its time, if that is asked.
-/// 6. How far things may be from where it has them is worked out, if that is asked.
-/// 7. The length of every path of the task is bounded from below, if that is asked ([`least_length`]).
-/// 8. A path that turns a joint half a turn beyond need is not delivered before other seeds were tried: see
+/// 1. The planner searches for a path, and for better ones if requested. With several stages a path through one counts only if
+///    one through all that follow is found (see `chain.rs`).
+/// 2. A path under `exact` is shortened, unless it is kept as found or was optimised; that of `reach` to a grasp or a
+///    configuration is optimised a little ([`cranny_plan::OptimiseSettings::delivery`]).
+/// 3. If a trajectory is requested, corners are rounded and way points moved where that saves time and is proven free. Motions
+///    with an object in the hand are slowed down until the hold is firm, if required ([`Request::hold`]).
+/// 4. The result is audited like a path of any other origin, curves included, before it is called solved.
+/// 5. A valid path is timed, if requested.
+/// 6. Tolerated deviations are computed, if requested.
+/// 7. The length of every path of the task is bounded from below, if requested ([`least_length`]).
+/// 8. If a path turns a joint more than half a turn beyond need, other seeds are tried before it is delivered: see
 ///    [`Robot::needless_turn`].
 ///
-/// That there is no path is an answer ([`Outcome`]), no error.
+/// The absence of a path is an answer ([`Outcome`]), not an error.
 ///
 /// # Errors
 /// As [`Request::check`], and those of the planner.
@@ -45,10 +45,10 @@ pub fn solve(
     let begin = Instant::now();
     let mut answer = solve_once(problem, request, observer)?;
     // 8.
-    /// More seeds find little that these do not.
+    /// Number of other seeds; more of them find little.
     const OTHER_SEEDS: u64 = 8;
-    /// A search that takes so many times the iterations of the first, and some, is not waited for. What the request
-    /// allows plays no part: a plan file tells the iterations of the first search alone, and leads to the same path.
+    /// Iteration limit of a repeated search, as a multiple of those of the first, and its least value. It does not depend on
+    /// the budget of the request: a plan file states only the iterations of the first search, and must reproduce the same path.
     const PATIENCE: u64 = 4;
     const LEAST_ITERATIONS: u64 = 1000;
     let is_left = request.keep_path || request.optimise.is_some() || !answer.is_solved();
@@ -71,13 +71,13 @@ pub fn solve(
     Ok(answer)
 }
 
-/// The most that any segment turns a joint beyond need, in radians.
+/// Returns the greatest turn beyond need of a joint in any segment, in radians.
 fn needless_turn(robot: &Robot, answer: &Answer) -> f64 {
     let turns = answer.segments.iter().map(|segment| robot.needless_turn(&segment.waypoints));
     turns.fold(0.0, f64::max)
 }
 
-/// Steps 1 to 7.
+/// Performs steps 1 to 7.
 fn solve_once(
     problem: &Problem,
     request: &Request,
@@ -91,7 +91,7 @@ fn solve_once(
     })
 }
 
-/// The same of the problem as the request asks it, which has some of the grasps of `whole`.
+/// Performs steps 1 to 7 for the problem of the request, which has some of the grasps of `whole`.
 fn solve_asked(
     problem: &Problem,
     request: &Request,
@@ -154,7 +154,7 @@ fn solve_asked(
     let tool = proven.map_or_else(Vec::new, |along| ToolSlack::all_of(along, &segments));
     let robustness = along.filter(|_| request.robustness && holds);
     let robustness = || Robustness::of(&robustness?, &segments);
-    // 7. To whichever grasp: those that the request leaves out are no nearer.
+    // 7. This bounds paths to any grasp, because those that the request excludes may be nearer.
     let is_bounded = request.least_length && holds;
     let length = || path_length(&joined(&segments));
     let least = || if is_bounded { least_length(whole, &request.stages, length()) } else { None };
@@ -194,11 +194,11 @@ fn solve_asked(
     })
 }
 
-/// Segments, the states along them, how firmly the hand holds what it carries, and the seconds in which corners were rounded.
+/// Segments, the states along them, the hold on the carried object, and the seconds spent on rounding corners.
 type Firm = (Vec<Segment>, Option<StatesAlong>, Option<Hold>, f64);
 
-/// Step 3: the first of these paths on which the hand holds what it carries, as fast as it does; `None` where it does on
-/// none. A shortened path turns the object otherwise than the one that was found.
+/// Performs step 3: returns the first of these paths on which the hold is firm, slowed down as needed; `None` if there is none.
+/// A shortened path turns the object differently from the one that was found.
 fn firm(
     problem: &Problem,
     stages: &[Stage],
@@ -222,7 +222,7 @@ fn firm(
         }
         let begin = Instant::now();
         if let Some(along) = along.as_ref().filter(|_| request.timing.is_some_and(|timing| !timing.stops)) {
-            // What was optimised costs what is stated.
+            // An optimised path keeps its stated cost.
             let may_move = !request.keep_path && request.optimise.is_none();
             smooth(problem.robot(), along, &mut segments, (timing, may_move));
         }
@@ -240,14 +240,14 @@ fn firm(
     Ok(None)
 }
 
-/// Mass of what is in the hand in a state, if anything is.
+/// Returns the payload of the hand in a state, if it holds an object.
 fn payload(state: &State, problem: &Problem) -> Result<Option<Payload>, PathError> {
     let Some((carrier, _)) = state.held() else { return Ok(None) };
     let unknown = || PathError::UnknownMass { object: carrier.object().to_owned() };
     state.payload(problem).ok_or_else(unknown).map(Some)
 }
 
-/// Step 5 for a path that holds; `None` for a robot without the limits for it.
+/// Performs step 5 for a valid path; `None` for a robot without the required limits.
 fn timed(
     problem: &Problem,
     timing: Timing,

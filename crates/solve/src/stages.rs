@@ -1,4 +1,4 @@
-//! The search for a way through the stages of a task.
+//! Search for a path through the stages of a task.
 
 mod approach;
 pub(crate) mod chain;

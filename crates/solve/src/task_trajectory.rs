@@ -5,41 +5,40 @@ use cranny_task::{Segment, joined, joined_corners};
 
 use crate::Timing;
 
-/// The time for which a robot stands at least while its hand closes or opens, in seconds: the fingers of common hands go
-/// through their whole stroke in about twice that. Where the limits of any joint of the hand demand more, it stands longer
-/// ([`PadDistance::least_time_s`]).
+/// Least standstill of the robot while its hand closes or opens, in seconds: the fingers of common hands need about twice that
+/// for their whole stroke. It is longer if the limits of a joint of the hand require it ([`PadDistance::least_time_s`]).
 pub const CLOSING_S: f64 = 0.4;
 
-/// A path in time, and what the hand does meanwhile: legs, between which the robot stands and its hand closes or opens. The
-/// first leads to the grasp; the second, if there is one, has the object in the hand; the third, if there is one, leaves it.
+/// Trajectory of a task: legs, between which the robot stands and its hand closes or opens. The first leg leads to the grasp;
+/// the second, if there is one, carries the object; the third, if there is one, starts after its release.
 #[derive(Clone, Debug)]
 pub struct TaskTrajectory {
     legs: Vec<Trajectory>,
-    /// How far the fingers are apart on each leg, in metres.
+    /// Distance between the fingers on each leg, in metres.
     openings_m: Vec<f64>,
     /// Pad distance of the robot's hand, if it has one.
     pads: Option<PadDistance>,
     torque_up: Option<[f64; 3]>,
 }
 
-/// What a hand does between two legs of a path.
+/// Motion of the fingers between two legs of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HandMotion {
-    /// When it begins, in seconds.
+    /// Start time, in seconds.
     pub from_s: f64,
-    /// When it has ended, in seconds.
+    /// End time, in seconds.
     pub until_s: f64,
-    /// How far the fingers are apart before and after, in metres.
+    /// Distance between the fingers before and after, in metres.
     pub openings_m: [f64; 2],
 }
 
 impl TaskTrajectory {
-    /// One leg, on which the hand does nothing.
+    /// Creates a trajectory of one leg, without finger motion.
     pub fn of_reach(reach: Trajectory) -> Self {
         Self { legs: vec![reach], openings_m: vec![0.0], pads: None, torque_up: None }
     }
 
-    /// The same with another leg, after the fingers have moved from so far apart to so far, in metres.
+    /// Returns this trajectory with another leg, after the fingers have moved between two openings, in metres.
     #[must_use]
     pub fn then(mut self, [before_m, after_m]: [f64; 2], leg: Trajectory) -> Self {
         if let Some(last_m) = self.openings_m.last_mut() {
@@ -50,8 +49,8 @@ impl TaskTrajectory {
         self
     }
 
-    /// Of segments that follow each other, with the stops that the changes of mode need, along their rounded corners.
-    /// `None` for a robot without the limits that this needs, or no path.
+    /// Computes the trajectory of consecutive segments along their rounded corners, with the stops that the changes of mode
+    /// need. `None` for a robot without the required limits, or for an empty path.
     ///
     /// # Errors
     /// [`PlanError`] for a path that cannot be timed.
@@ -81,38 +80,37 @@ impl TaskTrajectory {
         Ok((!legs.is_empty()).then_some(Self { legs, openings_m, pads, torque_up }))
     }
 
-    /// Direction against gravity in the planning frame under which the drives keep their efforts; `None` where that is not
-    /// limited.
+    /// Direction against gravity in the planning frame for the effort limits of the drives; `None` if efforts are not limited.
     pub fn torque_up(&self) -> Option<[f64; 3]> {
         self.torque_up
     }
 
-    /// The way to the grasp.
+    /// Leg that leads to the grasp.
     pub fn reach(&self) -> &Trajectory {
         &self.legs[0]
     }
 
-    /// All legs, each from its own beginning on.
+    /// All legs, each with its own time origin.
     pub fn legs(&self) -> &[Trajectory] {
         &self.legs
     }
 
-    /// How the path was given its time.
+    /// Timing method of the path.
     pub fn method(&self) -> TimingMethod {
         self.reach().method()
     }
 
-    /// Whether a corner is rounded.
+    /// Returns true if a corner is rounded.
     pub fn is_rounded(&self) -> bool {
         self.legs.iter().any(Trajectory::is_rounded)
     }
 
-    /// The names of the joints, in the order of every sample.
+    /// Names of the joints, in the order of every sample.
     pub fn joint_names(&self) -> &[String] {
         self.reach().joint_names()
     }
 
-    /// What the hand does between the legs.
+    /// Returns the finger motions between the legs.
     pub fn hand_motions(&self) -> Vec<HandMotion> {
         let openings_m = self.openings_m.windows(2).map(|openings_m| [openings_m[0], openings_m[1]]);
         let until_s = self.begins_s().into_iter().skip(1);
@@ -121,8 +119,8 @@ impl TaskTrajectory {
         motions.map(|([from_s, until_s], openings_m)| HandMotion { from_s, until_s, openings_m }).collect()
     }
 
-    /// Times for which the robot stands between the legs, one per pause, in seconds, while its hand closes or opens:
-    /// [`CLOSING_S`], or as long as the limits of the joints of the hand demand.
+    /// Returns the standstills between the legs, one per pause, in seconds, while the hand closes or opens: [`CLOSING_S`], or
+    /// longer if the limits of the joints of the hand require it.
     pub fn hand_times_s(&self) -> Vec<f64> {
         let least_s = |openings_m: &[f64]| {
             self.pads.as_ref().map_or(0.0, |pads| pads.least_time_s([openings_m[0], openings_m[1]]))
@@ -130,30 +128,30 @@ impl TaskTrajectory {
         self.openings_m.windows(2).map(|openings_m| CLOSING_S.max(least_s(openings_m))).collect()
     }
 
-    /// Openings of the fingers, one per leg, in metres; `None` where the hand does nothing.
+    /// Openings of the fingers, one per leg, in metres; `None` without finger motion.
     pub fn openings_m(&self) -> Option<&[f64]> {
         (self.legs.len() > 1).then_some(&self.openings_m)
     }
 
-    /// Seconds from the beginning to the end.
+    /// Total duration, in seconds.
     pub fn duration_s(&self) -> f64 {
         let last = self.legs.len() - 1;
         self.begins_s()[last] + self.legs[last].duration_s()
     }
 
-    /// When each leg begins, in seconds.
+    /// Returns the start time of each leg, in seconds.
     fn begins_s(&self) -> Vec<f64> {
         let mut begins_s = vec![0.0];
         for (index, (leg, hand_s)) in self.legs.iter().zip(self.hand_times_s()).enumerate() {
-            // The first begins at nothing: what is added to it must not be rounded.
+            // The first leg starts at zero; its end must be exact, without rounding from an addition.
             let ends_s = if index == 0 { leg.duration_s() } else { begins_s[index] + leg.duration_s() };
             begins_s.push(ends_s + hand_s);
         }
         begins_s
     }
 
-    /// Times at which the way points of the path are passed, one per way point, in seconds, as
-    /// [`Trajectory::waypoint_times_s`]; where two legs meet, when the first ends.
+    /// Returns the times at which the way points of the path are passed, one per way point, in seconds, as
+    /// [`Trajectory::waypoint_times_s`]; for a way point between two legs, the end of the first.
     pub fn waypoint_times_s(&self) -> Vec<f64> {
         let mut times_s = self.reach().waypoint_times_s().to_vec();
         for (begin_s, leg) in self.begins_s().iter().zip(&self.legs).skip(1) {
@@ -162,7 +160,7 @@ impl TaskTrajectory {
         times_s
     }
 
-    /// The robot at `time_s`, as [`Trajectory::sample`].
+    /// Returns the state of the robot at `time_s`, as [`Trajectory::sample`].
     pub fn sample(&self, time_s: f64) -> TrajectorySample {
         let begins_s = self.begins_s();
         let leg = begins_s.iter().rposition(|begin_s| time_s >= *begin_s).unwrap_or(0);
@@ -172,7 +170,7 @@ impl TaskTrajectory {
         TrajectorySample { time_s, ..self.legs[leg].sample(time_s - begins_s[leg]) }
     }
 
-    /// How far the fingers are apart at `time_s`, in metres; `None` where the hand does nothing.
+    /// Returns the distance between the fingers at `time_s`, in metres; `None` without finger motion.
     pub fn opening_m(&self, time_s: f64) -> Option<f64> {
         let motions = self.hand_motions();
         let begun = motions.iter().rfind(|motion| time_s >= motion.from_s).or(motions.first())?;
@@ -182,7 +180,7 @@ impl TaskTrajectory {
         Some(self.pads.as_ref().map_or(evenly_m, |pads| pads.between_m([before_m, after_m], share)))
     }
 
-    /// Samples at 0, 1/`rate_hz`, 2/`rate_hz`, … and at the end.
+    /// Returns samples at 0, 1/`rate_hz`, 2/`rate_hz`, … and at the end.
     ///
     /// # Errors
     /// As [`sample_times`].
@@ -194,8 +192,8 @@ impl TaskTrajectory {
     }
 }
 
-/// The limits of each edge of segments between two moves of the hand: the slowest of them counts for all, for they are one
-/// motion.
+/// Returns the pace of each edge of segments between two finger motions: the lowest speed share applies to all, because they
+/// are one motion.
 pub(crate) fn edge_paces(leg: &[Segment]) -> Vec<EdgePace> {
     let share = leg.iter().filter_map(|segment| segment.speed).fold(1.0, f64::min);
     let of_segment = |segment: &Segment| {

@@ -2,14 +2,14 @@ use cranny_collision::{ToolBound, ToolRegion};
 use cranny_task::{Segment, State, StatesAlong};
 use serde::{Deserialize, Serialize};
 
-/// Tilt of what is held along a whole motion, where it is limited: of the direction in it that pointed up where it stood when
-/// it was grasped, against up.
+/// Tilt of the held object along a whole motion, if it is limited: the angle between up and the direction in the object that
+/// pointed up where it was grasped.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Tilt {
-    /// The greatest, in radians: a proven upper bound, to within some thousandths.
+    /// Greatest tilt, in radians: a proven upper bound, to within some thousandths.
     pub greatest_rad: f64,
-    /// The greatest that is allowed, in radians.
+    /// Greatest allowed tilt, in radians.
     pub most_rad: f64,
 }
 
@@ -19,17 +19,17 @@ pub struct Tilt {
 pub struct ToolSlack {
     /// Name of the bound.
     pub name: String,
-    /// A proven lower bound, to within some thousandths, in metres; `None` for a bound on an angle.
+    /// Proven lower bound, to within some thousandths, in metres; `None` for a bound on an angle.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub slack_m: Option<f64>,
-    /// The same in radians; `None` for a bound on a distance.
+    /// Proven lower bound in radians; `None` for a bound on a distance.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub slack_rad: Option<f64>,
 }
 
 impl Tilt {
-    /// The tilt along segments, rounded corners included; of several limits the one that is nearest to being exceeded. `None`
-    /// where none is demanded.
+    /// Computes the tilt along segments, rounded corners included; of several limits the one nearest to being exceeded. `None`
+    /// without a limit.
     pub fn of(along: &StatesAlong, segments: &[Segment]) -> Option<Self> {
         let of_segment = |(state, segment): (&State, &Segment)| {
             let cell = state.cell();
@@ -46,7 +46,7 @@ impl Tilt {
 }
 
 impl ToolSlack {
-    /// The slack of each bound of the tool, the tilt of what is held aside, along segments, rounded corners included.
+    /// Computes the slack of each tool bound, except the tilt of the held object, along segments, rounded corners included.
     pub fn all_of(along: &StatesAlong, segments: &[Segment]) -> Vec<Self> {
         let Some(state) = along.states.first() else { return Vec::new() };
         let bounds = state.cell().world().tool_bounds().iter().enumerate();
@@ -62,7 +62,7 @@ impl ToolSlack {
     }
 }
 
-/// The greatest excess over a bound along a segment that is proven to keep it.
+/// Returns the greatest excess over a bound along a segment that is proven to keep it.
 fn greatest_excess(bound: usize, state: &State, segment: &Segment) -> f64 {
     let cell = state.cell();
     let (reach, scratch) = (cell.reach(), &mut cell.scratch());
@@ -77,6 +77,6 @@ fn greatest_excess(bound: usize, state: &State, segment: &Segment) -> f64 {
     let greatest = corners
         .map(|points| cell.greatest_excess_on_curve(bound, points, &reach, scratch))
         .fold(of_edges, f64::max);
-    // What is proven by a finer bisection.
+    // The proof used a finer bisection.
     greatest.min(0.0)
 }

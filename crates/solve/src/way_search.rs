@@ -13,19 +13,19 @@ use crate::stages::chain::Chain;
 use crate::stages::onward::Piece;
 use crate::{Optimisation, Request, Shortening, SolveError};
 
-/// Result of a search, and the segments as they are delivered.
+/// Report of a search, and the delivered segments.
 pub(crate) struct Found {
     pub report: PlanReport,
     pub segments: Vec<Segment>,
-    /// The segments as they were found, where they were shortened.
+    /// Segments before shortening.
     pub unshortened: Vec<Segment>,
     pub shortening: Option<Shortening>,
     pub optimisation: Option<Optimisation>,
-    /// The carrier of the first object.
+    /// Carrier of the first object.
     pub carrier: Option<Arc<Carrier>>,
 }
 
-/// A path to the goal of the problem alone, shortened or optimised.
+/// Searches for a path to the goal of the problem alone, shortened or optimised.
 pub(crate) fn found_alone(
     problem: &Problem,
     planner: &dyn Planner,
@@ -47,8 +47,8 @@ pub(crate) fn found_alone(
     Ok(Found { report, segments, unshortened: Vec::new(), shortening, optimisation, carrier: None })
 }
 
-/// Paths through several stages. Each segment that is not bound to what carries an object is shortened between its ends, for the
-/// hand holds an object as it stands where a segment ends; with `optimise`, the cheapest of several such tasks is improved
+/// Searches for paths through several stages. Each segment without contact with a support is shortened between its ends only,
+/// because the pose of the object in the hand depends on them; with `optimise`, the cheapest of several such tasks is improved
 /// ([`optimised`]).
 pub(crate) fn found_in_stages(
     problem: &Problem,
@@ -86,14 +86,14 @@ pub(crate) fn found_in_stages(
     Ok(Found { report, segments, unshortened, shortening, optimisation, carrier })
 }
 
-/// Pieces of a task that are shortened, and the segments that they were made of.
+/// Pieces of a task that are shortened, and the original segments.
 type Way = (Vec<Piece>, Vec<Segment>);
 
-/// The cheapest task that is found within the limits of time and iterations, at most as dear as the first.
+/// Searches for the cheapest task within the limits of time and iterations, at most as costly as the first.
 ///
-/// 1. For half of the time and iterations whole tasks, each from another seed: with other grasps, configurations, places and
-///    paths.
-/// 2. For the rest better paths between the ends of the segments of the cheapest, one after the other ([`better`]).
+/// 1. For half of the time and iterations, search for whole tasks from other seeds: with other grasps, configurations,
+///    placements and paths.
+/// 2. For the rest, search for better paths between the ends of the segments of the cheapest, one after the other ([`better`]).
 fn optimised(
     problem: &Problem,
     planner: &dyn Planner,
@@ -102,10 +102,10 @@ fn optimised(
     (report, settings): (&PlanReport, OptimiseSettings),
     observer: &mut dyn Observer,
 ) -> Result<(Way, Optimisation), SolveError> {
-    /// Greatest number of iterations of a search, as a multiple of those of the first, and at least.
+    /// Iteration limit of a search, as a multiple of those of the first, and its least value.
     const PATIENCE: u64 = 4;
     const LEAST_ITERATIONS: u64 = 1000;
-    /// Least number of iterations for which a search counts: inverse kinematics takes its time too.
+    /// Least iteration count of a search: inverse kinematics takes its time too.
     const LEAST_COUNTED: u64 = 100;
     let begin = Instant::now();
     let first_s = report.statistics.planning_time_s;
@@ -169,14 +169,14 @@ fn optimised(
     Ok((best, Optimisation { settings, time_s, iterations, improvements }))
 }
 
-/// Costs of whole tasks.
+/// Cost function of whole tasks.
 struct TaskCost<'a> {
     problem: &'a Problem,
     settings: OptimiseSettings,
 }
 
 impl TaskCost<'_> {
-    /// The sum over all segments, minus what the first grasp is worth.
+    /// Returns the sum over all segments, minus the reward of the first grasp.
     fn of(&self, pieces: &[Piece]) -> Result<f64, PathError> {
         let OptimiseSettings { cost, score_weight, .. } = self.settings;
         let mut total = 0.0;
@@ -191,7 +191,7 @@ impl TaskCost<'_> {
     }
 }
 
-/// The pieces with shorter paths.
+/// Shortens the paths of pieces.
 fn shortened_pieces(pieces: Vec<Piece>, seed: u64) -> Result<Vec<Piece>, PlanError> {
     let settings = ShortcutSettings { seed, ..ShortcutSettings::default() };
     let shortened = pieces.into_iter().map(|(segment, problem)| {
@@ -202,7 +202,7 @@ fn shortened_pieces(pieces: Vec<Piece>, seed: u64) -> Result<Vec<Piece>, PlanErr
     shortened.collect()
 }
 
-/// The search, and with `optimise` those for better paths.
+/// Runs the search, and with `optimise` those for better paths.
 fn searched(
     planner: &dyn Planner,
     problem: &Problem,
@@ -223,7 +223,7 @@ fn searched(
     Ok((optimised.report, Some(optimisation)))
 }
 
-/// A shorter path to the goal of a problem.
+/// Returns a shorter path to the goal of a problem.
 fn shortened(
     problem: &Problem,
     planner: &dyn Planner,
@@ -233,7 +233,7 @@ fn shortened(
     let begin = Instant::now();
     let settings = ShortcutSettings { seed, ..ShortcutSettings::default() };
     let mut searches = 0;
-    // Only where the planner is the one that searches again is what it finds its own.
+    // Search again only for the planner that runs these searches, so that the path remains its own.
     if planner.name() == Reach::default().name() {
         let optimised = better(problem, report, OptimiseSettings::delivery(), seed, &mut Unobserved)?;
         (report, searches) = (optimised.report, optimised.searches);

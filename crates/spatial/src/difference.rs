@@ -1,6 +1,6 @@
 use crate::Pose;
 
-/// How far one pose is from another.
+/// Difference of two poses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PoseDifference {
     /// Distance of the two origins, in metres.
@@ -10,21 +10,21 @@ pub struct PoseDifference {
 }
 
 impl PoseDifference {
-    /// The difference of two poses in one frame: `between(a, b) = between(b, a)`.
+    /// Returns the difference of two poses in one frame: `between(a, b) = between(b, a)`.
     pub fn between(a: &Pose, b: &Pose) -> Self {
         let translation_m = (a.translation.vector - b.translation.vector).norm();
-        // |sin| and |cos| of half the angle: exact near 0 and near π alike.
+        // sin| and |cos| of half the angle are accurate both near 0 and near π.
         let relative = a.rotation.conjugate() * b.rotation;
         let (sine, cosine) = (relative.imag().norm(), relative.w.abs());
         Self { translation_m, rotation_rad: 2.0 * libm::atan2(sine, cosine) }
     }
 
-    /// Whether both parts are within the `exact` criterion: 1 mm and 1°.
+    /// Returns true if both components are within the `exact` criterion: 1 mm and 1°.
     pub fn is_exact(&self) -> bool {
         self.translation_m <= crate::EXACT_TRANSLATION_M && self.rotation_rad <= crate::EXACT_ROTATION_RAD
     }
 
-    /// The released metric `d = ½·millimetres + ½·degrees` (the paper's §V; unit-less).
+    /// Returns the released metric `d = ½·millimetres + ½·degrees` (the paper's §V; unit-less).
     pub fn paper_metric(&self) -> f64 {
         0.5 * self.translation_m * 1000.0 + 0.5 * self.rotation_rad.to_degrees()
     }

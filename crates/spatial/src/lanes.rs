@@ -3,14 +3,13 @@ use std::sync::OnceLock;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, f32x16, i32x16};
 
-/// The instructions that vector lanes use: the widest that the machine has, or those that the environment
-/// variable `CRANNY_SIMD` names (`sse2`, `avx2`, `avx512`), where the machine has them. Results are the same
-/// bits with all of them.
+/// Returns the instruction set of the vector lanes: the widest that the machine has, or the one named by the environment
+/// variable `CRANNY_SIMD` (`sse2`, `avx2`, `avx512`) if the machine has it. Results are bit-identical with all of them.
 pub fn simd_level() -> Level {
     named_level().1
 }
 
-/// What [`simd_level`] is called in [`simd_levels`].
+/// Returns the name of [`simd_level`] in [`simd_levels`].
 pub fn simd_level_name() -> &'static str {
     named_level().0
 }
@@ -25,8 +24,8 @@ fn named_level() -> (&'static str, Level) {
     })
 }
 
-/// What lanes are compiled for, as far as this machine has it: SSE4.2 is left to SSE2 (`.cargo/config.toml`), and other
-/// machines than those of x86 have one level each.
+/// Returns the instruction sets that lanes are compiled for and this machine has. SSE4.2 is left to SSE2
+/// (`.cargo/config.toml`), and machines other than x86 have one level each.
 pub fn simd_levels() -> Vec<(&'static str, Level)> {
     let best = Level::new();
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
@@ -40,23 +39,23 @@ pub fn simd_levels() -> Vec<(&'static str, Level)> {
     levels.into_iter().filter_map(|(name, level)| Some((name, level?))).collect()
 }
 
-/// How many configurations are computed with at once: one register of the widest instruction set in use.
+/// Number of configurations computed at once: one register of the widest instruction set in use.
 pub const LANES: usize = 16;
 
 /// One number for each of [`LANES`] configurations, in memory.
 pub type LaneArray = [f32; LANES];
 
-/// Angles up to this, either way, have a sine and a cosine in lanes, in radians: the whole range is tested.
+/// Maximum absolute value of an angle whose sine and cosine are computed in lanes, in radians; the whole range is tested.
 pub const MOST_TURN_IN_LANES_RAD: f64 = 1e3;
 
-/// The greatest error of a sine or a cosine in lanes; tested on a grid of 6.4 million angles.
+/// Maximum error of a sine or a cosine in lanes; tested on a grid of 6.4 million angles.
 pub const SINE_ERROR_IN_LANES: f64 = 2e-7;
 
-/// Sine and cosine of every lane, to within [`SINE_ERROR_IN_LANES`] for angles up to ±[`MOST_TURN_IN_LANES_RAD`];
-/// the same bits under every instruction set. Of larger angles nothing can be said.
+/// Returns sine and cosine of every lane, to within [`SINE_ERROR_IN_LANES`] for angles up to ±[`MOST_TURN_IN_LANES_RAD`];
+/// bit-identical under every instruction set. For larger angles the error is unbounded.
 ///
-/// The angle is reduced to ±π/4 by subtracting multiples of π/2 in three parts (Cody & Waite 1980, ch. 8),
-/// then both polynomials are taken (coefficients: Moshier, Cephes `sinf`).
+/// The angle is reduced to ±π/4 by subtracting multiples of π/2 in three parts (Cody & Waite 1980, ch. 8), then both
+/// polynomials are evaluated (coefficients: Moshier, Cephes `sinf`).
 #[inline(always)]
 pub fn sin_cos_lanes<S: Simd>(simd: S, angle: f32x16<S>) -> (f32x16<S>, f32x16<S>) {
     let quarter_turns = (angle * std::f32::consts::FRAC_2_PI).round_ties_even();
@@ -78,8 +77,8 @@ pub fn sin_cos_lanes<S: Simd>(simd: S, angle: f32x16<S>) -> (f32x16<S>, f32x16<S
 
 /// A vector or point of every lane, in metres.
 ///
-/// Its functions take no closures and must not be called in one: a closure would lose the instruction set
-/// of the function around it.
+/// Its functions take no closures and must not be called inside one: a closure would lose the instruction set of the enclosing
+/// function.
 #[must_use]
 #[derive(Clone, Copy, Debug)]
 pub struct LaneVector<S: Simd> {
@@ -92,13 +91,13 @@ pub struct LaneVector<S: Simd> {
 }
 
 impl<S: Simd> LaneVector<S> {
-    /// The same vector in every lane.
+    /// Returns one vector repeated in every lane.
     #[inline(always)]
     pub fn splat(simd: S, [x, y, z]: [f32; 3]) -> Self {
         Self { x: f32x16::splat(simd, x), y: f32x16::splat(simd, y), z: f32x16::splat(simd, z) }
     }
 
-    /// From memory, coordinate by coordinate.
+    /// Loads the lanes from memory, coordinate by coordinate.
     #[inline(always)]
     pub fn load(simd: S, [x, y, z]: &[LaneArray; 3]) -> Self {
         Self {
@@ -108,7 +107,7 @@ impl<S: Simd> LaneVector<S> {
         }
     }
 
-    /// To memory.
+    /// Stores the lanes to memory.
     #[inline(always)]
     pub fn store(self, [x, y, z]: &mut [LaneArray; 3]) {
         self.x.store_slice(x);
@@ -116,37 +115,37 @@ impl<S: Simd> LaneVector<S> {
         self.z.store_slice(z);
     }
 
-    /// Their sum.
+    /// Returns the sum.
     #[inline(always)]
     pub fn plus(self, other: Self) -> Self {
         Self { x: self.x + other.x, y: self.y + other.y, z: self.z + other.z }
     }
 
-    /// Their difference.
+    /// Returns the difference.
     #[inline(always)]
     pub fn minus(self, other: Self) -> Self {
         Self { x: self.x - other.x, y: self.y - other.y, z: self.z - other.z }
     }
 
-    /// Times one number for each lane.
+    /// Returns the vector scaled by one factor for each lane.
     #[inline(always)]
     pub fn times(self, factor: f32x16<S>) -> Self {
         Self { x: self.x * factor, y: self.y * factor, z: self.z * factor }
     }
 
-    /// The absolute values of the coordinates.
+    /// Returns the absolute values of the coordinates.
     #[inline(always)]
     pub fn abs(self) -> Self {
         Self { x: self.x.abs(), y: self.y.abs(), z: self.z.abs() }
     }
 
-    /// The scalar product with one vector.
+    /// Returns the dot product with one vector.
     #[inline(always)]
     pub fn dot(self, [x, y, z]: [f32; 3]) -> f32x16<S> {
         self.x * x + self.y * y + self.z * z
     }
 
-    /// The vector product with another vector.
+    /// Returns the cross product with another vector.
     #[inline(always)]
     pub fn cross(self, other: Self) -> Self {
         Self {
@@ -156,7 +155,7 @@ impl<S: Simd> LaneVector<S> {
         }
     }
 
-    /// The square of the length.
+    /// Returns the squared length.
     #[inline(always)]
     pub fn norm_squared(self) -> f32x16<S> {
         self.x * self.x + self.y * self.y + self.z * self.z

@@ -2,13 +2,13 @@ use nalgebra::Quaternion;
 
 use crate::Rotation;
 
-/// Greatest difference of a quaternion's length from 1: that of one printed with four digits is less.
+/// Maximum difference of a quaternion's length from 1; printing with four digits causes less.
 const TOLERANCE: f64 = 1e-3;
 
-/// The rotation of a quaternion (x, y, z, w) of unit length.
+/// Returns the rotation of a quaternion (x, y, z, w) of unit length.
 ///
 /// # Errors
-/// The length, where it is not 1 within 0.001.
+/// The length, if it is not 1 within 0.001.
 pub fn rotation_from_xyzw([x, y, z, w]: [f64; 4]) -> Result<Rotation, f64> {
     let quaternion = Quaternion::new(w, x, y, z);
     let norm = quaternion.norm();

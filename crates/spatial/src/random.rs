@@ -4,35 +4,35 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::Rotation;
 
-/// The random numbers of one trial: a `ChaCha` stream chosen by `(seed, trial)`.
+/// Random numbers of one trial: a `ChaCha` stream chosen by `(seed, trial)`.
 ///
-/// All draws are defined here in terms of the generator's 64-bit words, so that no release of a library
-/// can change them: `uniform = (word >> 11) · 2⁻⁵³`.
+/// All draws are defined here in terms of the generator's 64-bit words, so that no release of a library can change them:
+/// `uniform = (word >> 11) · 2⁻⁵³`.
 #[derive(Clone, Debug)]
 pub struct Stream {
     words: ChaCha8Rng,
 }
 
 impl Stream {
-    /// The stream of `trial` under `seed`. Streams of different trials are independent.
+    /// Creates the stream of `trial` under `seed`. Streams of different trials are independent.
     pub fn new(seed: u64, trial: u64) -> Self {
         let mut words = ChaCha8Rng::seed_from_u64(seed);
         words.set_stream(trial);
         Self { words }
     }
 
-    /// A number uniform in [0, 1).
+    /// Draws a number uniform in [0, 1).
     pub fn uniform(&mut self) -> f64 {
         const STEP: f64 = 1.0 / (1u64 << 53) as f64;
         (self.words.next_u64() >> 11) as f64 * STEP
     }
 
-    /// A number uniform in [`low`, `high`).
+    /// Draws a number uniform in [`low`, `high`).
     pub fn uniform_between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.uniform()
     }
 
-    /// An index uniform in 0..`count`, by multiplication (Lemire 2019, "Fast random integer generation in an interval",
+    /// Draws an index uniform in 0..`count`, by multiplication (Lemire 2019, "Fast random integer generation in an interval",
     /// whole, without its rejection: the bias is below `count`·2⁻⁶⁴).
     ///
     /// # Panics
@@ -43,14 +43,14 @@ impl Stream {
         usize::try_from(scaled).unwrap_or(count - 1)
     }
 
-    /// A number from the standard normal distribution (Box & Muller 1958, "A note on the generation of random normal
+    /// Draws a number from the standard normal distribution (Box & Muller 1958, "A note on the generation of random normal
     /// deviates", whole; the cosine branch alone).
     pub fn normal(&mut self) -> f64 {
         let radius = (-2.0 * libm::log(1.0 - self.uniform())).sqrt();
         radius * libm::cos(std::f64::consts::TAU * self.uniform())
     }
 
-    /// A rotation uniform over SO(3) (Shoemake 1992, "Uniform random rotations", Graphics Gems III, ch. III.6).
+    /// Draws a rotation uniform over SO(3) (Shoemake 1992, "Uniform random rotations", Graphics Gems III, ch. III.6).
     pub fn rotation(&mut self) -> Rotation {
         let (u, a, b) = (self.uniform(), self.uniform(), self.uniform());
         let (sin_a, cos_a) = crate::sin_cos(std::f64::consts::TAU * a);
@@ -60,7 +60,7 @@ impl Stream {
     }
 }
 
-/// Another seed for every round, far from those that people choose (Steele, Lea & Flood 2014, "Fast splittable
+/// Returns another seed for every round, far from those that people choose (Steele, Lea & Flood 2014, "Fast splittable
 /// pseudorandom number generators", whole, of which only the step `GOLDEN_GAMMA` is used).
 pub fn other_seed(seed: u64, round: u64) -> u64 {
     const GOLDEN: u64 = 0x9E37_79B9_7F4A_7C15;

@@ -24,39 +24,39 @@ pub enum ConfigurationFault {
     },
     /// Two things touch.
     Contact {
-        /// A link.
+        /// Name of a link.
         first: String,
-        /// Another link, or a body.
+        /// Name of another link or of a body.
         second: String,
         /// Penetration depth, in metres.
         depth_m: f64,
     },
-    /// Two things are closer than the margin that is demanded.
+    /// Two things are closer than the required margin.
     Clearance {
-        /// A link.
+        /// Name of a link.
         first: String,
-        /// Another link, or a body.
+        /// Name of another link or of a body.
         second: String,
         /// Their distance, in metres.
         clearance_m: f64,
-        /// The distance that is demanded, in metres.
+        /// Required distance, in metres.
         required_m: f64,
     },
-    /// The tool is not within a bound.
+    /// The tool is outside a bound.
     OutOfBounds {
         /// Name of the bound.
         name: String,
-        /// The excess over it, in radians or metres.
+        /// Excess over the bound, in radians or metres.
         by: f64,
         /// True for a bound on an angle.
         is_angle: bool,
     },
-    /// Under `paper`: the released check refuses it, and gives no reason.
+    /// Under `paper`: the released check refuses the configuration without a reason.
     Refused,
 }
 
 impl Problem {
-    /// All reasons why `q` (m, rad; one per joint) is not free; none if it is. Where a joint is outside its limits,
+    /// Returns all reasons why `q` (m, rad; one per joint) is not free; empty if it is. If a joint is outside its limits,
     /// contacts are not listed.
     ///
     /// # Panics
@@ -98,7 +98,7 @@ impl Problem {
         }
     }
 
-    /// For each goal configuration all reasons why it is not free.
+    /// Returns, for each goal configuration, all reasons why it is not free.
     pub fn goal_faults(&self) -> Vec<Vec<ConfigurationFault>> {
         self.goal_configurations().iter().map(|goal| self.configuration_faults(goal)).collect()
     }

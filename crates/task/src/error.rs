@@ -1,97 +1,97 @@
 use cranny_file::{counted, did_you_mean};
 
-/// A malformed task. That a task has no solution is an outcome, not an error.
+/// A malformed task. A task without a solution is an outcome, not an error.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum TaskError {
     /// A configuration has the wrong number of values.
     #[error("the {what} configuration has {}, but the robot has {}", counted(*actual, "value"), counted(*expected, "joint"))]
     JointCount {
-        /// Which configuration.
+        /// Name of the configuration.
         what: &'static str,
-        /// How many joints the robot has.
+        /// Number of joints of the robot.
         expected: usize,
-        /// How many values were given.
+        /// Number of values given.
         actual: usize,
     },
     /// A configuration has a value that is infinite or not a number.
     #[error("the {what} configuration has a value for joint '{joint}' that is not a finite number")]
     NotFinite {
-        /// Which configuration.
+        /// Name of the configuration.
         what: &'static str,
-        /// Which joint.
+        /// Name of the joint.
         joint: String,
     },
-    /// A problem has nothing that can be carried.
+    /// A problem has no object that can be carried.
     #[error("to carry the target away, the problem needs {needs}")]
     NothingToCarry {
-        /// What it lacks.
+        /// The missing item.
         needs: &'static str,
     },
-    /// A place is named that the problem does not have.
+    /// A task names a placement goal that the problem does not have.
     #[error(
-        "there is no place '{name}' to put the target down (there are: {known}; `places` of a scenario.yaml){}",
+        "unknown place '{name}' to put the target down (known: {known}; see `places` in scenario.yaml){}",
         did_you_mean(name, known.split(", ").map(|known| known.trim_matches('\'')))
     )]
     UnknownPlace {
-        /// The name asked for.
+        /// The name that was requested.
         name: String,
-        /// The names that there are.
+        /// The available names.
         known: String,
     },
-    /// An object cannot be asked to be put down there.
+    /// An object cannot be put down at the requested goal.
     #[error("{problem}")]
     Place {
-        /// What is wrong.
+        /// The fault.
         problem: String,
     },
-    /// A problem lacks what a grasp is measured by.
-    #[error("without a set of grasps, the problem needs {needs}")]
+    /// A problem lacks the data for measuring grasps.
+    #[error("planning without a set of grasps needs {needs}")]
     NoGraspMeasure {
-        /// What it lacks.
+        /// The missing item.
         needs: &'static str,
     },
     /// A planner needs a set of grasps.
     #[error(
-        "a set of grasps is needed, and the problem has none (planners that make grasps of their own: grasp-reach, \
-         grasp-rrt)"
+        "a set of grasps is required, but the problem has none (planners that generate their own grasps: \
+         grasp-reach, grasp-rrt)"
     )]
     NoGraspSet,
-    /// A planner makes grasps of its own alone.
+    /// A planner generates its own grasps and accepts no set of them.
     #[error(
-        "planner '{planner}' makes grasps of its own, for a problem without a set of grasps; leave the set out \
+        "planner '{planner}' generates its own grasps and accepts no set of grasps; leave the set out \
          (`--grasps none`)"
     )]
     GraspSet {
-        /// Which planner.
+        /// Name of the planner.
         planner: &'static str,
     },
-    /// The segments of a path are not of the stages of a task.
+    /// The segments of a path do not match the stages of a task.
     #[error("{problem}")]
     Segments {
-        /// Which segment, and what is wrong with it.
+        /// The segment and its fault.
         problem: String,
     },
-    /// A stage cannot be asked for.
+    /// A stage is impossible.
     #[error("stage {}: {problem}", stage + 1)]
     Stage {
-        /// Which stage, from 0.
+        /// Index of the stage, from 0.
         stage: usize,
-        /// What is wrong with it.
+        /// The fault.
         problem: String,
     },
-    /// There is nothing to reach for.
+    /// The problem has no goal.
     #[error("the problem has no goal: neither a grasp nor a configuration to reach for")]
     NoGoal,
-    /// Only grasps can be annotated, and only exactly.
-    #[error("inverse kinematics is looked for at grasps, and under the exact criterion only")]
+    /// IK annotation needs a set of grasps and the exact criterion.
+    #[error("the inverse kinematics of grasps needs a set of grasps and the exact criterion")]
     Annotation,
     /// The planner needs another kind of goal.
-    #[error("planner '{planner}' reaches for {needs}, which this problem does not give")]
+    #[error("planner '{planner}' needs {needs}, which this problem does not have")]
     Goal {
-        /// Which planner.
+        /// Name of the planner.
         planner: &'static str,
-        /// What it needs.
+        /// The kind of goal that the planner needs.
         needs: &'static str,
     },
     /// The world or the margins are malformed.

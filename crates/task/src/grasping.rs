@@ -1,4 +1,4 @@
-//! Grasps: what is measured of them, which a hand can take, and why one was not taken.
+//! Grasps: measures, feasibility for a hand, and reasons for failures.
 
 pub(crate) mod closing_hand;
 pub(crate) mod firmness;

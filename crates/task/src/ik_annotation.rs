@@ -11,23 +11,22 @@ use strum::IntoStaticStr;
 use crate::grasping::grasp_poses::open_poses;
 use crate::{Problem, TaskError};
 
-/// How hard to look for configurations at the grasps of a problem.
+/// Settings of the search for configurations at the grasps of a problem.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IkAnnotationSettings {
-    /// Where attempts start. Default [`IkMethod::Restarts`].
+    /// Start configurations of the attempts. Default [`IkMethod::Restarts`].
     pub method: IkMethod,
-    /// At most so many distinct solutions for each grasp. Default 1.
+    /// Maximum number of distinct solutions for each grasp. Default 1.
     pub solutions: usize,
-    /// At most so many attempts for each grasp, by [`IkMethod::Restarts`]. Default 5000: in the tightest
-    /// released scenario one attempt in some hundreds gives a free configuration, at some grasps one in
-    /// thousands.
+    /// Maximum number of attempts for each grasp with [`IkMethod::Restarts`]. Default 5000: in the tightest released scenario
+    /// one attempt in some hundreds gives a free configuration, at some grasps one in thousands.
     pub attempts: usize,
     /// The seed; grasp k draws from stream k, so the number of threads does not matter.
     pub seed: u64,
 }
 
 impl IkAnnotationSettings {
-    /// The defaults.
+    /// The default settings.
     pub const DEFAULT: Self = Self { method: IkMethod::Restarts, solutions: 1, attempts: 5000, seed: 0 };
 }
 
@@ -37,60 +36,60 @@ impl Default for IkAnnotationSettings {
     }
 }
 
-/// Where the attempts of an annotation start.
+/// Start configurations of the attempts of an annotation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum IkMethod {
-    /// One attempt for the grasp and one for its twin, from the start and with a pull towards it: damped
-    /// least squares with null-space control (Rudorfer et al. 2024, §V).
+    /// One attempt for the grasp and one for its twin, from the start configuration and attracted to it: damped least squares
+    /// with null-space control (Rudorfer et al. 2024, §V).
     SingleShot,
-    /// The same first, then from random configurations.
+    /// As [`IkMethod::SingleShot`] first, then from random configurations.
     Restarts,
 }
 
-/// What became of one grasp.
+/// IK result for one grasp.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IkAnnotation {
     /// Index of the grasp.
     pub grasp: usize,
-    /// Whether it can be held, and if not, why.
+    /// Outcome: solved, or the reason for the failure.
     pub status: IkStatus,
-    /// Free configurations that hold it, each exact.
+    /// Free configurations at the grasp, each exact.
     pub solutions: Vec<AnnotatedSolution>,
-    /// How many attempts were made.
+    /// Number of attempts made.
     pub attempts: usize,
 }
 
-/// Why a grasp can or cannot be held.
+/// Outcome of the IK search for a grasp.
 #[derive(Clone, Debug, PartialEq, IntoStaticStr)]
 #[strum(serialize_all = "kebab-case")]
 pub enum IkStatus {
     /// At least one free configuration was found.
     Solved,
-    /// The hand alone collides there and at the twin, whatever the arm does; at the grasp itself:
+    /// The hand alone collides at the grasp and at its twin, for every configuration of the arm; contact at the grasp itself:
     HandCollides {
-        /// Which link of the hand.
+        /// Name of the link of the hand.
         link: String,
-        /// Which body of the world.
+        /// Name of the body of the world.
         body: String,
     },
-    /// The grasp is farther away than the arm can ever reach, wherever its base stands.
+    /// The grasp is beyond the reach of the arm, for every position of its base.
     OutOfReach {
-        /// How far beyond, at least, in metres.
+        /// Lower bound of the distance beyond reach, in metres.
         beyond_m: f64,
     },
-    /// No free configuration was found in the attempts; there may be one.
+    /// No attempt found a free configuration; one may exist.
     NoSolution {
-        /// Attempts that reached the pose but not freely.
+        /// Number of attempts that reached the pose in collision.
         blocked: usize,
-        /// What touched in the last of these: a link, and a body or another link.
+        /// Contact in the last of these: a link, and a body or another link.
         contact: Option<(String, String)>,
     },
-    /// The search was stopped before this grasp was done.
+    /// The search was stopped before this grasp was finished.
     Stopped,
 }
 
 impl IkStatus {
-    /// What `--json` calls it.
+    /// Name in the output of `--json`.
     pub fn name(&self) -> &'static str {
         self.into()
     }
@@ -99,19 +98,19 @@ impl IkStatus {
 /// A free configuration at a grasp.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AnnotatedSolution {
-    /// The configuration (m, rad).
+    /// Configuration (m, rad).
     pub q: Vec<f64>,
     /// Distance of the gripper from the grasp, in metres.
     pub translation_error_m: f64,
     /// Angle between the gripper and the grasp, in radians.
     pub rotation_error_rad: f64,
-    /// Least distance over all pairs, in metres.
+    /// Least distance over all collision pairs, in metres.
     pub clearance_m: f64,
 }
 
-/// Looks for free configurations at every grasp of an `exact` problem or its twin, on all cores; the answer
-/// depends on problem and settings alone. `done` is called once for each grasp that is finished, from any thread;
-/// where `stop` becomes true the grasps left over come back as [`IkStatus::Stopped`].
+/// Searches for free configurations at every grasp of an `exact` problem or its twin, on all cores; the result depends on
+/// problem and settings alone. `done` is called once for each finished grasp, from any thread; once `stop` becomes true, the
+/// remaining grasps are returned as [`IkStatus::Stopped`].
 ///
 /// # Errors
 /// [`TaskError::Annotation`] if the problem has no grasps or is under the `paper` criterion.
@@ -178,7 +177,7 @@ fn annotate_one(
     IkAnnotation { grasp, status, solutions, attempts }
 }
 
-/// Which configurations are free, and what was met by those that are not.
+/// Collision check of IK solutions that counts the blocked ones.
 struct Sight<'a> {
     cell: &'a Cell,
     scratch: Scratch,
@@ -206,7 +205,7 @@ impl Sight<'_> {
     }
 }
 
-/// One attempt at each pose, from the start; the free solutions and the number of attempts.
+/// Makes one attempt at each pose, from the start; returns the free solutions and the number of attempts.
 fn single_shot(
     cell: &Cell,
     start: &[f64],
@@ -215,7 +214,7 @@ fn single_shot(
     sight: &mut Sight,
     stop: &AtomicBool,
 ) -> (Vec<IkSolution>, usize) {
-    /// There is no second attempt, so that this one may last.
+    /// The single attempt at a pose gets a large iteration limit.
     const MAX_ITERATIONS: usize = 100;
     let settings = IkSettings { max_iterations: MAX_ITERATIONS, ..IkSettings::default() };
     let mut solver = IkSolver::new(cell.robot(), settings);
@@ -230,7 +229,7 @@ fn single_shot(
     (found, attempts)
 }
 
-/// One attempt at each pose from the start, then from random configurations, at the poses in turns; the
+/// Makes one attempt at each pose from the start, then attempts from random configurations at the poses in turn; returns the
 /// distinct free solutions and the number of attempts.
 fn restarts(
     cell: &Cell,
@@ -254,7 +253,7 @@ fn restarts(
         let solution = if before == 0 {
             search.next_from(start, &mut |q| sight.is_free(q))
         } else {
-            /// Attempts in one turn: a few batches.
+            /// Number of attempts in one turn: a few batches.
             const TURN: usize = 3 * IK_BATCH;
             let count = TURN.min(settings.attempts - attempts);
             search.next_solution(&mut random, count, &mut |q| sight.is_free(q))

@@ -2,45 +2,45 @@ use cranny_collision::{CONTACT_ALLOWANCE_M, Cell, UncheckedReason};
 use serde::{Deserialize, Serialize};
 use strum::IntoStaticStr;
 
-/// Two things that are compared by no check and no proof, or only as far as an allowance, by name.
+/// Two things, by name, that no check and no proof compares, or only up to an allowance.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct NotChecked {
-    /// A link.
+    /// Name of a link.
     pub first: String,
-    /// Another link, or a body.
+    /// Name of another link or of a body.
     pub second: String,
-    /// How deep they are in each other: the least that was seen, in metres.
+    /// Smallest penetration depth found, in metres.
     pub depth_m: f64,
-    /// Why they are not compared.
+    /// Reason why the pair is not compared.
     pub reason: NotCheckedReason,
-    /// The contact that is allowed, of an object on what carries it.
+    /// The allowed contact of an object with its support.
     #[serde(flatten, default, skip_serializing_if = "Option::is_none")]
     pub contact: Option<AllowedContact>,
 }
 
-/// A contact that is allowed along a piece of a path.
+/// A contact that is allowed along a segment of a path.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AllowedContact {
-    /// The mode of the piece.
+    /// Mode of the segment.
     pub segment: ContactSegment,
-    /// The depth that is proven not to be exceeded, in metres.
+    /// Proven upper bound of the depth, in metres.
     pub allowance_m: f64,
 }
 
-/// A piece of a path along which an object may touch what carries it.
+/// Segment of a path along which an object may touch its support.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, IntoStaticStr)]
 #[serde(rename_all = "kebab-case")]
 #[strum(serialize_all = "kebab-case")]
 pub enum ContactSegment {
-    /// Off what it rests on.
+    /// Lift-off from the initial support.
     LiftOff,
-    /// Down to what it then rests on.
+    /// Set-down on the new support.
     SetDown,
 }
 
-/// Why two things are not compared.
+/// Reason why two things are not compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
@@ -51,29 +51,29 @@ pub enum NotCheckedReason {
     AdjacentTouching,
     /// Two adjacent links that touch, or nearly do, at all sampled values of their joint.
     AdjacentUnproven,
-    /// Two adjacent links that are free at some values of their joint, and touch at others: proven only near its axis.
+    /// Two adjacent links that are free at some values of their joint and touch at others: proven only near its axis.
     AdjacentAtJoint,
-    /// Two adjacent links, proven to touch at no value of their joint: only their distance counts for nothing.
+    /// Two adjacent links, proven to touch at no value of their joint: only their distance is ignored.
     AdjacentFree,
-    /// A link that no joint moves, on what it stands on.
+    /// A link that no joint moves, on the body that it stands on.
     NeverMoves,
-    /// A held object, by the faces of a body below it that carry it.
+    /// A held object, against the faces of its support.
     Resting,
 }
 
 impl NotChecked {
-    /// Returns whether "free" and "proven" hold except for this pair. For adjacent links that are proven never to touch
-    /// they hold.
+    /// Returns true if "free" and "proven" hold except for this pair. For adjacent links that are proven never to touch, they
+    /// hold without exception.
     pub fn is_exception(&self) -> bool {
         self.reason != NotCheckedReason::AdjacentFree
     }
 
-    /// Returns whether `--strict-pairs` checks the pair.
+    /// Returns true if `--strict-pairs` checks the pair.
     pub fn can_be_checked(&self) -> bool {
         matches!(self.reason, NotCheckedReason::AlwaysTouching | NotCheckedReason::AdjacentAtJoint)
     }
 
-    /// Pairs that a cell does not check.
+    /// Returns the pairs that a cell does not check.
     pub fn of(cell: &Cell) -> Vec<Self> {
         let named = cell.unchecked().iter().map(|unchecked| Self {
             first: cell.name(unchecked.first).to_owned(),
@@ -93,8 +93,8 @@ impl NotChecked {
         named.collect()
     }
 
-    /// A count of pairs that are not checked and of contacts that are allowed, as "1 pair that is not checked"; `None` where
-    /// there are none.
+    /// Counts pairs that are not checked and contacts that are allowed, in words such as "1 pair that is not checked"; `None`
+    /// if there are none.
     pub fn summary(not_checked: &[Self]) -> Option<String> {
         let contacts = not_checked.iter().filter(|pair| pair.contact.is_some()).count();
         let counted = |count: usize, one: &str, more: &str| match count {
@@ -108,7 +108,7 @@ impl NotChecked {
         pairs.into_iter().chain(contacts).reduce(|pairs, contacts| format!("{pairs} and {contacts}"))
     }
 
-    /// The same, along a piece of a path.
+    /// Returns this pair along a segment of a path.
     #[must_use]
     pub fn along(self, segment: ContactSegment) -> Self {
         let is_contact = self.reason == NotCheckedReason::Resting;

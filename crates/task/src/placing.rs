@@ -1,4 +1,4 @@
-//! The object in the hand, and where it can be put down.
+//! The object in the hand and its placements.
 
 pub(crate) mod carry;
 pub(crate) mod place;

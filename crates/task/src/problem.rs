@@ -12,35 +12,35 @@ use crate::grasping::grasp_filter::GraspFilter;
 use crate::grasping::grasp_poses;
 use crate::{FailureReason, GraspMeasure, NotChecked, PlaceGoal, TaskError};
 
-/// What a path must do, and what makes it valid. Start and goal fit the robot, and the robot is the one that the check
-/// was made for: whoever has a problem need not look again.
+/// A motion planning problem with the criterion of validity. Start and goal are checked against the robot, and the robot is
+/// that of the validity check, so users need not check again.
 #[derive(Clone, Debug)]
 pub struct Problem {
     robot: Arc<Robot>,
     target: Option<usize>,
     start: Vec<f64>,
     goal: Goal,
-    /// What grasps are measured by, if no set of them is given.
+    /// Measure of grasps, if no set of them is given.
     grasp_measure: Option<Arc<GraspMeasure>>,
     grasp_filter: Option<GraspFilter>,
-    /// Where an object can be put down.
+    /// Goals for putting an object down.
     places: Arc<[PlaceGoal]>,
-    /// Coefficients of friction of bodies against the pads, by index.
+    /// Coefficients of friction between bodies and pads, by index of the body.
     frictions: Arc<[Option<f64>]>,
     pub(crate) weights: Arc<Weights>,
     validity: Validity,
 }
 
-/// Where a path must end.
+/// Goal of a path.
 #[derive(Clone, Debug)]
 pub enum Goal {
-    /// At any of these grasps; a problem without a set has none of them, and a [`Problem::grasp_measure`].
+    /// Any of these grasps; empty for a problem without a set, which has a [`Problem::grasp_measure`].
     Grasps(GraspSet),
-    /// At any of these configurations.
+    /// Any of these configurations (m, rad; one value per joint).
     Configurations(Vec<Vec<f64>>),
 }
 
-/// When a problem counts as solved (README, "What solved means").
+/// Criterion by which a problem counts as solved (README, "What solved means").
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize, EnumString, IntoStaticStr)]
 #[serde(rename_all = "kebab-case")]
 #[strum(serialize_all = "kebab-case")]
@@ -53,13 +53,13 @@ pub enum Criterion {
 }
 
 impl Criterion {
-    /// What files and flags call it.
+    /// Name in files and flags.
     pub fn name(self) -> &'static str {
         self.into()
     }
 }
 
-/// What counts as free, with the geometry that decides it.
+/// Definition of free configurations, with the geometry that decides it.
 #[derive(Clone, Debug)]
 pub enum Validity {
     /// Exact shapes, and proofs of whole motions.
@@ -70,18 +70,17 @@ pub enum Validity {
         check: Arc<ReleasedCheck>,
         /// Value of `d` below which the gripper has arrived.
         threshold: f64,
-        /// Distances, which the released check does not know.
+        /// Cell for distances, which the released check does not compute.
         distances: Arc<Cell>,
     },
 }
 
-/// The released planners stop below this value of `d = ½·mm + ½·deg`.
+/// Value of `d = ½·mm + ½·deg` below which the released planners stop.
 pub const PAPER_THRESHOLD: f64 = 50.0;
 
 impl Problem {
-    /// A problem from `start` (m, rad; one per joint) under the `exact` criterion. Pairs of links that touch in every
-    /// sample are not checked ([`Cell::unchecked`]), but those that are free at the start or at a goal configuration
-    /// are.
+    /// Creates a problem from `start` (m, rad; one per joint) under the `exact` criterion. Pairs of links that touch in every
+    /// sample are not checked ([`Cell::unchecked`]), except those that are free at the start or at a goal configuration.
     ///
     /// # Errors
     /// [`TaskError::JointCount`] or [`TaskError::NotFinite`] for a start or goal configuration that does not
@@ -104,7 +103,7 @@ impl Problem {
         Self { target, ..Self::of(Validity::Exact(Arc::new(cell)), robot, start, goal) }.checked()
     }
 
-    /// A problem from `start` (m, rad; one per joint) under the `exact` criterion in a cell that there is already.
+    /// Creates a problem from `start` (m, rad; one per joint) under the `exact` criterion in an existing cell.
     ///
     /// # Errors
     /// [`TaskError::JointCount`] or [`TaskError::NotFinite`] for a start or goal configuration that does not fit the
@@ -114,8 +113,8 @@ impl Problem {
         Self::of(Validity::Exact(cell), robot, start, goal).checked()
     }
 
-    /// A problem from `start` (m, rad; one per joint) under the `paper` criterion: `check` decides; of distances to
-    /// `world` planners may ask for how far to go.
+    /// Creates a problem from `start` (m, rad; one per joint) under the `paper` criterion: `check` decides; planners may use
+    /// distances to `world` for their step size.
     ///
     /// # Errors
     /// [`TaskError::JointCount`] or [`TaskError::NotFinite`] for a start or goal configuration that does not
@@ -127,7 +126,7 @@ impl Problem {
         Self::of(validity, robot, start, goal).checked()
     }
 
-    /// A problem without a target, which is not checked yet.
+    /// Creates an unchecked problem without a target.
     fn of(validity: Validity, robot: Arc<Robot>, start: Vec<f64>, goal: Goal) -> Self {
         Self {
             robot,
@@ -143,56 +142,54 @@ impl Problem {
         }
     }
 
-    /// The same problem without a set of grasps: whoever solves it makes a grasp of its own, which is measured on the
-    /// surface of the target, with this coefficient of friction between it and the pads.
+    /// Returns this problem without a set of grasps: its planner generates a grasp, which is measured on the surface of the
+    /// target with this coefficient of friction between target and pads.
     ///
     /// # Errors
-    /// [`TaskError::NoGraspMeasure`] for a problem under `paper`, without a target or one that has no surface, of a robot
-    /// whose hand cannot close, or for a friction that is not positive; [`TaskError::Collision`] for a target that has no
-    /// end.
+    /// [`TaskError::NoGraspMeasure`] for a problem under `paper`, without a target or with one that has no surface, of a robot
+    /// whose hand cannot close, or for a friction that is not positive; [`TaskError::Collision`] for an unbounded target.
     pub fn without_grasp_set(&self, friction: f64) -> Result<Self, TaskError> {
         let grasp_measure = Some(Arc::new(self.new_grasp_measure(friction)?));
         Ok(Self { goal: Goal::Grasps(GraspSet::default()), grasp_measure, ..self.clone() })
     }
 
-    /// The same problem without the grasps that a filter refuses: no configuration is looked for at them.
+    /// Returns this problem with a filter of grasps: no IK is run at grasps that it refuses.
     #[must_use]
     pub fn with_grasp_filter(self, filter: GraspFilter) -> Self {
         Self { grasp_filter: Some(filter), ..self }
     }
 
-    /// The filter of grasps, if there is one.
+    /// Filter of grasps, if there is one.
     pub fn grasp_filter(&self) -> Option<&GraspFilter> {
         self.grasp_filter.as_ref()
     }
 
-    /// The same problem where bodies, by index, have these coefficients of friction against the pads: by them grasps are
-    /// measured of what is picked besides the target.
+    /// Returns this problem with coefficients of friction between bodies, by index, and the pads. They are used to measure
+    /// grasps of objects other than the target.
     #[must_use]
     pub fn with_frictions(self, frictions: &[Option<f64>]) -> Self {
         Self { frictions: frictions.into(), ..self }
     }
 
-    /// The same problem where bodies, by index, have these weights, as far as they are known.
+    /// Returns this problem with the weights of bodies, by index, as far as they are known.
     #[must_use]
     pub fn with_weights(self, weights: &[Weight]) -> Self {
         Self { weights: Arc::new(Weights::new(weights)), ..self }
     }
 
-    /// The grasps of the target with the load of each; `None` where there are none, or no load can be computed
+    /// Returns the grasps of the target with the load of each; `None` if there are none, or no load can be computed
     /// ([`Firmness`]).
     pub fn loaded_grasps(&self) -> Option<GraspSet> {
         let firmness = self.firmness(self.cell()?, self.target?)?;
         Some(self.grasps()?.with_loads(firmness.measure()))
     }
 
-    /// The firmness of grasps of a body, where it stands in a cell; `None` where it cannot be computed ([`Firmness`]).
+    /// Returns the firmness of grasps of a body where it stands in a cell; `None` if it cannot be computed ([`Firmness`]).
     pub(crate) fn firmness(&self, cell: &Cell, body: usize) -> Option<Firmness> {
         Firmness::new(cell, body, self.frictions.get(body).copied().flatten(), &self.weights)
     }
 
-    /// The same problem in a cell that differs in nothing but the bounds of the tool, from another start (m, rad; one per
-    /// joint).
+    /// Returns this problem in a cell that differs only in the bounds of the tool, from another start (m, rad; one per joint).
     ///
     /// # Errors
     /// As [`Self::with_start`].
@@ -200,7 +197,7 @@ impl Problem {
         Ok(Self { validity: Validity::Exact(cell.clone()), ..self.with_start(start)? })
     }
 
-    /// The same problem from another start (m, rad; one per joint).
+    /// Returns this problem with another start (m, rad; one per joint).
     ///
     /// # Errors
     /// [`TaskError::JointCount`] or [`TaskError::NotFinite`] for a start that does not fit the robot.
@@ -211,8 +208,8 @@ impl Problem {
         Self { start: start.to_vec(), ..self.clone() }.checked()
     }
 
-    /// The problem of grasping a body from a configuration in a cell, in which bodies may stand elsewhere: with the same
-    /// grasps for the target, in its own frame, and for another body with grasps of the planner's own.
+    /// Returns the problem of grasping a body from a configuration (m, rad; one per joint) in a cell in which bodies may stand
+    /// elsewhere: with the same grasps for the target, in its own frame, and with grasps of the planner's own for another body.
     ///
     /// # Errors
     /// As [`Self::without_grasp_set`].
@@ -249,18 +246,18 @@ impl Problem {
         if is_measured { picking.without_grasp_set(friction.unwrap_or_default()) } else { Ok(picking) }
     }
 
-    /// The same problem whose target can be put down there.
+    /// Returns this problem with goals for putting the target down.
     #[must_use]
     pub fn with_places(self, places: &[PlaceGoal]) -> Self {
         Self { places: places.into(), ..self }
     }
 
-    /// Where the target can be put down.
+    /// Goals for putting the target down.
     pub fn places(&self) -> &[PlaceGoal] {
         &self.places
     }
 
-    /// True if the hand alone can be at one of the given grasps, or there are none given: else no path leads to any.
+    /// Returns true if the hand alone is free at one of the given grasps, or none are given; otherwise no path leads to any.
     pub fn may_be_grasped(&self) -> bool {
         let (Some(cell), Some(grasps)) =
             (self.cell(), self.grasps().filter(|_| self.grasp_measure.is_none()))
@@ -274,10 +271,10 @@ impl Problem {
         })
     }
 
-    /// The place of that name.
+    /// Returns the placement goal of that name.
     ///
     /// # Errors
-    /// [`TaskError::UnknownPlace`], which lists the names that there are.
+    /// [`TaskError::UnknownPlace`], which lists the available names.
     pub fn place(&self, name: &str) -> Result<&PlaceGoal, TaskError> {
         self.places.iter().find(|place| place.name == name).ok_or_else(|| {
             let known = self.places.iter().map(|place| format!("'{}'", place.name)).collect::<Vec<_>>();
@@ -291,27 +288,27 @@ impl Problem {
         &self.robot
     }
 
-    /// Which body of the world is to be grasped and may later be carried, by index.
+    /// Index of the body of the world that is grasped and may later be carried.
     pub fn target(&self) -> Option<usize> {
         self.target
     }
 
-    /// The configuration to start from (m, rad; one value per joint).
+    /// Start configuration (m, rad; one value per joint).
     pub fn start(&self) -> &[f64] {
         &self.start
     }
 
-    /// Where to go.
+    /// Goal of the path.
     pub fn goal(&self) -> &Goal {
         &self.goal
     }
 
-    /// What grasps are measured by, if no set of them is given ([`Self::without_grasp_set`]).
+    /// Measure of grasps, if no set of them is given ([`Self::without_grasp_set`]).
     pub fn grasp_measure(&self) -> Option<&GraspMeasure> {
         self.grasp_measure.as_deref()
     }
 
-    /// The grasps to go to, if it is any of these.
+    /// Goal grasps; `None` if the goal is configurations.
     pub fn grasps(&self) -> Option<&GraspSet> {
         match &self.goal {
             Goal::Grasps(grasps) => Some(grasps),
@@ -327,7 +324,7 @@ impl Problem {
         }
     }
 
-    /// Robot and world, under `exact`.
+    /// Robot and world under `exact`.
     pub fn cell(&self) -> Option<&Arc<Cell>> {
         match &self.validity {
             Validity::Exact(cell) => Some(cell),
@@ -335,7 +332,7 @@ impl Problem {
         }
     }
 
-    /// Under `paper`: the gripper has arrived where `d = ½·mm + ½·deg` is below this; 0 for a search that never arrives.
+    /// Under `paper`: value of `d = ½·mm + ½·deg` below which the gripper has arrived; 0 for a search that never arrives.
     pub fn goal_threshold(&self) -> Option<f64> {
         match self.validity {
             Validity::Exact(_) => None,
@@ -343,7 +340,7 @@ impl Problem {
         }
     }
 
-    /// Whether the start is free.
+    /// Returns true if the start is free.
     pub fn start_is_free(&self) -> bool {
         match &self.validity {
             Validity::Exact(cell) => cell.is_free(&self.start, &mut cell.scratch()),
@@ -351,7 +348,7 @@ impl Problem {
         }
     }
 
-    /// The same problem with another goal.
+    /// Returns this problem with another goal.
     ///
     /// # Errors
     /// [`TaskError::JointCount`] or [`TaskError::NotFinite`] for a goal configuration that does not fit the robot.
@@ -359,7 +356,7 @@ impl Problem {
         Self { goal, grasp_measure: None, ..self.clone() }.checked()
     }
 
-    /// The same problem, under `paper` with another threshold.
+    /// Returns this problem, under `paper` with another threshold.
     #[must_use]
     pub fn with_goal_threshold(mut self, value: f64) -> Self {
         if let Validity::Paper { threshold, .. } = &mut self.validity {
@@ -368,7 +365,7 @@ impl Problem {
         self
     }
 
-    /// The same problem with all pairs of links checked that can be ([`Cell::with_all_pairs`]).
+    /// Returns this problem with all pairs of links checked that can be ([`Cell::with_all_pairs`]).
     #[must_use]
     pub fn checking_all_pairs(mut self) -> Self {
         if let Some(cell) = self.cell().filter(|cell| !cell.unchecked().is_empty()) {
@@ -382,7 +379,7 @@ impl Problem {
         GraspMeasure::new(self.cell().map(Arc::as_ref), self.target, friction)
     }
 
-    /// The hand that closes is checked as the robot is.
+    /// Recomputes the grasp measure, so that the closing hand is checked as the robot is.
     fn renew_grasp_measure(&mut self) {
         if let Some(measure) = &self.grasp_measure
             && let Ok(renewed) = self.new_grasp_measure(measure.friction())
@@ -391,12 +388,12 @@ impl Problem {
         }
     }
 
-    /// What touches and is not checked, under `exact`.
+    /// Returns the pairs that touch and are not checked, under `exact`.
     pub fn not_checked(&self) -> Vec<NotChecked> {
         self.cell().map_or_else(Vec::new, |cell| NotChecked::of(cell))
     }
 
-    /// Robot and world for `asker`, a planner which proves what it does.
+    /// Returns robot and world for `asker`, a planner that proves its motions.
     ///
     /// # Errors
     /// [`TaskError::Goal`] under `paper`.
@@ -404,7 +401,7 @@ impl Problem {
         self.cell().ok_or(TaskError::Goal { planner: asker, needs: "the exact criterion" })
     }
 
-    /// The goal of a problem that has any, for a planner that makes no grasps of its own.
+    /// Returns the goal of a problem that has one, for a planner that generates no grasps.
     ///
     /// # Errors
     /// [`TaskError::NoGraspSet`], [`TaskError::NoGoal`].
@@ -419,21 +416,21 @@ impl Problem {
         if is_empty { Err(TaskError::NoGoal) } else { Ok(&self.goal) }
     }
 
-    /// The measure of grasps, for `planner`, which makes some of its own.
+    /// Returns the measure of grasps for `planner`, which generates its own.
     ///
     /// # Errors
-    /// [`TaskError::Goal`] under another criterion than `exact`, [`TaskError::GraspSet`] where grasps are given.
+    /// [`TaskError::Goal`] under another criterion than `exact`, [`TaskError::GraspSet`] if grasps are given.
     pub fn own_grasp_measure(&self, planner: &'static str) -> Result<&GraspMeasure, TaskError> {
         self.exact_cell(planner)?;
         self.grasp_measure().ok_or(TaskError::GraspSet { planner })
     }
 
-    /// Geometry that decides what is free.
+    /// Geometry that decides which configurations are free.
     pub fn validity(&self) -> &Validity {
         &self.validity
     }
 
-    /// Whether a gripper this far from a grasp has arrived.
+    /// Returns true if a gripper with this difference from a grasp has arrived.
     pub fn is_arrival(&self, difference: &PoseDifference) -> bool {
         match self.validity {
             Validity::Exact(_) => difference.is_exact(),
@@ -441,7 +438,7 @@ impl Problem {
         }
     }
 
-    /// The configurations to go to (m, rad; one value per joint); none where the goal is grasps.
+    /// Goal configurations (m, rad; one value per joint); empty if the goal is grasps.
     pub fn goal_configurations(&self) -> &[Vec<f64>] {
         match &self.goal {
             Goal::Grasps(_) => &[],
@@ -449,8 +446,8 @@ impl Problem {
         }
     }
 
-    /// The same problem, its start within the limits of joints without an end, and its goals at the whole turns of these that
-    /// are nearest to it.
+    /// Checks this problem, and moves the start within the limits of continuous joints and the goals to the whole turns of
+    /// these joints that are nearest to it.
     fn checked(mut self) -> Result<Self, TaskError> {
         let goals = self.goal_configurations();
         for (what, q) in std::iter::once(("start", &self.start)).chain(goals.iter().map(|q| ("goal", q))) {
@@ -469,7 +466,7 @@ impl Problem {
     /// Checks that a configuration fits the robot: one finite value per joint, m or rad.
     ///
     /// # Errors
-    /// [`TaskError::JointCount`] or [`TaskError::NotFinite`], which name it as `what`.
+    /// [`TaskError::JointCount`] or [`TaskError::NotFinite`], with `what` as the name of the configuration.
     pub fn check_configuration(&self, what: &'static str, q: &[f64]) -> Result<(), TaskError> {
         if q.len() != self.robot.dof() {
             return Err(TaskError::JointCount { what, expected: self.robot.dof(), actual: q.len() });

@@ -1,16 +1,16 @@
 #![doc = include_str!("../README.md")]
 
-/// A cart that slides along x, without geometry.
+/// Cart that slides along x, without geometry.
 pub const SLIDE: &str = r#"<robot name="slide">
   <link name="rail"/><link name="cart"/>
   <joint name="drive" type="prismatic"><parent link="rail"/><child link="cart"/><axis xyz="1 0 0"/>
     <limit lower="-1" upper="1" velocity="1" effort="1"/></joint>
 </robot>"#;
 
-/// Of the ball, in metres.
+/// Radius of the ball, in metres.
 pub const BALL_RADIUS_M: f64 = 0.05;
 
-/// A ball that three slides take anywhere within ±`reach_m`, and nothing else: it cannot touch itself, and distances
+/// Returns a ball that three slides move anywhere within ±`reach_m`, in metres. It has no self-collisions, and distances
 /// from it have closed formulas.
 pub fn ball(reach_m: f64) -> String {
     format!(
@@ -27,7 +27,7 @@ pub fn ball(reach_m: f64) -> String {
     )
 }
 
-/// A cart on a rail with an arm in the plane z = 0.3 and a hand of a palm and two fingers; the gripper frame lies
+/// Returns a cart on a rail with an arm in the plane z = 0.3 and a hand of a palm and two fingers; the gripper frame lies
 /// between the fingers, z forwards. Four joints: slide, turn, elbow, wrist.
 pub fn plane_arm() -> String {
     arm(&ArmParts {
@@ -41,8 +41,8 @@ pub fn plane_arm() -> String {
     })
 }
 
-/// The same with a hand that rolls by ±`roll_rad` about its approach direction, without a rail to touch. Five joints:
-/// slide, turn, elbow, bend, roll. A fin on the upper side of the hand makes it differ from its twin.
+/// Returns the arm of [`plane_arm`] without the rail's geometry and with a hand that rolls by ±`roll_rad`, in radians, about
+/// its approach direction. Five joints: slide, turn, elbow, bend, roll. An optional fin breaks the symmetry of the hand.
 pub fn rolling_arm(roll_rad: f64, has_fin: bool) -> String {
     let wrist = format!(
         r#"<link name="wrist"/>
@@ -62,16 +62,16 @@ pub fn rolling_arm(roll_rad: f64, has_fin: bool) -> String {
     })
 }
 
-/// In what the arms differ.
+/// Variable elements of the arms.
 struct ArmParts<'a> {
     rail: &'a str,
-    /// The geometry of the lower arm.
+    /// Geometry of the lower arm.
     lower: &'a str,
     turn_rad: f64,
     elbow_rad: f64,
-    /// From the lower arm to the flange.
+    /// Joints from the lower arm to the flange.
     wrist: &'a str,
-    /// What the palm has besides.
+    /// Additional geometry of the palm.
     fin: &'a str,
 }
 

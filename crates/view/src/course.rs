@@ -1,4 +1,4 @@
-//! Things that move: paths, objects in the hand, recordings.
+//! Motions: paths, carried objects and recordings.
 
 pub(crate) mod clearance_profile;
 pub(crate) mod moving_bodies;

@@ -1,4 +1,4 @@
-//! Pictures: from a scene to samples and files.
+//! Rendering of a scene to pictures and picture files.
 
 pub(crate) mod camera;
 pub(crate) mod contact_sheet;

@@ -1,17 +1,17 @@
 use std::path::PathBuf;
 
-/// Why something cannot be shown, or a picture not be written.
+/// Errors of scenes, pictures, pages and recordings.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ViewError {
-    /// A mesh that a robot is drawn with is not there.
+    /// A visual mesh of a robot is missing.
     #[error("link '{link}' of the robot is drawn as '{mesh}', which is not found; tried:{}", listed(tried))]
     VisualNotFound {
-        /// The link.
+        /// Name of the link.
         link: String,
-        /// Its name in the URDF.
+        /// Name of the mesh in the URDF.
         mesh: String,
-        /// Where it was looked for.
+        /// Paths that were tried.
         tried: Vec<PathBuf>,
     },
     /// A mesh cannot be read.
@@ -20,49 +20,49 @@ pub enum ViewError {
     /// A path cannot be sampled.
     #[error(transparent)]
     Path(#[from] cranny_path::PathError),
-    /// What writes a file.
+    /// A scenario or another file cannot be read.
     #[error(transparent)]
     Scenario(#[from] cranny_scenario::ScenarioError),
-    /// A way point of another robot.
+    /// A way point has the wrong number of values.
     #[error("way point {waypoint} has {actual} values instead of {expected}")]
     Waypoint {
-        /// Which, from 0.
+        /// Index of the way point, from 0.
         waypoint: usize,
-        /// Joints of the robot.
+        /// Number of joints of the robot.
         expected: usize,
-        /// Values that there are.
+        /// Number of values given.
         actual: usize,
     },
-    /// A picture without or with far too many points.
+    /// A picture has too few or too many pixels.
     #[error("a picture of {width} × {height} points cannot be drawn; each side is 16 to {most} points long")]
     Size {
-        /// What was asked for.
+        /// Requested width, in pixels.
         width: usize,
-        /// What was asked for.
+        /// Requested height, in pixels.
         height: usize,
-        /// The most that there may be.
+        /// Maximum side length, in pixels.
         most: usize,
     },
     /// A picture file cannot be encoded.
     #[error("{}: {reason}", path.display())]
     Encoding {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What the encoder says.
+        /// Message of the encoder.
         reason: String,
     },
-    /// A recording says what cannot be.
+    /// A recording has an invalid value.
     #[error("{}: {problem}", path.display())]
     Recording {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What is wrong with it, and what would fit.
+        /// Description of the fault and of valid values.
         problem: String,
     },
-    /// What a page is told, or a recording, cannot be written as JSON.
+    /// Page data or a recording cannot be written as JSON.
     #[error("what is shown cannot be written as JSON: {reason}")]
     PageData {
-        /// What the encoder says.
+        /// Error of the encoder.
         reason: serde_json::Error,
     },
     /// The program was built without the page.
@@ -71,26 +71,26 @@ pub enum ViewError {
          again (`touch crates/view/build.rs`, `cargo build --release`)"
     )]
     NoPage,
-    /// A port cannot be had.
+    /// A port is unavailable.
     #[error("port {port} of 127.0.0.1 cannot be used: {reason}; leave out --port for a free one")]
     Port {
-        /// Which.
+        /// Requested port.
         port: u16,
-        /// Why.
+        /// Error of the operating system.
         reason: std::io::Error,
     },
-    /// Nothing can be served here.
+    /// The page server cannot start.
     #[error("the page cannot be served: {reason}")]
     Server {
-        /// Why.
+        /// Error of the operating system.
         reason: std::io::Error,
     },
     /// A file or folder cannot be written.
     #[error("{}: cannot be written: {reason}", path.display())]
     Unwritable {
-        /// Which.
+        /// Path of the file or folder.
         path: PathBuf,
-        /// Why.
+        /// Error of the operating system.
         reason: std::io::Error,
     },
 }

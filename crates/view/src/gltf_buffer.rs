@@ -3,14 +3,14 @@ use gltf_json::buffer::{Target, View};
 use gltf_json::validation::{Checked, USize64};
 use gltf_json::{Extras, Index, Root};
 
-/// The one buffer of a `.glb`, and the accessors into it.
+/// Single buffer of a `.glb`, with the accessors into it.
 #[derive(Default)]
 pub(crate) struct GltfBuffer {
     pub bytes: Vec<u8>,
 }
 
 impl GltfBuffer {
-    /// Adds rows of numbers; `target` for what a graphics card gets as it is.
+    /// Adds rows of numbers; `target` is set for data that goes to the graphics card unchanged.
     pub fn numbers<const N: usize>(
         &mut self,
         root: &mut Root,
@@ -35,11 +35,11 @@ impl GltfBuffer {
         })
     }
 
-    /// Adds corners of triangles, in the narrowest numbers that hold them.
+    /// Adds corners of triangles, in the narrowest integers that hold them.
     pub fn indices(&mut self, root: &mut Root, triangles: &[[u32; 3]]) -> Index<Accessor> {
         let indices = || triangles.iter().flatten();
         let greatest = indices().max().copied().unwrap_or(0);
-        // The greatest number of each width means "begin anew" to some graphics cards.
+        // Some graphics cards interpret the maximum of each width as a restart of the primitive.
         let narrow: Option<Vec<u16>> = (greatest < u32::from(u16::MAX))
             .then(|| indices().map(|&index| u16::try_from(index).unwrap_or(u16::MAX)).collect());
         let (bytes, width): (Vec<u8>, _) = match narrow {
@@ -59,7 +59,7 @@ impl GltfBuffer {
         let offset = self.bytes.len();
         self.bytes.extend(bytes);
         let length = self.bytes.len() - offset;
-        // Everything begins at a multiple of the widest number.
+        // Every view begins at a multiple of the widest number.
         self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
         root.push(View {
             buffer: Index::new(0),

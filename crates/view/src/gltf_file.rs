@@ -22,9 +22,9 @@ const FLOOR_M: f64 = 3.0;
 const FLOOR: u32 = 0x00e4_e8ec;
 
 impl Scene {
-    /// Writes the scene as a binary glTF 2.0 file with everything in it: nodes, meshes, materials, and the
-    /// motion as an animation of the moving links, linear between the instants of the scene. glTF is y up: the
-    /// outermost node turns the planning frame so.
+    /// Writes the scene as a self-contained binary glTF 2.0 file: nodes, meshes, materials, and the motion as an animation of
+    /// the moving links, linear between the instants of the scene. glTF is y up: the root node rotates the planning frame
+    /// accordingly.
     ///
     /// # Errors
     /// [`ViewError::Encoding`], [`ViewError::Unwritable`].
@@ -35,10 +35,10 @@ impl Scene {
         write_whole(path, &bytes)
     }
 
-    /// The bytes of such a file.
+    /// Encodes the scene as a binary glTF file.
     ///
     /// # Errors
-    /// Of the JSON encoder, for a number that is not finite.
+    /// Returns the error of the JSON encoder for a number that is not finite.
     pub fn glb(&self) -> Result<Vec<u8>, gltf_json::Error> {
         let mut buffer = GltfBuffer::default();
         let generator = format!("Cranny {}", env!("CARGO_PKG_VERSION"));
@@ -66,12 +66,12 @@ impl Scene {
             extras: Extras::default(),
         });
         let mut json = root.to_vec()?;
-        // Chunks are filled up to whole words, text with blanks.
+        // Chunks are padded to whole words, text with blanks.
         json.resize(json.len().next_multiple_of(4), b' ');
         Ok(chunks(&json, &buffer.bytes))
     }
 
-    /// The planning frame first, then each node one later than in the scene.
+    /// Adds the planning frame first, so each node has one more than its index in the scene.
     fn push_nodes(&self, root: &mut Root) {
         let quarter = std::f64::consts::FRAC_1_SQRT_2;
         let y_up =
@@ -119,14 +119,14 @@ impl Scene {
             let node = Index::new(u32::try_from(track.node + 1).unwrap_or(u32::MAX));
             let places: Vec<[f32; 3]> = track.poses.iter().map(translation).collect();
             let mut turns: Vec<[f32; 4]> = track.poses.iter().map(rotation).collect();
-            // A rotation and its negative are the same; the way between two instants is the shorter one.
+            // A rotation and its negative are equal; interpolation takes the shorter arc between two instants.
             for index in 1..turns.len() {
                 let dot: f32 = (0..4).map(|i| turns[index - 1][i] * turns[index][i]).sum();
                 if dot < 0.0 {
                     turns[index] = turns[index].map(|x| -x);
                 }
             }
-            // What does not change is said by the node alone.
+            // Constant values are stored in the node only.
             if varies(&places) {
                 let output = buffer.numbers(root, &places, None);
                 add_channel(&mut animation, input, output, node, Property::Translation);
@@ -142,7 +142,7 @@ impl Scene {
     }
 }
 
-/// Whether something changes by more than rounding does.
+/// Returns true if the rows differ by more than rounding.
 fn varies<const N: usize>(rows: &[[f32; N]]) -> bool {
     const ROUNDING: f32 = 3e-7;
     rows.iter().any(|row| (0..N).any(|i| (row[i] - rows[0][i]).abs() > ROUNDING))
@@ -225,13 +225,13 @@ fn translation(pose: &Pose) -> [f32; 3] {
     [0, 1, 2].map(|axis| pose.translation.vector[axis] as f32)
 }
 
-/// x, y, z, w.
+/// Returns the rotation as x, y, z, w.
 #[allow(clippy::cast_possible_truncation, reason = "single precision is what is meant")]
 fn rotation(pose: &Pose) -> [f32; 4] {
     [0, 1, 2, 3].map(|axis| pose.rotation.coords[axis] as f32)
 }
 
-/// A binary glTF file of its two chunks, both filled up to whole words (glTF 2.0, §4.4).
+/// Assembles a binary glTF file from its two chunks, both padded to whole words (glTF 2.0, §4.4).
 fn chunks(json: &[u8], binary: &[u8]) -> Vec<u8> {
     let word = |number: usize| u32::try_from(number).unwrap_or(u32::MAX).to_le_bytes();
     let length = 12 + 8 + json.len() + 8 + binary.len();

@@ -10,7 +10,7 @@ mod scene;
 mod task_scene;
 mod viewer;
 
-/// The licences of Cranny and of all that its programs, its Python package and the viewer's page are made of.
+/// Licences of Cranny and of all components of its programs, its Python package and the viewer page.
 pub const NOTICES: &str = include_str!("../NOTICES.txt");
 
 pub use course::clearance_profile::ClearanceProfile;

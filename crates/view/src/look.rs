@@ -1,4 +1,4 @@
-//! Surfaces and colours of what is shown.
+//! Meshes and colours of robots and objects.
 
 pub(crate) mod colour;
 pub(crate) mod melted_body;

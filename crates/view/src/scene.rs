@@ -2,106 +2,106 @@ use cranny_spatial::{Point, Pose};
 
 use crate::{Colour, Mesh, ShownMode};
 
-/// Everything that a picture, a glTF file or a page shows of a task: plain data, complete in itself.
+/// Self-contained scene of a task for pictures, glTF files and pages.
 ///
-/// Poses are target-from-source in metres, z up; the root frame is the planning frame. Of a robot each link is
-/// a node, below the link that it hangs on, so that one moving joint is one moving node.
+/// Poses are target-from-source in metres, z up; the root frame is the planning frame. Each link of a robot is a node below its
+/// parent link, so that one moving joint is one moving node.
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
-    /// The id of the scenario.
+    /// Id of the scenario.
     pub name: String,
-    /// What nodes are drawn as; several may share one.
+    /// Meshes of the nodes; several nodes may share one.
     pub meshes: Vec<Mesh>,
-    /// What meshes are made of.
+    /// Materials of the meshes.
     pub materials: Vec<Material>,
-    /// Parents before children.
+    /// Nodes, parents before children.
     pub nodes: Vec<Node>,
-    /// The floor: the plane z = 0 of this frame.
+    /// Frame whose plane z = 0 is the floor.
     pub world_from_floor: Option<Pose>,
-    /// How the robot moves; None if it stands at its start.
+    /// Motion of the robot; `None` if it stands at its start.
     pub motion: Option<SceneMotion>,
 }
 
-/// How a surface looks: the metallic-roughness model of glTF 2.0, §3.9.2.
+/// Appearance of a surface: the metallic-roughness model of glTF 2.0, §3.9.2.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
-    /// What it is called.
+    /// Name of the material.
     pub name: String,
-    /// Its colour.
+    /// Base colour.
     pub colour: Colour,
-    /// 1 for what cannot be seen through.
+    /// Opacity, from 0 to 1 (opaque).
     pub opacity: f32,
-    /// 1 for bare metal, 0 for anything else.
+    /// Metalness: 1 for bare metal, 0 for anything else.
     pub metallic: f32,
-    /// 0 for a mirror, 1 for chalk.
+    /// Roughness, from 0 (mirror) to 1 (chalk).
     pub roughness: f32,
 }
 
-/// A place in the scene, with or without something to see.
+/// Frame in the scene, with or without a mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Node {
-    /// Of a link or a body its own name.
+    /// Name; for a link or a body its own name.
     pub name: String,
-    /// The node whose frame its pose is given in; None for the planning frame.
+    /// Index of the parent node; `None` for the planning frame.
     pub parent: Option<usize>,
-    /// Its pose, at the start of the motion.
+    /// Pose in the frame of the parent, at the start of the motion.
     pub parent_from_node: Pose,
-    /// What is seen there, by index.
+    /// Index of the mesh, if it has one.
     pub mesh: Option<usize>,
-    /// What it stands for.
+    /// Role of the node in the task.
     pub role: Role,
 }
 
-/// What a node stands for.
+/// Role of a node in the task.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Role {
-    /// A link of the robot, by index.
+    /// Link of the robot, by index.
     Link(usize),
-    /// A body that stands in the way, by index; one node for each of its parts.
+    /// Obstacle, by index; one node for each of its components.
     Obstacle(usize),
-    /// A part of the body that is to be grasped.
+    /// Component of the target object.
     Target,
-    /// A grasp as a small gripper; the node's frame is the gripper frame.
+    /// Grasp as a small gripper; the frame of the node is the gripper frame.
     Grasp {
-        /// Which grasp of the scenario.
+        /// Index of the grasp in the scenario.
         index: usize,
-        /// Its score, if it has one.
+        /// Score of the grasp, if it has one.
         score: Option<f64>,
-        /// Whether it is the one that the plan ends at.
+        /// True if the plan ends at this grasp.
         is_chosen: bool,
     },
-    /// The way of the gripper frame.
+    /// Path of the gripper frame.
     GripperPath,
 }
 
-/// Where links, and what they take along, are at each of a row of instants.
+/// Motion of the links and of the objects they carry, at a sequence of instants.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneMotion {
-    /// The instants, in seconds, ascending from 0.
+    /// Instants in seconds, ascending from 0.
     pub times_s: Vec<f64>,
-    /// The nodes that move.
+    /// Moving nodes.
     pub tracks: Vec<Track>,
-    /// When each way point of the plan is passed, in seconds.
+    /// Time at each way point of the plan, in seconds.
     pub waypoint_times_s: Vec<f64>,
-    /// The configuration at each instant (m, rad).
+    /// Configuration at each instant (m, rad).
     pub configurations: Vec<Vec<f64>>,
-    /// Where the gripper frame's origin is at each instant, in the planning frame.
+    /// Origin of the gripper frame at each instant, in the planning frame.
     pub gripper_path: Vec<Point>,
-    /// What the robot does, one after the other; empty where it does one thing.
+    /// Modes of the robot in order of time; empty for a motion of a single mode.
     pub modes: Vec<ShownMode>,
 }
 
-/// One moving node.
+/// Motion of one node.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Track {
-    /// Which.
+    /// Index of the node.
     pub node: usize,
-    /// Its pose at each instant, `parent_from_node`.
+    /// Pose at each instant, `parent_from_node`.
     pub poses: Vec<Pose>,
 }
 
 impl Scene {
-    /// The pose of every node in the planning frame: at the instant `frame` of the motion, or before it.
+    /// Returns the pose of every node in the planning frame, at the instant `frame` of the motion or at the start.
     ///
     /// # Panics
     /// If the motion has no such instant.
@@ -119,18 +119,18 @@ impl Scene {
         world
     }
 
-    /// The last instant of the motion, if there is one.
+    /// Returns the index of the last instant of the motion, if there is one.
     pub fn last_frame(&self) -> Option<usize> {
         self.motion.as_ref().and_then(|motion| motion.times_s.len().checked_sub(1))
     }
 
-    /// How many triangles all nodes together show.
+    /// Returns the number of triangles of all nodes.
     pub fn triangle_count(&self) -> usize {
         let of_mesh = |mesh: usize| self.meshes[mesh].pieces.iter().map(|p| p.triangles.len()).sum::<usize>();
         self.nodes.iter().filter_map(|node| node.mesh).map(of_mesh).sum()
     }
 
-    /// The index of a material, which is added unless there is an equal one.
+    /// Returns the index of a material, which is added unless an equal one exists.
     pub(crate) fn material(&mut self, material: Material) -> usize {
         if let Some(known) = self.materials.iter().position(|other| *other == material) {
             return known;
@@ -147,7 +147,7 @@ impl Scene {
 }
 
 impl Material {
-    /// Something dull that cannot be seen through, such as painted metal or plastic.
+    /// Creates an opaque matt material, such as painted metal or plastic.
     pub fn matt(name: impl Into<String>, colour: Colour) -> Self {
         Self { name: name.into(), colour, opacity: 1.0, metallic: 0.0, roughness: 0.6 }
     }

@@ -11,11 +11,11 @@ use crate::look::stroke::{small_gripper, tube};
 use crate::scene::{Node, Role, SceneMotion, Track};
 use crate::{Colour, Material, MeshPiece, Scene, ShownMode, ShownPath, ViewError, look::robot_look};
 
-/// What is shown of a task besides robot and bodies.
+/// Settings of the scene of a task besides robot and bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SceneSettings {
-    /// How many grasps are shown beside the one that the plan ends at, evenly through the scores from the highest
-    /// down. Default: as many as can be told apart on a small object.
+    /// Number of grasps shown in addition to the grasp of the plan, evenly spread over the scores from the highest down.
+    /// Default 14: as many as can be distinguished on a small object.
     pub grasps: usize,
 }
 
@@ -25,33 +25,32 @@ impl Default for SceneSettings {
     }
 }
 
-/// Obstacles: greyish blue, which neither robot nor objects are. In turns, so that two that touch differ.
+/// Colours of obstacles: greyish tones that neither robot nor objects have. They alternate, so that adjacent kinds differ.
 const OBSTACLES: [u32; 4] = [0x0094_aac0, 0x00c9_b79c, 0x00b3_c2ac, 0x00c2_b0bd];
 
-/// The colour of the grasp that was taken, and of the gripper's way to it.
+/// Colour of the grasp of the plan, and of the path of the gripper to it.
 const CHOSEN: u32 = 0x00e8_3f6f;
 
-/// What that is darkened with where the object is carried.
+/// Colour that darkens the path where it carries the object.
 const DEEP: u32 = 0x0020_1838;
 
-/// Half the thickness of lines, in metres.
+/// Radius of path lines, in metres.
 const PATH_RADIUS_M: f64 = 0.0045;
-/// Where the robot comes back as it went, the way back is seen.
+/// Radius of carrying paths: larger, so that they stay visible where the robot returns on its own path.
 const CARRY_RADIUS_M: f64 = 1.2 * PATH_RADIUS_M;
 const GRASP_RADIUS_M: f64 = 0.0014;
 const CHOSEN_RADIUS_M: f64 = 0.0024;
 
-/// The opening of the small grippers, in metres: half the real one, so that they do not hide what they hold.
+/// Opening of the small grippers, in metres: half the real opening, so that they do not hide the object.
 const GRASP_OPENING_M: f64 = 0.044;
 
 impl Scene {
-    /// What there is to see of a scenario, and of a path through it.
+    /// Creates the scene of a scenario, and of a path through it.
     ///
-    /// Nodes: each link of the robot below its parent, each part of each obstacle, the target, grasps, the way
-    /// of the gripper.
+    /// Nodes: each link of the robot below its parent, each component of each obstacle, the target, grasps, the gripper path.
     ///
     /// # Errors
-    /// [`ViewError::VisualNotFound`] and [`ViewError::Shape`] for what the robot's URDF is drawn with.
+    /// [`ViewError::VisualNotFound`] and [`ViewError::Shape`] for the visual meshes of the robot's URDF.
     pub fn of_task(
         scenario: &Scenario,
         path: Option<&ShownPath>,
@@ -63,7 +62,7 @@ impl Scene {
             path.iter().flat_map(|path| &path.carries).map(|carry| carry.object.as_str()).collect();
         scene.add_bodies(scenario.world.bodies(), scenario.target);
         for (index, (object, moved)) in objects.iter().zip(&carried).enumerate() {
-            // The last motion of an object includes those before it.
+            // The last motion of an object includes the earlier ones.
             if !objects[index + 1..].contains(object) {
                 scene.carry(scenario, object, moved);
             }
@@ -73,7 +72,7 @@ impl Scene {
         Ok(scene)
     }
 
-    /// The same with the bodies of some of the robot's links alone.
+    /// Returns the scene with the bodies of only these links of the robot.
     #[must_use]
     pub fn with_links(mut self, links: &[usize]) -> Self {
         for node in &mut self.nodes {
@@ -84,7 +83,7 @@ impl Scene {
         self
     }
 
-    /// The same with the axes of `frame`, a pose in the planning frame: x red, y green, z blue.
+    /// Adds the axes of `frame`, a pose in the planning frame, `length_m` metres long: x red, y green, z blue.
     #[must_use]
     pub fn with_axes(mut self, frame: &Pose, length_m: f64) -> Self {
         let axes = [(Vector::x(), 0x00d0_2020), (Vector::y(), 0x0020_a040), (Vector::z(), 0x0020_50d0)];
@@ -99,7 +98,7 @@ impl Scene {
         self
     }
 
-    /// An object on the ground, in its likeliest stable pose.
+    /// Creates the scene of an object on the ground, in its most probable stable pose.
     pub fn of_object(object: &ObjectType) -> Self {
         let mut scene = Self { name: object.name.clone(), ..Self::default() };
         let pieces = painted(&object.name, &object.mesh, &mut scene);
@@ -116,7 +115,7 @@ impl Scene {
         scene
     }
 
-    /// Adds the robot, and returns by how much each thing that it carries away has moved at each instant of the path.
+    /// Adds the robot, and returns the displacement of each carried object at each instant of the path, in the planning frame.
     fn add_robot(
         &mut self,
         scenario: &Scenario,
@@ -126,7 +125,7 @@ impl Scene {
         let meshes = robot_look::link_meshes(robot, self)?;
         let mut stance = Stance::of(robot, path.map_or(&[], |path| &path.carries));
         let start = stance.at(path.map_or(&scenario.start, |path| &path.configurations[0]), 0.0).local;
-        // Links are the first nodes: node and link have the same index.
+        // Links are the first nodes, so node and link have the same index.
         for (index, (link, mesh)) in robot.links().iter().zip(meshes).enumerate() {
             self.nodes.push(Node {
                 name: link.name.clone(),
@@ -154,7 +153,7 @@ impl Scene {
         Ok((0..path.carries.len()).map(of_one).collect())
     }
 
-    /// A body goes along: `moved` is by how much it has moved at each instant. Without a name it is the target.
+    /// Moves a body with the hand; `moved` is its displacement at each instant. Without a body of this name it is the target.
     fn carry(&mut self, scenario: &Scenario, object: &str, moved: &[Pose]) {
         let Some(motion) = &mut self.motion else { return };
         let body = scenario.world.bodies().iter().position(|body| body.name == object).or(scenario.target);
@@ -170,7 +169,7 @@ impl Scene {
         }));
     }
 
-    /// Bodies of a world, `target` among them.
+    /// Adds the bodies of a world, `target` among them.
     pub(crate) fn add_bodies(&mut self, bodies: &[Body], target: Option<usize>) {
         let mut kinds: Vec<&str> = Vec::new();
         for (index, body) in bodies.iter().enumerate() {
@@ -192,7 +191,7 @@ impl Scene {
         }
     }
 
-    /// What an obstacle looks like; those of one kind have one colour, `kinds` being those that there are so far.
+    /// Creates the pieces of an obstacle. Obstacles of one kind share a colour; `kinds` are the kinds seen before.
     pub(crate) fn obstacle<'a>(
         &mut self,
         name: &'a str,
@@ -266,8 +265,8 @@ impl Scene {
     }
 }
 
-/// Colour and radius in metres of the gripper's way: with the object in the hand lighter as long as it is lifted, then
-/// darker, which every eye tells apart.
+/// Returns colour and radius, in metres, of the gripper path: lighter during the lift-off, then darker while the object is in
+/// the hand.
 fn way_look(mode: Mode) -> (Colour, f64) {
     let chosen = Colour::hex(CHOSEN);
     match mode {
@@ -278,14 +277,14 @@ fn way_look(mode: Mode) -> (Colour, f64) {
     }
 }
 
-/// What a body is, without what tells it from its like: the longest word of "left wall", "wall 2", `wall_b`.
+/// Returns the kind of a body from its name: the longest word of "left wall", "wall 2", `wall_b`.
 fn kind_of(name: &str) -> &str {
     const SIDES: [&str; 8] = ["left", "right", "front", "back", "upper", "lower", "top", "bottom"];
     let words = name.split(|c: char| !c.is_alphabetic()).filter(|word| !SIDES.contains(word));
     words.max_by_key(|word| word.len()).unwrap_or(name)
 }
 
-/// Grasps of nearly equal score share a material.
+/// Returns the name of the material of a score, which grasps of nearly equal score share.
 fn score_name(score: Option<f64>) -> String {
     score.map_or_else(|| "grasp without score".to_owned(), |score| format!("grasp of score {score:.2}"))
 }

@@ -1,4 +1,4 @@
-//! The viewer's page and its server.
+//! Data and server of the viewer page.
 
 pub(crate) mod number_row;
 pub(crate) mod page;

@@ -1,4 +1,4 @@
-//! Plans that carry their object away: what is seen of them.
+//! Tests of scenes, pages and pictures of plans that carry their object away.
 
 use std::sync::{Arc, OnceLock};
 
@@ -101,7 +101,7 @@ fn the_object_stands_until_the_hand_has_closed_and_then_stays_in_it() {
         } else {
             assert!(is_near(first, &(frames.link(robot.tip()) * hold.tip_from_held)), "at {time_s} s");
         }
-        // All parts of it alike, and every link with its fingers where the robot has them.
+        // All components of the object move alike, and every link with its fingers is at its forward kinematics.
         for &node in &targets {
             let parts = standing.inv_mul(&scene.nodes[node].parent_from_node);
             assert!(is_near(&world_from_nodes[node], &(first * parts)));
@@ -133,7 +133,7 @@ fn modes_follow_each_other_and_the_hand_closes_between_the_first_two() {
         assert_eq!(path.times_s.len(), path.configurations.len());
         assert_eq!(path.waypoint_times_s.len(), carried.plan.waypoints.len());
         assert_eq!((path.is_timed, path.grasp), (timed.is_some(), carried.plan.grasp));
-        // Where a way point is passed, the robot is there.
+        // At the time of a way point, the robot is at that way point.
         let to_grasp = carried.plan.segments[0].waypoints.len() - 1;
         assert_eq!(path.waypoint_times_s[to_grasp].to_bits(), reach.until_s.to_bits());
         assert_eq!(carry_of(&path).grasp, carried.plan.waypoints[to_grasp]);
@@ -165,7 +165,7 @@ fn poses_on_the_way_out_have_the_object_too() {
     let scene = carried.scene(&carried.path(10.0));
     let mut without = scene.clone();
     let target = scene.nodes.iter().position(|node| node.role == Role::Target).unwrap();
-    // The same scene with an object that is drawn at the end alone.
+    // This scene is equal except that the object moves only at the last instant.
     let motion = without.motion.as_mut().unwrap();
     let last = motion.times_s.len() - 1;
     let track = motion.tracks.iter_mut().find(|track| track.node == target).unwrap();
@@ -193,7 +193,7 @@ fn a_page_is_told_what_becomes_of_the_object_and_measures_all_of_the_way() {
     assert_eq!(strokes, 2);
     let pairs = plan["clearance"]["pairs"].as_array().unwrap();
     assert!(pairs.iter().any(|pair| pair["first"] == "box"), "{pairs:?}");
-    // Where nobody knows how it is held, nothing is said of the rest.
+    // Where the hold is unknown, the profile ends.
     let (path, cell) = (carried.path(60.0), carried.problem.cell().unwrap());
     let profile = |states: &[State]| ClearanceProfile::along(&path, cell, states, 240).unwrap();
     let (whole, reach) = (profile(&carried.states()), profile(&[]));
@@ -205,7 +205,7 @@ fn a_page_is_told_what_becomes_of_the_object_and_measures_all_of_the_way() {
     assert!(carried.page(bare.unwrap())["plans"][0]["carries"].as_array().unwrap().is_empty());
 }
 
-/// The object in the hand touches what the empty hand does not.
+/// A held object collides where the empty hand is free.
 #[test]
 fn postures_with_the_object_in_the_hand_are_judged_with_it() {
     let carried = carried();
@@ -240,7 +240,7 @@ fn postures_with_the_object_in_the_hand_are_judged_with_it() {
     ended.unwrap();
 }
 
-/// What a server at `url` answers to a question.
+/// Sends a question to the server at `url` and returns its answer.
 fn ask(url: &str, question: &Value) -> Value {
     use std::io::{Read as _, Write as _};
     let (host, token) = url.strip_prefix("http://").and_then(|rest| rest.split_once('/')).unwrap();
@@ -256,7 +256,7 @@ fn ask(url: &str, question: &Value) -> Value {
     serde_json::from_str(answer.split_once("\r\n\r\n").unwrap().1).unwrap()
 }
 
-/// A plan says how far the fingers are apart; without a hand there are none.
+/// Without a known hand, the finger opening in a plan is ignored.
 #[test]
 fn a_robot_whose_hand_is_not_known_carries_with_fingers_as_they_are() {
     let carried = carried();

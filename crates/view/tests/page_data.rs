@@ -1,4 +1,4 @@
-//! What a page is told: it is the task, number for number.
+//! Tests that page data reproduces the task number for number.
 
 use std::sync::Arc;
 
@@ -30,7 +30,7 @@ fn cell(problem: &Problem) -> &Cell {
     problem.cell().expect("an exact problem")
 }
 
-/// Way points, timed and judged.
+/// Creates a timed and audited plan of way points.
 fn plan(name: &str, waypoints: &[Vec<f64>], scenario: &Scenario) -> PagePlan {
     let problem = problem(scenario);
     let has_path = !waypoints.is_empty();
@@ -82,7 +82,7 @@ fn pose(value: &Value) -> Pose {
     Pose::from_parts(Translation3::new(x, y, z), Rotation::from_quaternion(Quaternion::new(qw, qx, qy, qz)))
 }
 
-/// Forward kinematics from the document alone, as a page does it.
+/// Forward kinematics from the document alone, as in the page.
 fn link_poses(robot: &Value, q: &[f64]) -> Vec<Pose> {
     let links = list(&robot["links"]);
     let mut world_from_link = vec![Pose::identity(); links.len()];
@@ -121,7 +121,7 @@ fn agrees_with_forward_kinematics(robot: &Robot, document: &Value, shares: &[f64
     }
 }
 
-/// A mimic joint with factor and offset, a slide that is tilted, a joint below a fixed one.
+/// Robot with a mimic joint with factor and offset, a tilted prismatic joint, and a joint below a fixed one.
 const CRANE: &str = r#"<robot name="crane">
   <link name="ground"/><link name="mast"/><link name="arm"/><link name="mirror"/><link name="plate"/><link name="tip"/>
   <joint name="turn" type="revolute"><parent link="ground"/><child link="mast"/><origin xyz="0.1 0.2 0.3" rpy="0.1 0.2 0.3"/>
@@ -223,7 +223,7 @@ fn spheres_of_a_link_contain_its_collision_shape() {
 #[test]
 fn all_grasps_are_there_with_what_is_certain_of_them() {
     let mut scenario = scenario("041");
-    // A rod as long as the open fingers are wide where one of them is: its like are then blocked for certain.
+    // A rod as long as the opening, at the location of one finger, certainly blocks all similar grasps.
     let mut bodies = scenario.world.bodies().to_vec();
     let rod = Solid::cuboid(Vector::new(0.004, 0.05, 0.004)).expect("a size");
     bodies.push(Body::new("rod", scenario.grasps.grasps()[7].world_from_gripper, rod));
@@ -258,7 +258,7 @@ fn the_base_may_go_where_its_limits_let_it() {
     assert_eq!(page(&crane(), &[])["floor_area"], Value::Null);
 }
 
-/// Nearly at the start and back: free, with rows to look at.
+/// Short free path near the start, whose profile has rows to check.
 fn short_path(scenario: &Scenario) -> Vec<Vec<f64>> {
     let mut end = scenario.start.clone();
     end[8] += 0.3;
@@ -307,7 +307,7 @@ fn a_path_has_a_row_for_each_instant_and_its_clearance_is_that_of_the_cell() {
         let apart = (0..3).map(|i| f64::from(points[i] - points[i + 3]).powi(2)).sum::<f64>().sqrt();
         assert!((apart - distance).abs() < 1e-4, "{apart} {distance}");
     }
-    // The robot's own links are not what hides how near the world comes.
+    // The clearance between own links does not hide that to the world.
     assert!(world_is_least || own_is_least);
     assert_eq!((&plan["is_valid"], &plan["grasp"]), (&false.into(), &Value::Null));
     assert!(plan["verdict"].as_str().is_some_and(|line| line.contains("from the nearest grasp")), "{plan}");

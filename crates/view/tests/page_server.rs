@@ -1,4 +1,4 @@
-//! The server of the page: it answers this machine alone, with its own files, and ends when it is told to.
+//! Tests of the page server: it serves only this machine and its own files, and stops on request.
 
 use std::io::{Read, Write};
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpStream};
@@ -14,10 +14,10 @@ use cranny_view::{PageCells, PageData, PageFeed, PageLimits, PageServer, PageSet
 use serde_json::{Value, json};
 use tokio::sync::oneshot;
 
-/// A server that runs until it is dropped.
+/// Server that runs until it is dropped.
 struct Running {
     port: u16,
-    /// What stands before every path: `/` and the token.
+    /// Prefix of every path: `/` and the token.
     inside: String,
     cell: Arc<Cell>,
     feed: PageFeed,
@@ -67,7 +67,7 @@ impl Running {
         stream
     }
 
-    /// Sends these bytes and returns status, head and body.
+    /// Sends a raw request and returns status, head and body.
     fn raw(&self, request: &str) -> (u16, String, String) {
         let mut stream = self.connect();
         stream.write_all(request.as_bytes()).expect("it reads");
@@ -79,7 +79,7 @@ impl Running {
         (status, head.to_lowercase(), body.to_owned())
     }
 
-    /// Of a path below the token.
+    /// Requests a path below the token.
     fn get(&self, path: &str, host: &str) -> (u16, String, String) {
         self.get_bare(&format!("{}{path}", self.inside), host)
     }
@@ -165,7 +165,7 @@ fn a_search_that_is_watched_is_handed_out_as_it_grows() {
     assert_eq!((&last["from"], bytes(&last["positions"])), (&1.into(), 3 * 4));
     assert_eq!(asked("/tree?search=1&after=9").1["positions"], "");
     assert_eq!((asked("/tree?search=2&after=0").0, asked("/tree?search=x").0), (404, 400));
-    // Another search is in the place of the first, whose nodes nobody hears of any more.
+    // A second search replaces the first, whose nodes are no longer served.
     let second = server.feed.watch(server.cell.robot().clone());
     search.node_added(0, &q, Some(0));
     search.search_ended();
@@ -197,7 +197,7 @@ fn nothing_outside_the_page_is_served() {
         assert!(!body.contains("root:") && !body.contains("[package]"), "{path}: {body}");
         assert_eq!(server.get_bare(path, &server.host()).0, 403, "{path} without the token");
     }
-    // A whole address in place of the path changes nothing.
+    // An absolute address instead of a path changes nothing.
     let absolute =
         format!("GET file:///etc/passwd HTTP/1.1\r\nHost: {}\r\nConnection: close\r\n\r\n", server.host());
     assert!([400, 403].contains(&server.raw(&absolute).0));
@@ -235,7 +235,7 @@ fn other_hosts_and_other_origins_are_turned_away() {
     }
 }
 
-/// Every user of a machine can open its loopback ports, and ask them for other people's scenes.
+/// Every user of a machine can open its loopback ports and request the scenes of other users.
 #[test]
 fn who_does_not_know_the_token_gets_nothing() {
     let server = Running::start();
@@ -265,7 +265,7 @@ fn who_does_not_know_the_token_gets_nothing() {
         q.len()
     ));
     assert_eq!(status, 403, "{body}");
-    // The address as it is printed, and without the stroke at its end.
+    // This is the printed address without its trailing slash.
     let (status, head, _) = server.get("", &host);
     assert_eq!(status, 308);
     assert!(head.contains(&format!("location: {}/", server.inside)), "{head}");
@@ -279,7 +279,7 @@ const QUICK: PageLimits = PageLimits {
     connection: Duration::from_millis(400),
 };
 
-/// Slowloris: a head or a body that comes one byte at a time would hold its connection for ever.
+/// Slowloris: without a timeout, a head or body that arrives byte by byte would hold its connection forever.
 #[test]
 fn who_sends_slowly_is_cut() {
     let server = Running::with(QUICK);
@@ -289,7 +289,7 @@ fn who_sends_slowly_is_cut() {
         let mut stream = server.connect();
         stream.write_all(whole.as_bytes()).expect("it reads");
         let begin = Instant::now();
-        // Drop by drop, until nobody listens.
+        // Data is sent slowly until the server closes the connection.
         while begin.elapsed() < Duration::from_secs(20) && stream.write_all(drop.as_bytes()).is_ok() {
             std::thread::sleep(Duration::from_millis(10));
         }
@@ -308,7 +308,7 @@ fn who_says_nothing_or_reads_nothing_holds_no_place_for_long() {
             .write_all(format!("GET {inside}/page.json HTTP/1.1\r\nHost: {host}\r\n\r\n").as_bytes())
             .expect("it reads");
     }
-    // Its turn comes once those before it are cut: all places were taken.
+    // All connections were taken; this request is served once the earlier ones are cut.
     assert_eq!(server.get("/page.json", &host).0, 200);
     drop(idle);
 }

@@ -1,4 +1,4 @@
-//! Pictures: what they show, and that they stay what they were.
+//! Tests of the content of pictures, and regression tests against golden pictures.
 
 use std::path::{Path, PathBuf};
 
@@ -15,7 +15,7 @@ fn scenario(id: &str) -> Scenario {
     Scenario::open(id, &OpenOptions::default()).expect("a built-in scenario")
 }
 
-/// A path without a planner: from the start over a bend, shown at four instants a second.
+/// Path without a planner: from the start over a bend, sampled at four instants per second.
 fn bent_path(scenario: &Scenario) -> ShownPath {
     let mut middle = scenario.start.clone();
     (middle[0], middle[1], middle[3]) = (0.3, 0.2, -0.2);
@@ -50,8 +50,8 @@ fn read_png(path: &Path) -> (usize, usize, Vec<u8>) {
     (info.width as usize, info.height as usize, bytes)
 }
 
-/// How different two pictures look: the mean over blocks of 4 × 4 points, which the eye sees as one at arm's
-/// length, of the difference of their mean screen values; and that of the worst block.
+/// Visible difference of two pictures over blocks of 4 × 4 pixels, which appear as one at arm's length: mean and maximum of the
+/// differences of the mean screen values of the blocks.
 fn difference(width: usize, a: &[u8], b: &[u8]) -> (f64, f64) {
     const BLOCK: usize = 4;
     let height = a.len() / (3 * width);
@@ -81,7 +81,7 @@ fn holds(picture: &Picture, name: &str) {
     let (width, height, expected) = read_png(&path);
     assert_eq!((picture.width(), picture.height()), (width, height));
     let (mean, worst) = difference(width, &picture.pixels().concat(), &expected);
-    // Half a screen value on the whole, and nowhere a block that differs as a moved edge would.
+    // The mean tolerance is half a screen value; no block may differ as much as a moved edge would.
     assert!(mean < 0.5 && worst < 24.0, "{name}: mean {mean:.3}, worst {worst:.1}");
 }
 
@@ -149,7 +149,7 @@ fn moving_pictures_are_written_whole() {
     let animation = Animation { pictures, rate_hz: 20 };
     animation.write_apng(&apng).expect("written");
     animation.write_gif(&gif).expect("written");
-    // The first picture of the APNG is the PNG that others see; all of them are in both files.
+    // The first picture of the APNG is the PNG for other programs; both files contain all pictures.
     let (width, height, bytes) = read_png(&apng);
     assert_eq!((width, height), (64, 48));
     assert!(bytes == animation.pictures[0].pixels().concat());
@@ -169,7 +169,7 @@ fn moving_pictures_are_written_whole() {
 #[test]
 fn objects_have_pictures_in_their_colours() {
     let settings = PictureSettings { width: 96, height: 96, ..PictureSettings::default() };
-    // Which of red, green and blue the object has more of than its page.
+    // Test of the dominant colour of the object against its background.
     for (name, is_its_colour) in [
         ("banana", (|p: &[u8; 3]| p[0] > 150 && p[2] < 100) as fn(&[u8; 3]) -> bool),
         ("tennis_ball", |p| p[1] > 120 && p[2] < 80),

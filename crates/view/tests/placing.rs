@@ -1,4 +1,4 @@
-//! Plans that put their object down: what is seen of them.
+//! Tests of scenes and clearances of plans that set their object down.
 
 use cranny_collision::Margins;
 use cranny_plan::Unobserved;
@@ -32,7 +32,7 @@ fn the_object_stays_where_the_hand_let_it_go() {
         assert!((has_opened_s - opens_s - CLOSING_S).abs() < 1e-9);
         assert_eq!(carry.modes.last().unwrap().until_s.to_bits(), path.ends_s().to_bits());
         assert!(path.times_s.windows(2).all(|pair| pair[0] < pair[1]));
-        // The hand is open at both ends, and closed between.
+        // The hand is open at both ends and closed between them.
         let middle_s = 0.5 * (carry.closes_s()[1] + opens_s);
         let closing = [0.0, middle_s, path.ends_s()].map(|time_s| carry.closing_at(time_s));
         assert!(closing[1] > 0.1 && closing[0].abs() < 1e-12 && closing[2].abs() < 1e-12, "{closing:?}");
@@ -45,7 +45,7 @@ fn the_object_stays_where_the_hand_let_it_go() {
             let off: Pose = scene.world_from_nodes(Some(frame))[target].inv_mul(&there);
             assert!(off.translation.vector.norm() < 1e-9 && off.rotation.angle() < 1e-6, "at {time_s} s");
         }
-        // All of it has a clearance, the object being an obstacle once it stands.
+        // The whole path has a clearance; the object is an obstacle after the set-down.
         let cell = problem.cell().unwrap();
         let profile = ClearanceProfile::along(&path, cell, &along.states, 200).unwrap();
         let last_s = profile.times_s.last().unwrap();

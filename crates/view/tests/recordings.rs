@@ -1,4 +1,4 @@
-//! Recordings as pages: bodies and where they go, without a robot.
+//! Tests of recordings as pages: moving bodies without a robot.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -12,7 +12,7 @@ fn floats64(row: &Value) -> Vec<f64> {
     bytes.chunks_exact(8).map(|b| f64::from_le_bytes(b.try_into().expect("8 bytes"))).collect()
 }
 
-/// A tile that rises beside one that stands, `instants` times in two seconds.
+/// Recording of a tile that rises beside a static one, with `instants` instants in two seconds.
 fn recording(instants: usize) -> BodyRecording {
     let surface = TriangleSoup {
         vertices: [[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.0, 0.1, 0.0]].map(Point::from).to_vec(),

@@ -1,4 +1,4 @@
-//! Scenes: they hold what the task holds, where it is.
+//! Tests that scenes contain everything of the task in its location.
 
 use std::path::Path;
 
@@ -87,20 +87,20 @@ fn the_built_in_robot_is_smooth_light_and_no_larger_than_it_is() {
         let Some(mesh) = node.mesh.map(|mesh| &scene.meshes[mesh]) else { continue };
         triangles += mesh.pieces.iter().map(|piece| piece.triangles.len()).sum::<usize>();
         if link.name == "mobile_platform" {
-            // Its wheels reach down to the floor.
+            // The wheels of the platform reach down to the floor.
             continue;
         }
         for position in mesh.pieces.iter().flat_map(|piece| &piece.positions) {
             let point = cranny_spatial::Point::from(position.map(f64::from));
             let beyond = link.collisions.iter().map(|shape| distance(shape, &point)).fold(f64::MAX, f64::min);
-            // Fillets, rings and caps stand out by less than a finger's breadth.
+            // Fillets, rings and caps protrude by less than the width of a finger.
             assert!(beyond < 0.012, "{}: {beyond} m outside at {point}", link.name);
         }
     }
     assert!((20_000..60_000).contains(&triangles), "{triangles} triangles");
 }
 
-/// How far a point lies from a shape of a link, in metres, by a small ball around it.
+/// Returns the distance of a point from a shape of a link, in metres, by a small ball around the point.
 fn distance(shape: &cranny_robot::LinkShape, point_in_link: &cranny_spatial::Point) -> f64 {
     const BALL_M: f64 = 1e-6;
     let ball = cranny_shape::Solid::sphere(BALL_M).unwrap();
@@ -124,7 +124,7 @@ fn a_path_that_does_not_fit_is_refused() {
     }
 }
 
-/// Its length was shown as so many seconds.
+/// Regression test: the length of such a path was shown as a duration in seconds.
 #[test]
 fn a_path_without_limits_of_acceleration_has_no_time() {
     let mut scenario = scenario("021");
@@ -180,7 +180,7 @@ fn a_glb_holds_the_scene() {
     let json: serde_json::Value = serde_json::from_slice(&bytes[20..20 + word(12)]).unwrap();
     let binary = word(20 + word(12));
     assert_eq!(json["buffers"][0]["byteLength"], binary);
-    // The planning frame and the floor come on top.
+    // The planning frame and the floor are additional nodes.
     assert_eq!(json["nodes"].as_array().unwrap().len(), scene.nodes.len() + 2);
     assert_eq!(json["animations"][0]["channels"].as_array().unwrap().len(), 9);
     for view in json["bufferViews"].as_array().unwrap() {

@@ -1,4 +1,4 @@
-//! `Contact` and `Motion`: what a cell says besides yes and no.
+//! `Contact` and `Motion`: detailed results of a cell's checks.
 
 use cranny_collision::{Cell, Contact, Motion};
 use numpy::PyArrayDyn;
@@ -8,22 +8,22 @@ use crate::handover::array::shaped;
 use crate::handover::fault::bad_value;
 use crate::handover::pickled::{Reduced, restored_by};
 
-/// Two things that are closer than they may be.
+/// Pair of bodies or links that violates its required clearance.
 #[pyclass(name = "Contact", module = "cranny", frozen)]
 pub struct PyContact {
-    /// The link.
+    /// Name of the link.
     #[pyo3(get)]
     first: String,
-    /// Another link, or a body.
+    /// Name of another link, or of a body.
     #[pyo3(get)]
     second: String,
-    /// Their distance in metres; 0 where they overlap.
+    /// Distance of the pair in metres; 0 if they overlap.
     #[pyo3(get)]
     clearance_m: f64,
-    /// The clearance that was demanded, in metres.
+    /// Required clearance in metres.
     #[pyo3(get)]
     required_m: f64,
-    /// How deep they overlap, in metres; 0 where they only come too close.
+    /// Penetration depth in metres; 0 if they are only too close.
     #[pyo3(get)]
     depth_m: f64,
     point: Option<[f64; 3]>,
@@ -40,7 +40,7 @@ impl PyContact {
 
 #[pymethods]
 impl PyContact {
-    /// A point in the overlap, (3,) in the planning frame, in metres; None where they only come too close.
+    /// Point in the overlap, (3,) in the planning frame, in metres; None if they are only too close.
     #[getter]
     fn point<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArrayDyn<f64>>>> {
         self.point.map(|point| shaped(py, point.to_vec(), &[3])).transpose()
@@ -62,7 +62,7 @@ impl PyContact {
     }
 }
 
-/// A contact as it was pickled.
+/// Restores a pickled contact.
 #[pyfunction]
 #[pyo3(name = "_restored_contact")]
 pub fn restored_contact(
@@ -75,23 +75,23 @@ pub fn restored_contact(
     PyContact { first, second, clearance_m, required_m, depth_m, point }
 }
 
-/// What is known about a straight motion between two configurations. True only if all of it is proven free.
+/// Result of the check of a straight motion between two configurations. True only if all of it is proven free.
 #[pyclass(name = "Motion", module = "cranny", frozen)]
 pub struct PyMotion {
-    /// "proven", "contact", "unresolved" (neither contact nor proof: a pair comes within 1 µm of what is demanded),
-    /// "out-of-bounds" (a bound of the tool is not proven to be kept) or "out-of-limits".
+    /// "proven", "contact", "unresolved" (neither contact nor proof: a pair comes within 1 µm of the required clearance),
+    /// "out-of-bounds" (a bound of the tool is not proven) or "out-of-limits".
     #[pyo3(get)]
     kind: &'static str,
-    /// Where along the motion, in [0, 1], it is not free; None if it is, or if an end is out of limits.
+    /// Position along the motion, in [0, 1], at which it is not free; None if it is free, or if an end is out of limits.
     #[pyo3(get)]
     at: Option<f64>,
-    /// The pair that touches or is in doubt there.
+    /// Pair that touches or is undecided there.
     #[pyo3(get)]
     contact: Option<Py<PyContact>>,
-    /// The joint that is out of its limits.
+    /// Joint that is out of its limits.
     #[pyo3(get)]
     joint: Option<String>,
-    /// The bound of the tool that is not proven to be kept, by its name.
+    /// Name of the tool bound that is not proven.
     #[pyo3(get)]
     bound: Option<String>,
 }
@@ -138,7 +138,7 @@ impl PyMotion {
     }
 }
 
-/// A motion as it was pickled.
+/// Restores a pickled motion.
 #[pyfunction]
 #[pyo3(name = "_restored_motion")]
 pub fn restored_motion(
@@ -151,6 +151,6 @@ pub fn restored_motion(
     let kind = ["proven", "contact", "unresolved", "out-of-bounds", "out-of-limits"]
         .into_iter()
         .find(|known| *known == kind);
-    let kind = kind.ok_or_else(|| bad_value("there is no such kind of motion"))?;
+    let kind = kind.ok_or_else(|| bad_value("unknown kind of motion"))?;
     Ok(PyMotion { kind, at, contact, joint, bound })
 }

@@ -17,20 +17,20 @@ use crate::handover::fault::{bad_value, fault};
 use crate::handover::interrupt::Interrupt;
 use crate::handover::whole;
 
-/// More grasps than this are a mistake: they would be compared with each other.
+/// Maximum number of grasps; more would be a mistake, because they are compared with each other.
 const MOST_GRASPS: usize = 1_000_000;
 
-/// More directions than this about one axis are a mistake.
+/// Maximum number of directions about one axis; more would be a mistake.
 const MOST_APPROACHES: usize = 360;
 
-/// Antipodal grasps of an object, scored by the friction that they need, from which `count` are chosen that lie
-/// near as many as possible of all `candidates` (by default ten times as many).
+/// Samples antipodal grasps of an object, scored by the friction that they need, and chooses `count` of them that lie near as
+/// many as possible of all `candidates` (by default ten times as many).
 ///
-/// `mesh`: a `trimesh.Trimesh`, anything else with `vertices` and `faces`, or a pair of arrays (V, 3) in metres and
-/// (F, 3) of indices. `gripper`: a YAML file; by default the hand of the built-in robot. `friction`: the
-/// coefficient between pads and object. `approaches`: directions about each closing axis. Unless `bare`, only
-/// grasps that the open hand can take, along the last `approach_m` (m) in a straight line. The same `seed` gives
-/// the same grasps on any number of threads. Poses are in the frame of the mesh.
+/// `mesh`: a `trimesh.Trimesh`, any object with `vertices` and `faces`, or a pair of arrays (V, 3) in metres and (F, 3) of
+/// indices. `gripper`: a YAML file; by default the hand of the built-in robot. `friction`: the coefficient between pads and
+/// object. `approaches`: directions about each closing axis. Unless `bare`, only grasps that the open hand can reach without
+/// collision, along the last `approach_m` (m) in a straight line. The same `seed` gives the same grasps on any number of
+/// threads. Poses are in the frame of the mesh.
 #[pyfunction]
 #[pyo3(
     signature = (mesh, gripper=None, *, count=200, candidates=None, friction=DEFAULT_FRICTION, approaches=12,
@@ -54,7 +54,7 @@ pub fn sample_grasps(
     let wished = candidates.unwrap_or(count.saturating_mul(10)).max(count);
     for (what, value, most) in [("count", wished, MOST_GRASPS), ("approaches", approaches, MOST_APPROACHES)] {
         if value > most {
-            return Err(bad_value(format!("{what} is {value}, but at most {most} make sense")));
+            return Err(bad_value(format!("{what} is {value}, but at most {most} is allowed")));
         }
     }
     let mesh = triangles(mesh)?;
@@ -70,7 +70,7 @@ pub fn sample_grasps(
             friction,
             opening_m: hand.opening_m,
             approaches,
-            // What the filter of the hand would refuse anyway, sooner.
+            // Rejects early what the filter of the hand would reject anyway.
             finger_depth_m: Some(hand.finger_depth_m).filter(|depth_m| !bare && *depth_m > 0.0),
             seed,
             ..SamplerSettings::default()

@@ -14,11 +14,11 @@ use crate::handover::array::{self, Numbers, matrices, shaped};
 use crate::handover::fault::{bad_value, fault};
 use crate::handover::pickled::{Reduced, restored_by};
 
-/// Ways to hold an object, N of them: poses of the gripper frame, scores and widths. Immutable.
+/// Set of N grasps of an object: poses of the gripper frame, scores and widths. Immutable.
 ///
-/// The gripper frame has its origin between the finger pads, y along the axis on which the fingers close, z out of
-/// the palm; a gripper turned by 180° about z is the same grasp. Poses are in the planning frame, those of
-/// `sample_grasps` in the frame of the mesh.
+/// The gripper frame has its origin between the finger pads, y along the axis on which the fingers close, z out of the palm; a
+/// gripper turned by 180° about z is the same grasp. Poses are in the planning frame, those of `sample_grasps` in the frame of
+/// the mesh.
 #[pyclass(name = "Grasps", module = "cranny", frozen)]
 pub struct PyGrasps {
     pub set: GraspSet,
@@ -26,10 +26,10 @@ pub struct PyGrasps {
 
 #[pymethods]
 impl PyGrasps {
-    /// Grasps at `poses` (N, 4, 4). `scores` (N,) in [0, 1] and `widths` (N,) in metres; NaN, or None for all:
-    /// not known. `robust_scores` (N,) in [0, 1] are the shares of `robust_trials` (N,) in which a grasp was held in
-    /// physics, with everything a little wrong (`simulate_grasps`); both or neither is known of a grasp. `loads` (N,) are
-    /// factors by which gravity may grow before a pad slips.
+    /// Creates grasps at `poses` (N, 4, 4). `scores` (N,) in [0, 1] and `widths` (N,) in metres; NaN, or None for all: unknown.
+    /// `robust_scores` (N,) in [0, 1] are the fractions of `robust_trials` (N,) in which a grasp was held in physics with small
+    /// errors (`simulate_grasps`); both or neither must be known for a grasp. `loads` (N,) are factors by which gravity may
+    /// grow before a pad slips.
     #[new]
     #[pyo3(signature = (poses, scores=None, *, widths=None, robust_scores=None, robust_trials=None, loads=None))]
     fn new(
@@ -55,60 +55,60 @@ impl PyGrasps {
         Ok(Self { set: GraspSet::new(grasps).map_err(fault)? })
     }
 
-    /// Reads a `grasps.csv`: 16 numbers of the pose row by row, score, width, robust score, robust trials and
-    /// load in each line.
+    /// Reads a `grasps.csv`: each line holds 16 numbers of the pose row by row, score, width, robust score, robust trials and
+    /// load.
     #[staticmethod]
     fn load(path: PathBuf) -> PyResult<Self> {
         Ok(Self { set: read_csv(&path).map_err(fault)? })
     }
 
-    /// Writes a `grasps.csv`, as a whole or not at all.
+    /// Writes a `grasps.csv` atomically.
     fn save(&self, path: PathBuf) -> PyResult<()> {
         write_csv(&path, &self.set).map_err(fault)
     }
 
-    /// Poses of the gripper frame, (N, 4, 4), metres.
+    /// Poses of the gripper frame, (N, 4, 4), in metres.
     #[getter]
     fn poses<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         matrices(py, self.set.grasps().iter().map(|grasp| grasp.world_from_gripper))
     }
 
-    /// How good each is, (N,), in [0, 1]; NaN where nobody scored it.
+    /// Score of each grasp, (N,), in [0, 1]; NaN if unknown.
     #[getter]
     fn scores<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         self.each(py, |grasp| grasp.score)
     }
 
-    /// Width of the object between the fingers, (N,), in metres; NaN where it is not known.
+    /// Width of the object between the fingers, (N,), in metres; NaN if unknown.
     #[getter]
     fn widths<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         self.each(py, |grasp| grasp.width_m)
     }
 
-    /// The share of its trials in which each was held in physics, (N,), in [0, 1]; NaN where that was not tried.
+    /// Fraction of its trials in which each grasp was held in physics, (N,), in [0, 1]; NaN if untested.
     #[getter]
     fn robust_scores<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         self.each(py, |grasp| grasp.robust.map(|robust| robust.score()))
     }
 
-    /// How many trials each robust score is of, (N,); NaN where it has none.
+    /// Number of trials of each robust score, (N,); NaN if untested.
     #[getter]
     fn robust_trials<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         self.each(py, |grasp| grasp.robust.map(|robust| robust.trials as f64))
     }
 
-    /// Factor by which gravity may grow before a pad slips, (N,); NaN where it was not computed.
+    /// Factor by which gravity may grow before a pad slips, (N,); NaN if not computed.
     #[getter]
     fn loads<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         self.each(py, |grasp| grasp.load)
     }
 
-    /// Indices (N,) from the highest score down; unscored grasps come last.
+    /// Returns the indices (N,) in the order of decreasing score; unscored grasps come last.
     fn by_score<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<i64>>> {
         shaped(py, self.set.by_score().into_iter().map(array::index).collect(), &[self.set.len()])
     }
 
-    /// The nearest grasp to a gripper at `pose` (4, 4): its index, metres and radians between them.
+    /// Returns the nearest grasp to a gripper at `pose` (4, 4): its index, and the distance in metres and radians.
     fn nearest(&self, pose: &Bound<'_, PyAny>) -> PyResult<Option<(usize, f64, f64)>> {
         let (true, poses) = array::poses(pose, "pose")? else {
             return Err(bad_value("pose is a batch, but one pose of shape (4, 4) is expected"));
@@ -117,8 +117,7 @@ impl PyGrasps {
         Ok(nearest.map(|(index, difference)| (index, difference.translation_m, difference.rotation_rad)))
     }
 
-    /// How much of these grasps those of `other` cover: the share, in [0, 1], that is within `threshold`
-    /// (millimetres plus degrees) of one of them.
+    /// Returns the fraction of these grasps, in [0, 1], within `threshold` (millimetres plus degrees) of a grasp of `other`.
     #[pyo3(
         signature = (other, *, threshold=COVERAGE_THRESHOLD),
         text_signature = "($self, other, *, threshold=15.0)"
@@ -133,7 +132,7 @@ impl PyGrasps {
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
         let (py, set) = (slf.py(), &slf.get().set);
-        // Not the matrices, from which rotations come back with other last digits.
+        // Quaternions, because a conversion from matrices would change the last digits of the rotations.
         let numbers = set.grasps().iter().flat_map(|grasp| {
             let Pose { translation, rotation } = &grasp.world_from_gripper;
             let unknown = |value: Option<f64>| value.unwrap_or(f64::NAN);
@@ -153,7 +152,7 @@ impl PyGrasps {
 /// Numbers of a grasp in a pickle: translation, rotation (x, y, z, w), score, width, robust score and its trials, load.
 const ROW: usize = 12;
 
-/// Grasps as they were pickled.
+/// Restores pickled grasps.
 #[pyfunction]
 #[pyo3(name = "_restored_grasps")]
 pub fn restored_grasps(rows: &Bound<'_, PyAny>) -> PyResult<PyGrasps> {
@@ -186,7 +185,7 @@ impl PyGrasps {
     }
 }
 
-/// One value for each grasp; NaN is none.
+/// Reads one value per grasp; NaN means unknown.
 fn known(value: Option<&Bound<'_, PyAny>>, what: &str, count: usize) -> PyResult<Vec<Option<f64>>> {
     let Some(value) = value else { return Ok(vec![None; count]) };
     let numbers = Numbers::read(value, what)?;
@@ -206,6 +205,6 @@ fn robust(grasp: usize, score: Option<f64>, trials: Option<f64>) -> PyResult<Opt
         (Some(score), Some(trials)) => RobustScore::of_share(score, trials)
             .map(Some)
             .ok_or_else(|| fault(GraspError::Robust { grasp, score, trials })),
-        _ => Err(bad_value(format!("of robust_scores and robust_trials of grasp {grasp} only one is known"))),
+        _ => Err(bad_value(format!("grasp {grasp}: give both robust_scores and robust_trials, or neither"))),
     }
 }

@@ -18,20 +18,20 @@ use crate::handover::interrupt::Interrupt;
 use crate::handover::json::python_of;
 use crate::handover::whole;
 
-/// More trials of a grasp than this are a mistake.
+/// Maximum number of trials of a grasp; more would be a mistake.
 const MOST_TRIALS: usize = 10_000;
 
-/// Tries grasps of a scenario's target in physics, on all cores: the hand alone closes, lifts and shakes. One dictionary
-/// for each grasp, with the keys of `cranny simulate grasps --json`: grasp, outcome ("held", "slipped", "dropped",
-/// "never-closed", "knocked-away"), translation_error_m, rotation_error_rad, held_s, contact_force_n, score, load (where the
-/// hand has two flat pads: a dictionary of at_rest, in_motion, turn_rad, shift_m and width_m), and with `trials` also
-/// robust, a dictionary of trials, held and score: each grasp is then tried that many times more with
-/// everything a little wrong, the same for all grasps; `seed` draws others. An open hand that stands more than 1 mm deep in
-/// the object ("knocked-away") or with a finger in what is around ("never-closed") begins nothing.
+/// Tests grasps of a scenario's target in physics, on all cores: the hand alone closes, lifts and shakes. Returns one
+/// dictionary for each grasp, with the keys of `cranny simulate grasps --json`: grasp, outcome ("held", "slipped", "dropped",
+/// "never-closed", "knocked-away"), translation_error_m, rotation_error_rad, held_s, contact_force_n, score, load (if the hand
+/// has two flat pads: a dictionary of at_rest, in_motion, turn_rad, shift_m and width_m), and with `trials` also robust, a
+/// dictionary of trials, held and score: each grasp is then tested that many more times with small errors, the same for all
+/// grasps; `seed` draws others. A test does not start if the open hand overlaps the object by more than 1 mm ("knocked-away")
+/// or a finger overlaps the surroundings ("never-closed").
 ///
-/// `grasps`: in the planning frame; by default the scenario's own. `support_only`: of what stands around only what
-/// carries the target. `gripper`: a YAML file; by default the hand of the scenario's robot. `mass_kg`, `friction` and
-/// `closing_force_n` go before what files say.
+/// `grasps`: in the planning frame; by default the scenario's own. `support_only`: of the surroundings, only the support of the
+/// target. `gripper`: a YAML file; by default the hand of the scenario's robot. `mass_kg`, `friction` and `closing_force_n`
+/// override the files.
 #[pyfunction]
 #[pyo3(
     signature = (scenario, grasps=None, *, support_only=false, gripper=None, mass_kg=None, friction=None,
@@ -51,7 +51,7 @@ pub fn simulate_grasps<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let py = scenario.py();
     if trials > MOST_TRIALS {
-        return Err(bad_value(format!("trials is {trials}, but at most {MOST_TRIALS} make sense")));
+        return Err(bad_value(format!("trials is {trials}, but at most {MOST_TRIALS} is allowed")));
     }
     let scenario = &scenario.get().scenario;
     let hand = hand_of(scenario, gripper, closing_force_n)?;
@@ -79,9 +79,9 @@ fn hand_of(scenario: &Scenario, gripper: Option<PathBuf>, closing_force_n: Optio
     Ok(hand)
 }
 
-/// What `simulate_grasps` tries, as a document for another engine, the same as `cranny simulate export` writes: the model
-/// of hand, object and surroundings as MJCF, what the hand does, what counts as held, and the grasps. A dictionary, which
-/// `cranny.mujoco_grasps.run_all` takes.
+/// Returns the tests of `simulate_grasps` as a document for another engine, as `cranny simulate export` writes it: the model of
+/// hand, object and surroundings as MJCF, the motion of the hand, the condition for a held object, and the grasps. A dictionary
+/// for `cranny.mujoco_grasps.run_all`.
 ///
 /// The arguments are those of `simulate_grasps`.
 #[pyfunction]
@@ -109,16 +109,19 @@ pub fn grasp_experiment<'py>(
     python_of(py, &test.experiment(&poses))
 }
 
-/// Executes a plan in physics, as `cranny simulate plan` does: the arm is where the timed path has it, the hand closes with
-/// its closing force, and the arm lifts straight up by `lift_m`, or follows the rest of a plan that carries the object on.
-/// A dictionary with the keys of `cranny simulate plan --json`: scenario, outcome ("held",
-/// "slipped", "dropped", "never-closed", "knocked-away"; of an object that the hand let go "placed" where it was to be put
-/// down, or "misplaced"), is_kept (in the hand up to the end or the release, and not slipped too far), is_in_hand, of a plan that puts it down released (where, and how far off) and placed (how far off
-/// 2 s after the arm has stopped: translation_m, rotation_rad, is_there), reach_s, contacts, pushed_m, lift_m, rose_m, translation_error_m, rotation_error_rad, held_s, contact_force_n, position_m,
-/// quaternion_xyzw, simulated_s; of a plan with several picks scenario, as_planned and steps, a dictionary for each. Of several plans, which are executed on all cores, a list of them in their order.
+/// Executes a plan in physics, as `cranny simulate plan` does: the arm follows the timed path exactly, the hand closes with its
+/// closing force, and the arm lifts straight up by `lift_m`, or follows the rest of a plan that carries the object on.
 ///
-/// `mass_kg`, `friction` and `closing_force_n` go before what files say; `disturb` is a seed of errors: of the hand 2 mm and
-/// 2° per axis, of the friction 30 %, of the mass 20 %.
+/// Returns a dictionary with the keys of `cranny simulate plan --json`: scenario, outcome ("held", "slipped", "dropped",
+/// "never-closed", "knocked-away"; for a released object "placed" at its goal, or "misplaced"), is_kept (in the hand up to the
+/// end or the release, without slipping too far), is_in_hand, for a plan that puts it down released (pose error at the release)
+/// and placed (pose error 2 s after the arm has stopped: translation_m, rotation_rad, is_there), reach_s, contacts, pushed_m,
+/// lift_m, rose_m, translation_error_m, rotation_error_rad, held_s, contact_force_n, position_m, quaternion_xyzw, simulated_s;
+/// for a plan with several picks scenario, as_planned and steps, a dictionary for each. For several plans, which are executed
+/// on all cores, a list of them in their order.
+///
+/// `mass_kg`, `friction` and `closing_force_n` override the files; `disturb` is a seed of errors: of the hand 2 mm and 2° per
+/// axis, of the friction 30 %, of the mass 20 %.
 #[pyfunction]
 #[pyo3(signature = (plan, *, lift_m=0.03, mass_kg=None, friction=None, closing_force_n=None, disturb=None))]
 pub fn simulate_plan<'py>(
@@ -143,7 +146,7 @@ pub fn simulate_plan<'py>(
     let interrupt = Mutex::new(Interrupt::new());
     let rows = py.detach(|| {
         let execute = |plan: &&PyPlan| {
-            // An exception takes the place of all rows.
+            // An exception replaces all rows.
             let stops = interrupt.lock().is_ok_and(|mut interrupt| interrupt.asks());
             (!stops).then(|| instead.execute(plan, lift_m)).transpose()
         };
@@ -155,9 +158,9 @@ pub fn simulate_plan<'py>(
     python_of(py, &rows?.unwrap_or_default())
 }
 
-/// A plan of one pick as a document for another engine, the same as `cranny simulate plan --export` writes: hand, object and
-/// surroundings as MJCF, and the motions of the hand from where it closes. A dictionary, which
-/// `cranny.mujoco_grasps.run_plan` takes. The arguments are those of `simulate_plan`.
+/// Returns a plan of one pick as a document for another engine, as `cranny simulate plan --export` writes it: hand, object and
+/// surroundings as MJCF, and the motions of the hand from the closing on. A dictionary for `cranny.mujoco_grasps.run_plan`. The
+/// arguments are those of `simulate_plan`.
 #[pyfunction]
 #[pyo3(signature = (plan, *, lift_m=0.03, mass_kg=None, friction=None, closing_force_n=None))]
 pub fn plan_experiment<'py>(
@@ -175,11 +178,11 @@ pub fn plan_experiment<'py>(
         let (execution, picks) = instead.execution(plan, lift_m)?;
         execution.experiment(&picks).map_err(fault)
     })?;
-    let several = || bad_value("the plan has several picks; give one of a single pick");
+    let several = || bad_value("the plan has several picks; give a plan with a single pick");
     python_of(py, &experiment.ok_or_else(several)?)
 }
 
-/// What goes before what files say.
+/// Overrides of the properties in the files.
 struct Instead {
     physics: TargetPhysics,
     closing_force_n: Option<f64>,
@@ -190,7 +193,7 @@ impl Instead {
     fn execution<'a>(&self, plan: &'a PyPlan, lift_m: f64) -> PyResult<(PlanExecution<'a>, Vec<PickPath>)> {
         let Some(scenario) = &plan.task.scenario else {
             return Err(bad_value(
-                "a plan of a Scenario is expected: nobody says what a MoveItProblem's objects weigh",
+                "a plan of a Scenario is expected: the masses of a MoveItProblem's objects are unknown",
             ));
         };
         if plan.file.waypoints.is_empty() {

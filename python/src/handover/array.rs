@@ -1,4 +1,4 @@
-//! Arrays of NumPy, and whatever else NumPy takes for an array, as rows of numbers.
+//! Conversions of NumPy arrays, and of everything that NumPy converts to arrays, to rows of numbers.
 
 use cranny_grasp::{pose_of_rows, rows_of_pose};
 use cranny_robot::Robot;
@@ -11,15 +11,15 @@ use pyo3::prelude::*;
 
 use crate::handover::fault::{bad_type, bad_value, fault};
 
-/// Numbers that lie in one piece, row by row, as Python gave them. They are looked at where they are; whoever
-/// writes to them from another thread meanwhile gets answers about neither the old nor the new values.
+/// Contiguous numbers, row by row, read from Python's memory without a copy. If another thread writes to them during a call,
+/// results match neither the old nor the new values.
 pub struct Numbers<'py> {
     array: PyReadonlyArrayDyn<'py, f64>,
     what: String,
 }
 
 impl<'py> Numbers<'py> {
-    /// Reads `value`, which errors call `what`. Masked values are NaN: not known, or not finite.
+    /// Reads `value`, which errors call `what`. Masked values become NaN: unknown, or not finite.
     pub fn read(value: &Bound<'py, PyAny>, what: &str) -> PyResult<Self> {
         let value = &unmasked(value)?;
         let array = match value.cast::<PyArrayDyn<f64>>() {
@@ -28,7 +28,7 @@ impl<'py> Numbers<'py> {
         };
         let array = array
             .try_readonly()
-            .map_err(|_| bad_value(format!("{what}: the array is being written to by somebody else")))?;
+            .map_err(|_| bad_value(format!("{what}: the array is being written to elsewhere")))?;
         Ok(Self { array, what: what.to_owned() })
     }
 
@@ -37,10 +37,10 @@ impl<'py> Numbers<'py> {
     }
 
     pub fn values(&self) -> PyResult<&[f64]> {
-        self.array.as_slice().map_err(|_| bad_value(format!("{}: the array is not in one piece", self.what)))
+        self.array.as_slice().map_err(|_| bad_value(format!("{}: the array is not contiguous", self.what)))
     }
 
-    /// The values, if all are finite.
+    /// Returns the values if all are finite.
     pub fn finite(&self) -> PyResult<&[f64]> {
         let values = self.values()?;
         match values.iter().position(|value| !value.is_finite()) {
@@ -59,19 +59,19 @@ impl<'py> Numbers<'py> {
         }
     }
 
-    /// An error that shows the shape found and the one expected.
+    /// Returns an error that shows the shape found and the one expected.
     pub fn wrong_shape(&self, expected: &str) -> PyErr {
         let shape = tuple_text(self.shape());
         bad_value(format!("{} has shape {shape}, but {expected} is expected", self.what))
     }
 }
 
-/// Whether the numbers lie one behind the other where numbers may lie.
+/// Returns true if the array is contiguous and aligned.
 fn is_plain(array: &Bound<'_, PyArrayDyn<f64>>) -> bool {
     array.is_c_contiguous() && (array.data() as usize).is_multiple_of(align_of::<f64>())
 }
 
-/// A masked array with NaN where it is masked, anything else as it is: NumPy's conversions drop the mask.
+/// Replaces masked values by NaN, because NumPy's conversions drop the mask; other values are unchanged.
 fn unmasked<'py>(value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     let is_derived =
         value.is_instance_of::<PyUntypedArray>() && !value.is_exact_instance_of::<PyUntypedArray>();
@@ -85,12 +85,12 @@ fn unmasked<'py>(value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     value.call_method1("astype", ("float64",))?.call_method1("filled", (f64::NAN,))
 }
 
-/// As NumPy converts it: numbers only, nothing that loses digits.
+/// Converts with NumPy: numbers only, without loss of digits.
 fn converted<'py>(value: &Bound<'py, PyAny>, what: &str) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
     let py = value.py();
     let numpy = py.import("numpy")?;
     let array = numpy.call_method1("asarray", (value,)).map_err(|reason| {
-        let told = bad_type(format!("{what}: no array of numbers ({reason})"));
+        let told = bad_type(format!("{what}: an array of numbers is expected ({reason})"));
         told.set_cause(py, Some(reason));
         told
     })?;
@@ -139,13 +139,13 @@ impl<'py> Configurations<'py> {
         self.numbers.values()
     }
 
-    /// One row each.
+    /// Returns one row per configuration.
     pub fn rows(&self, dof: usize) -> PyResult<Vec<Vec<f64>>> {
         Ok(self.values()?.chunks_exact(dof.max(1)).map(<[f64]>::to_vec).collect())
     }
 }
 
-/// Values that come with the names of their joints (`cranny.ros.JointPositions`) in the robot's order; any others as they are.
+/// Reorders values with joint names (`cranny.ros.JointPositions`) to the robot's order; others are unchanged.
 fn in_order_of<'py>(value: &Bound<'py, PyAny>, robot: &Robot) -> PyResult<Bound<'py, PyAny>> {
     match value.getattr_opt("in_order_of")? {
         Some(in_order_of) => in_order_of.call1((robot.joint_names().to_vec(),)),
@@ -153,7 +153,7 @@ fn in_order_of<'py>(value: &Bound<'py, PyAny>, robot: &Robot) -> PyResult<Bound<
     }
 }
 
-/// A single configuration (m, rad).
+/// Reads a single configuration (m, rad).
 pub fn configuration(value: &Bound<'_, PyAny>, what: &str, robot: &Robot) -> PyResult<Vec<f64>> {
     let numbers = Numbers::read(&in_order_of(value, robot)?, what)?;
     let dof = robot.dof();
@@ -163,7 +163,7 @@ pub fn configuration(value: &Bound<'_, PyAny>, what: &str, robot: &Robot) -> PyR
     Ok(numbers.finite()?.to_vec())
 }
 
-/// One pose or many, as (4, 4) or (N, 4, 4); whether it was one.
+/// Reads one pose or many, as (4, 4) or (N, 4, 4); the flag is true for a single pose.
 pub fn poses(value: &Bound<'_, PyAny>, what: &str) -> PyResult<(bool, Vec<Pose>)> {
     let numbers = Numbers::read(value, what)?;
     let is_single = match *numbers.shape() {
@@ -180,7 +180,7 @@ pub fn poses(value: &Bound<'_, PyAny>, what: &str) -> PyResult<(bool, Vec<Pose>)
     Ok((is_single, poses.collect::<PyResult<_>>()?))
 }
 
-/// One pose: (4, 4), or (3,) for a translation in metres; the identity where there is none.
+/// Reads one pose: (4, 4), or (3,) for a translation in metres; the identity for `None`.
 pub fn pose_or_translation(value: Option<&Bound<'_, PyAny>>, what: &str) -> PyResult<Pose> {
     let Some(value) = value else { return Ok(Pose::identity()) };
     let numbers = Numbers::read(value, what)?;
@@ -194,12 +194,12 @@ pub fn pose_or_translation(value: Option<&Bound<'_, PyAny>>, what: &str) -> PyRe
     }
 }
 
-/// The same numbers in an array that nobody else can write to.
+/// Copies the numbers into an array that no other code can write to.
 pub fn copied<'py>(value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     value.py().import("numpy")?.call_method1("array", (value, "float64"))
 }
 
-/// Three lengths.
+/// Reads three lengths.
 pub fn vector(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vector> {
     let numbers = Numbers::read(value, what)?;
     if *numbers.shape() != [3] {
@@ -208,8 +208,8 @@ pub fn vector(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vector> {
     Ok(Vector::from_column_slice(numbers.finite()?))
 }
 
-/// Triangles of a `trimesh.Trimesh`, or of whatever else has `vertices` and `faces`, or of a pair of arrays
-/// (V, 3) in metres and (F, 3) of indices.
+/// Reads the triangles of a `trimesh.Trimesh`, of any object with `vertices` and `faces`, or of a pair of arrays (V, 3) in
+/// metres and (F, 3) of indices.
 pub fn triangles(mesh: &Bound<'_, PyAny>) -> PyResult<TriangleSoup> {
     let (vertices, faces) = match (mesh.getattr_opt("vertices")?, mesh.getattr_opt("faces")?) {
         (Some(vertices), Some(faces)) => (vertices, faces),
@@ -233,7 +233,7 @@ pub fn triangles(mesh: &Bound<'_, PyAny>) -> PyResult<TriangleSoup> {
         for (index, &corner) in indices.iter_mut().zip(triangle) {
             if corner.fract() != 0.0 || !(0.0..count as f64).contains(&corner) {
                 return Err(bad_value(format!(
-                    "mesh.faces: {corner} is no vertex, of which there are {count}"
+                    "mesh.faces: vertex index {corner} is out of range: the mesh has {count} vertices"
                 )));
             }
             #[allow(
@@ -250,12 +250,12 @@ pub fn triangles(mesh: &Bound<'_, PyAny>) -> PyResult<TriangleSoup> {
     Ok(soup)
 }
 
-/// An index as NumPy counts: there are far fewer things than it can tell apart.
+/// Converts an index to NumPy's type; no collection is large enough to overflow it.
 pub fn index(index: usize) -> i64 {
     i64::try_from(index).unwrap_or(i64::MAX)
 }
 
-/// Values in an array of this shape.
+/// Returns values in an array of this shape.
 pub fn shaped<'py, T: numpy::Element>(
     py: Python<'py>,
     values: Vec<T>,
@@ -264,7 +264,7 @@ pub fn shaped<'py, T: numpy::Element>(
     PyArray1::from_vec(py, values).reshape(shape.to_vec())
 }
 
-/// (N, 4, 4).
+/// Returns matrices (N, 4, 4).
 pub fn matrices(
     py: Python<'_>,
     poses: impl ExactSizeIterator<Item = Pose>,
@@ -273,7 +273,7 @@ pub fn matrices(
     shaped(py, poses.flat_map(|pose| rows_of_pose(&pose)).collect(), &[count, 4, 4])
 }
 
-/// (N, dof).
+/// Returns rows (N, dof).
 pub fn rows<'py>(py: Python<'py>, rows: &[Vec<f64>], dof: usize) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
     shaped(py, rows.concat(), &[rows.len(), dof])
 }

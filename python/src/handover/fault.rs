@@ -1,4 +1,4 @@
-//! What Python hears of bad input.
+//! Exceptions for bad input.
 
 use std::fmt::Display;
 
@@ -13,17 +13,17 @@ pyo3::create_exception!(
      where there is one, and a hint. A `ValueError`."
 );
 
-/// The error of a lower room.
+/// Converts the error of another crate.
 pub fn fault(reason: impl Display) -> PyErr {
     CrannyError::new_err(reason.to_string())
 }
 
-/// A value that is of the right type, and wrong.
+/// Returns an error for a value of the right type that is invalid.
 pub fn bad_value(message: impl Into<String>) -> PyErr {
     PyValueError::new_err(message.into())
 }
 
-/// A value of the wrong type.
+/// Returns an error for a value of the wrong type.
 pub fn bad_type(message: impl Into<String>) -> PyErr {
     PyTypeError::new_err(message.into())
 }

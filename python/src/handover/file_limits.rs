@@ -1,7 +1,7 @@
 use pyo3::prelude::*;
 
-/// From now on this process reads files of any size, as `--large-files` does: a mesh or a table may else hold 1 GiB, a
-/// packed scenario 256 MiB, any other file 64 MiB.
+/// Lets this process read files of any size from now on, as `--large-files` does; the default limits are 1 GiB for a mesh or a
+/// table, 256 MiB for a packed scenario and 64 MiB for any other file.
 #[pyfunction]
 pub fn lift_file_limits() {
     cranny_file::lift_limits();

@@ -1,4 +1,4 @@
-//! Ctrl-C, while the interpreter is free for others.
+//! Interruption by Ctrl-C while the interpreter is released.
 
 use std::cell::RefCell;
 use std::time::{Duration, Instant};
@@ -6,10 +6,10 @@ use std::time::{Duration, Instant};
 use cranny_plan::Observer;
 use pyo3::{PyErr, PyResult, Python};
 
-/// So often a signal is looked for: sooner than a person notices, too seldom to cost a search anything.
+/// Interval of the checks for signals: imperceptible to a user, and negligible for a search.
 const LOOK_EVERY: Duration = Duration::from_millis(30);
 
-/// Looks for signals from time to time, and keeps the exception that one raised.
+/// Checks for signals from time to time, and keeps the exception that one raised.
 #[derive(Debug)]
 pub struct Interrupt {
     looked: Instant,
@@ -21,7 +21,7 @@ impl Interrupt {
         Self { looked: Instant::now(), raised: None }
     }
 
-    /// Whether to stop: a signal handler of Python has raised something. Called without the interpreter held.
+    /// Returns true if a signal handler of Python has raised an exception. Called without the GIL.
     pub fn asks(&mut self) -> bool {
         if self.raised.is_none() && self.looked.elapsed() >= LOOK_EVERY {
             self.looked = Instant::now();
@@ -35,13 +35,13 @@ impl Interrupt {
         self.raised.is_some()
     }
 
-    /// What was raised, as the result of whatever was stopped by it.
+    /// Returns the raised exception as an error.
     pub fn result(self) -> PyResult<()> {
         self.raised.map_or(Ok(()), Err)
     }
 }
 
-/// Ends a search on Ctrl-C.
+/// Observer that stops a search on Ctrl-C.
 #[derive(Debug)]
 pub struct InterruptObserver(RefCell<Interrupt>);
 

@@ -1,4 +1,4 @@
-//! What rooms write as JSON, as dictionaries and lists, and the way back.
+//! Conversions between JSON of the crates and dictionaries and lists.
 
 use pyo3::prelude::*;
 use serde::Serialize;
@@ -6,13 +6,13 @@ use serde_json::{Map, Value};
 
 use crate::handover::fault::{bad_type, fault};
 
-/// The value as Python reads its JSON.
+/// Converts a value to Python through its JSON.
 pub fn python_of<'py>(py: Python<'py>, value: &impl Serialize) -> PyResult<Bound<'py, PyAny>> {
     let text = serde_json::to_string(value).map_err(fault)?;
     py.import("json")?.call_method1("loads", (text,))
 }
 
-/// A dictionary of settings.
+/// Reads a dictionary of settings.
 pub fn settings_of(settings: Option<&Bound<'_, PyAny>>) -> PyResult<Map<String, Value>> {
     let Some(settings) = settings else { return Ok(Map::new()) };
     match value_of("settings", "a dictionary of plain values", settings)? {
@@ -21,7 +21,7 @@ pub fn settings_of(settings: Option<&Bound<'_, PyAny>>) -> PyResult<Map<String, 
     }
 }
 
-/// Plain values of Python, as JSON.
+/// Converts plain values of Python to JSON.
 pub fn value_of(what: &str, expected: &str, value: &Bound<'_, PyAny>) -> PyResult<Value> {
     let text: String = value
         .py()

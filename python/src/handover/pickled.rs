@@ -1,5 +1,5 @@
-//! What a pickle holds of a thing: what it was made by and of, and for what comes from files a fingerprint, so that
-//! who opens it elsewhere gets the same thing or an error.
+//! Contents of pickles: the constructor call of an object, and for objects from files a fingerprint, so that unpickling
+//! elsewhere gives the same object or an error.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -10,25 +10,25 @@ use pyo3::types::{PyDict, PyTuple};
 
 use crate::handover::fault::fault;
 
-/// How a thing was made: a function of Python that can be pickled, and its arguments.
+/// Constructor call of an object: a picklable function of Python, and its arguments.
 #[derive(Clone)]
 pub struct Made(pub Option<Arc<Call>>);
 
 pub struct Call {
     pub function: Py<PyAny>,
     pub arguments: Py<PyTuple>,
-    /// Whether files were read, which may be others by then.
+    /// True if files were read, which may have changed since.
     pub is_of_files: bool,
 }
 
-/// A function and its arguments: what `__reduce__` returns.
+/// Result of `__reduce__`: a function and its arguments.
 pub type Reduced<'py> = (Bound<'py, PyAny>, Bound<'py, PyTuple>);
 
 impl Made {
-    /// By nothing that could be called again.
+    /// Object without a constructor call that can be repeated.
     pub const UNKNOWN: Self = Self(None);
 
-    /// By `function(*arguments)`.
+    /// Object made by `function(*arguments)`.
     pub fn by<'py>(
         function: Bound<'py, PyAny>,
         arguments: impl IntoPyObject<'py, Target = PyTuple, Output = Bound<'py, PyTuple>, Error: Into<PyErr>>,
@@ -37,7 +37,7 @@ impl Made {
         Ok(Self(Some(Arc::new(Call { function: function.unbind(), arguments, is_of_files: false }))))
     }
 
-    /// By `class(*arguments, **keywords)` or a static method of it, from files or from what the package has.
+    /// Object made by `class(*arguments, **keywords)` or a static method of it, from files or from data of the package.
     pub fn opened<'py>(
         function: &Bound<'py, PyAny>,
         arguments: impl IntoPyObject<'py, Target = PyTuple, Output = Bound<'py, PyTuple>, Error: Into<PyErr>>,
@@ -48,7 +48,7 @@ impl Made {
         Ok(Self(Some(Arc::new(Call { function, arguments, is_of_files: true }))))
     }
 
-    /// By `owner.method(*arguments, **keywords)`.
+    /// Object made by `owner.method(*arguments, **keywords)`.
     pub fn by_method<'py>(
         owner: &Bound<'py, PyAny>,
         arguments: impl PyCallArgs<'py>,
@@ -58,13 +58,13 @@ impl Made {
         Self::by(caller, (owner,))
     }
 
-    /// By `owner.name`.
+    /// Object made by `owner.name`.
     pub fn by_attribute(owner: &Bound<'_, PyAny>, name: &str) -> PyResult<Self> {
         Self::by(owner.py().import("operator")?.getattr("attrgetter")?.call1((name,))?, (owner,))
     }
 }
 
-/// `functools.partial(function, **keywords)`.
+/// Returns `functools.partial(function, **keywords)`.
 pub fn partial<'py>(
     function: &Bound<'py, PyAny>,
     keywords: &Bound<'py, PyDict>,
@@ -72,7 +72,7 @@ pub fn partial<'py>(
     function.py().import("functools")?.getattr("partial")?.call((function,), Some(keywords))
 }
 
-/// What `__reduce__` returns for what a function of this module makes anew.
+/// Returns the result of `__reduce__` that calls a function of this module.
 pub fn restored_by<'py>(
     py: Python<'py>,
     function: &str,
@@ -82,7 +82,7 @@ pub fn restored_by<'py>(
     Ok((function, arguments.into_pyobject(py).map_err(Into::into)?))
 }
 
-/// A path that means the same in another folder.
+/// Returns a path that is independent of the current folder.
 pub fn absolute(path: &Path) -> PyResult<PathBuf> {
     std::path::absolute(path).map_err(fault)
 }

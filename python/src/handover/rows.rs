@@ -1,4 +1,4 @@
-//! Many rows at once: the interpreter free for others, one core or several, an ear for Ctrl-C.
+//! Batches of rows: without the GIL, on one core or several, interruptible by Ctrl-C.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -10,12 +10,12 @@ use pyo3::prelude::*;
 use crate::handover::array::Configurations;
 use crate::handover::interrupt::Interrupt;
 
-/// A result of `count` rows of `width` values each, computed in blocks of `block` rows. Each thread makes room to
-/// compute in with `scratch`; `work` fills the rows of a range. The order of the result does not depend on the
-/// number of `threads`; `None`: as many as the machine has cores.
+/// Computes `count` rows of `width` values each, in blocks of `block` rows. Each thread allocates its scratch with `scratch`;
+/// `work` fills the rows of a range. The order of the result does not depend on the number of `threads`; `None`: all cores of
+/// the machine.
 ///
 /// # Errors
-/// What a signal handler raised; whatever was computed is then thrown away.
+/// Exception of a signal handler; the computed rows are then discarded.
 pub fn computed<T: Clone + Default + Send, S>(
     py: Python<'_>,
     (count, width): (usize, usize),
@@ -44,7 +44,7 @@ pub fn computed<T: Clone + Default + Send, S>(
         let helpers = threads.min(count.div_ceil(block.max(1))).saturating_sub(1);
         thread::scope(|scope| {
             for _ in 0..helpers {
-                // One that the system refuses is not needed: the others take its blocks.
+                // If the system refuses a thread, the other threads take its blocks.
                 let _ = thread::Builder::new().spawn_scoped(scope, || serve(None));
             }
             serve(Some(&mut interrupt));
@@ -55,7 +55,7 @@ pub fn computed<T: Clone + Default + Send, S>(
 }
 
 impl Configurations<'_> {
-    /// A result of `width` values for each configuration, as of [`computed`]; `work` fills those of one.
+    /// Computes `width` values for each configuration, as [`computed`]; `work` fills those of one.
     pub fn computed<T: Clone + Default + Send, S>(
         &self,
         py: Python<'_>,

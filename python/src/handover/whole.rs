@@ -1,4 +1,4 @@
-//! Whole numbers as Python has them: of any size and sign, and so perhaps none that can be meant.
+//! Integers of Python, of any size and sign, and so possibly out of range.
 
 use std::fmt::Display;
 use std::ops::RangeInclusive;
@@ -9,10 +9,10 @@ use pyo3::prelude::*;
 
 use crate::handover::fault::{bad_type, bad_value};
 
-/// More would not fit in any machine, and would be asked for by mistake.
+/// Maximum number of threads; more than any machine supports, so a larger number is a mistake.
 const MOST_THREADS: usize = 1024;
 
-/// Readers of arguments, named like these, which `from_py_with` names; each with the numbers that it takes.
+/// Defines readers of arguments for `from_py_with`, each named like its argument, with the valid range.
 macro_rules! arguments {
     ($($name:ident: $type:ty = $range:expr),* $(,)?) => {$(
         pub fn $name(value: &Bound<'_, PyAny>) -> PyResult<$type> {
@@ -21,7 +21,7 @@ macro_rules! arguments {
     )*};
 }
 
-/// The same for arguments that may be None.
+/// Defines such readers for arguments that may be None.
 macro_rules! optional_arguments {
     ($($name:ident: $type:ty = $range:expr),* $(,)?) => {$(
         pub fn $name(value: &Bound<'_, PyAny>) -> PyResult<Option<$type>> {
@@ -51,7 +51,7 @@ optional_arguments! {
     threads: usize = 1..=MOST_THREADS,
 }
 
-/// The number, if it is in the range; errors call it `what`.
+/// Reads an integer within a range; errors call it `what`.
 fn whole<T>(value: &Bound<'_, PyAny>, what: &str, range: RangeInclusive<T>) -> PyResult<T>
 where
     T: TryFrom<u64> + PartialOrd + Display,
@@ -65,7 +65,7 @@ where
         Err(reason) => return Err(reason),
     };
     number.filter(|number| range.contains(number)).ok_or_else(|| {
-        // Python does not write numbers of thousands of digits.
+        // Python refuses to format integers of thousands of digits.
         let shown = value.str().map_or_else(|_| "huge".to_owned(), |text| text.to_string());
         let (low, high) = (range.start(), range.end());
         bad_value(format!("{what} is {shown}, but a whole number from {low} to {high} is expected"))

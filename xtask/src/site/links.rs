@@ -1,9 +1,9 @@
-//! Where pages lead, before and after they are made.
+//! Links of pages, before and after the build.
 
 use std::fs;
 use std::path::{Component, Path, PathBuf};
 
-/// A page of Markdown with each of its links that `new` knows a new place for.
+/// Returns a Markdown page with each link replaced for which `new` returns a target.
 pub fn rewritten(page: &str, mut new: impl FnMut(&str) -> Option<String>) -> String {
     let mut text = String::with_capacity(page.len());
     let mut rest = page;
@@ -17,7 +17,7 @@ pub fn rewritten(page: &str, mut new: impl FnMut(&str) -> Option<String>) -> Str
     text + rest
 }
 
-/// A page as the site shows it: with what only the site has, `<!-- site: TEXT -->`, and without what stands in for that
+/// Returns a page for the site: with text that only the site shows, `<!-- site: TEXT -->`, and without its substitute
 /// elsewhere, `<!-- repository -->TEXT<!-- end -->`.
 pub fn for_the_site(page: &str) -> String {
     let replaced = |page: &str, begin: &str, end: &str, is_kept: bool| {
@@ -35,7 +35,7 @@ pub fn for_the_site(page: &str) -> String {
     replaced(&replaced(page, "<!-- site: ", " -->", true), "<!-- repository -->", "<!-- end -->", false)
 }
 
-/// A page without comments and code: what a reader of the repository can follow.
+/// Returns a page without comments and code, with the links that a reader of the repository can follow.
 pub fn for_the_repository(page: &str) -> String {
     let without = |page: &str, mark: &str, end: &str| {
         let mut text = String::new();
@@ -49,7 +49,7 @@ pub fn for_the_repository(page: &str) -> String {
     without(&without(&without(page, "<!--", "-->"), "```", "```"), "`", "`")
 }
 
-/// A relative path from a folder, without `..`; `None` where it leads out of everything.
+/// Joins a relative link to a folder and resolves `..`; `None` if it leads out of the root.
 pub fn joined(folder: &Path, link: &str) -> Option<PathBuf> {
     let mut path = folder.to_owned();
     for component in Path::new(link).components() {
@@ -68,10 +68,10 @@ fn is_elsewhere(link: &str) -> bool {
     link.contains("://") || link.starts_with(['#', '<']) || link.starts_with("mailto:") || link.is_empty()
 }
 
-/// How many pages there are in a built book, once every link of theirs is followed.
+/// Checks every link of a built book and returns the number of its pages.
 ///
 /// # Errors
-/// The links that lead nowhere, and what a page would load from elsewhere.
+/// List of broken links, and of external resources that a page would load.
 pub fn check(book: &Path) -> Result<usize, String> {
     let mut faults = Vec::new();
     let mut count = 0;
@@ -79,7 +79,7 @@ pub fn check(book: &Path) -> Result<usize, String> {
         let folder = book.join(folder);
         for entry in fs::read_dir(&folder).map_err(|error| format!("{}: {error}", folder.display()))? {
             let path = entry.map_err(|error| error.to_string())?.path();
-            // A report and a live page are whole in themselves.
+            // Reports and live pages are self-contained.
             if path.extension().is_some_and(|ending| ending == "html") {
                 let page =
                     fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
@@ -95,7 +95,7 @@ pub fn check(book: &Path) -> Result<usize, String> {
     if faults.is_empty() { Ok(count) } else { Err(faults.join("\n")) }
 }
 
-/// What is wrong with the links of a page.
+/// Returns the errors in the links of a page.
 fn faults_of<'a>(page: &'a str, folder: &'a Path) -> impl Iterator<Item = String> + 'a {
     let named = ["href=\"", "src=\""].into_iter().flat_map(move |key| {
         page.match_indices(key).filter_map(move |(at, _)| {

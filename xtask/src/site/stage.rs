@@ -1,4 +1,4 @@
-//! What mdBook reads: pages of the checkout, and those that the program makes.
+//! Input of mdBook: pages of the checkout, and generated pages.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -9,24 +9,24 @@ use crate::step::{self, Surroundings};
 
 use super::links;
 
-/// Where files that are no pages are.
+/// Address of files that are not pages.
 const REPOSITORY: &str = "https://github.com/cranny-planning/cranny/blob/main";
 
-/// The page that stands at the root of the site.
+/// Page at the root of the site.
 const START: &str = "docs/index.md";
 
-/// How the camera looks into the scene that opens the site: turned and raised, in degrees.
+/// Camera direction of the scene on the start page: turned and raised, in degrees.
 const CAMERA: &str = "--camera=-96,18";
 
 pub struct Stage<'a> {
     pub here: &'a Surroundings,
-    /// The folder that mdBook reads.
+    /// Folder that mdBook reads.
     pub source: &'a Path,
     pub summary: String,
 }
 
 impl Stage<'_> {
-    /// Copies the pages of `docs` and `benchmarks`, and what they show.
+    /// Copies the pages of `docs` and `benchmarks`, and the files that they show.
     pub fn copy_pages(&self) -> Result<(), String> {
         for folder in ["docs", "docs/decisions", "docs/pictures", "docs/schema", "benchmarks"] {
             let to = self.source.join(folder);
@@ -41,7 +41,8 @@ impl Stage<'_> {
         Ok(())
     }
 
-    /// A live page and a picture of each built-in scenario, with the way out, or in; those of several steps have no page.
+    /// Draws a live page and a picture of each built-in scenario, with the target carried out, or put inside; scenarios of
+    /// several steps have no page.
     pub fn draw_gallery(&self) -> Result<(), String> {
         let live = self.source.join("docs/live");
         fs::create_dir_all(&live).map_err(|error| told(&live, &error))?;
@@ -61,7 +62,7 @@ impl Stage<'_> {
         for (id, description) in &scenarios {
             let file = |ending: &str| live.join(format!("{id}{ending}")).display().to_string();
             let (plan, html, png) = (file(".plan.json"), file(".html"), file(".png"));
-            // An honest no, where no way out is found, is shown as the way in.
+            // If the target cannot be carried out, the page shows the reach alone.
             let task = if id.starts_with('1') { ["--place", "inside"] } else { ["--carry", "home"] };
             let carried = self.cranny(&[&["plan", id, "--quiet", "-o", &plan], &task[..]].concat()).status();
             if !carried.is_ok_and(|status| status.success()) {
@@ -81,7 +82,7 @@ impl Stage<'_> {
         self.write("docs/gallery.md", &page)
     }
 
-    /// The help of every command.
+    /// Writes the help of every command.
     pub fn write_commands(&self) -> Result<(), String> {
         let mut page = String::from(
             "# Commands\n\n`cranny help COMMAND` prints the same. Flags of all commands (`--json`, `--quiet`, `--force`, \
@@ -100,7 +101,7 @@ impl Stage<'_> {
         let _ = write!(page, "\n```text\n{}\n```\n", help.trim_end());
         let below =
             help.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
-        // A line that goes on is farther in.
+        // Continuation lines are indented further.
         let names = below.filter_map(|line| line.strip_prefix("  ")).filter(|line| !line.starts_with(' '));
         for name in names.filter_map(|line| line.split_whitespace().next()).filter(|name| *name != "help") {
             self.add_help(page, &[command, &[name]].concat())?;
@@ -108,7 +109,7 @@ impl Stage<'_> {
         Ok(())
     }
 
-    /// The lists of decisions and of stored runs, with a place for each in the summary.
+    /// Writes the lists of decisions and of stored runs, with entries in the summary.
     pub fn write_lists(&mut self) -> Result<(), String> {
         let mut list = String::from("# Why things are as they are\n\nDecisions, about ten lines each.\n\n");
         self.summary.push_str("- [Why things are as they are](docs/decisions.md)\n");
@@ -136,7 +137,7 @@ impl Stage<'_> {
         Ok(())
     }
 
-    /// Turns links to what is no page into links to the repository, and writes what mdBook reads first.
+    /// Redirects links to files other than pages to the repository, and writes the summary and the configuration of mdBook.
     pub fn finish(&self, book: &str) -> Result<(), String> {
         let mut staged = BTreeSet::new();
         for folder in ["docs", "docs/decisions", "docs/pictures", "docs/schema", "docs/live", "benchmarks"] {
@@ -171,7 +172,7 @@ impl Stage<'_> {
                 }
             });
             if is_start {
-                // It stands at the root, where sites begin.
+                // The start page is at the root of the site.
                 self.write("index.md", &text.replace("src=\"live/", "src=\"docs/live/"))?;
                 fs::remove_file(&path).map_err(|error| told(&path, &error))?;
             } else {
@@ -198,7 +199,7 @@ impl Stage<'_> {
     }
 }
 
-/// What a file is called in the stage: a report that is a whole page makes way for the page about it.
+/// Returns the name of a file in the stage: a self-contained report is renamed, because the page about it has its name.
 fn staged_name(path: &Path) -> String {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     name.strip_suffix(".html").map_or_else(|| name.to_string(), |stem| format!("{stem}_report.html"))
@@ -208,7 +209,7 @@ fn is_page(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ending == "md")
 }
 
-/// What lies in a folder, by name.
+/// Returns the entries of a folder, sorted by name.
 fn entries(folder: &Path) -> Result<Vec<PathBuf>, String> {
     let entries = fs::read_dir(folder).map_err(|error| told(folder, &error))?;
     let mut paths = entries
@@ -218,10 +219,10 @@ fn entries(folder: &Path) -> Result<Vec<PathBuf>, String> {
     Ok(paths)
 }
 
-/// Copies all of a folder.
+/// Copies a folder recursively.
 ///
 /// # Errors
-/// What the system says.
+/// Error of the file system.
 pub fn copy_folder(from: &Path, to: &Path) -> Result<(), String> {
     fs::create_dir_all(to).map_err(|error| told(to, &error))?;
     for entry in entries(from)? {

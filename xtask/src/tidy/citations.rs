@@ -1,17 +1,17 @@
-//! A comment that names a publication names the place in it.
+//! Check that a comment that cites a publication names a section of it.
 
 use crate::checkout::SourceFile;
 use crate::problem::Problem;
 
-/// Capitalised words before a number of four digits that name nobody.
+/// Capitalised words before a number of four digits that are not names.
 const NO_NAMES: &str =
     "Default January February March April May June July August September October November December";
-/// Abbreviations that a number follows, and words that are a place in a publication before a number or a capital.
+/// Abbreviations that precede a number, and words that locate a passage if a number or a capital follows.
 const SHORT: &str = "eq. eqs. Eq. Alg. ch. Fig.";
 const LONG: &str = "section algorithm chapter table appendix theorem definition example";
 
-/// Comments in the sources of crates that name a year after a name, and neither a section, an equation or the like nor
-/// ", whole" before the next such year.
+/// Reports comments in the sources of crates that cite a name and a year without a section, an equation or similar, or ",
+/// whole", before the next citation.
 pub fn check(files: &[SourceFile]) -> Vec<Problem> {
     let is_source = |path: &str| path.starts_with("crates/") && path.split('/').nth(2) == Some("src");
     let sources = files.iter().filter(|file| file.has_extension("rs") && is_source(&file.path));
@@ -28,7 +28,7 @@ pub fn check(files: &[SourceFile]) -> Vec<Problem> {
     vague.collect()
 }
 
-/// The paragraphs of all comments, as words, each with its first line from 1.
+/// Returns the paragraphs of all comments, as words, each with its first line from 1.
 fn paragraphs(text: &str) -> Vec<(usize, Vec<&str>)> {
     let mut all: Vec<(usize, Vec<&str>)> = Vec::new();
     let mut is_open = false;
@@ -45,7 +45,7 @@ fn paragraphs(text: &str) -> Vec<(usize, Vec<&str>)> {
     all
 }
 
-/// Names and years that no place follows.
+/// Returns the names and years that no location follows.
 fn vague_sources(words: &[&str]) -> Vec<String> {
     let is_year = |at: &usize| {
         let (name, year) = (core(words[*at - 1]), core(words[*at]));

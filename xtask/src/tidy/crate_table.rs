@@ -1,4 +1,4 @@
-//! The crate table of `ARCHITECTURE.md` comes from the manifests.
+//! Check of the crate table of `ARCHITECTURE.md` against the manifests.
 
 use std::cmp::Reverse;
 use std::fmt::Write as _;
@@ -12,7 +12,7 @@ const PAGE: &str = "ARCHITECTURE.md";
 const BEGIN: &str = "<!-- crates:begin -->";
 const END: &str = "<!-- crates:end -->";
 
-/// A missing page, missing markers, or a table that differs from the manifests.
+/// Reports a missing page, missing markers, or a table that differs from the manifests.
 pub fn check(members: &[Member], files: &[SourceFile]) -> Vec<Problem> {
     let Some(page) = files.iter().find(|file| file.path == PAGE).and_then(SourceFile::text) else {
         return vec![Problem::new(PAGE, "no such page", format!("write it, with {BEGIN} and {END} in it"))];
@@ -32,7 +32,7 @@ pub fn check(members: &[Member], files: &[SourceFile]) -> Vec<Problem> {
     }
 }
 
-/// Writes the table into the page, if it differs.
+/// Writes the table into the page if it differs.
 ///
 /// # Errors
 /// If the page cannot be read or written. A page without markers is left as it is, for [`check`] to report.
@@ -49,7 +49,7 @@ pub fn write(root: &Path, members: &[Member]) -> Result<(), String> {
     }
 }
 
-/// The table as Markdown, highest floor first, then by name.
+/// Returns the table as Markdown, highest layer (floor) first, then by name.
 fn table(members: &[Member]) -> String {
     let mut rooms: Vec<&Member> = members.iter().filter(|member| member.is_room()).collect();
     rooms.sort_by_key(|room| (Reverse(room.floor), &room.name));
@@ -61,7 +61,7 @@ fn table(members: &[Member]) -> String {
     text
 }
 
-/// `page` with `table` between the markers, `None` if they are missing or in the wrong order.
+/// Returns `page` with `table` between the markers, `None` if they are missing or in the wrong order.
 fn with_table(page: &str, table: &str) -> Option<String> {
     let (before, rest) = page.split_once(BEGIN)?;
     let (_, after) = rest.split_once(END)?;

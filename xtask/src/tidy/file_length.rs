@@ -1,12 +1,12 @@
-//! A file is one idea, and one idea is not that long.
+//! Check of the length of Rust files.
 
 use crate::checkout::SourceFile;
 use crate::problem::Problem;
 
-/// Twice what a planner or a shape pair takes; a longer file has been two things for a while.
+/// Maximum number of lines: twice what a planner or a shape pair needs; longer files mix topics.
 const MOST_LINES: usize = 500;
 
-/// Rust files of more than [`MOST_LINES`] lines.
+/// Reports Rust files of more than [`MOST_LINES`] lines.
 pub fn check(files: &[SourceFile]) -> Vec<Problem> {
     files
         .iter()

@@ -1,16 +1,16 @@
-//! Files are opened in one room, which refuses what hurts.
+//! Check that files are opened in one crate, which enforces the limits.
 
 use crate::checkout::SourceFile;
 use crate::problem::Problem;
 
-/// The one folder that may open them, and the file that looks at the first bytes of what it is about to write over.
+/// Folder that may open files, and the file that reads the first bytes of a file before overwriting it.
 const ADDRESSES: [&str; 2] = ["crates/file/", "crates/cli/src/output_file.rs"];
 
-/// What opens a file to read it, each in two pieces, so that this file does not find itself.
+/// Calls that open a file for reading, each in two pieces, so that this file does not match itself.
 const OPENERS: [&str; 3] =
     [concat!("fs::", "read("), concat!("fs::", "read_to_string("), concat!("File::", "open(")];
 
-/// Sources of crates that open files by themselves; tests may.
+/// Reports sources of crates that open files themselves; tests may.
 pub fn check(files: &[SourceFile]) -> Vec<Problem> {
     let is_source = |file: &&SourceFile| {
         let mut parts = file.path.split('/');
@@ -30,7 +30,7 @@ pub fn check(files: &[SourceFile]) -> Vec<Problem> {
         .collect()
 }
 
-/// The first line before the tests that opens a file to read it, from 1.
+/// Returns the first line before the tests that opens a file for reading, from 1.
 fn opening_line(text: &str) -> Option<usize> {
     let is_of_tests = |line: &&str| line.starts_with("#[cfg(") && line.contains("test");
     let lines = text.lines().take_while(|line| !is_of_tests(line));

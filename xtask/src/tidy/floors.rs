@@ -1,13 +1,13 @@
-//! A room may use only rooms on a strictly lower floor.
+//! Check that a crate depends only on crates of a strictly lower layer (floor).
 
 use std::collections::BTreeMap;
 
 use crate::member::{Member, ROOMS};
 use crate::problem::Problem;
 
-/// Rooms without a floor, and dependencies that do not lead down.
+/// Reports crates without a layer, and dependencies that do not lead to a lower one.
 ///
-/// All sections of a manifest count: a test that reaches upwards ties the rooms together as well.
+/// All sections of a manifest count, because a test dependency couples the crates as well.
 pub fn check(members: &[Member]) -> Vec<Problem> {
     let by_name: BTreeMap<&str, &Member> =
         members.iter().map(|member| (member.name.as_str(), member)).collect();

@@ -1,14 +1,14 @@
-//! A folder is one question, and one question has no more answers than that.
+//! Check of the number of files in a source folder.
 
 use std::collections::BTreeMap;
 
 use crate::checkout::SourceFile;
 use crate::problem::Problem;
 
-/// Files that a source folder has at most.
+/// Maximum number of files of a source folder.
 const MOST_FILES: usize = 20;
 
-/// Source folders of more than [`MOST_FILES`] files of Rust or TypeScript.
+/// Reports source folders of more than [`MOST_FILES`] files of Rust or TypeScript.
 pub fn check(files: &[SourceFile]) -> Vec<Problem> {
     let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
     for file in files.iter().filter(|file| file.has_extension("rs") || file.has_extension("ts")) {

@@ -1,4 +1,4 @@
-//! The released data belong to others: none of their files is committed here.
+//! Check that no file of the released data is committed, because others own them.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -6,13 +6,13 @@ use std::path::{Path, PathBuf};
 use crate::checkout::SourceFile;
 use crate::problem::Problem;
 
-/// Shorter files (an empty list, a one-line stub) can be equal by chance.
+/// Minimum size of compared files, in bytes; shorter files (an empty list, a one-line stub) can be equal by chance.
 const LEAST_BYTES: u64 = 200;
 
-/// Files that are, byte for byte, a file of the data folder.
+/// Reports files that are, byte for byte, a file of the data folder.
 ///
 /// # Errors
-/// If a part of the data folder cannot be read.
+/// If the data folder cannot be read completely.
 pub fn check(files: &[SourceFile], data: &Path) -> Result<Vec<Problem>, String> {
     let mut by_size = HashMap::new();
     collect(data, &mut by_size).map_err(|error| format!("{}: {error}", data.display()))?;

@@ -1,8 +1,8 @@
-//! A public function that takes or gives a `Pose` names both of its frames.
+//! Check that a public function that takes or returns a `Pose` names both of its frames.
 //!
-//! A parameter does so by its name, `target_from_source`, and a result by that of the function. Else the doc has to: by
-//! a name `target_from_source` in code, or by the frame that the pose is in ("the pose of the hand in the planning
-//! frame", "two poses in one frame"), the word "frame" in the singular. Not seen: whether the doc means this very
+//! A parameter states them in its name, `target_from_source`, a result in the name of the function. Otherwise the doc must
+//! state them: by a name `target_from_source` in code, or by the frame of the pose ("the pose of the hand in the planning
+//! frame", "two poses in one frame"), with the word "frame" in the singular. Not detected: whether the doc refers to this very
 //! pose, and poses behind `Self` or a type alias.
 
 use syn::visit::{self, Visit};
@@ -11,7 +11,7 @@ use crate::checkout::SourceFile;
 use crate::problem::Problem;
 use crate::public_functions::{PublicFunction, public_functions};
 
-/// Functions with poses whose frames neither names nor docs state.
+/// Reports functions with poses whose frames are stated neither by names nor by docs.
 pub fn check(files: &[SourceFile]) -> Vec<Problem> {
     let functions =
         files.iter().flat_map(|file| public_functions(file).into_iter().map(move |own| (file, own)));
@@ -28,7 +28,7 @@ pub fn check(files: &[SourceFile]) -> Vec<Problem> {
         .collect()
 }
 
-/// The parameters and the result that have poses, and frames in no name.
+/// Returns the parameters and the result that have poses without frames in their names.
 fn nameless(function: &PublicFunction) -> Vec<String> {
     let signature = &function.signature;
     let parameter = |input: &syn::FnArg| match input {
@@ -47,14 +47,14 @@ fn nameless(function: &PublicFunction) -> Vec<String> {
     signature.inputs.iter().filter_map(parameter).filter(|name| !names_frames(name)).chain(result).collect()
 }
 
-/// Whether a doc states frames, as the head of this file defines it.
+/// Returns true if a doc states frames, as the module doc defines it.
 fn states_frames(doc: &str) -> bool {
     let is_word = |word: &str| word == "frame";
     doc.split('`').skip(1).step_by(2).any(names_frames)
         || doc.split(|c: char| !c.is_alphanumeric()).any(is_word)
 }
 
-/// Whether text has the form `target_from_source`.
+/// Returns true if text has the form `target_from_source`.
 fn names_frames(text: &str) -> bool {
     let is_part = |c: Option<char>| c.is_some_and(char::is_alphanumeric);
     let between =

@@ -1,12 +1,12 @@
-//! No file speaks of one machine.
+//! Check that no file contains a path of one particular machine.
 
 use crate::checkout::SourceFile;
 use crate::problem::Problem;
 
-/// First folders of a path that only one machine has.
+/// First folders of paths that exist on one machine only.
 const PRIVATE: [&str; 5] = ["home", "Users", "root", "work", "mnt"];
 
-/// Lines that hold an absolute path into somebody's own folders.
+/// Reports lines with an absolute path into a private folder.
 pub fn check(files: &[SourceFile]) -> Vec<Problem> {
     let mut problems = Vec::new();
     for file in files {
@@ -23,7 +23,7 @@ pub fn check(files: &[SourceFile]) -> Vec<Problem> {
     problems
 }
 
-/// The start of the first private path in `line`.
+/// Returns the start of the first private path in `line`.
 fn private_path_in(line: &str) -> Option<String> {
     PRIVATE.iter().find_map(|folder| {
         ['/', '\\'].into_iter().find_map(|separator| {

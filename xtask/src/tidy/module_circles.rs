@@ -1,8 +1,7 @@
-//! Modules of a crate know each other in one direction, as crates do.
+//! Check that the modules of a crate have no circular dependencies.
 //!
-//! What `use` and qualified paths of a file name is followed through re-exports to the file that defines it; what stands in
-//! the arguments of a macro is not seen. Tests may name what they like. The root of a crate, its door, is no part of a
-//! circle.
+//! Names in `use` and qualified paths of a file are followed through re-exports to the file that defines them; arguments of
+//! macros are not parsed. Tests may name any module. The root of a crate is never part of a circle.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -12,19 +11,19 @@ use crate::checkout::SourceFile;
 use crate::problem::Problem;
 use crate::public_functions::is_for_tests;
 
-/// Where a module is in its crate, from the root, which is empty.
+/// Path of a module in its crate, from the root, which is empty.
 type Module = Vec<String>;
 
-/// What a file of a crate says of others.
+/// Names of other modules in a file of a crate.
 #[derive(Default)]
 struct Names {
-    /// Paths from the crate's root, with what is named at their end.
+    /// Paths from the crate's root, including the item at their end.
     named: BTreeSet<Vec<String>>,
     /// Re-exports, by name.
     exported: BTreeMap<String, Vec<String>>,
 }
 
-/// Modules that know each other in a circle.
+/// Reports modules that depend on each other in a circle.
 pub fn check(files: &[SourceFile]) -> Vec<Problem> {
     let mut crates: BTreeMap<&str, BTreeMap<Module, Names>> = BTreeMap::new();
     let mut problems = Vec::new();
@@ -67,7 +66,7 @@ fn module_of(inside: &str) -> Module {
     module
 }
 
-/// The modules that a file declares.
+/// Returns the modules that a file declares.
 fn children(file: &syn::File) -> BTreeSet<String> {
     let name = |item: &syn::Item| match item {
         syn::Item::Mod(module) if module.content.is_none() => Some(module.ident.to_string()),
@@ -78,13 +77,13 @@ fn children(file: &syn::File) -> BTreeSet<String> {
 
 struct Reader<'a> {
     module: &'a Module,
-    /// The modules below it, by name.
+    /// Names of its child modules.
     children: BTreeSet<String>,
     names: Names,
 }
 
 impl Reader<'_> {
-    /// A path from the root of the crate; nothing for one into another crate.
+    /// Returns the path from the root of the crate; `None` for one into another crate.
     fn path_from_root(&self, path: &[String]) -> Option<Vec<String>> {
         let mut base = match path.first()?.as_str() {
             "crate" => Vec::new(),
@@ -124,7 +123,7 @@ impl<'ast> Visit<'ast> for Reader<'_> {
         }
     }
 
-    /// `pub(super)` names nobody.
+    /// Skips visibilities, because `pub(super)` is no dependency.
     fn visit_visibility(&mut self, _: &'ast syn::Visibility) {}
 
     fn visit_path(&mut self, path: &'ast syn::Path) {
@@ -134,7 +133,7 @@ impl<'ast> Visit<'ast> for Reader<'_> {
     }
 }
 
-/// Every path of a `use`, with the name that it gets.
+/// Collects every path of a `use`, with the name that it introduces.
 fn flatten(tree: &syn::UseTree, before: &mut Vec<String>, paths: &mut Vec<(Vec<String>, String)>) {
     let with = |last: &syn::Ident| [before.as_slice(), &[last.to_string()]].concat();
     match tree {
@@ -153,7 +152,7 @@ fn flatten(tree: &syn::UseTree, before: &mut Vec<String>, paths: &mut Vec<(Vec<S
     }
 }
 
-/// Which modules each module knows.
+/// Returns the modules on which each module depends.
 fn graph(modules: &BTreeMap<Module, Names>) -> BTreeMap<&Module, BTreeSet<&Module>> {
     let known = |(module, names): (_, &Names)| {
         let home = |path: &Vec<String>| home_of(modules, path);
@@ -162,9 +161,9 @@ fn graph(modules: &BTreeMap<Module, Names>) -> BTreeMap<&Module, BTreeSet<&Modul
     modules.iter().filter(|(module, _)| !module.is_empty()).map(known).collect()
 }
 
-/// The module that defines what a path from the root names, through re-exports; nothing for the root.
+/// Returns the module that defines the item of a path from the root, through re-exports; `None` for the root.
 fn home_of<'a>(modules: &'a BTreeMap<Module, Names>, path: &[String]) -> Option<&'a Module> {
-    /// More re-exports than this nobody follows.
+    /// Maximum number of re-exports followed.
     const MOST: usize = 8;
     let mut path = path.to_vec();
     for _ in 0..MOST {
@@ -178,9 +177,9 @@ fn home_of<'a>(modules: &'a BTreeMap<Module, Names>, path: &[String]) -> Option<
     None
 }
 
-/// A circle, with its first module once more at its end.
+/// Returns a circle, with its first module repeated at its end.
 fn circle<'a>(graph: &BTreeMap<&'a Module, BTreeSet<&'a Module>>) -> Option<Vec<&'a Module>> {
-    // What knows nobody that is left is in no circle.
+    // A module without a remaining dependency is in no circle.
     let mut left: BTreeSet<&Module> = graph.keys().copied().collect();
     loop {
         let before = left.len();

@@ -1,17 +1,17 @@
-//! A module is a noun of the field, never a drawer.
+//! Check that the name of a module is a noun of the field.
 
 use std::path::Path;
 
 use crate::checkout::SourceFile;
 use crate::problem::Problem;
 
-/// Names that say nothing about what is inside.
+/// Names that do not describe the content.
 const DRAWERS: [&str; 7] = ["utils", "util", "common", "helpers", "helper", "misc", "types"];
 
 /// Languages whose files are modules.
 const LANGUAGES: [&str; 3] = ["rs", "py", "ts"];
 
-/// Modules that are called, or lie in a folder that is called, one of [`DRAWERS`].
+/// Reports modules with one of the names [`DRAWERS`], or in a folder with one.
 pub fn check(files: &[SourceFile]) -> Vec<Problem> {
     files
         .iter()

@@ -1,6 +1,7 @@
-//! Pages name no file, flag or type that does not exist.
+//! Check that pages name no file, flag or type that does not exist.
 //!
-//! History may: the changelog, decisions, and the stored runs in `benchmarks/`, each of the program at its date.
+//! Exempt are historical pages: the changelog, decisions, and the stored runs in `benchmarks/`, each of the program at its
+//! date.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -9,15 +10,15 @@ use crate::checkout::SourceFile;
 use crate::problem::Problem;
 use crate::site::links;
 
-/// Languages of the checkout, by the ending of their files.
+/// File extensions of the languages of the checkout.
 const LANGUAGES: [&str; 3] = ["rs", "ts", "py"];
 /// Folders whose programs have flags.
 const FLAGGED: [&str; 5] = ["crates/cli/", "xtask/", "python/", "examples/", "benchmarks/"];
-/// Pages that describe what was.
+/// Pages that describe past states.
 const HISTORY: [&str; 3] = ["CHANGELOG.md", "docs/decisions/", "benchmarks/"];
 
-/// Names in code spans of Markdown pages that nothing has: a file `….rs`, `….ts` or `….py` (from the folder of the page
-/// if it begins with `src/`, else the end of any path), a flag `--name`, and a type of two words or more in one.
+/// Reports names in code spans of Markdown pages that do not exist: a file `….rs`, `….ts` or `….py` (relative to the folder of
+/// the page if it begins with `src/`, else the end of any path), a flag `--name`, and a type name of two words or more.
 pub fn check(files: &[SourceFile]) -> Vec<Problem> {
     let known = Known::of(files);
     let is_now = |page: &SourceFile| {
@@ -36,7 +37,7 @@ pub fn check(files: &[SourceFile]) -> Vec<Problem> {
     problems
 }
 
-/// The lines outside of blocks of code, each with its number from 1.
+/// Returns the lines outside of code blocks, each with its number from 1.
 fn prose_lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
     let mut is_code = false;
     text.lines().enumerate().filter_map(move |(index, line)| {
@@ -46,7 +47,7 @@ fn prose_lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
     })
 }
 
-/// All that a page may name.
+/// Names that a page may use.
 struct Known<'a> {
     paths: Vec<&'a str>,
     /// Words of sources.
@@ -65,7 +66,7 @@ impl<'a> Known<'a> {
             }
             if FLAGGED.iter().any(|folder| file.path.starts_with(folder)) {
                 known.flags.extend(flags_in(text).map(str::to_owned));
-                // Of clap: fields of its structs, and other names for them.
+                // Flags of clap: fields of its structs, and explicit names.
                 let fields = text.lines().filter_map(|line| line.split_once(": "));
                 let fields = fields.map(|(field, _)| field.trim_start().trim_start_matches("pub "));
                 let others = text.split("long = \"").skip(1).filter_map(|rest| rest.split('"').next());
@@ -75,7 +76,7 @@ impl<'a> Known<'a> {
         known
     }
 
-    /// The names in a code span of a page that nothing has.
+    /// Returns the names in a code span of a page that do not exist.
     fn missing<'s>(&self, page: &SourceFile, span: &'s str) -> Vec<&'s str> {
         let names = span.split(|c: char| !(c.is_alphanumeric() || "_-./".contains(c)));
         let files = names.filter(|name| is_source(name) && !self.has_file(page, name));
@@ -95,13 +96,13 @@ impl<'a> Known<'a> {
     }
 }
 
-/// Whether a name is that of a source file, and no mere ending.
+/// Returns true if a name is that of a source file, and not only an extension.
 fn is_source(name: &str) -> bool {
     let is_named = |stem: &str| stem.ends_with(|c: char| c.is_alphanumeric() || c == '_');
     name.rsplit_once('.').is_some_and(|(stem, ending)| is_named(stem) && LANGUAGES.contains(&ending))
 }
 
-/// Whether a word has the form of a type's name: two words or more, each a capital and small letters.
+/// Returns true if a word has the form of a type name: two or more words, each a capital and small letters.
 fn is_type(word: &str) -> bool {
     let pairs = || word.as_bytes().windows(2).map(|pair| [pair[0], pair[1]].map(|c| c.is_ascii_uppercase()));
     word.bytes().all(|c| c.is_ascii_alphabetic())
@@ -111,7 +112,7 @@ fn is_type(word: &str) -> bool {
         && !pairs().any(|pair| pair == [true, true])
 }
 
-/// The flags in a text, with their dashes.
+/// Returns the flags in a text, with their dashes.
 fn flags_in(text: &str) -> impl Iterator<Item = &str> {
     let words = text.split(|c: char| !(c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-'));
     let is_name = |name: &str| name.starts_with(|c: char| c.is_ascii_lowercase());

@@ -1,4 +1,4 @@
-//! The licences of what is in the program, the Python package and the page, which must go with every copy of them.
+//! Licences of the components of the program, the Python package and the page, which every copy must include.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -11,17 +11,17 @@ use crate::problem::Problem;
 
 const PAGE: &str = "crates/view/NOTICES.txt";
 
-/// What is given away; whatever it is built with alone is not in it.
+/// Distributed packages; build tools are not part of them.
 const PROGRAMS: [&str; 2] = ["cranny-cli", "cranny-python"];
 
-/// Where npm says which version of three.js the viewer's page holds.
+/// Lock file of npm, with the version of three.js in the viewer's page.
 const NPM_LOCK: &str = "web/package-lock.json";
 
 const THREE_JS: &str = "Copyright © 2010-2026 three.js authors";
 
 const RULE: &str = "================================================================================";
 
-/// A page that differs from what the packages say.
+/// Reports a page that differs from the licences of the packages.
 ///
 /// # Errors
 /// As [`text`].
@@ -37,7 +37,7 @@ pub fn check(root: &Path, files: &[SourceFile]) -> Result<Vec<Problem>, String> 
     )])
 }
 
-/// Writes the page, if it differs.
+/// Writes the page if it differs.
 ///
 /// # Errors
 /// As [`text`], and if the page cannot be written.
@@ -51,7 +51,7 @@ pub fn write(root: &Path) -> Result<(), String> {
     std::fs::write(&path, text).map_err(|error| format!("{PAGE}: {error}"))
 }
 
-/// The page: our own licences, three.js, then every licence with the packages that are under it.
+/// Returns the page: the own licences, three.js, then every licence with the packages that are under it.
 ///
 /// # Errors
 /// If cargo does not know the packages, or a file of theirs cannot be read.
@@ -88,7 +88,7 @@ fn text(root: &Path) -> Result<String, String> {
     Ok(page)
 }
 
-/// The packages from elsewhere that the programs are made of, on any machine, by name and version.
+/// Returns the external packages of the programs, on any platform, by name and version.
 fn given_away(metadata: &Metadata) -> Vec<&Package> {
     let nodes: BTreeMap<&PackageId, _> =
         metadata.resolve.iter().flat_map(|resolve| &resolve.nodes).map(|node| (&node.id, node)).collect();
@@ -114,7 +114,7 @@ fn given_away(metadata: &Metadata) -> Vec<&Package> {
     packages
 }
 
-/// The licences under which we take a package: MIT where it may be that, else all that it comes with.
+/// Returns the licences under which a package is used: MIT if the package offers it, else all of its licences.
 fn licences(package: &Package) -> Result<Vec<String>, String> {
     let Some(folder) = package.manifest_path.parent() else { return Ok(Vec::new()) };
     let mut files = Vec::new();
@@ -141,7 +141,7 @@ fn licences(package: &Package) -> Result<Vec<String>, String> {
         let holder = if authors.is_empty() { format!("the authors of {}", package.name) } else { authors };
         return match expression {
             expression if expression.contains("MIT") => Ok(vec![mit(&format!("Copyright © {holder}"))]),
-            // The text of ours, which stands above.
+            // The text of the project's own copy is above.
             expression if expression.contains("Apache-2.0") => {
                 Ok(vec![format!("Copyright © {holder}\n\nApache-2.0, as above.")])
             }
@@ -157,7 +157,7 @@ fn licences(package: &Package) -> Result<Vec<String>, String> {
     files.iter().map(read).collect()
 }
 
-/// The version of three.js in npm's list.
+/// Returns the version of three.js in npm's lock file.
 fn three_js_version(lock: &str) -> Result<&str, String> {
     let version = || {
         let (_, rest) = lock.split_once("\"node_modules/three\"")?;

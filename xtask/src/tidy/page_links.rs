@@ -1,4 +1,4 @@
-//! Links of pages lead to files of the checkout.
+//! Check that links of pages lead to files of the checkout.
 
 use std::path::Path;
 
@@ -6,8 +6,8 @@ use crate::checkout::SourceFile;
 use crate::problem::Problem;
 use crate::site::links;
 
-/// Every relative link of a Markdown page names a file or a folder of the checkout. What only the site has is written as
-/// `<!-- site: [commands](commands.md) -->`.
+/// Reports relative links of Markdown pages that name no file or folder of the checkout. Links that only the site has are
+/// written as `<!-- site: [commands](commands.md) -->`.
 pub fn check(files: &[SourceFile]) -> Vec<Problem> {
     let pages =
         files.iter().filter(|file| Path::new(&file.path).extension().is_some_and(|ending| ending == "md"));

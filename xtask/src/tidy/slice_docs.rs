@@ -1,10 +1,10 @@
-//! A public function on slices of `f64` states their length and their unit.
+//! Check that a public function with slices of `f64` documents their length and their unit.
 //!
-//! Its own doc has a phrase for a length: "one … per …" or "one … each …" with two words between at most ("one value per
-//! joint", "one for each joint"), "as many", or "any number of". It also names a unit, or that there is none ("no
-//! unit", "from 0 to 1"). Values per joint have the unit of a joint, which names `rad`: a distance in metres elsewhere
-//! in the doc does not stand for it. Not seen: to which of several slices a phrase belongs, and slices behind a type
-//! alias. Methods of a trait's implementation have the docs of the trait.
+//! Its own doc has a phrase for a length: "one … per …" or "one … each …" with at most two words between ("one value per
+//! joint", "one for each joint"), "as many", or "any number of". It also names a unit, or that there is none ("no unit", "from
+//! 0 to 1"). Values per joint have the unit of a joint, which names `rad`: a distance in metres elsewhere in the doc does not
+//! count. Not detected: to which of several slices a phrase belongs, and slices behind a type alias. Methods of a trait's
+//! implementation have the docs of the trait.
 
 use syn::visit::{self, Visit};
 
@@ -12,16 +12,16 @@ use crate::checkout::SourceFile;
 use crate::problem::Problem;
 use crate::public_functions::public_functions;
 
-/// Phrases for a length, beside "one … per …".
+/// Phrases for a length, in addition to "one … per …".
 const LENGTHS: [&str; 2] = ["as many", "any number of"];
 /// Words that name a unit.
 const UNITS: [&str; 10] = ["m", "rad", "s", "N", "kg", "metres", "radians", "seconds", "pixels", "unit"];
-/// Phrase for a share, which has no unit.
+/// Phrase for a fraction, which has no unit.
 const SHARE: &str = "from 0 to 1";
-/// "per" is at most the third word after "one".
+/// Maximum distance in words: "per" is at most the third word after "one".
 const APART: usize = 4;
 
-/// Functions with slices or vectors of `f64` whose docs state no length, or no unit.
+/// Reports functions with slices or vectors of `f64` whose docs state no length, or no unit.
 pub fn check(files: &[SourceFile]) -> Vec<Problem> {
     let functions =
         files.iter().flat_map(|file| public_functions(file).into_iter().map(move |own| (file, own)));
@@ -39,7 +39,7 @@ pub fn check(files: &[SourceFile]) -> Vec<Problem> {
         .collect()
 }
 
-/// The first thing that a doc does not state.
+/// Returns the first item that a doc does not state.
 fn missing(doc: &str) -> Option<&'static str> {
     let words: Vec<&str> =
         doc.split(|c: char| !(c.is_alphanumeric() || c == '\'')).filter(|word| !word.is_empty()).collect();
@@ -59,7 +59,7 @@ fn missing(doc: &str) -> Option<&'static str> {
     }
 }
 
-/// Whether a slice or vector of `f64` is anywhere in a signature.
+/// Returns true if a slice or vector of `f64` is anywhere in a signature.
 fn has_floats(signature: &syn::Signature) -> bool {
     let mut floats = Floats(false);
     floats.visit_signature(signature);

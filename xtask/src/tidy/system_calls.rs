@@ -1,12 +1,12 @@
-//! What differs between operating systems stands in one module, beside what holds on the others.
+//! Check that code specific to an operating system is in one module, beside its alternatives.
 
 use crate::checkout::SourceFile;
 use crate::problem::Problem;
 
-/// The one module that may name a system.
+/// Module that may name a system.
 const ADDRESS: &str = "crates/file/src/system";
 
-/// What names one, each in two pieces, so that this file does not find itself.
+/// Conditions that name one, each in two pieces, so that this file does not match itself.
 const NAMES: [&str; 9] = [
     concat!("cfg(", "unix"),
     concat!("cfg(", "windows"),
@@ -19,10 +19,10 @@ const NAMES: [&str; 9] = [
     concat!("rust", "ix::"),
 ];
 
-/// Where the system tells of itself on Linux alone.
+/// Process file system, which exists on Linux only.
 const PROC: &str = concat!("\"/pro", "c/");
 
-/// Sources of crates and of the Python package that ask the operating system by themselves; tests may.
+/// Reports sources of crates and of the Python package that call the operating system themselves; tests may.
 pub fn check(files: &[SourceFile]) -> Vec<Problem> {
     let is_source = |file: &&SourceFile| {
         let mut parts = file.path.split('/');
@@ -45,7 +45,7 @@ pub fn check(files: &[SourceFile]) -> Vec<Problem> {
         .collect()
 }
 
-/// The first line before the tests that names a system, from 1.
+/// Returns the first line before the tests that names a system, from 1.
 fn naming_line(text: &str) -> Option<usize> {
     let is_of_tests = |line: &str| line.starts_with("#[cfg(") && line.contains("test");
     let lines: Vec<&str> = text.lines().take_while(|line| !is_of_tests(line)).collect();

@@ -1,11 +1,10 @@
-//! Every file of tests is a module of its crate's one test program, or a program that the manifest names: what nobody names
-//! never runs.
+//! Check that every test file is a module of its crate's test program, or a program of the manifest; other files never run.
 
 use crate::checkout::SourceFile;
 use crate::problem::Problem;
 
-/// Files right below a crate's `tests/` which its `tests/main.rs` does not name, and programs in folders there which its
-/// `Cargo.toml` does not.
+/// Reports files directly below a crate's `tests/` that its `tests/main.rs` does not name, and programs in folders there that
+/// its `Cargo.toml` does not name.
 pub fn check(files: &[SourceFile]) -> Vec<Problem> {
     let names = |path: &str, line: &str| {
         let text = files.iter().find(|file| file.path == path).and_then(SourceFile::text);

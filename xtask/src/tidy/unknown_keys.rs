@@ -1,14 +1,14 @@
-//! A struct that is read from a file refuses keys that it does not know.
+//! Check that a struct that is read from a file refuses unknown keys.
 
 use crate::checkout::SourceFile;
 use crate::problem::Problem;
 
-/// Attributes of a struct by which no key is lost: all are refused, or handed on to what refuses them.
+/// Attributes of a struct that prevent lost keys: all are refused, or passed to a type that refuses them.
 const REFUSING: [&str; 4] = ["deny_unknown_fields", "try_from", "transparent", "flatten"];
-/// Words of a comment before a struct that states why other keys are not refused.
+/// Words of a comment before a struct that explains why other keys are not refused.
 const STATED: &str = "Other keys";
 
-/// Structs of source files that are deserialized and drop unknown keys.
+/// Reports structs of source files that are deserialized and drop unknown keys.
 pub fn check(files: &[SourceFile]) -> Vec<Problem> {
     let sources = files.iter().filter(|file| file.has_extension("rs") && !file.path.contains("/tests/"));
     let dropping = sources.flat_map(|file| {

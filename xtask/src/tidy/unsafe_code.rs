@@ -1,19 +1,19 @@
-//! `unsafe` has one address.
+//! Check that `unsafe` code is confined to one folder.
 //!
-//! The workspace denies the lint, so the compiler does the work; this check sees that nobody opts out.
+//! The workspace denies the lint, so the compiler does most of the work; this check prevents exceptions.
 
 use crate::checkout::SourceFile;
 use crate::member::Member;
 use crate::problem::Problem;
 
-/// The one folder that may allow it.
+/// Folder that may allow it.
 const ADDRESS: &str = "crates/spatial/";
-/// The lint, in two pieces, so that this file does not find itself.
+/// Name of the lint, in two pieces, so that this file does not match itself.
 const LINT: &str = concat!("unsafe", "_code");
 /// Attributes that lower a denied lint.
 const LOWERING: [&str; 3] = ["allow(", "expect(", "warn("];
 
-/// Files that lower the lint elsewhere, and crates that do not inherit the lints of the workspace.
+/// Reports files that lower the lint elsewhere, and crates that do not inherit the lints of the workspace.
 pub fn check(members: &[Member], files: &[SourceFile]) -> Vec<Problem> {
     let lowered = files
         .iter()
@@ -39,7 +39,7 @@ pub fn check(members: &[Member], files: &[SourceFile]) -> Vec<Problem> {
     lowered.chain(uninherited).collect()
 }
 
-/// Whether an attribute of `text` names the lint in order to lower it, on however many lines.
+/// Returns true if an attribute of `text` lowers the lint, on any number of lines.
 fn lowers_lint(text: &str) -> bool {
     let dense: String = text.split_whitespace().collect();
     LOWERING.iter().any(|attribute| {

@@ -1,14 +1,14 @@
-//! What ARCHITECTURE says of the way of the data is found in the files that it names.
+//! Check that the items in the walks of ARCHITECTURE exist in the files that it names.
 
 use crate::checkout::SourceFile;
 use crate::problem::Problem;
 
 const PAGE: &str = "ARCHITECTURE.md";
 
-/// Where the walks begin on the page; they end at the next heading.
+/// Heading of the walks on the page; they end at the next heading.
 const HEADING: &str = "\n## Walks\n";
 
-/// Every ``[`item`](file)`` of the walks names a file of the checkout, and what is declared in it.
+/// Checks that every ``[`item`](file)`` of the walks names a file of the checkout, and an item declared in it.
 pub fn check(files: &[SourceFile]) -> Vec<Problem> {
     let Some(page) = files.iter().find(|file| file.path == PAGE).and_then(SourceFile::text) else {
         return Vec::new();
@@ -28,7 +28,7 @@ pub fn check(files: &[SourceFile]) -> Vec<Problem> {
         .collect()
 }
 
-/// The items and the files of a text.
+/// Returns the items and the files of a text.
 fn links(text: &str) -> impl Iterator<Item = (&str, &str)> {
     text.split("[`").skip(1).filter_map(|rest| {
         let (item, rest) = rest.split_once("`](")?;
@@ -36,7 +36,7 @@ fn links(text: &str) -> impl Iterator<Item = (&str, &str)> {
     })
 }
 
-/// Whether a source declares the last name of a path such as `Cell::is_free`.
+/// Returns true if a source declares the last name of a path such as `Cell::is_free`.
 fn declares(text: &str, item: &str) -> bool {
     let name = item.rsplit("::").next().unwrap_or(item);
     ["fn", "struct", "enum", "trait"].iter().any(|kind| {

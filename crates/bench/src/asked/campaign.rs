@@ -11,66 +11,65 @@ use crate::asked::scenario_choice::{choose_scenarios, matches};
 use crate::running::opened_scenario::OpenedScenario;
 use crate::{BenchError, PathDemand, PlannerCall, Question, ScenarioSource, Trial, TrialOutcome};
 
-/// A campaign has no more trials: each takes about a kilobyte of memory before the first of them runs.
+/// Maximum number of trials of a campaign. Each takes about a kilobyte of memory before the first one runs.
 pub const MOST_TRIALS: u64 = 1_000_000;
 
-/// No trial takes longer, in seconds (116 days); no clock overflows before.
+/// Maximum time limit of a trial, in seconds (116 days). No clock overflows below it.
 pub const MOST_TIME_LIMIT_S: f64 = 1e7;
 
-/// No search takes more memory, in MB (16 TiB): more than any machine has, and its bytes can still be counted.
+/// Maximum memory limit of a search, in MB (16 TiB). It exceeds any machine, and its bytes still fit the counter.
 pub const MOST_MEMORY_MB: u64 = 1 << 24;
 
-/// A campaign: every scenario by every planner under every criterion with every seed.
+/// Campaign: every scenario by every planner under every criterion with every seed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Campaign {
-    /// What [`choose_scenarios`] takes.
+    /// Words that select the scenarios; see [`choose_scenarios`].
     pub scenarios: Vec<String>,
     /// The planners.
     pub planners: Vec<CampaignPlanner>,
-    /// What counts as solved. Default: `exact` alone.
+    /// Criteria for a solved trial. Default: `exact` alone.
     pub criteria: Vec<Criterion>,
-    /// How many seeds. Default 100, the paper's.
+    /// Number of seeds. Default 100, as in the paper.
     pub runs: u64,
-    /// The first seed; each further run has the next. Default 0.
+    /// The first seed; each further run uses the next one. Default 0.
     pub first_seed: u64,
-    /// At most so many seconds for a trial. Default 120, the paper's.
+    /// Time limit of a trial, in seconds. Default 120, as in the paper.
     pub time_limit_s: f64,
-    /// At most so many iterations for a trial. Default: none, only time counts.
+    /// Iteration limit of a trial. Default: `None`, only time counts.
     pub iteration_limit: Option<u64>,
-    /// At most so much memory for a search, beyond what the scenario takes, in bytes. Default 4 GiB.
+    /// Memory limit of a search beyond the scenario itself, in bytes. Default 4 GiB.
     pub memory_limit_bytes: u64,
-    /// Whether each path is judged under the criterion that it was not made for, too. Default: no.
+    /// True if each path is also judged under the other criterion. Default: false.
     pub judge_both: bool,
-    /// Whether the least clearance along each path is measured, at most a tenth too low: some milliseconds beside the
-    /// trial's own
-    /// time. Default: yes.
+    /// True if the minimum clearance along each path is measured, at most a tenth too low. Costs some milliseconds in
+    /// addition to the time of the trial. Default: true.
     pub measure_clearance: bool,
-    /// What is asked of each path beyond its criterion. Default: nothing.
+    /// Demands on each path beyond its criterion. Default: none.
     pub demand: PathDemand,
-    /// Where other limits hold.
+    /// Exceptions from the time limits.
     pub exceptions: Vec<Exception>,
 }
 
 /// A planner of a campaign.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CampaignPlanner {
-    /// What reports call it.
+    /// Name in reports.
     pub name: String,
-    /// How it is called.
+    /// Call of the planner.
     pub call: PlannerCall,
-    /// Whether it aims at each goal configuration of a scenario by itself, in trials of their own, instead of at
-    /// all grasps together.
+    /// True if the planner aims at each goal configuration of a scenario in a separate trial, instead of at all grasps
+    /// together.
     pub each_goal: bool,
-    /// How many seeds, where they are not as many as the campaign's.
+    /// Number of seeds, if it differs from that of the campaign.
     pub runs: Option<u64>,
-    /// Its own time limit, in seconds.
+    /// Time limit of this planner, in seconds.
     pub time_limit_s: Option<f64>,
 }
 
-/// A time limit for one planner in some scenarios; goes before all others.
+/// Time limit of one planner in some scenarios; it overrides all others.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Exception {
-    /// An id, or a pattern of ids.
+    /// Id or pattern of ids.
     pub scenario: String,
     /// The planner's name.
     pub planner: String,
@@ -97,32 +96,32 @@ impl Default for Campaign {
     }
 }
 
-/// A campaign, spelled out.
+/// All trials of a campaign.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Schedule {
-    /// Every trial, seed by seed: a campaign that is cut short has asked everybody equally often.
+    /// All trials, ordered by seed: an interrupted campaign has run every planner equally often.
     pub questions: Vec<Question>,
-    /// Where the scenarios are.
+    /// Sources of the scenarios.
     pub scenarios: Vec<ScenarioSource>,
-    /// What a person should know before the first trial: whose end is certain already.
+    /// Notes for the user before the first trial, such as trials whose outcome is certain already.
     pub notes: Vec<String>,
 }
 
 impl CampaignPlanner {
-    /// A planner as it comes, for all grasps together.
+    /// Creates a planner with default options, for all grasps together.
     pub fn new(call: PlannerCall) -> Self {
         Self { name: call.name(), call, each_goal: false, runs: None, time_limit_s: None }
     }
 }
 
 impl Campaign {
-    /// The paper's Table I: J⁺-RRT for all grasps, IK-RRT for each goal configuration by itself, 100 runs of 120 s
+    /// Returns the paper's Table I: J⁺-RRT for all grasps, IK-RRT for each goal configuration by itself, 100 runs of 120 s
     /// (900 s for J⁺-RRT in 045) under the `paper` criterion, in the twenty built-in scenarios.
     ///
-    /// A search of IK-RRT goes on with its one goal until the time is spent.
+    /// IK-RRT keeps searching for its one goal until the time limit.
     ///
     /// # Errors
-    /// None on a sound build: [`BenchError::Plan`] would mean that a planner is gone.
+    /// None in a correct build: [`BenchError::Plan`] would mean that a planner is missing.
     pub fn paper() -> Result<Self, BenchError> {
         let call = |planner: &str, settings: serde_json::Value| {
             let settings = settings.as_object().cloned().unwrap_or_default();
@@ -135,7 +134,7 @@ impl Campaign {
             .checked(&Registry::default())
         };
         let j_plus_rrt = CampaignPlanner::new(call("j-plus-rrt", serde_json::json!({}))?);
-        /// More than any time limit allows.
+        /// Exceeds the iterations possible within any time limit.
         const ENDLESS: u64 = 1_000_000_000_000;
         let ik_rrt = CampaignPlanner {
             each_goal: true,
@@ -152,17 +151,17 @@ impl Campaign {
         })
     }
 
-    /// Every trial of the campaign, each once. The scenarios are opened for it and the planners asked whether they
-    /// take them, so that what would end the campaign at a later trial is said before the first.
+    /// Lists every trial of the campaign once. Opens the scenarios and checks that the planners accept them, so that errors
+    /// of later trials appear before the first trial.
     ///
     /// # Errors
-    /// [`BenchError`] for scenarios that do not open, planners of one name, a planner that does not take a scenario,
-    /// nothing to do, and numbers that are none.
+    /// [`BenchError`] for scenarios that do not open, duplicate planner names, a planner that refuses a scenario, an empty
+    /// campaign, and numbers out of range.
     pub fn schedule(&self, registry: &Registry) -> Result<Schedule, BenchError> {
         self.check()?;
         let criteria = self.distinct_criteria();
         let chosen = choose_scenarios(&self.scenarios)?;
-        // Before many are opened in vain; where each goal is aimed at, their number comes later.
+        // This early check avoids opening many scenarios in vain. The numbers of goals are known later.
         self.check_size(&chosen.iter().map(|_| 1))?;
         let (mut scenarios, mut notes) = (Vec::new(), Vec::new());
         for chosen in chosen {
@@ -185,11 +184,11 @@ impl Campaign {
         for Exception { scenario, planner, .. } in &self.exceptions {
             if !scenarios.iter().any(|source| matches(scenario, &source.scenario)) {
                 notes.push(format!(
-                    "the exception of planner '{planner}' in '{scenario}' is of no scenario here"
+                    "the exception of planner '{planner}' in '{scenario}' matches no scenario of the campaign"
                 ));
             }
         }
-        // Whoever made the calls: a trial is known by all settings of its planner, the defaults included.
+        // All settings of its planner identify a trial, including the defaults, regardless of who created the call.
         let settings_of = |planner: &CampaignPlanner| {
             Ok(self.demand.among(planner.call.clone().checked(registry)?.settings()))
         };
@@ -248,8 +247,8 @@ impl Campaign {
         exception.or(planner.time_limit_s).unwrap_or(self.time_limit_s)
     }
 
-    /// Asks every planner whether it takes a scenario; a note where the start is not free, so that all trials end
-    /// there.
+    /// Checks that every planner accepts a scenario. Returns a note if the start is not free, because all trials there then
+    /// end immediately.
     fn try_out(&self, opened: &OpenedScenario, registry: &Registry) -> Result<Option<String>, BenchError> {
         let (scenario, problem) = (&opened.scenario, &opened.problem);
         for planner in &self.planners {
@@ -269,7 +268,7 @@ impl Campaign {
         }))
     }
 
-    /// Asks a planner for a search of no iterations: what it has against a scenario it says at once.
+    /// Runs a planner with zero iterations, which reveals every objection to the scenario.
     fn ask(
         &self,
         planner: &CampaignPlanner,
@@ -277,12 +276,12 @@ impl Campaign {
         registry: &Registry,
     ) -> Result<(), BenchError> {
         let PlannerCall::BuiltIn { planner: name, settings, score, min_score } = &planner.call else {
-            // It is given the scenario as files.
+            // An external program receives the scenario as files.
             return Ok(Recipe::of_scenario(&opened.scenario).map(drop)?);
         };
         let aimed: Problem;
         let problem = if planner.each_goal {
-            // Where there is no goal there is no trial.
+            // Without a goal there is no trial.
             let Some(goal) = opened.goals()?.first() else { return Ok(()) };
             aimed = opened.problem.with_goal(Goal::Configurations(vec![goal.clone()]))?;
             &aimed
@@ -307,7 +306,7 @@ impl Campaign {
         Ok(planner.plan(problem, &nothing, self.first_seed, &mut Unobserved).map(drop)?)
     }
 
-    /// Each of them once, however often it is named.
+    /// Returns the criteria without duplicates.
     fn distinct_criteria(&self) -> Vec<Criterion> {
         let mut distinct = Vec::new();
         for criterion in &self.criteria {
@@ -318,7 +317,7 @@ impl Campaign {
         distinct
     }
 
-    /// Refuses a campaign with too many trials, `goals` being the number of goals of each scenario.
+    /// Rejects a campaign with too many trials; `goals` is the number of goals of each scenario.
     fn check_size(&self, goals: &(impl Iterator<Item = u64> + Clone)) -> Result<(), BenchError> {
         let of_planner = |planner: &CampaignPlanner| {
             let per_run: u64 = goals.clone().map(|goals| if planner.each_goal { goals } else { 1 }).sum();
@@ -374,7 +373,7 @@ impl Campaign {
         if let Some(hold) = self.demand.hold {
             checked_hold(hold)?;
         }
-        // What a file of results can hold.
+        // A results file can hold only values below 2^63.
         let last_seed = self.first_seed.checked_add(most_runs.unwrap_or(0));
         if last_seed.is_none_or(|seed| i64::try_from(seed).is_err()) {
             let value = self.first_seed as f64 + most_runs.unwrap_or(0) as f64;
@@ -393,7 +392,7 @@ impl Campaign {
     }
 }
 
-/// A time limit in seconds, if it can be one.
+/// Validates a time limit, in seconds.
 pub(crate) fn checked_time_limit(value: f64) -> Result<f64, BenchError> {
     if value > 0.0 && value <= MOST_TIME_LIMIT_S {
         return Ok(value);
@@ -401,7 +400,7 @@ pub(crate) fn checked_time_limit(value: f64) -> Result<f64, BenchError> {
     Err(BenchError::Range { what: "a time limit", value, range: "above 0 and at most 10000000 s" })
 }
 
-/// How far something may be turned, in radians, if it can be.
+/// Validates a rotation angle, in radians.
 pub(crate) fn checked_turn(value: f64) -> Result<f64, BenchError> {
     if (0.0..=std::f64::consts::PI).contains(&value) {
         return Ok(value);
@@ -409,7 +408,7 @@ pub(crate) fn checked_turn(value: f64) -> Result<f64, BenchError> {
     Err(BenchError::Range { what: "a turn", value, range: "from 0 to π" })
 }
 
-/// A factor of a hold that is demanded, if it can be one.
+/// Validates the demanded factor of the grip.
 pub(crate) fn checked_hold(value: f64) -> Result<f64, BenchError> {
     if (0.0..=MOST_HOLD).contains(&value) {
         return Ok(value);
@@ -417,9 +416,9 @@ pub(crate) fn checked_hold(value: f64) -> Result<f64, BenchError> {
     Err(BenchError::Range { what: "a hold", value, range: "from 0 to 100" })
 }
 
-/// A clearance that is demanded, in metres, if it can be one.
+/// Validates a demanded clearance, in metres.
 pub(crate) fn checked_margin(value: f64) -> Result<f64, BenchError> {
-    /// Nothing in a cell is as far from all others.
+    /// Exceeds the clearances within any cell.
     const MOST_M: f64 = 1.0;
     if (0.0..=MOST_M).contains(&value) {
         return Ok(value);

@@ -15,7 +15,7 @@ use crate::asked::campaign::{checked_hold, checked_margin, checked_time_limit, c
 use crate::asked::scenario_choice::matches;
 use crate::{BenchError, Campaign, CampaignPlanner, CarryTo, Exception, PathDemand, PlannerCall};
 
-/// What a campaign's file says.
+/// Content of a campaign file.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct CampaignEntry {
@@ -57,7 +57,7 @@ struct CampaignEntry {
     exceptions: Vec<Spanned<ExceptionEntry>>,
 }
 
-/// The only word that a campaign has for grasps: others than those of its scenarios it does not take.
+/// The only value of `grasps`: a campaign uses the grasps of its scenarios or none.
 #[derive(Deserialize)]
 #[serde(rename_all = "kebab-case")]
 enum GraspsEntry {
@@ -98,8 +98,8 @@ struct ExceptionEntry {
 }
 
 impl Campaign {
-    /// Reads a campaign of the planners of a registry, and of programs, from a YAML file; paths in it are taken from the
-    /// folder of the file.
+    /// Reads a campaign from a YAML file, with planners of a registry and external programs. Relative paths in it start at
+    /// the folder of the file.
     ///
     /// # Errors
     /// [`BenchError::Unreadable`]; [`BenchError::CampaignFile`] with the line.
@@ -146,7 +146,7 @@ impl Campaign {
             if !planners.iter().any(|known: &CampaignPlanner| known.name == planner) {
                 let names: Vec<&str> = planners.iter().map(|known| known.name.as_str()).collect();
                 let problem = format!(
-                    "no planner of the campaign is called '{planner}' (there are: {}){}",
+                    "unknown planner '{planner}' in an exception (known: {}){}",
                     names.join(", "),
                     did_you_mean(&planner, names.iter().copied())
                 );
@@ -200,14 +200,15 @@ impl PlannerEntry {
             }
             (None, Some(_), None) | (None, None, Some(_)) if score.is_some() || min_score.is_some() => {
                 return Err(
-                    "`score` and `min_score` are for a built-in `planner`; a program is given all grasps with the geometric \
-                     one"
+                    "`score` and `min_score` apply to a built-in `planner` only; a program gets all grasps \
+                     with the geometric score"
                         .to_owned(),
                 );
             }
             (None, Some(_), None) | (None, None, Some(_)) if has_settings => {
                 return Err(
-                    "`settings` are those of a built-in `planner`; give a program arguments".to_owned()
+                    "`settings` apply to a built-in `planner` only; give a program arguments instead"
+                        .to_owned(),
                 );
             }
             (None, Some(command), None) => PlannerCall::Exec { command: words(command) },
@@ -228,17 +229,17 @@ impl PlannerEntry {
     }
 }
 
-/// A scenario's word: an id goes before a folder of the same name.
+/// Resolves the word of a scenario: an id takes precedence over a folder of the same name.
 fn scenario_beside(folder: &Path, word: &str) -> String {
     let is_id = built_in().any(|entry| matches(word, entry.id));
     if is_id { word.to_owned() } else { beside(folder, word) }
 }
 
-/// A word as a path from `folder`, if there is such a file or folder; else as it is.
+/// Returns a word as a path from `folder` if such a file or folder exists, otherwise unchanged.
 fn beside(folder: &Path, word: &str) -> String {
     let path = folder.join(word);
     if path.exists() && !word.is_empty() {
-        // With a slash it is a path, also where the folder is this one.
+        // A slash marks it as a path, even in the current folder.
         let path = if path.components().count() == 1 { Path::new(".").join(path) } else { path };
         path.display().to_string()
     } else {

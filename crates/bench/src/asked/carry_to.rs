@@ -3,31 +3,31 @@ use cranny_task::{AfterPlacing, CLEAR_M, Move, PlaceAt, Stage, TaskError};
 use serde::{Deserialize, Serialize};
 use strum::{EnumString, IntoStaticStr, VariantArray};
 
-/// Where the target is carried to in the trials of a campaign, once it is grasped.
+/// Destination of the target after the grasp, in the trials of a campaign.
 #[derive(
     Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, EnumString, IntoStaticStr, VariantArray,
 )]
 #[serde(rename_all = "kebab-case")]
 #[strum(serialize_all = "kebab-case")]
 pub enum CarryTo {
-    /// To where the robot started.
+    /// The start configuration of the robot.
     Home,
-    /// To where it is clear of everything but floors, by [`CLEAR_M`].
+    /// A configuration where the target is clear of everything but floors by [`CLEAR_M`].
     Out,
-    /// To the first place of its scenario, where it is put down, and the robot goes home.
+    /// The first placement of the scenario, where the robot sets the target down; then the robot returns home.
     Place,
 }
 
 impl CarryTo {
-    /// Name in files and flags.
+    /// Returns the name in files and flags.
     pub fn name(self) -> &'static str {
         self.into()
     }
 
-    /// The stages, of which the last ends there.
+    /// Returns the stages; the last one ends at the destination.
     ///
     /// # Errors
-    /// [`TaskError::Place`] for a scenario without a place to put anything down.
+    /// [`TaskError::Place`] for a scenario without a placement.
     pub(crate) fn stages(self, scenario: &Scenario) -> Result<Vec<Stage>, TaskError> {
         let none = || TaskError::Place {
             problem: "the scenario has no place to put its target down (`places` in scenario.yaml)"

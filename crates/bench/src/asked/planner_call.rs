@@ -12,40 +12,40 @@ use sha2::{Digest as _, Sha256};
 
 use crate::{BenchError, PathDemand, Trial};
 
-/// How a planner is called.
+/// Call of a planner.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PlannerCall {
-    /// One of Cranny's own.
+    /// A built-in planner.
     BuiltIn {
         /// Its name in the registry.
         planner: String,
-        /// What differs from its default settings; all of them once they are [checked](Self::checked).
+        /// Settings that differ from the defaults; all settings after [`Self::checked`].
         settings: Map<String, Value>,
-        /// Which score of the grasps counts.
+        /// Score used for the grasps.
         #[serde(default, skip_serializing_if = "is_geometric")]
         score: ScoreKind,
-        /// Least score of the grasps that are goals; all are if there is none.
+        /// Minimum score of the goal grasps; `None` accepts all grasps.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         min_score: Option<f64>,
     },
-    /// Anybody's program, which speaks the protocol of `docs/exec_protocol.md`.
+    /// An external program with the protocol of `docs/exec_protocol.md`.
     Exec {
-        /// The program and its arguments; `{seed}` and the other placeholders of the protocol are filled in.
+        /// The program and its arguments; `{seed}` and the other placeholders of the protocol are replaced.
         command: Vec<String>,
     },
-    /// The program that the paper's authors released, or one with its command line and output.
+    /// The program released by the paper's authors, or one with the same command line and output.
     Released {
         /// The program.
         program: String,
-        /// Arguments after the usual ones, such as `-planner 0`; of an option given twice the last counts.
+        /// Arguments after the standard ones, such as `-planner 0`; the last value of a repeated option counts.
         arguments: Vec<String>,
     },
 }
 
 impl PlannerCall {
-    /// What a flag says: the name of a built-in planner, `exec:PROGRAM ARGUMENT…` or
-    /// `released:PROGRAM ARGUMENT…`, words separated by spaces.
+    /// Parses a flag: the name of a built-in planner, `exec:PROGRAM ARGUMENT…` or `released:PROGRAM ARGUMENT…`, with words
+    /// separated by spaces.
     ///
     /// # Errors
     /// As [`Self::checked`].
@@ -65,12 +65,11 @@ impl PlannerCall {
         call.checked(registry)
     }
 
-    /// The call, if it can be made: relative paths are made absolute and all settings are named, so that it can be
-    /// repeated from elsewhere.
+    /// Validates the call, makes relative paths absolute and lists all settings, so that it can be repeated from another
+    /// folder.
     ///
     /// # Errors
-    /// [`BenchError::Plan`] for a planner or a setting that does not exist, [`BenchError::Program`] for a
-    /// program that does not.
+    /// [`BenchError::Plan`] for an unknown planner or setting, [`BenchError::Program`] for a missing program.
     pub fn checked(self, registry: &Registry) -> Result<Self, BenchError> {
         let program = |word: &str| -> Result<String, BenchError> {
             let missing = || BenchError::Program { program: word.to_owned() };
@@ -103,8 +102,7 @@ impl PlannerCall {
         })
     }
 
-    /// What it is called where nobody names it: the built-in planner's name, or `exec:` or `released:` and the
-    /// first file of the command.
+    /// Returns the default name: that of the built-in planner, or `exec:` or `released:` and the first file of the command.
     pub fn name(&self) -> String {
         match self {
             Self::BuiltIn { planner, .. } => planner.clone(),
@@ -116,7 +114,7 @@ impl PlannerCall {
         }
     }
 
-    /// The program of others that it runs, with its arguments; nothing for a built-in planner.
+    /// Returns the command line of the external program; empty for a built-in planner.
     pub fn command(&self) -> String {
         match self {
             Self::BuiltIn { .. } => String::new(),
@@ -127,7 +125,7 @@ impl PlannerCall {
         }
     }
 
-    /// Whether the files of the command are those that a trial was planned with.
+    /// Checks that the files of the command are those that the trial was planned with.
     ///
     /// # Errors
     /// [`BenchError::OtherProgram`].
@@ -139,9 +137,8 @@ impl PlannerCall {
         Err(BenchError::OtherProgram { planner: trial.planner.clone(), command: self.command() })
     }
 
-    /// All settings of a call that is [checked](Self::checked), as canonical JSON: the same on every machine. A file of the
-    /// command counts with its name and
-    /// its content, not with where it lies.
+    /// Returns all settings of a [checked](Self::checked) call, as canonical JSON: identical on every machine. A file of
+    /// the command counts by its name and content, not by its folder.
     pub fn settings(&self) -> String {
         let words = |words: &[String]| -> Value {
             words.iter().map(|word| if is_file(word) { file_name(word) } else { word }).collect()
@@ -154,7 +151,7 @@ impl PlannerCall {
             Self::BuiltIn { planner, settings, score, min_score } => {
                 let mut all = Value::Object(settings.clone());
                 all["planner"] = planner.clone().into();
-                // Trials by the usual score are the same as before there was another.
+                // Trials with the default score keep their identity.
                 if !is_geometric(score) {
                     all["score"] = score.name().into();
                 }
@@ -178,7 +175,7 @@ fn is_geometric(score: &ScoreKind) -> bool {
     *score == ScoreKind::Geometric
 }
 
-/// With the keys of every object in order, whatever the features of the JSON library.
+/// Sorts the keys of every object, independently of the features of the JSON library.
 fn sorted(value: &Value) -> Value {
     match value {
         Value::Object(object) => {
@@ -191,7 +188,7 @@ fn sorted(value: &Value) -> Value {
     }
 }
 
-/// Whether a shell would find the program.
+/// Returns true if a shell would find the program.
 fn is_in_path(program: &str) -> bool {
     let names = [program.to_owned(), format!("{program}{}", std::env::consts::EXE_SUFFIX)];
     let is_in = |folder: &Path| names.iter().any(|name| folder.join(name).is_file());
@@ -206,12 +203,13 @@ fn file_name(word: &str) -> &str {
     Path::new(word).file_name().and_then(|name| name.to_str()).unwrap_or(word)
 }
 
-/// Links stay links: the Python of a virtual environment is one, and only by that name finds its packages.
+/// Makes a path absolute without resolving links: the Python of a virtual environment finds its packages only through the
+/// link.
 fn absolute(word: &str) -> Option<String> {
     Some(std::path::absolute(word).ok()?.to_str()?.to_owned())
 }
 
-/// The SHA-256 of a file, computed once for as long as the system says that it is the same.
+/// Returns the SHA-256 of a file, cached until its stamp changes.
 fn checksum(word: &str) -> String {
     static KNOWN: Mutex<BTreeMap<String, (FileStamp, String)>> = Mutex::new(BTreeMap::new());
     let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
@@ -227,12 +225,12 @@ fn checksum(word: &str) -> String {
     sum
 }
 
-/// The SHA-256 of a program.
+/// Computes the SHA-256 of a program.
 pub fn computed_checksum(program: &Path) -> String {
     hexadecimal(&Sha256::digest(cranny_file::PROGRAM.bytes(program).unwrap_or_default()))
 }
 
-/// Bytes as text.
+/// Returns bytes as hexadecimal text.
 pub fn hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().fold(String::new(), |mut text, byte| {
         let _ = write!(text, "{byte:02x}");
@@ -262,7 +260,7 @@ mod tests {
         assert_ne!(a.settings(), call(&there, "two").settings());
     }
 
-    /// The Python of a virtual environment finds its packages only by the name of the link that it is.
+    /// The Python of a virtual environment finds its packages only through its link.
     #[cfg(unix)]
     #[test]
     fn a_program_is_called_by_the_name_that_it_was_given() {
@@ -286,7 +284,7 @@ mod tests {
             Err(BenchError::Program { .. })
         ));
         assert!(matches!(PlannerCall::parse("exec:", &Registry::default()), Err(BenchError::Program { .. })));
-        // Said before a campaign begins, not by its first trial.
+        // This error occurs before the campaign begins, not in its first trial.
         assert!(matches!(
             PlannerCall::parse("exec:no-such-program x", &Registry::default()),
             Err(BenchError::Program { .. })

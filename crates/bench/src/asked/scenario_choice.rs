@@ -7,24 +7,24 @@ use crate::BenchError;
 /// A scenario of a campaign.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ChosenScenario {
-    /// What tells it from any other.
+    /// Identity of the scenario.
     pub identity: Identity,
-    /// What it is opened by: a built-in id, or an absolute path.
+    /// Source of the scenario: a built-in id or an absolute path.
     pub source: String,
 }
 
-/// The word for all of the paper's.
+/// The word for all scenarios of the paper.
 const ALL: &str = "all";
 
-/// The scenarios that words name: `all`, built-in ids in which `x` stands for any digit (`01x`), folders and
-/// archives. One that is named twice is taken once; the order is that of the words.
+/// Returns the scenarios named by words: `all`, built-in ids in which `x` stands for any digit (`01x`), folders and
+/// archives. Duplicates are removed; the order is that of the words.
 ///
 /// # Errors
 /// [`BenchError::Pattern`], [`BenchError::Scenario`], [`BenchError::Empty`].
 pub fn choose_scenarios(words: &[String]) -> Result<Vec<ChosenScenario>, BenchError> {
     let mut chosen: Vec<ChosenScenario> = Vec::new();
     for word in words {
-        // All are the twenty of the paper; those that bring the object in, or clear the way, are asked for by their ids.
+        // `all` stands for the twenty scenarios of the paper; scenarios with other tasks must be named by their ids.
         let is_named = |entry: &&CatalogueEntry| {
             matches(word, entry.id) && (word != ALL || entry.task == BuiltInTask::Pick)
         };
@@ -44,7 +44,7 @@ pub fn choose_scenarios(words: &[String]) -> Result<Vec<ChosenScenario>, BenchEr
     if chosen.is_empty() { Err(BenchError::Empty { what: "scenarios" }) } else { Ok(chosen) }
 }
 
-/// Whether a word names a built-in id.
+/// Returns true if a word matches a built-in id.
 pub fn matches(word: &str, id: &str) -> bool {
     let fits =
         |(pattern, digit): (char, char)| pattern == digit || (pattern == 'x' && digit.is_ascii_digit());

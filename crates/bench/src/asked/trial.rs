@@ -3,47 +3,47 @@ use cranny_task::Criterion;
 use serde::{Deserialize, Serialize};
 use strum::{EnumString, IntoStaticStr, VariantArray};
 
-/// One question to one planner: what is run again when it is replayed, and what is never counted twice.
+/// One run of one planner: the unit that is replayed and counted once.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Trial {
     /// Id of the scenario.
     pub scenario: String,
-    /// SHA-256 over the files of the scenario, in hexadecimal: two scenarios of one name stay apart.
+    /// SHA-256 over the files of the scenario, in hexadecimal; it distinguishes scenarios of the same name.
     pub scenario_hash: String,
-    /// Name of the planner, as the report shows it.
+    /// Name of the planner in reports.
     pub planner: String,
-    /// All its settings, as canonical JSON (sorted keys): two settings of one planner stay apart.
+    /// All its settings, as canonical JSON (sorted keys); they distinguish variants of one planner.
     pub settings: String,
-    /// What counts as solved.
+    /// Criterion for a solved trial.
     pub criterion: Criterion,
-    /// What the random numbers are drawn from.
+    /// Seed of the random numbers.
     pub seed: u64,
-    /// At most so many seconds.
+    /// Time limit, in seconds.
     pub time_limit_s: f64,
-    /// At most so many iterations; `None` where only time counts.
+    /// Iteration limit; `None` if only time counts.
     pub iteration_limit: Option<u64>,
-    /// The one goal of the scenario's IK set that was aimed at; `None` where the planner had all grasps.
+    /// Index of the one goal in the IK set of the scenario; `None` if the planner had all grasps.
     pub goal: Option<usize>,
 }
 
 impl Trial {
-    /// The same text for the same trial and for no other.
+    /// Returns a text that identifies the trial uniquely.
     pub fn key(&self) -> String {
         serde_json::json!(self).to_string()
     }
 }
 
-/// How a trial ended. "Solved" is what the judge says, whatever the planner says.
+/// Outcome of a trial. The judge decides about "solved", not the planner.
 #[derive(
     Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, EnumString, IntoStaticStr, VariantArray,
 )]
 #[serde(rename_all = "kebab-case")]
 #[strum(serialize_all = "kebab-case")]
 pub enum TrialOutcome {
-    /// There is a path, and the judge finds that it meets the criterion.
+    /// The planner returned a path, and the judge finds that it meets the criterion.
     Solved,
-    /// The planner's time or iterations were spent.
+    /// The planner reached its time or iteration limit.
     BudgetExhausted,
     /// The planner ended without a path before its budget was spent.
     GaveUp,
@@ -53,24 +53,24 @@ pub enum TrialOutcome {
     StartInvalid,
     /// Every goal configuration is in collision or outside the joint limits.
     GoalsInvalid,
-    /// The planner is certain that no grasp can be reached.
+    /// The planner proved that no grasp can be reached.
     NoReachableGrasp,
-    /// The planner gave a path, and the judge finds that it does not meet the criterion.
+    /// The planner returned a path, and the judge finds that it does not meet the criterion.
     Rejected,
-    /// The planner gave something that is no path.
+    /// The output of the planner is no path.
     Garbled,
     /// The planner's process ended by itself.
     Crashed,
-    /// The planner went on past its limit and was stopped.
+    /// The planner exceeded its time limit and was stopped.
     Hung,
-    /// The planner took more memory than it was given.
+    /// The planner exceeded its memory limit.
     OutOfMemory,
-    /// Somebody ended the worker by a signal: nothing is known of the trial.
+    /// A signal from outside ended the worker; the result of the trial is unknown.
     Killed,
 }
 
 impl TrialOutcome {
-    /// How a search ended, unless the judge finds that it gave a path.
+    /// Returns the outcome of a search for which the judge has found no valid path.
     pub(crate) fn without_path(outcome: Outcome) -> Self {
         match outcome {
             Outcome::Solved | Outcome::BudgetExhausted => Self::BudgetExhausted,
@@ -82,44 +82,44 @@ impl TrialOutcome {
         }
     }
 
-    /// What files and reports call it.
+    /// Returns the name in files and reports.
     pub fn name(self) -> &'static str {
         self.into()
     }
 }
 
-/// A trial and how it went: one row of the results.
+/// A trial with its result: one row of the results.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TrialRecord {
-    /// The question.
+    /// The trial.
     pub trial: Trial,
-    /// How it ended.
+    /// Outcome of the trial.
     pub outcome: TrialOutcome,
-    /// What a person should know of it: the judge's first objection, the signal, the first bad line.
+    /// Details for the user: the first violation, the signal, or the first bad line.
     pub detail: Option<String>,
-    /// What the search cost. A foreign planner's `planning_time_s` is measured outside; what it does not tell
-    /// is zero.
+    /// Statistics of the search. For an external planner, `planning_time_s` is measured outside and values that it does not
+    /// report are zero.
     pub statistics: Statistics,
     /// Length of the path in the plain norm of `q` (m and rad alike); `None` unless solved.
     pub path_length: Option<f64>,
-    /// The least clearance along the path, proven, in metres; `None` where it was not measured.
+    /// Proven minimum clearance along the path, in metres; `None` if it was not measured.
     pub clearance_m: Option<f64>,
-    /// The grasp that the path ends at.
+    /// Index of the grasp at the end of the path.
     pub grasp: Option<usize>,
-    /// The score of that grasp, in [0, 1].
+    /// Score of that grasp, in [0, 1].
     pub grasp_score: Option<f64>,
-    /// Whether the path also meets the other of the two criteria, where that was asked.
+    /// True if the path also meets the other criterion; `None` if this was not checked.
     pub also_solved: Option<bool>,
-    /// Memory, in bytes: of a program of others with all that it started the most that it was seen to hold, looked at
-    /// every 20 ms; of a built-in planner what its process held at the end of the search, the scenario and what earlier
-    /// trials left allocated with it. `None` where nobody tells, and in older results.
+    /// Memory, in bytes. For an external program: peak of the program and its children, sampled every 20 ms. For a built-in
+    /// planner: memory of its process at the end of the search, including the scenario and leftovers of earlier trials.
+    /// `None` if unknown, and in older results.
     #[serde(default)]
     pub memory_bytes: Option<u64>,
 }
 
 impl TrialRecord {
-    /// Of a trial without a path, or with one that is not judged yet.
+    /// Creates the record of a trial without a path, or with a path that is not judged yet.
     pub(crate) fn without_path(
         trial: &Trial,
         outcome: TrialOutcome,
@@ -140,7 +140,7 @@ impl TrialRecord {
         }
     }
 
-    /// Whether the judge found a path that meets the criterion.
+    /// Returns true if the judge found that the path meets the criterion.
     pub fn is_solved(&self) -> bool {
         self.outcome == TrialOutcome::Solved
     }

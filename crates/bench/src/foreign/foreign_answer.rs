@@ -1,4 +1,4 @@
-//! What the programs of others answer.
+//! Answers of external programs.
 
 use std::path::Path;
 
@@ -8,22 +8,22 @@ use serde::Deserialize;
 
 use crate::TrialOutcome;
 
-/// The answer of a program, not yet judged.
+/// Answer of a program, not yet judged.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ForeignAnswer {
-    /// How it ended, if there is no path.
+    /// Outcome if there is no path.
     pub outcome: TrialOutcome,
-    /// Its path, piece by piece; none where it found none.
+    /// Segments of its path; empty if it found none.
     pub segments: Vec<Segment>,
-    /// What it tells of its search.
+    /// Statistics reported by the program.
     pub statistics: Statistics,
 }
 
-/// The JSON form of an answer.
+/// JSON form of an answer.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Document {
-    /// The first where it is not said.
+    /// Version of the protocol; 1 by default.
     #[serde(default)]
     protocol: Option<u64>,
     #[serde(default)]
@@ -46,16 +46,15 @@ struct ForeignStatistics {
     goals_tried: u64,
 }
 
-/// No program counts more of anything: what a file of results can hold.
+/// Maximum of each count: the largest value that a results file can hold.
 const MOST_COUNT: u64 = i64::MAX.cast_unsigned();
 
-/// What a program printed: a JSON document, or way points as comma-separated lines; nothing where it found no
-/// path.
+/// Parses the output of a program: a JSON document, or way points as comma-separated lines; empty if it found no path.
 ///
-/// A path through several stages is in segments; where these name no stage, they are numbered by what they do.
+/// A path through several stages consists of segments. Segments without stage numbers are numbered by their modes.
 ///
 /// # Errors
-/// What is wrong, with the line.
+/// Description of the problem, with the line.
 pub fn read_output(output: &[u8], joints: usize, stages: &[Stage]) -> Result<ForeignAnswer, String> {
     let text = std::str::from_utf8(output).map_err(|_| "the output is not UTF-8".to_owned())?;
     if !text.trim_start().starts_with('{') {
@@ -77,14 +76,16 @@ pub fn read_output(output: &[u8], joints: usize, stages: &[Stage]) -> Result<For
             }
             let reach = [Stage::pick()];
             check_segments(if stages.is_empty() { &reach } else { stages }, &segments)?;
-            // The path to a goal may come in pieces.
+            // The path to a goal may consist of several segments.
             let is_reach = segments.iter().all(|segment| segment.stage == 0 && !segment.mode.holds);
             if is_reach { reach_along(joined(&segments)) } else { segments }
         }
         (1 | 2, Some(_)) => {
-            return Err("segments stand in answers that name protocol 2 and have no way points".to_owned());
+            return Err(
+                "`segments` are valid only in answers with protocol 2 and without `waypoints`".to_owned()
+            );
         }
-        (other, _) => return Err(format!("its protocol is {other}, but this version speaks 1 and 2")),
+        (other, _) => return Err(format!("unknown protocol {other} (known: 1, 2)")),
     };
     check_stages(stages, &segments)?;
     let mut way_points = segments.iter().flat_map(|segment| &segment.waypoints).enumerate();
@@ -97,13 +98,15 @@ pub fn read_output(output: &[u8], joints: usize, stages: &[Stage]) -> Result<For
         .into_iter()
         .find(|&count| count > MOST_COUNT)
     {
-        return Err(format!("the statistics count {count} of something, more than any program can"));
+        return Err(format!("the statistics contain the count {count}, which is too large"));
     }
     let outcome = match document.outcome.unwrap_or(Outcome::BudgetExhausted) {
         Outcome::Solved if segments.is_empty() => {
             return Err("the outcome is 'solved', but there are no way points".to_owned());
         }
-        Outcome::Cancelled => return Err("nobody stopped the program, but it says 'cancelled'".to_owned()),
+        Outcome::Cancelled => {
+            return Err("the outcome is 'cancelled', but the program was not stopped".to_owned());
+        }
         outcome => TrialOutcome::without_path(outcome),
     };
     Ok(ForeignAnswer {
@@ -120,25 +123,27 @@ pub fn read_output(output: &[u8], joints: usize, stages: &[Stage]) -> Result<For
     })
 }
 
-/// The path of an answer that gives way points alone.
+/// Converts the path of an answer that has way points alone.
 fn reach_along(path: Vec<Vec<f64>>) -> Vec<Segment> {
     if path.is_empty() { Vec::new() } else { vec![Segment::reach(path, Vec::new())] }
 }
 
-/// Checks that a path, if it is one, is of the stages of its task; without any it ends at the grasp.
+/// Checks that the segments of a path match the stages of its task; without stages the path ends at the grasp.
 fn check_stages(stages: &[Stage], segments: &[Segment]) -> Result<(), String> {
     let reach = [Stage::pick()];
     check_segments(if stages.is_empty() { &reach } else { stages }, segments)?;
     if stages.len() > 1 && segments.iter().all(|segment| segment.stage == 0) && !segments.is_empty() {
-        return Err("the path ends at the grasp, but the trial carries the target on: name protocol 2 and give segments \
-                    `reach`, `lift-off`, `carry` and what follows"
-            .to_owned());
+        return Err(
+            "the path ends at the grasp, but the task continues with the target in the hand: answer with \
+             protocol 2 and segments `reach`, `lift-off`, `carry` and so on"
+                .to_owned(),
+        );
     }
     Ok(())
 }
 
-/// What the released program writes beside its way points.
-// Other keys are the settings and times that the program states of itself.
+/// Summary that the released program writes in addition to its way points.
+// Other keys hold settings and times of the program itself.
 #[derive(Default, Deserialize)]
 struct ReleasedSummary {
     #[serde(default)]
@@ -149,17 +154,17 @@ struct ReleasedSummary {
     treesize: Option<f64>,
 }
 
-/// What the released program wrote to `prefix.txt` (a summary as JSON) and `prefix.try` (way points).
+/// Reads the output of the released program: `prefix.txt` (a summary as JSON) and `prefix.try` (way points).
 ///
 /// # Errors
-/// What is wrong, with the line.
+/// Description of the problem, with the line.
 pub fn read_released(prefix: &Path, joints: usize) -> Result<ForeignAnswer, String> {
     let text = |ending: &str| cranny_file::TABLE.text(&prefix.with_extension(ending));
     let summary = text("txt").map_err(|reason| format!("the program left no .txt file: {reason}"))?;
     let summary: ReleasedSummary = cranny_file::json(summary.as_bytes())
         .map_err(|reason| format!(".txt, line {}: {reason}", reason.line))?;
     let is_solved = summary.sr.is_some_and(|rate| rate > 0.0);
-    // On a failure the way points are those of no answer.
+    // After a failure the way points are no path.
     let path = match text("try") {
         Ok(way_points) if is_solved => {
             read_lines(&way_points, joints).map_err(|fault| format!(".try, {fault}"))?
@@ -182,7 +187,7 @@ pub fn read_released(prefix: &Path, joints: usize) -> Result<ForeignAnswer, Stri
     Ok(ForeignAnswer { outcome: TrialOutcome::BudgetExhausted, segments, statistics })
 }
 
-/// Way points, one a line; blank lines are left out.
+/// Parses way points, one a line; blank lines are skipped.
 fn read_lines(text: &str, joints: usize) -> Result<Vec<Vec<f64>>, String> {
     let mut path = Vec::new();
     for (index, line) in text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()) {
@@ -192,9 +197,9 @@ fn read_lines(text: &str, joints: usize) -> Result<Vec<Vec<f64>>, String> {
         };
         // The released files end every line with a comma.
         let fields = || line.trim().trim_end_matches(',').split(',');
-        // A line of words is called by its words.
+        // A line of words is reported with its words.
         number(fields().next().unwrap_or_default())?;
-        // Counted before they are kept: a line may have any number of them.
+        // The count precedes the collection, because a line may have any number of fields.
         let actual = fields().count();
         if actual != joints {
             return Err(format!("line {}: {actual} numbers instead of {joints}", index + 1));
@@ -204,7 +209,7 @@ fn read_lines(text: &str, joints: usize) -> Result<Vec<Vec<f64>>, String> {
     Ok(path)
 }
 
-/// The beginning of what may be long and unprintable.
+/// Returns the escaped beginning of a text that may be long and unprintable.
 fn shown(text: &str) -> String {
     const MOST: usize = 40;
     text.trim().chars().take(MOST).flat_map(char::escape_default).collect()
@@ -273,11 +278,11 @@ mod tests {
         }
         let whole = segments(&same, &same);
         let fault = read(json!({"protocol": 3, "segments": whole})).unwrap_err();
-        assert!(fault.contains("its protocol is 3, but this version speaks 1 and 2"), "{fault}");
+        assert!(fault.contains("unknown protocol 3 (known: 1, 2)"), "{fault}");
         let fault = read(json!({"segments": whole})).unwrap_err();
-        assert!(fault.contains("name protocol 2"), "{fault}");
+        assert!(fault.contains("with protocol 2"), "{fault}");
         let fault = read(json!({"protocol": 2, "segments": whole, "waypoints": [[0, 0]]})).unwrap_err();
-        assert!(fault.contains("no way points"), "{fault}");
+        assert!(fault.contains("without `waypoints`"), "{fault}");
     }
 
     #[test]
@@ -301,7 +306,7 @@ mod tests {
         assert!(fault(b"{\"outcome\": \"solved\"}").contains("no way points"));
         assert!(fault(b"{\"way_points\": []}").contains("way_points"));
         assert!(fault(b"{\"outcome\": \"cancelled\"}").contains("'cancelled'"));
-        assert!(fault(b"{\"statistics\": {\"iterations\": 18446744073709551615}}").contains("more than any"));
+        assert!(fault(b"{\"statistics\": {\"iterations\": 18446744073709551615}}").contains("too large"));
         assert!(fault(&[0xff, 0xfe, 0x00]).contains("UTF-8"));
     }
 

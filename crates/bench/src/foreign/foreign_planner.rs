@@ -18,55 +18,54 @@ use crate::running::opened_scenario::OpenedScenario;
 use crate::running::worker_message::Request;
 use crate::{BenchError, CarryTo, PathDemand, PlannerCall, TrialOutcome, TrialRecord};
 
-/// The program of others, with the files of one scenario.
+/// External program, with the files of one scenario.
 pub struct ForeignPlanner {
     command: Vec<String>,
     is_released: bool,
     files: ForeignFiles,
 }
 
-/// Where a program finds what it wants to read.
+/// Files that a program may read.
 pub struct ForeignFiles {
-    /// The folder in the released layout.
+    /// Folder in the released layout.
     released: PathBuf,
-    /// The folder in Cranny's layout.
+    /// Folder in Cranny's layout.
     cranny: PathBuf,
-    /// The robot.
+    /// URDF file of the robot.
     urdf: PathBuf,
-    /// Under which each trial has a folder of its own for what the program writes.
+    /// Folder with one scratch folder for each trial.
     scratch: PathBuf,
-    /// What was written for the program, to be seen if it changes anything of it.
+    /// Files written for the program, with stamps that reveal changes by it.
     written: Vec<(PathBuf, Option<FileStamp>)>,
 }
 
-/// One trial of such a program.
+/// One trial of an external program.
 pub struct ForeignTask<'a> {
     pub request: &'a Request,
     pub opened: &'a OpenedScenario,
-    /// The goal configuration that is aimed at.
+    /// The goal configuration to aim at (m, rad; one value per joint); `None` for all grasps.
     pub goal: Option<&'a [f64]>,
-    /// Where the target is to be carried, if it is.
+    /// Destination of the target after the grasp, if there is one.
     pub carry: Option<CarryTo>,
-    /// The stages of the task; empty where the path ends at the goal.
+    /// Stages of the task; empty if the path ends at the goal.
     pub stages: &'a [Stage],
 }
 
-/// How long a program may go on after its time limit before it counts as hung: enough to notice, to tidy up and
-/// to print.
+/// Time past its limit after which a program counts as hung: enough to notice the limit, clean up and print.
 const GRACE: Duration = Duration::from_secs(1);
 
-/// What the system says to who writes where they may not.
+/// System messages about denied write access.
 const DENIALS: [&str; 2] = ["ermission denied", "Errno 13"];
 
-/// The command line of the released program with its authors' settings, as its own scripts give them; `-max_iters`
-/// is beyond what a time limit of minutes allows.
+/// Command line of the released program with its authors' settings, as in its own scripts; `-max_iters` exceeds the
+/// iterations possible within minutes.
 const RELEASED_COMMAND: &str = "test -grasp {grasps} -urdf {urdf} -obstacle {obstacles} -start_config {start} \
     -target_configs {ik} -ik_index {goal} -max_iters {iterations} -d_crit 0.1 -delta_q 3.1415 -epsilon_q 0.1 \
     -num_spikes 7 -p_close_enough 50.0 -prob_steer 0.01 -q_resolution 0.1 -use_rot 100 -rot_ratio 0.5 \
     -groundLevel 0.0 -minColSegIdx 6 -render 0 -seed {seed} -target_prefix {prefix}";
 
 impl ForeignPlanner {
-    /// Writes the files of the scenario, unless they are there already.
+    /// Writes the files of the scenario, unless they exist already.
     pub fn new(request: &Request, opened: &OpenedScenario) -> Result<Self, BenchError> {
         let call = &request.question.call;
         let (command, is_released) = match call {
@@ -80,20 +79,20 @@ impl ForeignPlanner {
                 )
             }
         };
-        // Of one content there is one export.
+        // Scenarios with the same content share one export.
         let hash = &request.question.trial.scenario_hash;
-        // Who is given no set of grasps finds none beside it either.
+        // A planner without a grasp set must not find one among its files either.
         let kind = if opened.scenario.has_grasp_set { "" } else { "-no-grasps" };
         let folder = request.exports.join(format!("{hash}{kind}"));
         let files = ForeignFiles::write(&folder, &request.question.source, opened)?;
         Ok(Self { command, is_released, files })
     }
 
-    /// What the program makes of a trial, and its path, piece by piece, not yet judged.
+    /// Runs the program on a trial. Returns its record and the segments of its path, not yet judged.
     pub fn plan(&self, task: &ForeignTask, leash: &Leash) -> Result<(TrialRecord, Vec<Segment>), BenchError> {
         let trial = &task.request.question.trial;
         let time = Duration::try_from_secs_f64(trial.time_limit_s).unwrap_or(Duration::MAX);
-        // New for each trial: nothing that one leaves behind is there for the next.
+        // Each trial gets a new folder, so that files of earlier trials are not visible.
         let scratch = TempDir::new_in(&self.files.scratch);
         let scratch = scratch
             .map_err(|reason| ScenarioError::Unwritable { path: self.files.scratch.clone(), reason })?;
@@ -132,8 +131,9 @@ impl ForeignPlanner {
                     detail = format!("{detail}: {complaint}");
                 }
                 if limits.walls.landlock && DENIALS.iter().any(|denial| complaint.contains(denial)) {
-                    detail =
-                        format!("{detail} (it may write in its scratch folder alone; --sandbox off lets it)");
+                    detail = format!(
+                        "{detail} (it may write only in its scratch folder; --sandbox off lifts this limit)"
+                    );
                 }
                 without(TrialOutcome::Crashed, Some(detail))
             }
@@ -157,7 +157,7 @@ impl ForeignPlanner {
             None => answer,
             Some(file) => {
                 let detail = format!("it changed a file that it was given: {}", file.display());
-                // The next trial gets them anew.
+                // The next trial gets new files.
                 self.files.discard();
                 without(TrialOutcome::Garbled, Some(detail))
             }
@@ -165,9 +165,9 @@ impl ForeignPlanner {
         Ok((TrialRecord { memory_bytes, ..record }, segments))
     }
 
-    /// A word of the command with its placeholders filled in.
+    /// Replaces the placeholders in a word of the command.
     fn filled(&self, word: &str, task: &ForeignTask, scratch: &Path) -> String {
-        /// Where only time counts: beyond what any planner does in hours, and within 32 bits.
+        /// Iteration limit if only time counts: more than any planner reaches in hours, and within 32 bits.
         const ENDLESS: u64 = 2_000_000_000;
         let trial = &task.request.question.trial;
         let path = |path: &Path| path.display().to_string();
@@ -193,13 +193,13 @@ impl ForeignPlanner {
     }
 }
 
-/// Written last of all, so that a folder that has it is whole.
+/// Returns the mark of a complete folder; it is written last.
 pub fn mark_of_the_whole(folder: &Path, criterion: Criterion) -> PathBuf {
     folder.join(format!("{}.whole", criterion.name()))
 }
 
 impl ForeignFiles {
-    /// What the program reads on its standard input.
+    /// Returns the document for the standard input of the program.
     pub fn problem(&self, task: &ForeignTask, scratch: &Path) -> serde_json::Value {
         let (trial, problem) = (&task.request.question.trial, &task.opened.problem);
         let robot = problem.robot();
@@ -247,7 +247,7 @@ impl ForeignFiles {
         })
     }
 
-    /// Writes all of them into a folder, which may be there.
+    /// Writes all files into a folder, which may exist.
     pub fn write(folder: &Path, source: &str, opened: &OpenedScenario) -> Result<Self, BenchError> {
         let unwritable = |path: &Path, reason| ScenarioError::Unwritable { path: path.to_owned(), reason };
         let scratch = folder.join("scratch");
@@ -273,7 +273,7 @@ impl ForeignFiles {
         for written in ["robot", "cranny", "released"] {
             files.note_written(&folder.join(written));
         }
-        // A released scenario is given as it is, with its own robot.
+        // A released scenario is passed unchanged, with its own robot.
         let source = Path::new(source);
         if opened.scenario.has_grasp_set
             && source.join("scene.yaml").is_file()
@@ -288,7 +288,7 @@ impl ForeignFiles {
         Ok(files)
     }
 
-    /// Notes all files below a folder, and lets nobody write them by accident.
+    /// Records all files below a folder and makes them read-only.
     fn note_written(&mut self, folder: &Path) {
         let Ok(entries) = std::fs::read_dir(folder) else { return };
         let mut paths: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
@@ -300,7 +300,7 @@ impl ForeignFiles {
             }
             if let Ok(mut permissions) = std::fs::metadata(&path).map(|facts| facts.permissions()) {
                 permissions.set_readonly(true);
-                // Where that cannot be said, a change is seen all the same.
+                // If the permission cannot be set, a change is still detected.
                 let _ = std::fs::set_permissions(&path, permissions);
             }
             let stamp = FileStamp::of(&path);
@@ -308,26 +308,26 @@ impl ForeignFiles {
         }
     }
 
-    /// The first file that is not as it was written.
+    /// Returns the first file that was changed after writing.
     fn first_changed(&self) -> Option<&Path> {
         let mut changed = self.written.iter().filter(|(path, stamp)| FileStamp::of(path) != *stamp);
         changed.next().map(|(path, _)| path.as_path())
     }
 
-    /// Takes the marks away by which files count as whole, so that they are written anew.
+    /// Removes all files, including the mark of completeness, so that they are written again.
     fn discard(&self) {
         let folder = self.scratch.parent().unwrap_or(&self.scratch);
         let Ok(entries) = std::fs::read_dir(folder) else { return };
         for path in entries.filter_map(|entry| Some(entry.ok()?.path())) {
             let removed =
                 if path.is_dir() { std::fs::remove_dir_all(&path) } else { std::fs::remove_file(&path) };
-            // What stays will be found changed again.
+            // Remaining files will be reported as changed again.
             let _ = removed;
         }
     }
 }
 
-/// The form of protocol 2 for a target that is carried on: the only pick of its task, and one stage after it.
+/// Returns the form of protocol 2 for a carried target: the only pick of its task, and one stage after it.
 fn asked_to_carry(carry: CarryTo, stages: &[Stage], problem: &Problem) -> serde_json::Value {
     let LiftOffSettings { most_m, clear_m, slack_m } = LiftOffSettings::default();
     let mut asked = json!({
@@ -348,8 +348,8 @@ fn asked_to_carry(carry: CarryTo, stages: &[Stage], problem: &Problem) -> serde_
     asked
 }
 
-/// A stage as a plan file has it, with its place in full: name, support, pose in the planning frame (m, row by row), and
-/// size (m).
+/// Returns a stage as in a plan file, with its full placement: name, support, pose in the planning frame (m, row by row)
+/// and size (m).
 fn asked_stage(stage: &Stage, problem: &Problem) -> serde_json::Value {
     let mut asked = json!(stage);
     if let Stage::Place(place) = stage
@@ -364,7 +364,7 @@ fn asked_stage(stage: &Stage, problem: &Problem) -> serde_json::Value {
     asked
 }
 
-/// A bound of the tool as a program reads it: poses and directions in the planning frame, metres and radians.
+/// Returns a bound of the tool for a program: poses and directions in the planning frame, metres and radians.
 fn asked_bound(bound: &ToolBound) -> serde_json::Value {
     match &bound.region {
         ToolRegion::Cone { axis_in_link, toward, most_rad } => json!({

@@ -10,58 +10,58 @@ use cranny_file::system;
 use crate::foreign::process_group::{self, Family, Leash};
 use crate::foreign::sandbox::Walls;
 
-/// What the program of others may take.
+/// Resource limits of an external program.
 #[derive(Clone, Copy, Debug)]
 pub struct Limits<'a> {
     /// Wall-clock time after which it is ended.
     pub time: Duration,
-    /// Memory of it and all that it starts, in bytes.
+    /// Memory of the program and its descendants, in bytes.
     pub memory_bytes: u64,
-    /// The folder in which it may write, and what keeps it from writing elsewhere.
+    /// The only folder for its output, and the isolation that enforces this.
     pub scratch: &'a Path,
     pub walls: Walls,
 }
 
-/// How a program ended.
+/// Ending of a program.
 #[derive(Debug)]
 pub enum Ending {
-    /// By itself, with what it printed, and the end of its complaints.
+    /// It exited by itself; holds its output and the last line of its standard error.
     Exited { status: ExitStatus, output: Vec<u8>, complaint: String },
-    /// It ran past its time and was ended.
+    /// It exceeded its time limit and was ended.
     Hung,
-    /// It took more memory than it was given and was ended; how much it had, in bytes.
+    /// It exceeded its memory limit and was ended; holds its memory, in bytes.
     OutOfMemory(u64),
     /// It printed more than [`MOST_OUTPUT_BYTES`].
     Flood,
 }
 
-/// No path is as long.
+/// Maximum output; no path is as long.
 pub const MOST_OUTPUT_BYTES: u64 = 64 << 20;
 
-/// How often memory is looked at: what can be filled between two looks is a few tens of megabytes.
+/// Sampling interval of memory: within it a program can fill a few tens of megabytes.
 pub const LOOK_EVERY: Duration = Duration::from_millis(20);
 
-/// How a program ran.
+/// Result of running a program.
 #[derive(Debug)]
 pub struct Ran {
     pub ending: Ending,
-    /// Until its end and that of its output, whoever held that open, in seconds.
+    /// Time until the end of the program and of its output, regardless of which process held that open, in seconds.
     pub elapsed_s: f64,
-    /// The most that it and all that it started were seen to hold, in bytes; nothing where nobody tells.
+    /// Peak memory of the program and its descendants, in bytes; `None` if unknown.
     pub memory_bytes: Option<u64>,
 }
 
-/// Runs a program: `input` goes to its standard input.
+/// Runs a program with `input` on its standard input.
 ///
 /// # Errors
-/// What the operating system says where it cannot be begun.
+/// Error of the operating system if the program cannot be started.
 pub fn run(command: &mut Command, input: String, limits: Limits, leash: &Leash) -> std::io::Result<Ran> {
     system::lead_group(command).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
     let (mut child, begin) = spawn(command, limits)?;
     let id = child.id();
     leash.hold(Some(id));
     if let Some(mut stdin) = child.stdin.take() {
-        // A program need not listen.
+        // A program need not read its input.
         thread::spawn(move || drop(stdin.write_all(input.as_bytes())));
     }
     let (sender, closed) = mpsc::channel();
@@ -69,9 +69,9 @@ pub fn run(command: &mut Command, input: String, limits: Limits, leash: &Leash) 
     let complaint = child.stderr.take().map(|stderr| reader(stderr, MOST_COMPLAINT_BYTES, None));
     let (ended, most_bytes) = watch(&mut child, begin, limits, &closed);
     let elapsed_s = begin.elapsed().as_secs_f64();
-    // What it started and left behind, too: nobody reads on.
+    // Processes that it left behind are ended too, because their output is no longer read.
     system::kill_group(id);
-    // Where there are no groups, it alone; that it is gone already is what is wanted.
+    // Without process groups only the program is killed. An error means that it has already ended.
     let _ = child.kill();
     leash.hold(None);
     let status = child.wait()?;
@@ -93,7 +93,7 @@ pub fn run(command: &mut Command, input: String, limits: Limits, leash: &Leash) 
     Ok(Ran { ending, elapsed_s, memory_bytes: Some(most_bytes).filter(|bytes| *bytes > 0) })
 }
 
-/// Starts a program within its walls, which a thread puts around itself and hands on to what it starts; and when.
+/// Starts an isolated program and returns it with its start time. A thread isolates itself, and its children inherit this.
 fn spawn(command: &mut Command, limits: Limits) -> std::io::Result<(Child, Instant)> {
     let within = || {
         limits.walls.close(limits.scratch)?;
@@ -106,11 +106,10 @@ fn spawn(command: &mut Command, limits: Limits) -> std::io::Result<(Child, Insta
     })
 }
 
-/// Of what a program says on standard error the first so many bytes are read; what it says on its end is seldom
-/// behind more.
+/// Maximum number of bytes read from standard error; the final message seldom comes after them.
 const MOST_COMPLAINT_BYTES: u64 = 1 << 20;
 
-/// Reads at most so many bytes; `closed` hears when nothing more comes.
+/// Reads at most `most` bytes; `closed` receives a message at the end of the stream.
 fn reader(
     stream: impl Read + Send + 'static,
     most: u64,
@@ -118,7 +117,7 @@ fn reader(
 ) -> thread::JoinHandle<Vec<u8>> {
     thread::spawn(move || {
         let mut bytes = Vec::new();
-        // What was read before a fault counts.
+        // Bytes read before an error count.
         let _ = stream.take(most).read_to_end(&mut bytes);
         if let Some(closed) = closed {
             let _ = closed.send(());
@@ -127,11 +126,11 @@ fn reader(
     })
 }
 
-/// What a program started may hold its output open for so long after its own end.
+/// Time for which children of a program may keep its output open after its own end.
 const AFTER_THE_END: Duration = Duration::from_millis(200);
 
-/// Waits for the end of a program and of its output: how it had to be ended, nothing if it ended by itself, and the most
-/// memory that was seen.
+/// Waits for the end of a program and of its output. Returns the ending if it was forced, otherwise `None`, and the peak
+/// memory.
 fn watch(
     child: &mut Child,
     begin: Instant,
@@ -142,7 +141,7 @@ fn watch(
     let mut family = Family::of_program(child.id());
     let (mut is_closed, mut gone): (bool, Option<Instant>) = (false, None);
     loop {
-        // That it cannot be asked means that it is gone.
+        // An error means that the program has ended.
         if gone.is_none() && !matches!(child.try_wait(), Ok(None)) {
             gone = Some(Instant::now());
         }
@@ -159,7 +158,7 @@ fn watch(
             return (Some(Ending::OutOfMemory(bytes)), most_bytes);
         }
         if is_closed {
-            // Between its last word and its end little time goes by.
+            // A program usually ends shortly after closing its output.
             thread::sleep(Duration::from_micros(200));
         } else {
             let left = limits.time.saturating_sub(begin.elapsed());

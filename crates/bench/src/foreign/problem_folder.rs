@@ -8,22 +8,22 @@ use crate::running::opened_scenario::OpenedScenario;
 use crate::running::worker_message::Request;
 use crate::{BenchError, PathDemand, Question};
 
-/// Writes what a program of others is given for a trial into a new folder: `problem.json`, what it reads on its standard
-/// input, and the files that the document names. Returns where the document is.
+/// Writes the files of a trial for an external program into a new folder: `problem.json`, the document for its standard
+/// input, and the files named in it. Returns the path of the document.
 ///
 /// # Errors
-/// [`ScenarioError::Exists`] for a folder with something in it, those of opening the scenario, and of writing.
+/// [`ScenarioError::Exists`] for a folder that is not empty, errors of opening the scenario, and of writing.
 pub fn write_problem(question: &Question, folder: &Path) -> Result<PathBuf, BenchError> {
     check_free_folder(folder)?;
     let unwritable = |reason| ScenarioError::Unwritable { path: folder.to_owned(), reason };
-    // The document names its files wherever the program is started.
+    // Absolute paths in the document hold for any working folder of the program.
     let folder = std::path::absolute(folder).map_err(unwritable)?;
     let trial = &question.trial;
     let demand = PathDemand::of_settings(&trial.settings);
     let opened = OpenedScenario::open(&question.source, trial.criterion, &demand)?;
     let stages = demand.stages_in(&opened.scenario)?;
     let files = ForeignFiles::write(&folder, &question.source, &opened)?;
-    // It tells a worker what it has written before; here nobody asks.
+    // The mark lets a worker reuse its files; it has no purpose here.
     let _ = std::fs::remove_file(mark_of_the_whole(&folder, opened.problem.criterion()));
     let request = Request {
         question: question.clone(),

@@ -1,4 +1,4 @@
-//! Processes with all that they start, as far as the system lets one know them.
+//! Tracking of processes with their descendants, within the limits of the operating system.
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -10,19 +10,19 @@ use cranny_file::system;
 
 use crate::foreign::sandbox::Walls;
 
-/// The program of others that is running just now, for whoever must end it.
+/// Handle on the external program that is running, for ending it.
 #[derive(Clone, Debug, Default)]
 pub struct Leash {
     leader: Arc<Mutex<Option<u32>>>,
 }
 
 impl Leash {
-    /// Holds the group of `leader`, or nothing.
+    /// Sets the process group by its `leader`, or clears it.
     pub fn hold(&self, leader: Option<u32>) {
         *self.leader.lock().unwrap_or_else(PoisonError::into_inner) = leader;
     }
 
-    /// Ends the group that is held, if one is, and all that a worker has started.
+    /// Ends the process group, if there is one, and all descendants of a worker.
     pub fn kill(&self) {
         if let Some(leader) = *self.leader.lock().unwrap_or_else(PoisonError::into_inner) {
             system::kill_group(leader);
@@ -31,18 +31,18 @@ impl Leash {
     }
 }
 
-/// Whether this process adopts what its children leave behind, and ends it.
+/// True if this process adopts and ends orphans of its children.
 static IS_ADOPTING: AtomicBool = AtomicBool::new(false);
 
-/// Makes this process, a worker, the one to which processes fall that its children start and leave behind, however often
-/// they fork (a subreaper, Linux): nothing that a program starts outlives its trial.
+/// Makes this process, a worker, the adopter of all orphaned descendants, however often they fork (a subreaper, Linux): no
+/// child of a program outlives its trial.
 pub fn adopt() {
     IS_ADOPTING.store(system::adopt_orphans(), Ordering::Relaxed);
 }
 
-/// Ends all that a worker has started, and what that has started, until nothing is left of it.
+/// Ends all descendants of a worker until none is left.
 pub fn end_descendants() {
-    /// Who forks faster than they are ended is left after so long.
+    /// Time limit against processes that fork faster than they are ended.
     const PATIENCE: Duration = Duration::from_secs(2);
     if !IS_ADOPTING.load(Ordering::Relaxed) {
         return;
@@ -54,28 +54,28 @@ pub fn end_descendants() {
     }
 }
 
-/// What a process started, however often it forked, as far as the system tells (Linux): what was once seen to belong to it
-/// is known even after those between have ended.
+/// Descendants of a process, however often it forked, as far as the system reveals them (Linux). A process once observed
+/// remains known even after the intermediate processes have ended.
 #[derive(Clone, Debug)]
 pub struct Family {
     root: u32,
-    /// Everybody that was seen, by process id, and when it began: ids are used again.
+    /// Observed processes by process id, with their start times, because ids are reused.
     seen: BTreeMap<u32, u64>,
 }
 
 impl Family {
-    /// That of `root`, which does not belong to it itself.
+    /// Creates the family of `root`, which is not a member itself.
     pub fn of(root: u32) -> Self {
         Self { root, seen: BTreeMap::new() }
     }
 
-    /// That of a worker with a program of others: whatever the worker has adopted belongs to it.
+    /// Creates the family of an external program in a worker: all orphans adopted by the worker are members.
     pub fn of_program(program: u32) -> Self {
         Self::of(if IS_ADOPTING.load(Ordering::Relaxed) { std::process::id() } else { program })
     }
 
-    /// Looks who belongs to it now; the memory that they hold, in bytes, with shared memory that nobody of them has mapped
-    /// where that can be only theirs.
+    /// Updates the members and returns their memory, in bytes. Shared memory that no member has mapped is included if only
+    /// this family can own it.
     pub fn look(&mut self, walls: Walls) -> u64 {
         let (mut bytes, mut shared_bytes) = (0, 0);
         self.seen.retain(|process, began| system::beginning(*process) == Some(*began));
@@ -97,7 +97,7 @@ impl Family {
         bytes + walls.shared_memory_bytes().saturating_sub(shared_bytes)
     }
 
-    /// Ends all of them; whether anybody was there.
+    /// Ends all members and returns true if there were any.
     pub fn end(&mut self) -> bool {
         self.look(Walls::default());
         for process in self.seen.keys() {

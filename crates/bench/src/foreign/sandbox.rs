@@ -1,4 +1,4 @@
-//! Walls around the programs of others, made of what the kernel offers (Linux).
+//! Isolation of external programs, by mechanisms of the kernel (Linux).
 
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -9,40 +9,40 @@ use strum::{EnumString, IntoStaticStr, VariantArray};
 
 use crate::{BenchError, WorkerProgram};
 
-/// Whether the programs of others run within walls.
+/// Isolation of external programs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, EnumString, IntoStaticStr, VariantArray)]
 #[strum(serialize_all = "kebab-case")]
 pub enum Sandbox {
-    /// Within those that this machine has.
+    /// Uses the mechanisms that this machine supports.
     #[default]
     Auto,
-    /// Free, as the user who began the campaign.
+    /// Runs without isolation, with all rights of the user.
     Off,
-    /// Within all of them, or not at all.
+    /// Requires all mechanisms.
     Require,
 }
 
 impl Sandbox {
-    /// What flags call it.
+    /// Returns the name in flags.
     pub fn name(self) -> &'static str {
         self.into()
     }
 }
 
-/// The walls around a worker and the programs that it runs.
+/// Isolation mechanisms of a worker and its programs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Walls {
-    /// A program writes nowhere but in its own folder, and neither stops nor looks into a process that it did not start
+    /// True if a program can write only in its own folder, and can neither stop nor inspect a process that it did not start
     /// (Landlock; signals from Linux 6.12 on).
     pub landlock: bool,
-    /// A worker has processes, shared memory and `/dev/shm` of its own, sees no others, and takes all with it when it
-    /// ends (user, PID, IPC and mount namespaces).
+    /// True if a worker has its own processes, shared memory and `/dev/shm`, sees no others, and ends with all its
+    /// processes (user, PID, IPC and mount namespaces).
     pub namespaces: bool,
 }
 
-/// What goes before a worker to put it into namespaces of its own: the tools of util-linux, since a process that makes a
-/// PID namespace is not in it itself.
+/// Command that creates the namespaces of a worker, with tools of util-linux: a process that makes a PID namespace is not
+/// in it itself.
 const NAMESPACES: [&str; 11] = [
     "unshare",
     "--user",
@@ -57,15 +57,15 @@ const NAMESPACES: [&str; 11] = [
     "-c",
 ];
 
-/// The first thing that runs there: it gives away all rights that come with a user namespace.
+/// First command within the namespaces: it drops all capabilities of the user namespace.
 const ENTER: &str = "mount -t tmpfs -o \"size=$1\" cranny /dev/shm && shift && \
     exec setpriv --bounding-set -all --inh-caps -all --no-new-privs -- \"$@\"";
 
 impl Walls {
-    /// The walls that are wished for, as far as this machine has them.
+    /// Returns the requested mechanisms as far as this machine supports them.
     ///
     /// # Errors
-    /// [`BenchError::NoSandbox`] where all are required and one is missing.
+    /// [`BenchError::NoSandbox`] if all are required and one is missing.
     pub fn of(sandbox: Sandbox) -> Result<Self, BenchError> {
         if sandbox == Sandbox::Off {
             return Ok(Self::default());
@@ -81,7 +81,7 @@ impl Walls {
         if sandbox == Sandbox::Require { Err(BenchError::NoSandbox { missing }) } else { Ok(walls) }
     }
 
-    /// What results call them; nothing where there are none.
+    /// Returns the names of the mechanisms in results; `None` if there are none.
     pub fn text(self) -> Option<String> {
         let names = [(self.landlock, "Landlock"), (self.namespaces, "namespaces")];
         let names: Vec<&str> =
@@ -89,7 +89,7 @@ impl Walls {
         (!names.is_empty()).then(|| names.join(", "))
     }
 
-    /// The command that starts a worker within them.
+    /// Returns the command that starts an isolated worker.
     pub fn worker(self, worker: &WorkerProgram, memory_limit_bytes: u64) -> Command {
         if self.namespaces {
             let mut command = namespaces(memory_limit_bytes);
@@ -102,41 +102,41 @@ impl Walls {
         }
     }
 
-    /// Lets this thread, and all processes that it starts from now on, write in `scratch` alone.
+    /// Restricts this thread, and all processes that it starts from now on, to writing in `scratch`.
     ///
     /// # Errors
-    /// What the system says.
+    /// Error of the operating system.
     pub fn close(self, scratch: &Path) -> std::io::Result<()> {
         if self.landlock { system::write_only_in(scratch) } else { Ok(()) }
     }
 
-    /// How much of shared memory by name is in use, in bytes; only where it is the worker's own.
+    /// Returns the used amount of named shared memory, in bytes; 0 unless it belongs to the worker alone.
     pub fn shared_memory_bytes(self) -> u64 {
         if self.namespaces { system::shared_memory_bytes() } else { 0 }
     }
 
-    /// Removes what a program left in shared memory by name, where that is the worker's own.
+    /// Removes named shared memory that a program left, if it belongs to the worker alone.
     pub fn clear_shared_memory(self) {
-        // Only within namespaces a worker is the first process.
+        // Only within namespaces is a worker the first process.
         if !self.namespaces || std::process::id() != 1 {
             return;
         }
         let Ok(entries) = std::fs::read_dir(system::SHARED_MEMORY) else { return };
         for path in entries.filter_map(|entry| Some(entry.ok()?.path())) {
-            // What stays takes memory of the programs that come after.
+            // Remaining files take memory of later programs.
             let _ = if path.is_dir() { std::fs::remove_dir_all(&path) } else { std::fs::remove_file(&path) };
         }
     }
 }
 
-/// What goes before the command of a worker.
+/// Returns the command that precedes that of a worker.
 fn namespaces(memory_limit_bytes: u64) -> Command {
     let mut command = Command::new(NAMESPACES[0]);
     command.args(&NAMESPACES[1..]).arg(ENTER).arg("worker").arg(memory_limit_bytes.to_string());
     command
 }
 
-/// Whether a program can be run in namespaces of its own: tried once.
+/// Returns true if a program runs in namespaces of its own, by trying it once.
 fn has_namespaces() -> bool {
     if !system::can_have_namespaces() {
         return false;

@@ -5,17 +5,17 @@ use serde::Serialize;
 use crate::report::row::{Group, horizon_s};
 use crate::statistics::{Followed, KaplanMeier, LEVEL, TwoSampleTest, holm, least_p, log_rank};
 
-/// Two planners on one scenario under one criterion. All comparisons of a report that have enough runs are one family: with
-/// probability 95 % none of their adjusted p-values is below 0.05, and no interval misses, by chance alone.
+/// Comparison of two planners on one scenario under one criterion. All comparisons of a report with enough runs are one
+/// family: with probability 95 % none of their adjusted p-values is below 0.05, and no interval misses, by chance alone.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Comparison {
-    /// As in [`Row::scenario_name`](crate::report::Row).
+    /// Scenario, as in [`Row::scenario_name`](crate::report::Row).
     pub scenario_name: String,
-    /// What counts as solved.
+    /// Criterion for a solved trial.
     pub criterion: String,
-    /// As in [`Row::planner_name`](crate::report::Row).
+    /// The first planner, as in [`Row::planner_name`](crate::report::Row).
     pub first: String,
-    /// The other planner.
+    /// The second planner.
     pub second: String,
     /// Number of runs of the first.
     pub first_runs: usize,
@@ -25,23 +25,23 @@ pub struct Comparison {
     pub finding: Finding,
     /// Number of comparisons in the family, each with two tests.
     pub family: usize,
-    /// Statistic of the log-rank test; none where nothing was solved, which leaves nothing to compare.
+    /// Statistic of the log-rank test; `None` if nothing was solved.
     pub log_rank_chi_square: Option<f64>,
-    /// p-value of its permutation test; none of too few runs.
+    /// p-value of its permutation test; `None` for too few runs.
     pub log_rank_p: Option<f64>,
-    /// The same, adjusted for the family.
+    /// This p-value adjusted for the family.
     pub log_rank_p_holm: Option<f64>,
-    /// What the means are restricted to, in seconds: the shorter of the two limits.
+    /// Horizon of the restricted means, in seconds: the shorter of the two limits.
     pub restricted_to_s: f64,
-    /// Restricted mean of the first minus that of the second, in seconds: negative where the first is faster.
+    /// Restricted mean of the first minus that of the second, in seconds: negative if the first is faster.
     pub difference_s: f64,
-    /// Lower end of its interval; none of too few runs, and where no time varies.
+    /// Lower end of its interval, in seconds; `None` for too few runs, and if no time varies.
     pub difference_low_s: Option<f64>,
-    /// Upper end of its interval.
+    /// Upper end of its interval, in seconds.
     pub difference_high_s: Option<f64>,
-    /// p-value of no difference, of the studentised permutation test; none of too few runs.
+    /// p-value of the studentised permutation test for no difference; `None` for too few runs.
     pub difference_p: Option<f64>,
-    /// The same, adjusted for the family.
+    /// This p-value adjusted for the family.
     pub difference_p_holm: Option<f64>,
 }
 
@@ -49,20 +49,20 @@ pub struct Comparison {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Finding {
-    /// No outcome of so few runs would be significant.
+    /// No outcome with these numbers of runs would be significant.
     TooFewRuns,
-    /// Both tests may be chance.
+    /// No test is significant.
     NoDifference,
     /// The first planner is faster: a test is significant, and pace and mean are both better.
     FirstIsFaster,
     /// The second planner is faster.
     SecondIsFaster,
-    /// They differ, but one has the better pace and the other the better mean.
+    /// A test is significant, but one planner has the better pace and the other the better mean.
     Differ,
 }
 
 impl Comparison {
-    /// The planner that is found faster.
+    /// Returns the planner found to be faster.
     pub fn faster(&self) -> Option<&str> {
         match self.finding {
             Finding::FirstIsFaster => Some(&self.first),
@@ -72,8 +72,8 @@ impl Comparison {
     }
 }
 
-/// Every pair of planners on every scenario that both have runs of. Goal-wise runs are left out: the best
-/// goal was chosen by the very runs that would be tested.
+/// Compares every pair of planners on every scenario that both have runs of. Goal-wise runs are excluded: the runs to test
+/// have already selected the best goal.
 pub fn comparisons(groups: &[Group]) -> Vec<Comparison> {
     let mut scenarios: BTreeMap<(&str, &str, &str), Vec<&Group>> = BTreeMap::new();
     for group in groups.iter().filter(|group| group.row.goals.is_none()) {
@@ -104,13 +104,13 @@ pub fn comparisons(groups: &[Group]) -> Vec<Comparison> {
     comparisons
 }
 
-/// Each comparison makes two tests.
+/// Returns the number of tests: two for each comparison.
 fn tests_of(family: usize) -> f64 {
     2.0 * family as f64
 }
 
-/// Size of the largest family in which each comparison can be significant, by the least p-values that their numbers of runs
-/// allow. No outcome of the others ever would be, so that they need not be counted.
+/// Returns the size of the largest family in which each comparison can be significant, by the least p-values that their
+/// numbers of runs allow. The other comparisons can never be significant and need not be counted.
 ///
 /// Source: Tarone 1990, "A modified Bonferroni method for discrete data", whole.
 fn family(least: &[f64]) -> usize {
@@ -130,7 +130,7 @@ fn adjust(comparisons: &mut [Comparison]) {
     }
 }
 
-/// `excess` is that of the first planner in the log-rank test.
+/// Derives the finding; `excess` is that of the first planner in the log-rank test.
 fn finding(comparison: &Comparison, excess: f64) -> Finding {
     let Some((pace_p, mean_p)) = comparison.log_rank_p_holm.zip(comparison.difference_p_holm) else {
         return Finding::TooFewRuns;
@@ -145,9 +145,9 @@ fn finding(comparison: &Comparison, excess: f64) -> Finding {
     }
 }
 
-/// The comparison, not adjusted yet, and by how much the first planner has the better pace.
+/// Returns the comparison, not adjusted yet, and the log-rank excess of the first planner.
 fn compare(first: &Group, second: &Group, family: usize, is_tested: bool) -> (Comparison, f64) {
-    // Followed alike, so that runs of one planner could be those of either.
+    // Both groups are cut off at the same limit, so that runs of one planner are exchangeable between them.
     let limit_s = first.row.time_limit_s.min(second.row.time_limit_s);
     let up_to_limit = |group: &Group| -> Vec<Followed> {
         group.over_time().into_iter().map(|run| run.up_to(limit_s)).collect()

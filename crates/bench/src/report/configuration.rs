@@ -5,7 +5,7 @@ use serde_json::Value;
 
 use crate::{PathDemand, Trial};
 
-/// What must be the same for trials to be runs of one thing: everything but the seed and the goal.
+/// Properties that all runs of a group share: everything but the seed and the goal.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Configuration {
     pub criterion: &'static str,
@@ -13,10 +13,10 @@ pub struct Configuration {
     pub scenario_hash: String,
     pub planner: String,
     pub settings: String,
-    /// Bits of the limit, whose order is that of positive numbers.
+    /// Bits of the time limit, which order positive numbers correctly.
     time_limit_bits: u64,
     pub iteration_limit: Option<u64>,
-    /// Whether each trial aims at one goal.
+    /// True if each trial aims at one goal.
     pub goal_wise: bool,
 }
 
@@ -39,18 +39,18 @@ impl Configuration {
     }
 }
 
-/// What stands behind the name of a planner whose trials had no set of grasps.
+/// Suffix of the name of a planner whose trials had no grasp set.
 pub const NO_GRASP_SET: &str = " (no grasp set)";
 
-/// What configurations are called, so that two different ones never have one name.
+/// Names of configurations, unique for different ones.
 pub struct Names {
     scenario: BTreeMap<(String, String), String>,
     planner: BTreeMap<Configuration, String>,
 }
 
 impl Names {
-    /// Names that say no more than it takes: the planner alone, with the settings that differ where it has
-    /// several, with the limits where one scenario has several.
+    /// Creates the shortest unique names: the planner alone, with the differing settings if it has several, with the limits
+    /// if one scenario has several.
     pub fn of<'a>(configurations: impl Iterator<Item = &'a Configuration> + Clone) -> Self {
         let mut hashes: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
         let mut settings: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
@@ -71,12 +71,12 @@ impl Names {
             let difference =
                 if all.len() == 1 { String::new() } else { differing(&configuration.settings, all) };
             let each_goal = if configuration.goal_wise { " (best goal)" } else { "" };
-            // Also where nothing else has the name: what it solves is another problem.
+            // The suffix is also on unique names, because the problem is another one.
             let is_without = PathDemand::of_settings(&configuration.settings).without_grasp_set;
             let without = if is_without { NO_GRASP_SET } else { "" };
             format!("{}{difference}{each_goal}{without}", configuration.planner)
         };
-        // Where two configurations of one scenario still have one name, their limits tell them apart.
+        // The limits distinguish configurations of one scenario that still have the same name.
         let mut taken: BTreeMap<(&str, &str, String), usize> = BTreeMap::new();
         let place = |configuration: &'a Configuration| {
             let name = with_settings(configuration);
@@ -106,8 +106,7 @@ impl Names {
     }
 }
 
-/// The settings in which `own` differs from the others, as ` [key=value]`; all of them where they are no
-/// object.
+/// Returns the settings in which `own` differs from the others, as ` [key=value]`; all of them if they are no object.
 fn differing(own: &str, all: &BTreeSet<&str>) -> String {
     let parsed = |text: &str| match serde_json::from_str(text) {
         Ok(Value::Object(settings)) => Some(settings),
@@ -119,7 +118,7 @@ fn differing(own: &str, all: &BTreeSet<&str>) -> String {
         return format!(" [{own}]");
     };
     let keys: BTreeSet<&String> = all.iter().flat_map(|settings| settings.keys()).collect();
-    // Whether a set of grasps was given every name says by itself.
+    // Every name already shows the absence of a grasp set.
     let differs = |key: &&String| {
         *key != PathDemand::GRASPS && all.iter().any(|settings| settings.get(*key) != all[0].get(*key))
     };

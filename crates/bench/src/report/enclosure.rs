@@ -1,22 +1,22 @@
 use std::collections::BTreeMap;
 
-/// What a page shows that no summary holds, since whoever measures sees nothing: pictures and paths.
+/// Content of a page beyond the summary: pictures and paths.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Enclosure {
-    /// A picture of each scenario, by its name in the rows, or why there is none. Of a scenario that is not here nothing
-    /// is said.
+    /// Picture of each scenario, by its name in the rows, or the reason for a missing one. A scenario without an entry is
+    /// skipped.
     pub pictures: BTreeMap<String, Result<Png, String>>,
-    /// Pages that show the path of a trial, by its number: addresses relative to the page.
+    /// Pages that show the path of a trial, by its number, as addresses relative to the page.
     pub paths: BTreeMap<u64, String>,
 }
 
-/// A picture in a page.
+/// Picture in a page.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Png {
-    /// In pixels.
+    /// Width, in pixels.
     pub width: usize,
-    /// In pixels.
+    /// Height, in pixels.
     pub height: usize,
-    /// The file.
+    /// Content of the PNG file.
     pub bytes: Vec<u8>,
 }

@@ -1,14 +1,13 @@
-//! How far a trial was followed: what its record says about the time and the iterations that it takes.
+//! Follow-up of a trial, for its time and its iterations.
 //!
-//! A planner that was stopped might have found a path later: its trial is censored where it was stopped. One
-//! that gave up, crashed or answered wrongly would not have been right later: its trial stays unsolved up to
-//! the limit. Counted so, the curve at time `t` is the share of all trials that were solved by `t`, and a
-//! planner gains nothing by giving up early.
+//! A planner that was stopped might have found a path later: its trial is censored at that point. One that gave up, crashed
+//! or answered wrongly would not have succeeded later: its trial stays unsolved up to the limit. The curve at time `t` is
+//! then the share of all trials solved by `t`, and a planner gains nothing by giving up early.
 
 use crate::statistics::Followed;
 use crate::{TrialOutcome, TrialRecord};
 
-/// In seconds.
+/// Returns the follow-up in seconds.
 pub fn over_time(record: &TrialRecord) -> Followed {
     let (limit_s, time_s) = (record.trial.time_limit_s, record.statistics.planning_time_s);
     if record.is_solved() {
@@ -20,7 +19,7 @@ pub fn over_time(record: &TrialRecord) -> Followed {
     }
 }
 
-/// In iterations; `most` is how far the longest trial of the same planner went.
+/// Returns the follow-up in iterations; `most` is the maximum over the trials of the same planner.
 pub fn over_iterations(record: &TrialRecord, most: u64) -> Followed {
     let done = record.statistics.iterations;
     let is_stopped = matches!(record.outcome, TrialOutcome::BudgetExhausted | TrialOutcome::Cancelled);
@@ -28,8 +27,8 @@ pub fn over_iterations(record: &TrialRecord, most: u64) -> Followed {
     Followed { until: until as f64, solved: record.is_solved() }
 }
 
-/// The same trials, followed no further than where half of them have been cut short: the few that go on beyond would speak
-/// for all.
+/// Cuts off the follow-up of trials at the time when half of them are censored: beyond it the curve would depend only on
+/// the few that continue.
 pub fn while_half_are_followed(trials: Vec<Followed>) -> Vec<Followed> {
     let mut cut: Vec<f64> = trials.iter().filter(|trial| !trial.solved).map(|trial| trial.until).collect();
     cut.sort_by(f64::total_cmp);
@@ -39,12 +38,12 @@ pub fn while_half_are_followed(trials: Vec<Followed>) -> Vec<Followed> {
     }
 }
 
-/// The time as the paper counts it: a failure takes the limit.
+/// Returns the time as in the paper, in seconds: a failure counts with its limit.
 pub fn paper_time_s(record: &TrialRecord) -> f64 {
     if record.is_solved() { record.statistics.planning_time_s } else { record.trial.time_limit_s }
 }
 
-/// Whether the trial was stopped from outside before its time was up.
+/// Returns true if the trial was stopped from outside before its time limit.
 fn is_stopped_early(record: &TrialRecord) -> bool {
     let is_done = || record.trial.iteration_limit.is_some_and(|limit| record.statistics.iterations >= limit);
     match record.outcome {

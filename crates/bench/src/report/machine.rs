@@ -4,32 +4,32 @@ use serde::Serialize;
 
 use crate::{Run, StoredTrial};
 
-/// On what trials ran: runs that only their times tell apart are one.
+/// Machine and conditions of trials; runs that differ only in their times are combined.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Machine {
     /// Name of the machine.
     pub machine: String,
-    /// Its processor.
+    /// Name of its processor.
     pub processor: String,
-    /// How many trials ran at a time; times are true where it is one.
+    /// Number of simultaneous trials; times are undisturbed only with one.
     pub workers: usize,
     /// Version of Cranny.
     pub version: String,
-    /// The commit that it was built from, if known.
+    /// Commit of the build, if known.
     pub commit: Option<String>,
-    /// How many runs there were.
+    /// Number of runs.
     pub runs: usize,
-    /// How many trials they gave.
+    /// Number of their trials.
     pub trials: usize,
-    /// When the first began: UTC, ISO 8601.
+    /// Start of the first run: UTC, ISO 8601.
     pub first_began: String,
-    /// When the last began.
+    /// Start of the last run: UTC, ISO 8601.
     pub last_began: String,
-    /// The commands, each once, in the order of the runs.
+    /// The distinct commands, in the order of the runs.
     pub commands: Vec<String>,
 }
 
-/// The machines of the runs that gave trials, in the order of their first runs.
+/// Returns the machines of the runs with trials, in the order of their first runs.
 pub fn machines(runs: &[Run], trials: &[StoredTrial]) -> Vec<Machine> {
     let mut counts: BTreeMap<u64, usize> = BTreeMap::new();
     for trial in trials {
@@ -57,7 +57,7 @@ pub fn machines(runs: &[Run], trials: &[StoredTrial]) -> Vec<Machine> {
 }
 
 impl Machine {
-    /// That of a run, which is not counted yet.
+    /// Returns the entry of a run, with counts of zero.
     fn of(run: &Run) -> Self {
         let information = run.information.clone();
         Self {

@@ -1,6 +1,6 @@
-//! How numbers stand in tables.
+//! Formatting of numbers in tables.
 
-/// About three digits that mean something, never an exponent: `0.00123`, `1.23`, `12.35`, `123.5`, `1235`.
+/// Formats with about three significant digits, never an exponent: `0.00123`, `1.23`, `12.35`, `123.5`, `1235`.
 pub fn plain(value: f64) -> String {
     let size = value.abs();
     let decimals = match size {
@@ -12,23 +12,23 @@ pub fn plain(value: f64) -> String {
     format!("{value:.decimals$}")
 }
 
-/// Seconds as the paper's table has them, with two decimals; with two digits where those would say nothing.
+/// Formats seconds as in the paper's table, with two decimals; with two significant digits if those decimals would be zero.
 pub fn table_seconds(seconds: f64) -> String {
     let size = seconds.abs();
     let decimals = if (LEAST..0.095).contains(&size) { digits_after_point(size, 2) } else { 2 };
     format!("{seconds:.decimals$}")
 }
 
-/// A share as a percentage, without a decimal where it is whole.
+/// Formats a share as a percentage, without a decimal if it is whole.
 pub fn percent(share: f64) -> String {
     let percent = share * 100.0;
     if (percent - percent.round()).abs() < 1e-9 { format!("{percent:.0}") } else { format!("{percent:.1}") }
 }
 
-/// What is smaller is shown as zero: below a tenth of a millionth nothing is measured here.
+/// Threshold below which a value is shown as zero; no measurement here resolves a tenth of a millionth.
 const LEAST: f64 = 1e-7;
 
-/// Decimals that show `digits` digits of a value from [`LEAST`] to 1.
+/// Returns the number of decimals that show `digits` digits of a value from [`LEAST`] to 1.
 #[allow(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,

@@ -5,65 +5,66 @@ use serde::Serialize;
 use crate::report::row::Group;
 use crate::statistics::{Followed, KaplanMeier, median_interval, performance_profiles, wilson};
 
-/// One planner over all scenarios that every planner of the criterion has runs on: its runs pooled, each counting the
-/// same, and its performance profile.
+/// Result of one planner over all scenarios on which every planner of the criterion has runs: its pooled runs, equally
+/// weighted, and its performance profile.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Overall {
-    /// What counts as solved.
+    /// Criterion for a solved trial.
     pub criterion: String,
-    /// As in [`Row::planner_name`](crate::report::Row).
+    /// The planner, as in [`Row::planner_name`](crate::report::Row).
     pub planner_name: String,
-    /// How many scenarios all planners have runs on.
+    /// Number of scenarios on which all planners have runs.
     pub scenarios: usize,
-    /// How many scenarios there are.
+    /// Number of all scenarios.
     pub scenarios_in_all: usize,
-    /// How many runs.
+    /// Number of runs.
     pub runs: usize,
-    /// How many of them were solved.
+    /// Number of solved runs.
     pub solved: usize,
-    /// `solved / runs`.
+    /// Success rate, `solved / runs`.
     pub success_rate: f64,
-    /// Lower end of its Wilson interval.
+    /// Lower end of the Wilson interval of the success rate.
     pub success_low: f64,
-    /// Upper end.
+    /// Upper end of the Wilson interval of the success rate.
     pub success_high: f64,
-    /// The shortest limit of all those runs, in seconds: how far the pooled runs are followed.
+    /// End of the follow-up of the pooled runs, in seconds: the shortest of their limits.
     pub followed_to_s: f64,
-    /// When half of the pooled runs are solved (Kaplan–Meier), in seconds; none if they never are.
+    /// Median time of the pooled runs (Kaplan–Meier), in seconds; `None` if fewer than half are solved.
     pub median_s: Option<f64>,
-    /// Lower end of its interval, by order statistics; none of fewer than six runs.
+    /// Lower end of its interval, by order statistics, in seconds; `None` for fewer than six runs.
     pub median_low_s: Option<f64>,
-    /// Upper end; none where it lies past the limit too.
+    /// Upper end of its interval, in seconds; also `None` if it is past the limit.
     pub median_high_s: Option<f64>,
-    /// By scenario, the median time over the least median time of all planners; none where there is no median.
+    /// Ratio of its median time to the least median time of all planners, by scenario; `None` if there is no median.
     pub ratios: BTreeMap<String, Option<f64>>,
     /// Share of the scenarios on which it has the least median time, or the same.
     pub best: f64,
     /// Share of the scenarios on which its median time is at most twice the least.
     pub within_2: f64,
-    /// The same, ten times.
+    /// Share of the scenarios on which its median time is at most ten times the least.
     pub within_10: f64,
-    /// Where the performance profile rises: ratios.
+    /// Ratios at which the performance profile rises.
     pub profile_at: Vec<f64>,
-    /// The share of scenarios with a ratio no greater.
+    /// Share of scenarios with a ratio no greater.
     pub profile_share: Vec<f64>,
 }
 
-/// No clock tells shorter times apart.
+/// Resolution of the clock, in seconds.
 const TICK_S: f64 = 1e-6;
 
-/// One planner's groups on the scenarios that it shares with all others, by scenario.
+/// Groups of one planner on the scenarios that it shares with all others, by scenario.
 pub struct Pool<'a> {
     pub criterion: &'a str,
     pub planner_name: &'a str,
     pub groups: Vec<&'a Group<'a>>,
-    /// How many scenarios there are, shared or not.
+    /// Number of all scenarios, shared or not.
     scenarios_in_all: usize,
-    /// The shortest limit of the runs of all planners: beyond it the runs with longer limits would speak for the others.
+    /// Shortest limit of the runs of all planners, in seconds: beyond it the estimate would depend only on the runs with
+    /// longer limits.
     pub followed_to_s: f64,
 }
 
-/// The pools of each criterion, by planner; none where fewer than two scenarios are shared.
+/// Returns the pools of each criterion, by planner; none if fewer than two scenarios are shared.
 pub fn pools<'a>(groups: &'a [Group<'a>]) -> Vec<Pool<'a>> {
     let mut criteria: BTreeMap<&str, BTreeMap<&str, BTreeMap<&str, &Group>>> = BTreeMap::new();
     for group in groups {
@@ -96,7 +97,7 @@ pub fn pools<'a>(groups: &'a [Group<'a>]) -> Vec<Pool<'a>> {
     criteria.into_iter().flat_map(of_criterion).collect()
 }
 
-/// What is said over all scenarios.
+/// Computes the results over all scenarios.
 pub fn overall(pools: &[Pool]) -> Vec<Overall> {
     let of_criterion = |pools: &[Pool]| -> Vec<Overall> {
         let medians = |pool: &Pool| pool.groups.iter().map(|group| group.row.median_s).collect();
@@ -136,7 +137,7 @@ pub fn overall(pools: &[Pool]) -> Vec<Overall> {
 }
 
 impl Pool<'_> {
-    /// All its runs, followed to the shortest limit.
+    /// Returns all its runs, followed up to the shortest limit.
     pub fn over_time(&self) -> Vec<Followed> {
         self.groups
             .iter()

@@ -4,46 +4,46 @@ use crate::report::number_text::{percent, table_seconds};
 use crate::report::{Row, Summary};
 use cranny_file::counted;
 
-/// The trials of one criterion in the layout of the paper's Table I: a line a scenario with its goals and how
-/// many of them were ever solved, a column a planner with success in percent, mean and standard deviation of
-/// the time in seconds, a failure counted as the limit. A planner that is run on each goal shows its best
-/// goal, and none where no goal was ever solved.
+/// Trials of one criterion in the layout of the paper's Table I. Each line is a scenario, with the number of its goals and
+/// of those ever solved. Each column is a planner, with success in percent, and mean and standard deviation of the time in
+/// seconds; a failure counts with its limit. A planner that runs on each goal shows its best goal, or none if no goal was
+/// ever solved.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PaperTable<'a> {
-    /// What counts as solved.
+    /// Criterion for a solved trial.
     pub criterion: &'a str,
-    /// The planners.
+    /// Columns of the planners.
     pub columns: Vec<Column<'a>>,
-    /// The scenarios.
+    /// Lines of the scenarios.
     pub lines: Vec<Line<'a>>,
 }
 
-/// A planner of the table.
+/// Column of a planner.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column<'a> {
-    /// As in [`Row::planner_name`].
+    /// Name of the planner, as in [`Row::planner_name`].
     pub planner_name: &'a str,
-    /// The limit of most of its runs, in seconds.
+    /// Time limit of most of its runs, in seconds.
     pub time_limit_s: f64,
-    /// The least and the greatest number of runs in a cell.
+    /// Minimum and maximum number of runs in a cell.
     pub runs: (usize, usize),
 }
 
-/// A scenario of the table.
+/// Line of a scenario.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Line<'a> {
-    /// As in [`Row::scenario_name`].
+    /// Name of the scenario, as in [`Row::scenario_name`].
     pub scenario_name: &'a str,
-    /// `|G_IK|`: how many goals are known, or were aimed at.
+    /// Number of known goals (`|G_IK|`), or otherwise of goals aimed at.
     pub goals: Option<usize>,
-    /// How many of them were solved at least once.
+    /// Number of goals solved at least once.
     pub goals_solved: Option<usize>,
-    /// A cell a column: its row of the summary by index.
+    /// Row of the summary with its index, for each column.
     pub cells: Vec<Option<(usize, &'a Row)>>,
 }
 
 impl<'a> PaperTable<'a> {
-    /// The table of one criterion.
+    /// Creates the table of one criterion.
     pub fn of(summary: &'a Summary, criterion: &'a str) -> Self {
         let rows = || summary.rows.iter().enumerate().filter(|(_, row)| row.criterion == criterion);
         let distinct = |name: fn(&'a Row) -> &'a str| {
@@ -58,7 +58,7 @@ impl<'a> PaperTable<'a> {
             Column::of(name, &of_planner)
         };
         let mut names = distinct(|row| &row.planner_name);
-        // As in the paper, planners that aim at single goals stand last.
+        // As in the paper, planners that aim at single goals come last.
         names.sort_by_key(|name| rows().any(|(_, row)| row.planner_name == *name && row.goals.is_some()));
         let columns: Vec<Column> = names.into_iter().map(column).collect();
         let line = |scenario_name: &'a str| {
@@ -82,12 +82,12 @@ impl<'a> PaperTable<'a> {
         Self { criterion, columns, lines }
     }
 
-    /// Whether any planner is run on goals, so that there is something to say of them.
+    /// Returns true if any planner runs on single goals.
     pub fn has_goals(&self) -> bool {
         self.lines.iter().flat_map(|line| line.cells.iter().flatten()).any(|(_, row)| row.goals.is_some())
     }
 
-    /// The table for a page in Markdown.
+    /// Formats the table in Markdown.
     pub fn markdown(&self) -> String {
         let mut text = String::new();
         let goals = if self.has_goals() { " goals |" } else { "" };
@@ -108,7 +108,7 @@ impl<'a> PaperTable<'a> {
         text
     }
 
-    /// The table for LaTeX; it needs the package `booktabs`.
+    /// Formats the table in LaTeX; it needs the package `booktabs`.
     pub fn latex(&self) -> String {
         let mut text = String::new();
         let goals = usize::from(self.has_goals());
@@ -130,7 +130,7 @@ impl<'a> PaperTable<'a> {
         text
     }
 
-    /// The figures of the table with all their digits, a line a cell, with the header
+    /// Returns the figures of the table with all their digits as CSV, a line for each cell, with the header
     /// `criterion,scenario,goals,goals_solved,planner,goal,runs,solved,success_percent,mean_s,std_s,time_limit_s`.
     pub fn csv_lines(&self) -> String {
         let mut text = String::new();
@@ -159,7 +159,7 @@ impl<'a> PaperTable<'a> {
         text
     }
 
-    /// What each cell says: `91: 10.53/33.90`.
+    /// Returns the text of each cell, such as `91: 10.53/33.90`.
     fn cell_texts<'b>(&'b self, line: &'b Line) -> impl Iterator<Item = String> + 'b {
         self.columns.iter().zip(&line.cells).map(|(column, cell)| match cell {
             Some((_, row)) if shown(row) => {
@@ -175,7 +175,7 @@ impl<'a> PaperTable<'a> {
         })
     }
 
-    /// What the table's heading says: what the cells hold, runs and limits.
+    /// Returns the heading of the table: meaning of the cells, runs and limits.
     pub fn note(&self) -> String {
         let column = |column: &Column| {
             let runs = match column.runs {
@@ -201,13 +201,13 @@ impl<'a> Column<'a> {
         let runs = || rows.iter().map(|row| row.runs);
         Self {
             planner_name,
-            // The middle of the sorted limits is that of most.
+            // The median of the limits is the limit of most rows.
             time_limit_s: limits_s.get(limits_s.len() / 2).copied().unwrap_or(0.0),
             runs: (runs().min().unwrap_or(0), runs().max().unwrap_or(0)),
         }
     }
 
-    /// ` (limit 900 s)` where a cell's limit is another than the column's.
+    /// Returns ` (limit 900 s)` if the limit of a cell differs from that of the column.
     pub fn other_limit(&self, row: &Row) -> String {
         if row.time_limit_s.total_cmp(&self.time_limit_s).is_eq() {
             String::new()
@@ -218,7 +218,7 @@ impl<'a> Column<'a> {
 }
 
 impl Line<'_> {
-    /// `8/0`: goals and how many were ever solved.
+    /// Returns the numbers of goals and of goals ever solved, such as `8/0`.
     pub fn goals_text(&self) -> String {
         let number = |count: Option<usize>| count.map_or_else(|| "–".to_owned(), |count| count.to_string());
         if self.goals.is_none() {
@@ -229,12 +229,12 @@ impl Line<'_> {
     }
 }
 
-/// Whether a row stands in the table: not where no goal was ever solved, as in the paper.
+/// Returns true if the table shows the row; as in the paper, a row without a solved goal is omitted.
 pub fn shown(row: &Row) -> bool {
     row.goals_solved != Some(0)
 }
 
-/// The header of [`PaperTable::csv_lines`].
+/// Header of [`PaperTable::csv_lines`].
 pub const CSV_HEADER: &str = "criterion,scenario,goals,goals_solved,planner,goal,runs,solved,success_percent,mean_s,std_s,\
                               time_limit_s";
 
@@ -260,17 +260,17 @@ fn latex_text(text: &str) -> String {
 }
 
 impl Summary {
-    /// The paper's tables, one a criterion, in Markdown.
+    /// Formats the paper's tables in Markdown, one for each criterion.
     pub fn markdown(&self) -> String {
         self.tables().iter().map(PaperTable::markdown).collect::<Vec<_>>().join("\n")
     }
 
-    /// The same in LaTeX.
+    /// Formats the paper's tables in LaTeX, one for each criterion.
     pub fn latex(&self) -> String {
         self.tables().iter().map(PaperTable::latex).collect::<Vec<_>>().join("\n")
     }
 
-    /// The same as CSV, all in one table.
+    /// Formats all tables as a single CSV table.
     pub fn csv(&self) -> String {
         let lines: Vec<String> = self.tables().iter().map(PaperTable::csv_lines).collect();
         format!("{CSV_HEADER}\n{}", lines.concat())

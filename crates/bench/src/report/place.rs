@@ -1,21 +1,21 @@
 use cranny_scenario::{Family, built_in};
 
-/// Where a scenario stands among others, told from its id alone.
+/// Classification of a scenario by its id alone.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Place {
-    /// The environment, family or set that it belongs to.
+    /// Environment, family or set of the scenario.
     pub environment: String,
-    /// The value of its dial in metres (how wide the gap is, how far back the object lies), if it has one.
+    /// Value of its difficulty dial in metres (width of the gap, depth of the object), if it has one.
     pub dial_m: Option<f64>,
-    /// What that dial is, where it is known.
+    /// Name of the dial, if known.
     pub dial: Option<&'static str>,
 }
 
-/// The environment of scenarios whose id says nothing.
+/// Environment of scenarios with unclassified ids.
 const OTHERS: &str = "other scenarios";
 
 impl Place {
-    /// That of a built-in scenario (`034`), of one of a sweep (`gap-0.3200`), of a generated one
+    /// Classifies the id of a built-in scenario (`034`), of one of a sweep (`gap-0.3200`), of a generated one
     /// (`gap-00017`), or of any whose ids differ in their last digits (`bookshelf0012`).
     pub fn of(scenario: &str) -> Self {
         if let Some(entry) = built_in().find(|entry| entry.id == scenario) {

@@ -9,86 +9,86 @@ use crate::report::place::Place;
 use crate::statistics::{Followed, KaplanMeier, SampleMoments, Spread, median_interval, wilson};
 use crate::{StoredTrial, TrialRecord};
 
-/// All runs of one planner, with one set of settings and limits, on one scenario under one criterion. Where
-/// each run aims at one goal, the figures are those of the best goal, as in the paper's table.
+/// All runs of one planner, with one set of settings and limits, on one scenario under one criterion. If each run aims at
+/// one goal, the figures are those of the best goal, as in the paper's table.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Row {
     /// Id of the scenario.
     pub scenario: String,
-    /// The same, with a part of the hash where two scenarios have one id.
+    /// Unique name of the scenario: its id, with a prefix of the hash if two scenarios have the same id.
     pub scenario_name: String,
     /// SHA-256 over the files of the scenario.
     pub scenario_hash: String,
     /// The environment, family or set of the scenario.
     pub environment: String,
-    /// What the dial of that environment is, where it is known.
+    /// Name of the dial of that environment, if known.
     pub dial: Option<&'static str>,
-    /// The value of its dial, in metres.
+    /// Value of the dial, in metres.
     pub dial_m: Option<f64>,
-    /// The planner.
+    /// Name of the planner.
     pub planner: String,
-    /// The same, with what tells it from others of that name.
+    /// Unique name of the planner: its name, with its differences from others of that name.
     pub planner_name: String,
-    /// Its settings.
+    /// Settings of the planner.
     pub settings: Value,
-    /// What counts as solved.
+    /// Criterion for a solved trial.
     pub criterion: String,
-    /// Seconds that each run had.
+    /// Time limit of each run, in seconds.
     pub time_limit_s: f64,
-    /// Iterations that each run had.
+    /// Iteration limit of each run.
     pub iteration_limit: Option<u64>,
-    /// The best goal, where each run aims at one.
+    /// Index of the best goal, if each run aims at one.
     pub goal: Option<usize>,
-    /// How many goals were aimed at.
+    /// Number of goals aimed at.
     pub goals: Option<usize>,
-    /// How many of them were solved at least once.
+    /// Number of goals solved at least once.
     pub goals_solved: Option<usize>,
-    /// How many runs.
+    /// Number of runs.
     pub runs: usize,
-    /// How many of them the judge found solved.
+    /// Number of runs that the judge found solved.
     pub solved: usize,
-    /// How many paths were judged by the other criterion too.
+    /// Number of paths also judged under the other criterion.
     pub also_judged: usize,
-    /// How many of those meet it.
+    /// Number of paths that also meet the other criterion.
     pub also_solved: usize,
-    /// `solved / runs`.
+    /// Success rate, `solved / runs`.
     pub success_rate: f64,
-    /// Lower end of its Wilson interval.
+    /// Lower end of the Wilson interval of the success rate.
     pub success_low: f64,
-    /// Upper end.
+    /// Upper end of the Wilson interval of the success rate.
     pub success_high: f64,
-    /// Mean time in seconds, a failure counted as the limit: the paper's convention.
+    /// Mean time in seconds, where a failure counts with its limit: the paper's convention.
     pub mean_s: f64,
-    /// Sample standard deviation of the same; none for one run.
+    /// Sample standard deviation of these times, in seconds; `None` for one run.
     pub std_s: Option<f64>,
-    /// When the first run was solved, in seconds; none if none was.
+    /// Shortest time of a solved run, in seconds; `None` if there is none.
     pub least_s: Option<f64>,
-    /// When a quarter of the runs are solved (Kaplan–Meier), in seconds; none if they never are.
+    /// Lower quartile of the time (Kaplan–Meier), in seconds; `None` if fewer runs are solved.
     pub lower_quartile_s: Option<f64>,
-    /// When half of the runs are solved (Kaplan–Meier), in seconds; none if they never are.
+    /// Median time (Kaplan–Meier), in seconds; `None` if fewer than half of the runs are solved.
     pub median_s: Option<f64>,
-    /// Lower end of its interval, by order statistics; none of fewer than six runs.
+    /// Lower end of its interval, by order statistics, in seconds; `None` for fewer than six runs.
     pub median_low_s: Option<f64>,
-    /// Upper end; none where it lies past the limit too.
+    /// Upper end of its interval, in seconds; also `None` if it is past the limit.
     pub median_high_s: Option<f64>,
-    /// When three quarters of the runs are solved (Kaplan–Meier), in seconds; none if they never are.
+    /// Upper quartile of the time (Kaplan–Meier), in seconds; `None` if fewer runs are solved.
     pub upper_quartile_s: Option<f64>,
-    /// When the last solved run was solved, in seconds.
+    /// Longest time of a solved run, in seconds.
     pub greatest_s: Option<f64>,
     /// Restricted mean time, in seconds.
     pub restricted_mean_s: Option<f64>,
-    /// Its standard error; none where no time varies, as of one run.
+    /// Standard error of the restricted mean, in seconds; `None` if no time varies, as for one run.
     pub restricted_mean_error_s: Option<f64>,
-    /// What it is restricted to.
+    /// Horizon of the restricted mean, in seconds.
     pub restricted_to_s: f64,
-    /// After how many iterations half of the runs are solved (Kaplan–Meier); none if they never are, or if
-    /// the planner counts none.
+    /// Median number of iterations (Kaplan–Meier); `None` if fewer than half of the runs are solved, or if the planner
+    /// counts no iterations.
     pub median_iterations: Option<f64>,
-    /// Lower end of its interval.
+    /// Lower end of the interval of the median iterations.
     pub median_iterations_low: Option<f64>,
-    /// Upper end.
+    /// Upper end of the interval of the median iterations.
     pub median_iterations_high: Option<f64>,
-    /// How many runs ended in which way.
+    /// Number of runs by outcome.
     pub outcomes: BTreeMap<&'static str, usize>,
     /// Iterations of the solved runs.
     pub iterations: Option<Spread>,
@@ -98,50 +98,50 @@ pub struct Row {
     pub path_length: Option<Spread>,
     /// Proven clearances of the paths, in metres.
     pub clearance_m: Option<Spread>,
-    /// Scores of the grasps that the paths end at.
+    /// Scores of the grasps at the ends of the paths.
     pub grasp_score: Option<Spread>,
-    /// Memory that the searches took, solved or not, in bytes; none where nobody measured, or nothing was seen.
+    /// Memory of the searches, solved or not, in bytes; `None` if it was not measured or all values are zero.
     pub memory_bytes: Option<Spread>,
 }
 
 /// All runs of one planner that aim at one goal of a scenario.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct GoalRow {
-    /// As in [`Row::scenario_name`].
+    /// Name of the scenario, as in [`Row::scenario_name`].
     pub scenario_name: String,
-    /// As in [`Row::planner_name`].
+    /// Name of the planner, as in [`Row::planner_name`].
     pub planner_name: String,
-    /// What counts as solved.
+    /// Criterion for a solved trial.
     pub criterion: String,
-    /// The goal.
+    /// Index of the goal.
     pub goal: usize,
-    /// Whether it is the one whose figures the row shows.
+    /// True if the row shows the figures of this goal.
     pub best: bool,
-    /// How many runs.
+    /// Number of runs.
     pub runs: usize,
-    /// How many of them were solved.
+    /// Number of solved runs.
     pub solved: usize,
-    /// `solved / runs`.
+    /// Success rate, `solved / runs`.
     pub success_rate: f64,
-    /// Lower end of its Wilson interval.
+    /// Lower end of the Wilson interval of the success rate.
     pub success_low: f64,
-    /// Upper end.
+    /// Upper end of the Wilson interval of the success rate.
     pub success_high: f64,
-    /// Mean time in seconds, a failure counted as the limit.
+    /// Mean time in seconds, where a failure counts with its limit.
     pub mean_s: f64,
-    /// Sample standard deviation of the same.
+    /// Sample standard deviation of these times, in seconds.
     pub std_s: Option<f64>,
 }
 
-/// A row with the runs behind it, which curves and comparisons are made from.
+/// Row with its runs, from which curves and comparisons are computed.
 pub struct Group<'a> {
     pub row: Row,
     pub goals: Vec<GoalRow>,
-    /// The runs that the row is about.
+    /// The runs of the row.
     pub runs: Vec<&'a StoredTrial>,
 }
 
-/// What a rate and the paper's times say of some runs.
+/// Success rate and times in the paper's convention, for some runs.
 struct Figures {
     solved: usize,
     success_low: f64,
@@ -151,7 +151,7 @@ struct Figures {
 }
 
 impl Figures {
-    /// `runs` is not empty.
+    /// Computes the figures; `runs` must not be empty.
     fn of(runs: &[&StoredTrial]) -> Self {
         let solved = runs.iter().filter(|run| run.record.is_solved()).count();
         let times: Vec<f64> = runs.iter().map(|run| follow_up::paper_time_s(&run.record)).collect();
@@ -168,7 +168,7 @@ impl Figures {
 }
 
 impl<'a> Group<'a> {
-    /// `runs` are all those of `configuration`, at least one.
+    /// Groups `runs`, which are all those of `configuration`, at least one.
     pub fn of(configuration: &Configuration, names: &Names, runs: Vec<&'a StoredTrial>) -> Self {
         let goals = goal_rows(configuration, names, &runs);
         let best = goals.iter().find(|row| row.best).map(|row| row.goal);
@@ -183,7 +183,7 @@ impl<'a> Group<'a> {
         self.runs.iter().map(|run| follow_up::over_time(&run.record)).collect()
     }
 
-    /// Empty where the planner counts no iterations.
+    /// Returns the follow-up over iterations; empty if the planner counts none.
     pub fn over_iterations(&self) -> Vec<Followed> {
         over_iterations(&self.runs)
     }
@@ -198,7 +198,7 @@ fn over_iterations(runs: &[&StoredTrial]) -> Vec<Followed> {
     follow_up::while_half_are_followed(all.collect())
 }
 
-/// One row a goal, the best marked: most often solved, then fastest, then first.
+/// Returns one row for each goal, with the best one marked: most often solved, then fastest, then first.
 fn goal_rows(configuration: &Configuration, names: &Names, runs: &[&StoredTrial]) -> Vec<GoalRow> {
     let mut by_goal: BTreeMap<usize, Vec<&StoredTrial>> = BTreeMap::new();
     for &run in runs {
@@ -301,17 +301,17 @@ fn row(configuration: &Configuration, names: &Names, goals: &[GoalRow], runs: &[
         memory_bytes: Spread::of(
             runs.iter().filter_map(|run| run.record.memory_bytes).map(|bytes| bytes as f64),
         )
-        // All took what an earlier search had given back: nothing was seen.
+        // Zero means that all searches reused memory of earlier ones, so that nothing was measured.
         .filter(|spread| spread.greatest > 0.0),
     }
 }
 
-/// What a planner does not tell is zero, and a search that found something made an iteration and a node.
+/// Returns a count, or `None` if it is zero: a successful search makes an iteration and a node, so zero is not reported.
 fn told(count: u64) -> Option<f64> {
     (count > 0).then_some(count as f64)
 }
 
-/// The limit, or how far the last run was followed where iterations ended all of them before.
+/// Returns the time limit, or the longest follow-up if the iteration limit ended all runs before.
 pub fn horizon_s(curve: &KaplanMeier, limit_s: f64) -> f64 {
     if curve.restricted_mean(limit_s).is_some() { limit_s } else { curve.last() }
 }

@@ -7,26 +7,26 @@ use crate::report::row::Group;
 use crate::statistics::{Followed, KaplanMeier};
 use crate::{Run, StoredTrial};
 
-/// The share that one kind of machine, or one version, has in a row that pools several.
+/// Trials of one kind of machine, or one version, in a row that pools several.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SplitRow {
-    /// What counted as solved.
+    /// Criterion for a solved trial.
     pub criterion: String,
-    /// The scenario, as the row names it.
+    /// Name of the scenario, as in the row.
     pub scenario_name: String,
-    /// The planner, as the row names it.
+    /// Name of the planner, as in the row.
     pub planner_name: String,
     /// Processor, workers, version and commit.
     pub on: String,
-    /// How many trials.
+    /// Number of trials.
     pub trials: usize,
-    /// How many of them were solved.
+    /// Number of solved trials.
     pub solved: usize,
-    /// The median time, as that of rows.
+    /// Median time, as in rows, in seconds.
     pub median_s: Option<f64>,
 }
 
-/// The rows whose times are no sample of one distribution, split.
+/// Splits the rows whose times are no sample of one distribution.
 pub fn split_rows(groups: &[Group], runs: &[Run]) -> Vec<SplitRow> {
     let on: BTreeMap<u64, String> = runs.iter().map(|run| (run.id, described(run))).collect();
     let mut rows = Vec::new();

@@ -13,53 +13,53 @@ use crate::report::warning::{few_runs, warnings};
 use crate::report::worst_trial::{WorstTrial, worst_trials};
 use crate::{BenchError, Results, Run, ScenarioSource, StoredTrial};
 
-/// Every figure of a report. Pages, tables and plots are made from it alone, so that they cannot disagree;
-/// the same trials give the same summary in whatever order they come.
+/// All figures of a report. Pages, tables and plots derive from it alone, which keeps them consistent; the order of the
+/// trials does not affect it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Summary {
-    /// Name of the results, as the commands that replay a trial take it.
+    /// Name of the results in replay commands.
     pub results: String,
-    /// Version of Cranny that made the summary.
+    /// Version of Cranny that created the summary.
     pub version: &'static str,
-    /// How many trials.
+    /// Number of trials.
     pub trials: usize,
-    /// What a reader must know before the figures are believed.
+    /// Warnings about the validity of the figures.
     pub warnings: Vec<String>,
-    /// On what the trials ran.
+    /// Machines on which the trials ran.
     pub machines: Vec<Machine>,
-    /// The rows that pool several kinds of machine or versions, split.
+    /// Rows that pool several kinds of machine or versions, split.
     pub split_rows: Vec<SplitRow>,
-    /// Each planner over all scenarios that the planners share, by criterion.
+    /// Results of each planner over all scenarios that the planners share, by criterion.
     pub overall: Vec<Overall>,
     /// One row for each planner on each scenario, by criterion.
     pub rows: Vec<Row>,
     /// One row for each goal, of planners that aim at one.
     pub goals: Vec<GoalRow>,
-    /// How many goals are known for each scenario (`|G_IK|`), by its name, where somebody asked.
+    /// Number of known goals for each scenario (`|G_IK|`), by its name, if determined.
     pub known_goals: BTreeMap<String, usize>,
-    /// Planners beside each other.
+    /// Comparisons of planners.
     pub comparisons: Vec<Comparison>,
-    /// Which share of runs was solved when.
+    /// Curves of the share of solved runs.
     pub curves: Vec<SuccessCurve>,
-    /// What to look at first.
+    /// Trials to inspect first.
     pub worst: Vec<WorstTrial>,
 }
 
-/// What a summary is made from.
+/// Source of a summary.
 #[derive(Clone, Copy, Debug)]
 pub struct SummarySource<'a> {
-    /// Name of the results, as the commands that replay a trial take it.
+    /// Name of the results in replay commands.
     pub results: &'a str,
     /// All trials, in any order.
     pub trials: &'a [StoredTrial],
-    /// The runs that they were part of, as far as known.
+    /// The runs of the trials, as far as known.
     pub runs: &'a [Run],
-    /// What is known of the scenarios.
+    /// Information on the scenarios.
     pub scenarios: &'a [ScenarioSource],
 }
 
 impl Summary {
-    /// The summary of everything in `results`.
+    /// Computes the summary of all trials in `results`.
     ///
     /// # Errors
     /// Those of reading the results, and those of [`Self::of`].
@@ -72,11 +72,10 @@ impl Summary {
         })
     }
 
-    /// The summary of `source`.
+    /// Computes the summary of `source`.
     ///
     /// # Errors
-    /// [`BenchError::NoTrials`]; [`BenchError::Figure`] if a time, a length or a score is negative or not
-    /// finite.
+    /// [`BenchError::NoTrials`]; [`BenchError::Figure`] if a time, a length or a score is negative or not finite.
     pub fn of(source: &SummarySource) -> Result<Self, BenchError> {
         if source.trials.is_empty() {
             return Err(BenchError::NoTrials { results: source.results.to_owned() });
@@ -86,7 +85,7 @@ impl Summary {
         for trial in source.trials {
             configurations.entry(Configuration::of(&trial.record.trial)).or_default().push(trial);
         }
-        // Sums do not depend on the order of the trials.
+        // Sorting makes sums independent of the order of the trials.
         for runs in configurations.values_mut() {
             runs.sort_by_key(|run| run.id);
         }
@@ -116,14 +115,14 @@ impl Summary {
         })
     }
 
-    /// The criteria that the trials were judged by, in order.
+    /// Returns the criteria of the trials, in order.
     pub fn criteria(&self) -> Vec<&str> {
         let mut criteria: Vec<&str> = self.rows.iter().map(|row| row.criterion.as_str()).collect();
         criteria.dedup();
         criteria
     }
 
-    /// The environments of the scenarios that were judged by a criterion, in order.
+    /// Returns the environments of the scenarios judged under a criterion, in order.
     pub fn environments(&self, criterion: &str) -> Vec<&str> {
         let rows = self.rows.iter().filter(|row| row.criterion == criterion);
         let mut environments: Vec<&str> = rows.map(|row| row.environment.as_str()).collect();
@@ -132,7 +131,7 @@ impl Summary {
         environments
     }
 
-    /// All planners by the names that rows have, in order: the index of one is that of its colour.
+    /// Returns the names of all planners in the rows, in order; the index of a planner is that of its colour.
     pub fn planner_names(&self) -> Vec<&str> {
         let mut names: Vec<&str> = self.rows.iter().map(|row| row.planner_name.as_str()).collect();
         names.sort_unstable();
@@ -163,7 +162,7 @@ fn check(trial: &StoredTrial) -> Result<(), BenchError> {
         ("time limit", Some(record.trial.time_limit_s)),
         ("path length", record.path_length),
         ("score", record.grasp_score),
-        // Under the paper's criterion a path may lie within an obstacle.
+        // Under the paper's criterion a path may penetrate an obstacle.
         ("clearance", record.clearance_m.map(f64::abs)),
     ];
     for (figure, value) in figures {

@@ -8,7 +8,7 @@ use crate::statistics::LEAST_FOR_MEDIAN;
 use crate::{Run, RunInformation};
 use cranny_file::counted;
 
-/// What a reader must know before the figures are believed, in one sentence each.
+/// Returns the warnings about the validity of the figures, in one sentence each.
 pub fn warnings(groups: &[Group], runs: &[Run]) -> Vec<String> {
     let used: BTreeSet<u64> = groups.iter().flat_map(|group| &group.runs).map(|trial| trial.run).collect();
     let runs: BTreeMap<u64, &RunInformation> =
@@ -38,7 +38,7 @@ pub fn warnings(groups: &[Group], runs: &[Run]) -> Vec<String> {
     warnings
 }
 
-/// That some figures have no interval, and some comparisons no test, since the runs are too few.
+/// Returns a warning about figures without intervals and comparisons without tests, because of too few runs.
 pub fn few_runs(groups: &[Group], comparisons: &[Comparison]) -> Option<String> {
     let untested = comparisons.iter().filter(|own| own.finding == Finding::TooFewRuns).count();
     let rows = groups.iter().filter(|group| group.row.runs < LEAST_FOR_MEDIAN).count();
@@ -65,7 +65,7 @@ pub fn few_runs(groups: &[Group], comparisons: &[Comparison]) -> Option<String> 
     Some(sentence)
 }
 
-/// That rows hold trials that do not belong together, of different `what`.
+/// Returns a warning about rows that pool trials of different `what`.
 fn pooled(
     groups: &[Group],
     runs: &BTreeMap<u64, &RunInformation>,
@@ -80,8 +80,8 @@ fn pooled(
     let (first, kinds) = mixed.first()?;
     let kinds: Vec<&str> = kinds.iter().map(String::as_str).collect();
     Some(format!(
-        "{} of {} rows pool trials of different {what}: that of {} in {} those of {}. Their times are no sample of one \
-         distribution.",
+        "{} of {} rows pool trials of different {what}: that of {} in {} those of {}. Their times are not a \
+         sample of one distribution.",
         mixed.len(),
         groups.len(),
         first.row.planner_name,
@@ -90,24 +90,24 @@ fn pooled(
     ))
 }
 
-/// That some planners had a set of grasps and others had none.
+/// Returns a warning if some planners had a grasp set and others had none.
 fn other_problem(groups: &[Group]) -> Option<String> {
     let without = groups.iter().filter(|group| group.row.planner_name.contains(NO_GRASP_SET)).count();
     (without > 0 && without < groups.len()).then(|| {
         format!(
-            "Planners marked{NO_GRASP_SET} were given none and made grasps of their own, which is another problem than that of \
-             the others: their figures stand beside each other and say nothing of which planner is the better."
+            "Planners marked{NO_GRASP_SET} sampled grasps of their own, which is a different problem from \
+             that of the others: their figures do not show which planner is better."
         )
     })
 }
 
-/// That planners gave the same path under different seeds, one sentence for each.
+/// Returns a warning for each planner that gave the same path under different seeds.
 fn same_paths(groups: &[Group]) -> Vec<String> {
     let mut places: BTreeMap<&str, Vec<String>> = BTreeMap::new();
     for group in groups {
         let mut seeds: BTreeMap<(u64, Option<usize>), BTreeSet<u64>> = BTreeMap::new();
         for trial in group.runs.iter().filter(|trial| trial.record.is_solved()) {
-            // Two paths of one length, to the last bit, to one grasp are one path.
+            // Two paths to the same grasp with exactly the same length count as one path.
             if let Some(length) = trial.record.path_length {
                 seeds
                     .entry((length.to_bits(), trial.record.grasp))
@@ -124,8 +124,8 @@ fn same_paths(groups: &[Group]) -> Vec<String> {
     }
     let sentence = |(planner, places): (&str, Vec<String>)| {
         format!(
-            "Paths of {planner} are the same as under another seed: {}. It takes no notice of the seed, remembers answers, \
-             or, where they are few, there is an obvious path.",
+            "Paths of {planner} are the same as under another seed: {}. It ignores the seed, caches answers, \
+             or, if they are few, the path is obvious.",
             places.join(", ")
         )
     };

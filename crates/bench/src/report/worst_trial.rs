@@ -5,41 +5,41 @@ use serde::Serialize;
 use crate::report::row::Group;
 use crate::{StoredTrial, TrialOutcome};
 
-/// A trial worth a look, and how to run it again.
+/// Trial to inspect, with the command that replays it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct WorstTrial {
-    /// Its number in the results.
+    /// Number of the trial in the results.
     pub trial: u64,
-    /// As in [`Row::scenario_name`](crate::report::Row).
+    /// Name of the scenario, as in [`Row::scenario_name`](crate::report::Row).
     pub scenario_name: String,
-    /// As in [`Row::planner_name`](crate::report::Row).
+    /// Name of the planner, as in [`Row::planner_name`](crate::report::Row).
     pub planner_name: String,
-    /// What counts as solved.
+    /// Criterion for a solved trial.
     pub criterion: String,
-    /// The goal that it aimed at.
+    /// Index of the goal that it aimed at.
     pub goal: Option<usize>,
-    /// Its seed.
+    /// Seed of the trial.
     pub seed: u64,
-    /// How it ended.
+    /// Outcome of the trial.
     pub outcome: &'static str,
-    /// What a person should know of it.
+    /// Details for the user.
     pub detail: Option<String>,
-    /// Seconds that it took.
+    /// Planning time, in seconds.
     pub planning_time_s: f64,
-    /// Iterations that it took.
+    /// Number of iterations.
     pub iterations: u64,
-    /// The command that runs it again.
+    /// Command that replays it.
     pub replay: String,
 }
 
-/// No more than a page of all that failed, and of all that was solved, whose paths can be looked at.
+/// Maximum number of failed trials, and of solved ones, whose paths can be inspected.
 const MOST_OF_A_KIND: usize = 20;
 
-/// Of each group the few worst failures, and the slowest solved trial.
+/// Maximum number of failures of a group; in addition, its slowest solved trial is listed.
 const MOST_FAILURES_OF_A_ROW: usize = 2;
 
-/// The worst trials of all groups, the worst first: what should never happen, then what was not solved, then
-/// what was solved last. `results` is the file's name.
+/// Returns the worst trials of all groups, the worst first: unexpected failures, then unsolved trials, then the slowest
+/// solved ones. `results` is the name of the file.
 pub fn worst_trials(groups: &[Group], results: &str) -> Vec<WorstTrial> {
     let of_kind = |is_solved: bool, most_of_a_row: usize| {
         let mut worst: Vec<(&StoredTrial, &Group)> = Vec::new();
@@ -61,7 +61,7 @@ fn worst_first(a: &StoredTrial, b: &StoredTrial) -> Ordering {
     badness(b).total_cmp(&badness(a)).then(a.id.cmp(&b.id))
 }
 
-/// Kinds of outcome first, then seconds: no limit is as long as the distance between two kinds.
+/// Returns the rank by outcome, then by seconds: the distance between two outcomes exceeds any time limit.
 fn badness(run: &StoredTrial) -> f64 {
     let record = &run.record;
     let kind = match record.outcome {
@@ -98,7 +98,7 @@ fn worst_trial(run: &StoredTrial, group: &Group, results: &str) -> WorstTrial {
     }
 }
 
-/// A word as a shell takes it for one.
+/// Quotes a word for a shell if necessary.
 fn shell_word(word: &str) -> String {
     let plain = |c: char| c.is_alphanumeric() || "._-/:\\".contains(c);
     if word.chars().all(plain) { word.to_owned() } else { format!("'{}'", word.replace('\'', "'\\''")) }

@@ -13,66 +13,65 @@ use crate::{
     WorkerProgram,
 };
 
-/// How a campaign is run.
+/// Settings of the execution of a campaign.
 #[derive(Clone, Debug)]
 pub struct CampaignSettings {
-    /// What serves the trials.
+    /// Program of the workers.
     pub worker: WorkerProgram,
-    /// How many workers at once; with more than one they take each other's time.
+    /// Number of simultaneous workers; more than one compete for processor time.
     pub workers: usize,
-    /// At most so much memory for a search, in bytes.
+    /// Memory limit of a search, in bytes.
     pub memory_limit_bytes: u64,
-    /// What is stored with the run.
+    /// Information stored with the run.
     pub information: RunInformation,
-    /// Whether the programs of others run within walls. Default: within those that the machine has.
+    /// Isolation of external programs. Default: the mechanisms that the machine supports.
     pub sandbox: Sandbox,
-    /// Trials that ended so are run again, and take the place of those before. Default: none.
+    /// Outcomes whose trials are run again and replaced. Default: none.
     pub again: Vec<TrialOutcome>,
 }
 
-/// What a run did.
+/// Summary of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RunSummary {
-    /// Trials that the campaign has.
+    /// Number of trials of the campaign.
     pub trials: usize,
-    /// Trials that were there before.
+    /// Number of trials stored before.
     pub known: usize,
-    /// Trials that were run now.
+    /// Number of trials run now.
     pub run: usize,
-    /// Those of them that were solved.
+    /// Number of solved trials among those run now.
     pub solved: usize,
-    /// Whether it was stopped before the end.
+    /// True if the run was stopped before the end.
     pub is_stopped: bool,
 }
 
-/// Hears how a campaign goes.
+/// Observer of a running campaign.
 pub trait CampaignObserver {
-    /// So many trials are to be run, and these are there already.
+    /// Reports the number of trials to run and the trials stored before.
     fn begins(&mut self, _to_run: usize, _known: &[TrialRecord]) {}
 
-    /// A trial ended, and is stored.
+    /// Reports a trial that has ended and is stored.
     fn trial_ended(&mut self, _record: &TrialRecord) {}
 }
 
-/// Hears nothing.
+/// Observer that does nothing.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Unheard;
 
 impl CampaignObserver for Unheard {}
 
-/// Runs what is not in `results` yet of a campaign, and stores every trial as it ends.
+/// Runs the trials of a campaign that are not in `results` yet, and stores every trial as it ends.
 ///
-/// 1. Trials that are known are left out.
-/// 2. Each worker takes the next trial; one that is lost with its trial is replaced, and the trial has the outcome
-///    that it earned.
-/// 3. Each answer is stored before the next is looked at.
+/// 1. Skip the known trials.
+/// 2. Each worker takes the next trial. A worker lost in a trial is replaced, and its trial gets the matching outcome.
+/// 3. Store each answer before the next one is processed.
 ///
-/// `stop` ends the campaign; the trials under way are then not stored.
+/// `stop` ends the campaign; the trials in progress are then not stored.
 ///
 /// # Errors
-/// [`BenchError::InUse`] where another campaign writes the same results, [`BenchError::Refused`] where a trial cannot be
-/// run at all, [`BenchError::NotRunnable`] where no worker starts, [`BenchError::NoSandbox`], and what [`Results`] say;
-/// trials that are stored stay so.
+/// [`BenchError::InUse`] if another campaign writes the same results, [`BenchError::Refused`] if a trial cannot be run at
+/// all, [`BenchError::NotRunnable`] if no worker starts, [`BenchError::NoSandbox`], and errors of [`Results`]; stored
+/// trials remain stored.
 pub fn run_campaign(
     schedule: &Schedule,
     settings: &CampaignSettings,
@@ -145,7 +144,7 @@ pub fn run_campaign(
         let mut store = || -> Result<(), BenchError> {
             for asked in &answers {
                 let Some((record, path)) = asked? else { continue };
-                // What is there already was to be run again.
+                // A trial that is stored already was selected for another run.
                 results.replace(run, &record, &path)?;
                 summary.run += 1;
                 summary.solved += usize::from(record.is_solved());
@@ -162,8 +161,8 @@ pub fn run_campaign(
     Ok(summary)
 }
 
-/// Asks `worker`, or a new one where there is none, how a trial goes and for its path; nothing where somebody stopped
-/// the campaign.
+/// Runs a trial on `worker`, or on a new one if there is none, and returns its record and path; `None` if the campaign was
+/// stopped.
 fn ask(
     worker: &mut Option<WorkerProcess>,
     question: &Question,
@@ -172,7 +171,7 @@ fn ask(
     exports: &Path,
     stop: &AtomicBool,
 ) -> Result<Option<TrialRun>, BenchError> {
-    // One that ended between two trials takes none with it.
+    // A worker that ended between two trials is replaced without losing a trial.
     if !worker.as_mut().is_some_and(WorkerProcess::is_alive) {
         *worker = Some(WorkerProcess::start(&settings.worker, walls, settings.memory_limit_bytes, exports)?);
     }
@@ -198,7 +197,7 @@ fn ask(
     }
 }
 
-/// Asks one question of a worker of its own.
+/// Runs one trial on a worker of its own.
 ///
 /// # Errors
 /// As [`run_campaign`].
@@ -212,7 +211,7 @@ pub(crate) fn ask_once(
     ask(&mut None, question, settings, walls, exports.path(), stop)
 }
 
-/// The walls around trials: there is nothing to wall in where all planners are Cranny's own.
+/// Returns the isolation of the trials; none if all planners are built in.
 fn walls<'a>(
     mut questions: impl Iterator<Item = &'a Question>,
     sandbox: Sandbox,

@@ -5,9 +5,9 @@ use cranny_task::Problem;
 
 use crate::{TrialOutcome, TrialRecord};
 
-/// Writes into `record` what the judge's word makes of `path`, whatever its planner says: solved, rejected with the
-/// first objection, or garbled, and then no path, where it is none of this robot. `path` has way points of one value
-/// per joint (m, rad), unless it is garbled.
+/// Writes the verdict on `path` into `record`, independently of the outcome reported by the planner: solved, rejected with
+/// the first violation, or garbled if it is no path of this robot (`path` is then cleared). `path` has way points of one
+/// value per joint (m, rad), unless it is garbled.
 pub fn decide(
     record: &mut TrialRecord,
     path: &mut Vec<Vec<f64>>,
@@ -38,15 +38,15 @@ pub fn decide(
     record.grasp_score = audit.grasp_score(problem);
 }
 
-/// Whether a path of way points (m, rad; one value per joint) also meets the criterion of `problem`. Where that looks
-/// at way points alone, they are made as dense as it wants them first: a planner under another criterion need not
-/// have known.
+/// Returns true if a path of way points (m, rad; one value per joint) also meets the criterion of `problem`. If that
+/// criterion checks way points alone, long edges are subdivided first: a planner under another criterion need not limit its
+/// step.
 ///
 /// # Errors
 /// As [`audit_with`].
 pub fn also_meets(problem: &Problem, path: &[Vec<f64>]) -> Result<bool, PathError> {
     let mut path = path.to_vec();
-    /// Steps of ten metres become steps of a centimetre.
+    /// Reduces steps of ten metres to a centimetre.
     const MOST_HALVINGS: usize = 10;
     for _ in 0..MOST_HALVINGS {
         let verification = audit_with(

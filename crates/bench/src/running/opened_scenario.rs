@@ -10,7 +10,7 @@ use cranny_task::{Criterion, IkAnnotationSettings, IkMethod, Problem, annotate_i
 
 use crate::{BenchError, PathDemand, Trial};
 
-/// A scenario, opened under a criterion, with its problem: what takes longer than many a trial.
+/// Scenario opened under a criterion, with its problem. Opening may take longer than a trial.
 pub struct OpenedScenario {
     pub scenario: Scenario,
     pub problem: Problem,
@@ -28,7 +28,7 @@ impl OpenedScenario {
         Ok(Self { scenario, problem, source: source.to_owned(), goals: OnceCell::new() })
     }
 
-    /// Its goal configurations (m, rad; one value per joint), as [`goals_of`].
+    /// Returns its goal configurations (m, rad; one value per joint), as [`goals_of`].
     pub fn goals(&self) -> Result<&[Vec<f64>], ScenarioError> {
         if let Some(goals) = self.goals.get() {
             return Ok(goals);
@@ -38,11 +38,11 @@ impl OpenedScenario {
     }
 }
 
-/// The goal configurations of a scenario (`G_IK` in the paper; m, rad; one value per joint), one for each grasp that
-/// has any: those of its files; a scenario in Cranny's layout that has none gets what the paper's single shot finds
-/// from its start under the exact criterion, the same on every machine.
+/// Returns the goal configurations of a scenario (`G_IK` in the paper; m, rad; one value per joint), one for each grasp
+/// that has any, from its files. A scenario in Cranny's layout without them gets the solutions of the paper's single shot
+/// from its start under the exact criterion, identical on every machine.
 pub fn goals_of(source: &str, scenario: &Scenario) -> Result<Vec<Vec<f64>>, ScenarioError> {
-    // Of a released scenario an empty file is an answer: no grasp has a solution.
+    // An empty file of a released scenario is a result: no grasp has a solution.
     if !scenario.ik.is_empty() || Path::new(source).join("scene.yaml").is_file() {
         return Ok(scenario.ik.clone());
     }
@@ -53,29 +53,29 @@ pub fn goals_of(source: &str, scenario: &Scenario) -> Result<Vec<Vec<f64>>, Scen
     Ok(annotations.into_iter().flat_map(|grasp| grasp.solutions).map(|solution| solution.q).collect())
 }
 
-/// The scenarios that a worker has opened so far.
+/// Cache of the scenarios that a worker has opened.
 #[derive(Default)]
 pub struct OpenedScenarios {
     opened: HashMap<(String, &'static str, String), Rc<OpenedScenario>>,
 }
 
 impl OpenedScenarios {
-    /// The scenario of this content, opened now if it has not been before.
+    /// Returns the scenario with this content and opens it at the first call.
     ///
     /// # Errors
-    /// [`BenchError::ChangedScenario`] where the files are others than those of the campaign; those of opening it.
+    /// [`BenchError::ChangedScenario`] if the files differ from those of the campaign; errors of opening it.
     pub fn get(
         &mut self,
         trial: &Trial,
         source: &str,
         criterion: Criterion,
     ) -> Result<Rc<OpenedScenario>, BenchError> {
-        // Before each trial: files may be edited while a campaign runs, and some are read only now.
+        // The check precedes each trial: files may be edited during a campaign, and some are read only now.
         if Identity::of(source)?.sha256 != trial.scenario_hash {
             let (scenario, source_name) = (trial.scenario.clone(), source.to_owned());
             return Err(BenchError::ChangedScenario { scenario, source_name });
         }
-        // Where an object is carried to, and how firmly it is held, plays no part.
+        // The destination and the grip do not affect the opened scenario.
         let demand =
             PathDemand { carry: None, task: None, hold: None, ..PathDemand::of_settings(&trial.settings) };
         let key = (source.to_owned(), criterion.name(), format!("{demand:?}"));

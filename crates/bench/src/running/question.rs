@@ -2,18 +2,18 @@ use serde::{Deserialize, Serialize};
 
 use crate::{PlannerCall, Trial};
 
-/// A trial with what it takes to run it.
+/// Trial with everything needed to run it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Question {
     /// The trial.
     pub trial: Trial,
-    /// What its scenario is opened by: a built-in id or a path.
+    /// Source of its scenario: a built-in id or a path.
     pub source: String,
-    /// How its planner is called.
+    /// Call of its planner.
     pub call: PlannerCall,
-    /// Whether the path is judged under the other criterion too.
+    /// True if the path is also judged under the other criterion.
     pub judge_both: bool,
-    /// Whether the least clearance along the path is measured.
+    /// True if the minimum clearance along the path is measured.
     pub measure_clearance: bool,
 }

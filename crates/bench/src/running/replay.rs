@@ -5,40 +5,39 @@ use cranny_scenario::Identity;
 use crate::running::campaign_run::ask_once;
 use crate::{BenchError, CampaignSettings, PlannerCall, Question, Results, StoredTrial, Trial, TrialRecord};
 
-/// A trial that was run again.
+/// Result of a replayed trial.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Replay {
-    /// The trial as it stands in the results.
+    /// The trial stored in the results.
     pub stored: StoredTrial,
-    /// How it went this time.
+    /// Record of the replay.
     pub record: TrialRecord,
-    /// The path of this time.
+    /// Path of the replay (m, rad; one value per joint).
     pub path: Vec<Vec<f64>>,
-    /// Whether the path is the stored one, bit by bit; both may be without.
+    /// True if the path equals the stored one bit by bit, or if both are empty.
     pub is_same_path: bool,
-    /// Whether the search did as many iterations, and made as many nodes, as the stored one.
+    /// True if the numbers of iterations and nodes of the search equal the stored ones.
     pub is_same_search: bool,
 }
 
 impl Replay {
-    /// Whether the trial did again what it had done.
+    /// Returns true if the replay reproduced the trial.
     pub fn is_same(&self) -> bool {
         self.is_same_path && self.is_same_search
     }
 }
 
-/// How much longer than its time limit a replay may take: its iterations are its budget, and this machine may be
-/// slower.
+/// Factor on the time limit of a replay: its iterations are its budget, and this machine may be slower.
 const TIME_FACTOR: f64 = 20.0;
 
-/// Runs a trial again. Of a built-in planner the stored number of iterations is the budget, so that a trial which
-/// time cut short ends at the same node; the program of others is asked as it was. `source` is where the scenario
-/// is to be found, if it is not where it was. Nothing where `stop` ended it.
+/// Replays a trial. For a built-in planner the stored number of iterations is the budget, so that a trial cut short by time
+/// ends at the same node; an external program gets its original request. `source` overrides the source of the scenario.
+/// Returns `None` if `stop` ended the replay.
 ///
 /// # Errors
-/// [`BenchError::NoTrial`]; [`BenchError::OtherScenario`] where the scenario is not what it was;
-/// [`BenchError::UnknownCall`]; [`BenchError::ForeignCommand`] unless `allow_exec`: results of somebody else may name any
-/// command; and as [`run_campaign`](crate::run_campaign), which refuses a program that is not the trial's.
+/// [`BenchError::NoTrial`]; [`BenchError::OtherScenario`] if the scenario has changed; [`BenchError::UnknownCall`];
+/// [`BenchError::ForeignCommand`] unless `allow_exec`, because untrusted results may name any command; and as
+/// [`run_campaign`](crate::run_campaign), which refuses a program that is not the trial's.
 pub fn replay(
     results: &Results,
     id: u64,
@@ -77,17 +76,17 @@ pub fn replay(
     Ok(Some(Replay { stored, record, path, is_same_path, is_same_search }))
 }
 
-/// Whether the trial took its worker with it: then nobody counted its iterations.
+/// Returns true if the worker was lost with the trial, so that its iterations are unknown.
 fn is_lost(stored: &StoredTrial) -> bool {
     use crate::TrialOutcome::{Crashed, Hung, Killed, OutOfMemory};
     matches!(stored.record.outcome, Crashed | Hung | OutOfMemory | Killed)
 }
 
-/// What a scenario of the results, told by its id and its hash, is opened by, its content checked: `given`, else where the
-/// results say that it was, else its id.
+/// Returns the source of a scenario of the results, identified by its id and hash, after checking its content: `given`,
+/// otherwise the source in the results, otherwise its id.
 ///
 /// # Errors
-/// [`BenchError::OtherScenario`] where the scenario is not what it was; [`BenchError::Database`].
+/// [`BenchError::OtherScenario`] if the scenario has changed; [`BenchError::Database`].
 pub fn source_of(
     results: &Results,
     scenario: &str,

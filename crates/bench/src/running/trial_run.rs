@@ -12,14 +12,14 @@ use crate::running::opened_scenario::{OpenedScenario, OpenedScenarios};
 use crate::running::worker_message::{Message, Request, TrialRun};
 use crate::{BenchError, PathDemand, PlannerCall, TrialOutcome, TrialRecord, running::judge};
 
-/// Runs one trial, and returns how it went and the planner's own path.
+/// Runs one trial, and returns its record and the planner's own path.
 ///
-/// 1. Open the scenario, unless that was done before.
-/// 2. Let the planner look for a path.
-/// 3. Judge the path; under the other criterion too, where that is asked.
+/// 1. Open the scenario, unless it is cached.
+/// 2. Run the planner.
+/// 3. Judge the path, also under the other criterion if required.
 ///
 /// # Errors
-/// [`BenchError`] where the question is wrong, so that there is no trial to run.
+/// [`BenchError`] if the question is invalid, so that there is no trial to run.
 pub fn run(
     registry: &Registry,
     request: &Request,
@@ -64,7 +64,7 @@ pub fn run(
             (record, segments, None)
         }
         (PlannerCall::BuiltIn { planner, settings: planner_settings, score, min_score }, None) => {
-            // A path to one goal is judged as one to any grasp.
+            // A path to one goal is judged like a path to any grasp.
             let aimed =
                 goal.map(|goal| opened.problem.with_goal(Goal::Configurations(vec![goal]))).transpose()?;
             let asked = cranny_solve::Request {
@@ -124,7 +124,7 @@ pub fn run(
     Ok((record, path))
 }
 
-/// Tells that the search is over: judging has a time limit of its own.
+/// Observer that reports the end of the search: judging has a time limit of its own.
 struct EndOfSearch<'a> {
     tell: &'a mut dyn FnMut(&Message) -> Result<(), BenchError>,
     told: Result<(), BenchError>,
@@ -143,16 +143,16 @@ fn goal_of(opened: &OpenedScenario, index: usize) -> Result<Vec<f64>, BenchError
     goals.get(index).cloned().ok_or_else(missing)
 }
 
-/// A planner that stops at its limit may look at its clock so much before it, as a share of the limit.
+/// Tolerance of the time check: a planner may stop before its limit by this share of the limit.
 const EARLY: f64 = 0.05;
 
-/// Says of a trial without a path that its planner gave up, if it claims a budget that is not spent: it would else
-/// count as one that might have found a path later.
+/// Changes the outcome of a trial without a path to "gave up" if the planner claims an exhausted budget that is not spent.
+/// Otherwise it would count as a planner that might have found a path later.
 fn given_up(record: TrialRecord) -> TrialRecord {
     let TrialRecord { trial, outcome, statistics, .. } = &record;
     let time_s = statistics.planning_time_s;
     let iterations = statistics.iterations;
-    // A program need not tell its iterations.
+    // A program need not report its iterations.
     let has_iterations_left = trial.iteration_limit.is_none_or(|limit| iterations > 0 && iterations < limit);
     let has_time_left = time_s < (1.0 - EARLY) * trial.time_limit_s;
     if *outcome != TrialOutcome::BudgetExhausted || !has_time_left || !has_iterations_left {

@@ -10,12 +10,11 @@ use crate::running::opened_scenario::OpenedScenarios;
 use crate::running::worker_message::{Message, Request};
 use crate::{BenchError, running::trial_run};
 
-/// Serves the trials of a campaign by the planners of a registry, one line of `input` each, until `input` ends; then it
-/// ends the process at
-/// once, with whatever program of others is running: a campaign that is gone wants no answer.
+/// Serves the trials of a campaign with the planners of a registry, one line of `input` each. At the end of `input` it
+/// kills any running external program and exits the process: a campaign that has ended needs no answer.
 ///
 /// # Errors
-/// [`BenchError::Message`] for a line that is no request, or where nobody listens to the answers.
+/// [`BenchError::Message`] for a line that is no request, or if the answers cannot be written.
 pub fn serve(
     registry: &Registry,
     input: impl BufRead + Send + 'static,

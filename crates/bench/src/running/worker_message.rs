@@ -1,4 +1,4 @@
-//! What a campaign and its workers say to each other: one JSON document a line.
+//! Messages between a campaign and its workers: one JSON document a line.
 
 use std::path::PathBuf;
 
@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::foreign::sandbox::Walls;
 use crate::{Question, TrialRecord};
 
-/// What a worker is asked.
+/// Request to a worker.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Request {
@@ -16,23 +16,23 @@ pub struct Request {
     pub exports: PathBuf,
     /// Memory limit of the external planner, in bytes.
     pub memory_limit_bytes: u64,
-    /// What stands around the worker and around that program.
+    /// Isolation of the worker and of that program.
     pub walls: Walls,
 }
 
-/// How a trial went, and the path that its planner gave.
+/// Record of a trial and path of its planner.
 pub type TrialRun = (TrialRecord, Vec<Vec<f64>>);
 
-/// What a worker answers, in this order; [`Message::Refused`] in place of any of them.
+/// Answers of a worker, in this order; [`Message::Refused`] may replace any of them.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Message {
-    /// The problem is there, and the search begins.
+    /// The problem is ready, and the search begins.
     Opened,
     /// The search has ended, and the path is judged.
     Planned,
-    /// How the trial went, and the planner's own path.
+    /// Record of the trial and path of its planner.
     Answered(Box<TrialRecord>, Vec<Vec<f64>>),
-    /// The trial cannot be run at all: what is wrong with the question.
+    /// The trial cannot be run at all; holds the reason.
     Refused(String),
 }

@@ -18,46 +18,46 @@ use crate::running::worker_message::{Message, Request};
 use crate::running::worker_program::WorkerProgram;
 use crate::{BenchError, Trial, TrialOutcome, TrialRecord};
 
-/// A process that serves trials one after the other, and may end at any of them.
+/// Process that serves trials one after the other, and may end during any of them.
 pub struct WorkerProcess {
     child: Child,
     walls: Walls,
-    /// What it started, as far as it was seen.
+    /// Descendants observed until now.
     family: Family,
     requests: Option<ChildStdin>,
     lines: Receiver<String>,
     complaint: Arc<Mutex<String>>,
-    /// Reads the complaint until the worker's end.
+    /// Thread that reads standard error until the worker ends.
     listener: Option<JoinHandle<()>>,
     /// Folder that it exports scenarios to for external planners, used by no other worker. Process ids do not
     /// distinguish the workers: each may be process 1 of its namespace.
     exports: TempDir,
 }
 
-/// What became of a request.
+/// Result of a request.
 pub enum Served {
-    /// The worker answered, and serves on: how the trial went, and the planner's path.
+    /// The worker answered and remains available; holds the record of the trial and the planner's path.
     Answered(TrialRecord, Vec<Vec<f64>>),
-    /// The question is wrong; the worker serves on.
+    /// The question is invalid; the worker remains available.
     Refused(String),
-    /// The worker is gone, with the trial.
+    /// The worker was lost with the trial.
     Lost(TrialRecord),
-    /// Somebody stopped the campaign; the worker is gone.
+    /// The campaign was stopped; the worker has ended.
     Stopped,
 }
 
-/// Opening a scenario and judging a path take no longer than so.
+/// Time limit for opening a scenario and for judging a path.
 const PATIENCE: Duration = Duration::from_mins(5);
 
-/// A search that goes on past its limit by more than so has hung. A built-in planner looks at the clock every few
-/// iterations, between which it may look for a hundred solutions of inverse kinematics, for seconds on a busy
-/// machine; the program of others is ended by the worker itself, earlier than this.
+/// Time past the limit after which a search counts as hung. A built-in planner checks the clock every few iterations,
+/// between which it may compute a hundred inverse kinematics solutions: seconds on a busy machine. An external program is
+/// ended earlier, by the worker itself.
 const GRACE: Duration = Duration::from_secs(10);
 
-/// A worker that is told to go may take so long, in which it ends what it started.
+/// Time allowed to a worker for ending itself and its children.
 const FAREWELL: Duration = Duration::from_millis(500);
 
-/// How often it is looked for whether it is gone.
+/// Polling interval for the end of the worker.
 const LOOK_OUT_EVERY: Duration = Duration::from_millis(5);
 
 impl WorkerProcess {
@@ -90,7 +90,7 @@ impl WorkerProcess {
         let listener = child.stderr.take().map(|stderr| {
             let complaint = complaint.clone();
             thread::spawn(move || {
-                // Of a panic the first line says most, of other ends the last.
+                // The first line of a panic is the most informative; for other ends it is the last line.
                 for line in BufReader::new(stderr).split(b'\n').map_while(Result::ok) {
                     let line = String::from_utf8_lossy(&line).trim().to_owned();
                     let mut kept = complaint.lock().unwrap_or_else(PoisonError::into_inner);
@@ -105,7 +105,7 @@ impl WorkerProcess {
         Ok(Self { child, walls, family, requests, lines, complaint, listener, exports })
     }
 
-    /// Asks for a trial and waits for the answer, at most as long as the trial may take.
+    /// Requests a trial and waits for the answer, at most as long as the trial may take.
     pub fn serve(&mut self, request: &Request, stop: &AtomicBool) -> Served {
         let asked = serde_json::to_string(request).map_err(std::io::Error::other).and_then(|line| {
             let requests = self.requests.as_mut().ok_or(std::io::ErrorKind::BrokenPipe)?;
@@ -120,7 +120,7 @@ impl WorkerProcess {
         let limit = Duration::try_from_secs_f64(trial.time_limit_s).unwrap_or(Duration::MAX);
         let mut begin = Instant::now();
         let mut deadline = begin.checked_add(PATIENCE);
-        // What the worker holds before the search is not the planner's.
+        // The memory that the worker holds before the search does not count for the planner.
         let mut memory_bytes = None;
         loop {
             match self.lines.recv_timeout(LOOK_EVERY) {
@@ -135,7 +135,7 @@ impl WorkerProcess {
                     Ok(Message::Answered(record, path)) => return Served::Answered(*record, path),
                     Ok(Message::Refused(reason)) => return Served::Refused(reason),
                     Err(reason) => {
-                        let detail = format!("the worker's answer is none: {reason}");
+                        let detail = format!("the worker's answer is not valid: {reason}");
                         return self.ended(trial, TrialOutcome::Garbled, detail, begin);
                     }
                 },
@@ -162,24 +162,24 @@ impl WorkerProcess {
         }
     }
 
-    /// Ends the worker for what it does; the trial has that outcome.
+    /// Ends the worker because of its behaviour; the trial gets that outcome.
     fn ended(&mut self, trial: &Trial, outcome: TrialOutcome, detail: String, begin: Instant) -> Served {
         let record = lost(trial, outcome, detail, begin);
         self.end();
         Served::Lost(record)
     }
 
-    /// The trial of a worker that ended by itself.
+    /// Returns the result of a trial whose worker ended by itself.
     fn lost(&mut self, trial: &Trial, begin: Instant) -> Served {
         let status = self.end();
-        // What it started, in whatever group.
+        // This ends the children of the worker in any process group.
         self.family.end();
         let outcome = match status {
             Some(status) if system::is_killed(status) => TrialOutcome::Killed,
             _ => TrialOutcome::Crashed,
         };
         let mut detail = status.map_or_else(|| "ended".to_owned(), system::ending);
-        // Its last words may still be on their way; what it started may hold the line open.
+        // The last lines may still be in transit, and children may keep the stream open.
         let gone = Instant::now();
         while self.listener.as_ref().is_some_and(|listener| !listener.is_finished())
             && gone.elapsed() < FAREWELL
@@ -193,7 +193,7 @@ impl WorkerProcess {
         Served::Lost(lost(trial, outcome, detail, begin))
     }
 
-    /// Ends the worker, and what it started: told so first, then by force. How it ended by itself.
+    /// Ends the worker and its children, first by request, then by force. Returns its exit status if it ended by itself.
     fn end(&mut self) -> Option<std::process::ExitStatus> {
         self.requests = None;
         let begin = Instant::now();
@@ -204,27 +204,27 @@ impl WorkerProcess {
             thread::sleep(LOOK_OUT_EVERY);
         }
         system::kill_group(self.child.id());
-        // Where there are no groups, the worker alone; that it is gone already is what is wanted.
+        // Without process groups only the worker is killed. An error means that it has already ended.
         let _ = self.child.kill();
         let _ = self.child.wait();
         self.family.end();
         None
     }
 
-    /// The memory that it holds itself.
+    /// Returns the memory of the worker alone, in bytes.
     fn resident_bytes(&self) -> Option<u64> {
-        // What makes the namespaces waits outside of them.
+        // The process that creates the namespaces waits outside of them.
         let inner =
             if self.walls.namespaces { system::children(self.child.id()).first().copied() } else { None };
         system::memory(inner.unwrap_or(self.child.id())).map(|memory| memory.resident_bytes)
     }
 
-    /// Folder that it exports scenarios to.
+    /// Returns the folder that it exports scenarios to.
     pub fn exports(&self) -> &Path {
         self.exports.path()
     }
 
-    /// Whether it can be asked.
+    /// Returns true if the worker can serve requests.
     pub fn is_alive(&mut self) -> bool {
         matches!(self.child.try_wait(), Ok(None))
     }

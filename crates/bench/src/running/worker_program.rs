@@ -1,6 +1,6 @@
 use std::path::PathBuf;
 
-/// The program that serves trials: `cranny bench worker`, or whatever else calls [`serve`](crate::serve).
+/// Program that serves trials: `cranny bench worker`, or any other that calls [`serve`](crate::serve).
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct WorkerProgram {
     /// The program.

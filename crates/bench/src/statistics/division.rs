@@ -1,27 +1,27 @@
 use cranny_spatial::Stream;
 
-/// Up to this many divisions all are enumerated: 9 trials against 9 have 48 620.
+/// Maximum number of divisions that are all enumerated: 9 trials against 9 have 48 620.
 const MOST_ENUMERATED: f64 = 50_000.0;
 
-/// Random divisions of larger samples, if one test alone is made; of several tests [`draws_for`] makes more.
+/// Number of random divisions of larger samples for a single test; [`draws_for`] makes more for several tests.
 const LEAST_DRAWS: usize = 9_999;
 
-/// Number of ways to divide `first + second` trials into groups of these sizes: the binomial coefficient, which is exact
-/// below 2⁵³.
+/// Returns the number of divisions of `first + second` trials into groups of these sizes: the binomial coefficient, which
+/// is exact below 2⁵³.
 pub fn division_count(first: usize, second: usize) -> f64 {
     let smaller = first.min(second);
     (1..=smaller).fold(1.0, |count, i| count * (first + second - smaller + i) as f64 / i as f64)
 }
 
-/// Random divisions that a family of `tests` needs: the least two-sided p-value, `2/(draws + 1)`, stays below a quarter of
-/// the strictest level, `0.05/tests`.
+/// Returns the number of random divisions that a family of `tests` needs: the least two-sided p-value, `2/(draws + 1)`,
+/// stays below a quarter of the strictest level, `0.05/tests`.
 pub fn draws_for(tests: usize) -> usize {
     LEAST_DRAWS.max(160 * tests)
 }
 
-/// Calls `visit` with each way to divide the trials `0..first + second` into two groups of the given sizes, as the indices of
+/// Calls `visit` with each division of the trials `0..first + second` into two groups of the given sizes, as the indices of
 /// the first group; the observed one, `0..first`, comes first. If there are too many to enumerate, the others are `draws`
-/// random ones of a fixed seed: with the observed one among them a p-value that is a share of them stays valid.
+/// random ones with a fixed seed: with the observed one among them, a p-value that is a share of them stays valid.
 ///
 /// Source: Phipson & Smyth 2010, "Permutation p-values should never be zero", §3.
 pub fn for_each_division(first: usize, second: usize, draws: usize, mut visit: impl FnMut(&[usize])) {

@@ -1,8 +1,8 @@
-/// The p-values of a family of tests, adjusted so that with probability 95 % none below 0.05 is there by chance
-/// alone; as many as given, in their order, of no unit.
+/// Adjusts the p-values (no unit) of a family of tests, so that with probability 95 % none below 0.05 occurs by chance
+/// alone; returns as many, in their order.
 ///
-/// With the p-values in rising order, `p̃₍ᵢ₎ = max over j ≤ i of min(1, (m − j + 1) p₍ⱼ₎)`, so
-/// `p ≤ p̃ ≤ min(1, m p)`, and the order of the tests is kept.
+/// With the p-values in rising order, `p̃₍ᵢ₎ = max over j ≤ i of min(1, (m − j + 1) p₍ⱼ₎)`, so `p ≤ p̃ ≤ min(1, m p)`, and
+/// the order of the tests is kept.
 ///
 /// # Panics
 /// If one is NaN.

@@ -1,48 +1,48 @@
 use crate::statistics::{Interval, Z_95};
 
-/// How far one trial was followed, in seconds or in iterations.
+/// Follow-up of one trial, in seconds or in iterations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Followed {
-    /// Until then; not negative.
+    /// End of the follow-up; not negative.
     pub until: f64,
-    /// Whether it was solved then; if not, it is censored there.
+    /// True if the trial was solved at that time; otherwise it is censored there.
     pub solved: bool,
 }
 
 impl Followed {
-    /// The same trial, followed no further than `limit`.
+    /// Returns this follow-up cut off at `limit`.
     #[must_use]
     pub fn up_to(self, limit: f64) -> Self {
         Self { until: self.until.min(limit), solved: self.solved && self.until <= limit }
     }
 }
 
-/// What changes at a time at which trials were solved.
+/// Step of a survival curve at a time when trials were solved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurvivalStep {
     /// The time.
     pub at: f64,
-    /// How many trials were neither solved nor censored before.
+    /// Number of trials neither solved nor censored before.
     pub at_risk: usize,
-    /// How many were solved at that time.
+    /// Number of trials solved at that time.
     pub solved: usize,
-    /// The share that is not solved yet, from this time on.
+    /// Share of unsolved trials from this time on.
     pub survival: f64,
-    /// `Σ dᵢ / (nᵢ (nᵢ − dᵢ))` up to here: Greenwood's variance of `survival`, over its square. Infinite once
-    /// all are solved.
+    /// Greenwood's variance of `survival` over its square, `Σ dᵢ / (nᵢ (nᵢ − dᵢ))` up to here. Infinite once all are
+    /// solved.
     pub greenwood: f64,
-    /// Where the true share lies.
+    /// Confidence band of the true share.
     pub band: Interval,
 }
 
-/// Which share of trials is not yet solved at each time, estimated from trials of which some were cut short.
+/// Kaplan–Meier estimate of the share of unsolved trials at each time, from trials of which some are censored.
 ///
-/// `S(t) = Π over tᵢ ≤ t of (1 − dᵢ/nᵢ)`, with `dᵢ` solved at `tᵢ` and `nᵢ` at risk just before; trials that
-/// are cut short at `tᵢ` are still at risk there. Without censoring this is the share of times above `t`.
+/// `S(t) = Π over tᵢ ≤ t of (1 − dᵢ/nᵢ)`, with `dᵢ` solved at `tᵢ` and `nᵢ` at risk just before; trials censored at `tᵢ`
+/// are still at risk there. Without censoring this is the share of times above `t`.
 ///
-/// Source: Kaplan & Meier 1958, "Nonparametric estimation from incomplete observations", eq. (2b); variance from
-/// Greenwood 1926, "The natural duration of cancer", whole; band symmetric in `log(−log S)`, so that it stays within 0
-/// and 1: Kalbfleisch & Prentice 2002, "The Statistical Analysis of Failure Time Data", §1.4.1.
+/// Source: Kaplan & Meier 1958, "Nonparametric estimation from incomplete observations", eq. (2b); variance from Greenwood
+/// 1926, "The natural duration of cancer", whole; band symmetric in `log(−log S)`, so that it stays within 0 and 1:
+/// Kalbfleisch & Prentice 2002, "The Statistical Analysis of Failure Time Data", §1.4.1.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KaplanMeier {
     steps: Vec<SurvivalStep>,
@@ -50,11 +50,11 @@ pub struct KaplanMeier {
     last: f64,
 }
 
-/// Products of exact fractions miss a half by a few units in the last place.
+/// Tolerance of shares: products of exact fractions miss a half by a few units in the last place.
 const ROUNDED: f64 = 1e-12;
 
 impl KaplanMeier {
-    /// The estimate from `trials`.
+    /// Estimates the curve from `trials`.
     ///
     /// # Panics
     /// If a time is negative or not finite.
@@ -83,41 +83,41 @@ impl KaplanMeier {
         Self { steps, count: sorted.len(), last: sorted.last().map_or(0.0, |trial| trial.until) }
     }
 
-    /// The times at which trials were solved, rising.
+    /// Returns the steps at the times when trials were solved, in rising order.
     pub fn steps(&self) -> &[SurvivalStep] {
         &self.steps
     }
 
-    /// How many trials there are.
+    /// Returns the number of trials.
     pub fn count(&self) -> usize {
         self.count
     }
 
-    /// How far the last trial was followed; 0 without trials.
+    /// Returns the longest follow-up; 0 without trials.
     pub fn last(&self) -> f64 {
         self.last
     }
 
-    /// The share that is not solved at `time` or before.
+    /// Returns the share of trials not solved at `time` or before.
     pub fn survival_at(&self, time: f64) -> f64 {
         let steps = self.steps.partition_point(|step| step.at <= time);
         if steps == 0 { 1.0 } else { self.steps[steps - 1].survival }
     }
 
-    /// When half of the trials are solved: the least `t` with `S(t) ≤ ½`; `None` if that was never seen.
+    /// Returns the median time, the least `t` with `S(t) ≤ ½`; `None` if it was not observed.
     pub fn median(&self) -> Option<f64> {
         self.quantile(0.5)
     }
 
-    /// When a `share` of the trials are solved: the least `t` with `1 − S(t) ≥ share`; `None` if that was never seen.
-    /// Without censoring it is the least time that this share of the times do not exceed.
+    /// Returns the time at which a `share` of the trials is solved, the least `t` with `1 − S(t) ≥ share`; `None` if it was
+    /// not observed. Without censoring it is the least time that this share of the times do not exceed.
     pub fn quantile(&self, share: f64) -> Option<f64> {
         self.steps.iter().find(|step| step.survival <= 1.0 - share + ROUNDED).map(|step| step.at)
     }
 }
 
-/// `S^exp(±z √greenwood / |ln S|)`. Once all are solved no variance is left, though the next trial might
-/// still take longer: the upper end stays where it was.
+/// Computes the band `S^exp(±z √greenwood / |ln S|)`. Once all are solved no variance is left, though a further trial might
+/// take longer: the upper end keeps its last value.
 fn band(survival: f64, greenwood: f64, before: Option<Interval>) -> Interval {
     if greenwood.is_infinite() {
         return Interval { low: 0.0, high: before.map_or(1.0, |band| band.high) };

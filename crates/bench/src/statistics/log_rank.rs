@@ -1,18 +1,18 @@
 use crate::statistics::Followed;
 
-/// Log-rank test of whether two groups of trials are solved at the same rate.
-/// [`TwoSampleTest`](crate::statistics::TwoSampleTest) has the p-value of its numerator.
+/// Log-rank test for equal solution rates of two groups of trials. [`TwoSampleTest`](crate::statistics::TwoSampleTest) has
+/// the p-value of its numerator.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LogRank {
     /// Number of solved trials in the first group.
     pub observed: f64,
-    /// Number of trials of the first group that would be solved if the rates were the same.
+    /// Expected number of solved trials in the first group under equal rates.
     pub expected: f64,
-    /// The statistic: of one degree of freedom where both groups are large.
+    /// Chi-square statistic, of one degree of freedom if both groups are large.
     pub chi_square: f64,
 }
-/// The log-rank test of two groups; `None` if their times cannot tell (nothing was solved while both had
-/// trials at risk).
+/// Computes the log-rank test of two groups; `None` if their times allow no test (nothing was solved while both had trials
+/// at risk).
 ///
 /// With `d` of `n` solved at a time, `n₁` of the first group at risk: `E = Σ d n₁/n`,
 /// `V = Σ d (n₁/n)(1 − n₁/n)(n − d)/(n − 1)`, `χ² = (O − E)²/V`. Exchanging the groups changes nothing.
@@ -20,8 +20,8 @@ pub struct LogRank {
 /// # Panics
 /// If a time is NaN.
 ///
-/// Source: Mantel 1966, "Evaluation of survival data and two new rank order statistics", whole; Klein & Moeschberger
-/// 2003, eqs. (7.3.1) to (7.3.4) with weight 1.
+/// Source: Mantel 1966, "Evaluation of survival data and two new rank order statistics", whole; Klein & Moeschberger 2003,
+/// eqs. (7.3.1) to (7.3.4) with weight 1.
 pub fn log_rank(first: &[Followed], second: &[Followed]) -> Option<LogRank> {
     let mut all: Vec<(Followed, bool)> = first.iter().map(|&trial| (trial, true)).collect();
     all.extend(second.iter().map(|&trial| (trial, false)));

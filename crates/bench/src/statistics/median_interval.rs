@@ -1,13 +1,13 @@
 use crate::statistics::{Followed, LEVEL};
 
-/// Fewest trials from which an interval of the median has both ends: of five, all lie on one side of it with probability
-/// `2/2⁵ > 5 %`.
+/// Minimum number of trials for which an interval of the median has both ends: of five, all lie on one side of it with
+/// probability `2/2⁵ > 5 %`.
 pub const LEAST_FOR_MEDIAN: usize = 6;
 
-/// Interval of the median time: the `r`-th least and the `r`-th greatest time, with the greatest `r` for which
-/// `2 P(B(n, ½) < r) ≤ 5 %`. It holds for every number of trials and every distribution of times; a trial that was cut short
-/// takes exactly so long for the lower end, and without end for the upper, which is `None` if it was never seen. No interval for
-/// fewer than [`LEAST_FOR_MEDIAN`] trials.
+/// Computes the interval of the median time: the `r`-th least and the `r`-th greatest time, with the greatest `r` for which
+/// `2 P(B(n, ½) < r) ≤ 5 %`. It holds for every number of trials and every distribution of times. A censored trial counts
+/// with its censoring time for the lower end, and as infinite for the upper end, which is `None` if it was not observed.
+/// Returns `None` for fewer than [`LEAST_FOR_MEDIAN`] trials.
 ///
 /// # Panics
 /// If a time is NaN.
@@ -29,7 +29,7 @@ pub fn median_interval(trials: &[Followed]) -> Option<(f64, Option<f64>)> {
     Some((all[rank - 1], solved.get(trials.len() - rank).copied()))
 }
 
-/// The greatest `r` with `2 P(B(n, ½) < r) ≤ 5 %`; 0 if there is none.
+/// Returns the greatest `r` with `2 P(B(n, ½) < r) ≤ 5 %`; 0 if there is none.
 fn rank(count: usize) -> usize {
     let n = count as f64;
     let probability = |k: f64| {

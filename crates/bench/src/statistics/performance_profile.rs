@@ -1,21 +1,21 @@
-/// How one solver of several does on a set of problems, against the best of them on each.
+/// Performance profile of one solver among several on a set of problems, relative to the best of them on each.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PerformanceProfile {
-    /// On each problem the cost over the least cost of all solvers; `None` where it did not solve the problem.
+    /// Ratio of its cost to the least cost of all solvers on each problem; `None` if it did not solve the problem.
     pub ratios: Vec<Option<f64>>,
-    /// The distinct ratios, rising: where the profile rises.
+    /// Distinct ratios in rising order, at which the profile rises.
     pub at: Vec<f64>,
-    /// The share of all problems with a ratio no greater.
+    /// Share of all problems with a ratio no greater.
     pub share: Vec<f64>,
 }
 
-/// The profiles of solvers, whose costs on the same problems, in the same order, are the rows of `costs`; `None` where a
-/// solver did not solve a problem, which counts as an infinite cost. Costs below `tick` count as `tick`: nobody can say by
-/// how much one is below the other.
+/// Computes the profiles of solvers. The rows of `costs` are their costs on the same problems, in the same order; `None` is
+/// an unsolved problem and counts as an infinite cost. Costs below `tick` count as `tick`, because differences below it
+/// cannot be resolved.
 ///
-/// `r(p, s) = t(p, s) / min over s of t(p, s)`, `ρ(τ) = |{p : r(p, s) ≤ τ}| / |P|`. `ρ(1)` is the share of problems on which
-/// a solver is the best, or as good; the last share is that of the problems that it solves. A problem that none solves
-/// stays in `P`.
+/// `r(p, s) = t(p, s) / min over s of t(p, s)`, `ρ(τ) = |{p : r(p, s) ≤ τ}| / |P|`. `ρ(1)` is the share of problems on
+/// which a solver is the best, or as good; the last share is that of the problems that it solves. A problem that none
+/// solves stays in `P`.
 ///
 /// # Panics
 /// If the rows differ in length, or a cost is NaN.
@@ -40,7 +40,7 @@ pub fn performance_profiles(costs: &[Vec<Option<f64>>], tick: f64) -> Vec<Perfor
 }
 
 impl PerformanceProfile {
-    /// `ρ(bound)`; 0 without problems.
+    /// Returns `ρ(bound)`; 0 without problems.
     pub fn share_within(&self, bound: f64) -> f64 {
         share_within(&self.ratios, bound)
     }

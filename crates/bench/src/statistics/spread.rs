@@ -1,11 +1,11 @@
 use serde::Serialize;
 
-/// A sample in five numbers: what a box plot draws.
+/// Five-number summary of a sample, as in a box plot.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Spread {
-    /// How many values.
+    /// Number of values.
     pub count: usize,
-    /// The least.
+    /// The least value.
     pub least: f64,
     /// The least value that a quarter of the values do not exceed.
     pub lower_quartile: f64,
@@ -13,14 +13,14 @@ pub struct Spread {
     pub median: f64,
     /// The least value that three quarters of the values do not exceed.
     pub upper_quartile: f64,
-    /// The greatest.
+    /// The greatest value.
     pub greatest: f64,
 }
 
 impl Spread {
-    /// That of `values`; `None` if there are none. Each number is one of the values, as that of a Kaplan–Meier estimate
-    /// is ([`KaplanMeier::quantile`](crate::statistics::KaplanMeier::quantile)): Hyndman & Fan 1996, "Sample quantiles
-    /// in statistical packages", definition 1; `inverted_cdf` in `NumPy`.
+    /// Computes the summary of `values`; `None` if there are none. Each number is one of the values, as in a Kaplan–Meier
+    /// estimate ([`KaplanMeier::quantile`](crate::statistics::KaplanMeier::quantile)): Hyndman & Fan 1996, "Sample
+    /// quantiles in statistical packages", definition 1; `inverted_cdf` in `NumPy`.
     pub fn of(values: impl IntoIterator<Item = f64>) -> Option<Self> {
         let mut sorted: Vec<f64> = values.into_iter().collect();
         sorted.sort_by(f64::total_cmp);
@@ -36,7 +36,7 @@ impl Spread {
     }
 }
 
-/// The least value that a `share` of all do not exceed; `share` is in ]0, 1], `sorted` is not empty.
+/// Returns the least value that a `share` of all do not exceed; `share` is in ]0, 1], `sorted` is not empty.
 #[allow(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,

@@ -1,47 +1,47 @@
 use crate::statistics::division::{division_count, draws_for, for_each_division};
 use crate::statistics::{Followed, Interval, KaplanMeier, LEVEL};
 
-/// Permutation tests of whether two groups of trials differ; their p-values hold for every number of trials.
+/// Permutation tests for a difference between two groups of trials; their p-values hold for every number of trials.
 ///
-/// If the groups are of one planner, each division of all trials into groups of these sizes is equally probable. A p-value is
-/// twice the share of divisions that put the statistic as far out, to the same side, as the observed one: all divisions
-/// of small groups, random ones of larger groups.
+/// If the groups are of one planner, each division of all trials into groups of these sizes is equally probable. A p-value
+/// is twice the share of divisions whose statistic is at least as extreme, to the same side, as the observed one: over all
+/// divisions of small groups, or random ones of larger groups.
 ///
 /// Source: Lehmann & Romano 2005, "Testing Statistical Hypotheses", §15.2.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TwoSampleTest {
     /// p-value of `O − E`, the numerator of the log-rank test.
     pub log_rank_p: f64,
-    /// `O − E`: positive if the first group is solved at the faster pace.
+    /// Excess `O − E`: positive if the first group is solved at the faster pace.
     pub log_rank_excess: f64,
     /// Restricted mean of the first group minus that of the second.
     pub difference: f64,
-    /// Interval of that difference: the values that the studentised test does not reject at the level asked for. `None` if
-    /// the trials do not vary, or not enough to bound it.
+    /// Interval of that difference: the values that the studentised test does not reject at the given level. `None` if the
+    /// trials do not vary, or not enough to bound it.
     pub interval: Option<Interval>,
-    /// p-value of no difference, of the studentised difference.
+    /// p-value of the studentised difference for the hypothesis of no difference.
     pub difference_p: f64,
 }
 
-/// Least p-value that a test of groups of these sizes can have: `2/C(n, n₁)`. At least 1 if a group has fewer than two trials:
-/// one time has no spread.
+/// Returns the least possible p-value of a test of groups of these sizes: `2/C(n, n₁)`. At least 1 if a group has fewer
+/// than two trials, because one time has no spread.
 pub fn least_p(first: usize, second: usize) -> f64 {
     if first.min(second) < 2 { 1.0 } else { 2.0 / division_count(first, second) }
 }
 
 impl TwoSampleTest {
-    /// The tests of two groups up to `horizon`, as two of `tests` in one family: the interval is of level `0.05/tests`, so
-    /// that all intervals of the family hold together.
+    /// Tests two groups up to `horizon`; both tests belong to a family of `tests`. The interval is of level `0.05/tests`,
+    /// so that all intervals of the family hold together.
     ///
     /// The log-rank scores are `cᵢ = δᵢ − Λ(tᵢ)` with the Nelson–Aalen estimate `Λ` of all trials: `O − E = Σ cᵢ` over the
-    /// first group. The studentised difference is Welch's `t` of restricted times (their pseudo-values), for
-    /// which the permutation test stays valid asymptotically if the spreads differ.
+    /// first group. The studentised difference is Welch's `t` of restricted times (their pseudo-values), for which the
+    /// permutation test stays valid asymptotically if the spreads differ.
     ///
     /// # Panics
     /// If a group is empty, or a time is negative or not finite.
     ///
-    /// Source: Peto & Peto 1972, "Asymptotically efficient rank invariant test procedures", §5; Janssen 1997,
-    /// "Studentized permutation tests for non-i.i.d. hypotheses and the generalized Behrens–Fisher problem", whole.
+    /// Source: Peto & Peto 1972, "Asymptotically efficient rank invariant test procedures", §5; Janssen 1997, "Studentized
+    /// permutation tests for non-i.i.d. hypotheses and the generalized Behrens–Fisher problem", whole.
     pub fn of(first: &[Followed], second: &[Followed], horizon: f64, tests: usize) -> Self {
         let all: Vec<Followed> = first.iter().chain(second).copied().collect();
         let scores = log_rank_scores(&all);
@@ -66,7 +66,7 @@ impl TwoSampleTest {
 /// Relative tolerance within which two values count as equal: sums in another order differ by rounding.
 const ROUNDED: f64 = 1e-9;
 
-/// Two-sided p-value of the first of the values of a statistic over all divisions.
+/// Returns the two-sided p-value of the first of the values of a statistic over all divisions.
 fn p_of_first(values: &[f64]) -> f64 {
     let slack = ROUNDED * values[0].abs().clamp(1.0, f64::MAX);
     let above = values.iter().filter(|&&value| value >= values[0] - slack).count();
@@ -83,11 +83,11 @@ fn log_rank_scores(all: &[Followed]) -> Vec<f64> {
     all.iter().map(|trial| f64::from(u8::from(trial.solved)) - hazard(trial.until)).collect()
 }
 
-/// `min(T, horizon)` of each trial; of trials that are cut short before the horizon the pseudo-values
-/// `n μ − (n − 1) μ₍₋ᵢ₎`, with the restricted mean `μ` of all and of all but one.
+/// Returns `min(T, horizon)` of each trial; for trials censored before the horizon the pseudo-values `n μ − (n − 1) μ₍₋ᵢ₎`,
+/// with the restricted mean `μ` of all and of all but one.
 ///
-/// Source: Andersen, Hansen & Klein 2004, "Regression analysis of restricted mean survival time based on pseudo-observations",
-/// §2.
+/// Source: Andersen, Hansen & Klein 2004, "Regression analysis of restricted mean survival time based on
+/// pseudo-observations", §2.
 fn restricted_times(all: &[Followed], horizon: f64) -> Vec<f64> {
     if all.iter().all(|trial| trial.solved || trial.until >= horizon) {
         return all.iter().map(|trial| trial.until.min(horizon)).collect();
@@ -98,8 +98,8 @@ fn restricted_times(all: &[Followed], horizon: f64) -> Vec<f64> {
     (0..all.len()).map(|trial| n * mean - (n - 1.0) * without(trial)).collect()
 }
 
-/// Sums over all times from which Welch's `t` of any division is computed, taken about the first time, so that equal
-/// times have no variance.
+/// Sums over all times for computing Welch's `t` of any division, relative to the first time, so that equal times have no
+/// variance.
 struct Welch {
     about: f64,
     sum: f64,
@@ -107,14 +107,14 @@ struct Welch {
     count: usize,
 }
 
-/// A difference of means with its standard error.
+/// Difference of means with its standard error.
 struct Difference {
     difference: f64,
     error: f64,
 }
 
 impl Welch {
-    /// `times` are not empty.
+    /// Computes the sums; `times` must not be empty.
     fn of(times: &[f64]) -> Self {
         let about = times[0];
         let sum = times.iter().map(|time| time - about).sum();
@@ -122,7 +122,7 @@ impl Welch {
         Self { about, sum, squares, count: times.len() }
     }
 
-    /// That of the group of `members` against the others.
+    /// Returns the difference between the group of `members` and the others.
     fn difference(&self, times: &[f64], members: &[usize]) -> Difference {
         let (mut sum, mut squares) = (0.0, 0.0);
         for &trial in members {
@@ -138,13 +138,13 @@ impl Welch {
 
     fn variance_of_mean(&self, sum: f64, squares: f64, count: f64) -> f64 {
         let about_mean = squares - sum * sum / count;
-        // What does not vary has no variance, not one of rounding.
+        // Equal values get a variance of exactly zero, without rounding errors.
         if about_mean <= ROUNDED * self.squares { 0.0 } else { about_mean / (count * (count - 1.0)) }
     }
 }
 
 impl Difference {
-    /// Difference over error; infinite where nothing varies but the groups differ.
+    /// Returns difference over error; infinite if nothing varies but the groups differ.
     fn ratio(&self) -> f64 {
         match self.error {
             0.0 if self.difference.abs() <= f64::MIN_POSITIVE => 0.0,
@@ -152,10 +152,10 @@ impl Difference {
         }
     }
 
-    /// The differences that are not rejected at `level` on either side, by the `ratios` of all divisions.
+    /// Returns the differences that are not rejected at `level` on either side, by the `ratios` of all divisions.
     fn interval(&self, mut ratios: Vec<f64>, level: f64) -> Option<Interval> {
         ratios.sort_by(f64::total_cmp);
-        // As many ratios may lie beyond each end.
+        // This number of ratios may lie beyond each end.
         let beyond = (level / 2.0 * ratios.len() as f64).ceil() - 1.0;
         if beyond < 1.0 || self.error == 0.0 {
             return None;

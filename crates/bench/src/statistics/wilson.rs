@@ -1,9 +1,9 @@
 use crate::statistics::{Interval, Z_95};
 
-/// The score interval of a rate of which `successes` of `trials` were seen; `None` without trials.
+/// Computes the score interval of a rate with `successes` in `trials`; `None` without trials.
 ///
-/// It contains the rate itself, lies in [0, 1], and keeps its word for rates near 0 and 1, where the
-/// textbook's `p ± z √(p(1 − p)/n)` has no width.
+/// It contains the rate itself, lies in [0, 1], and keeps its level for rates near 0 and 1, where the textbook's
+/// `p ± z √(p(1 − p)/n)` has no width.
 ///
 /// # Panics
 /// If there are more successes than trials.
@@ -19,7 +19,7 @@ pub fn wilson(successes: usize, trials: usize) -> Option<Interval> {
     let rate = successes as f64 / n;
     let middle = (rate + z2 / (2.0 * n)) / (1.0 + z2 / n);
     let half = Z_95 * (rate * (1.0 - rate) / n + z2 / (4.0 * n * n)).sqrt() / (1.0 + z2 / n);
-    // At the ends the two terms are equal but for rounding.
+    // At the ends the two terms are equal except for rounding.
     let low = if successes == 0 { 0.0 } else { middle - half };
     let high = if successes == trials { 1.0 } else { middle + half };
     Some(Interval { low, high })

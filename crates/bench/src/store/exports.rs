@@ -6,12 +6,12 @@ use tempfile::TempDir;
 
 use crate::BenchError;
 
-/// A folder for what the programs of others read and write; it goes with the campaign, and those of campaigns that were
-/// killed go with the next one.
+/// Folder for input and output of external programs. It is removed with the campaign; a later campaign removes the folders
+/// of killed ones.
 #[derive(Debug)]
 pub struct Exports {
     folder: TempDir,
-    /// As long as it is held the folder is somebody's; the system lets go of it however a campaign ends.
+    /// Lock that marks the folder as used; the system releases it at any end of the campaign.
     _lock: File,
 }
 
@@ -24,13 +24,13 @@ impl Exports {
         let make = || -> std::io::Result<Self> {
             let folder = tempfile::Builder::new().prefix(PREFIX).tempdir()?;
             let lock = File::create(folder.path().join(LOCK))?;
-            // On a file system without locks the folder may be swept by another campaign's beginning once this one is over.
+            // On a file system without locks a later campaign may remove the folder once this one has ended.
             let _ = lock.try_lock();
             Ok(Self { folder, _lock: lock })
         };
         make().map_err(|reason| BenchError::NotRunnable {
             program: "a campaign".to_owned(),
-            reason: format!("no temporary folder: {reason}"),
+            reason: format!("cannot create a temporary folder: {reason}"),
         })
     }
 
@@ -39,24 +39,24 @@ impl Exports {
     }
 }
 
-/// Removes the folders of campaigns that are gone.
+/// Removes the folders of ended campaigns.
 fn sweep(temporary: &Path) {
     let Ok(entries) = fs::read_dir(temporary) else { return };
     for entry in entries.filter_map(Result::ok) {
         if !entry.file_name().to_string_lossy().starts_with(PREFIX) {
             continue;
         }
-        // What cannot be removed is another user's.
+        // A folder that cannot be removed belongs to another user.
         let _ = match File::options().read(true).open(entry.path().join(LOCK)) {
             Ok(lock) if lock.try_lock().is_ok() => fs::remove_dir_all(entry.path()),
-            // Whoever made it was killed before the lock, or after it while removing all; unless it is being made.
+            // Its campaign was killed before locking, or during removal; a recent folder may still be in creation.
             Err(_) if is_old(&entry) => fs::remove_dir(entry.path()),
             _ => Ok(()),
         };
     }
 }
 
-/// Whether a folder was last changed longer ago than making one takes.
+/// Returns true if the last change of a folder is older than the time needed to create one.
 fn is_old(folder: &fs::DirEntry) -> bool {
     const MAKING: Duration = Duration::from_mins(1);
     let changed = folder.metadata().and_then(|facts| facts.modified()).ok();

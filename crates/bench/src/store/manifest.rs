@@ -7,24 +7,24 @@ use sha2::{Digest as _, Sha256};
 use crate::asked::planner_call::{computed_checksum, hexadecimal};
 use crate::{BenchError, Schedule};
 
-/// What a campaign is made of, by content: what each machine that runs a part of it must have, too.
+/// Content of a campaign that each machine running a shard of it must match.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Manifest {
-    /// The version of Cranny, and the SHA-256 of the program.
+    /// Version of Cranny, and SHA-256 of the program.
     pub cranny: (String, String),
     /// SHA-256 of each scenario, by its id.
     pub scenarios: BTreeMap<String, String>,
-    /// Settings of each planner, by its name, with the SHA-256 of the files of its command and with what is asked of paths.
+    /// Settings of each planner, by its name, with the SHA-256 of the files of its command and the demands on paths.
     pub planners: BTreeMap<String, String>,
-    /// How many trials there are in all parts together.
+    /// Number of trials of all shards together.
     pub trials: usize,
     /// SHA-256 of the trials, with their seeds and limits.
     pub trials_sha256: String,
 }
 
 impl Manifest {
-    /// That of a whole campaign, run by the program in this file.
+    /// Returns the manifest of a whole campaign that the program in this file runs.
     pub fn of(schedule: &Schedule, program: &Path) -> Self {
         let mut sum = Sha256::new();
         let mut planners = BTreeMap::new();
@@ -46,10 +46,10 @@ impl Manifest {
         }
     }
 
-    /// Whether this, found here, is what the campaign was when it was handed out.
+    /// Checks that this manifest, computed here, equals the distributed one.
     ///
     /// # Errors
-    /// [`BenchError::OtherCampaign`], which names the first thing that is another.
+    /// [`BenchError::OtherCampaign`], which names the first difference.
     pub fn check(&self, handed_out: &Self) -> Result<(), BenchError> {
         let other = |(name, content): (&String, &String), all: &BTreeMap<String, String>| {
             (all.get(name) != Some(content)).then(|| name.clone())
@@ -57,7 +57,7 @@ impl Manifest {
         let scenario = handed_out.scenarios.iter().find_map(|one| other(one, &self.scenarios));
         let planner = handed_out.planners.iter().find_map(|one| other(one, &self.planners));
         let what = if self.cranny != handed_out.cranny {
-            format!("the program, version {} there and {} here", handed_out.cranny.0, self.cranny.0)
+            format!("the program (version {} submitted, version {} here)", handed_out.cranny.0, self.cranny.0)
         } else if let Some(scenario) = scenario {
             format!("the scenario {scenario}")
         } else if let Some(planner) = planner {

@@ -4,22 +4,22 @@ use std::fmt::Write as _;
 use crate::report::{Configuration, Names, Place, SummarySource};
 use crate::{BenchError, StoredTrial, TrialOutcome};
 
-/// Trials as a benchmark log of OMPL, which the statistics script of the `ompl` Python package turns into a
-/// database for Planner Arena.
+/// Benchmark log of OMPL, which the statistics script of the `ompl` Python package converts to a database for Planner
+/// Arena.
 ///
-/// A log holds one experiment. A failed run has no length and no clearance, and its time is what it took;
-/// seeds are those of the trials.
+/// A log holds one experiment. A failed run has no length and no clearance, and its time is the time spent; seeds are those
+/// of the trials.
 ///
 /// Source: `readBenchmarkLog` of `ompl/_benchmark_statistics.py`, OMPL 2.0.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OmplLog {
     /// Name of the experiment: small letters, digits, dots and hyphens.
     pub name: String,
-    /// The log.
+    /// Text of the log.
     pub text: String,
 }
 
-/// The words of the values of `status`, 0 to 9, as OMPL's own logs have them.
+/// Names of the values of `status`, 0 to 9, as in OMPL's own logs.
 const STATUS: &str = "status|Unknown status|Invalid start|Invalid goal|Unrecognized goal type|Timeout|\
                       Approximate solution|Exact solution|Crash|Unknown status|Unknown status";
 
@@ -41,10 +41,10 @@ const PROPERTIES: [&str; 14] = [
     "seed INTEGER",
 ];
 
-/// What OMPL calls MB.
+/// Bytes in an MB of OMPL.
 const MEBIBYTE: f64 = (1_u64 << 20) as f64;
 
-/// What an experiment is about: all trials, or those of one scenario under one criterion.
+/// Content of an experiment: all trials, or those of one scenario under one criterion.
 struct Experiment<'a> {
     name: String,
     /// Names and values of its properties, of type `VARCHAR(512)` or `REAL`.
@@ -53,8 +53,8 @@ struct Experiment<'a> {
 }
 
 impl OmplLog {
-    /// All trials as one experiment. Where there are several scenarios or criteria, a planner is one planner
-    /// on each of them, named `planner @ scenario`.
+    /// Converts all trials to one experiment. With several scenarios or criteria, each planner appears once for each of
+    /// them, named `planner @ scenario`.
     ///
     /// # Errors
     /// [`BenchError::NoTrials`].
@@ -82,7 +82,7 @@ impl OmplLog {
         Ok(log(&Experiment { name, properties, planners }, source))
     }
 
-    /// One experiment for each scenario and criterion, as Planner Arena likes it.
+    /// Converts the trials to one experiment for each scenario and criterion, which suits Planner Arena.
     ///
     /// # Errors
     /// [`BenchError::NoTrials`].
@@ -128,7 +128,7 @@ fn experiments<'a>(
     experiments.into_values().collect()
 }
 
-/// What Planner Arena offers as parameters of the problem.
+/// Returns the problem parameters for Planner Arena.
 fn properties(configuration: &Configuration) -> Vec<(&'static str, &'static str, String)> {
     let place = Place::of(&configuration.scenario);
     let mut properties = vec![
@@ -151,7 +151,7 @@ fn log(experiment: &Experiment, source: &SummarySource) -> OmplLog {
     let seed = trials().map(|trial| trial.record.trial.seed).min().unwrap_or(0);
     let most = experiment.planners.iter().map(|(_, _, runs)| runs.len()).max().unwrap_or(0);
 
-    // 0 where it is not known.
+    // 0 stands for an unknown limit.
     let memory_bytes = information.and_then(|information| information.memory_limit_bytes).unwrap_or(0);
     let memory_mb = memory_bytes as f64 / MEBIBYTE;
     let mut text = format!("Cranny version {}\n", env!("CARGO_PKG_VERSION"));
@@ -204,7 +204,7 @@ fn planner(text: &mut String, name: &str, configuration: &Configuration, runs: &
     text.push_str(".\n");
 }
 
-/// In the order of [`PROPERTIES`]; what is not known is empty.
+/// Returns the values in the order of [`PROPERTIES`]; an unknown value is empty.
 fn values(run: &StoredTrial) -> [String; 14] {
     let record = &run.record;
     let statistics = &record.statistics;
@@ -233,7 +233,7 @@ fn values(run: &StoredTrial) -> [String; 14] {
     ]
 }
 
-/// The value of OMPL's `PlannerStatus` that says the same.
+/// Returns the corresponding value of OMPL's `PlannerStatus`.
 fn status(outcome: TrialOutcome) -> u8 {
     match outcome {
         TrialOutcome::Rejected | TrialOutcome::Garbled | TrialOutcome::GaveUp => 0,
@@ -247,15 +247,15 @@ fn status(outcome: TrialOutcome) -> u8 {
     }
 }
 
-/// On one line, and without what ends a field or an entry: the format has no way to escape them.
+/// Converts to one line without separators of fields or entries: the format has no escape for them.
 fn line(text: &str) -> String {
     let text = text.replace(|c: char| c.is_control(), " ").replace("; ", ", ").replace(" = ", "=");
-    // An entry of the set-up that begins so would end it.
+    // This mark would end an entry of the set-up.
     let text = text.replace("|>>>", "|>>");
     if text.trim().is_empty() { "none".to_owned() } else { text }
 }
 
-/// In one word: the parser keeps the last of several.
+/// Converts to one word: the parser keeps the last of several.
 fn word(text: &str) -> String {
     let letter = |c: char| if c.is_ascii_alphanumeric() || c == '.' { c.to_ascii_lowercase() } else { '-' };
     let word: String = text.chars().map(letter).collect();

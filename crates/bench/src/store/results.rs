@@ -9,61 +9,61 @@ use crate::store::results_row::{self, Present};
 use crate::store::stored_trial::StoredTrial;
 use crate::{BenchError, RunInformation, Tally, TrialRecord, store::results_file};
 
-/// The results of campaigns: one `SQLite` file, one row a trial.
+/// Results of campaigns: one `SQLite` file, one row a trial.
 ///
-/// Every trial is written as it ends, in a transaction of its own, to a write-ahead log: whatever ends the
-/// program, at most the trial under way is lost. A [`Trial`](crate::Trial) can be there but once.
+/// Every trial is written as it ends, in a transaction of its own, to a write-ahead log: if the program is killed, at most
+/// the trial in progress is lost. A [`Trial`](crate::Trial) occurs at most once.
 #[derive(Debug)]
 pub struct Results {
     pub(crate) connection: Connection,
     pub(crate) path: PathBuf,
-    /// Held while a campaign writes; the system lets go of it however the campaign ends.
+    /// Lock held while a campaign writes; the system releases it at any end of the campaign.
     claim: Option<File>,
-    /// A copy that is read in place of results on a medium that cannot be written.
+    /// Copy that is read instead of results on a read-only medium.
     copy: Option<TempDir>,
 }
 
-/// A run of a campaign, as the results keep it: the same campaign begun again is another run.
+/// Run of a campaign in the results: restarting the campaign makes another run.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Run {
-    /// Its number in these results, from 1.
+    /// Number of the run in these results, from 1.
     pub id: u64,
-    /// On what, by what and how.
+    /// Machine, program and settings of the run.
     pub information: RunInformation,
-    /// When it began: UTC, ISO 8601.
+    /// Start time: UTC, ISO 8601.
     pub began: String,
-    /// When it ended; `None` where it was killed.
+    /// End time: UTC, ISO 8601; `None` if the run was killed.
     pub ended: Option<String>,
 }
 
-/// Where a scenario was found: what its id and hash alone do not tell.
+/// Source of a scenario, in addition to its id and hash.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ScenarioSource {
-    /// Its id.
+    /// Id of the scenario.
     pub scenario: String,
-    /// Its content, as [`Trial::scenario_hash`](crate::Trial::scenario_hash).
+    /// Hash of its content, as [`Trial::scenario_hash`](crate::Trial::scenario_hash).
     pub scenario_hash: String,
-    /// What it was opened by: an id, or a path on the machine of the run.
+    /// Source that it was opened from: an id, or a path on the machine of the run.
     pub source: String,
-    /// How many goal configurations are known for it (`|G_IK|`), where somebody asked.
+    /// Number of its goal configurations (`|G_IK|`), if determined.
     pub goals: Option<usize>,
 }
 
-/// What joining results did.
+/// Summary of merging results.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Merged {
-    /// Trials that were new.
+    /// Number of new trials.
     pub added: u64,
-    /// Trials that were there already, and stayed as they were.
+    /// Number of trials that existed before and were kept.
     pub known: u64,
 }
 
 impl Results {
-    /// Opens the results at `path` to add to them; begins new ones where there are none, or an empty file.
+    /// Opens the results at `path` for writing; creates new ones if the file is missing or empty.
     ///
     /// # Errors
-    /// [`BenchError::NotResults`], [`BenchError::ResultsVersion`], [`BenchError::OtherTable`],
-    /// [`BenchError::Damaged`], [`BenchError::Database`]; what stood there before is untouched.
+    /// [`BenchError::NotResults`], [`BenchError::ResultsVersion`], [`BenchError::OtherTable`], [`BenchError::Damaged`],
+    /// [`BenchError::Database`]; an existing file is unchanged then.
     pub fn create(path: &Path) -> Result<Self, BenchError> {
         results_file::begin(path)?;
         let mut results = Self::new(results_file::open(path)?, path);
@@ -75,7 +75,7 @@ impl Results {
         Self { connection, path: path.to_owned(), claim: None, copy: None }
     }
 
-    /// Claims the results for one campaign, until they are closed: two that write the same would do all work twice.
+    /// Locks the results for one campaign until they are closed: two writers would do all work twice.
     ///
     /// # Errors
     /// [`BenchError::InUse`].
@@ -89,17 +89,17 @@ impl Results {
             .map_err(|reason| BenchError::Unwritable { path: self.path.clone(), reason })?;
         match file.try_lock() {
             Err(TryLockError::WouldBlock) => return Err(BenchError::InUse { path: self.path.clone() }),
-            // A file system without locks.
+            // The file system has no locks.
             Err(TryLockError::Error(_)) => {}
             Ok(()) => self.claim = Some(file),
         }
         Ok(())
     }
 
-    /// Opens the results at `path` to read them.
+    /// Opens the results at `path` for reading.
     ///
     /// # Errors
-    /// As [`Self::create`], and [`BenchError::NoResults`] where there are none.
+    /// As [`Self::create`], and [`BenchError::NoResults`] if there are none.
     pub fn open(path: &Path) -> Result<Self, BenchError> {
         if !path.exists() {
             return Err(BenchError::NoResults { path: path.to_owned() });
@@ -107,7 +107,7 @@ impl Results {
         let mut results = if results_file::is_writable(path) {
             Self::new(results_file::open(path)?, path)
         } else {
-            // Reading, too, may write a log back.
+            // Reading may also write back a log.
             let (copy, file) = results_file::copied(path)?;
             Self { copy: Some(copy), ..Self::new(results_file::open(&file)?, path) }
         };
@@ -116,8 +116,8 @@ impl Results {
         Ok(results)
     }
 
-    /// How many trials of each planner ended in the results at `path`, and how many were solved: a glance that takes no
-    /// time, and does not look whether the file is whole.
+    /// Returns the numbers of ended and of solved trials of each planner in the results at `path`. This is fast, because it
+    /// does not check the integrity of the file.
     ///
     /// # Errors
     /// As [`Self::open`], but [`BenchError::Damaged`].
@@ -134,7 +134,7 @@ impl Results {
         results.done(tallies)
     }
 
-    /// How many trials there are.
+    /// Returns the number of trials.
     ///
     /// # Errors
     /// [`BenchError::Database`].
@@ -142,7 +142,7 @@ impl Results {
         self.done(self.connection.query_row("SELECT count(*) FROM trials", [], |row| row.get(0)))
     }
 
-    /// The file.
+    /// Returns the path of the file.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -166,7 +166,7 @@ impl Results {
         Ok(self.connection.last_insert_rowid().cast_unsigned())
     }
 
-    /// Notes that a run ended by itself.
+    /// Records that a run ended by itself.
     ///
     /// # Errors
     /// [`BenchError::Database`].
@@ -175,8 +175,8 @@ impl Results {
         self.done(self.connection.execute(sql, [run])).map(drop)
     }
 
-    /// Adds a trial with the path that its planner gave (way points; m, rad; one value per joint), in the place of
-    /// the same one where it is there already.
+    /// Adds a trial with the path of its planner (way points; m, rad; one value per joint), and replaces an existing entry
+    /// of that trial.
     ///
     /// # Errors
     /// [`BenchError::Database`].
@@ -184,8 +184,8 @@ impl Results {
         self.done(results_row::insert(&self.connection, Present::IsReplaced, run, record, path)).map(drop)
     }
 
-    /// Adds a trial with the path that its planner gave (way points; m, rad; one value per joint), and returns
-    /// whether it was new: one that is there already stays as it is.
+    /// Adds a trial with the path of its planner (way points; m, rad; one value per joint). Returns true if it is new; an
+    /// existing entry remains unchanged.
     ///
     /// # Errors
     /// [`BenchError::Database`].
@@ -194,7 +194,7 @@ impl Results {
         Ok(self.done(added)? == 1)
     }
 
-    /// Notes where a scenario was found.
+    /// Records the source of a scenario.
     ///
     /// # Errors
     /// [`BenchError::Database`].
@@ -208,7 +208,7 @@ impl Results {
         .map(drop)
     }
 
-    /// Notes how a planner is called, as JSON: what its name and settings do not tell.
+    /// Records the call of a planner as JSON, in addition to its name and settings.
     ///
     /// # Errors
     /// [`BenchError::Database`].
@@ -221,7 +221,7 @@ impl Results {
         .map(drop)
     }
 
-    /// All trials, in the order in which they ended.
+    /// Returns all trials, in the order in which they ended.
     ///
     /// # Errors
     /// [`BenchError::Row`], [`BenchError::Database`].
@@ -229,7 +229,7 @@ impl Results {
         self.select("ORDER BY id", [])
     }
 
-    /// All records, in the order in which the trials ended.
+    /// Returns all records, in the order in which the trials ended.
     ///
     /// # Errors
     /// As [`Self::trials`].
@@ -237,7 +237,7 @@ impl Results {
         Ok(self.trials()?.into_iter().map(|trial| trial.record).collect())
     }
 
-    /// One trial.
+    /// Returns one trial.
     ///
     /// # Errors
     /// [`BenchError::NoTrial`], and as [`Self::trials`].
@@ -251,8 +251,7 @@ impl Results {
         Err(BenchError::NoTrial { path: self.path.clone(), id, last })
     }
 
-    /// The path that the planner of a trial gave (way points; m, rad; one value per joint), bit by bit; empty where
-    /// it gave none.
+    /// Returns the exact path of the planner of a trial (way points; m, rad; one value per joint); empty if there is none.
     ///
     /// # Errors
     /// [`BenchError::NoTrial`], [`BenchError::Database`].
@@ -265,7 +264,7 @@ impl Results {
         Ok(bytes.map(|bytes| results_row::path_of_bytes(&bytes)).unwrap_or_default())
     }
 
-    /// All runs.
+    /// Returns all runs.
     ///
     /// # Errors
     /// [`BenchError::Database`].
@@ -295,7 +294,7 @@ impl Results {
         self.done(rows.and_then(Iterator::collect))
     }
 
-    /// Where the scenarios were found.
+    /// Returns the sources of the scenarios.
     ///
     /// # Errors
     /// [`BenchError::Database`].
@@ -314,7 +313,7 @@ impl Results {
         self.done(rows.and_then(Iterator::collect))
     }
 
-    /// How a planner is called, if that was noted.
+    /// Returns the call of a planner, if recorded.
     ///
     /// # Errors
     /// [`BenchError::Database`].
@@ -323,14 +322,13 @@ impl Results {
         self.done(self.connection.query_row(sql, [planner, settings], |row| row.get(0)).optional())
     }
 
-    /// Takes up the runs and trials of other results; a trial that is there already stays as it is. All or
-    /// nothing.
+    /// Adds the runs and trials of other results, all or none; an existing trial remains unchanged.
     ///
     /// # Errors
-    /// As [`Self::open`] of the others, [`BenchError::Database`]; [`BenchError::Overlap`] where a trial that is there
-    /// already went differently in the others, as everything does that runs again, unless `keep_first`.
+    /// As [`Self::open`] of the others, [`BenchError::Database`]; [`BenchError::Overlap`] if a trial has another result in
+    /// the others, as is usual for a trial that runs again, unless `keep_first`.
     pub fn merge(&mut self, others: &Path, keep_first: bool) -> Result<Merged, BenchError> {
-        // Opened by itself first, for its log and its faults; a copy of it is there as long as this.
+        // Opening it first handles its log and its errors; a copy of it exists as long as this handle.
         let opened = Self::open(others)?;
         let copy = opened.copy.as_ref().map(|copy| copy.path().join(results_file::COPY));
         let others = copy.unwrap_or_else(|| others.to_owned());
@@ -351,8 +349,8 @@ impl Results {
         detached.map(|()| merged)
     }
 
-    /// Joins results in the file `into`, which may hold some already, and returns it with what each of `others` gave.
-    /// A new file appears with all of them or not at all.
+    /// Merges results into the file `into`, which may hold some already, and returns it with the summary of each of
+    /// `others`. A new file appears complete or not at all.
     ///
     /// # Errors
     /// As [`Self::create`] and [`Self::merge`], and [`BenchError::Unwritable`].
@@ -374,13 +372,13 @@ impl Results {
         results_file::begin(&partial)?;
         let mut results = Self::new(results_file::open(&partial)?, into);
         let merged = take_up(&mut results)?;
-        // With its log written back, which the last to close it does.
+        // Closing the last handle writes back the log.
         drop(results);
         results_file::settle(&partial, into)?;
         Ok((Self::create(into)?, merged))
     }
 
-    /// How many trials are here and in the attached others, and went differently; and one of them.
+    /// Returns the number of trials with different results here and in the attached others, and one of them.
     fn overlap_with_others(&self) -> Result<Option<(u64, String)>, BenchError> {
         let row = |row: &rusqlite::Row| Ok((row.get(0)?, row.get::<_, Option<String>>(1)?));
         let (count, first) = self.done(self.connection.query_row(&results_row::overlap(), [], row))?;
@@ -401,7 +399,7 @@ impl Results {
         take_up(&mut self.connection).map_err(|reason| BenchError::Database { path, reason })
     }
 
-    /// Trials, `which` of them and in what order.
+    /// Reads trials; `which` is the condition and the order in SQL.
     fn select(&self, which: &str, parameters: impl rusqlite::Params) -> Result<Vec<StoredTrial>, BenchError> {
         let sql = format!("{} {which}", results_row::selection(self.is_older()?));
         let mut statement = self.done(self.connection.prepare(&sql))?;
@@ -418,7 +416,7 @@ impl Results {
     }
 }
 
-/// The columns of runs that older results lack.
+/// Returns the columns of runs that older results lack.
 fn added_to_runs(is_older: bool) -> &'static str {
     if is_older { "NULL, NULL" } else { "memory_limit_bytes, sandbox" }
 }

@@ -1,4 +1,4 @@
-//! The file of results as a database: what it must be before anything in it is believed.
+//! Results file as a database, with the checks that precede any use of its content.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -13,22 +13,22 @@ use tempfile::TempDir;
 
 use crate::BenchError;
 
-/// "CRNY": what tells the results from other databases.
+/// Mark of results files among other databases: "CRNY".
 const APPLICATION: i64 = 0x4352_4e59;
 
-/// The version of the tables that campaigns write.
+/// Version of the tables that campaigns write.
 const VERSION: i64 = 2;
 
-/// Older results, in which nobody noted what [`ADDITIONS`] adds; they are read as they are.
+/// Version of older results without [`ADDITIONS`], which are read unchanged.
 const OLDER: i64 = 1;
 
-/// What version 2 has beyond [`TABLES`]: results of version 1 get it when a campaign goes on with them.
+/// Columns that version 2 adds to [`TABLES`]; results of version 1 get them when a campaign continues with them.
 const ADDITIONS: &str = "
 ALTER TABLE runs ADD COLUMN memory_limit_bytes INTEGER;
 ALTER TABLE runs ADD COLUMN sandbox TEXT;
 ALTER TABLE trials ADD COLUMN memory_bytes INTEGER;";
 
-/// The tables of version 1.
+/// Tables of version 1.
 const TABLES: &str = "
 CREATE TABLE runs (
     id INTEGER PRIMARY KEY,
@@ -93,14 +93,13 @@ CREATE UNIQUE INDEX trial_identity ON trials (
     COALESCE(iteration_limit, -1), COALESCE(goal, -1)
 );";
 
-/// How long one program waits until another has written.
+/// Maximum wait for another program to finish writing.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// No text and no path of a trial is longer, in bytes: four times what a program may print.
+/// Maximum length of a text or path of a trial, in bytes: four times the maximum output of a program.
 const MOST_VALUE_BYTES: i32 = 256 << 20;
 
-/// Makes the file, unless there is one, as a whole or not at all: a disk that is full leaves none behind. An empty
-/// file is filled.
+/// Creates the file if it is missing, completely or not at all, also on a full disk. An empty file is filled.
 pub fn begin(path: &Path) -> Result<(), BenchError> {
     let write = |place: &Path| {
         let written = Connection::open(place).and_then(|mut connection| write_tables(&mut connection));
@@ -113,38 +112,38 @@ pub fn begin(path: &Path) -> Result<(), BenchError> {
     let partial = beside.path().join("results.db");
     write(&partial)?;
     match settle(&partial, path) {
-        // Another program was quicker, and its file is as good.
+        // Another program created the file first, and its file is equivalent.
         Err(BenchError::Unwritable { reason, .. }) if reason.kind() == ErrorKind::AlreadyExists => Ok(()),
         settled => settled,
     }
 }
 
-/// A folder beside a file in which another is made that will take its place; it goes with all that is left in it.
+/// Creates a temporary folder beside a file, for building its replacement.
 pub fn folder_beside(path: &Path) -> Result<TempDir, BenchError> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let made = tempfile::Builder::new().prefix(".results-").suffix(".partial").tempdir_in(folder);
     made.map_err(|reason| BenchError::Unwritable { path: path.to_owned(), reason })
 }
 
-/// Puts a file that is whole in its place, unless there is one by now.
+/// Moves a complete file to its destination, unless that exists by now.
 pub fn settle(partial: &Path, path: &Path) -> Result<(), BenchError> {
     let settled = match fs::hard_link(partial, path) {
-        // A file system without links; then two programs at the same instant may still disagree.
+        // Without hard links, two programs at the same instant may still conflict.
         Err(reason) if reason.kind() != ErrorKind::AlreadyExists => fs::rename(partial, path),
         settled => settled,
     };
     settled.map_err(|reason| BenchError::Unwritable { path: path.to_owned(), reason })
 }
 
-/// Opens the file, if it is one of results: its tables are looked at before anything is asked of them, because a
-/// view in the place of a table can be made to never end, and because of damaged pages.
+/// Opens a results file. The check of its tables precedes every query, because a view in place of a table can be made to
+/// never end, and because of damaged pages.
 pub fn open(path: &Path) -> Result<Connection, BenchError> {
     let connection = open_unseen(path)?;
     check_pages(path, &connection)?;
     Ok(connection)
 }
 
-/// The same, but that nobody looks through the pages of the file.
+/// Opens a results file without checking its pages.
 pub fn open_unseen(path: &Path) -> Result<Connection, BenchError> {
     let not_results = || BenchError::NotResults { path: path.to_owned() };
     let fault = |reason| fault(path, reason);
@@ -163,13 +162,13 @@ pub fn open_unseen(path: &Path) -> Result<Connection, BenchError> {
         return Err(BenchError::ResultsVersion { path: path.to_owned(), expected: VERSION, actual });
     }
     check_tables(path, &connection, actual)?;
-    // A commit survives the end of the program; only the end of the machine may take the last ones with it.
+    // A commit survives the end of the program; a failure of the machine may lose the last ones.
     connection.pragma_update(None, "journal_mode", "WAL").map_err(fault)?;
     connection.pragma_update(None, "synchronous", "NORMAL").map_err(fault)?;
     Ok(connection)
 }
 
-/// Gives older results what they lack, all of it or nothing.
+/// Upgrades older results to the current version, completely or not at all.
 pub fn bring_up_to_date(path: &Path, connection: &mut Connection) -> Result<(), BenchError> {
     let mut add = || -> rusqlite::Result<()> {
         let transaction = connection.transaction_with_behavior(TransactionBehavior::Immediate)?;
@@ -182,21 +181,21 @@ pub fn bring_up_to_date(path: &Path, connection: &mut Connection) -> Result<(), 
     add().map_err(|reason| fault(path, reason))
 }
 
-/// Whether results lack what [`ADDITIONS`] adds.
+/// Returns true if results lack [`ADDITIONS`].
 pub fn is_older(connection: &Connection) -> rusqlite::Result<bool> {
     connection.pragma_query_value(None, "user_version", |row| Ok(row.get::<_, i64>(0)? == OLDER))
 }
 
-/// Whether results, and what `SQLite` lays beside them, can be written.
+/// Returns true if the results, and the files that `SQLite` creates beside them, can be written.
 pub fn is_writable(path: &Path) -> bool {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     fs::OpenOptions::new().write(true).open(path).is_ok() && tempfile::tempfile_in(folder).is_ok()
 }
 
-/// What a copy of results is called.
+/// File name of a copy of results.
 pub const COPY: &str = "results.db";
 
-/// A copy of results with the log that belongs to them, in a folder that goes with it.
+/// Copies results with their log to a temporary folder.
 pub fn copied(path: &Path) -> Result<(TempDir, std::path::PathBuf), BenchError> {
     let copy = || -> std::io::Result<_> {
         let read = |path: &Path| fs::OpenOptions::new().read(true).open(path);
@@ -214,7 +213,7 @@ pub fn copied(path: &Path) -> Result<(TempDir, std::path::PathBuf), BenchError> 
     copy().map_err(|reason| BenchError::Unreadable { path: path.to_owned(), reason })
 }
 
-/// Nothing that a file brings along is run, and nothing huge is read.
+/// Disables the execution of code in the file, and limits the length of values.
 fn harden(connection: &Connection) -> rusqlite::Result<()> {
     connection.busy_timeout(PATIENCE)?;
     connection.set_db_config(DbConfig::SQLITE_DBCONFIG_DEFENSIVE, true)?;
@@ -228,7 +227,7 @@ fn harden(connection: &Connection) -> rusqlite::Result<()> {
     connection.set_limit(Limit::SQLITE_LIMIT_LENGTH, MOST_VALUE_BYTES).map(drop)
 }
 
-/// In one transaction: results that are half begun are none.
+/// Writes the tables in one transaction, because incomplete results are invalid.
 fn write_tables(connection: &mut Connection) -> rusqlite::Result<()> {
     let transaction = connection.transaction()?;
     transaction.execute_batch(TABLES)?;
@@ -238,7 +237,8 @@ fn write_tables(connection: &mut Connection) -> rusqlite::Result<()> {
     transaction.commit()
 }
 
-/// Whether the tables and their index are ours, word for word. What else the file holds is never asked for anything.
+/// Checks that the tables and their index have exactly the expected definitions. Other content of the file is never
+/// queried.
 fn check_tables(path: &Path, connection: &Connection, version: i64) -> Result<(), BenchError> {
     let fault = |reason| fault(path, reason);
     let found = definitions(connection).map_err(fault)?;
@@ -253,7 +253,7 @@ fn check_tables(path: &Path, connection: &Connection, version: i64) -> Result<()
     Ok(())
 }
 
-/// Whether the pages of our tables are whole.
+/// Checks the integrity of the pages of the expected tables.
 fn check_pages(path: &Path, connection: &Connection) -> Result<(), BenchError> {
     let fault = |reason| fault(path, reason);
     for table in ["runs", "scenarios", "planners", "trials"] {
@@ -267,8 +267,7 @@ fn check_pages(path: &Path, connection: &Connection) -> Result<(), BenchError> {
     Ok(())
 }
 
-/// Every table, view, index and trigger by its name, as the SQL that makes it; those that come with a table have
-/// none.
+/// Returns the SQL definition of every table, view, index and trigger by its name; automatic indices have none.
 fn definitions(connection: &Connection) -> rusqlite::Result<BTreeMap<String, String>> {
     let sql = "SELECT name, sql FROM sqlite_schema WHERE sql IS NOT NULL";
     connection.prepare(sql)?.query_map([], |row| Ok((row.get(0)?, row.get(1)?)))?.collect()

@@ -1,4 +1,4 @@
-//! A trial as a row of the results.
+//! Rows of the results, one for each trial.
 
 use std::path::Path;
 
@@ -8,30 +8,30 @@ use rusqlite::{Connection, Row, Rows, params};
 
 use crate::{BenchError, StoredTrial, Trial, TrialOutcome, TrialRecord};
 
-/// What makes up a row, but its number, its run and what older results lack.
+/// Columns of a row without its number, its run and the column that older results lack.
 const CONTENT: &str = "scenario, scenario_hash, planner, settings, criterion, seed, time_limit_s, \
     iteration_limit, goal, outcome, detail, iterations, nodes, collision_checks, ik_attempts, goals_tried, \
     planning_time_s, ik_time_s, collision_time_s, proof_time_s, nearest_time_s, path_length, clearance_m, grasp, \
     grasp_score, also_solved, path";
 
-/// The query for rows as [`read`] reads them, before any `WHERE`.
+/// Returns the query for rows as [`read`] parses them, before any `WHERE`.
 pub fn selection(is_older: bool) -> String {
     format!("SELECT id, run, {CONTENT}, {} FROM trials", memory(is_older))
 }
 
-/// The column that older results lack.
+/// Returns the column that older results lack.
 fn memory(is_older: bool) -> &'static str {
     if is_older { "NULL AS memory_bytes" } else { "memory_bytes" }
 }
 
-/// What becomes of a row whose trial is there already.
+/// Treatment of an existing row of the same trial.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Present {
     Stays,
     IsReplaced,
 }
 
-/// Adds a row with the path of its trial (way points; m, rad; one value per joint); returns how many were added.
+/// Adds a row with the path of its trial (way points; m, rad; one value per joint); returns the number of added rows.
 pub fn insert(
     connection: &Connection,
     present: Present,
@@ -81,7 +81,7 @@ pub fn insert(
     ])
 }
 
-/// Takes the trials of the attached database `others` up, with their runs, which are there already.
+/// Returns the SQL that copies the trials of the attached database `others`; their runs must be copied already.
 pub fn take_up_trials(is_older: bool) -> String {
     let memory = memory(is_older);
     format!(
@@ -91,8 +91,8 @@ pub fn take_up_trials(is_older: bool) -> String {
     )
 }
 
-/// Counts the trials that are here and in the attached database `others`, and went differently; and names one. The first
-/// three lines are those of the index, so that it is used.
+/// Returns the SQL that counts the trials with different results here and in the attached database `others`, and names one.
+/// The join repeats the columns of the index, so that the index is used.
 pub fn overlap() -> String {
     let differs = CONTENT.split(", ").map(|column| format!("mine.{column} IS NOT theirs.{column}"));
     let differs = differs.collect::<Vec<_>>().join(" OR ");
@@ -108,7 +108,7 @@ pub fn overlap() -> String {
     )
 }
 
-/// All rows of a [`selection`].
+/// Parses all rows of a [`selection`].
 pub fn read(mut rows: Rows, path: &Path) -> Result<Vec<StoredTrial>, BenchError> {
     let fault = |reason| BenchError::Database { path: path.to_owned(), reason };
     let mut trials = Vec::new();
@@ -164,8 +164,8 @@ fn stored(row: &Row, criterion: Criterion, outcome: TrialOutcome) -> rusqlite::R
     Ok(StoredTrial { id: row.get(0)?, run: row.get(1)?, record })
 }
 
-/// The bytes of a path of way points (m, rad; one value per joint): the number of joints (4 bytes), then every value
-/// of every way point (8 bytes each), little-endian.
+/// Encodes a path of way points (m, rad; one value per joint) as bytes: the number of joints (4 bytes), then every value of
+/// every way point (8 bytes each), little-endian.
 pub fn bytes_of_path(path: &[Vec<f64>]) -> Vec<u8> {
     let joints = path.first().map_or(0, Vec::len);
     let mut bytes = u32::try_from(joints).unwrap_or(u32::MAX).to_le_bytes().to_vec();
@@ -174,7 +174,7 @@ pub fn bytes_of_path(path: &[Vec<f64>]) -> Vec<u8> {
 }
 
 /// Inverse of [`bytes_of_path`]: way points (m, rad; one value per joint). Bytes after the last whole way point are
-/// ignored; no path where a number of joints is missing, or is 0.
+/// ignored; the path is empty if the number of joints is missing, or is 0.
 pub fn path_of_bytes(bytes: &[u8]) -> Vec<Vec<f64>> {
     let Some((joints, values)) = bytes.split_first_chunk::<4>() else { return Vec::new() };
     let joints = u32::from_le_bytes(*joints) as usize;

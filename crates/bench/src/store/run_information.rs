@@ -2,33 +2,33 @@ use std::thread;
 
 use cranny_file::system;
 
-/// On what, by what and how a campaign was run.
+/// Machine, program and settings of a run.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RunInformation {
-    /// The name of the machine.
+    /// Name of the machine.
     pub machine: String,
-    /// What its processor calls itself.
+    /// Name of the processor as it reports itself.
     pub processor: String,
-    /// The vector instructions that it has, of those that Cranny knows.
+    /// Supported vector instruction sets, of those known to Cranny.
     pub cpu_features: Vec<String>,
-    /// How many threads it runs at once.
+    /// Number of hardware threads.
     pub cores: usize,
-    /// The version of Cranny.
+    /// Version of Cranny.
     pub version: String,
-    /// The commit that it was built from, where that is known.
+    /// Commit of the build, if known.
     pub commit: Option<String>,
-    /// The command that began the run.
+    /// Command that started the run.
     pub command: String,
-    /// How many workers ran at once: with more than one, times are not those of a machine at rest.
+    /// Number of simultaneous workers; with more than one, times are not those of an idle machine.
     pub workers: usize,
-    /// What memory a search could take, in bytes; older results do not say.
+    /// Memory limit of a search, in bytes; `None` in older results.
     pub memory_limit_bytes: Option<u64>,
-    /// In what the programs of others ran; nothing where there were none, or where they ran free.
+    /// Isolation of external programs; `None` if there were none, or without isolation.
     pub sandbox: Option<String>,
 }
 
 impl RunInformation {
-    /// What is known of this machine and this program; the campaign adds what it gave its planners.
+    /// Returns the information on this machine and this program; the campaign adds the limits of its planners.
     pub fn here(commit: Option<&str>, command: &str, workers: usize) -> Self {
         Self {
             machine: system::machine_name().unwrap_or_else(|| UNKNOWN.to_owned()),
@@ -45,10 +45,10 @@ impl RunInformation {
     }
 }
 
-/// Where nobody tells.
+/// Text for an unknown value.
 const UNKNOWN: &str = "unknown";
 
-/// The instruction sets that the lanes choose from.
+/// Returns the supported instruction sets among those that the lanes choose from.
 fn cpu_features() -> Vec<String> {
     #[cfg(target_arch = "x86_64")]
     let known = [

@@ -4,25 +4,25 @@ use std::str::FromStr;
 
 use crate::{BenchError, Question, Results, Schedule};
 
-/// One of several parts of a campaign, each run by itself, on whatever machine.
+/// One of several shards of a campaign; each runs separately, on any machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shard {
     index: u64,
     count: u64,
 }
 
-/// A campaign has no more parts.
+/// Maximum number of shards of a campaign.
 pub const MOST_SHARDS: u64 = 100_000;
 
 impl Shard {
-    /// The part `index`, from 1, of `count`; nothing where there is none.
+    /// Creates the shard `index`, from 1, of `count`; `None` if out of range.
     pub fn new(index: u64, count: u64) -> Option<Self> {
         (1..=count.min(MOST_SHARDS)).contains(&index).then_some(Self { index, count })
     }
 
-    /// Trials of a campaign that belong to this part. The parts of any `count` partition the campaign, and their sizes
-    /// differ by at most one: in all, for each planner, and for each planner on each scenario. Trials that are already
-    /// in the results make no difference.
+    /// Returns the trials of a campaign that belong to this shard. The shards of any `count` partition the campaign, and
+    /// their sizes differ by at most one: in all, for each planner, and for each planner on each scenario. Stored trials
+    /// make no difference.
     #[must_use]
     pub fn of(self, schedule: Schedule) -> Schedule {
         let parts = dealt(&schedule.questions, self.count);
@@ -30,8 +30,7 @@ impl Shard {
         Schedule { questions: ours.map(|(question, _)| question).collect(), ..schedule }
     }
 
-    /// Looks whether results hold no trials of the campaign but those of this part: trials that another part runs too would be
-    /// there twice.
+    /// Checks that the results hold no trials of other shards of the campaign: these would be run twice.
     ///
     /// # Errors
     /// [`BenchError::OtherPart`].
@@ -49,13 +48,13 @@ impl Shard {
     }
 }
 
-/// The part of each trial, from 0.
+/// Returns the shard of each trial, from 0.
 ///
-/// 1. Sort the trials by planner, then scenario, and deal them out one by one: what is together in that order is spread evenly.
-/// 2. Begin each planner's deal with another scenario: of some first ones that with which trials of one scenario meet least in
-///    one part.
+/// 1. Sort the trials by planner, then scenario, and deal them out one by one, which spreads neighbours evenly.
+/// 2. Start the deal of each planner at the scenario, among the first ones, with the fewest trials of one scenario in one
+///    shard.
 fn dealt(questions: &[Question], count: u64) -> Vec<u64> {
-    /// First scenarios to compare.
+    /// Number of first scenarios to compare.
     const MOST_BEGINNINGS: usize = 32;
     // 1.
     let mut planners: BTreeMap<&str, BTreeMap<(&str, &str), Vec<usize>>> = BTreeMap::new();
@@ -69,7 +68,7 @@ fn dealt(questions: &[Question], count: u64) -> Vec<u64> {
     for scenarios in planners.values_mut() {
         let mut scenarios: Vec<_> = scenarios.iter_mut().collect();
         for (_, trials) in &mut scenarios {
-            // Of one goal under one criterion together, seed by seed.
+            // This order keeps the trials of one goal under one criterion together, by seed.
             trials.sort_by_key(|&index| {
                 let trial = &questions[index].trial;
                 (trial.goal, trial.criterion.name(), trial.seed)
@@ -98,13 +97,16 @@ fn dealt(questions: &[Question], count: u64) -> Vec<u64> {
 impl FromStr for Shard {
     type Err = String;
 
-    /// From `3/8`.
+    /// Parses a text such as `3/8`.
     fn from_str(text: &str) -> Result<Self, String> {
         let parts =
             text.split_once('/').and_then(|(index, count)| Some((index.parse().ok()?, count.parse().ok()?)));
         let shard = parts.and_then(|(index, count)| Self::new(index, count));
         shard.ok_or_else(|| {
-            format!("give a part and how many there are, from 1/1 to {MOST_SHARDS}/{MOST_SHARDS}, as 3/8")
+            format!(
+                "expected a shard and the number of shards, from 1/1 to {MOST_SHARDS}/{MOST_SHARDS}, such as \
+                 3/8"
+            )
         })
     }
 }

@@ -2,27 +2,27 @@ use rusqlite::{Connection, OptionalExtension as _, params};
 
 use crate::{BenchError, Results};
 
-/// What somebody found of a grasp at which trials ended: a row of the table `simulated_grasps`. How it was found is none
-/// of this crate's business.
+/// Result of simulating a grasp at which trials ended: a row of the table `simulated_grasps`. The simulation is not in this
+/// crate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SimulatedGrasp {
     /// Id of the scenario.
     pub scenario: String,
-    /// Its content, as [`Trial::scenario_hash`](crate::Trial::scenario_hash).
+    /// Hash of its content, as [`Trial::scenario_hash`](crate::Trial::scenario_hash).
     pub scenario_hash: String,
-    /// Which grasp of it, from 0.
+    /// Index of the grasp, from 0.
     pub grasp: usize,
-    /// How it ended, in a word.
+    /// Outcome, in one word.
     pub outcome: String,
-    /// How far the object was from where it should have been at the end, in metres.
+    /// Distance of the object from its expected position at the end, in metres.
     pub translation_error_m: f64,
-    /// How far turned, in radians.
+    /// Rotation of the object from its expected orientation at the end, in radians.
     pub rotation_error_rad: f64,
-    /// How long it was where it should have been, in seconds.
+    /// Time for which the object stayed at its expected pose, in seconds.
     pub held_s: f64,
-    /// With what a finger pressed, in newtons.
+    /// Contact force of a finger, in newtons.
     pub contact_force_n: f64,
-    /// In how many of how many further trials it held; `None` where there were none.
+    /// Number of further trials in which the grasp held, and number of further trials; `None` if there were none.
     pub robust: Option<(usize, usize)>,
 }
 
@@ -44,11 +44,11 @@ const TABLE: &str = "CREATE TABLE simulated_grasps (
 )";
 
 impl Results {
-    /// Keeps what was found of grasps under these settings, in the place of all that was kept under them before: all or
-    /// nothing. Trials and runs stay as they are.
+    /// Stores the results for grasps under these settings, and replaces all earlier ones under them: all or nothing. Trials
+    /// and runs remain unchanged.
     ///
     /// # Errors
-    /// [`BenchError::OtherTable`] where the file has something else of that name, [`BenchError::Database`].
+    /// [`BenchError::OtherTable`] if the file has another table of that name, [`BenchError::Database`].
     pub fn keep_simulated_grasps(
         &mut self,
         settings: &str,
@@ -64,7 +64,7 @@ impl Results {
     }
 }
 
-/// The SQL of whatever has the name of the table.
+/// Returns the SQL definition of the database object with this name.
 fn definition(connection: &Connection) -> rusqlite::Result<Option<String>> {
     let sql = "SELECT COALESCE(sql, '') FROM sqlite_schema WHERE name = ?1";
     connection.query_row(sql, [NAME], |row| row.get(0)).optional()

@@ -7,60 +7,60 @@ use serde::{Deserialize, Serialize};
 use crate::tally::Tally;
 use crate::{BenchError, CampaignObserver, Results, TrialRecord};
 
-/// How far a campaign, or a part of it, is: what it writes beside its results while it runs, so that nobody has to open
-/// results that are being written, on another machine at that.
+/// Progress of a campaign or of one of its shards. The campaign writes it beside its results while it runs, so that its
+/// progress is readable without opening results in use, possibly on another machine.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Standing {
-    /// How many trials it has; nothing where only results are there to ask.
+    /// Number of its trials; `None` if only results are available.
     pub trials: Option<usize>,
-    /// How many ended and how many of them were solved, by planner.
+    /// Numbers of ended and of solved trials, by planner.
     pub planners: BTreeMap<String, Tally>,
-    /// How many ended in this run.
+    /// Number of trials that ended in this run.
     pub run: usize,
-    /// How long this run has taken, in seconds.
+    /// Duration of this run, in seconds.
     pub elapsed_s: f64,
-    /// How many trials at a time.
+    /// Number of simultaneous trials.
     pub workers: usize,
-    /// When it was written, in seconds since 1970.
+    /// Time of writing, in seconds since 1970.
     pub written_s: u64,
-    /// The machine.
+    /// Name of the machine.
     pub machine: String,
 }
 
 impl Standing {
-    /// What results say, quickly.
+    /// Computes the progress from results, quickly.
     ///
     /// # Errors
-    /// As [`Results::open`], but that the pages of the file are not looked through for damage.
+    /// As [`Results::open`], except that the pages of the file are not checked for damage.
     pub fn of_results(path: &Path) -> Result<Self, BenchError> {
         Ok(Self { planners: Results::glance(path)?, ..Self::default() })
     }
 
-    /// Reads what [`StandingFile`] wrote; nothing where there is none, or none that can be read.
+    /// Reads the file of a [`StandingFile`]; `None` if it is missing or unreadable.
     pub fn read(path: &Path) -> Option<Self> {
         let text = cranny_file::TEXT.text(path).ok()?;
         serde_json::from_str(&text).ok()
     }
 
-    /// All of its trials.
+    /// Returns the tally of all planners together.
     pub fn tally(&self) -> Tally {
         self.planners.values().copied().fold(Tally::default(), Tally::plus)
     }
 
-    /// Whether every trial has ended.
+    /// Returns true if every trial has ended.
     pub fn is_done(&self) -> bool {
         self.trials.is_some_and(|trials| self.tally().ended >= trials)
     }
 
-    /// How long the rest of it takes at the pace of this run, in seconds; nothing where nobody knows yet.
+    /// Estimates the remaining time at the pace of this run, in seconds; `None` if unknown.
     pub fn left_s(&self) -> Option<f64> {
         let left = self.trials?.saturating_sub(self.tally().ended);
         (self.run > 0).then(|| self.elapsed_s / self.run as f64 * left as f64)
     }
 }
 
-/// Keeps a file with the [`Standing`] of a campaign up to date, and hands on what it hears.
+/// Observer that updates a file with the [`Standing`] of a campaign, and forwards all events.
 pub struct StandingFile<'a> {
     path: &'a Path,
     standing: Standing,
@@ -69,24 +69,24 @@ pub struct StandingFile<'a> {
     heard: &'a mut dyn CampaignObserver,
 }
 
-/// It is written no more often.
+/// Minimum interval between two updates.
 const WRITE_EVERY: Duration = Duration::from_secs(2);
 
 impl<'a> StandingFile<'a> {
-    /// A file beside the results of a campaign that so many `workers` run on `machine`.
+    /// Creates the observer of a campaign with this number of `workers` on `machine`, for a file beside the results.
     pub fn new(path: &'a Path, workers: usize, machine: &str, heard: &'a mut dyn CampaignObserver) -> Self {
         let standing = Standing { workers, machine: machine.to_owned(), ..Standing::default() };
         Self { path, standing, begin: Instant::now(), written: None, heard }
     }
 
-    /// Writes how it stands now.
+    /// Writes the current progress.
     pub fn write(&mut self) {
         self.standing.elapsed_s = self.begin.elapsed().as_secs_f64();
         self.standing.written_s =
             SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
         self.written = Some(Instant::now());
         let Ok(text) = serde_json::to_string(&self.standing) else { return };
-        // It says how far the campaign is, and must not end it.
+        // A failure is ignored, because the file only informs and must not end the campaign.
         let partial = self.path.with_extension("partial");
         let _ = std::fs::write(&partial, text).and_then(|()| std::fs::rename(&partial, self.path));
     }

@@ -1,12 +1,12 @@
 use crate::asked::trial::TrialRecord;
 
-/// A trial as the results keep it.
+/// A trial in the results.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StoredTrial {
-    /// Its number in these results, from 1: what `cranny bench replay` is given.
+    /// Number of the trial in these results, from 1, as for `cranny bench replay`.
     pub id: u64,
-    /// The [`Run`](crate::Run) that it was part of, by number.
+    /// Number of its [`Run`](crate::Run).
     pub run: u64,
-    /// The trial and how it went.
+    /// The trial and its result.
     pub record: TrialRecord,
 }

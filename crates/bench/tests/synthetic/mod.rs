@@ -1,4 +1,4 @@
-//! Trials that nobody ran: drawn by a fixed rule, so that every run of the tests sees the same.
+//! Fictitious trials, drawn by a fixed rule, so that every run of the tests has the same ones.
 
 use cranny_bench::report::{Summary, SummarySource};
 use cranny_bench::{Run, RunInformation, ScenarioSource, StoredTrial, Trial, TrialOutcome, TrialRecord};
@@ -6,7 +6,7 @@ use cranny_plan::Statistics;
 use cranny_task::Criterion;
 use strum::VariantArray as _;
 
-/// Results as a campaign could have left them.
+/// Results in the form that a campaign leaves.
 pub struct Campaign {
     pub trials: Vec<StoredTrial>,
     pub runs: Vec<Run>,
@@ -28,18 +28,18 @@ impl Campaign {
     }
 }
 
-/// How a planner does on a scenario.
+/// Performance of a planner on a scenario.
 pub struct Manner<'a> {
     pub planner: &'a str,
     pub criterion: Criterion,
-    /// Of the exponential distribution that its times are drawn from.
+    /// Mean of the exponential distribution of its times, in seconds.
     pub mean_s: f64,
     pub limit_s: f64,
     pub runs: u64,
     pub goal: Option<usize>,
 }
 
-/// Numbers between 0 and 1 from the splitmix64 generator (Steele, Lea & Flood 2014).
+/// Generator of numbers between 0 and 1 by splitmix64 (Steele, Lea & Flood 2014).
 pub struct Draw(u64);
 
 impl Draw {
@@ -104,7 +104,7 @@ pub fn add(campaign: &mut Campaign, draw: &mut Draw, scenario: &str, manner: &Ma
     }
 }
 
-/// Results without a trial, and the numbers to fill them with.
+/// Creates results without a trial, and the generator for filling them.
 pub fn empty() -> (Campaign, Draw) {
     let run = Run {
         id: 1,
@@ -126,8 +126,8 @@ pub fn empty() -> (Campaign, Draw) {
     (Campaign { trials: Vec::new(), runs: vec![run], scenarios: Vec::new() }, Draw(2024))
 }
 
-/// Two environments of the paper under both criteria, a sweep, a planner that is run on goals, and one trial
-/// of each unwelcome outcome.
+/// Creates two environments of the paper under both criteria, a sweep, a planner that runs on single goals, and one trial
+/// of each failed outcome.
 pub fn campaign() -> Campaign {
     let (mut campaign, mut draw) = empty();
     let manner = |planner, criterion, mean_s, limit_s| Manner {

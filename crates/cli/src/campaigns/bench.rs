@@ -25,23 +25,23 @@ pub struct BenchArguments {
 
 #[derive(Clone, Debug, Subcommand)]
 enum BenchCommand {
-    /// Run a campaign: scenarios by planners by seeds, or go on with one
+    /// Run a campaign (scenarios × planners × seeds), or resume one
     Run(Box<RunArguments>),
-    /// Hand a campaign to Slurm as an array of tasks, or those of its tasks again that were lost
+    /// Submit a campaign to Slurm as an array of tasks, or resubmit its lost tasks
     Slurm(SlurmArguments),
-    /// How far the tasks of a campaign are
+    /// Show the progress of the tasks of a campaign
     Status(StatusArguments),
-    /// Write what a program of your own is given for a trial, to try it by hand
+    /// Write the input that an external planner is given for a trial, to test it by hand
     Problem(ProblemArguments),
-    /// Join the results of several machines in one file
+    /// Merge the results of several machines into one file
     Merge(MergeArguments),
-    /// Tables, curves and comparisons of results, as a page, JSON, LaTeX, Markdown or CSV
+    /// Report tables, curves and comparisons of results as a page, JSON, LaTeX, Markdown or CSV
     Report(ReportArguments),
-    /// Write results for other programs: the benchmark log of OMPL, for Planner Arena
+    /// Export results for other programs: the benchmark log of OMPL, for Planner Arena
     Export(ExportArguments),
-    /// Run a trial again, exactly
+    /// Repeat a trial exactly
     Replay(ReplayArguments),
-    /// Serve the trials of a campaign (what `bench run` starts)
+    /// Serve the trials of a campaign (started by `bench run`)
     #[command(hide = true)]
     Worker,
 }

@@ -24,10 +24,10 @@ pub struct ExportArguments {
     /// Results of campaigns, as `cranny bench run` wrote them
     #[arg(value_name = "RESULTS")]
     results: PathBuf,
-    /// What to write
+    /// Format to write
     #[arg(long, value_enum, default_value_t = ExportFormat::Ompl)]
     format: ExportFormat,
-    /// Where to write it: a file, or a folder (it is one, or ends with /) for one file an experiment
+    /// File to write, or a folder (existing, or with / at the end) for one file per experiment
     #[arg(long, short, value_name = "FILE")]
     output: PathBuf,
 }
@@ -38,7 +38,7 @@ enum ExportFormat {
     Ompl,
 }
 
-/// What `bench export --json` prints.
+/// Output of `bench export --json`.
 #[derive(Serialize)]
 struct Exported {
     files: Vec<PathBuf>,

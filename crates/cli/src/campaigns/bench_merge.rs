@@ -22,18 +22,18 @@ use crate::text;
 A trial is never there twice. One that is in several files, and went differently there, was run twice: then nothing is
 joined, unless you say that the first is to stay (--keep-first).")]
 pub struct MergeArguments {
-    /// Results, the first of which takes up the others
+    /// Files of results; the others are merged into the first
     #[arg(value_name = "RESULTS", required = true, num_args = 1..)]
     results: Vec<PathBuf>,
-    /// Of a trial that was run more than once take the one of the file that comes first
+    /// Keep the trial of the first file if a trial was run more than once
     #[arg(long)]
     keep_first: bool,
-    /// Join them in another file, which may be there already, and leave all of them as they are
+    /// Merge into another file, which may exist, and leave all inputs unchanged
     #[arg(long, short, value_name = "FILE")]
     output: Option<PathBuf>,
 }
 
-/// What `bench merge --json` prints.
+/// Output of `bench merge --json`.
 #[derive(Serialize)]
 struct Answered {
     file: PathBuf,
@@ -49,13 +49,15 @@ struct Taken {
 }
 
 pub fn run(arguments: &MergeArguments, output: Output) -> Result<Answer, Failure> {
-    let too_few =
-        || Failure::Flag { flag: "output", problem: "give it, or at least two files of results".to_owned() };
+    let too_few = || Failure::Flag {
+        flag: "output",
+        problem: "required, unless at least two results files are given".to_owned(),
+    };
     let (first, rest) = arguments.results.split_first().ok_or_else(too_few)?;
     if rest.is_empty() && arguments.output.is_none() {
         return Err(too_few());
     }
-    // All of them are looked at before any is changed.
+    // Every file is opened before any is changed.
     for file in &arguments.results {
         Results::open(file)?;
     }

@@ -25,28 +25,28 @@ pub struct ProblemArguments {
     /// Built-in scenario, or the folder of one
     #[arg(value_name = "ID")]
     id: String,
-    /// Folder to make
+    /// Folder to create
     #[arg(long, short, value_name = "FOLDER", default_value = "problem")]
     output: PathBuf,
-    /// What counts as solved
+    /// Criterion for solved trials
     #[arg(long, value_enum, default_value = "exact")]
     criterion: CriterionArgument,
-    /// The seed that the program should draw from
+    /// Seed that the program is given
     #[arg(long, value_name = "N", default_value = "0", value_parser = whole(0..=u64::MAX))]
     seed: u64,
-    /// Seconds that the program may take
+    /// Time limit of the program, in seconds
     #[arg(long, value_name = "S", default_value = "120", value_parser = seconds)]
     time_limit: Duration,
 }
 
-/// What `bench problem --json` prints.
+/// Output of `bench problem --json`.
 #[derive(Serialize)]
 struct Written {
     problem: PathBuf,
 }
 
 pub fn run(arguments: &ProblemArguments, registry: &Registry, output: Output) -> Result<Answer, Failure> {
-    // Whoever it is: the problem is the same for all of them.
+    // The problem is the same for all planners.
     let anybody = PlannerCall::BuiltIn {
         planner: "reach".to_owned(),
         settings: serde_json::Map::new(),
@@ -64,7 +64,7 @@ pub fn run(arguments: &ProblemArguments, registry: &Registry, output: Output) ->
     };
     let schedule = campaign.schedule(registry)?;
     let [question] = &schedule.questions[..] else {
-        let problem = "one scenario at a time".to_owned();
+        let problem = "expected exactly one scenario".to_owned();
         return Err(Failure::File { path: Path::new(&arguments.id).to_owned(), problem });
     };
     let written = Written { problem: write_problem(question, &arguments.output)? };

@@ -26,27 +26,27 @@ use crate::{Answer, output_file, text};
 Of a built-in planner the stored number of iterations is the budget, so that a trial which time cut short ends
 at the same node. Exit 0: the same path, bit by bit, after the same search; exit 1: another one.")]
 pub struct ReplayArguments {
-    /// Results
+    /// File of results
     #[arg(value_name = "RESULTS")]
     results: PathBuf,
     /// Number of the trial, from 1
     #[arg(value_name = "TRIAL", value_parser = whole::<u64>(1..=i64::MAX.cast_unsigned()))]
     trial: u64,
-    /// Where the scenario is, if it is not where it was
+    /// Scenario to use, if it has moved
     #[arg(long, value_name = "ID")]
     scenario: Option<String>,
-    /// Run the program that the results name, if the trial was one of somebody's program: only for results you trust
+    /// Run the program that the results name, if the trial used an external program: only for results that you trust
     #[arg(long)]
     allow_exec: bool,
-    /// Walls around that program, as in `bench run`
+    /// Sandbox of that program, as in `bench run`
     #[arg(long, value_name = "WALLS", default_value = "auto", value_parser = bench_worker::sandbox)]
     sandbox: Sandbox,
-    /// Write the way points here (.csv)
+    /// Write the way points to this file (.csv)
     #[arg(long, short, value_name = "FILE")]
     output: Option<PathBuf>,
 }
 
-/// What `bench replay --json` prints.
+/// Output of `bench replay --json`.
 #[derive(Serialize)]
 struct Answered<'a> {
     trial: u64,
@@ -67,7 +67,7 @@ struct Answered<'a> {
     stored_version: &'a str,
 }
 
-/// A search in a replay is not cut short by memory that a campaign may have spared.
+/// Memory limit of a replay: generous, so that memory does not end a search that a campaign completed.
 const MEMORY_LIMIT_BYTES: u64 = 16 << 30;
 
 pub fn run(arguments: &ReplayArguments, output: Output) -> Result<Answer, Failure> {

@@ -30,38 +30,38 @@ pub struct ReportArguments {
     /// Results of campaigns, as `cranny bench run` wrote them
     #[arg(value_name = "RESULTS")]
     results: PathBuf,
-    /// Where to write the report [default: the name of RESULTS with .html, in this folder; standard output
-    /// for the other formats]
+    /// File to write the report to [default: the name of RESULTS with .html, in this folder; standard output for the other
+    /// formats]
     #[arg(long, short, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// What to write [default: by the ending of FILE, html if it has none]
+    /// Format of the report [default: from the extension of FILE, html if it has none]
     #[arg(long, value_enum)]
     format: Option<ReportFormat>,
     /// Write each plot to this folder, as SVG, PDF and PNG
     #[arg(long, value_name = "FOLDER")]
     plots: Option<PathBuf>,
-    /// Write what `cranny view` shows of each worst trial with a path, one file each of 2 MB or so, to a folder beside the
-    /// page (`results-paths`), and lead to it from there
+    /// Write the page of `cranny view` for each of the worst trials with a path, about 2 MB each, to a folder beside the report
+    /// (`results-paths`), and link to it
     #[arg(long)]
     paths: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum ReportFormat {
-    /// One page with tables and plots
+    /// Page with tables and plots
     Html,
-    /// Every figure, curves included
+    /// All figures, including curves
     Json,
-    /// The paper's table
+    /// Table of the paper
     Latex,
-    /// The paper's table
+    /// Table of the paper
     Markdown,
-    /// The paper's table, a line a cell, with all digits
+    /// Table of the paper, one line per cell, with all digits
     Csv,
 }
 
 impl ReportFormat {
-    /// What the ending of a file's name asks for.
+    /// Returns the format for the extension of a file name.
     fn of_file(file: &Path) -> Option<Self> {
         match file.extension()?.to_str()? {
             "html" | "htm" => Some(Self::Html),
@@ -89,18 +89,19 @@ pub fn run(arguments: &ReportArguments, output: Output) -> Result<Answer, Failur
     let format = arguments.format.or(named).unwrap_or(ReportFormat::Html);
     let file = match &arguments.output {
         Some(file) => Some(file.clone()),
-        // One document on standard output is what was asked for; a file only if it was named.
+        // Standard output carries one JSON document; a file is written only if it was named.
         None if format == ReportFormat::Html && !output.json => Some(default_page(&arguments.results)),
         None => None,
     };
     let page = file.as_deref().filter(|_| format == ReportFormat::Html);
     if arguments.paths && page.is_none() {
-        let problem = "only a page leads to paths: name one with -o, or leave the format out".to_owned();
+        let problem =
+            "only the HTML page links to paths: give it a name with -o, or leave out --format".to_owned();
         return Err(Failure::Flag { flag: "paths", problem });
     }
     let results = Results::open(&arguments.results)?;
     let summary = Summary::of_results(&results)?;
-    // Before pictures and paths are made for it.
+    // Checks the output file before pictures and paths are made.
     if let Some(file) = &file {
         output_file::check(file, format.kind(), output)?;
     }
@@ -152,13 +153,13 @@ fn content(summary: &Summary, format: ReportFormat, enclosure: &Enclosure) -> Re
     })
 }
 
-/// `results.db` → `results.html`, in this folder.
+/// Default report file: `results.db` → `results.html`, in this folder.
 fn default_page(results: &Path) -> PathBuf {
     let name = results.file_stem().unwrap_or(results.as_os_str());
     PathBuf::from(name).with_extension("html")
 }
 
-/// How many plots.
+/// Writes the plots to `folder` and returns their number.
 fn write_plots(summary: &Summary, folder: &Path, output: Output) -> Result<usize, Failure> {
     let plots = plots(summary);
     let bar = progress::bar(plots.len() as u64, output.quiet);

@@ -47,94 +47,95 @@ Exit 0: every trial is in the results, however it ended; exit 1: stopped before.
 Flags go before what the campaign file or the preset says. How a planner of your own is called:
 docs/exec_protocol.md.")]
 pub struct RunArguments {
-    /// A campaign file (YAML)
+    /// Campaign file (YAML)
     #[arg(value_name = "CAMPAIGN", conflicts_with = "preset")]
     campaign: Option<PathBuf>,
-    /// A campaign that comes along: `paper` is the paper's Table I
+    /// Built-in campaign: `paper` is the paper's Table I
     #[arg(long, value_enum)]
     preset: Option<PresetArgument>,
     /// Built-in ids (x stands for any digit: 01x), `all`, folders, archives; comma-separated
     #[arg(long, value_name = "IDS", value_delimiter = ',', num_args = 1..)]
     scenarios: Vec<String>,
-    /// Built-in planners, comma-separated; of a file or a preset, only those of its planners
+    /// Built-in planners, comma-separated; with a campaign file or a preset, a selection from its planners
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     planners: Vec<String>,
-    /// A planner, built in or anybody's: `exec:PROGRAM ARGUMENT…`, `released:PROGRAM ARGUMENT…`, with `NAME=`
-    /// before it for a name of its own; may be given several times
+    /// Planner, built-in or external: `exec:PROGRAM ARGUMENT…`, `released:PROGRAM ARGUMENT…`, with `NAME=` before it to name
+    /// it; repeatable
     #[arg(long, value_name = "PLANNER")]
     planner: Vec<String>,
-    /// What counts as solved, comma-separated [default: exact]
+    /// Criteria for solved trials, comma-separated [default: exact]
     #[arg(long, value_enum, value_delimiter = ',')]
     criterion: Vec<CriterionArgument>,
     /// Seeds for each planner in each scenario [default: 100]
     #[arg(long, value_name = "N", value_parser = whole(1..=MOST_TRIALS))]
     runs: Option<u64>,
-    /// The first of the seeds [default: 0]
+    /// First seed [default: 0]
     #[arg(long, value_name = "N", value_parser = whole(0..=MOST_ITERATIONS))]
     first_seed: Option<u64>,
-    /// Seconds after which a search ends [default: 120]
+    /// Time limit of a search, in seconds [default: 120]
     #[arg(long, value_name = "S", value_parser = seconds)]
     time_limit: Option<Duration>,
-    /// Iterations after which a search ends [default: no limit]
+    /// Maximum number of iterations of a search [default: no limit]
     #[arg(long, value_name = "N", value_parser = whole(0..=MOST_ITERATIONS))]
     iterations: Option<u64>,
-    /// Memory that a search may take, in MB [default: 4096]
+    /// Memory limit of a search, in MB [default: 4096]
     #[arg(long, value_name = "MB", value_parser = whole(1..=MOST_MEMORY_MB))]
     memory_limit: Option<u64>,
-    /// Aim at each known goal configuration of a scenario by itself, as the paper's table of IK-RRT does
+    /// Plan to each known goal configuration of a scenario separately, as the paper's table of IK-RRT does
     #[arg(long)]
     each_goal: bool,
-    /// Judge every path under the other criterion too
+    /// Judge every path under the other criterion as well
     #[arg(long)]
     judge_both: bool,
-    /// Do not measure the least clearance along every path, which takes some milliseconds beside the trial's own time
+    /// Do not measure the minimum clearance along every path, which takes some milliseconds in addition to the trial's own time
     #[arg(long)]
     no_clearance: bool,
-    /// Carry the target on once it is grasped: `home`, to where the robot started, or `out`, to where it is 50 mm clear of
+    /// Carry the target on after the grasp: `home`, to the robot's start configuration; `out`, until it is 50 mm clear of
     /// everything but the floor; or `place`, to the first place of its scenario, where it is put down
     #[arg(long, value_name = "home|out|place", value_parser = carry_to)]
     carry: Option<CarryTo>,
-    /// Do the task of this name in each scenario (`tasks` of its scenario.yaml)
+    /// Plan the task of this name in each scenario (`tasks` of its scenario.yaml)
     #[arg(long, value_name = "NAME", conflicts_with = "carry")]
     task: Option<String>,
-    /// Demand that the target may be so far from where it is thought to be, as `plan --robust` does
+    /// Require that the plan tolerates this error of the target's pose, as `plan --robust` does
     #[arg(long, value_name = "MM,DEG", value_parser = pose_error)]
     robust: Option<PoseRadius>,
-    /// Demand that the hand holds what it carries by this factor, as `plan --hold` does [default: 1.5]
+    /// Require that the hand holds the object with this factor, as `plan --hold` does [default: 1.5]
     #[arg(long, value_name = "FACTOR", allow_negative_numbers = true)]
     hold: Option<f64>,
-    /// Give no set of grasps: `none`. Planners then make grasps of their own, which the judge measures on the target's mesh
+    /// Provide no set of grasps: `none`. Planners then generate grasps of their own, which the judge measures on the target's
+    /// mesh
     #[arg(long, value_name = "none", value_parser = ["none"])]
     grasps: Option<String>,
     #[command(flatten)]
     margins: MarginArguments,
-    /// Walls around the programs of others: those that this machine has (auto), none (off), or all of them or nothing is
+    /// Sandbox of external programs: the mechanisms that this machine has (auto), none (off), or all of them, else nothing is
     /// run (require)
     #[arg(long, value_name = "WALLS", default_value = "auto", value_parser = bench_worker::sandbox)]
     sandbox: Sandbox,
-    /// Trials at once; with more than one, times are not those of a machine at rest, and the results say so
+    /// Number of parallel trials; with more than one, times differ from those on an idle machine, and the results state so
     #[arg(long, value_name = "N", default_value = "1", value_parser = whole::<usize>(1..=1024))]
     workers: usize,
-    /// Run trials again that ended so, and put them in the place of those before: killed, crashed, hung, …; comma-separated
+    /// Repeat trials with these outcomes and replace their results: killed, crashed, hung, …; comma-separated
     #[arg(long, value_name = "OUTCOMES", value_delimiter = ',', value_parser = outcome)]
     again: Vec<TrialOutcome>,
-    /// Only the trials of one of several parts: 3/8 is the third of eight; all parts together are the whole
+    /// Run one shard of the trials: 3/8 is the third of eight
     #[arg(long, value_name = "I/N")]
     shard: Option<Shard>,
-    /// Refuse to run unless program, scenarios, planners and trials are those of this file, which `bench slurm` wrote
+    /// Refuse to run unless program, scenarios, planners and trials match this file, which `bench slurm` wrote
     #[arg(long, value_name = "FILE")]
     manifest: Option<PathBuf>,
-    /// Keep a file here that says how far the campaign is, for `bench status` [default with --shard: the results with .json]
+    /// Write the progress of the campaign to this file, for `bench status` [default with --shard: the results with .json]
     #[arg(long, value_name = "FILE")]
     standing: Option<PathBuf>,
-    /// Where the results are, or shall be
+    /// File of results, created if it does not exist
     #[arg(long, short, value_name = "FILE", default_value = "results.db")]
     output: PathBuf,
 }
 
 fn outcome(text: &str) -> Result<TrialOutcome, String> {
     let known = || TrialOutcome::VARIANTS.iter().map(|outcome| outcome.name()).collect::<Vec<_>>().join(", ");
-    text.parse().map_err(|_| format!("no outcome; known are {}", known()))
+    text.parse().map_err(|_| format!("unknown outcome (known: {})", known()))
 }
 
 fn carry_to(text: &str) -> Result<CarryTo, String> {
@@ -147,7 +148,7 @@ enum PresetArgument {
     Paper,
 }
 
-/// What `bench run --json` prints.
+/// Output of `bench run --json`.
 #[derive(Serialize)]
 struct Answered<'a> {
     file: &'a Path,
@@ -156,24 +157,24 @@ struct Answered<'a> {
     run: usize,
     solved: usize,
     stopped: bool,
-    /// What came to no honest end now, by planner and outcome.
+    /// Trials of this run that failed abnormally, by planner and outcome.
     lost: Vec<Lost>,
 }
 
-/// Trials of one planner that ended in one of the ways that no planner should end.
+/// Trials of one planner with one abnormal outcome.
 #[derive(Serialize)]
 struct Lost {
     planner: String,
     outcome: &'static str,
     trials: usize,
-    /// What the first of them had to say.
+    /// Message of the first of them.
     first: String,
 }
 
 pub fn run(arguments: &RunArguments, registry: &Registry, output: Output) -> Result<Answer, Failure> {
     cranny_file::system::close_to_others();
     let campaign = campaign(arguments, registry)?;
-    // Better now than after the opening of many scenarios.
+    // Checks the results file before many scenarios are opened.
     output_file::check_folder(&arguments.output)?;
     if std::fs::metadata(&arguments.output).is_ok_and(|found| !found.is_file() || found.len() > 0) {
         Results::open(&arguments.output)?;
@@ -239,13 +240,13 @@ impl Answered<'_> {
             let _ = writeln!(page, "  {planner}: {trials} {outcome}; the first: {first}");
         }
         if *stopped {
-            page.push_str("stopped; the same command goes on from here\n");
+            page.push_str("stopped; run the same command again to continue\n");
         }
         page
     }
 }
 
-/// What file, preset and flags say together.
+/// Combines campaign file, preset and flags.
 fn campaign(arguments: &RunArguments, registry: &Registry) -> Result<Campaign, Failure> {
     let mut campaign = match (&arguments.campaign, arguments.preset) {
         (Some(file), _) => Campaign::read(file, registry)?,
@@ -286,17 +287,17 @@ fn campaign(arguments: &RunArguments, registry: &Registry) -> Result<Campaign, F
     campaign.measure_clearance &= !arguments.no_clearance;
     if campaign.scenarios.is_empty() {
         let problem =
-            "say which, or give a campaign file or a --preset (`--scenarios all`: all built-in ones)";
+            "required, unless a campaign file or a --preset is given (`--scenarios all`: all built-in ones)";
         return Err(Failure::Flag { flag: "scenarios", problem: problem.to_owned() });
     }
     if campaign.planners.is_empty() {
-        let problem = format!("say which (built in: {})", registry.names().join(", "));
+        let problem = format!("required (built in: {})", registry.names().join(", "));
         return Err(Failure::Flag { flag: "planners", problem });
     }
     Ok(campaign)
 }
 
-/// Of the planners of a file or a preset those that flags name; others are added.
+/// Selects the planners that flags name from those of a campaign file or preset, and adds the others.
 fn choose_planners(
     campaign: &mut Campaign,
     arguments: &RunArguments,
@@ -316,7 +317,7 @@ fn choose_planners(
     Ok(())
 }
 
-/// `reach`, `exec:…`, `released:…`, or one of them after `NAME=`.
+/// Parses `reach`, `exec:…`, `released:…`, or one of them after `NAME=`.
 fn planner_of(word: &str, registry: &Registry) -> Result<CampaignPlanner, Failure> {
     let (name, call) = match word.split_once('=') {
         Some((name, call)) if !name.contains([':', ' ']) && !name.is_empty() => (Some(name), call),
@@ -326,7 +327,7 @@ fn planner_of(word: &str, registry: &Registry) -> Result<CampaignPlanner, Failur
     Ok(CampaignPlanner { name: name.map_or(planner.name.clone(), str::to_owned), ..planner })
 }
 
-/// A bar with the running success rate.
+/// Progress bar with the running success rate.
 struct CampaignProgress {
     bar: ProgressBar,
     quiet: bool,
@@ -344,7 +345,7 @@ impl CampaignProgress {
         self.bar.finish_and_clear();
     }
 
-    /// Counts what says more of a planner, or of how it was called, than of its search.
+    /// Counts outcomes caused by the planner's program or its call rather than by its search.
     fn note_loss(&mut self, record: &TrialRecord) {
         use TrialOutcome::{Crashed, Garbled, Hung, Killed, OutOfMemory, Rejected};
         if !matches!(record.outcome, Crashed | Garbled | Hung | Killed | OutOfMemory | Rejected) {

@@ -33,26 +33,26 @@ all of them with what was submitted. A task has one core and one worker (`-- --c
 all have ended, a last job joins their results in results.db and writes report.html. What comes after `--` goes to
 sbatch as it is.")]
 pub struct SlurmArguments {
-    /// A campaign file (YAML)
+    /// Campaign file (YAML)
     #[arg(value_name = "CAMPAIGN", required_unless_present = "resume")]
     campaign: Option<PathBuf>,
-    /// Into how many tasks the campaign is cut
+    /// Number of tasks that the campaign is divided into
     #[arg(long, value_name = "N", required_unless_present = "resume", value_parser = whole(1..=MOST_SHARDS))]
     array: Option<u64>,
-    /// Folder for scripts, results and the report, seen by all nodes [default: named as CAMPAIGN, in this folder]
+    /// Folder for scripts, results and the report, visible to all nodes [default: named as CAMPAIGN, in this folder]
     #[arg(long, short, value_name = "FOLDER")]
     output: Option<PathBuf>,
-    /// Keep the results of a task here while it runs, on its node, and copy them to FOLDER when it ends; variables are those
-    /// of the node
+    /// Keep the results of a running task in this folder of its node, and copy them to FOLDER when it ends; variables are
+    /// expanded on the node
     #[arg(long, value_name = "FOLDER")]
     local: Option<String>,
-    /// Walls around the programs of others, as in `bench run`
+    /// Sandbox of external programs, as in `bench run`
     #[arg(long, value_name = "WALLS", default_value = "auto", value_parser = bench_worker::sandbox)]
     sandbox: Sandbox,
-    /// Write the scripts, but submit nothing
+    /// Write the scripts without submitting them
     #[arg(long)]
     write_only: bool,
-    /// Submit the tasks of this folder that were lost: neither done nor known to Slurm
+    /// Submit the lost tasks of this folder: those neither done nor known to Slurm
     #[arg(long, value_name = "FOLDER", conflicts_with_all = ["campaign", "array", "output", "local", "sandbox"])]
     resume: Option<PathBuf>,
     /// Options of sbatch
@@ -61,22 +61,22 @@ pub struct SlurmArguments {
 }
 
 impl SlurmArguments {
-    /// The folder, as it is given.
+    /// Returns the folder of the campaign, as given.
     fn folder(&self) -> PathBuf {
         let named = || self.campaign.as_ref().and_then(|file| file.file_stem()).map(PathBuf::from);
         self.resume.clone().or_else(|| self.output.clone()).or_else(named).unwrap_or_default()
     }
 }
 
-/// What `bench slurm --json` prints.
+/// Output of `bench slurm --json`.
 #[derive(Serialize)]
 struct Answered {
     folder: PathBuf,
     trials: usize,
     tasks: Vec<u64>,
-    /// The jobs: the array, and the one that joins and reports.
+    /// Job numbers: the array, and the job that merges and reports.
     jobs: Vec<String>,
-    /// How to submit them, where that is left to the user.
+    /// Commands that submit them, if the user submits.
     commands: Vec<String>,
 }
 
@@ -107,7 +107,7 @@ pub fn run(arguments: &SlurmArguments, registry: &Registry, output: Output) -> R
     };
     if !answered.tasks.is_empty() {
         let array = format!("--array={}", list(&answered.tasks));
-        // The report needs no node of its own.
+        // The report does not need an exclusive node.
         let of_report = campaign.sbatch.iter().filter(|option| !option.starts_with("--exclusive"));
         let of_report: Vec<String> = of_report.cloned().collect();
         if arguments.write_only {
@@ -133,13 +133,13 @@ pub fn run(arguments: &SlurmArguments, registry: &Registry, output: Output) -> R
     Ok(Answer::Done)
 }
 
-/// A new folder with its scripts; all tasks are to be submitted.
+/// Creates a new folder with its scripts; all tasks are submitted.
 fn begin(
     arguments: &SlurmArguments,
     registry: &Registry,
     output: Output,
 ) -> Result<(ClusterFolder, ClusterCampaign, Vec<u64>), Failure> {
-    let missing = |flag| Failure::Flag { flag, problem: "it is needed".to_owned() };
+    let missing = |flag| Failure::Flag { flag, problem: "required".to_owned() };
     let file = arguments.campaign.as_deref().ok_or_else(|| missing("campaign"))?;
     let tasks = arguments.array.ok_or_else(|| missing("array"))?;
     let campaign = Campaign::read(file, registry)?;
@@ -149,7 +149,7 @@ fn begin(
     let schedule = schedule?;
     if tasks > schedule.questions.len() as u64 {
         let problem = format!(
-            "the campaign has {}, so there are no more tasks",
+            "the campaign has {}; give at most as many tasks",
             counted(schedule.questions.len(), "trial")
         );
         return Err(Failure::Flag { flag: "array", problem });
@@ -159,7 +159,8 @@ fn begin(
     fs::create_dir_all(&path)?;
     let folder = ClusterFolder { path: absolute(&path)? };
     if folder.campaign_file().exists() {
-        let problem = "it has a campaign already; go on with it by --resume, or give another folder";
+        let problem = "the folder contains a campaign already; continue it with --resume, or give another \
+                       folder";
         return Err(Failure::File { path: folder.path, problem: problem.to_owned() });
     }
     let program = std::env::current_exe()?;
@@ -173,10 +174,10 @@ fn begin(
     Ok((folder, of_folder, (1..=tasks).collect()))
 }
 
-/// What a worker holds before a search begins, and a little more, in MB.
+/// Memory of a worker before a search begins, with some reserve, in MB.
 const OWN_MEMORY_MB: u64 = 512;
 
-/// What each task runs. That of a node that is told to end gets time to end its trial's program and to close its results.
+/// Returns the script of each task. If its node is shut down, it has time to end the trial's program and to close the results.
 fn task_script(
     folder: &ClusterFolder,
     campaign: &ClusterCampaign,
@@ -195,7 +196,7 @@ fn task_script(
                 "local=\"{local}\"/cranny-$SLURM_JOB_ID\nmkdir -p \"$local\" || exit 1\n\
                  test -e \"$results\" && cp \"$results\"* \"$local\"\nshared=$results\nresults=$local/${{shared##*/}}\n"
             ),
-            // Under another name first, so that what has its name is whole.
+            // Copied under another name first, so that a file with the final name is complete.
             "cp \"$results\" \"$shared.partial\" && mv \"$shared.partial\" \"$shared\" && rm -r \"$local\"\n"
                 .to_owned(),
         ),
@@ -237,7 +238,7 @@ done
     )
 }
 
-/// What runs when all tasks have ended, well or not.
+/// Returns the script that runs after all tasks have ended, successful or not.
 fn last_script(folder: &ClusterFolder, program: &Path, name: &str) -> String {
     let quote = |path: &Path| quoted(&path.display().to_string());
     format!(
@@ -261,14 +262,14 @@ rm -f joined.db
     )
 }
 
-/// Where the number of the task stands in a path.
+/// Marks the position of the task number in a path.
 const VARIABLE: &str = "\u{1}";
 
 fn split(path: &Path) -> (&str, &str) {
     path.to_str().and_then(|path| path.split_once(VARIABLE)).unwrap_or_default()
 }
 
-/// A word for a shell.
+/// Quotes a word for a shell.
 fn quoted(text: &str) -> String {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "/._-=:,+@%".contains(c);
     if !text.is_empty() && text.chars().all(is_plain) {
@@ -278,12 +279,12 @@ fn quoted(text: &str) -> String {
     }
 }
 
-/// A name for a job.
+/// Returns a valid job name for `text`.
 fn word(text: &str) -> String {
     text.chars().map(|c| if c.is_ascii_alphanumeric() || "._-".contains(c) { c } else { '-' }).collect()
 }
 
-/// Numbers as Slurm lists them: `1-3,7`.
+/// Formats numbers as Slurm lists them: `1-3,7`.
 fn list(numbers: &[u64]) -> String {
     let mut ranges: Vec<[u64; 2]> = Vec::new();
     for &number in numbers {

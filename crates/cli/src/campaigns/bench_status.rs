@@ -24,38 +24,38 @@ Each task keeps a small file that says how far it is, so that results are not op
 where there is none the results are asked, which do not say how many trials there are to be. Exit 0: every trial has
 ended; exit 1: not yet, or nobody knows.")]
 pub struct StatusArguments {
-    /// The folder of `bench slurm`, or files of results
+    /// Folder of `bench slurm`, or files of results
     #[arg(value_name = "FOLDER|RESULTS", required = true, num_args = 1..)]
     places: Vec<PathBuf>,
 }
 
-/// How a task is doing.
+/// State of a task.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 enum State {
     Done,
     Running,
     Waiting,
-    /// Not done, and Slurm does not know it.
+    /// Not done, and unknown to Slurm.
     Lost,
-    /// Not done, and there is no Slurm to ask.
+    /// Not done, and Slurm is not available.
     Open,
-    /// Nobody says how many trials there are to be.
+    /// The total number of trials is unknown.
     Unknown,
 }
 
-/// What `bench status --json` prints.
+/// Output of `bench status --json`.
 #[derive(Serialize)]
 struct Answered {
-    /// How many trials all tasks have together, where that is known.
+    /// Number of trials of all tasks together, if known.
     trials: Option<usize>,
     ended: usize,
     solved: usize,
-    /// How long the rest takes, in seconds, if as many tasks go on as run now.
+    /// Estimated remaining time with the current number of running tasks, in seconds.
     left_s: Option<f64>,
     planners: BTreeMap<String, Tally>,
     tasks: Vec<TaskLine>,
-    /// How what was lost is submitted again.
+    /// Command that resubmits lost tasks.
     resume: Option<String>,
 }
 
@@ -92,7 +92,7 @@ fn of_folder(folder: &ClusterFolder) -> Result<Answered, Failure> {
         let (name, mut standing) = (task.number.to_string(), task.standing);
         let state = state(task.number, &standing);
         if state == State::Lost {
-            // What it stored after it last wrote how it stood.
+            // Includes results stored after the last write of its standing.
             standing.planners = Results::glance(&folder.results(&name)).unwrap_or(standing.planners);
         }
         TaskLine { task: name, state, standing }
@@ -135,7 +135,7 @@ impl Answered {
         }
     }
 
-    /// What all tasks have together.
+    /// Sums up the tallies of all tasks.
     fn add_up(&mut self) {
         for TaskLine { standing, .. } in &self.tasks {
             for (planner, tally) in &standing.planners {
@@ -147,7 +147,7 @@ impl Answered {
         (self.ended, self.solved) = (all.ended, all.solved);
         let running =
             self.tasks.iter().filter(|task| matches!(task.state, State::Running | State::Open)).count();
-        // The time of each trial, as far as any ended, for all that are left.
+        // Estimates the remaining time from the mean time of the trials that have ended.
         let (run, elapsed_s) = self.tasks.iter().fold((0, 0.0), |(run, elapsed_s), task| {
             (run + task.standing.run, elapsed_s + task.standing.elapsed_s)
         });
@@ -184,7 +184,7 @@ impl Answered {
             }
             let _ = write!(page, "  {name:<10} {} of {} tasks", of_state.len(), tasks.len());
             if state != State::Done {
-                /// More are told by `--json`.
+                /// Maximum number of tasks listed per state; `--json` lists all.
                 const MOST: usize = 8;
                 let told = of_state.iter().take(MOST).map(|task| {
                     let tally = task.standing.tally();
@@ -202,8 +202,8 @@ impl Answered {
         }
         if tasks.iter().any(|task| task.state == State::Unknown) {
             page.push_str(
-                "  how many trials there are to be stands in no file: the command that ran them, given again, runs what is \
-                 left, if anything is\n",
+                "  the total number of trials is not recorded: run the same command again to run the rest, \
+                 if any is left\n",
             );
         }
         if let Some(resume) = resume {
@@ -213,7 +213,7 @@ impl Answered {
     }
 }
 
-/// A time that nobody needs to the second.
+/// Formats a duration, rounded to a readable unit.
 fn duration(seconds: f64) -> String {
     match seconds {
         s if s < 120.0 => format!("{s:.0} s"),

@@ -5,13 +5,13 @@ use strum::VariantArray as _;
 
 use crate::failure::Failure;
 
-/// Parses which walls the programs of others run within.
+/// Parses the sandbox mode of external programs.
 pub fn sandbox(text: &str) -> Result<Sandbox, String> {
     let known = || Sandbox::VARIANTS.iter().map(|sandbox| sandbox.name()).collect::<Vec<_>>().join(", ");
     text.parse().map_err(|_| format!("give one of {}", known()))
 }
 
-/// This program, as a worker.
+/// Returns this program as a worker.
 pub fn worker() -> Result<WorkerProgram, Failure> {
     let program: PathBuf = std::env::current_exe()?;
     let limits = cranny_file::are_limits_lifted().then_some("--large-files");

@@ -1,4 +1,4 @@
-//! The folder of a campaign on a cluster: what was handed out, the scripts, and what each task has.
+//! Folder of a campaign on a cluster: the submitted campaign, the scripts, and the results of each task.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -8,33 +8,33 @@ use serde::{Deserialize, Serialize};
 
 use crate::failure::Failure;
 
-/// What stands in `campaign.json` of the folder.
+/// Content of `campaign.json` in the folder.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ClusterCampaign {
     /// `cranny-cluster/1`.
     format: String,
-    /// The campaign file.
+    /// Path of the campaign file.
     pub campaign: PathBuf,
-    /// How many tasks.
+    /// Number of tasks.
     pub tasks: u64,
-    /// What every node must have.
+    /// Manifest that every node must match.
     pub manifest: Manifest,
     /// Options of sbatch.
     pub sbatch: Vec<String>,
-    /// Jobs that were handed over, the arrays alone.
+    /// Numbers of the submitted array jobs.
     pub jobs: Vec<String>,
 }
 
 const FORMAT: &str = "cranny-cluster/1";
 
-/// A folder that all nodes see.
+/// Folder visible to all nodes.
 #[derive(Clone, Debug)]
 pub struct ClusterFolder {
     pub path: PathBuf,
 }
 
-/// How a task of a campaign stands, by its number from 1.
+/// Standing of a task of a campaign, by its number from 1.
 #[derive(Clone, Debug)]
 pub struct Task {
     pub number: u64,
@@ -70,7 +70,7 @@ impl ClusterFolder {
         self.path.join("report.sh")
     }
 
-    /// The results of one task; in scripts `number` is a variable.
+    /// Returns the results file of one task; in scripts `number` is a variable.
     pub fn results(&self, number: &str) -> PathBuf {
         self.path.join(format!("task-{number}.db"))
     }
@@ -85,13 +85,13 @@ impl ClusterFolder {
 
     pub fn write_campaign(&self, campaign: &ClusterCampaign) -> Result<(), Failure> {
         let text = serde_json::to_string_pretty(campaign).map_err(std::io::Error::from)? + "\n";
-        // As a whole or not at all: it knows which jobs were handed over.
+        // Written atomically, because it records the submitted jobs.
         let partial = self.path.join("campaign.json.partial");
         fs::write(&partial, text)?;
         Ok(fs::rename(partial, self.campaign_file())?)
     }
 
-    /// How each task stands, as far as they have written it; of one that has written nothing, nothing has ended.
+    /// Returns the standing of each task, from its files; a task that has written none has the default standing.
     pub fn tasks(&self, campaign: &ClusterCampaign) -> Vec<Task> {
         let task = |number: u64| {
             let name = number.to_string();

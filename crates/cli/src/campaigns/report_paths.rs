@@ -1,4 +1,4 @@
-//! Pages of the viewer beside a report: the path of each of its worst trials that has one.
+//! Viewer pages beside a report: the path of each of its worst trials that has one.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -15,14 +15,14 @@ use crate::output_file::{self, NamedFile};
 use crate::pictures::page_task::{PageRequest, PageTask};
 use crate::{progress, text};
 
-/// A trial with a path, and what its scenario is opened by.
+/// Trial with a path, and the name that opens its scenario.
 struct Shown {
     trial: StoredTrial,
     path: Vec<Vec<f64>>,
     source: String,
 }
 
-/// Writes the pages to a folder beside the report at `page`, and returns their addresses, relative to it, by trial.
+/// Writes the pages to a folder beside the report at `page` and returns their addresses relative to it, by trial.
 pub fn write(
     summary: &Summary,
     results: &Results,
@@ -39,9 +39,13 @@ pub fn write(
         let (own, said) = (&trial.record.trial, !output.quiet);
         let demand = PathDemand::of_settings(&own.settings);
         if demand.carry.is_some() || demand.task.is_some() {
-            // Its path goes on with the object in the hand, which bare way points do not say.
-            let note =
-                || text::note(&format!("trial {}: it carries the target on, and has no page", trial.id));
+            // Its path continues with the object in the hand, which bare way points do not record.
+            let note = || {
+                text::note(&format!(
+                    "trial {}: no page, because its path continues with the target in the hand",
+                    trial.id
+                ))
+            };
             said.then(note).transpose()?;
             continue;
         }
@@ -67,13 +71,13 @@ pub fn write(
     Ok(shown.iter().map(address).collect())
 }
 
-/// `report.html` → `report-paths`, beside it.
+/// Folder of the pages: `report.html` → `report-paths`, beside it.
 pub fn folder_of(page: &Path) -> PathBuf {
     let stem = page.file_stem().unwrap_or_default().to_string_lossy();
     page.with_file_name(format!("{stem}-paths"))
 }
 
-/// A name as part of an address.
+/// Percent-encodes a name for an address.
 fn address_of(name: &str) -> String {
     let plain = |byte: u8| byte.is_ascii_alphanumeric() || b"-._~".contains(&byte);
     name.bytes()

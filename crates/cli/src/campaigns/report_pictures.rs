@@ -1,4 +1,4 @@
-//! What a report shows of its scenarios: a small picture of each, as far as they are still what they were.
+//! Pictures of the scenarios of a report: a small one of each scenario that is unchanged.
 
 use std::collections::BTreeMap;
 
@@ -13,10 +13,10 @@ use crate::failure::Failure;
 const WIDTH: usize = 320;
 const HEIGHT: usize = 240;
 
-/// So many scenarios are drawn, in the order of their names: more would take longer than the rest of a report.
+/// Maximum number of scenarios drawn, in the order of their names; drawing more would dominate the time of a report.
 const MOST: usize = 40;
 
-/// A picture of each scenario by its name, or why there is none.
+/// Returns a picture of each scenario by its name, or the reason why there is none.
 pub fn pictures(summary: &Summary, results: &Results) -> BTreeMap<String, Result<Png, String>> {
     let mut scenarios: BTreeMap<&str, &Row> = BTreeMap::new();
     for row in &summary.rows {
@@ -40,7 +40,7 @@ pub fn pictures(summary: &Summary, results: &Results) -> BTreeMap<String, Result
     sources.par_iter().map(draw_one).collect()
 }
 
-/// The whole scene, the robot at its start.
+/// Draws the whole scene with the robot at its start.
 fn picture(source: &str) -> Result<Png, Failure> {
     let scenario = Scenario::open(source, &OpenOptions::default())?;
     let scene = Scene::of_task(&scenario, None, &SceneSettings::default())?;

@@ -1,4 +1,4 @@
-//! Talking to Slurm by its own commands.
+//! Interface to Slurm through its command-line tools.
 
 use std::collections::BTreeMap;
 use std::io::ErrorKind;
@@ -7,28 +7,28 @@ use std::process::{Command, Output};
 
 use crate::failure::Failure;
 
-/// What Slurm says of a task that has not ended.
+/// State in Slurm of a task that has not ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TaskState {
     Running,
     Waiting,
 }
 
-/// Whether its commands are on this machine.
+/// Returns true if the commands of Slurm are installed on this machine.
 pub fn is_there() -> bool {
     Command::new("sbatch").arg("--version").output().is_ok_and(|output| output.status.success())
 }
 
-/// Hands a script over, and returns the number of its job.
+/// Submits a script and returns its job number.
 pub fn submit(options: &[String], script: &Path) -> Result<String, Failure> {
     let mut command = Command::new("sbatch");
     command.arg("--parsable").args(options).arg(script);
     let said = done(&mut command)?;
-    // After a semicolon the name of the cluster follows.
+    // The name of the cluster follows after a semicolon.
     Ok(said.trim().split(';').next().unwrap_or_default().to_owned())
 }
 
-/// The tasks of arrays that wait or run, by their number.
+/// Returns the waiting and running tasks of arrays, by their number.
 pub fn active_tasks(jobs: &[String]) -> Result<BTreeMap<u64, TaskState>, Failure> {
     if jobs.is_empty() {
         return Ok(BTreeMap::new());
@@ -36,7 +36,7 @@ pub fn active_tasks(jobs: &[String]) -> Result<BTreeMap<u64, TaskState>, Failure
     let mut command = Command::new("squeue");
     command.args(["--noheader", "--array", "--format=%K|%T"]).arg(format!("--jobs={}", jobs.join(",")));
     let listing = match done(&mut command) {
-        // Jobs that ended a while ago are forgotten.
+        // Slurm forgets jobs that ended a while ago.
         Err(Failure::Slurm { reason, .. }) if reason.contains("Invalid job id") => String::new(),
         listing => listing?,
     };
@@ -62,13 +62,13 @@ pub fn active_tasks(jobs: &[String]) -> Result<BTreeMap<u64, TaskState>, Failure
     Ok(listing.lines().filter_map(task).collect())
 }
 
-/// What a command of Slurm prints.
+/// Runs a command of Slurm and returns its standard output.
 fn done(command: &mut Command) -> Result<String, Failure> {
     let name = command.get_program().to_string_lossy().into_owned();
     let fault = |reason: String| Failure::Slurm { command: name.clone(), reason };
     let Output { status, stdout, stderr } = command.output().map_err(|reason| {
         fault(match reason.kind() {
-            ErrorKind::NotFound => "it is not on the PATH of this machine".to_owned(),
+            ErrorKind::NotFound => "not found in PATH".to_owned(),
             _ => reason.to_string(),
         })
     })?;

@@ -1,19 +1,19 @@
 use clap::ValueEnum;
 use cranny_grasp::{COVERAGE_THRESHOLD, Grasp, covering_subset, farthest_subset, random_subset};
 
-/// How few grasps are chosen from many.
+/// Method for choosing a few grasps from many.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum GraspChoice {
-    /// So that as many as possible of all are within 15 (mm + degrees) of a chosen one
+    /// Cover as many candidates as possible: within 15 (mm + degrees) of a chosen grasp
     Covering,
-    /// Always the one farthest from all chosen before
+    /// Repeatedly the grasp farthest from all chosen ones
     Farthest,
-    /// Each as likely as any other
+    /// Uniformly at random
     Random,
 }
 
 impl GraspChoice {
-    /// Indices of the chosen ones.
+    /// Returns the indices of the chosen grasps.
     pub fn choose(self, grasps: &[Grasp], count: usize, seed: u64) -> Vec<usize> {
         match self {
             Self::Covering => covering_subset(grasps, count, COVERAGE_THRESHOLD),

@@ -1,10 +1,10 @@
 use cranny_grasp::{GraspSet, ScoreKind};
 use serde::Serialize;
 
-/// Loads of a set of grasps that is written.
+/// Loads of a set of grasps that a command writes.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct GraspLoads {
-    /// The load that half of the grasps exceed.
+    /// Load that half of the grasps exceed.
     median: f64,
     /// Number of grasps with a load of [`FIRM`] or more.
     firm: usize,
@@ -16,7 +16,7 @@ pub struct GraspLoads {
 const FIRM: f64 = 2.0;
 
 impl GraspLoads {
-    /// The loads of a set; `None` where none is known.
+    /// Returns the loads of a set; `None` if none is known.
     pub fn of(set: &GraspSet, mass_assumed: bool) -> Option<Self> {
         let mut loads: Vec<f64> = set.grasps().iter().filter_map(|grasp| grasp.load).collect();
         loads.sort_by(f64::total_cmp);
@@ -24,14 +24,14 @@ impl GraspLoads {
         Some(Self { median, firm: loads.iter().filter(|load| **load >= FIRM).count(), mass_assumed })
     }
 
-    /// The loads in words.
+    /// Formats the loads for display.
     pub fn text(&self) -> String {
         let assumed = if self.mass_assumed { "; mass not stated: 400 kg/m³ assumed" } else { "" };
         format!("{:.2} at the median, {} of {FIRM} or more{assumed}", self.median, self.firm)
     }
 }
 
-/// The same grasps, those of the highest score of a kind first.
+/// Returns the grasps sorted by their score of a kind, highest first.
 pub fn sorted(set: &GraspSet, kind: ScoreKind) -> GraspSet {
     set.chosen(&set.scored_by(kind).by_score())
 }

@@ -34,20 +34,20 @@ grasp, before a pad slips; an object without a volume has none. The score is 1 f
 for those that need all there is. In a scenario, a grasp is kept if the hand is free of everything there, at
 the grasp and on the way.")]
 pub struct SampleArguments {
-    /// Built-in object, the folder of an object, a mesh file (normals outwards; holes are allowed), or a
-    /// scenario: built-in, a folder or packed
+    /// Built-in object, the folder of an object, a mesh file (normals outwards; holes are allowed), or a scenario: built-in, a
+    /// folder or packed
     #[arg(value_name = "OBJECT|ID")]
     pub object: String,
-    /// Where to write the grasps
+    /// File to write the grasps to
     #[arg(long, short, value_name = "FILE", default_value = "grasps.csv")]
     pub output: PathBuf,
-    /// How many grasps to write
+    /// Number of grasps to write
     #[arg(long, value_name = "N", default_value = "200", value_parser = whole::<usize>(1..=100_000))]
     pub count: usize,
-    /// How many to sample, from which those are chosen [default: ten times as many]
+    /// Number of grasps to sample, from which those are chosen [default: ten times as many]
     #[arg(long, value_name = "N", value_parser = whole::<usize>(1..=1_000_000))]
     pub candidates: Option<usize>,
-    /// How to choose
+    /// Method of choosing them
     #[arg(long, value_enum, default_value = "covering")]
     pub choose: GraspChoice,
     /// Coefficient of friction [default: the object's own, 0.35 for a mesh]
@@ -60,63 +60,62 @@ pub struct SampleArguments {
     #[arg(long, value_name = "N", default_value_t = SamplerSettings::default().approaches,
           value_parser = whole::<usize>(1..=3600))]
     pub approaches: usize,
-    /// Turn the approach directions of each closing axis at random, instead of from level on
+    /// Rotate the approach directions of each closing axis at random, instead of starting from horizontal
     #[arg(long)]
     pub random_approaches: bool,
-    /// The object rests on the ground in this one of its stable poses (see `cranny object show`): grasp it
-    /// from the side or from above, hand above the ground
+    /// Stable pose in which the object rests on the ground (see `cranny object show`): it is grasped from the side or from
+    /// above, with the hand above the ground
     #[arg(long, value_name = "K")]
     pub pose: Option<usize>,
-    /// Between which depths the gripper stands, in millimetres along the approach from the middle between
-    /// the contacts
+    /// Range of the gripper depth, in millimetres along the approach from the midpoint between the contacts
     #[arg(long, num_args = 2, value_names = ["MM", "MM"], default_values_t = [0.0, 0.0])]
     pub depth: Vec<f64>,
     /// Length of the straight approach that must be free, in millimetres
     #[arg(long, value_name = "MM", default_value_t = APPROACH_M * 1000.0)]
     pub approach: f64,
-    /// Keep only grasps that hold the object at rest by this factor at least, and neither turn nor shift it much while the
-    /// hand closes: what `plan --place` takes
+    /// Keep only grasps that hold the object at rest with at least this factor, and that hardly turn or shift it while the hand
+    /// closes: the grasps that `plan --place` accepts
     #[arg(long, value_name = "FACTOR", value_parser = positive)]
     pub hold: Option<f64>,
-    /// Mass of the object for its load, in kilograms [default: its own; where that is not known, by 400 kg/m³]
+    /// Mass of the object for its load, in kilograms [default: its own; if unknown, from 400 kg/m³]
     #[arg(long, value_name = "KG", value_parser = positive)]
     pub mass: Option<f64>,
-    /// Write the grasps of the highest score of this kind first [default: in the order in which they are chosen]
+    /// Sort the grasps by this score, highest first [default: in the order in which they are chosen]
     #[arg(long, value_enum, value_name = "KIND")]
     pub sort: Option<ScoreArgument>,
-    /// Do not ask whether the hand collides with the object or the ground
+    /// Do not check whether the hand collides with the object or the ground
     #[arg(long)]
     pub bare: bool,
-    /// What to multiply the coordinates of a mesh file by
+    /// Factor that scales the coordinates of a mesh file
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = positive)]
     pub scale: f64,
-    /// Seed of all randomness: the same seed gives the same grasps
+    /// Seed of all random numbers: the same seed gives the same grasps
     #[arg(long, value_name = "N", default_value = "0", value_parser = whole(0..=u64::MAX))]
     pub seed: u64,
 }
 
-/// What is grasped, and with what.
+/// Object to grasp, its surroundings and the hand.
 #[derive(Debug)]
 pub struct Subject {
     pub name: String,
-    /// In the frame that grasps are written in.
+    /// Mesh of the object, in the frame that grasps are written in.
     pub mesh: TriangleSoup,
     friction: f64,
     mass_kg: Option<f64>,
-    /// Moments of its mass in the frame of the object, where a file states them.
+    /// Volume moments of the object in its own frame, if a file states them.
     moments: Option<VolumeMoments>,
     place: Place,
     hand: Hand,
 }
 
-/// What is around the object.
+/// Surroundings of the object.
 #[derive(Debug)]
 enum Place {
-    /// Nothing.
+    /// No surroundings.
     Nowhere,
-    /// The ground that it rests on.
+    /// Ground that the object rests on.
     Ground { ground_from_object: Pose },
-    /// The world of a scenario, and the object in it, by index.
+    /// World of a scenario, with the object's index in it.
     Scene { world: World, target: usize },
 }
 
@@ -162,10 +161,10 @@ impl Subject {
         Ok(Self { name, mesh, friction, mass_kg: Some(mass_kg), moments, place, hand })
     }
 
-    /// The target where it stands, with everything around it and the hand of the scenario's robot.
+    /// Opens the target of a scenario at its pose, with its surroundings and the hand of the scenario's robot.
     fn of_scenario(arguments: &SampleArguments, given: Option<Hand>) -> Result<Self, Failure> {
         if arguments.pose.is_some() {
-            let problem = "the object stands where the scenario has it".into();
+            let problem = "not valid for a scenario, which defines the pose of its object".into();
             return Err(Failure::Flag { flag: "pose", problem });
         }
         let scenario = Scenario::open(&arguments.object, &OpenOptions::default())?;
@@ -177,8 +176,8 @@ impl Subject {
             None if scenario.robot.hand().is_some() => robot_hand(&scenario.robot),
             None => {
                 let problem = format!(
-                    "how far the gripper of {} opens stands in no file of the scenario: give it as YAML, or write a \
-                     robot.yaml beside the URDF",
+                    "no file of the scenario states the opening of the gripper of {}: give the gripper as \
+                     YAML, or write a robot.yaml beside the URDF",
                     scenario.robot.name()
                 );
                 return Err(Failure::Flag { flag: "gripper", problem });
@@ -192,7 +191,7 @@ impl Subject {
         Ok(Self { name, mesh, friction, mass_kg, moments, place, hand })
     }
 
-    /// The filter of the hand against the object and what is around it; an object with holes is only a surface.
+    /// Returns the filter of the hand against the object and its surroundings; an object with holes is only a surface.
     pub fn filter(&self, surface: &Surface, approach_m: f64) -> Result<HandFilter, Failure> {
         let mut bodies = Vec::new();
         match &self.place {
@@ -208,7 +207,7 @@ impl Subject {
         Ok(filter_around_object(&self.hand, &self.mesh, surface, bodies, approach_m)?)
     }
 
-    /// The measure of loads, and whether the mass is assumed; an error where there is none and grasps are to be firm.
+    /// Returns the load measure, and true if the mass is assumed; an error if there is none and firm grasps are required.
     pub fn firmness(&self, arguments: &SampleArguments) -> Result<Option<(LoadMeasure, bool)>, Failure> {
         let lacking = |problem: String| match arguments.hold {
             Some(_) => Err(Failure::Flag { flag: "hold", problem }),
@@ -216,7 +215,7 @@ impl Subject {
         };
         let Some(pads) = Pads::of(&self.hand) else {
             return lacking(format!(
-                "hand '{}' has no two flat pads that close on each other",
+                "hand '{}' does not have two flat pads that close on each other",
                 self.hand.name
             ));
         };
@@ -254,7 +253,7 @@ impl Subject {
             opening_m: self.hand.opening_m,
             approaches: arguments.approaches,
             depth_m: [arguments.depth[0] / 1000.0, arguments.depth[1] / 1000.0],
-            // What the filter of the hand would refuse anyway, sooner.
+            // Rejects early what the filter of the hand would reject anyway.
             finger_depth_m: Some(self.hand.finger_depth_m)
                 .filter(|depth_m| !arguments.bare && *depth_m > 0.0),
             seed: arguments.seed,

@@ -32,13 +32,13 @@ pub struct GraspsArguments {
 
 #[derive(Clone, Debug, Subcommand)]
 pub enum GraspsCommand {
-    /// Sample antipodal grasps on an object, on a mesh, or on what a scenario wants grasped
+    /// Sample antipodal grasps on an object, on a mesh, or on the target of a scenario
     Sample(Box<SampleArguments>),
-    /// Keep the grasps that the hand alone can take in a scenario
+    /// Keep the grasps that the hand alone can reach in a scenario
     Filter(FilterArguments),
-    /// How much of one set of grasps another covers
+    /// Measure how much of one set of grasps another covers
     Coverage(CoverageArguments),
-    /// How far the grasps of a file are from each other
+    /// Measure the distances between the grasps of a file
     Distances(DistancesArguments),
     #[command(
         name = "import",
@@ -60,10 +60,10 @@ pub struct FilterArguments {
     /// Built-in scenario, or the folder of one
     #[arg(value_name = "ID")]
     pub id: String,
-    /// Grasps to filter [default: the scenario's own]
+    /// File of grasps to filter [default: the scenario's own]
     #[arg(long, value_name = "FILE")]
     pub grasps: Option<PathBuf>,
-    /// Where to write those that stay [default: nowhere]
+    /// File to write the remaining grasps to [default: none]
     #[arg(long, short, value_name = "FILE")]
     pub output: Option<PathBuf>,
     /// Length of the straight approach that must be free, in millimetres
@@ -72,7 +72,7 @@ pub struct FilterArguments {
     /// Keep only grasps of at least this score, from 0 to 1, or of this load, from 0: `load=2`. Without a kind: geometric
     #[arg(long, value_name = "[KIND=]S", allow_hyphen_values = true, value_parser = least_score)]
     pub min_score: Option<LeastScore>,
-    /// Write the grasps of the highest score of this kind first
+    /// Sort the grasps by this score, highest first
     #[arg(long, value_enum, value_name = "KIND")]
     pub sort: Option<ScoreArgument>,
 }
@@ -82,13 +82,13 @@ pub struct FilterArguments {
   cranny grasps coverage reference.csv mine.csv
   cranny grasps coverage reference.csv mine.csv --threshold 30 --json")]
 pub struct CoverageArguments {
-    /// Grasps that should be covered
+    /// Grasps to be covered
     #[arg(value_name = "REFERENCE")]
     pub reference: PathBuf,
-    /// Grasps that cover
+    /// Grasps that cover them
     #[arg(value_name = "SET")]
     pub set: PathBuf,
-    /// A grasp is covered where another is so near, in millimetres plus degrees
+    /// Distance within which a grasp counts as covered, in millimetres plus degrees
     #[arg(long, value_name = "D", default_value_t = COVERAGE_THRESHOLD)]
     pub threshold: f64,
 }
@@ -112,7 +112,7 @@ pub fn run(arguments: &GraspsArguments, output: Output) -> Result<Answer, Failur
     }
 }
 
-/// What `grasps sample --json` prints.
+/// Output of `grasps sample --json`.
 #[derive(Serialize)]
 struct Sampled {
     object: String,
@@ -124,24 +124,24 @@ struct Sampled {
     merged: usize,
     best_score: f64,
     mean_score: f64,
-    /// Factor of the hold that was demanded.
+    /// Hold factor that was required.
     #[serde(skip_serializing_if = "Option::is_none")]
     hold: Option<f64>,
-    /// Loads of the grasps, where they can be computed.
+    /// Loads of the grasps, if they can be computed.
     #[serde(skip_serializing_if = "Option::is_none")]
     load: Option<GraspLoads>,
     stopped: bool,
-    /// Candidates that are kept until the same command goes on.
+    /// File of the candidates, from which the same command resumes.
     #[serde(skip_serializing_if = "Option::is_none")]
     unfinished: Option<PathBuf>,
-    /// Why nothing was looked for.
+    /// Reason for not sampling: the object is too wide for the hand.
     #[serde(skip_serializing_if = "Option::is_none")]
     too_wide: Option<TooWide>,
     file: Option<PathBuf>,
 }
 
 fn sample(arguments: &SampleArguments, output: Output) -> Result<Answer, Failure> {
-    // Better now than after the search.
+    // Checks the output file before the search.
     output_file::check(&arguments.output, FileKind::Grasps, output)?;
     let subject = Subject::open(arguments)?;
     let surface = Surface::new(&subject.mesh).map_err(ScenarioError::from)?;
@@ -168,7 +168,7 @@ fn sample(arguments: &SampleArguments, output: Output) -> Result<Answer, Failure
     let accept = |sampled: &SampledGrasp| {
         is_firm(&sampled.grasp) && filter.as_ref().is_none_or(|f| f.is_free(&sampled.grasp))
     };
-    // Better now than after a million contacts in vain.
+    // Checked before a million contacts are sampled in vain.
     let too_wide = TooWide::of(&surface, &settings, 0.0);
     let mut going_on = |count| {
         progress.set_position(count as u64);
@@ -203,7 +203,7 @@ fn sample(arguments: &SampleArguments, output: Output) -> Result<Answer, Failure
         rejected: found.rejected,
         merged: found.merged,
         best_score: scores().fold(0.0, f64::max),
-        // The sum of nothing is −0.
+        // The sum of an empty iterator is −0.
         mean_score: (scores().sum::<f64>() + 0.0) / chosen.len().max(1) as f64,
         hold: arguments.hold,
         load: None,
@@ -228,11 +228,11 @@ fn sample(arguments: &SampleArguments, output: Output) -> Result<Answer, Failure
         unfinished.clear()?;
     }
     text::answer(&sampled, || sampled.page(), output)?;
-    // Fewer than wished is an honest no, though they are written.
+    // Fewer grasps than requested are a negative result, although they are written.
     Ok(if set.len() == arguments.count { Answer::Done } else { Answer::No })
 }
 
-/// Writes grasps, or the part of them that a command had found when it was stopped, and returns the file.
+/// Writes grasps, or the partial result of a stopped command, and returns the file.
 fn written(file: &Path, set: &GraspSet, is_stopped: bool, output: Output) -> Result<PathBuf, Failure> {
     let text = csv_text(set);
     if is_stopped {
@@ -263,7 +263,7 @@ impl Sampled {
         if let Some(file) = &self.unfinished {
             line(
                 "stopped",
-                format!("the candidates are in {}; the same command goes on from there", file.display()),
+                format!("the candidates are in {}; run the same command again to continue", file.display()),
             );
             return page;
         }
@@ -277,15 +277,15 @@ impl Sampled {
     }
 }
 
-/// What `grasps filter --json` prints.
+/// Output of `grasps filter --json`.
 #[derive(Serialize)]
 struct Filtered {
     scenario: String,
     grasps: usize,
     free: usize,
-    /// Grasps among the free ones that are left out for their score.
+    /// Number of free grasps left out because of their score.
     below_min_score: usize,
-    /// Loads of the grasps that stay, where they can be computed.
+    /// Loads of the remaining grasps, if they can be computed.
     #[serde(skip_serializing_if = "Option::is_none")]
     load: Option<GraspLoads>,
     blocked_by: Vec<Blocking>,
@@ -382,7 +382,7 @@ impl Filtered {
         if self.stopped {
             page.push_str("stopped before all grasps were tried");
             if let Some(file) = &self.file {
-                let _ = write!(page, "; those that are free so far are in {}", file.display());
+                let _ = write!(page, "; the free grasps found until then are in {}", file.display());
             }
             page.push('\n');
         }
@@ -390,7 +390,7 @@ impl Filtered {
     }
 }
 
-/// What `grasps coverage --json` prints.
+/// Output of `grasps coverage --json`.
 #[derive(Serialize)]
 struct CoverageAnswer {
     coverage: f64,
@@ -403,7 +403,7 @@ struct CoverageAnswer {
 
 fn coverage(arguments: &CoverageArguments, output: Output) -> Result<Answer, Failure> {
     if arguments.threshold.is_nan() || arguments.threshold <= 0.0 {
-        return Err(Failure::Flag { flag: "threshold", problem: "a distance is positive".into() });
+        return Err(Failure::Flag { flag: "threshold", problem: "expected a distance above 0".into() });
     }
     let read = |path| read_csv(path).map_err(ScenarioError::from);
     let (reference, set) = (read(&arguments.reference)?, read(&arguments.set)?);
@@ -431,7 +431,7 @@ fn coverage(arguments: &CoverageArguments, output: Output) -> Result<Answer, Fai
     Ok(Answer::Done)
 }
 
-/// What `grasps distances --json` prints; distances in millimetres plus degrees.
+/// Output of `grasps distances --json`; distances in millimetres plus degrees.
 #[derive(Serialize)]
 struct DistancesAnswer {
     grasps: usize,
@@ -440,15 +440,15 @@ struct DistancesAnswer {
     greatest: Option<f64>,
 }
 
-/// Of so many grasps there are 5·10⁹ pairs: some minutes on a few cores.
+/// Maximum number of grasps to compare: 5·10⁹ pairs, some minutes on a few cores.
 const MOST_TO_COMPARE: usize = 100_000;
 
 fn distances(arguments: &DistancesArguments, output: Output) -> Result<Answer, Failure> {
     let set = read_csv(&arguments.grasps).map_err(ScenarioError::from)?;
     if set.len() > MOST_TO_COMPARE {
         let problem = format!(
-            "{} grasps make {:.0e} pairs, and at most {MOST_TO_COMPARE} grasps are compared each with each (give a \
-             part of the file)",
+            "{} grasps make {:.0e} pairs, but at most {MOST_TO_COMPARE} grasps can be compared with each \
+             other (give fewer rows)",
             set.len(),
             0.5 * set.len() as f64 * set.len() as f64
         );

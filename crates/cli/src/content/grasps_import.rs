@@ -34,16 +34,16 @@ pub struct ImportArguments {
         help = "HDF5 of ACRONYM, .npz or .npy of GraspNet or with poses, JSON of GraspGen, YAML of Isaac"
     )]
     file: PathBuf,
-    /// Where to write the grasps
+    /// File to write the grasps to
     #[arg(long, short, value_name = "FILE")]
     output: PathBuf,
-    /// The format that is expected [default: by the content]
+    /// Expected format [default: detected from the content]
     #[arg(long, value_parser = PossibleValuesParser::new(GraspFormat::VARIANTS).try_map(|word| word.parse::<GraspFormat>()))]
     format: Option<GraspFormat>,
-    /// A scenario whose target is the object: the poses are then in its planning frame
+    /// Scenario whose target is the object: the poses are then in its planning frame
     #[arg(long, value_name = "ID")]
     scenario: Option<String>,
-    /// The axis of the file's gripper frame along which the fingers close [default: that of the format]
+    /// Axis of the file's gripper frame along which the fingers close [default: that of the format]
     #[arg(long, value_parser = PossibleValuesParser::new(["x", "y"]).try_map(|word| word.parse::<ClosingAxis>()))]
     closing: Option<ClosingAxis>,
     /// Offset along the approach from the origin of the file's gripper frame to the point between the pads, in
@@ -53,7 +53,7 @@ pub struct ImportArguments {
     /// Keep the grasps of at least this score, from 0 to 1
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     min_score: Option<f64>,
-    /// The object whose grasps are read from a `GraspGroup`, by its id
+    /// Id of the object whose grasps are read from a `GraspGroup`
     #[arg(long, value_name = "ID", allow_negative_numbers = true)]
     object: Option<i64>,
 }
@@ -77,7 +77,7 @@ struct Answered<'a> {
 pub fn run(arguments: &ImportArguments, output: Output) -> Result<Answer, Failure> {
     output_file::check(&arguments.output, FileKind::Grasps, output)?;
     if let Some(least) = arguments.min_score.filter(|least| !(0.0..=1.0).contains(least)) {
-        let problem = format!("'{least}' is no score; give a number from 0 to 1");
+        let problem = format!("'{least}' is not a valid score: expected a number from 0 to 1");
         return Err(Failure::Flag { flag: "min-score", problem });
     }
     let settings = ImportSettings {
@@ -96,8 +96,8 @@ pub fn run(arguments: &ImportArguments, output: Output) -> Result<Answer, Failur
             let scenario = open_scenario(id, &OpenOptions::default(), output)?;
             let Some(world_from_object) = scenario.world_from_object() else {
                 let problem = format!(
-                    "the target of {id} is not one object with a frame of its own, so that there is nowhere to place grasps; \
-                     leave the flag out, and they stay in the frame of the file"
+                    "the target of {id} is not a single object with its own frame, so grasps cannot be \
+                     converted to the scenario; without the flag they stay in the frame of the file"
                 );
                 return Err(Failure::Flag { flag: "scenario", problem });
             };

@@ -12,9 +12,9 @@ use crate::text;
 #[derive(Serialize)]
 struct Listing {
     scenarios: Vec<Listed>,
-    /// Those in which the target lies outside, and is to be put inside.
+    /// Scenarios whose target lies outside and is put inside.
     insertions: Vec<Listed>,
-    /// Those of several steps.
+    /// Scenarios of several steps.
     sequences: Vec<Listed>,
     planners: Vec<&'static str>,
 }

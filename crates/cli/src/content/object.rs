@@ -29,9 +29,9 @@ pub enum ObjectCommand {
     List,
     /// Show an object: size, mass, convex parts, stable poses; or size and volume of a mesh file
     Show(ShowArguments),
-    /// Make an object from a mesh: repair it, cut it into convex parts, weigh it, find how it rests
+    /// Create an object from a mesh: repair it, decompose it into convex parts, compute its inertia and its stable poses
     Add(AddArguments),
-    /// Write a built-in object as a folder, to be changed or used elsewhere
+    /// Write a built-in object as a folder, to change it or use it elsewhere
     Export(ExportArguments),
 }
 
@@ -41,10 +41,10 @@ pub enum ObjectCommand {
   cranny object show banana --picture banana.png
   cranny object show path/to/mug --json")]
 pub struct ShowArguments {
-    /// Built-in object, the folder of one, or a mesh file of which none is made yet
+    /// Built-in object, the folder of one, or a mesh file without an object folder
     #[arg(value_name = "OBJECT")]
     pub object: String,
-    /// Draw it too, as a PNG file
+    /// Also render it to this PNG file
     #[arg(long, value_name = "FILE")]
     pub picture: Option<PathBuf>,
 }
@@ -66,18 +66,18 @@ pub struct AddArguments {
     /// Coefficient of friction between the object and the pads of a gripper
     #[arg(long, value_name = "MU", default_value_t = DEFAULT_FRICTION)]
     pub friction: f64,
-    /// What to multiply the mesh's coordinates by: 0.001 for millimetres
+    /// Factor that scales the mesh's coordinates: 0.001 for millimetres
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = positive)]
     pub scale: f64,
-    /// At most so many convex parts
+    /// Maximum number of convex parts
     #[arg(long, value_name = "N", default_value_t = DecompositionSettings::default().most_parts,
           value_parser = whole::<u32>(1..=10_000))]
     pub parts: u32,
-    /// Cubes along the longest side into which the mesh is cut to find the parts
+    /// Resolution of the decomposition: number of voxels along the longest side
     #[arg(long, value_name = "N", default_value_t = DecompositionSettings::default().resolution,
           value_parser = whole::<u32>(8..=400))]
     pub resolution: u32,
-    /// What the object is called [default: the name of the mesh file]
+    /// Name of the object [default: the name of the mesh file]
     #[arg(long)]
     pub name: Option<String>,
     /// Folder to write [default: the object's name, in this folder]
@@ -98,7 +98,7 @@ pub struct ExportArguments {
     pub output: Option<PathBuf>,
 }
 
-/// What `object show` and `object add` print with `--json`.
+/// Output of `object show` and `object add` with `--json`.
 #[derive(Serialize)]
 struct Shown {
     object: String,
@@ -151,14 +151,14 @@ impl ShownMesh {
     }
 }
 
-/// The lengths of the box around a mesh.
+/// Returns the side lengths of the bounding box of a mesh, in metres.
 fn size_m(mesh: &TriangleSoup) -> [f64; 3] {
     let first = mesh.vertices[0];
     let (low, high) = mesh.vertices.iter().fold((first, first), |(l, h), p| (l.inf(p), h.sup(p)));
     (high - low).into()
 }
 
-/// The object that `what` names: a built-in one, or a folder.
+/// Opens the object that `what` names: a built-in one, or a folder.
 pub fn open(what: &str) -> Result<ObjectType, ScenarioError> {
     let folder = Path::new(what);
     if folder.join(OBJECT_FILE).is_file() { ObjectType::read_folder(folder) } else { builtin_object(what) }
@@ -185,8 +185,8 @@ pub fn run(arguments: &ObjectArguments, output: Output) -> Result<Answer, Failur
             let folder = PathBuf::from(&arguments.object);
             if folder.join(OBJECT_FILE).is_file() {
                 let problem =
-                    "it is an object's folder already, which can be copied and changed as it is; built-in \
-                               objects are exported"
+                    "this is an object folder already: copy and edit it directly (only built-in objects are \
+                     exported)"
                         .to_owned();
                 return Err(Failure::File { path: folder, problem });
             }
@@ -216,7 +216,7 @@ fn add(arguments: &AddArguments, output: Output) -> Result<Answer, Failure> {
         ..ObjectSettings::new(arguments.name.clone().unwrap_or(stem), arguments.mass)
     };
     let folder = arguments.output.clone().unwrap_or_else(|| settings.name.clone().into());
-    // Better now than after the cutting.
+    // Checks the folder before the decomposition.
     check_free_folder(&folder)?;
     let spinner = progress::spinner("repairing, cutting into convex parts", output.quiet);
     let soup = TriangleSoup::load(&arguments.mesh, Vector::repeat(arguments.scale));
@@ -243,12 +243,12 @@ fn written(
     show(&shown, output)
 }
 
-/// What an object's folder calls its picture, and the sides of pictures in points.
+/// File name of the picture in an object's folder; the constants below are side lengths in pixels.
 const THUMBNAIL: &str = "thumbnail.png";
 const THUMBNAIL_POINTS: usize = 256;
 const PICTURE_POINTS: usize = 640;
 
-/// The bytes of a PNG file.
+/// Renders an object and returns the bytes of a PNG file.
 fn drawn(object: &ObjectType, file: &Path, side: usize) -> Result<Vec<u8>, Failure> {
     let settings = PictureSettings { width: side, height: side, samples: 8, ..PictureSettings::default() };
     let picture = Picture::of(&Scene::of_object(object), StandardView::ThreeQuarter, &settings)?;
@@ -260,7 +260,7 @@ fn show(shown: &Shown, output: Output) -> Result<Answer, Failure> {
     Ok(Answer::Done)
 }
 
-/// More stable poses than a person looks at; `--json` has all.
+/// Maximum number of stable poses printed; `--json` lists all.
 const POSES_SHOWN: usize = 12;
 
 impl Shown {

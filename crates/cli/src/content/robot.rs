@@ -26,14 +26,14 @@ pub struct RobotArguments {
 
 #[derive(Clone, Debug, Subcommand)]
 pub enum RobotCommand {
-    /// List the built-in robots, and those in folders here
+    /// List the built-in robots, and those in subfolders of the current folder
     List,
-    /// Make a robot's folder from its URDF: find its hand, gripper frame, base, limits, pairs of links that touch by
-    /// design, and a start that is free
+    /// Create a robot's folder from its URDF: determine its hand, gripper frame, base, limits, link pairs that touch by design,
+    /// and a free start configuration
     Add(AddArguments),
-    /// Write a built-in robot as a folder, to be changed or used elsewhere
+    /// Write a built-in robot as a folder, to change it or use it elsewhere
     Export(ExportArguments),
-    /// Say of a robot what was chosen, with what follows from it, and draw it
+    /// Report the settings of a robot and their consequences, and render it
     Check(CheckArguments),
 }
 
@@ -54,34 +54,35 @@ pub struct AddArguments {
     /// URDF, or a xacro file
     #[arg(value_name = "URDF")]
     pub urdf: PathBuf,
-    /// Folder to make [default: the name of the URDF, in this folder]
+    /// Folder to create [default: the name of the URDF, in this folder]
     #[arg(long, short, value_name = "FOLDER")]
     pub output: Option<PathBuf>,
-    /// Its SRDF [default: the file beside the URDF with its name, else what fits of the one in ../srdf, if there is one]
+    /// SRDF of the robot [default: the file beside the URDF with its name, else the matching entries of the one in ../srdf, if
+    /// any]
     #[arg(long, value_name = "FILE")]
     pub srdf: Option<PathBuf>,
-    /// Folder in which package:// names of the URDF, and $(find …) of xacro, are looked for before the folders above the
-    /// URDF; may be given more than once
+    /// Folder to search for package:// names of the URDF, and $(find …) of xacro, before the folders above the URDF; repeatable
     #[arg(long = "package", value_name = "FOLDER")]
     pub packages: Vec<PathBuf>,
-    /// An argument of a xacro file; may be given more than once
+    /// Argument of a xacro file; repeatable
     #[arg(long, value_name = "NAME=VALUE")]
     pub xacro: Vec<String>,
-    /// The gripper frame: between the pads, y the axis on which they close, z the approach direction [default: found]
+    /// Gripper frame: between the pads, y the axis on which they close, z the approach direction [default: determined
+    /// automatically]
     #[arg(long, value_name = "LINK")]
     pub tip: Option<String>,
-    /// The link that carries the fingers [default: found]
+    /// Link that carries the fingers [default: determined automatically]
     #[arg(long, value_name = "LINK")]
     pub palm: Option<String>,
-    /// How its root moves [default: as in the URDF; a hand without an arm flies]
+    /// Motion of the root link [default: as in the URDF; a hand without an arm flies]
     #[arg(long, value_name = "HOW")]
     pub base: Option<BaseName>,
-    /// Leave an arm without a hand as it is, instead of giving it the built-in gripper
+    /// Leave an arm without a hand as it is, instead of attaching the built-in gripper
     #[arg(long)]
     pub bare: bool,
 }
 
-/// How the root of a robot moves.
+/// Motion of the root link of a robot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum BaseName {
     /// As in the URDF
@@ -101,7 +102,7 @@ pub struct CheckArguments {
     /// Built-in robot, a robot's folder, or a URDF
     #[arg(value_name = "ROBOT")]
     pub robot: PathBuf,
-    /// Draw it too: at its start, and its hand open and closed with the gripper frame (x red, y green, z blue)
+    /// Also render it: at its start, and its hand open and closed with the gripper frame (x red, y green, z blue)
     #[arg(long, value_name = "FILE")]
     pub picture: Option<PathBuf>,
 }
@@ -114,7 +115,7 @@ pub struct ExportArguments {
     /// Built-in robot
     #[arg(value_name = "ROBOT")]
     pub robot: PathBuf,
-    /// Folder to make [default: the robot's name, in this folder]
+    /// Folder to create [default: the robot's name, in this folder]
     #[arg(long, short, value_name = "FOLDER")]
     pub output: Option<PathBuf>,
 }
@@ -182,7 +183,7 @@ fn list(output: Output) -> Result<Answer, Failure> {
     Ok(Answer::Done)
 }
 
-/// What `robot add --json` prints.
+/// Output of `robot add --json`.
 #[derive(Serialize)]
 struct Added<'a> {
     folder: &'a Path,
@@ -248,7 +249,7 @@ fn check(arguments: &CheckArguments, output: Output) -> Result<Answer, Failure> 
     Ok(if findings.is_sound() { Answer::Done } else { Answer::No })
 }
 
-/// How many joints move.
+/// Returns text with the number of moving joints.
 fn moving(robot: &Robot) -> String {
     let verb = if robot.dof() == 1 { "moves" } else { "move" };
     format!("{} {verb}", counted(robot.dof(), "joint"))

@@ -1,4 +1,4 @@
-//! `cranny scenario`: scenarios of one's own, and those of others.
+//! `cranny scenario`: create, check, convert and generate scenarios.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
@@ -28,17 +28,17 @@ pub struct ScenarioArguments {
 
 #[derive(Clone, Debug, Subcommand)]
 pub enum ScenarioCommand {
-    /// Begin a scenario of your own from a commented template
+    /// Create a scenario of your own from a commented template
     New(NewArguments),
-    /// Say everything that is wrong with a scenario, with lines
+    /// Check a scenario and report all errors, with line numbers
     Check(CheckArguments),
-    /// Print the JSON Schema of scenario.yaml, or of another file, with which editors complete and check it
+    /// Print the JSON Schema of scenario.yaml or of another file, for completion and checks in editors
     Schema(SchemaArguments),
     /// Pack a scenario into one .zip, with checksums, author, licence and citation
     Pack(PackArguments),
-    /// Unpack what `pack` made, checksums verified
+    /// Unpack an archive of `pack` and verify its checksums
     Unpack(UnpackArguments),
-    /// Make a scenario of the paper's released layout one of Cranny's own
+    /// Convert a scenario in the paper's released layout to Cranny's own
     Import(ImportArguments),
     /// Write a scenario in the paper's released layout, for its programs
     Export(ExportArguments),
@@ -60,23 +60,23 @@ pub enum ScenarioCommand {
 The files of a robot that is not built in (URDF, SRDF, limits.yaml, robot.yaml, meshes) are copied to FOLDER/robot. What stands around it
 and the grasps are then to be adapted to it.")]
 pub struct NewArguments {
-    /// Folder to make
+    /// Folder to create
     #[arg(value_name = "FOLDER")]
     pub folder: PathBuf,
-    /// Another robot than `panda_mobile`: a built-in one (see `cranny robot list`), a folder that `cranny robot add` made,
+    /// Robot to use instead of `panda_mobile`: a built-in one (see `cranny robot list`), a folder made by `cranny robot add`,
     /// or a URDF
     #[arg(long, value_name = "ROBOT")]
     pub robot: Option<PathBuf>,
-    /// Its SRDF [default: the file beside the URDF with its name, if there is one]
+    /// SRDF of the robot [default: the file beside the URDF with its name, if any]
     #[arg(long, value_name = "FILE", requires = "robot")]
     pub srdf: Option<PathBuf>,
-    /// The group of the SRDF whose joints move [default: all from the root to the tip]
+    /// Group of the SRDF whose joints move [default: all joints from the root to the tip]
     #[arg(long, value_name = "NAME", requires = "robot")]
     pub group: Option<String>,
-    /// The link that grasps are reached with [default: what the SRDF says, else the farthest one]
+    /// Link whose frame reaches the grasps [default: from the SRDF, else the farthest link]
     #[arg(long, value_name = "LINK", requires = "robot")]
     pub tip: Option<String>,
-    /// Folder in which package:// names of the URDF are looked for; may be given more than once
+    /// Folder to search for package:// names of the URDF; repeatable
     #[arg(long = "package", value_name = "FOLDER", requires = "robot")]
     pub packages: Vec<PathBuf>,
 }
@@ -113,13 +113,13 @@ pub struct PackArguments {
     /// Archive to write [default: the folder's name with .zip, in this folder]
     #[arg(long, short, value_name = "FILE")]
     pub output: Option<PathBuf>,
-    /// Who made it
+    /// Author of the scenario
     #[arg(long)]
     pub author: Option<String>,
-    /// How it may be used: an SPDX expression
+    /// Licence of the scenario: an SPDX expression
     #[arg(long)]
     pub licence: Option<String>,
-    /// How it wants to be cited
+    /// Citation of the scenario
     #[arg(long)]
     pub citation: Option<String>,
 }
@@ -132,7 +132,7 @@ pub struct UnpackArguments {
     /// Archive to read
     #[arg(value_name = "FILE")]
     pub archive: PathBuf,
-    /// Folder to make [default: the archive's name without .zip, in this folder]
+    /// Folder to create [default: the archive's name without .zip, in this folder]
     #[arg(long, short, value_name = "FOLDER")]
     pub output: Option<PathBuf>,
 }
@@ -146,7 +146,7 @@ pub struct ImportArguments {
     /// Folder with scene.yaml
     #[arg(value_name = "FOLDER")]
     pub folder: PathBuf,
-    /// Folder to make
+    /// Folder to create
     #[arg(long, short, value_name = "FOLDER")]
     pub output: PathBuf,
 }
@@ -161,7 +161,7 @@ pub struct ExportArguments {
     /// Built-in scenario, the folder of one, or a packed one
     #[arg(value_name = "ID")]
     pub id: String,
-    /// Folder to make
+    /// Folder to create
     #[arg(long, short, value_name = "FOLDER")]
     pub output: PathBuf,
 }
@@ -180,13 +180,13 @@ pub struct SweepArguments {
     /// shelf, table, gap or gate
     #[arg(value_name = "FAMILY")]
     pub family: String,
-    /// The first value, in metres
+    /// First value, in metres
     #[arg(long, value_name = "M")]
     pub from: f64,
-    /// The last value, in metres
+    /// Last value, in metres
     #[arg(long, value_name = "M")]
     pub to: f64,
-    /// How many scenarios, ends included
+    /// Number of scenarios, including both ends
     #[arg(long, value_name = "N", value_parser = whole::<u32>(1..=100_000))]
     pub steps: u32,
     /// Seed of the grasps
@@ -194,7 +194,7 @@ pub struct SweepArguments {
     pub seed: u64,
     #[command(flatten)]
     pub stage: StageArguments,
-    /// Folder to make [default: FAMILY-sweep, in this folder]
+    /// Folder to create [default: FAMILY-sweep, in this folder]
     #[arg(long, short, value_name = "FOLDER")]
     pub output: Option<PathBuf>,
 }
@@ -212,41 +212,41 @@ pub struct GenerateArguments {
     /// shelf, table, gap or gate
     #[arg(long)]
     pub family: String,
-    /// How many scenarios
+    /// Number of scenarios
     #[arg(long, value_name = "N", value_parser = whole::<u32>(1..=1_000_000))]
     pub count: u32,
-    /// Seed of all randomness
+    /// Seed of all random numbers
     #[arg(long, value_name = "N", default_value = "0", value_parser = whole(0..=u64::MAX))]
     pub seed: u64,
-    /// The least value of the family's dial, in metres [default: a little beyond the paper's]
+    /// Minimum value of the family's parameter, in metres [default: slightly beyond the paper's]
     #[arg(long, value_name = "M")]
     pub from: Option<f64>,
-    /// The greatest value, in metres
+    /// Maximum value, in metres
     #[arg(long, value_name = "M")]
     pub to: Option<f64>,
-    /// At most so many things stand about
+    /// Maximum number of clutter objects
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = whole::<u8>(0..=50))]
     pub clutter: u8,
     #[command(flatten)]
     pub stage: StageArguments,
-    /// Folder to make [default: FAMILY-SEED, in this folder]
+    /// Folder to create [default: FAMILY-SEED, in this folder]
     #[arg(long, short, value_name = "FOLDER")]
     pub output: Option<PathBuf>,
 }
 
-/// For whom the scenes of a set are, and how large they are.
+/// Robot and scale of the scenes of a set.
 #[derive(Clone, Debug, Args)]
 pub struct StageArguments {
-    /// The robot: a built-in one (see `cranny robot list`), a folder that `cranny robot add` made, or a URDF
+    /// Robot: a built-in one (see `cranny robot list`), a folder made by `cranny robot add`, or a URDF
     #[arg(long, value_name = "ROBOT", default_value = BUILTIN_ROBOTS[0].name)]
     pub robot: PathBuf,
-    /// How much smaller than the paper's the scenes are [default: as it suits the robot's reach]
+    /// Scale of the scenes relative to the paper's [default: from the robot's reach]
     #[arg(long, value_name = "FACTOR", value_parser = share)]
     pub scale: Option<f64>,
 }
 
 impl StageArguments {
-    /// The robot, and the settings of sets of a family for it.
+    /// Returns the robot, and its settings for a set of `family`.
     fn settings(&self, family: Family, seed: u64) -> Result<(RecipeRobot, SetSettings), Failure> {
         let robot = RecipeRobot::load(&self.robot)?;
         let mut settings = SetSettings::new(family, &robot, seed);
@@ -341,7 +341,7 @@ fn generate(arguments: &GenerateArguments, output: Output) -> Result<Answer, Fai
     watched(&folder, count, output, |progress| write_set(&maker, &folder, count.into(), progress))
 }
 
-/// Who draws the scenarios of a set: has the hand try the object first.
+/// Returns the generator of the scenarios of a set; the hand tests the object first.
 fn maker(
     family: Family,
     robot: RecipeRobot,
@@ -356,14 +356,14 @@ fn maker(
     Ok(maker?)
 }
 
-/// What `scenario sweep` and `scenario generate` print with `--json`.
+/// Output of `scenario sweep` and `scenario generate` with `--json`.
 #[derive(Serialize)]
 struct Set<'a> {
     folder: &'a Path,
     written: usize,
     rejected: Rejections,
     missing: usize,
-    /// Whether Ctrl-C ended it before all were drawn.
+    /// True if Ctrl-C stopped the command before all scenarios were generated.
     stopped: bool,
 }
 
@@ -380,21 +380,21 @@ fn watched(
     let SetReport { written, rejected, missing } = report?;
     let stopped = stop.load(Ordering::Relaxed);
     if written.is_empty() {
-        // It holds an empty list, and would be in the way of the next try.
+        // The folder holds an empty list, and would block the next run.
         std::fs::remove_dir_all(folder)?;
     }
     let set = Set { folder, written: written.len(), rejected, missing, stopped };
     let page = || {
         let made = match set.written {
-            0 => "no scenario, and nothing is written; another --scale, or another `start` in the robot's robot.yaml, may \
-                  help"
+            0 => "no scenario was generated, and nothing is written; another --scale, or another `start` in \
+                  the robot's robot.yaml, may help"
                 .to_owned(),
             1 => format!("1 scenario in {}, listed in index.csv", folder.display()),
             count => format!("{count} scenarios in {}, listed in index.csv", folder.display()),
         };
         format!(
-            "{made}\nrejected draws: {} where things overlap, {} where the robot \
-             touches something at the start, {} without a free grasp, {} where the arm comes to none\n{}",
+            "{made}\nrejected draws: {} where things overlap, {} where the robot touches something at the \
+             start, {} without a free grasp, {} where the arm reaches none\n{}",
             rejected.things_overlap,
             rejected.start_collides,
             rejected.no_free_grasp,

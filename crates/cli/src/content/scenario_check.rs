@@ -9,17 +9,17 @@ use crate::arguments::Output;
 use crate::failure::Failure;
 use crate::{Answer, text};
 
-/// The document of `scenario check --json`.
+/// Output of `scenario check --json`.
 #[derive(Serialize)]
 struct Checked {
     scenario: String,
     sound: bool,
     problems: Vec<String>,
-    /// Properties that do not make it unsound.
+    /// Properties that do not make the scenario unsound.
     notes: Vec<String>,
 }
 
-/// Checks a scenario and prints what is wrong with it.
+/// Checks a scenario and prints its problems.
 pub fn checked(id: &str, output: Output) -> Result<Answer, Failure> {
     let mut problems: Vec<String> = check(id)?.iter().map(ToString::to_string).collect();
     let mut notes = Vec::new();
@@ -36,7 +36,7 @@ pub fn checked(id: &str, output: Output) -> Result<Answer, Failure> {
         }
         match Rest::of_target(&scenario) {
             Ok(rest) => problems.extend(rest.and_then(|rest| restless_target(&scenario, &rest))),
-            Err(fault) => notes.push(format!("whether the target rests was not simulated: {fault}")),
+            Err(fault) => notes.push(format!("could not simulate whether the target rests: {fault}")),
         }
         notes.extend(scenario.odd_places());
         notes.extend(scenario.too_wide_target());
@@ -58,7 +58,7 @@ pub fn checked(id: &str, output: Output) -> Result<Answer, Failure> {
     Ok(if checked.sound { Answer::Done } else { Answer::No })
 }
 
-/// Fault of a target that does not stay where it stands; `None` for one that does.
+/// Describes the motion of a target that does not stay at its initial pose; `None` if it stays.
 fn restless_target(scenario: &Scenario, rest: &Rest) -> Option<String> {
     if rest.is_at_rest() {
         return None;
@@ -67,9 +67,9 @@ fn restless_target(scenario: &Scenario, rest: &Rest) -> Option<String> {
     let place = rest.world_from_object.translation.vector;
     let turn = rest.world_from_object.rotation.coords;
     Some(format!(
-        "the target '{name}' does not rest where it stands: in 2 s it moves by {} and turns by {}, to position [{:.4}, \
-         {:.4}, {:.4}], quaternion_xyzw [{:.4}, {:.4}, {:.4}, {:.4}] in the planning frame (an object that rolls stays with \
-         `rolling_m` under `target`)",
+        "the target '{name}' does not rest at its pose: in 2 s it moves by {} and turns by {}, to position \
+         [{:.4}, {:.4}, {:.4}], quaternion_xyzw [{:.4}, {:.4}, {:.4}, {:.4}] in the planning frame (for an \
+         object that rolls, set `rolling_m` under `target`)",
         text::millimetres(rest.moved_m),
         text::degrees(rest.turned_rad),
         place.x,

@@ -7,20 +7,21 @@ use serde::Serialize;
 
 use crate::text;
 
-/// Agreement of the computed load of grasps with what holds in physics.
+/// Agreement of the computed load of grasps with physics.
 #[derive(Serialize)]
 pub struct LoadPrediction {
-    /// Share of pairs of a grasp that held and one that did not in which the first has the greater load at rest.
+    /// Area under the ROC curve: fraction of pairs of a held and a lost grasp in which the held one has the greater load at
+    /// rest.
     area_under_curve: Option<f64>,
     /// Grasps with a load at rest of 2 or more.
     firm: Share,
-    /// With one below 0.8.
+    /// Grasps with a load at rest below 0.8.
     weak: Share,
-    /// With a load of 1.5 or more along the whole course.
+    /// Grasps with a load of 1.5 or more along the whole motion.
     firm_in_motion: Share,
 }
 
-/// Number of grasps that held, and of those tried.
+/// Number of grasps that held, out of those tested.
 #[derive(Clone, Copy, Serialize)]
 struct Share {
     held: usize,
@@ -28,7 +29,7 @@ struct Share {
 }
 
 impl LoadPrediction {
-    /// The agreement over rows with a load whose hand closed on the object; `None` without any.
+    /// Computes the agreement over rows with a load whose hand closed on the object; `None` without any.
     pub fn of(rows: &[GraspRow]) -> Option<Self> {
         let closed = rows.iter().filter(|row| row.outcome != GraspOutcome::NeverClosed);
         let known: Vec<(Load, bool)> =
@@ -48,7 +49,7 @@ impl LoadPrediction {
         })
     }
 
-    /// The lines that a person reads.
+    /// Formats the agreement for display.
     pub fn page(&self) -> String {
         let mut page = String::new();
         let mut line = |whose: &str, share: Share| {
@@ -70,7 +71,7 @@ impl LoadPrediction {
     }
 }
 
-/// A load in words.
+/// Formats a load for display.
 pub fn load_text(load: &Load) -> String {
     let Load { at_rest, in_motion, turn_rad, shift_m, .. } = load;
     let (turned, moved) = (text::degrees(*turn_rad), text::millimetres(shift_m.abs()));

@@ -1,4 +1,4 @@
-//! Recordings of what moved where: made of a simulation, written, found again.
+//! Recordings of moving bodies: created from a simulation, written and read.
 
 use std::path::Path;
 
@@ -14,38 +14,39 @@ use crate::file_kind::FileKind;
 use crate::output_file;
 use crate::progress::bar;
 
-/// Pictures a second of a GIF, at most those of a recording.
+/// Frame rate of a GIF, in Hz; at most that of a recording.
 const GIF_RATE_HZ: u16 = 25;
 
-/// The file of a recording, if that is what was given in the place of a scenario.
+/// Returns the path of a recording, if `what` names one instead of a scenario.
 pub fn file_of(what: &str) -> Option<&Path> {
     let path = Path::new(what);
     path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("json")).then_some(path)
 }
 
-/// The recording of a file, to which nothing can be added: `others` are what would add to it, and whether it is given.
+/// Reads the recording of a file. Nothing can be added to it: `others` lists the flags that would, each with true if it is
+/// given.
 pub fn read(file: &Path, others: &[(&str, bool)]) -> Result<BodyRecording, Failure> {
     if let Some((what, _)) = others.iter().find(|(_, is_given)| *is_given) {
-        let problem = format!("a recording is complete in itself; leave out {what}");
+        let problem = format!("a recording contains the whole scene; leave out {what}");
         return Err(Failure::File { path: file.to_owned(), problem });
     }
     Ok(BodyRecording::read(file)?)
 }
 
-/// What `--record` is to write.
+/// Returns the kind of file that `--record` writes.
 pub fn kind_of(file: &Path) -> Result<FileKind, Failure> {
     match file.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase).as_deref() {
         Some("glb") => Ok(FileKind::Glb),
         Some("gif") => Ok(FileKind::Gif),
         Some("json") => Ok(FileKind::Recording),
         _ => {
-            let problem = "the file's ending says what to write: .glb, .gif or .json".to_owned();
+            let problem = "unknown file ending (known: .glb, .gif, .json)".to_owned();
             Err(Failure::Flag { flag: "record", problem })
         }
     }
 }
 
-/// What is seen of a simulation.
+/// Converts the recording of a simulation run.
 pub fn of_run(name: &str, surroundings: &[Body], run: &Recording) -> BodyRecording {
     let body = |(index, body): (usize, &RecordedBody)| MovingBody {
         name: body.name.clone(),
@@ -63,7 +64,7 @@ pub fn of_run(name: &str, surroundings: &[Body], run: &Recording) -> BodyRecordi
     recording
 }
 
-/// Moving bodies of picks, each of which begins where the one before ends; the recordings are taken out.
+/// Joins picks into one recording, each pick starting at the end of the one before; takes their recordings.
 pub fn of_picks(scenario: &Scenario, picks: &mut [PickRun]) -> BodyRecording {
     if let [pick] = picks {
         let run = pick.run.grasp.recording.take().unwrap_or_default();
@@ -98,7 +99,7 @@ pub fn of_picks(scenario: &Scenario, picks: &mut [PickRun]) -> BodyRecording {
         if steps.iter().all(|step| step.body != index) {
             continue;
         }
-        // By how much it has moved at each instant.
+        // Displacement of the body at each instant.
         let mut motions: Vec<Pose> = Vec::new();
         for RecordedStep { body, world_from_object, run } in &steps {
             let before = motions.last().copied().unwrap_or_default();
@@ -116,16 +117,16 @@ pub fn of_picks(scenario: &Scenario, picks: &mut [PickRun]) -> BodyRecording {
     whole
 }
 
-/// The recording of a pick.
+/// Recording of one pick.
 struct RecordedStep {
-    /// The body that was picked, by index.
+    /// Index of the picked body.
     body: usize,
     /// Pose of its frame before the pick.
     world_from_object: Pose,
     run: Recording,
 }
 
-/// Between the end of a step and the beginning of the next, which are the same instant, in seconds.
+/// Time between the end of a step and the start of the next, which show the same instant, in seconds.
 const PAUSE_S: f64 = 0.01;
 
 pub fn write(recording: &BodyRecording, file: &Path, kind: FileKind, output: Output) -> Result<(), Failure> {

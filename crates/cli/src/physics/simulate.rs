@@ -20,15 +20,15 @@ pub struct SimulateArguments {
 
 #[derive(Clone, Debug, Subcommand)]
 pub enum SimulateCommand {
-    /// Try grasps in physics: the hand alone closes, lifts and shakes
+    /// Test grasps in physics: the hand alone closes, lifts and shakes
     Grasps(Box<SimulateGraspsArguments>),
     /// Execute a plan in physics: the arm follows it, the hand closes, the arm lifts
     Plan(Box<SimulatePlanArguments>),
-    /// Try the grasps at which the solved trials of a campaign end
+    /// Test the final grasps of the solved trials of a campaign
     Results(SimulateResultsArguments),
     /// Write the same tests for another engine, MuJoCo
     Export(Box<SimulateExportArguments>),
-    /// Drop an object at random: how often does it come to rest in which of its stable poses?
+    /// Drop an object in random orientations and count its stable poses
     Settle(SettleArguments),
 }
 

@@ -21,15 +21,15 @@ cranny.mujoco_grasps runs it in MuJoCo and answers by the same rules.")]
 pub struct SimulateExportArguments {
     #[command(flatten)]
     pub subject: SubjectArguments,
-    /// Write the model alone, as MuJoCo's XML
+    /// Write only the model, as MuJoCo's XML
     #[arg(long)]
     pub mjcf: bool,
-    /// Where to write
+    /// File to write
     #[arg(long, short, value_name = "FILE", default_value = "experiment.json")]
     pub output: PathBuf,
 }
 
-/// What `simulate export --json` prints.
+/// Output of `simulate export --json`.
 #[derive(Serialize)]
 struct Exported {
     subject: String,

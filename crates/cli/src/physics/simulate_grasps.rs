@@ -43,26 +43,26 @@ and shaking (along the course), may grow until a pad slips; below 1 a pad slips 
 pub struct SimulateGraspsArguments {
     #[command(flatten)]
     pub subject: SubjectArguments,
-    /// Only this grasp, from 0
+    /// Test only this grasp, by its index from 0
     #[arg(long, value_name = "K")]
     pub grasp: Option<usize>,
-    /// Try each grasp so many times more, with the hand, friction, mass and force a little wrong (3 mm and 3° on each
-    /// axis, 25 %, 10 %, 10 %), the same for every grasp: the share that is held is the robust score
+    /// Number of additional trials of each grasp, with small errors of the hand, friction, mass and force (3 mm and 3° on each
+    /// axis, 25 %, 10 %, 10 %), the same for every grasp: the fraction held is the robust score
     #[arg(long, value_name = "N", default_value = "0", value_parser = whole::<usize>(0..=10_000))]
     pub trials: usize,
     /// Seed of the trials
     #[arg(long, value_name = "N", default_value = "0", value_parser = whole(0..=u64::MAX))]
     pub seed: u64,
-    /// Write the grasps as a file of grasps, with their robust scores and the number of trials (with --trials). Stopped by
-    /// Ctrl-C, what is finished is kept beside it, and the same command goes on from there
+    /// Write the grasps as a file of grasps, with their robust scores and numbers of trials (with --trials). After Ctrl-C,
+    /// finished results are kept beside it, and the same command resumes from them
     #[arg(long, short, value_name = "FILE")]
     pub output: Option<PathBuf>,
-    /// Write what moved where (with --grasp): .glb, .gif, or .json for `cranny render`
+    /// Record the motion (with --grasp): .glb, .gif, or .json for `cranny render`
     #[arg(long, value_name = "FILE", requires = "grasp")]
     pub record: Option<PathBuf>,
 }
 
-/// What `simulate grasps --json` prints; the keys stay.
+/// Output of `simulate grasps --json`; its keys are stable.
 #[derive(Serialize)]
 struct Simulated {
     subject: String,
@@ -70,21 +70,21 @@ struct Simulated {
     grasps: usize,
     held: usize,
     success_rate: f64,
-    /// Of the success rate, 95 %.
+    /// 95 % confidence interval of the success rate.
     wilson_interval: Option<[f64; 2]>,
-    /// Whether Ctrl-C left grasps over.
+    /// True if Ctrl-C left grasps untested.
     stopped: bool,
     /// Number of rows that an earlier run of the same command had finished.
     known: usize,
-    /// Grasps that are to be tried, in all.
+    /// Total number of grasps to test.
     wanted: usize,
-    /// Where the grasps with their robust scores stand.
+    /// File of the grasps with their robust scores.
     #[serde(skip_serializing_if = "Option::is_none")]
     file: Option<PathBuf>,
     /// File of the finished rows, from which the same command resumes.
     #[serde(skip_serializing_if = "Option::is_none")]
     unfinished: Option<PathBuf>,
-    /// Agreement of the computed load with what holds, where it was computed.
+    /// Agreement of the computed load with the simulated outcomes, if it was computed.
     #[serde(skip_serializing_if = "Option::is_none")]
     load: Option<LoadPrediction>,
     rows: Vec<Row>,
@@ -94,7 +94,7 @@ struct Simulated {
 struct Row {
     #[serde(flatten)]
     row: GraspRow,
-    /// Of the robust score, 95 %.
+    /// 95 % confidence interval of the robust score.
     #[serde(skip_serializing_if = "Option::is_none")]
     robust_interval: Option<[f64; 2]>,
 }
@@ -110,7 +110,7 @@ pub fn run(arguments: &SimulateGraspsArguments, output: Output) -> Result<Answer
     }
     if let Some(file) = &arguments.output {
         if arguments.trials == 0 {
-            let problem = "a robust score needs --trials, say --trials 32".to_owned();
+            let problem = "a robust score needs --trials, such as --trials 32".to_owned();
             return Err(flag("output", problem));
         }
         output_file::check(file, FileKind::Grasps, output)?;
@@ -126,7 +126,7 @@ pub fn run(arguments: &SimulateGraspsArguments, output: Output) -> Result<Answer
     let unfinished = match &arguments.output {
         None => None,
         Some(file) => {
-            // Everything that a row depends on: hand, object, surroundings, physics and course; the grasps; the trials.
+            // All inputs of a row: hand, object, surroundings, physics and motion; the grasps; the trials.
             let depends_on = [&format!("{test:?}"), &csv_text(&given), &format!("{trials:?}")];
             Some(Unfinished::beside(file, &depends_on.map(String::as_str), output)?)
         }
@@ -184,7 +184,7 @@ pub fn run(arguments: &SimulateGraspsArguments, output: Output) -> Result<Answer
     Ok(if held > 0 && !simulated.stopped { Answer::Done } else { Answer::No })
 }
 
-/// Tries grasps, some at a time: where it is stopped, all but those last begun are finished.
+/// Tests grasps in batches; when stopped, only the current batch is incomplete.
 pub fn tried(
     test: &GraspTest,
     grasps: &[Grasp],
@@ -193,7 +193,7 @@ pub fn tried(
     progress: &ProgressBar,
     is_stopped: &(dyn Fn() -> bool + Sync),
 ) -> Vec<GraspRow> {
-    // Enough runs for all threads.
+    // Enough runs to keep all threads busy.
     let at_a_time = (4 * rayon::current_num_threads()).div_ceil(1 + trials.0);
     let batches = open.chunks(at_a_time).take_while(|_| !is_stopped());
     batches.flat_map(|some| test.rows(grasps, some, trials, &|| progress.inc(1), is_stopped)).collect()
@@ -232,7 +232,8 @@ impl Simulated {
             Some(load) if self.rows.len() > 1 => page.push_str(&load.page()),
             None if self.rows.first().is_some_and(|Row { row, .. }| row.load.is_none()) => {
                 page.push_str(
-                    "  load        not computed: the hand has not two flat pads that close on each other\n",
+                    "  load        not computed: the hand does not have two flat pads that close on each \
+                     other\n",
                 );
             }
             _ => {}
@@ -259,7 +260,7 @@ impl Simulated {
             let left = self.wanted - self.grasps;
             let _ = write!(page, "stopped: {left} of {} not tried", counted(self.wanted, "grasp"));
             if let Some(file) = &self.unfinished {
-                let _ = write!(page, "; the same command goes on from {}", file.display());
+                let _ = write!(page, "; run the same command again to continue from {}", file.display());
             }
             page.push('\n');
         }
@@ -267,7 +268,7 @@ impl Simulated {
     }
 }
 
-/// The grasps with what was found of those that were tried; of the others what was known before.
+/// Returns the grasps with the robust scores of the tested ones; the others keep theirs.
 fn with_robust_scores(given: &GraspSet, rows: &[GraspRow]) -> Result<GraspSet, Failure> {
     let mut grasps: Vec<Grasp> = given.grasps().to_vec();
     for row in rows {
@@ -276,7 +277,7 @@ fn with_robust_scores(given: &GraspSet, rows: &[GraspRow]) -> Result<GraspSet, F
     Ok(GraspSet::new(grasps).map_err(ScenarioError::from)?)
 }
 
-/// The best of the robust scores that a person is shown.
+/// Maximum number of robust scores printed.
 const MOST_SHOWN: usize = 10;
 
 fn interval(held: usize, trials: usize) -> Option<[f64; 2]> {

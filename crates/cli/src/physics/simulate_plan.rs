@@ -22,16 +22,16 @@ use crate::planning::task::open_scenario;
 use crate::text::{self, degrees, millimetres};
 use crate::{Answer, number_argument, output_file, physics::recording, progress};
 
-/// What goes before what files say of object and hand.
+/// Overrides of object and hand properties in the files.
 #[derive(Clone, Debug, Args)]
 pub struct InsteadArguments {
-    /// Mass of the object (of several steps of each), in kilograms [default: its own]
+    /// Mass of the object, in kilograms (with several steps, of each object) [default: its own]
     #[arg(long, value_name = "KG", value_parser = positive)]
     mass: Option<f64>,
-    /// Coefficient of friction between the object and all that touches it [default: its own]
+    /// Coefficient of friction of the object [default: its own]
     #[arg(long, value_name = "MU", value_parser = positive)]
     friction: Option<f64>,
-    /// With what the fingers press, in newtons [default: the hand's own]
+    /// Closing force of the fingers, in newtons [default: the hand's own]
     #[arg(long, value_name = "N", value_parser = positive)]
     closing_force: Option<f64>,
 }
@@ -67,35 +67,35 @@ pub struct SimulatePlanArguments {
     /// Built-in scenario, or the folder of one
     #[arg(value_name = "ID")]
     pub id: String,
-    /// A plan file (.plan.json) or way points (.csv, .try)
+    /// Plan file (.plan.json) or way points (.csv, .try)
     #[arg(value_name = "PLAN")]
     pub plan: PathBuf,
-    /// How far up the object is lifted, in millimetres, where the plan ends at the grasp
+    /// Height to which the object is lifted if the plan ends at the grasp, in millimetres
     #[arg(long, value_name = "MM", default_value = "30", value_parser = number_argument::millimetres)]
     pub lift: f64,
     #[command(flatten)]
     pub instead: InsteadArguments,
-    /// With errors drawn from this seed: of the hand 2 mm and 2° per axis, of friction 30 %, of mass 20 %
+    /// Apply errors drawn from this seed: of the hand 2 mm and 2° per axis, of friction 30 %, of mass 20 %
     #[arg(long, value_name = "SEED")]
     pub disturb: Option<u64>,
-    /// Another robot instead of the plan's or the scenario's: a built-in one, the folder of one, or a URDF with limits.yaml
-    /// and robot.yaml beside it
+    /// Robot to use instead of the plan's or the scenario's: a built-in one, the folder of one, or a URDF with limits.yaml and
+    /// robot.yaml beside it
     #[arg(long, value_name = "FILE")]
     pub robot: Option<PathBuf>,
-    /// Measure after each pick: plan the rest anew where an object is off by more than the plan forgives, and the pick too
-    /// where it does not stand where it was to be
+    /// Measure the objects after each pick: replan the rest if an object is off by more than the plan tolerates, and repeat the
+    /// pick if its object is not at its goal
     #[arg(long)]
     pub replan: bool,
-    /// Write the plan, of one pick, as a document for another engine, which `cranny.mujoco_grasps.run_plan` runs in MuJoCo
+    /// Export the plan of a single pick for another engine; `cranny.mujoco_grasps.run_plan` runs the document in MuJoCo
     #[arg(long, value_name = "FILE")]
     pub export: Option<PathBuf>,
-    /// Write what moved where: .glb, .gif, or .json for `cranny render`
+    /// Record the motion: .glb, .gif, or .json for `cranny render`
     #[arg(long, value_name = "FILE")]
     pub record: Option<PathBuf>,
 }
 
 impl SimulatePlanArguments {
-    /// Where a recording goes, if one is wanted and it can go there.
+    /// Returns the checked path and kind of the recording, if one is requested.
     pub fn recorded(&self, output: Output) -> Result<Option<(&Path, FileKind)>, Failure> {
         let Some(file) = self.record.as_deref() else { return Ok(None) };
         let kind = recording::kind_of(file)?;
@@ -155,7 +155,7 @@ pub fn run(arguments: &SimulatePlanArguments, output: Output) -> Result<Answer, 
     if let Some(file) = &arguments.export {
         let experiment = execution.experiment(&picks)?.ok_or_else(|| Failure::Flag {
             flag: "export",
-            problem: format!("the plan has {count} picks; give one of a single pick"),
+            problem: format!("the plan has {count} picks; give a plan with a single pick"),
         })?;
         output_file::write(file, FileKind::Experiment, text::json(&experiment)?.as_bytes(), output)?;
     }
@@ -171,7 +171,9 @@ pub fn run(arguments: &SimulatePlanArguments, output: Output) -> Result<Answer, 
             (found.runs, Some(executed))
         }
         (None, true) => {
-            return Err(refused("way points alone are no plan of stages to be planned anew".to_owned()));
+            return Err(refused(
+                "way points alone cannot be replanned: --replan needs a plan file with stages".to_owned(),
+            ));
         }
         (_, false) => (execution.run(&picks, || bar.inc(1))?, None),
     };
@@ -198,14 +200,14 @@ fn page(executed: &ExecutedPlan, count: usize) -> String {
         let _ = write!(page, "step {}, {}", index + 1, page_of(&step.object, &step.row));
     }
     if steps.len() < count {
-        let _ = writeln!(page, "what follows was not executed: the object was not let go");
+        let _ = writeln!(page, "the remaining steps were not executed: the object was not released");
     }
     page
 }
 
-/// What came of a plan of this name.
+/// Formats the result of the plan called `name`.
 fn page_of(name: &str, row: &PlanRow) -> String {
-    let mut page = format!("{}: {} after a way of {:.1} s", name, row.outcome.name(), row.reach_s);
+    let mut page = format!("{}: {} after a path of {:.1} s", name, row.outcome.name(), row.reach_s);
     if row.lift_m > 0.0 {
         let _ = write!(page, " and a lift of {}", millimetres(row.lift_m));
     }

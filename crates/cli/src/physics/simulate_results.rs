@@ -32,13 +32,13 @@ scenario of the trial. What came of it is kept in the same file, in a table simu
 kept there under the same settings; trials stay as they are. A scenario that cannot be simulated, such as one whose
 target has no mass, is skipped and named; then the exit code is 1.")]
 pub struct SimulateResultsArguments {
-    /// Results of campaigns, as `cranny bench run` wrote them
+    /// File of campaign results, as `cranny bench run` wrote it
     #[arg(value_name = "RESULTS")]
     pub results: PathBuf,
-    /// Only what the target stands on, not all that stands around; the hand may then be where obstacles are
+    /// Simulate only the support of the target, without the other surroundings; the hand may then overlap obstacles
     #[arg(long)]
     pub support_only: bool,
-    /// Try each grasp so many times more, everything a little wrong, for its robust score
+    /// Number of additional trials of each grasp, with small errors in everything, for its robust score
     #[arg(long, value_name = "N", default_value = "0", value_parser = whole::<usize>(0..=10_000))]
     pub trials: usize,
     /// Seed of these trials
@@ -46,16 +46,16 @@ pub struct SimulateResultsArguments {
     pub seed: u64,
 }
 
-/// What `simulate results --json` prints; the keys stay.
+/// Output of `simulate results --json`; its keys are stable.
 #[derive(Serialize)]
 struct Simulated {
     results: PathBuf,
-    /// How the grasps were tried: what their rows in the table are told by.
+    /// Settings of the tests, by which their rows in the table are identified.
     settings: Settings,
     scenarios: usize,
     grasps: usize,
     held: usize,
-    /// Scenarios that cannot be simulated: their trials count nowhere.
+    /// Scenarios that cannot be simulated; their trials are not counted.
     skipped: Vec<Skipped>,
     /// True if Ctrl-C left grasps unprocessed; the table is then not written.
     stopped: bool,
@@ -68,7 +68,7 @@ struct Simulated {
 #[derive(Serialize)]
 struct Skipped {
     scenario: String,
-    /// Solved trials.
+    /// Number of solved trials.
     trials: usize,
     reason: String,
 }
@@ -80,28 +80,28 @@ struct Settings {
     seed: u64,
 }
 
-/// The grasps that a planner's solved trials end at.
+/// Final grasps of a planner's solved trials.
 #[derive(Serialize)]
 struct PlannerGrasps {
     planner: String,
     settings: String,
     criterion: &'static str,
-    /// Solved trials.
+    /// Number of solved trials.
     solved: usize,
-    /// Those of them whose grasp is held.
+    /// Number of solved trials whose grasp is held.
     held: usize,
     held_rate: f64,
-    /// Of that rate, 95 %.
+    /// 95 % confidence interval of the held rate.
     wilson_interval: Option<[f64; 2]>,
-    /// The mean over the solved trials.
+    /// Mean over the solved trials.
     #[serde(skip_serializing_if = "Option::is_none")]
     robust_score: Option<f64>,
 }
 
-/// A scenario by its id and its content.
+/// Id and content hash of a scenario.
 type ScenarioKey = (String, String);
 
-/// What came of each grasp of a scenario.
+/// Test result of each grasp of a scenario.
 type Rows = BTreeMap<(ScenarioKey, usize), GraspRow>;
 
 #[allow(clippy::too_many_lines, reason = "one step after the other")]
@@ -119,15 +119,15 @@ pub fn run(arguments: &SimulateResultsArguments, output: Output) -> Result<Answe
         let entry = wanted.entry(scenario_of(trial)).or_insert_with(|| (trial, BTreeSet::new()));
         entry.1.extend(trial.record.grasp);
     }
-    // All of them are opened before the first is simulated: what is wrong is said at once.
+    // All scenarios are opened before the first is simulated, so that errors are reported at once.
     let (mut tests, mut skipped) = (Vec::new(), Vec::new());
     for (key, (trial, chosen)) in wanted {
         let own = &trial.record.trial;
         let source = source_of(&results, &own.scenario, &own.scenario_hash, None).map_err(|fault| match fault {
             BenchError::OtherScenario { scenario, source_name } => {
                 let problem = format!(
-                    "scenario {scenario} is not the one of its trials: its content has changed, or it is not where it \
-                     was; put what it was to {source_name}"
+                    "scenario {scenario} differs from that of its trials: its content has changed, or it was \
+                     moved; restore the original at {source_name}"
                 );
                 Failure::File { path: file.clone(), problem }
             }
@@ -169,7 +169,7 @@ pub fn run(arguments: &SimulateResultsArguments, output: Output) -> Result<Answe
     let (support_only, trials, seed) = (arguments.support_only, arguments.trials, arguments.seed);
     let settings = Settings { support_only, trials, seed };
     let settings_text = serde_json::to_string(&settings).map_err(std::io::Error::other)?;
-    // Everything that a row depends on.
+    // All inputs of a row.
     let of_test = |(key, test, grasps, _): &(ScenarioKey, GraspTest, GraspSet, Vec<usize>)| {
         format!("{key:?} {test:?} {}", csv_text(grasps))
     };
@@ -230,7 +230,7 @@ fn is_held(row: &GraspRow) -> bool {
     row.outcome == GraspOutcome::Held
 }
 
-/// A row of the table.
+/// Returns a row of the stored table.
 fn kept((((scenario, scenario_hash), _), row): (&(ScenarioKey, usize), &GraspRow)) -> SimulatedGrasp {
     SimulatedGrasp {
         scenario: scenario.clone(),
@@ -245,7 +245,7 @@ fn kept((((scenario, scenario_hash), _), row): (&(ScenarioKey, usize), &GraspRow
     }
 }
 
-/// How each planner's grasps do, under each criterion.
+/// Aggregates the test results by planner, settings and criterion.
 fn of_planners(solved: &[StoredTrial], rows: &Rows) -> Vec<PlannerGrasps> {
     let mut of_planner: BTreeMap<(&str, &str, &'static str), Vec<&GraspRow>> = BTreeMap::new();
     for stored in solved {
@@ -305,7 +305,10 @@ impl Simulated {
             let _ = writeln!(page, "  skipped: {scenario} with {}", counted(*trials, "solved trial"));
         }
         let end = match &self.unfinished {
-            Some(file) => format!("stopped before the end; the same command goes on from {}", file.display()),
+            Some(file) => format!(
+                "stopped before the end; run the same command again to continue from {}",
+                file.display()
+            ),
             None => "kept in its table simulated_grasps".to_owned(),
         };
         let _ = writeln!(page, "  {end}");

@@ -22,21 +22,21 @@ pub struct SettleArguments {
     /// Built-in object, or the folder of one
     #[arg(value_name = "OBJECT")]
     pub object: String,
-    /// How often it is dropped
+    /// Number of drops
     #[arg(long, value_name = "N", default_value = "400", value_parser = whole::<usize>(1..=1_000_000))]
     pub count: usize,
-    /// Seed of the turns
+    /// Seed of the initial orientations
     #[arg(long, value_name = "N", default_value = "0", value_parser = whole(0..=u64::MAX))]
     pub seed: u64,
 }
 
-/// What `simulate settle --json` prints; the keys stay.
+/// Output of `simulate settle --json`; its keys are stable.
 #[derive(Serialize)]
 struct Settled {
     object: String,
     #[serde(flatten)]
     settling: Settling,
-    /// Whether Ctrl-C left drops over.
+    /// True if Ctrl-C stopped the command before all drops.
     stopped: bool,
 }
 

@@ -12,7 +12,7 @@ use crate::failure::Failure;
 use crate::physics::simulate_plan::InsteadArguments;
 use crate::planning::task::open_scenario;
 
-/// What is grasped, by what, and how.
+/// Grasps to test, with their object, surroundings and hand.
 #[derive(Clone, Debug, Args)]
 pub struct SubjectArguments {
     /// Scenario: built-in, a folder or packed; or an object: built-in or a folder
@@ -21,10 +21,10 @@ pub struct SubjectArguments {
     /// File of grasps: in the planning frame of a scenario, in the frame of an object [default: the scenario's own]
     #[arg(long, value_name = "FILE")]
     pub grasps: Option<PathBuf>,
-    /// Of a scenario, only what the target stands on; the hand may then be where obstacles are
+    /// For a scenario, simulate only the support of the target; the hand may then overlap obstacles
     #[arg(long)]
     pub support_only: bool,
-    /// An object rests on the ground in this one of its stable poses; without it, it floats until the hand has closed
+    /// Stable pose in which an object rests on the ground; without it, the object floats until the hand has closed
     #[arg(long, value_name = "K")]
     pub pose: Option<usize>,
     #[command(flatten)]
@@ -34,14 +34,14 @@ pub struct SubjectArguments {
     pub gripper: Option<PathBuf>,
 }
 
-/// Everything that a simulation of grasps is about.
+/// Inputs of a simulation of grasps.
 pub struct Subject {
     pub name: String,
     pub hand: Hand,
     pub test: GraspTest,
-    /// In the planning frame.
+    /// Grasps in the planning frame.
     pub grasps: GraspSet,
-    /// The same as they were given: those of an object are in its frame.
+    /// Grasps as given: those of an object are in its frame.
     pub given: GraspSet,
 }
 
@@ -53,7 +53,10 @@ impl Subject {
         let with_force = |hand: Hand| arguments.instead.of_hand(hand);
         if is_scenario(&arguments.subject) {
             if arguments.pose.is_some() {
-                return Err(flag("pose", "the object stands where the scenario has it".to_owned()));
+                return Err(flag(
+                    "pose",
+                    "not valid for a scenario, which defines the pose of its object".to_owned(),
+                ));
             }
             let scenario = open_scenario(&arguments.subject, &OpenOptions::default(), output)?;
             let hand = with_force(given.unwrap_or_else(|| robot_hand(&scenario.robot)));
@@ -64,7 +67,7 @@ impl Subject {
         if arguments.support_only {
             return Err(flag(
                 "support-only",
-                "an object stands on nothing but the ground, by --pose".to_owned(),
+                "not valid for an object: its only support is the ground (see --pose)".to_owned(),
             ));
         }
         let object = object::open(&arguments.subject)?;
@@ -73,9 +76,8 @@ impl Subject {
         let object = object.with_mass_and_friction(mass_kg, friction)?;
         let Some(file) = grasps else {
             let name = &arguments.subject;
-            let problem = format!(
-                "grasps of an object stand in a file; make one: cranny grasps sample {name} -o {name}.csv"
-            );
+            let problem =
+                format!("required for an object; create a file: cranny grasps sample {name} -o {name}.csv");
             return Err(flag("grasps", problem));
         };
         let hand = with_force(given.map_or_else(|| panda_hand().map_err(ScenarioError::from), Ok)?);

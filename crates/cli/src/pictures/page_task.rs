@@ -17,23 +17,23 @@ use crate::planning::task::open_scenario;
 use crate::progress::{self, stop_on_interrupt};
 use crate::{physics::recording, pictures::search_replay, text};
 
-/// What a page is to show.
+/// Content of a viewer page.
 pub struct PageRequest<'a> {
-    /// The scenario, or the file of a recording.
+    /// Scenario id, or the file of a recording.
     pub id: &'a str,
     /// Plan files or way points.
     pub plans: &'a [PathBuf],
     pub robot: Option<&'a Path>,
     pub geometry: Option<GeometryArgument>,
-    /// What bare way points are judged by, if not by the scenario's own criterion.
+    /// Criterion for bare way points; `None` for the scenario's own.
     pub criterion: Option<Criterion>,
-    /// Which grasps the path may end at, if not those that the plans name.
+    /// Allowed goal grasps, instead of those that the plans name.
     pub grasps: GivenGrasps,
-    /// The planners by which the searches are run again, if their trees are to be shown.
+    /// Registry of the planners that repeat the searches, if their trees are shown.
     pub search_trees: Option<&'a Registry>,
 }
 
-/// A page, and what postures are judged in where it has a robot.
+/// Page, and the cells in which configurations are checked if it has a robot.
 pub struct PageTask {
     pub page: PageData,
     pub cells: Option<PageCells>,
@@ -117,7 +117,7 @@ impl PageTask {
     }
 }
 
-/// The verdict on a plan; the user is warned of what its file states otherwise than it was measured.
+/// Returns the verdict on a plan, and prints a note for each statement of its file that differs from the measurement.
 fn verdict(file: &Path, judgement: Option<Judgement>) -> Result<Option<Audit>, Failure> {
     for statement in judgement.iter().flat_map(|judgement| &judgement.differs) {
         text::note(&format!("{}: {statement}", file.display()))?;
@@ -125,7 +125,7 @@ fn verdict(file: &Path, judgement: Option<Judgement>) -> Result<Option<Audit>, F
     Ok(judgement.map(|judgement| judgement.audit))
 }
 
-/// The scenario and its problems, each made once.
+/// Scenario and its problems, each created once.
 struct Tasks<'a> {
     id: &'a str,
     options: OpenOptions,
@@ -135,14 +135,14 @@ struct Tasks<'a> {
 }
 
 impl Tasks<'_> {
-    /// The scenario under a criterion; the first one that was opened, if that is its own.
+    /// Opens the scenario under a criterion; reuses an already opened one with that criterion.
     fn open(&mut self, criterion: Option<Criterion>) -> Result<Scenario, Failure> {
         let is_it = |scenario: &&Scenario| criterion.is_none_or(|criterion| scenario.criterion == criterion);
         if let Some(known) = self.opened.iter().find(is_it) {
             return Ok(known.clone());
         }
         let options = OpenOptions { criterion, ..self.options.clone() };
-        // What is to be said of a scenario is said once.
+        // Notes on a scenario are printed once.
         let scenario = match self.opened.first() {
             Some(_) => Scenario::open(self.id, &options)?,
             None => open_scenario(self.id, &options, self.output)?,

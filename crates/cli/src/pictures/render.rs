@@ -43,67 +43,65 @@ pub struct RenderArguments {
     /// Built-in scenario, or the folder of one; or a recording (.json)
     #[arg(value_name = "ID|RECORDING", required_unless_present = "all")]
     pub id: Option<String>,
-    /// A plan file (.plan.json) or way points (.csv, .try), for .html several; with --all a folder of plan files
-    /// ID.plan.json
+    /// Plan file (.plan.json) or way points (.csv, .try), several for .html; with --all a folder of plan files ID.plan.json
     #[arg(value_name = "PLAN")]
     pub plans: Vec<PathBuf>,
-    /// Where to write, and what: .png, .gif, .apng, .glb, .html, or a folder (with a / at its end) for single
-    /// pictures
+    /// File to write, with its format: .png, .gif, .apng, .glb, .html, or a folder (with a / at its end) for single pictures
     #[arg(long, short, value_name = "FILE")]
     pub output: PathBuf,
-    /// A sheet of all built-in scenarios
+    /// Render a contact sheet of all built-in scenarios
     #[arg(long)]
     pub all: bool,
-    /// Points across and down, 16 to 8192 each, for each of --all up to 2048
-    /// [default: 1280x960; 640x480 for moving pictures, 400x300 for each of --all]
+    /// Width and height in pixels, 16 to 8192 each, up to 2048 with --all [default: 1280x960; 640x480 for animations, 400x300
+    /// for each of --all]
     #[arg(long, value_name = "WxH", value_parser = size)]
     pub size: Option<(usize, usize)>,
-    /// From where
+    /// Direction of the view
     #[arg(long, value_enum, default_value_t = ViewArgument::ThreeQuarter)]
     pub view: ViewArgument,
-    /// From where instead: degrees turned to the left from straight ahead, and above the ground
+    /// Camera direction instead of --view: degrees turned to the left from straight ahead, and above the ground
     #[arg(long, value_name = "TURN,RISE", value_parser = direction, conflicts_with = "view",
           allow_hyphen_values = true)]
     pub camera: Option<(f64, f64)>,
-    /// Translucent poses along the way, at most 100 [default: 3; 0 for moving pictures]
+    /// Number of translucent poses along the path, at most 100 [default: 3; 0 for animations]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(..=MOST_GHOSTS),
           allow_negative_numbers = true)]
     pub ghosts: Option<u8>,
-    /// Grasps shown beside the one that was taken, spread over the scores
+    /// Number of grasps shown beside the chosen one, spread over the scores
     #[arg(long, value_name = "N", default_value_t = SceneSettings::default().grasps)]
     pub grasps: usize,
-    /// Show the robot at so many seconds of a plan's motion instead of its end, in a .png
+    /// Show the robot at this time of a plan's motion, in seconds, instead of its end, in a .png
     #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
     pub time: Option<f64>,
-    /// Pictures a second of a moving picture, 1 to 50
+    /// Frame rate of an animation in Hz, 1 to 50
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u16).range(1..=50))]
     pub rate: u16,
-    /// Samples a point against jagged edges
+    /// Antialiasing samples per pixel
     #[arg(long, value_name = "N", default_value = "4", value_parser = ["1", "4", "8"])]
     pub samples: String,
-    /// Run each plan's search again, as its file says, and show its trees in .html
+    /// Repeat each plan's search, as its file states it, and show its trees in .html
     #[arg(long)]
     pub search_tree: bool,
-    /// Leave obstacles solid that hide the robot or the target
+    /// Keep obstacles opaque that hide the robot or the target
     #[arg(long)]
     pub solid: bool,
-    /// Another robot's URDF instead of the scenario's
+    /// URDF of another robot to use instead of the scenario's
     #[arg(long, value_name = "FILE")]
     pub robot: Option<PathBuf>,
-    /// Obstacles of a released scenario: the true boxes, or the inflated mesh its planners used
+    /// Obstacles of a released scenario: the true boxes, or the inflated mesh that its planners used
     #[arg(long, value_enum)]
     pub geometry: Option<GeometryArgument>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ViewArgument {
-    /// From the right, somewhat ahead and above
+    /// From the right, slightly ahead and above
     ThreeQuarter,
-    /// From behind the robot: what it sees
+    /// From behind the robot, in its viewing direction
     Front,
     /// From the right of the robot, level
     Side,
-    /// From above, ahead is up
+    /// From above, with the forward direction up
     Top,
     /// All four in one picture
     All,
@@ -121,7 +119,7 @@ impl ViewArgument {
     }
 }
 
-/// What is printed with `--json`.
+/// Output of `render --json`.
 #[derive(Default, Serialize)]
 pub struct Rendered {
     pub files: Vec<PathBuf>,
@@ -129,26 +127,25 @@ pub struct Rendered {
     pub width: usize,
     pub height: usize,
     pub triangles: usize,
-    /// Obstacles that the pictures show as glass, because they hide what matters.
+    /// Obstacles drawn transparent because they hide the robot or the target.
     pub seen_through: Vec<String>,
 }
 
-/// Instants a second of an animated glTF, which interpolates between them.
+/// Sample rate of an animated glTF, in Hz; viewers interpolate between the samples.
 pub const GLTF_RATE_HZ: f64 = 30.0;
 
-/// More poses than this hide the way that they show.
+/// Maximum number of ghost poses; more would hide the path.
 const MOST_GHOSTS: i64 = 100;
 
-/// Pictures of the longest motion that is drawn: some minutes at the highest rate.
+/// Maximum number of frames of a motion: some minutes at the highest rate.
 const MOST_PICTURES: usize = 10_000;
 
-/// Points of all pictures of a motion in one file, which are held in memory: 1.5 GB.
+/// Maximum total number of pixels of an animation in one file, which is held in memory: 1.5 GB.
 const MOST_MOVING_POINTS: usize = 500_000_000;
 
 pub fn run(arguments: &RenderArguments, registry: &Registry, output: Output) -> Result<Answer, Failure> {
     let format = Format::of(&arguments.output)?;
-    // So that nobody waits for a picture that cannot be written; places in a folder are looked at when their
-    // names are known.
+    // Checked before rendering; files in a folder are checked when their names are known.
     if let Some(kind) = format.kind() {
         output_file::check(&arguments.output, kind, output)?;
     }
@@ -172,7 +169,7 @@ pub fn run(arguments: &RenderArguments, registry: &Registry, output: Output) -> 
 }
 
 impl Rendered {
-    /// Prints what was written.
+    /// Prints the files written.
     pub fn answer(&self, output: Output) -> Result<Answer, Failure> {
         text::answer(self, || self.page(), output)?;
         Ok(Answer::Done)
@@ -187,7 +184,8 @@ impl Rendered {
             let names = self.seen_through.join(", ");
             let _ = writeln!(
                 page,
-                "  seen through, because they hide robot, way or target: {names} (--solid: nothing)"
+                "  drawn transparent, because they hide robot, path or target: {names} (--solid draws them \
+                 opaque)"
             );
         }
         page
@@ -235,14 +233,14 @@ fn one(
     Ok(rendered)
 }
 
-/// The viewer's page with all its data, in one file.
+/// Writes the viewer's page with all its data to one file.
 fn page(
     id: &str,
     arguments: &RenderArguments,
     registry: &Registry,
     output: Output,
 ) -> Result<Rendered, Failure> {
-    // Better now than after a search.
+    // Checked before any search.
     PageServer::check_page()?;
     let request = PageRequest {
         id,
@@ -257,7 +255,7 @@ fn page(
     Ok(Rendered { files: vec![arguments.output.clone()], ..Rendered::default() })
 }
 
-/// One view, or four of half the size.
+/// Renders one view, or four of half the size.
 fn views(scene: &Scene, arguments: &RenderArguments, settings: &PictureSettings) -> Result<Picture, Failure> {
     let views = arguments.view.views();
     if let [view] = views[..] {
@@ -270,7 +268,7 @@ fn views(scene: &Scene, arguments: &RenderArguments, settings: &PictureSettings)
     Ok(Picture::sheet(&pictures, 2))
 }
 
-/// Draws the motion and returns of how many pictures.
+/// Renders the motion and returns the number of frames.
 fn moving(
     scene: &Scene,
     arguments: &RenderArguments,
@@ -309,7 +307,7 @@ fn moving(
     Ok(frames.len())
 }
 
-/// What is seen of a recording, with as many instants a second as pictures.
+/// Returns the scene of a recording, sampled at the frame rate.
 fn recorded(file: &Path, arguments: &RenderArguments, rate_hz: Option<f64>) -> Result<Scene, Failure> {
     let recording = recording::read(
         file,
@@ -378,14 +376,14 @@ pub fn settings(
     })
 }
 
-/// The first instant of the motion that is not before a time.
+/// Returns the index of the first frame at or after a time.
 fn frame_at(scene: &Scene, time_s: f64) -> Result<usize, Failure> {
-    /// Durations are printed in whole milliseconds, and so may be asked for.
+    /// Durations are printed in whole milliseconds, so a rounded end time is accepted.
     const ROUNDED_S: f64 = 0.0005;
     let name = &scene.name;
     let times_s = scene.motion.as_ref().map_or(&[][..], |motion| &motion.times_s);
     let Some(&last_s) = times_s.last() else {
-        let problem = format!("nothing moves in {name} without the path of a plan: name its file");
+        let problem = format!("nothing moves in {name} without the path of a plan: give a plan file");
         return Err(Failure::Flag { flag: "time", problem });
     };
     if time_s > last_s + ROUNDED_S {
@@ -395,7 +393,7 @@ fn frame_at(scene: &Scene, time_s: f64) -> Result<usize, Failure> {
     Ok(times_s.partition_point(|&instant| instant < time_s).min(times_s.len() - 1))
 }
 
-/// Refuses a motion of more pictures than can be drawn, or held until they are written.
+/// Refuses a motion with more frames than can be drawn, or held in memory until they are written.
 fn check_length(count: usize, format: Format, settings: &PictureSettings) -> Result<(), Failure> {
     let points = count.saturating_mul(settings.width * settings.height);
     if count > MOST_PICTURES {
@@ -405,8 +403,8 @@ fn check_length(count: usize, format: Format, settings: &PictureSettings) -> Res
     }
     if format != Format::Folder && points > MOST_MOVING_POINTS {
         let problem = format!(
-            "{count} pictures of {} × {} points are too large for one file, which holds {MOST_MOVING_POINTS} points \
-             at most: lower it or --rate, or write a folder",
+            "{count} pictures of {} × {} pixels are too large for one file, which holds {MOST_MOVING_POINTS} \
+             pixels at most: lower it or --rate, or write a folder",
             settings.width, settings.height
         );
         return Err(Failure::Flag { flag: "size", problem });
@@ -420,12 +418,13 @@ pub fn flag(flag: &'static str, problem: &str) -> Failure {
 
 fn size(text: &str) -> Result<(usize, usize), String> {
     let numbers = text.split_once(['x', '×']).and_then(|(w, h)| w.parse().ok().zip(h.parse().ok()));
-    let (width, height) = numbers.ok_or_else(|| format!("'{text}' is no size; write it as 1280x960"))?;
+    let (width, height) =
+        numbers.ok_or_else(|| format!("'{text}' is not a valid size: expected a form such as 1280x960"))?;
     let sides = Picture::SIDES;
     if sides.contains(&width) && sides.contains(&height) {
         return Ok((width, height));
     }
-    Err(format!("each side of a picture is {} to {} points long", sides.start(), sides.end()))
+    Err(format!("each side of a picture must be {} to {} pixels long", sides.start(), sides.end()))
 }
 
 fn direction(text: &str) -> Result<(f64, f64), String> {
@@ -434,12 +433,14 @@ fn direction(text: &str) -> Result<(f64, f64), String> {
         turn.zip(rise.trim().parse().ok())
     });
     let is_direction = |(turn, rise): &(f64, f64)| turn.abs() <= 360.0 && (-90.0..=90.0).contains(rise);
-    numbers
-        .filter(is_direction)
-        .ok_or_else(|| format!("'{text}' is no direction; write two numbers of degrees, such as -75,22"))
+    numbers.filter(is_direction).ok_or_else(|| {
+        format!("'{text}' is not a valid direction: expected two angles in degrees, such as -75,22")
+    })
 }
 
 fn seconds(text: &str) -> Result<f64, String> {
     let seconds: Option<f64> = text.parse().ok();
-    seconds.filter(|s| *s >= 0.0).ok_or_else(|| format!("'{text}' is no number of seconds"))
+    seconds
+        .filter(|s| *s >= 0.0)
+        .ok_or_else(|| format!("'{text}' is not a valid time: expected seconds, at least 0"))
 }

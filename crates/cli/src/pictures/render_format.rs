@@ -4,7 +4,7 @@ use crate::failure::Failure;
 use crate::file_kind::FileKind;
 use crate::output_file;
 
-/// What a file's ending asks for.
+/// Output format, from the extension of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
     Png,
@@ -16,7 +16,7 @@ pub enum Format {
 }
 
 impl Format {
-    /// What the name of the output says.
+    /// Returns the format for the name of the output.
     pub fn of(file: &Path) -> Result<Self, Failure> {
         if output_file::is_folder(file) {
             return Ok(Self::Folder);
@@ -30,14 +30,15 @@ impl Format {
             "html" => Ok(Self::Html),
             _ => {
                 let text = file.display();
-                let problem =
-                    format!("'{text}' ends in none of .png, .gif, .apng, .glb, .html and / (a folder)");
+                let problem = format!(
+                    "unknown ending of '{text}' (known: .png, .gif, .apng, .glb, .html and / for a folder)"
+                );
                 Err(Failure::Flag { flag: "output", problem })
             }
         }
     }
 
-    /// Nothing for a folder, which is no file.
+    /// Returns the kind of file; `None` for a folder.
     pub fn kind(self) -> Option<FileKind> {
         match self {
             Self::Png | Self::Apng => Some(FileKind::Png),
@@ -48,7 +49,7 @@ impl Format {
         }
     }
 
-    /// Whether it is many pictures.
+    /// Returns true if the output has several frames.
     pub fn is_moving(self) -> bool {
         matches!(self, Self::Gif | Self::Apng | Self::Folder)
     }

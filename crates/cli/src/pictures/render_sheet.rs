@@ -8,13 +8,13 @@ use crate::pictures::render::{GLTF_RATE_HZ, RenderArguments, Rendered, flag, sce
 use crate::pictures::render_format::Format;
 use crate::{Answer, output_file, progress};
 
-/// Pictures in a row of a sheet: a row for each environment of the twenty scenarios, which come first.
+/// Number of pictures per row of a sheet: a row for each environment of the twenty scenarios, which come first.
 const SHEET_COLUMNS: usize = 5;
 
-/// The longest side of a picture on a sheet, in points: all of it is held in memory.
+/// Maximum side length of a picture on a sheet, in pixels, because the whole sheet is held in memory.
 const MOST_SHEET_POINTS: usize = 2048;
 
-/// All built-in scenarios, with the plans of a folder where it has them.
+/// Renders all built-in scenarios, with the plans of a folder where available.
 pub fn run(arguments: &RenderArguments, output: Output) -> Result<Answer, Failure> {
     let format = Format::of(&arguments.output)?;
     if let Some(kind) = format.kind() {
@@ -32,14 +32,14 @@ pub fn run(arguments: &RenderArguments, output: Output) -> Result<Answer, Failur
     // With --all the only free argument is the folder of plans.
     let folder = arguments.plans.first().cloned().or(arguments.id.as_ref().map(PathBuf::from));
     if let Some(folder) = folder.as_ref().filter(|folder| !folder.is_dir()) {
-        let problem = format!("'{}' is no folder of plan files", folder.display());
+        let problem = format!("'{}' is not a folder of plan files", folder.display());
         return Err(Failure::Flag { flag: "all", problem });
     }
     let size = arguments.size.unwrap_or((400, 300));
     if size.0.max(size.1) > MOST_SHEET_POINTS {
         let problem = format!(
-            "{} × {} points are too many for each picture of a sheet; each side is at most {MOST_SHEET_POINTS} \
-             points long",
+            "{} × {} pixels are too many for each picture of a sheet; each side is at most \
+             {MOST_SHEET_POINTS} pixels long",
             size.0, size.1
         );
         return Err(Failure::Flag { flag: "size", problem });
@@ -51,7 +51,7 @@ pub fn run(arguments: &RenderArguments, output: Output) -> Result<Answer, Failur
         let plan = plan.filter(|plan| plan.is_file());
         let scene = scene(entry.id, plan.as_deref(), arguments, GLTF_RATE_HZ, output)?;
         triangles += scene.triangle_count();
-        // Nobody turns a picture on a sheet or walks back from it: it shows the whole scene.
+        // A picture on a sheet cannot be turned or zoomed, so it shows the whole scene.
         let direction_deg = arguments.camera.unwrap_or(view.direction_deg());
         let camera = scene.whole_camera_from(direction_deg, size.0 as f64 / size.1 as f64);
         let settings = PictureSettings { camera: Some(camera), ..settings(&scene, arguments, size, 3)? };

@@ -8,13 +8,13 @@ use cranny_view::{Picture, PictureSettings, Scene, SceneSettings, StandardView};
 
 use crate::failure::Failure;
 
-/// The sides of each of the four pictures, in points.
+/// Side length of each of the four pictures, in pixels.
 const SIDE: usize = 560;
 
-/// How long the axes of the gripper frame are drawn, in metres.
+/// Drawn length of the axes of the gripper frame, in metres.
 const AXES_M: f64 = 0.06;
 
-/// Writes a sheet: the robot at its start from two sides, its hand open and closed with the gripper frame.
+/// Writes a sheet of four pictures: the robot at its start from two sides, its hand open and closed with the gripper frame.
 pub fn write(what: &Path, recipe: &RecipeRobot, file: &Path) -> Result<(), Failure> {
     let mut pictures = Vec::new();
     let (open_scene, open) = scene(recipe)?;
@@ -32,7 +32,7 @@ pub fn write(what: &Path, recipe: &RecipeRobot, file: &Path) -> Result<(), Failu
     Ok(Picture::sheet(&pictures, 2).write_png(file)?)
 }
 
-/// The robot alone on the floor, with the axes of its gripper frame.
+/// Returns a scene of the robot alone on the floor, with the axes of its gripper frame.
 fn scene(recipe: &RecipeRobot) -> Result<(Scene, Scenario), Failure> {
     let recipe = Recipe {
         title: recipe.robot.name().to_owned(),
@@ -56,7 +56,7 @@ fn scene(recipe: &RecipeRobot) -> Result<(Scene, Scenario), Failure> {
     Ok((scene.with_axes(frames.link(scenario.robot.tip()), AXES_M), scenario))
 }
 
-/// The hand alone, along the axis across its fingers and a little from above.
+/// Renders the hand alone, along the axis across its fingers and slightly from above.
 fn hand(scene: &Scene, scenario: &Scenario) -> Result<Picture, Failure> {
     let robot: &Robot = &scenario.robot;
     let frames = robot.frames_at(&scenario.start);
@@ -70,7 +70,7 @@ fn hand(scene: &Scene, scenario: &Scenario) -> Result<Picture, Failure> {
     }
     let tip = frames.link(robot.tip());
     points.push(tip.translation.vector.into());
-    // Of a hand that is one link with much of the arm only what is near.
+    // If the hand is one link with much of the arm, only points near the tip are framed.
     let near = |point: &Point| (point.coords - tip.translation.vector).norm() < 0.25;
     points.retain(near);
     let across = tip.rotation * cranny_spatial::Vector::x();

@@ -14,8 +14,8 @@ use crate::failure::Failure;
 use crate::progress::SearchProgress;
 use crate::text;
 
-/// The trees of the search that made a plan, which is run again as the plan file says that it was: same planner,
-/// settings and seed, and as many iterations. What the trees do not show is said in one line each.
+/// Repeats the search of a plan with the planner, settings, seed and number of iterations in its file, and returns its trees.
+/// Prints a note for everything that the trees do not show.
 pub fn replay(
     file: &Path,
     plan: &PlanFile,
@@ -36,9 +36,12 @@ pub fn replay(
     if answer.outcome == Outcome::Cancelled {
         note("its search was stopped; the trees end there".to_owned())?;
     } else if plan.optimisation.is_some() {
-        note("the trees are those of its first search; later ones bettered the path".to_owned())?;
+        note("the trees are those of its first search; later searches improved the path".to_owned())?;
     } else if !is_same(plan, &answer) {
-        note(format!("its search went another way this time ({} has another version?)", plan.version))?;
+        note(format!(
+            "its search gave another result this time (was the plan made by another version, {}?)",
+            plan.version
+        ))?;
     }
     if recording.left_out() > 0 {
         let (kept, all) = (recording.len(), recording.len() + recording.left_out());
@@ -47,7 +50,7 @@ pub fn replay(
     Ok(recording)
 }
 
-/// Whether the search ended as the plan says, with its path.
+/// Returns true if the repeated search ended with the outcome and the path of the plan.
 fn is_same(plan: &PlanFile, answer: &Answer) -> bool {
     let bits = |q: &Vec<f64>| q.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
     answer.outcome == plan.outcome
@@ -55,7 +58,7 @@ fn is_same(plan: &PlanFile, answer: &Answer) -> bool {
         && answer.waypoints().iter().map(bits).eq(plan.waypoints.iter().map(bits))
 }
 
-/// Records, shows how far it is, and ends on Ctrl-C.
+/// Observer that records the trees, shows the progress and stops on Ctrl-C.
 struct Watched {
     recording: TreeRecording,
     progress: SearchProgress,

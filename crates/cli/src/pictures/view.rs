@@ -35,24 +35,24 @@ pub struct ViewArguments {
     /// Plan files (.plan.json) or way points (.csv, .try), side by side in one scene
     #[arg(value_name = "PLAN")]
     pub plans: Vec<PathBuf>,
-    /// Run each plan's search again, as its file says, and show its trees as they grow
+    /// Repeat each plan's search, as its file states it, and show the growth of its trees
     #[arg(long)]
     pub search_tree: bool,
-    /// Answer on this port [default: a free one]
+    /// Port of the server [default: a free one]
     #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
     pub port: u16,
-    /// Print the address, but open no browser
+    /// Print the address without opening a browser
     #[arg(long)]
     pub no_open: bool,
-    /// Another robot's URDF instead of the scenario's
+    /// URDF of another robot to use instead of the scenario's
     #[arg(long, value_name = "FILE")]
     pub robot: Option<PathBuf>,
-    /// Obstacles of a released scenario: the true boxes, or the inflated mesh its planners used
+    /// Obstacles of a released scenario: the true boxes, or the inflated mesh that its planners used
     #[arg(long, value_enum)]
     pub geometry: Option<GeometryArgument>,
 }
 
-/// What is printed with `--json`, as soon as the page can be opened.
+/// Output of `view --json`, printed as soon as the page can be opened.
 #[derive(Serialize)]
 struct Viewed<'a> {
     scenario: &'a str,
@@ -60,7 +60,7 @@ struct Viewed<'a> {
 }
 
 pub fn run(arguments: &ViewArguments, registry: &Registry, output: Output) -> Result<Answer, Failure> {
-    // Better now than after a search.
+    // Checked before any search.
     PageServer::check_page()?;
     let server = PageServer::bind(arguments.port, PageLimits::default())?;
     let request = PageRequest {
@@ -83,10 +83,10 @@ pub fn run(arguments: &ViewArguments, registry: &Registry, output: Output) -> Re
         } else {
             text::print(&format!("{url}  (Ctrl-C ends)\n"))
         };
-        // Whoever has no browser here has read the address.
+        // Without a browser on this machine, the printed address remains.
         if let Some(door) = &door {
             let file = door.path().to_owned();
-            // By itself, for some browsers end before it does.
+            // In a thread of its own, because the call may block until the browser exits.
             std::thread::spawn(move || opener::open_browser(file));
         }
     })?;
@@ -94,8 +94,8 @@ pub fn run(arguments: &ViewArguments, registry: &Registry, output: Output) -> Re
     Ok(Answer::Done)
 }
 
-/// A file of the user's own that leads the browser to the page. The words with which a browser is called can be
-/// read by every user of the machine, for as long as it runs; the address must not be among them.
+/// Creates a file of the user's own that redirects the browser to the page. Every user of the machine can read the arguments of
+/// a running browser, so they must not contain the address.
 fn doorway(url: &str) -> io::Result<NamedTempFile> {
     let mut file = tempfile::Builder::new().prefix("cranny-").suffix(".html").tempfile()?;
     writeln!(

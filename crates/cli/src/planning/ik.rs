@@ -17,12 +17,12 @@ use crate::planning::task::{Demand, Task};
 use crate::progress::{bar, stop_on_interrupt};
 use crate::text::{self, degrees, millimetres};
 
-/// What `ik --json` prints; the keys stay.
+/// Output of `ik --json`; its keys are stable.
 #[derive(Serialize)]
 struct Answered<'a> {
     scenario: &'a str,
     solved: usize,
-    /// Whether Ctrl-C left grasps over.
+    /// True if Ctrl-C left grasps unprocessed.
     stopped: bool,
     grasps: Vec<Annotated<'a>>,
 }
@@ -70,11 +70,11 @@ pub fn run(arguments: &IkArguments, output: Output) -> Result<Answer, Failure> {
     let grasps = annotations.iter().map(annotated).collect();
     let answered = Answered { scenario: &scenario.id, solved, stopped: is_stopped, grasps };
     text::answer(&answered, || page(&scenario.id, &annotations, solved), output)?;
-    // What was not looked at is no answer, whatever the others said.
+    // An incomplete run is not a positive answer, even if the processed grasps have solutions.
     Ok(if solved > 0 && !is_stopped { Answer::Done } else { Answer::No })
 }
 
-/// Says why no grasp can be free, where the hand itself is the reason.
+/// Prints the reason why no grasp can be free, if the hand itself is the reason.
 pub fn filled_hand(problem: &Problem) -> Result<(), Failure> {
     FilledHand::of(problem.robot()).map_or(Ok(()), |filled| text::note(&filled.to_string()))
 }
@@ -113,12 +113,12 @@ fn page(id: &str, annotations: &[IkAnnotation], solved: usize) -> String {
             IkStatus::HandCollides { .. } => {
                 format!("the hand alone collides: {}", blocked_by(&annotation.status).unwrap_or_default())
             }
-            IkStatus::OutOfReach { .. } => "beyond reach from anywhere the base can stand".to_owned(),
+            IkStatus::OutOfReach { .. } => "out of reach from every position of the base".to_owned(),
             IkStatus::NoSolution { blocked: 0, .. } => {
                 format!("the arm did not reach the pose in {}", attempts(annotation))
             }
             IkStatus::NoSolution { .. } => format!(
-                "the arm reached the pose, but never freely in {}; at last {}",
+                "the arm reached the pose, but never without a collision in {}; the last: {}",
                 attempts(annotation),
                 blocked_by(&annotation.status).unwrap_or_default()
             ),

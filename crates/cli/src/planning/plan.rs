@@ -36,7 +36,7 @@ pub fn run(arguments: &PlanArguments, registry: &Registry, output: Output) -> Re
     let ask = Ask { registry: registry.clone(), tool_m_s, ..ask(arguments, problem.robot().dof())? };
     let (request, task) = ask.request(&problem, scenario.as_ref())?;
     let source = PlanSource { task, ..source };
-    // Better now than after the search.
+    // Checks the output file before the search.
     let file = destination(arguments, &source.scenario, output)?;
 
     let mut progress = SearchProgress::new(output.quiet, stop_on_interrupt()?);
@@ -62,7 +62,7 @@ pub fn run(arguments: &PlanArguments, registry: &Registry, output: Output) -> Re
         }
         _ => None,
     };
-    // A failed search is worth a look too, but never in the place of a plan that nobody named.
+    // A failed search is useful too, but it never replaces a plan without an explicit --output.
     let is_written = solved || arguments.output.is_some();
     if is_written {
         output_file::check(&file, FileKind::Plan, output)?;
@@ -87,14 +87,14 @@ pub fn run(arguments: &PlanArguments, registry: &Registry, output: Output) -> Re
     if !solved && !output.quiet {
         ik::filled_hand(&problem)?;
     }
-    // A load that is printed is computed, and not what a file states of it.
+    // A printed load is computed and not taken from a file.
     let computed =
         || Some(&plan).filter(|plan| plan.score == ScoreKind::Load).and_then(|_| problem.loaded_grasps());
     text::answer(&answered, || plan_page::page(&answered, &computed().unwrap_or(grasps)), output)?;
     Ok(if solved { Answer::Done } else { Answer::No })
 }
 
-/// Where `--carry` leads.
+/// Parses the destination of `--carry`.
 fn carry(given: &str, joints: usize) -> Result<CarryWord, Failure> {
     match given {
         "home" => return Ok(CarryWord::Home),
@@ -111,7 +111,8 @@ fn carry(given: &str, joints: usize) -> Result<CarryWord, Failure> {
         }
         None if !Path::new(given).exists() => {
             let problem = format!(
-                "'{given}' is neither `home` nor `out`, nor {} with commas, nor a file",
+                "'{given}' is not a valid destination: expected `home`, `out`, {} separated by commas, or a \
+                 file",
                 counted(joints, "value")
             );
             return Err(Failure::Flag { flag: "carry", problem });
@@ -121,7 +122,7 @@ fn carry(given: &str, joints: usize) -> Result<CarryWord, Failure> {
     Ok(CarryWord::Configurations(ends))
 }
 
-/// What the flags ask for, of a robot with so many joints.
+/// Builds the request from the flags, for a robot with `joints` joints.
 fn ask(arguments: &PlanArguments, joints: usize) -> Result<Ask, Failure> {
     Ok(Ask {
         planner: arguments.planner.clone(),
@@ -165,13 +166,13 @@ fn ask(arguments: &PlanArguments, joints: usize) -> Result<Ask, Failure> {
     })
 }
 
-/// The kind of score that is asked for, by either of its flags.
+/// Returns the kind of score that either of its flags requests.
 fn score(arguments: &PlanArguments) -> Result<Option<ScoreKind>, Failure> {
     let asked = arguments.score.map(ScoreKind::from);
     match (asked, arguments.min_score.and_then(|least| least.kind)) {
         (Some(asked), Some(of_least)) if asked != of_least => {
             let (asked, of_least) = (asked.name(), of_least.name());
-            let problem = format!("its kind, {of_least}, is not that of --score, {asked}");
+            let problem = format!("its score, {of_least}, differs from that of --score, {asked}");
             Err(Failure::Flag { flag: "min-score", problem })
         }
         (asked, of_least) => Ok(asked.or(of_least)),
@@ -182,7 +183,7 @@ fn destination(arguments: &PlanArguments, id: &str, output: Output) -> Result<Pa
     let file = arguments.output.clone().unwrap_or_else(|| PathBuf::from(format!("{id}.plan.json")));
     output_file::check(&file, FileKind::Plan, output)?;
     if file.extension().is_none_or(|extension| extension != "json") {
-        let problem = "a plan file ends in .json, by which `verify` and the others know it".to_owned();
+        let problem = "the name of a plan file must end in .json".to_owned();
         return Err(Failure::File { path: file, problem });
     }
     if arguments.rate.is_some() {
@@ -191,7 +192,7 @@ fn destination(arguments: &PlanArguments, id: &str, output: Output) -> Result<Pa
     Ok(file)
 }
 
-/// Where the samples of a plan go: `021.plan.json` → `021.trajectory.csv`.
+/// Returns the file for the samples of a plan: `021.plan.json` → `021.trajectory.csv`.
 fn trajectory_file(plan_file: &Path) -> PathBuf {
     let name = plan_file.file_name().unwrap_or_default().to_string_lossy();
     let stem = name.strip_suffix(".json").unwrap_or(&name);

@@ -15,7 +15,7 @@ use crate::text::{
     self, at_least_degrees, at_least_mm, at_most_degrees, at_most_mm, at_most_seconds, millimetres,
 };
 
-/// What `plan --json` prints; the keys stay.
+/// Output of `plan --json`; its keys are stable.
 #[derive(Serialize)]
 pub struct Answered<'a> {
     #[serde(flatten)]
@@ -26,21 +26,22 @@ pub struct Answered<'a> {
     pub iterations: u64,
     pub valid: bool,
     pub start_faults: Vec<String>,
-    /// Points at which the problem differs from its files, in sentences.
+    /// Deviations of the problem from its files, in sentences.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub deviations: Vec<String>,
     pub plan_file: Option<&'a Path>,
     pub duration_s: Option<f64>,
     pub timing_time_s: Option<f64>,
     pub trajectory_file: Option<&'a Path>,
-    /// The two things that limit the clearance.
+    /// Pair of bodies that limits the clearance.
     pub clearance_limit: Option<&'a ClearanceLimit>,
-    /// Why there is no trajectory.
+    /// Reason why there is no trajectory.
     #[serde(skip)]
     pub untimed: Option<String>,
 }
 
-/// The first cost, each that is a twentieth below the one before it here, and the last: all stand in the plan file.
+/// Selects the improvements to print: the first, each at least 5 % below the one selected before, and the last; the plan file
+/// holds all.
 fn milestones(improvements: &[Improvement]) -> Vec<&Improvement> {
     const FALL: f64 = 0.05;
     let mut told: Vec<&Improvement> = Vec::new();
@@ -54,7 +55,7 @@ fn milestones(improvements: &[Improvement]) -> Vec<&Improvement> {
     told
 }
 
-/// The objects that are carried, a line each.
+/// Returns a line for each carried object.
 fn carried(plan: &PlanFile) -> Vec<String> {
     let of_pick = |pair: &[Segment]| {
         let [lift_off, onward] = pair else { return None };
@@ -74,7 +75,7 @@ fn is_at(segment: &Segment, end: MotionEnd) -> bool {
     segment.mode.rests_at == Some(end)
 }
 
-/// How far things may be from where the plan has them.
+/// Formats the tolerated errors of poses and joints.
 fn robust(robustness: &Robustness) -> String {
     let pose = |radius: &PoseRadius| {
         format!("{} or {}", at_least_mm(radius.translation_m), at_least_degrees(radius.rotation_rad))
@@ -93,7 +94,7 @@ fn robust(robustness: &Robustness) -> String {
     format!("free with {} off", parts.into_iter().flatten().collect::<Vec<_>>().join("; "))
 }
 
-/// Percentage by which the path is longer than any path of its task must be, in words; nothing where that is not known.
+/// Formats the upper bound on the excess of the path length over the shortest path of its task, in percent; empty if unknown.
 fn beyond_least(plan: &PlanFile) -> String {
     let share = plan.least_length.map(|least| plan.path_length / least - 1.0);
     share.filter(|share| share.is_finite()).map_or_else(String::new, |share| {
@@ -102,12 +103,12 @@ fn beyond_least(plan: &PlanFile) -> String {
     })
 }
 
-/// Firmness with which the hand holds its object, in words; `None` where nothing is carried.
+/// Formats the hold of the carried object; `None` if nothing is carried.
 fn held(plan: &PlanFile) -> Option<String> {
     let carries = plan.segments.iter().any(|segment| segment.mode.holds);
     let Some(Hold { factor, at_rest, mass_assumed }) = plan.hold else {
         let is_asked = carries && plan.hold_demanded.is_some();
-        return is_asked.then(|| "not computed: the hand has no two flat pads that are known".to_owned());
+        return is_asked.then(|| "not computed: the hand does not have two known flat pads".to_owned());
     };
     let at_least = |factor: f64| cranny_file::at_least(factor, 1.0, 1);
     let mut held = match factor {
@@ -119,7 +120,10 @@ fn held(plan: &PlanFile) -> Option<String> {
             )
         }
         None => {
-            format!("by a factor of {} at rest (without times there is no other load)", at_least(at_rest))
+            format!(
+                "by a factor of {} at rest (the load in motion is unknown, because the path is not timed)",
+                at_least(at_rest)
+            )
         }
     };
     if let Some(slowest) = plan.segments.iter().filter_map(|segment| segment.speed).reduce(f64::min) {
@@ -131,7 +135,7 @@ fn held(plan: &PlanFile) -> Option<String> {
     Some(held)
 }
 
-/// The objects that are put down, a line each.
+/// Returns a line for each object that is put down.
 fn placed(plan: &PlanFile) -> Vec<String> {
     let of_place = |(index, set_down): (usize, &Segment)| {
         let Some(Stage::Place(place)) = plan.task.get(set_down.stage) else { return None };
@@ -150,7 +154,7 @@ fn placed(plan: &PlanFile) -> Vec<String> {
     plan.segments.iter().enumerate().filter_map(of_place).collect()
 }
 
-/// The straight lines on which the hand goes because that is demanded, a line each.
+/// Returns a line for each straight segment that the task requires.
 fn straight(plan: &PlanFile) -> Vec<String> {
     let of_segment = |segment: &Segment| {
         let (length_m, end) = match plan.task.get(segment.stage)? {
@@ -165,7 +169,7 @@ fn straight(plan: &PlanFile) -> Vec<String> {
     plan.segments.iter().filter_map(of_segment).collect()
 }
 
-/// When the path is run through, and what it took to find that.
+/// Formats the duration of the trajectory and the time of its computation.
 fn timed(timing: &PlanTiming, seconds: f64) -> String {
     let corners = if timing.blended { ", corners rounded" } else { "" };
     let torque = if timing.torque_up.is_some() { ", within the drives' efforts" } else { "" };
@@ -179,10 +183,10 @@ fn timed(timing: &PlanTiming, seconds: f64) -> String {
     format!("{duration}, {method}{corners}{torque}{hand}; {:.3} ms to time", seconds * 1e3)
 }
 
-/// More reasons why goals are refused are not listed.
+/// Maximum number of reasons for refused goals that are listed.
 const MOST_GOAL_FAULTS: usize = 12;
 
-/// What the search took, and what for.
+/// Formats the times of the search by purpose.
 fn times(answered: &Answered) -> String {
     let statistics = &answered.plan.statistics;
     format!(
@@ -195,7 +199,7 @@ fn times(answered: &Answered) -> String {
     )
 }
 
-/// What came after the search, and how long that took.
+/// Formats the result and the time of the steps after the search.
 fn shortened(shortening: &PlanShortening, seconds: f64) -> String {
     let searches = match shortening.searches {
         0 => String::new(),
@@ -204,7 +208,7 @@ fn shortened(shortening: &PlanShortening, seconds: f64) -> String {
     format!("in {}{searches}", text::seconds(seconds))
 }
 
-/// How much the search did.
+/// Formats the counts of the search.
 fn searched(statistics: &Statistics) -> String {
     let [iterations, nodes, checks] = [
         counted(statistics.iterations, "iteration"),
@@ -214,7 +218,7 @@ fn searched(statistics: &Statistics) -> String {
     format!("{iterations}, {nodes}, {checks}")
 }
 
-/// What is told of the path and its end.
+/// Adds the lines on the path and its end.
 fn about_path(answered: &Answered, grasps: &GraspSet, line: &mut dyn FnMut(&str, String)) {
     let Answered { plan, clearance_limit, .. } = answered;
     if let (Some(grasp), Some(translation), Some(rotation)) =
@@ -287,7 +291,8 @@ fn about_path(answered: &Answered, grasps: &GraspSet, line: &mut dyn FnMut(&str,
     }
 }
 
-/// Obstacles between the robot and its grasps, those of its own taken together; and why it took none.
+/// Adds the obstacles between the robot and its grasps, with the planner's own grasps combined, and the reason if no grasp was
+/// chosen.
 pub fn blocked(plan: &PlanFile, is_own: bool, line: &mut dyn FnMut(&str, String)) {
     for (reason, count) in GraspFailure::counted(&plan.failures) {
         let which = if is_own { "own grasps".to_owned() } else { counted(count, "grasp") };
@@ -295,14 +300,14 @@ pub fn blocked(plan: &PlanFile, is_own: bool, line: &mut dyn FnMut(&str, String)
     }
     let margins = demanded_margins(&plan.margins);
     if !(plan.failures.is_empty() || margins.is_empty()) {
-        line("", format!("where nearer than demanded counts as touching: {}", margins.join(", ")));
+        line("", format!("bodies closer than required count as touching: {}", margins.join(", ")));
     }
     if let Some(reason) = &plan.no_grasp {
         no_grasp(reason, line);
     }
 }
 
-/// Why no grasp was taken at all, and what helps.
+/// Adds the reason why no grasp was chosen at all, and a remedy.
 fn no_grasp(reason: &NoGrasp, line: &mut dyn FnMut(&str, String)) {
     match reason {
         NoGrasp::TooWide(too_wide) => line("too wide", too_wide.to_string()),
@@ -316,11 +321,11 @@ fn no_grasp(reason: &NoGrasp, line: &mut dyn FnMut(&str, String)) {
             let (missed, turned) = (at_most_mm(miss.missed_by_m), at_most_degrees(miss.turned_by_rad));
             let joints = match &miss.joints_at_limits[..] {
                 [] => "no joint at its limit".to_owned(),
-                joints => format!("at their limits {}", joints.join(", ")),
+                joints => format!("joints at their limits: {}", joints.join(", ")),
             };
             line(
                 "reach",
-                format!("nearest is {nearest}{beyond}: the arm stays {missed}, {turned} off it, {joints}"),
+                format!("nearest is {nearest}{beyond}: the arm misses it by {missed}, {turned}, {joints}"),
             );
             if let Some([x, y]) = miss.base_shift_m {
                 let shift = format!("{x:+.2} m along x and {y:+.2} m along y");
@@ -331,7 +336,7 @@ fn no_grasp(reason: &NoGrasp, line: &mut dyn FnMut(&str, String)) {
     }
 }
 
-/// What a person is told of an answer, whose grasps are these.
+/// Returns the printed text of an answer; `grasps` are those of its problem.
 pub fn page(answered: &Answered, grasps: &GraspSet) -> String {
     let Answered { plan, .. } = answered;
     let statistics = &plan.statistics;

@@ -12,29 +12,29 @@ use crate::failure::Failure;
 use crate::planning::task::{Demand, Task, note_all};
 use crate::text;
 
-/// What is planned or judged: a scenario, or a problem in other people's files.
+/// Planning task: a scenario, or a problem from external files.
 pub struct PlanTask {
     pub source: PlanSource,
-    /// What can be grasped; nothing where the goal is a configuration.
+    /// Candidate grasps; empty if the goal is a configuration.
     pub grasps: GraspSet,
     pub problem: Problem,
-    /// Points at which the problem differs from its files, in sentences.
+    /// Deviations of the problem from its files, in sentences.
     pub deviations: Vec<String>,
-    /// Greatest speed of the gripper frame, in m/s, that the files demand.
+    /// Maximum speed of the gripper frame that the files require, in m/s.
     pub tool_m_s: Option<f64>,
-    /// The scenario; none for a problem in other people's files.
+    /// Scenario of the task; `None` for a problem from external files.
     pub scenario: Option<Scenario>,
 }
 
-/// The plan of a file; `None` for a file of bare way points.
+/// Reads the plan of a file; `None` for a file of bare way points.
 pub fn read_plan(file: &Path) -> Result<Option<PlanFile>, RecordError> {
     let is_plan = file.extension().is_some_and(|extension| extension == "json");
     is_plan.then(|| PlanFile::read(file)).transpose()
 }
 
 impl PlanTask {
-    /// What the flags say, `moveit` being a scene and a request or nothing; where they are silent what is demanded
-    /// otherwise.
+    /// Opens the task of the flags, with the values of `otherwise` for those not given. `moveit` is a scene and a request, or
+    /// empty.
     pub fn open(
         arguments: &TaskArguments,
         moveit: &[PathBuf],
@@ -57,7 +57,7 @@ impl PlanTask {
     ) -> Result<Self, Failure> {
         let options = MoveItOptions { robot: arguments.robot.clone(), ..MoveItOptions::default() };
         let opened = MoveItProblem::open(scene, request, &options)?;
-        // They stand in the answer too; one for a person has them alone.
+        // The JSON answer holds them too; the printed text gets them only here.
         let deviations: Vec<String> = opened.deviations.iter().map(ToString::to_string).collect();
         if output.json {
             note_all(&deviations, output)?;
@@ -79,8 +79,8 @@ impl PlanTask {
     }
 }
 
-/// Refuses a plan of a robot with other joints, and says if it is of another scenario than the one that it is now
-/// "judged against" or "shown in".
+/// Refuses a plan of a robot with other joints. Prints a note if the plan belongs to a scenario other than the one that it is
+/// now "judged against" or "shown in".
 pub fn check_plan(
     file: &Path,
     plan: &PlanFile,

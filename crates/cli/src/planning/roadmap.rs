@@ -27,28 +27,28 @@ proven again, so that a roadmap of another world costs time and no truth.")]
 pub struct RoadmapArguments {
     #[command(flatten)]
     task: TaskArguments,
-    /// How many configurations
+    /// Number of configurations
     #[arg(long, value_name = "N", default_value = "1000", value_parser = whole::<usize>(1..=100_000))]
     nodes: usize,
-    /// How many nearest a configuration is joined with at most
+    /// Maximum number of nearest neighbours that a configuration is connected to
     #[arg(long, value_name = "N", default_value_t = Prm::default().neighbours, value_parser = whole::<usize>(1..=1000))]
     neighbours: usize,
-    /// Seed of all randomness
+    /// Seed of all random numbers
     #[arg(long, value_name = "N", default_value = "0", value_parser = whole(0..=u64::MAX))]
     seed: u64,
-    /// Where to write it [default: ID.roadmap.json in this folder]
+    /// File to write [default: ID.roadmap.json in this folder]
     #[arg(long, short, value_name = "FILE")]
     output: Option<PathBuf>,
 }
 
-/// What `roadmap --json` prints; the keys stay.
+/// Output of `roadmap --json`; its keys are stable.
 #[derive(Serialize)]
 struct Answered {
     scenario: String,
     nodes: usize,
     edges: usize,
     seconds: f64,
-    /// Whether Ctrl-C came before all nodes were there.
+    /// True if Ctrl-C stopped the command before all nodes were added.
     stopped: bool,
     file: PathBuf,
 }

@@ -11,7 +11,7 @@ use crate::arguments::{Output, TaskArguments};
 use crate::failure::Failure;
 use crate::text;
 
-/// A scenario and the problem that the flags make of it.
+/// Scenario, and its problem with the settings of the flags.
 pub struct Task {
     pub scenario: Scenario,
     pub problem: Problem,
@@ -19,7 +19,7 @@ pub struct Task {
     pub source: PlanSource,
 }
 
-/// What is demanded where flags are silent. Default: what the scenario says, and no margins.
+/// Settings used for flags that are not given. Default: those of the scenario, and no margins.
 #[derive(Clone, Debug, Default)]
 pub struct Demand {
     pub criterion: Option<Criterion>,
@@ -27,12 +27,13 @@ pub struct Demand {
     pub geometry: Option<Geometry>,
     pub grasps: GivenGrasps,
     pub margins: Margins,
-    /// How far the target may be from where it is thought to be.
+    /// Required tolerance of the target's pose error.
     pub robust: Option<PoseRadius>,
 }
 
 impl Demand {
-    /// What a plan was made for. Of a file of grasps that is not here any more, the scenario's own stand in.
+    /// Returns the settings that a plan was made for. If its file of grasps does not exist any more, the scenario's own grasps
+    /// are used.
     pub fn of_plan(plan: &PlanFile) -> Self {
         let grasps = match plan.given_grasps() {
             GivenGrasps::File(file) if !file.is_file() => GivenGrasps::Own,
@@ -44,7 +45,7 @@ impl Demand {
 }
 
 impl Task {
-    /// What the flags say; where they are silent what is demanded otherwise.
+    /// Opens the task of the flags, with the values of `otherwise` for those not given.
     pub fn open(arguments: &TaskArguments, otherwise: Demand, output: Output) -> Result<Self, Failure> {
         let Demand { criterion, robot, geometry, grasps, margins, robust } = otherwise;
         let options = OpenOptions {
@@ -54,11 +55,11 @@ impl Task {
             grasps: arguments.grasps.clone().unwrap_or(grasps),
         };
         let scenario = open_scenario(&arguments.id, &options, output)?;
-        // Nothing checks a margin under `paper`.
+        // Margins are not checked under `paper`.
         let margins = if scenario.criterion == Criterion::Exact { margins } else { Margins::default() };
         let margins = cranny_record::margins_forgiving(&scenario, arguments.margins.or(margins), robust)
             .map_err(|_| {
-                let problem = "there is no target that could be elsewhere".to_owned();
+                let problem = "the scenario has no target, so no target pose can be uncertain".to_owned();
                 Failure::Flag { flag: "robust", problem }
             })?;
         let mut problem = scenario.problem(margins)?;
@@ -72,7 +73,7 @@ impl Task {
     }
 }
 
-/// A scenario; the user is told what was repaired in its meshes, and what is doubtful.
+/// Opens a scenario and prints notes on repaired meshes and doubtful content.
 pub fn open_scenario(id: &str, options: &OpenOptions, output: Output) -> Result<Scenario, Failure> {
     let scenario = Scenario::open(id, options)?;
     note_all(&brief_model_notes(&scenario.robot, &scenario.world), output)?;
@@ -80,7 +81,7 @@ pub fn open_scenario(id: &str, options: &OpenOptions, output: Output) -> Result<
     Ok(scenario)
 }
 
-/// Tells the user, who may have asked for quiet, on standard error.
+/// Prints notes on standard error, unless `quiet` is set.
 pub fn note_all(notes: &[impl Display], output: Output) -> Result<(), Failure> {
     for note in notes.iter().filter(|_| !output.quiet) {
         text::note(&note.to_string())?;

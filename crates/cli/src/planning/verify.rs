@@ -39,23 +39,23 @@ pub fn run(arguments: &VerifyArguments, output: Output) -> Result<Answer, Failur
     Ok(if answered.judged.audit().valid { Answer::Done } else { Answer::No })
 }
 
-/// More lines nobody reads.
+/// Maximum number of violations printed.
 const MOST_SHOWN: usize = 1000;
 
-/// What `verify --json` prints; the keys stay.
+/// Output of `verify --json`; its keys are stable.
 #[derive(Serialize)]
 struct Answered {
     criterion: Criterion,
     #[serde(flatten)]
     brought: Brought,
-    /// Points at which the problem differs from its files, in sentences.
+    /// Deviations of the problem from its files, in sentences.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     deviations: Vec<String>,
     #[serde(flatten)]
     judged: Judged,
 }
 
-/// The verdict on a plan file, or on bare way points.
+/// Verdict on a plan file, or on bare way points.
 #[derive(Serialize)]
 #[serde(untagged)]
 enum Judged {
@@ -90,7 +90,7 @@ fn page(answered: &Answered, way_points: usize, limited_by: &str) -> String {
     if let Some(more) = audit.violations.len().checked_sub(MOST_SHOWN).filter(|more| *more > 0) {
         let _ = writeln!(page, "  …           {more} more; --json lists them all");
     }
-    // A path that misses its goal is told so above.
+    // A missed goal is already reported above.
     let is_told = audit.violations.iter().any(|violation| violation.kind() == "goal");
     if let Some(goal) = audit.goal.as_ref().filter(|_| !is_told) {
         let (translation, rotation) = (goal.translation_error_m, goal.rotation_error_rad);

@@ -12,12 +12,12 @@ use crate::text;
   cranny completions zsh > ~/.zfunc/_cranny            (with ~/.zfunc in fpath)
   cranny completions fish > ~/.config/fish/completions/cranny.fish")]
 pub struct CompletionsArguments {
-    /// Which shell
+    /// Shell to complete for
     #[arg(value_enum)]
     shell: Shell,
 }
 
-/// Prints what makes a shell complete the words of `command`.
+/// Prints the script that completes the words of `command` in a shell.
 pub fn run(arguments: CompletionsArguments, mut command: Command, output: Output) -> Result<Answer, Failure> {
     if output.json {
         let problem = "what is printed is a script for the shell".to_owned();

@@ -18,16 +18,16 @@ use crate::failure::Failure;
 use crate::program::version::{COMMIT, TARGET};
 use crate::{Answer, campaigns::slurm, text};
 
-/// The task of the self-test.
+/// Scenario of the self-test.
 const SCENARIO: &str = "021";
 
-/// What [`digest`] makes of its way points, on every machine.
+/// Expected [`digest`] of its way points, the same on every machine.
 const WAYPOINTS: &str = "2f339943dc74c091";
 
-/// As many configurations are judged with each set of instructions: a twentieth of a second.
+/// Number of configurations checked with each instruction set: a twentieth of a second.
 const CONFIGURATIONS: usize = 20_000;
 
-/// What `doctor --json` prints; the keys stay.
+/// Output of `doctor --json`; its keys are stable.
 #[derive(Serialize)]
 struct Findings {
     version: &'static str,
@@ -40,21 +40,21 @@ struct Findings {
     sound: bool,
 }
 
-/// Something that some commands need, and all others do without.
+/// Optional component, needed by some commands only.
 #[derive(Serialize)]
 struct Part {
     name: &'static str,
     is_there: bool,
-    /// Who needs it; where it is missing, what to do.
+    /// Commands that need it, or the remedy if it is missing.
     remark: &'static str,
 }
 
-/// Something that must hold on every machine.
+/// Check that must pass on every machine.
 #[derive(Serialize)]
 struct Check {
     name: &'static str,
     passed: bool,
-    /// What was seen.
+    /// Observed result.
     seen: String,
     time_s: f64,
 }
@@ -94,16 +94,16 @@ fn parts() -> Result<Vec<Part>, Failure> {
             "Landlock",
             walls.landlock,
             [
-                "`bench run` with planners of others",
-                "planners of others can write anywhere (Linux 5.13 or newer)",
+                "`bench run` with external planners",
+                "external planners can write anywhere (needs Linux 5.13 or newer)",
             ],
         ),
         part(
             "namespaces",
             walls.namespaces,
             [
-                "`bench run` with planners of others",
-                "planners of others see other processes (user namespaces and util-linux)",
+                "`bench run` with external planners",
+                "external planners see other processes (needs user namespaces and util-linux)",
             ],
         ),
         part(
@@ -115,7 +115,7 @@ fn parts() -> Result<Vec<Part>, Failure> {
     ])
 }
 
-/// Plans, proves, and lets a path through an obstacle be refused.
+/// Plans, proves, and checks that a path through an obstacle is refused.
 fn checks() -> Result<Vec<Check>, Failure> {
     let problem = Scenario::open(SCENARIO, &OpenOptions::default())?.problem(Margins::default())?;
     let mut checks = Vec::new();
@@ -133,7 +133,7 @@ fn checks() -> Result<Vec<Check>, Failure> {
     let waypoints = answer.waypoints();
     let digest = digest(&waypoints);
     checks.push(Check {
-        name: "it is the same as everywhere, to the byte",
+        name: "the plan is the reference plan, to the byte",
         passed: digest == WAYPOINTS,
         seen: format!("SHA-256 of its way points {digest}"),
         time_s: 0.0,
@@ -142,7 +142,7 @@ fn checks() -> Result<Vec<Check>, Failure> {
     let straight: Vec<_> = [waypoints.first(), waypoints.last()].into_iter().flatten().cloned().collect();
     let verdict = audit(&problem, &straight)?;
     checks.push(Check {
-        name: "a path through the table is refused",
+        name: "a path through the table is rejected",
         passed: !verdict.valid,
         seen: verdict.violations.first().map(ToString::to_string).unwrap_or_default(),
         time_s: begin.elapsed().as_secs_f64(),
@@ -151,7 +151,7 @@ fn checks() -> Result<Vec<Check>, Failure> {
     Ok(checks)
 }
 
-/// Whether all instructions of this machine say the same of many configurations.
+/// Checks that all instruction sets of this machine give the same verdicts on many configurations.
 fn same_verdicts(problem: &Problem) -> Check {
     let begin = Instant::now();
     let Some(cell) = problem.cell() else { unreachable!("a problem under the exact criterion has a cell") };
@@ -171,14 +171,14 @@ fn same_verdicts(problem: &Problem) -> Check {
     }
     let free = all.first().map_or(0, |verdicts| verdicts.iter().filter(|free| **free).count());
     Check {
-        name: "all vector instructions say the same",
+        name: "all vector instruction sets agree",
         passed: free > 0 && all.windows(2).all(|two| two[0] == two[1]),
         seen: format!("{free} of {CONFIGURATIONS} configurations free: {}", rates.join(", ")),
         time_s: begin.elapsed().as_secs_f64(),
     }
 }
 
-/// The first 16 hexadecimal digits of SHA-256 over all values, as little-endian `f64`.
+/// Returns the first 16 hexadecimal digits of SHA-256 over all values, as little-endian `f64`.
 fn digest(waypoints: &[Vec<f64>]) -> String {
     let mut hash = Sha256::new();
     for value in waypoints.iter().flatten() {
@@ -201,9 +201,10 @@ fn page(findings: &Findings) -> String {
         let _ = writeln!(page, "           {seen}");
     }
     page.push_str(if *sound {
-        "\nAll is as it should be.\n"
+        "\nNo problems found.\n"
     } else {
-        "\nSomething is wrong with this program or this machine: please report it, with all that stands above.\n"
+        "\nSomething is wrong with this program or this machine: please report it, with the whole output \
+         above.\n"
     });
     page
 }

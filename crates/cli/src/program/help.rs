@@ -1,10 +1,10 @@
 use clap::Command;
 
-/// Lines of examples are at most so long: a terminal has no fewer columns.
+/// Maximum width of a line of examples, in columns: terminals have at least as many.
 const COLUMNS: usize = 80;
 
-/// The command with what follows its help laid out for a terminal of any width: prose is one line a paragraph, which
-/// is wrapped where it is printed, and where a remark goes beyond [`COLUMNS`] all stand below their examples.
+/// Lays out the text after the help of a command for a terminal of any width. Prose becomes one line per paragraph, which is
+/// wrapped when printed. If a remark extends beyond [`COLUMNS`], all remarks move below their examples.
 pub fn laid_out(command: Command) -> Command {
     let after = command.get_after_help().map(ToString::to_string);
     let command = match after {
@@ -32,7 +32,7 @@ fn paragraphs(text: &str) -> String {
     laid_out.join("\n")
 }
 
-/// A line, or the two of an example and its remark, which more than one blank parts.
+/// Splits an example from its remark, which are separated by two or more spaces; other lines are unchanged.
 fn example_above_its_remark(line: &str) -> Vec<String> {
     match line.trim_start().split_once("  ").filter(|_| line.starts_with(' ')) {
         Some((command, remark)) => vec![format!("  {command}"), format!("      {}", remark.trim_start())],

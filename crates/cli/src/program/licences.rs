@@ -5,18 +5,18 @@ use crate::arguments::Output;
 use crate::failure::Failure;
 use crate::text;
 
-/// What `licences --json` prints a list of; the keys stay.
+/// Entry of the list that `licences --json` prints; its keys are stable.
 #[derive(Serialize)]
 struct Licence<'a> {
-    /// What has it, with the name of the licence: packages whose texts are the same stand together.
+    /// Packages under this text, each with the name of its licence.
     of: Vec<&'a str>,
     text: &'a str,
 }
 
-/// What stands above and below the heading of each licence.
+/// Line above and below the heading of each licence.
 const RULE: &str = "\n================================================================================\n";
 
-/// Prints the project's own licences, then those of others.
+/// Prints the licences of the project, then those of its dependencies.
 pub fn run(output: Output) -> Result<Answer, Failure> {
     if output.json {
         text::print_json(&licences(cranny_view::NOTICES))?;
@@ -27,7 +27,7 @@ pub fn run(output: Output) -> Result<Answer, Failure> {
 }
 
 fn licences(notices: &str) -> Vec<Licence<'_>> {
-    // The first piece says what follows.
+    // The first piece is an introduction.
     let pieces: Vec<&str> = notices.split(RULE).skip(1).collect();
     pieces
         .chunks_exact(2)

@@ -16,7 +16,7 @@ use cranny_file::counted;
   cranny man
   cranny man -o ~/.local/share/man/man1    then `man cranny-plan`")]
 pub struct ManualArguments {
-    /// Folder for a page of each command [default: the page of `cranny` alone, on standard output]
+    /// Folder for one page per command [default: only the page of `cranny`, on standard output]
     #[arg(long, short, value_name = "FOLDER")]
     output: Option<PathBuf>,
 }
@@ -35,7 +35,7 @@ pub fn run(arguments: &ManualArguments, command: Command, output: Output) -> Res
         return Ok(Answer::Done);
     };
     let mut command = command.disable_help_subcommand(true);
-    // Gives each subcommand its whole name.
+    // Sets the full name of each subcommand.
     command.build();
     let mut pages = Vec::new();
     add_pages(command, &mut pages)?;
@@ -45,7 +45,7 @@ pub fn run(arguments: &ManualArguments, command: Command, output: Output) -> Res
     Ok(Answer::Done)
 }
 
-/// Adds the pages of a command and of all below it.
+/// Adds the pages of a command and of all its subcommands.
 fn add_pages(command: Command, pages: &mut Vec<NamedFile>) -> Result<(), Failure> {
     for below in command.get_subcommands().filter(|below| !below.is_hide_set()) {
         add_pages(below.clone(), pages)?;

@@ -3,13 +3,13 @@ use std::sync::LazyLock;
 
 use cranny_spatial::simd_level_name;
 
-/// The commit that this program was built from, where git knew it.
+/// Commit that this program was built from, if git knew it.
 pub const COMMIT: Option<&str> = option_env!("CRANNY_COMMIT");
 
-/// The machine that it was built for, as Rust names it.
+/// Target triple that this program was built for.
 pub const TARGET: &str = env!("CRANNY_TARGET");
 
-/// What `--version` says: after the number what reports of faults need.
+/// Returns the text of `--version`: the version number, and details for bug reports.
 pub fn long() -> &'static str {
     static TEXT: LazyLock<String> = LazyLock::new(|| {
         let mut text = String::from(env!("CARGO_PKG_VERSION"));

@@ -10,8 +10,8 @@ use cranny_collision::Margins;
 use cranny_scenario::{OpenOptions, Scenario};
 use cranny_view::{PageCells, PageData, PageLimits, PageServer, PageSettings};
 
-/// Asks the page of a built-in scenario what the file holds, over the connection that a browser would use. The server
-/// runs until the program ends.
+/// Sends the content of the file to the page of a built-in scenario, over the connection of a browser. The server runs until
+/// the program ends.
 pub fn ask(folder: &Path) {
     static ADDRESS: OnceLock<String> = OnceLock::new();
     let url = ADDRESS.get_or_init(serve);
@@ -22,7 +22,7 @@ pub fn ask(folder: &Path) {
         question.len()
     );
     let mut stream = TcpStream::connect(host).expect("it listens");
-    // What is too long is refused before all of it is read.
+    // The server refuses an overlong request before it has read all of it.
     let _ = stream.write_all(head.as_bytes()).and_then(|()| stream.write_all(&question));
     let mut answer = Vec::new();
     if stream.read_to_end(&mut answer).is_ok() {
@@ -30,7 +30,7 @@ pub fn ask(folder: &Path) {
     }
 }
 
-/// Starts the server and returns where it is: `host:port/token/`.
+/// Starts the server and returns its address: `host:port/token/`.
 fn serve() -> String {
     let scenario = Scenario::open("021", &OpenOptions::default()).expect("a built-in scenario");
     let problem = scenario.problem(Margins::default()).expect("a problem");

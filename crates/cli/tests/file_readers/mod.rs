@@ -1,6 +1,5 @@
-//! The ways in for what comes from outside: files, the answers of other people's programs, questions to a page. The
-//! fuzz targets (`fuzz/`) and `any_bytes.rs` both feed them with what is not sound; a reader may refuse it, but must
-//! come back.
+//! Readers of external input: files, answers of external programs, requests to a page. The fuzz targets (`fuzz/`) and
+//! `any_bytes.rs` feed them with malformed input; a reader may refuse it, but must return.
 
 mod asked_page;
 mod stored_results;
@@ -22,13 +21,13 @@ use cranny_spatial::Vector;
 use cranny_task::Stage;
 use cranny_view::{BodyRecording, Scene};
 
-/// A reader of one kind of file.
+/// Reader of one kind of file.
 pub struct FileReader {
-    /// What its fuzz target and the folder of its cases are called.
+    /// Name of its fuzz target and of the folder of its cases.
     pub name: &'static str,
-    /// The file among the sound ones that is replaced.
+    /// Sound file that is replaced.
     pub file: &'static str,
-    /// Reads that file, in a folder that holds the sound ones.
+    /// Reads that file, in a folder with all sound files.
     read: fn(&Path),
 }
 
@@ -36,7 +35,7 @@ const fn reader(name: &'static str, file: &'static str, read: fn(&Path)) -> File
     FileReader { name, file, read }
 }
 
-/// All of them.
+/// All readers.
 pub const FILE_READERS: [FileReader; 30] = [
     reader("urdf", "robot/arm.urdf", read_robot),
     reader("srdf", "robot/arm.srdf", read_robot),
@@ -103,7 +102,7 @@ fn import(path: &Path) {
     let _ = import_grasps(path, &ImportSettings::default());
 }
 
-/// A whole folder: each of its files begins with a line `=== name`.
+/// Reads a whole folder: each of its files begins with a line `=== name`.
 fn read_folder(folder: &Path) {
     let listed = fs::read(folder.join("folder.txt")).unwrap_or_default();
     let listed = String::from_utf8_lossy(&listed);
@@ -125,7 +124,7 @@ fn read_folder(folder: &Path) {
     let _ = fs::remove_dir_all(&whole);
 }
 
-/// The summary, and after a line `===` the way points.
+/// Reads the summary and, after a line `===`, the way points.
 fn read_released_answer(folder: &Path) {
     let both = fs::read(folder.join("trial.txt")).unwrap_or_default();
     let separator = b"===\n";
@@ -141,7 +140,7 @@ fn read_robot(folder: &Path) {
     let _ = Robot::load(&folder.join("robot/arm.urdf"), &RobotOptions { srdf, ..RobotOptions::default() });
 }
 
-/// A mesh, as an obstacle, as a link and as an object would take it.
+/// Reads a mesh as obstacles, links and objects do.
 fn read_mesh(path: &Path) {
     if let Ok(soup) = TriangleSoup::load(path, Vector::repeat(1.0)) {
         let _ = Solid::hull(&soup.vertices);
@@ -170,15 +169,17 @@ fn read_moveit(folder: &Path) {
         MoveItProblem::open(&folder.join("moveit/scene.yaml"), &folder.join("moveit/request.yaml"), &options);
 }
 
-/// A reader, with a folder of its own that holds the sound files.
+/// Reader with a folder of its own for the sound files.
 pub struct ReaderAtWork {
     reader: &'static FileReader,
     folder: tempfile::TempDir,
 }
 
 impl ReaderAtWork {
+    /// Creates the reader of this name.
+    ///
     /// # Panics
-    /// If there is no such reader, or no folder can be made.
+    /// If there is no such reader, or no folder can be created.
     pub fn new(name: &str) -> Self {
         let reader = FILE_READERS.iter().find(|reader| reader.name == name).expect("a reader of this name");
         let folder = tempfile::tempdir().expect("a folder of its own");
@@ -186,17 +187,17 @@ impl ReaderAtWork {
         Self { reader, folder }
     }
 
-    /// Has `bytes` read in place of the sound file.
+    /// Reads `bytes` in place of the sound file.
     ///
     /// # Panics
-    /// If the reader does, or the file cannot be written.
+    /// If the reader panics, or the file cannot be written.
     pub fn read(&self, bytes: &[u8]) {
         fs::write(self.folder.path().join(self.reader.file), bytes).expect("a file to read");
         (self.reader.read)(self.folder.path());
     }
 }
 
-/// The folder of this module.
+/// Returns the folder of this module.
 pub fn here() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(super::HERE)
 }

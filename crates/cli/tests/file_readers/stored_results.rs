@@ -5,8 +5,8 @@ use cranny_bench::{Results, RunInformation, ScenarioSource, Trial, TrialOutcome,
 use cranny_plan::Statistics;
 use cranny_task::Criterion;
 
-/// Reads sound results, changed: every three bytes of the file are a change; two say where, in 65 536ths of the
-/// results, one what stands there then.
+/// Reads modified sound results: every three bytes of the file are a change, two for the position in 65 536ths of the results
+/// and one for the new byte.
 pub fn read(folder: &Path) {
     let (sound, path) = (folder.join("sound.db"), folder.join("results.db"));
     if !sound.is_file() {

@@ -10,22 +10,22 @@ use crate::body::world::{Body, Part, World};
 use crate::lane::lane_part::LanePart;
 use crate::{CollisionError, Margins, ToolBound};
 
-/// What a cell is made of.
+/// Constituents of a cell.
 pub(crate) struct CellParts {
     pub robot: Arc<Robot>,
     pub body: Arc<RobotBody>,
     pub around: Arc<Surroundings>,
     pub margins: Margins,
     pub grasp_bodies: Arc<[usize]>,
-    /// Pairs of links that are checked though nothing new can come of it.
+    /// Pairs of links that are checked on request, although they are exempt.
     pub asked_for: Arc<[(usize, usize)]>,
     pub held: Option<HeldBody>,
-    /// Bounds of the tool besides those of the world.
+    /// Bounds on the tool in addition to those of the world.
     pub further_bounds: Arc<[ToolBound]>,
 }
 
 impl CellParts {
-    /// Of an empty hand; the bodies to be grasped, and those that carry them, are given by index.
+    /// Creates the parts of a cell with an empty hand; the object to be grasped and its supports are given by body index.
     ///
     /// # Errors
     /// [`CollisionError::Margin`] for a negative or infinite margin, [`CollisionError::UnknownLink`] for a bound of a link that
@@ -51,7 +51,7 @@ impl CellParts {
     }
 }
 
-/// A world, and what every check needs of it, whatever robot stands in it.
+/// A world with the structures for its checks, independent of the robot.
 #[derive(Debug)]
 pub(crate) struct Surroundings {
     pub world: World,
@@ -71,7 +71,7 @@ impl Surroundings {
         Self { world, parts, lanes, tree }
     }
 
-    /// The same with a body moved by `to`, a motion in the planning frame.
+    /// Returns these surroundings with a body moved by `to`, a motion in the planning frame.
     ///
     /// # Errors
     /// As [`World::new`].
@@ -94,7 +94,7 @@ impl Surroundings {
         Ok(Self { world: self.world.with_bodies(bodies)?, parts, lanes: lanes.into(), tree })
     }
 
-    /// The same with further parts of its bodies, numbered after all others.
+    /// Returns these surroundings with further parts of its bodies, numbered after all others.
     pub fn with_parts(&self, further: &[(usize, Part)]) -> Self {
         let lanes = self.lanes.iter().cloned().chain(further.iter().map(|(_, part)| LanePart::of(part)));
         let lanes = lanes.collect();

@@ -12,7 +12,7 @@ use crate::touch::contact_patch::{Across, Seen};
 #[derive(Clone, Debug)]
 pub struct Extent {
     parts: Arc<[ExtentPart]>,
-    /// Its greatest faces, by their outward normals, the greatest first.
+    /// Outward normals of its largest faces, the largest first.
     normals: Arc<[Vector]>,
     /// Triangles of its convex hull.
     hull: Arc<[[Point; 3]]>,
@@ -25,30 +25,30 @@ pub struct Extent {
 #[derive(Debug)]
 struct ExtentPart {
     held_from_solid: Pose,
-    /// Itself, if it is convex.
+    /// The solid itself, if it is convex.
     convex: Option<Solid>,
-    /// The corners of a mesh.
+    /// Corners of a mesh; empty for a convex solid.
     corners: Vec<Point>,
     /// Its surface.
     triangles: Vec<[Point; 3]>,
-    /// True if its tessellation lies within it: it is round.
+    /// True if the tessellation lies within the solid, because that is round.
     is_round: bool,
 }
 
-/// Faces of a body whose normals are known.
+/// Maximum number of faces of a body whose normals are kept.
 const MOST_NORMALS: usize = 24;
-/// Facets of a hull are of one plane whose normals, as a chord, and heights (m) differ by less: rounding.
+/// Facets of a hull are coplanar if their normals (as a chord) and heights (m) differ by less: rounding.
 const SAME_PLANE: f64 = 1e-9;
-/// Maximum number of distinct normals, by the area of the greatest triangle of each.
+/// Maximum number of distinct normals, by the area of the largest triangle of each.
 const MOST_KNOWN: usize = 192;
-/// Normals of faces that are closer are one, as a chord.
+/// Distance, as a chord, below which normals of faces count as equal.
 pub(crate) const ONE_NORMAL: f64 = 1e-3;
 
 impl Extent {
-    /// Extent of a body.
+    /// Computes the extent of a body.
     ///
     /// # Errors
-    /// [`CollisionError::Hold`] for one that has no end.
+    /// [`CollisionError::Hold`] for an unbounded body.
     pub fn of(body: &Body) -> Result<Self, CollisionError> {
         let unusable = || CollisionError::Hold { name: body.name.clone() };
         let held_from_world = body.parts.first().ok_or_else(unusable)?.world_from_solid.inverse();
@@ -83,37 +83,37 @@ impl Extent {
             });
             surface.append(&own, &Pose::identity());
         }
-        // Of what encloses no volume, the middle.
+        // A surface that encloses no volume has no centre of mass: take the centre of its bounding ball.
         let middle = || body.ball().map_or_else(Point::origin, |ball| held_from_world * ball.center);
         let (center, center_error_m) = UnionMoments::of_mesh(&surface)
             .map_or_else(|_| (middle(), 0.0), |of_union| (of_union.moments.center, of_union.error_m));
         let mut normals = greatest_normals(&flat, |_| true);
         normals.truncate(MOST_NORMALS);
-        // What is flat has none.
+        // A flat body has no hull.
         let hull = TriangleSoup::convex_hull(&surface.vertices).unwrap_or_default();
         let hull: Vec<_> = (0..hull.triangles.len()).map(|triangle| hull.corners(triangle)).collect();
         Ok(Self { parts: parts.into(), normals: normals.into(), hull: hull.into(), center, center_error_m })
     }
 
-    /// Centre of mass at uniform density, in the frame of its first solid; what its solids share counts once.
+    /// Returns the centre of mass at uniform density, in the frame of its first solid; volume shared by solids counts once.
     pub fn center_of_mass(&self) -> Point {
         self.center
     }
 
-    /// Bound on the error of the centre of mass, in metres: 0 where its solids share nothing.
+    /// Returns the bound on the error of the centre of mass, in metres: 0 where its solids do not overlap.
     pub(crate) fn center_error_m(&self) -> f64 {
         self.center_error_m
     }
 
-    /// Least coordinate along a direction, a unit vector, of any point of the body with its first solid at a pose, in metres.
+    /// Returns the least coordinate of the body along a direction (unit vector), in metres, with its first solid at a pose.
     pub fn lowest_along(&self, world_from_held: &Pose, direction: &Vector) -> f64 {
         let own = world_from_held.rotation.inverse() * direction;
         let lowest = self.parts.iter().map(|part| part.lowest_along(&own)).fold(f64::INFINITY, f64::min);
         lowest + direction.dot(&world_from_held.translation.vector)
     }
 
-    /// Triangles of the surface, with the first solid at a pose, that look against the direction and reach below a height
-    /// (m) along it, as they are seen. Those of what is round are moved so that they reach as low as that does.
+    /// Returns the surface triangles, with the first solid at a pose, that face against the direction and reach below a height
+    /// (m) along it, as seen along it. Those of round solids are shifted down so that they reach as low as the solid.
     pub(crate) fn lower_triangles(
         &self,
         world_from_held: &Pose,
@@ -142,9 +142,9 @@ impl Extent {
         lower
     }
 
-    /// Planes of the faces of the body's convex hull, with the first solid at a pose, that reach below a height (m) along a
-    /// direction and do not look that way: the normal into the body of each, and its height along that, in metres. Elsewhere
-    /// the body touches no plane.
+    /// Returns the planes of the faces of the body's convex hull, with the first solid at a pose, that reach below a height (m)
+    /// along a direction and do not face that direction: the inward normal of each, and its height along that, in metres. The
+    /// body can touch no other plane from above.
     pub(crate) fn lower_planes(
         &self,
         world_from_held: &Pose,
@@ -169,14 +169,14 @@ impl Extent {
         planes
     }
 
-    /// Inward normals of its greatest faces, the greatest first, with the first solid at a pose.
+    /// Returns the inward normals of its largest faces, the largest first, with the first solid at a pose.
     pub(crate) fn inward_normals(&self, world_from_held: &Pose) -> impl Iterator<Item = Vector> {
         self.normals.iter().map(|normal| -(world_from_held.rotation * normal))
     }
 }
 
 impl ExtentPart {
-    /// Least coordinate along a direction, both in the frame of the body, in metres.
+    /// Returns the least coordinate along a direction, both in the frame of the body, in metres.
     fn lowest_along(&self, own: &Vector) -> f64 {
         let of_corners = self.corners.iter().map(|corner| own.dot(&corner.coords));
         let of_convex = self.convex.iter().filter_map(|solid| {
@@ -192,8 +192,8 @@ pub(crate) fn is_round(solid: &Solid) -> bool {
     matches!(solid.outline(), Outline::Segment { .. } | Outline::Cylinder { .. })
 }
 
-/// Returns true if a normal of the tessellation of a solid, in its frame, is that of a face of the solid: those of what is
-/// round stand for curves.
+/// Returns true if a normal of the tessellation of a solid, in its frame, belongs to a flat face of the solid. Normals of round
+/// surfaces only approximate a curve.
 pub(crate) fn is_flat(solid: &Solid, normal: &Vector) -> bool {
     match solid.outline() {
         Outline::Segment { .. } => false,
@@ -202,7 +202,7 @@ pub(crate) fn is_flat(solid: &Solid, normal: &Vector) -> bool {
     }
 }
 
-/// Those normals of triangles that are asked for, the ones that agree taken together, by their area.
+/// Returns the normals of triangles that satisfy `is_asked`, merged where they agree, in order of decreasing area.
 pub(crate) fn greatest_normals<'a>(
     triangles: impl IntoIterator<Item = &'a [Point; 3]>,
     is_asked: impl Fn(&Vector) -> bool,

@@ -4,7 +4,7 @@ use cranny_spatial::{Point, Pose};
 
 use crate::Part;
 
-/// The solids of one link, and what bounds them all, in the link's frame.
+/// Solids of one link and their common bounds, in the link's frame.
 #[derive(Clone, Debug)]
 pub(crate) struct LinkBody {
     pub link: usize,
@@ -13,12 +13,12 @@ pub(crate) struct LinkBody {
 }
 
 impl LinkBody {
-    /// The links of `robot` that have geometry.
+    /// Returns the bodies of all links of `robot` that have geometry.
     pub fn all(robot: &Robot) -> Vec<Self> {
         (0..robot.links().len()).filter_map(|link| Self::new(robot, link)).collect()
     }
 
-    /// The link of this index; `None` if it has no geometry.
+    /// Creates the body of the link of this index; `None` if it has no geometry.
     pub fn new(robot: &Robot, link: usize) -> Option<Self> {
         let shapes: Vec<(Pose, Solid)> = robot.links()[link]
             .collisions
@@ -28,7 +28,8 @@ impl LinkBody {
         Self::of_shapes(link, shapes)
     }
 
-    /// A link of these solids, each at its `link_from_solid`; `None` if there are none, or one has no end.
+    /// Creates the body of a link of these solids, each at its `link_from_solid`; `None` if there are none, or one is
+    /// unbounded.
     pub fn of_shapes(link: usize, shapes: Vec<(Pose, Solid)>) -> Option<Self> {
         let mut points: Vec<(Point, f64)> = Vec::new();
         for (link_from_shape, solid) in &shapes {
@@ -38,7 +39,7 @@ impl LinkBody {
         (!points.is_empty()).then(|| Self { link, shapes, bounds: Bounds::around(&points) })
     }
 
-    /// Its solids, each with its `world_from_solid`.
+    /// Returns its solids, each with its `world_from_solid`.
     pub fn placed<'a>(
         &'a self,
         frames: &LinkFrames,
@@ -47,8 +48,8 @@ impl LinkBody {
         self.shapes.iter().map(move |(pose, solid)| (world_from_link * pose, solid))
     }
 
-    /// Distance by which any point of it moves at most from `before` to `after`, two poses of the link in one frame,
-    /// in metres: the centre of its ball goes straight, all else turns about that.
+    /// Returns an upper bound on the distance that any of its points moves from `before` to `after`, two poses of the link in
+    /// one frame, in metres: the centre of its bounding ball translates, and everything else rotates about that.
     pub fn moved_m(&self, before: &Pose, after: &Pose) -> f64 {
         let ball = &self.bounds.ball;
         let turn = before.rotation.inverse() * after.rotation;
@@ -56,8 +57,8 @@ impl LinkBody {
         (after * ball.center - before * ball.center).norm() + 2.0 * turn.imag().norm() * ball.radius_m
     }
 
-    /// A lower bound of the distance (m) to a solid of the world, from balls and boxes; may be negative.
-    /// Boxes are asked only where balls do not show that it exceeds `enough_m`.
+    /// Returns a lower bound of the distance (m) to a solid of the world, from balls and boxes; may be negative. Boxes are
+    /// evaluated only where balls do not show that it exceeds `enough_m` (m).
     pub fn quick_bound_to(&self, world_from_link: &Pose, part: &Part, enough_m: f64) -> f64 {
         let Part { world_from_solid, solid } = part;
         if solid.is_half_space() {
@@ -68,8 +69,8 @@ impl LinkBody {
     }
 }
 
-/// The distance of two groups of solids, from both sides (see [`cranny_shape::separation`]); pairs that are
-/// surely farther apart than `beyond_m` are not measured.
+/// Computes lower and upper bounds of the distance of two groups of solids (see [`cranny_shape::separation`]). Pairs that are
+/// certainly farther apart than `beyond_m` (m) are not measured.
 pub(crate) fn group_separation<'a>(
     first: impl Iterator<Item = (Pose, &'a Solid)>,
     second: &(impl Iterator<Item = (Pose, &'a Solid)> + Clone),
@@ -78,7 +79,7 @@ pub(crate) fn group_separation<'a>(
     group_separation_in(first, second, Range::to(beyond_m))
 }
 
-/// The same as far as it matters (see [`cranny_shape::separation_in`]).
+/// Computes these bounds within a range of interest (see [`cranny_shape::separation_in`]).
 pub(crate) fn group_separation_in<'a>(
     first: impl Iterator<Item = (Pose, &'a Solid)>,
     second: &(impl Iterator<Item = (Pose, &'a Solid)> + Clone),
@@ -104,7 +105,7 @@ pub(crate) fn group_separation_in<'a>(
     best
 }
 
-/// Whether the distance of two groups of solids is certified to reach `distance_m`, above 0.
+/// Returns true if the distance of two groups of solids is certified to reach `distance_m` (m), above 0.
 pub(crate) fn group_reaches<'a>(
     first: impl Iterator<Item = (Pose, &'a Solid)>,
     second: &(impl Iterator<Item = (Pose, &'a Solid)> + Clone),

@@ -5,11 +5,11 @@ use cranny_spatial::Point;
 
 use crate::body::world::Part;
 
-/// The parts of a world in a tree of boxes along the axes of the planning frame: what is nowhere near is
-/// passed over in groups.
+/// Parts of a world in a tree of boxes along the axes of the planning frame, so that distant parts are skipped in groups (broad
+/// phase).
 ///
-/// Nodes stand in the order in which they are visited, parents before children. One that is passed over is
-/// followed by the first node beyond its subtree, so that no visit needs a stack.
+/// Nodes are stored in the order of traversal, parents before children. A skipped node is followed by the first node beyond its
+/// subtree, so that the traversal needs no stack.
 #[derive(Clone, Debug)]
 pub(crate) struct PartTree {
     nodes: Vec<PartNode>,
@@ -18,19 +18,19 @@ pub(crate) struct PartTree {
 
 #[derive(Clone, Debug)]
 pub(crate) struct PartNode {
-    /// A box around all its parts; none where it would not help.
+    /// Box around all its parts; `None` where it would not help.
     pub aabb: Option<Aabb>,
-    /// The parts of a leaf, as places in [`PartTree::parts`]; no place for any other node.
+    /// Parts of a leaf, as positions in [`PartTree::parts`]; empty for any other node.
     pub places: Range<usize>,
-    /// The node that follows if this one is passed over.
+    /// Node that follows if this one is skipped.
     pub next: usize,
 }
 
-/// So many parts are checked one by one: the released scenarios have 6 to 12, and a tree of them would be
+/// Number of parts up to which they are checked one by one: the released scenarios have 6 to 12, for which a tree would be
 /// slower.
 const FEW: usize = 16;
 
-/// Parts of a leaf, at most. With 2, checks among 100 and 1000 boxes are no faster, with 8 slower.
+/// Maximum number of parts of a leaf. With 2, checks among 100 and 1000 boxes are no faster, with 8 slower.
 const LEAF: usize = 4;
 
 impl PartTree {
@@ -42,7 +42,7 @@ impl PartTree {
             tree.add_leaf(None, all.collect());
             return tree;
         }
-        // What has no end has no box either.
+        // Unbounded parts have no box.
         let (bounded, endless): (Vec<usize>, Vec<usize>) = all.partition(|part| boxes[*part].is_some());
         tree.add_leaf(None, endless);
         let bounded = bounded.into_iter().filter_map(|part| Some((part, boxes[part]?))).collect();
@@ -50,17 +50,17 @@ impl PartTree {
         tree
     }
 
-    /// All parts, by index, in the order of the leaves.
+    /// Returns all parts, by index, in the order of the leaves.
     pub fn parts(&self) -> &[usize] {
         &self.parts
     }
 
-    /// All nodes; the first is where to begin.
+    /// Returns all nodes; traversal starts at the first.
     pub fn nodes(&self) -> &[PartNode] {
         &self.nodes
     }
 
-    /// The places of all parts that may be closer than `reach_m` to a point, in order.
+    /// Returns the positions of all parts that may be closer than `reach_m` (m) to a point, in order.
     pub fn near(&self, center: Point, reach_m: f64) -> impl Iterator<Item = usize> {
         let mut next = 0;
         std::iter::from_fn(move || {
@@ -83,7 +83,7 @@ impl PartTree {
         self.nodes.push(PartNode { aabb, places: begin..self.parts.len(), next: self.nodes.len() + 1 });
     }
 
-    /// Adds the subtree of these parts, halved where their middles spread farthest.
+    /// Adds the subtree of these parts, split in half along the axis with the largest spread of their centres.
     fn add(&mut self, mut parts: Vec<(usize, Aabb)>) {
         let corners: Vec<Point> = parts.iter().flat_map(|(_, aabb)| [aabb.low(), aabb.high()]).collect();
         let aabb = Aabb::around(&corners, 0.0);

@@ -10,28 +10,28 @@ use crate::pair::self_pairs::SelfPairs;
 use crate::proof::joint_table::JointTable;
 use crate::proof::link_sweep::swept_ball;
 
-/// What every check needs of a robot, in whatever world it stands: worked out once a robot, and kept with it.
+/// Data of a robot for every check in any world: computed once per robot, and cached with it.
 #[derive(Debug)]
 pub(crate) struct RobotBody {
-    /// The links with geometry.
+    /// Links with geometry.
     pub links: Arc<[LinkBody]>,
-    /// For each of them where it can be at all.
+    /// Ball that each of them never leaves.
     pub swept: Vec<Option<Ball>>,
-    /// Which of them are compared with which.
+    /// Pairs of them that are compared.
     pub self_pairs: SelfPairs,
     pub kinematics: Arc<LaneKinematics>,
-    /// The links as the lanes see them.
+    /// Links in lane form.
     pub lanes: Arc<[LaneBody]>,
     tables: Arc<Mutex<Vec<KnownTables>>>,
 }
 
-/// What tables depend on beside the robot: the pairs, and the bits of the distance that each demands.
+/// Key of the tables beside the robot: the pairs, and the bits of the distance that each demands.
 type TableKey = Vec<(usize, usize, u64)>;
 
-/// Tables that are known already.
+/// Tables that are cached.
 type KnownTables = (TableKey, Arc<[JointTable]>);
 
-/// More sets of tables are not kept: a robot is asked with a few margins.
+/// Maximum number of cached sets of tables: a robot is used with only a few different margins.
 const MOST_TABLES: usize = 8;
 
 impl RobotBody {
@@ -50,7 +50,7 @@ impl RobotBody {
         })
     }
 
-    /// That of the same robot as it holds something ([`Robot::holding`]) of these solids.
+    /// Returns the body of this robot holding ([`Robot::holding`]) an object of these solids.
     pub fn holding(&self, robot: &Robot, held: LinkBody) -> Self {
         let links: Arc<[LinkBody]> = self.links.iter().cloned().chain([held]).collect();
         let kinematics = LaneKinematics::new(robot);
@@ -59,7 +59,7 @@ impl RobotBody {
             _ => LaneBody::new(&kinematics, link),
         };
         let swept = |(index, link): (usize, &LinkBody)| {
-            // Where a hold puts a link is not known here.
+            // The placement of a held link is not known here.
             if robot.is_loose(link.link) { None } else { self.swept[index] }
         };
         Self {
@@ -72,15 +72,15 @@ impl RobotBody {
         }
     }
 
-    /// The tables of these pairs of links, their pairs counted from the first. What is held is in none, and of a robot that
-    /// holds something those of the empty hand are asked about no finger: how far it is closed is not known here.
+    /// Returns the tables of these pairs of links, numbered from the first pair. The held body is in none. For a robot that
+    /// holds something, the tables of the empty hand are not used for fingers, because their opening is not known here.
     pub fn tables(&self, robot: &Robot, pairs: &[Pair]) -> Vec<JointTable> {
         let links = |pair: &Pair| match pair.second {
             Other::Link { body, .. } => [pair.first, body].map(|body| self.links[body].link),
             Other::Part(_) => [self.links[pair.first].link; 2],
         };
         let is_of_held = |pair: &Pair| links(pair).iter().any(|link| robot.held_link() == Some(*link));
-        // They come last.
+        // The pairs of the held body come last.
         let own = &pairs[..pairs.iter().position(is_of_held).unwrap_or(pairs.len())];
         let key: TableKey = own
             .iter()
@@ -89,7 +89,7 @@ impl RobotBody {
                 (first, second, pair.required_m.to_bits())
             })
             .collect();
-        // A thread that panicked left what was finished.
+        // A panic in another thread leaves only complete tables.
         let mut known = self.tables.lock().unwrap_or_else(PoisonError::into_inner);
         let found = known.iter().find(|(other, _)| *other == key).map(|(_, found)| found.clone());
         let found = found.unwrap_or_else(|| {

@@ -3,43 +3,43 @@ use cranny_spatial::{FARTHEST_M, Point, Pose, Vector};
 
 use crate::CollisionError;
 
-/// A bound on the pose of a link, by default the tip of the robot, that every motion keeps.
+/// Bound on the pose of a link, by default the tip of the robot, that every motion keeps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ToolBound {
-    /// Its name in reports.
+    /// Name of the bound in reports.
     pub name: String,
-    /// Name of the link that it bounds; `None`: the robot's tip.
+    /// Name of the bounded link; `None` for the robot's tip.
     pub link: Option<String>,
-    /// Poses of the link that keep it.
+    /// Allowed poses of the link.
     pub region: ToolRegion,
 }
 
-/// Poses of a link in the planning frame.
+/// Set of poses of a link in the planning frame.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ToolRegion {
-    /// A direction of the link is within an angle of a direction in the planning frame.
+    /// A direction of the link stays within an angle of a direction in the planning frame.
     Cone {
         /// The direction in the frame of the link, of length 1.
         axis_in_link: Vector,
         /// The direction in the planning frame, of length 1.
         toward: Vector,
-        /// The greatest angle, in radians, above 0 and at most π.
+        /// Maximum angle, in radians, above 0 and at most π.
         most_rad: f64,
     },
-    /// A point of the link is in a box.
+    /// A point of the link stays in a box.
     Box {
         /// The point in the frame of the link, in metres.
         point_in_link: Point,
-        /// Pose of the middle of the box in the planning frame.
+        /// Pose of the centre of the box in the planning frame.
         world_from_box: Pose,
-        /// Half the edges of the box, in metres.
+        /// Half extents of the box, in metres.
         half_m: Vector,
     },
-    /// A point of the link is in a ball.
+    /// A point of the link stays in a ball.
     Ball {
         /// The point in the frame of the link, in metres.
         point_in_link: Point,
-        /// The middle of the ball in the planning frame, in metres.
+        /// Centre of the ball in the planning frame, in metres.
         center: Point,
         /// Radius of the ball, in metres.
         radius_m: f64,
@@ -47,12 +47,13 @@ pub enum ToolRegion {
 }
 
 impl ToolRegion {
-    /// True for a bound on an angle (rad); others bound a distance (m).
+    /// Returns true for a bound on an angle (rad); others bound a distance (m).
     pub fn is_of_angle(&self) -> bool {
         matches!(self, Self::Cone { .. })
     }
 
-    /// Excess of the link, with this pose in the planning frame, over the bound, in radians or metres; negative within it.
+    /// Returns the excess over the bound at this pose of the link in the planning frame, in radians or metres; negative within
+    /// it.
     pub fn excess(&self, world_from_link: &Pose) -> f64 {
         match self {
             Self::Cone { axis_in_link, toward, most_rad } => {
@@ -68,7 +69,7 @@ impl ToolRegion {
         }
     }
 
-    /// The same in a frame in which the one that it is in has this pose.
+    /// Returns this region in a new frame, in which its present frame has the pose `new_from_old`.
     #[must_use]
     pub fn seen_from(&self, new_from_old: &Pose) -> Self {
         match self.clone() {
@@ -84,7 +85,7 @@ impl ToolRegion {
         }
     }
 
-    /// Point of the link that is bounded; the origin of its frame where it is a direction.
+    /// Returns the bounded point of the link, in metres; the origin of its frame for a bound on a direction.
     pub(crate) fn point_in_link(&self) -> Point {
         match self {
             Self::Cone { .. } => Point::origin(),
@@ -94,13 +95,13 @@ impl ToolRegion {
 }
 
 impl ToolBound {
-    /// As [`ToolRegion::seen_from`].
+    /// Returns this bound in a new frame, as [`ToolRegion::seen_from`].
     #[must_use]
     pub fn seen_from(&self, new_from_old: &Pose) -> Self {
         Self { region: self.region.seen_from(new_from_old), ..self.clone() }
     }
 
-    /// Checks that it bounds a link of a robot that the hand does not move by itself.
+    /// Checks that it bounds a link of the robot other than a finger, which the hand moves by itself.
     ///
     /// # Errors
     /// [`CollisionError::UnknownLink`] and [`CollisionError::FingerBound`].
@@ -115,7 +116,7 @@ impl ToolBound {
         }
     }
 
-    /// Checks that it bounds something.
+    /// Checks that the bound is within the allowed ranges.
     ///
     /// # Errors
     /// [`CollisionError::ToolBound`] for directions that are not of length 1, an angle outside (0, π], a size that is not
@@ -146,25 +147,25 @@ impl ToolBound {
     }
 }
 
-/// The angle between two directions of length 1, in radians.
+/// Returns the angle between two directions of length 1, in radians.
 pub(crate) fn angle_rad(a: &Vector, b: &Vector) -> f64 {
     libm::atan2(a.cross(b).norm(), a.dot(b))
 }
 
-/// A bound as a cell proves it.
+/// A bound in the form in which a cell proves it.
 #[derive(Clone, Debug)]
 pub(crate) struct CellBound {
     pub bound: ToolBound,
-    /// The link, by index.
+    /// Index of the link.
     pub link: usize,
-    /// As [`Robot::link_arms_m`] of the point that is bounded.
+    /// Values of [`Robot::link_arms_m`] of the bounded point, in metres.
     pub arms_m: Vec<f64>,
-    /// Bound on the change of the excess by a unit of each joint.
+    /// Bound on the change of the excess per unit of each joint.
     per_joint: Vec<f64>,
 }
 
 impl CellBound {
-    /// A bound of a link that the robot has.
+    /// Creates a bound of a link that the robot has.
     pub fn new(mut bound: ToolBound, robot: &Robot) -> Self {
         if let ToolRegion::Cone { axis_in_link, toward, .. } = &mut bound.region {
             *axis_in_link = axis_in_link.normalize();
@@ -184,7 +185,7 @@ impl CellBound {
         Self { bound, link, arms_m, per_joint }
     }
 
-    /// Bound on the change of the excess where each joint strays by this much (m, rad; one value per joint).
+    /// Returns a bound on the change of the excess where each joint deviates by these amounts (m, rad; one value per joint).
     pub fn stray(&self, joints: &[f64]) -> f64 {
         self.per_joint.iter().zip(joints).map(|(unit, stray)| unit * stray.abs()).sum()
     }

@@ -4,40 +4,40 @@ use cranny_spatial::{FARTHEST_M, Point, Pose, Rotation, Vector};
 use crate::CollisionError;
 use crate::body::tool_bound::ToolBound;
 
-/// One solid of a body, where it is.
+/// A solid of a body, with its pose.
 #[derive(Clone, Debug)]
 pub struct Part {
-    /// Its pose in the planning frame.
+    /// Pose of the solid in the planning frame.
     pub world_from_solid: Pose,
-    /// Its shape.
+    /// Shape of the solid.
     pub solid: Solid,
 }
 
-/// A thing in the world under one name: a table, a wall, the object to be grasped, the floor.
+/// A named object in the world: a table, a wall, the object to be grasped, the floor.
 #[derive(Clone, Debug)]
 pub struct Body {
-    /// What reports call it; unique in its world.
+    /// Name in reports; unique in its world.
     pub name: String,
-    /// The solids that it is made of.
+    /// Solids of the body.
     pub parts: Vec<Part>,
-    /// Greatest tilt of it in the hand against how it stood when it was grasped, in radians; `None`: any.
+    /// Maximum tilt of the held body relative to its pose before it was grasped, in radians; `None` for no limit.
     pub tilt_rad: Option<f64>,
 }
 
 impl Body {
-    /// A body of one solid.
+    /// Creates a body of one solid.
     pub fn new(name: impl Into<String>, world_from_solid: Pose, solid: Solid) -> Self {
         Self { name: name.into(), parts: vec![Part { world_from_solid, solid }], tilt_rad: None }
     }
 
-    /// The floor: everything below `height_m` in the planning frame.
+    /// Creates the floor: everything below `height_m` (m) in the planning frame.
     pub fn floor(height_m: f64) -> Self {
         Self::new("floor", Pose::translation(0.0, 0.0, height_m), Solid::half_space())
     }
 }
 
 impl Body {
-    /// A ball around it, in the planning frame; `None` for what has no end, or no solid.
+    /// Returns a ball around it, in the planning frame; `None` for an unbounded body, or one without solids.
     pub fn ball(&self) -> Option<Ball> {
         let balls: Vec<Ball> = self
             .parts
@@ -55,7 +55,7 @@ impl Body {
     }
 }
 
-/// Everything that stands around the robot.
+/// All bodies around the robot, with the direction of gravity and bounds on the tool.
 #[derive(Clone, Debug, Default)]
 pub struct World {
     bodies: Vec<Body>,
@@ -63,7 +63,7 @@ pub struct World {
     tool_bounds: Vec<ToolBound>,
 }
 
-/// The direction against gravity in the planning frame, a unit vector.
+/// Direction against gravity in the planning frame, a unit vector.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Upwards(Vector);
 
@@ -73,12 +73,12 @@ impl Default for Upwards {
     }
 }
 
-/// A direction that is nearer to an axis of the planning frame is that axis, as a chord: rounding of a pose.
+/// Distance, as a chord, below which a direction counts as an axis of the planning frame: rounding of a pose.
 const ALONG_AXIS: f64 = 1e-9;
 
 impl World {
-    /// A world of these bodies. Up is the normal of its floor, the only body that is a half-space; without one, or with
-    /// several, the z axis of the planning frame, unless [`Self::with_up`] gives it.
+    /// Creates a world of these bodies. Up is the normal of its floor, the only half-space; without one, or with several, up is
+    /// the z axis of the planning frame, unless [`Self::with_up`] sets it.
     ///
     /// # Errors
     /// [`CollisionError::Pose`] for a pose that is not finite, or farther away than [`FARTHEST_M`].
@@ -101,28 +101,28 @@ impl World {
         })
     }
 
-    /// The same world with gravity against this direction of the planning frame, a unit vector.
+    /// Returns this world with gravity against this direction of the planning frame, a unit vector.
     #[must_use]
     pub fn with_up(self, up: &Vector) -> Self {
         let is_z = (up - Vector::z()).norm() < ALONG_AXIS;
         Self { up: Upwards(if is_z { Vector::z() } else { *up }), ..self }
     }
 
-    /// The same world in which the tool keeps these bounds along every motion, and no others.
+    /// Returns this world with these bounds, and no others, on the tool along every motion.
     ///
     /// # Errors
-    /// [`CollisionError::ToolBound`] for one that bounds nothing.
+    /// [`CollisionError::ToolBound`] for a bound that is out of range.
     pub fn with_tool_bounds(self, tool_bounds: Vec<ToolBound>) -> Result<Self, CollisionError> {
         tool_bounds.iter().try_for_each(ToolBound::check)?;
         Ok(Self { tool_bounds, ..self })
     }
 
-    /// The bounds that the tool keeps along every motion.
+    /// Returns the bounds on the tool along every motion.
     pub fn tool_bounds(&self) -> &[ToolBound] {
         &self.tool_bounds
     }
 
-    /// The same gravity and bounds around other bodies.
+    /// Returns a world of other bodies with this gravity and these bounds.
     ///
     /// # Errors
     /// As [`Self::new`].
@@ -130,26 +130,26 @@ impl World {
         Ok(Self { tool_bounds: self.tool_bounds.clone(), ..Self::new(bodies)?.with_up(&self.up.0) })
     }
 
-    /// The direction against gravity in the planning frame, a unit vector: objects rest on what is below them along it.
+    /// Returns the direction against gravity in the planning frame, a unit vector: objects rest on what is below them along it.
     pub fn up(&self) -> Vector {
         self.up.0
     }
 
-    /// A rotation that takes the z axis upwards: none where up is that axis.
+    /// Returns a rotation that takes the z axis upwards; the identity if up is the z axis.
     pub fn world_from_level(&self) -> Rotation {
         Rotation::rotation_between(&Vector::z(), &self.up.0)
             .unwrap_or_else(|| Rotation::from_axis_angle(&Vector::x_axis(), std::f64::consts::PI))
     }
 
-    /// All bodies, in the order in which they were given.
+    /// Returns all bodies, in the order in which they were given.
     pub fn bodies(&self) -> &[Body] {
         &self.bodies
     }
 
-    /// The index of the body of that name.
+    /// Returns the index of the body of that name.
     ///
     /// # Errors
-    /// [`CollisionError::UnknownBody`], which lists the names that there are.
+    /// [`CollisionError::UnknownBody`], which lists the known names.
     pub fn body_index(&self, name: &str) -> Result<usize, CollisionError> {
         self.bodies.iter().position(|body| body.name == name).ok_or_else(|| CollisionError::UnknownBody {
             name: name.to_owned(),
@@ -157,8 +157,8 @@ impl World {
         })
     }
 
-    /// The bodies that `body` rests on: those that it meets if it is lowered by 1 cm, by a part whose box reaches no higher
-    /// than its middle.
+    /// Returns the supports of `body`: the bodies that it meets if it is lowered by 1 cm, with a part whose box reaches no
+    /// higher than its centre.
     pub fn supports_of(&self, body: usize) -> Vec<usize> {
         let level_from_world = Pose::from_parts(Vector::zeros().into(), self.world_from_level().inverse());
         let lowered = Pose::from_parts((-self.up.0 * SUPPORT_GAP_M).into(), Rotation::identity());
@@ -192,6 +192,6 @@ impl World {
     }
 }
 
-/// An object counts as resting on what is no farther below it, in metres: the released objects float up to a few
-/// millimetres above what carries them.
+/// Maximum gap below an object that counts as resting, in metres: the released objects float up to a few millimetres above
+/// their supports.
 const SUPPORT_GAP_M: f64 = 0.01;

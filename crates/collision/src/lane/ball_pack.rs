@@ -7,7 +7,7 @@ use crate::lane::lane_solid::LaneSolid;
 use crate::lane::lane_vector::shorter;
 use crate::lane::single_frame::SingleFrame;
 
-/// Balls of a link side by side: where one configuration is checked by itself, its balls are the lanes.
+/// Balls of a link side by side, for the check of a single configuration: each lane holds one ball.
 #[derive(Clone, Debug)]
 pub(crate) struct BallPack {
     center: [LaneArray; 3],
@@ -16,7 +16,7 @@ pub(crate) struct BallPack {
 }
 
 impl BallPack {
-    /// All of `balls`, in order; the last is repeated to fill the last pack.
+    /// Packs all of `balls`, in order; the last ball is repeated to fill the last pack.
     pub fn all(balls: &[LaneBall]) -> Vec<Self> {
         let pack = |balls: &[LaneBall]| {
             let ball = |lane: usize| balls[lane.min(balls.len() - 1)];
@@ -29,7 +29,7 @@ impl BallPack {
         balls.chunks(LANES).map(pack).collect()
     }
 
-    /// Whether any of `packs` is not certainly `reach_m` or farther from a solid.
+    /// Returns true unless all of `packs` are certainly `reach_m` (m) or farther from a solid.
     pub fn any_closer<S: Simd>(
         simd: S,
         packs: &[Self],
@@ -40,7 +40,7 @@ impl BallPack {
         simd.vectorize(
             #[inline(always)]
             || {
-                // Loops, not closures: those would not have the instructions of the function around them.
+                // Loops, not closures: a closure would lose the instruction set of the enclosing function.
                 for pack in packs {
                     let reaches = pack.radii(simd) + reach_m;
                     if solid.within_reach(simd, pack.centers(simd, frame), reaches) != 0 {
@@ -52,7 +52,7 @@ impl BallPack {
         )
     }
 
-    /// Whether any ball of `packs` is not certainly `reach_m` or farther from any of another link.
+    /// Returns true unless all balls of `packs` are certainly `reach_m` (m) or farther from those of another link.
     pub fn any_meet<S: Simd>(
         simd: S,
         [packs, others]: [&[Self]; 2],
@@ -85,7 +85,7 @@ impl BallPack {
         f32x16::from_slice(simd, &self.radius)
     }
 
-    /// The middles of the balls in root coordinates.
+    /// Returns the centres of the balls in the root frame.
     #[inline(always)]
     fn centers<S: Simd>(&self, simd: S, frame: &SingleFrame) -> LaneVector<S> {
         frame.points(LaneVector::load(simd, &self.center))

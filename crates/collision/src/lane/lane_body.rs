@@ -8,34 +8,34 @@ use crate::lane::lane_ball::LaneBall;
 use crate::lane::lane_hull::LaneHull;
 use crate::lane::lane_vector::{RELATIVE_ROUNDING, lanes};
 
-/// How far the outer balls of a link may stand out of it, in metres: a tenth of the thickness of an arm.
-/// Smaller balls would leave fewer configurations to the exact check and take longer themselves.
+/// Maximum distance by which the outer balls of a link protrude from it, in metres: a tenth of the thickness of an arm. Smaller
+/// balls would leave fewer configurations to the exact check, but take longer themselves.
 const BULGE_M: f64 = 0.008;
 
-/// How many balls inside a link, shared among its solids, say "contact" without the exact check.
+/// Number of balls inside a link, shared among its solids, that prove contact without the exact check.
 const INNER_BALLS: usize = 32;
 
-/// A link as the lanes see it: balls around it, and balls in it, in a frame of the lane kinematics.
+/// A link in lane form: balls around it and balls inside it, in a frame of the lane kinematics.
 #[derive(Clone, Debug)]
 pub(crate) struct LaneBody {
-    /// The frame that it is fixed to.
+    /// Index of the frame that it is fixed to.
     pub frame: usize,
-    /// The middle and the half extents of a box around it along the axes of the frame, in metres.
+    /// Centre and half extents of a box around it along the axes of the frame, in metres.
     pub middle: [f32; 3],
     pub half_extents: [f32; 3],
-    /// A tree of balls whose leaves contain the link; the root is the first.
+    /// Tree of balls whose leaves cover the link; the root comes first.
     pub outer: Vec<LaneNode>,
-    /// The hulls of its solids; none at all if one of them is not convex, or if balls are exact.
+    /// Hulls of its solids; empty if one of them is not convex, or if balls are exact.
     pub hulls: Vec<LaneHull>,
-    /// Balls that the link contains, the largest first.
+    /// Balls inside the link, the largest first.
     pub inner: Vec<LaneBall>,
-    /// The same.
+    /// The balls of `inner`, packed in lanes.
     pub packed_inner: Vec<BallPack>,
-    /// Whether the link consists of these balls.
+    /// True if the link consists exactly of the balls of `inner`.
     pub is_balls: bool,
-    /// How far its hulls, or else the balls around it, may stand out of it, in metres; 0 if it consists of balls.
+    /// Maximum distance by which its hulls, or else its outer balls, protrude from it, in metres; 0 if it consists of balls.
     pub blur_m: f64,
-    /// What its own place and size add to the rounding of any distance to it, in metres.
+    /// Contribution of its position and size to the rounding of any distance to it, in metres.
     pub slack_m: f64,
 }
 
@@ -43,7 +43,7 @@ pub(crate) struct LaneBody {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LaneNode {
     pub ball: LaneBall,
-    /// Indices of the two halves; both 0 for a leaf.
+    /// Indices of its two children; both 0 for a leaf.
     pub children: [u32; 2],
 }
 
@@ -66,7 +66,7 @@ impl LaneBody {
             .iter()
             .map(|node| LaneNode {
                 ball: LaneBall::new(&node.ball),
-                // Trees have far fewer nodes than an index can tell apart.
+                // Trees have far fewer nodes than `u32` can index.
                 children: node.children.map_or([0; 2], |children| {
                     children.map(|child| u32::try_from(child).unwrap_or_default())
                 }),
@@ -116,7 +116,7 @@ impl LaneBody {
     }
 }
 
-/// Balls in the solids of a link, in the frame that `place` leads to.
+/// Returns balls inside the solids of a link, in the frame that `place` transforms to.
 fn inner_of(body: &LinkBody, place: impl Fn(&Pose) -> Pose) -> Vec<LaneBall> {
     let per_solid = (INNER_BALLS / body.shapes.len()).max(1);
     let of_shape = |(link_from_shape, solid): &(Pose, Solid)| {

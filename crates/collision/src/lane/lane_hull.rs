@@ -8,45 +8,44 @@ use crate::lane::lane_solid::LaneSolid;
 use crate::lane::lane_vector::{dot, lanes, minus, narrow};
 use crate::lane::single_frame::{Bars, SingleFrame, Verdict};
 
-/// The coarse hull of a convex solid, whose corners are compared in lanes, in the frame of a link or the
-/// planning frame.
+/// Coarse hull of a convex solid, whose corners are compared in lanes, in the frame of a link or the planning frame.
 #[derive(Clone, Debug)]
 pub(crate) struct LaneHull {
-    /// Coordinate by coordinate; the last chunk is filled up with the first corner.
+    /// Corners, coordinate by coordinate; the last chunk is filled with the first corner.
     chunks: Vec<[LaneArray; 3]>,
-    /// The solid itself if it is a box, whose corners need no search.
+    /// The solid itself if it is a box, whose farthest corner needs no search.
     pub cuboid: Option<LaneSolid>,
-    /// By this the hull of the corners is rounded, in metres.
+    /// Radius by which the hull of the corners is rounded, in metres.
     radius: f32,
-    /// The solid stands out of that by this at most, in metres.
+    /// Maximum distance by which the solid protrudes from that rounded hull, in metres.
     bulge: f32,
 }
 
-/// Fewer corners leave more to the exact check: with a quarter of them a verdict takes a fifth longer. With more
-/// it takes no less.
+/// Maximum number of corners. Fewer leave more to the exact check: with a quarter of them a verdict takes a fifth longer. More
+/// bring no gain.
 const MOST_CORNERS: usize = 4 * LANES;
 
-/// Steps of a distance search; few take more than five.
+/// Maximum number of steps of a distance search; few searches take more than five.
 const MOST_STEPS: usize = 10;
 
-/// The rounding of a face's distance from the origin, relative to how far its corners are: a normal is the product of
-/// two sides that are off by u = 6·10⁻⁸ of their corners each, some six u with the product itself, in a triangle whose
-/// sides span an angle of at least [`NARROWEST`].
+/// Rounding of a face's distance from the origin, relative to the distance of its corners: a normal is the product of two
+/// sides, each off by u = 6·10⁻⁸ of its corners, which makes some six u with the product itself, in a triangle whose sides span
+/// an angle of at least [`NARROWEST`].
 const PLANE_ROUNDING: f32 = 6.0 * f32::EPSILON / NARROWEST;
 
-/// In a narrower triangle, as the sine of an angle, rounding would turn the normal by more than [`PLANE_ROUNDING`]
-/// allows for.
+/// Sine of the smallest angle of a usable triangle: in a narrower one, rounding would turn the normal by more than
+/// [`PLANE_ROUNDING`] allows for.
 const NARROWEST: f32 = 0.02;
 
 type Vec3 = [f32; 3];
 
 impl LaneHull {
-    /// The coarse hull of a solid; `None` where the solid has none.
+    /// Returns the coarse hull of a solid; `None` if the solid has none.
     pub fn coarse(solid: &Solid) -> Option<CoarseHull> {
         CoarseHull::of(solid, MOST_CORNERS)
     }
 
-    /// A solid at this pose, by its coarse hull.
+    /// Places a solid at this pose, represented by its coarse hull.
     pub fn of(frame_from_solid: &Pose, solid: &Solid, coarse: &CoarseHull) -> Self {
         let CoarseHull { corners, radius_m, bulge_m } = coarse;
         let corners: Vec<Vec3> =
@@ -63,13 +62,12 @@ impl LaneHull {
         }
     }
 
-    /// How far it may stand out of the solid, in metres.
+    /// Returns the maximum distance between the hull and the solid, in metres.
     pub fn bulge_m(&self) -> f64 {
         f64::from(self.bulge)
     }
 
-    /// The least coordinate along a direction (of length 1) of the solid at `frame`, from below and above, in
-    /// metres.
+    /// Returns lower and upper bounds of the least coordinate of the solid at `frame` along a direction of length 1, in metres.
     #[inline(always)]
     pub fn least_along<S: Simd>(&self, simd: S, frame: &SingleFrame, direction: Vec3) -> [f32; 2] {
         let corner = self.farthest(simd, frame, direction.map(|d| -d));
@@ -77,7 +75,7 @@ impl LaneHull {
         [least - self.bulge, least]
     }
 
-    /// The corner farthest along a direction, all in the root frame.
+    /// Returns the corner farthest along a direction, both in the root frame.
     #[inline(always)]
     fn farthest<S: Simd>(&self, simd: S, frame: &SingleFrame, direction: Vec3) -> Vec3 {
         let direction = frame.turned_back(direction);
@@ -109,11 +107,11 @@ impl LaneHull {
         frame.point([x[lane], y[lane], z[lane]])
     }
 
-    /// Two hulls, each in a frame of its own, by the algorithm of Gilbert, Johnson & Keerthi (1988, whole; in the form
-    /// of Ericson 2005, §9.5); `apart` is a guess at the shortest way from the second to the first.
+    /// Compares two hulls, each in a frame of its own, by the algorithm of Gilbert, Johnson & Keerthi (1988, whole; in the form
+    /// of Ericson 2005, §9.5); `apart` is a guess of the shortest vector from the second to the first.
     ///
-    /// Whatever the search does, "free" is read off a plane between the two solids, and "contact" off points
-    /// of both, or off a tetrahedron of their differences that contains the origin by more than they are off.
+    /// No verdict depends on the convergence of the search: "free" follows from a plane between the two solids, and "contact"
+    /// from points of both, or from a tetrahedron of their differences that contains the origin with more than its rounding.
     #[inline(never)]
     pub fn against<S: Simd>(
         &self,
@@ -139,7 +137,7 @@ impl LaneHull {
                     if gap - outer >= bars.free_m {
                         return Verdict::Free;
                     }
-                    // The first direction is a guess, no point of the difference of both.
+                    // The first direction is a guess, not a point of the Minkowski difference.
                     if simplex.len > 0 {
                         if length - rounding < bars.contact_m {
                             return Verdict::Contact;
@@ -165,15 +163,15 @@ impl LaneHull {
     }
 }
 
-/// Up to four points.
+/// Simplex of up to four points.
 struct Simplex {
     points: [Vec3; 4],
     len: usize,
 }
 
 impl Simplex {
-    /// Keeps what the point of the simplex closest to the origin lies on, and returns that point; `None` if it is the
-    /// origin within a tetrahedron (Ericson 2005, §5.1 and §9.5).
+    /// Reduces the simplex to the feature closest to the origin, and returns its closest point; `None` if the origin lies in a
+    /// tetrahedron (Ericson 2005, §5.1 and §9.5).
     #[inline(always)]
     fn reduce(&mut self) -> Option<Vec3> {
         match self.len {
@@ -240,7 +238,7 @@ impl Simplex {
             self.keep([b, c]);
             return plus(b, scaled(minus(c, b), (d4 - d3) / ((d4 - d3) + (d5 - d6))));
         }
-        // Weights that are not negative: whatever rounding does, the point lies on the triangle.
+        // Clamped weights keep the point on the triangle despite rounding.
         let [at_a, at_b, at_c] = [beyond_bc, beyond_ac, beyond_ab].map(|weight| weight.max(0.0));
         let sum = at_a + at_b + at_c;
         plus(a, plus(scaled(ab, at_b / sum), scaled(ac, at_c / sum)))
@@ -249,7 +247,7 @@ impl Simplex {
     fn closest_on_tetrahedron(&mut self) -> Option<Vec3> {
         let points = self.points;
         let mut best: Option<(f32, Self, Vec3)> = None;
-        // The origin does not lie beyond the first face: there the search came from.
+        // The origin cannot lie beyond the first face, because the search came from there.
         for [a, b, c, d] in FACES[1..].iter().copied() {
             let [a, b, c, d] = [points[a], points[b], points[c], points[d]];
             let normal = cross(minus(b, a), minus(c, a));
@@ -269,12 +267,12 @@ impl Simplex {
         Some(point)
     }
 
-    /// How far its farthest corner is from the origin, in metres.
+    /// Returns the distance of its farthest corner from the origin, in metres.
     fn farthest(&self) -> f32 {
         self.points.iter().map(|point| dot(*point, *point)).fold(0.0, f32::max).sqrt()
     }
 
-    /// How far below all its faces the origin lies in a tetrahedron, in metres; not more than 0 if it does not.
+    /// Returns the depth of the origin below all faces of the tetrahedron, in metres; at most 0 if it lies outside.
     fn depth(&self) -> f32 {
         let mut least = f32::INFINITY;
         for face in FACES {
@@ -294,7 +292,7 @@ impl Simplex {
     }
 }
 
-/// The faces of a tetrahedron, each followed by the corner opposite.
+/// Faces of a tetrahedron, each followed by the opposite corner.
 const FACES: [[usize; 4]; 4] = [[0, 1, 2, 3], [0, 1, 3, 2], [0, 2, 3, 1], [1, 2, 3, 0]];
 
 #[inline(always)]
@@ -328,10 +326,10 @@ mod tests {
     }
 
     proptest! {
-        /// From deep contact to far apart; `f64` and another algorithm say what is true.
+        /// Compares the verdicts, from deep contact to far apart, with `f64` distances of another algorithm.
         #[test]
         fn what_hulls_are_certain_of_is_true(seed in any::<u64>(), corners in 4_usize..80, margin_m in prop_oneof![Just(0.0), 0.0..0.05]) {
-            /// What the lanes allow for rounding here, in metres.
+            /// Allowance of the lanes for rounding in this test, in metres.
             const SLACK_M: f32 = 2e-6;
             let mut random = Stream::new(seed, 0);
             let solids = [random_hull(&mut random, corners), random_hull(&mut random, corners)];

@@ -9,7 +9,7 @@ use crate::lane::lanes::{FEW_LANES, Lanes};
 use crate::lane::single_frame::{Bars, SingleFrame, Verdict};
 
 impl Lanes {
-    /// The lanes in which the boxes around a pair of links are not certainly far enough apart.
+    /// Returns the lanes in which the boxes around a pair of links are not certainly far enough apart.
     #[inline(always)]
     pub fn link_boxes_near<S: Simd>(&self, simd: S, index: usize, scratch: &LaneScratch) -> u32 {
         let pair = &self.link_pairs[index];
@@ -18,13 +18,12 @@ impl Lanes {
         first.load(simd).within_reach(second.load(simd), reach)
     }
 
-    /// Looks at a pair of links that is in no table, in lanes in which the boxes around them are near each
-    /// other (see [`Self::check`]).
+    /// Checks a pair of links that is in no table, in those lanes in which the boxes around them are near each other (see
+    /// [`Self::check`]).
     ///
-    /// 1. Few lanes are checked one by one.
-    /// 2. Their trees of balls against each other, the larger ball halved, until two leaves leave the pair in
-    ///    doubt.
-    /// 3. What is left one by one.
+    /// 1. If there are few lanes, they are checked one by one.
+    /// 2. Their trees of balls are traversed together, splitting the larger ball, until two leaves leave the pair in doubt.
+    /// 3. The remaining lanes are checked one by one.
     #[inline(never)]
     pub fn link_against_link<S: Simd>(
         &self,
@@ -66,7 +65,7 @@ impl Lanes {
                         doubt |= lanes;
                         continue;
                     }
-                    // The larger ball is the one to be halved.
+                    // Split the larger ball.
                     let halves_a = !is_leaf_a && (is_leaf_b || outer_a.ball.radius >= outer_b.ball.radius);
                     let children = if halves_a { outer_a.children } else { outer_b.children };
                     for child in children {
@@ -84,8 +83,8 @@ impl Lanes {
         );
     }
 
-    /// The lanes of `lanes` in which a pair of links is in doubt, each checked by itself; where they are in
-    /// contact is taken out of `open`.
+    /// Checks a pair of links lane by lane, and returns those of `lanes` that stay in doubt; lanes in contact are removed from
+    /// `open`.
     #[inline(never)]
     pub fn links_one_by_one<S: Simd>(
         &self,
@@ -106,7 +105,7 @@ impl Lanes {
         Verdict::one_by_one(lanes, against, open)
     }
 
-    /// The lanes in which two outer balls of a pair of links are not certainly far enough apart.
+    /// Returns the lanes in which two outer balls of a pair of links are not certainly far enough apart.
     #[inline(always)]
     fn balls_near<S: Simd>(
         &self,
@@ -128,7 +127,7 @@ impl Lanes {
     }
 }
 
-/// Bits of the lanes in which two points are closer than `reach`.
+/// Returns the bits of the lanes in which two points are closer than `reach` (m).
 #[inline(always)]
 fn touching<S: Simd>(a: LaneVector<S>, b: LaneVector<S>, reach: f32) -> u32 {
     shorter(a.minus(b).norm_squared(), f32x16::splat(a.x.token(), reach))

@@ -11,31 +11,31 @@ use crate::lane::lane_hull::LaneHull;
 use crate::lane::lane_solid::{LaneSolid, rounding_m};
 use crate::lane::lane_vector::{BoxLanes, dot, lanes, narrow};
 
-/// A solid of the world as the lanes see it.
+/// A solid of the world in lane form.
 #[derive(Clone, Debug)]
 pub(crate) struct LanePart {
     /// The solid, or a box around it.
     pub solid: LaneSolid,
-    /// Its hull; none for what is not convex or has no end.
+    /// Its hull; `None` if it is not convex or is unbounded.
     pub hull: Option<LaneHull>,
-    /// What that is made of, wherever the solid is.
+    /// Coarse hull in the frame of the solid, shared by all its placements.
     coarse: Option<Arc<CoarseHull>>,
-    /// What is known of it at first glance.
+    /// Bounding volume for the broad phase.
     pub around: LaneAround,
-    /// Whether the distance is that to the solid; else it is that to a box around it.
+    /// True if the distance is that to the solid; otherwise it is that to a box around it.
     pub is_exact: bool,
-    /// A bound on the rounding of distances to it, in metres.
+    /// Bound on the rounding of distances to it, in metres.
     pub slack_m: f64,
 }
 
-/// A box around a part of the world; around a half-space there is none.
+/// Bounding box of a part of the world, or the plane of a half-space.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum LaneAround {
     Box(LaneAabb),
     HalfSpace {
-        /// A point of the plane.
+        /// A point of the plane, in metres.
         origin: [f32; 3],
-        /// Away from the half-space, of length 1.
+        /// Outward normal of the half-space, of length 1.
         normal: [f32; 3],
     },
 }
@@ -51,7 +51,7 @@ impl LaneAround {
         Self::Box(LaneAabb::new(&center, &(rotation.abs() * solid.aabb().half_extents)))
     }
 
-    /// Bits of the lanes in which a box along the axes of the planning frame is not certainly `reach` (m) or
+    /// Returns the bits of the lanes in which a box along the axes of the planning frame is not certainly `reach` (m) or
     /// farther from the box around the part along one of these axes.
     #[inline(always)]
     pub fn within_reach<S: Simd>(&self, simd: S, link: BoxLanes<S>, reach: f32x16<S>) -> u32 {
@@ -65,7 +65,7 @@ impl LaneAround {
     }
 }
 
-/// A hull or mesh of the world fills its box to about this, in metres.
+/// Typical distance between a hull or mesh of the world and its box, in metres.
 const BOX_BLUR_M: f64 = 0.02;
 
 /// A box along the axes of the planning frame, in metres.
@@ -80,7 +80,7 @@ impl LaneAabb {
         Self { center: lanes(center), half_extents: lanes(half_extents) }
     }
 
-    /// The same in every lane.
+    /// Returns this box repeated in every lane.
     #[inline(always)]
     pub fn splat<S: Simd>(&self, simd: S) -> BoxLanes<S> {
         let half_extents = LaneVector::splat(simd, self.half_extents);
@@ -93,7 +93,7 @@ impl LanePart {
         Self::with_coarse_hull(part, LaneHull::coarse(&part.solid).map(Arc::new))
     }
 
-    /// The same solid elsewhere.
+    /// Returns this part with its solid at another pose.
     pub fn moved(&self, part: &Part) -> Self {
         Self::with_coarse_hull(part, self.coarse.clone())
     }
@@ -109,8 +109,8 @@ impl LanePart {
         }
     }
 
-    /// Centre and half extents of the box around the part along the axes of the planning frame; none around a
-    /// half-space.
+    /// Returns the centre and half extents of the box around the part along the axes of the planning frame, in metres; `None`
+    /// for a half-space.
     pub fn box_around(&self) -> Option<[[f32; 3]; 2]> {
         match self.around {
             LaneAround::Box(LaneAabb { center, half_extents }) => Some([center, half_extents]),
@@ -118,7 +118,7 @@ impl LanePart {
         }
     }
 
-    /// The upward normal of the plane and its height along it, if the part is a half-space.
+    /// Returns the outward normal of the plane and its height along it (m), if the part is a half-space.
     pub fn plane(&self) -> Option<([f32; 3], f32)> {
         match self.around {
             LaneAround::Box(_) => None,
@@ -126,14 +126,14 @@ impl LanePart {
         }
     }
 
-    /// Whether anything in a ball can come closer than `free_m` (m).
+    /// Returns true if anything in a ball can come closer than `free_m` (m).
     pub fn is_near(&self, ball: &Ball, free_m: f32) -> bool {
-        /// Far more than the rounding of any distance, in metres.
+        /// Upper bound, with ample reserve, on the rounding of any distance, in metres.
         const ROUNDING_M: f32 = 1e-3;
         self.solid.is_closer(lanes(&ball.center.coords), free_m + narrow(ball.radius_m) + ROUNDING_M)
     }
 
-    /// How much closer it can seem than it is, in metres, to a link with or without hulls.
+    /// Returns the maximum underestimate of its distance to a link with or without hulls, in metres.
     pub fn blur_m(&self, link_has_hulls: bool) -> f64 {
         match &self.hull {
             Some(hull) if link_has_hulls => hull.bulge_m(),

@@ -5,65 +5,65 @@ use fearless_simd::Simd;
 use crate::lane::lane_vector::BoxLanes;
 use crate::proof::course::Course;
 
-/// How far things may be from the configurations that are checked: all 0 for these alone, more for all
-/// that a motion passes between them.
+/// Bounds on the motion away from the checked configurations: all 0 for single configurations, positive to cover the motion
+/// between them.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LaneTravel {
-    /// Per link body, against the world, in metres; of a motion, written by the check itself.
+    /// Motion of each link body against the world, in metres; for a motion, the check itself writes it.
     pub bodies: Vec<LaneArray>,
-    /// The motion that all lanes lie on.
+    /// The motion on which all lanes lie.
     pub motion: LaneMotion,
-    /// Per pair of links, against each other, in metres.
+    /// Relative motion of each pair of links, in metres.
     pub link_pairs: Vec<f32>,
-    /// Per joint, in metres or radians.
+    /// Motion of each joint, in metres or radians.
     pub joints: Vec<f32>,
 }
 
-/// A motion, of which each lane stands for the interval about its configuration: how far a body can move within
-/// that follows from its velocity there (see [`Travel`](crate::proof::travel::Travel)).
+/// A motion on which each lane stands for the interval about its configuration: the velocity there bounds the travel of a body
+/// within the interval (see [`Travel`](crate::proof::travel::Travel)).
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LaneMotion {
-    /// Half the width of the intervals, as a share of the motion; 0 where there is none.
+    /// Half the width of the intervals, as a fraction of the motion; 0 if there is no motion.
     pub half_width: f32,
-    /// Per joint and lane, in metres or radians per unit of its parameter.
+    /// Velocity of each joint in each lane, in metres or radians per unit of the parameter.
     pub rates: Vec<LaneArray>,
-    /// Per link body.
+    /// Bounds on the motion of each link body.
     pub paces: Vec<LanePace>,
 }
 
-/// What is known of how a body moves within all intervals, in metres.
+/// Bounds on the motion of a body that hold in all intervals, in metres.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct LanePace {
-    /// No point of it moves farther.
+    /// Upper bound on the motion of any of its points.
     pub most_m: f32,
-    /// What is to be added to how far it would move at the velocity in the middle.
+    /// Amount to add to the motion at the velocity in the middle of an interval.
     pub beside_m: f32,
 }
 
-/// What one asker needs to compute with.
+/// Buffers for the computations of one thread.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LaneScratch {
     pub travel: LaneTravel,
-    /// How the frames move, where there is a motion.
+    /// Velocities of the frames along the motion, if there is one.
     pub twists: Vec<LaneTwist>,
-    /// Per joint.
+    /// Joint values of all lanes, one array per joint (m, rad).
     pub q: Vec<LaneArray>,
-    /// Where loose links stand on the tip.
+    /// Poses of loose links relative to the tip.
     pub places: Vec<LanePlace>,
     pub frames: Vec<LaneFrame>,
-    /// Per body a box around it along the axes of the root.
+    /// Box around each body along the axes of the root frame.
     pub boxes: Vec<LaneBox>,
     pub stack: Vec<Descent>,
     pub near: Vec<Near>,
-    /// Pairs in doubt, and in which lanes, as bits.
+    /// Pairs in doubt, each with its lanes as bits.
     pub doubts: Vec<(u32, u32)>,
-    /// Pairs that are asked about, in order, and in which lanes: for [`Lanes::check_again`].
+    /// Pairs to be checked, in order, each with its lanes as bits: for [`Lanes::check_again`].
     ///
     /// [`Lanes::check_again`]: crate::lane::lanes::Lanes::check_again
     pub wanted: Vec<(u32, u32)>,
 }
 
-/// A box along the axes of the root frame, for every lane.
+/// A box along the axes of the root frame, for every lane, in metres.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LaneBox {
     pub middle: [LaneArray; 3],
@@ -78,16 +78,16 @@ pub(crate) struct Descent {
     pub end: u32,
 }
 
-/// A part that is near to a node in some lanes.
+/// A part that is near a node in some lanes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Near {
-    /// Index into the body's part pairs.
+    /// Index into the body's pairs with parts.
     pub index: u32,
     pub lanes: u32,
 }
 
 impl LaneTravel {
-    /// Nothing beyond the configurations themselves.
+    /// Restricts the check to the configurations themselves.
     pub fn clear(&mut self) {
         self.bodies.fill([0.0; LANES]);
         self.motion.half_width = 0.0;
@@ -97,7 +97,7 @@ impl LaneTravel {
 }
 
 impl LaneScratch {
-    /// Room for robots of so many joints, frames, link bodies and pairs of links.
+    /// Allocates a scratch for the given numbers of joints, frames, link bodies and pairs of links.
     pub fn new(dof: usize, frames: usize, bodies: usize, link_pairs: usize) -> Self {
         let nowhere = LaneBox { middle: [[0.0; LANES]; 3], half_extents: [[0.0; LANES]; 3] };
         Self {
@@ -115,7 +115,7 @@ impl LaneScratch {
         }
     }
 
-    /// Takes over the configuration (m, rad; one per joint) of a lane.
+    /// Sets the configuration (m, rad; one per joint) of a lane.
     #[allow(
         clippy::cast_possible_truncation,
         reason = "lanes are `f32` by design; the slack of every comparison covers it"
@@ -126,8 +126,8 @@ impl LaneScratch {
         }
     }
 
-    /// Takes over configurations of a motion and its rates there, the first at the first of `places`. Lanes beyond these are at
-    /// its beginning.
+    /// Sets the lanes to the configurations of a motion at `places`, with its rates there. Lanes beyond these are at the start
+    /// of the motion.
     #[allow(
         clippy::cast_possible_truncation,
         reason = "lanes are `f32` by design; the slack of every comparison covers it"
@@ -156,7 +156,7 @@ impl LaneScratch {
         }
     }
 
-    /// Asks about a pair in one more lane.
+    /// Adds a lane in which a pair is to be checked again.
     pub fn want(&mut self, pair: u32, lane: usize) {
         match self.wanted.iter_mut().find(|(known, _)| *known == pair) {
             Some((_, lanes)) => *lanes |= 1 << lane,
@@ -171,7 +171,7 @@ impl LaneScratch {
         }
     }
 
-    /// The lanes in which the pair is in doubt already; the pair's body began with doubt number `first`.
+    /// Returns the lanes in which the pair is already in doubt; the doubts of the pair's body start at `first`.
     pub fn doubt(&self, first: usize, pair: u32) -> u32 {
         self.doubts[first..].iter().find(|(doubtful, _)| *doubtful == pair).map_or(0, |(_, lanes)| *lanes)
     }
@@ -192,7 +192,7 @@ impl LaneBox {
     }
 }
 
-/// Indices in the lanes are short: there are far fewer links, parts and balls than they can tell apart.
+/// Converts an index: there are far fewer links, parts and balls than `u32` can count.
 pub(crate) fn as_index(index: usize) -> u32 {
     u32::try_from(index).unwrap_or(u32::MAX)
 }

@@ -9,18 +9,18 @@ use fearless_simd::{Simd, f32x16};
 use crate::lane::lane_bits::bits;
 use crate::lane::lane_vector::{RELATIVE_ROUNDING, dot, is_shorter, lanes, minus, shorter};
 
-/// A solid whose distance to a point is a short formula, in the planning frame or a link's.
+/// A solid whose distance to a point has a short formula, in the planning frame or a link's.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LaneSolid {
     /// Rows of the rotation from that frame to the solid's own.
     rows: [[f32; 3]; 3],
-    /// Its origin in that frame, in metres.
+    /// Origin of the solid in that frame, in metres.
     origin: [f32; 3],
     kind: LaneKind,
 }
 
 impl LaneSolid {
-    /// A solid at this pose; a box around it if its own distance is no short formula.
+    /// Creates a solid at this pose; the box around it if its own distance has no short formula.
     #[allow(
         clippy::cast_possible_truncation,
         reason = "lanes are `f32` by design; the slack of every comparison covers it"
@@ -53,7 +53,7 @@ impl LaneSolid {
         Self { rows, origin: lanes(&origin), kind }
     }
 
-    /// The same solid in the planning frame, from that of a link.
+    /// Transforms a solid of a link to the planning frame.
     pub fn placed(
         &self,
         direction: impl Fn([f32; 3]) -> [f32; 3],
@@ -66,10 +66,10 @@ impl LaneSolid {
         Self { rows: self.rows.map(direction), origin: point(self.origin), kind }
     }
 
-    /// The distance of this box to another one along the axes of the frame, in metres, negative for how deep
-    /// it is in it; `None` if this is no box along these axes, or the other is not.
+    /// Returns the distance of this box to another one along the axes of the frame, in metres, negative for the penetration
+    /// depth; `None` unless both are boxes along these axes.
     pub fn aligned_gap_m(&self, other: &Self) -> Option<f32> {
-        /// Less than one rounding of a rotation.
+        /// Tolerance below one rounding of a rotation entry.
         const STRAIGHT: f32 = 1e-7;
         let (LaneKind::Cuboid { half_extents }, LaneKind::AlignedCuboid { half_extents: others }) =
             (self.kind, other.kind)
@@ -91,7 +91,7 @@ impl LaneSolid {
         Some(if deepest > 0.0 { (x * x + y * y + z * z).sqrt() } else { deepest })
     }
 
-    /// The corner of a box farthest along a direction; `None` for other solids.
+    /// Returns the corner of a box farthest along a direction; `None` for other solids.
     pub fn farthest_corner(&self, direction: [f32; 3]) -> Option<[f32; 3]> {
         let (LaneKind::Cuboid { half_extents } | LaneKind::AlignedCuboid { half_extents }) = self.kind else {
             return None;
@@ -104,8 +104,8 @@ impl LaneSolid {
         }))
     }
 
-    /// Bits of the lanes in which a point is not certainly `reach` (m) or farther from the solid. Below the
-    /// plane of a half-space the distance counts as negative, elsewhere as 0 within.
+    /// Returns the bits of the lanes in which a point is not certainly `reach` (m) or farther from the solid. Below the plane
+    /// of a half-space the distance counts as negative; inside other solids it counts as 0.
     #[inline(always)]
     pub fn within_reach<S: Simd>(&self, simd: S, point: LaneVector<S>, reach: f32x16<S>) -> u32 {
         let zero = f32x16::splat(simd, 0.0);
@@ -138,7 +138,7 @@ impl LaneSolid {
         }
     }
 
-    /// The way to a point from the solid, or from its middle if the point lies in it; exact for boxes.
+    /// Returns the vector to a point from the solid, or from its centre if the point lies inside; exact for boxes.
     pub fn apart(&self, point: [f32; 3]) -> [f32; 3] {
         let offset = minus(point, self.origin);
         let (LaneKind::Cuboid { half_extents } | LaneKind::AlignedCuboid { half_extents }) = self.kind else {
@@ -153,7 +153,7 @@ impl LaneSolid {
         std::array::from_fn(|axis| (0..3).map(|row| self.rows[row][axis] * beyond[row]).sum())
     }
 
-    /// [`Self::within_reach`] for a point by itself.
+    /// Returns the verdict of [`Self::within_reach`] for a single point.
     pub fn is_closer(&self, point: [f32; 3], reach_m: f32) -> bool {
         let offset = minus(point, self.origin);
         let [x, y, z] = self.rows.map(|row| dot(offset, row));
@@ -172,7 +172,7 @@ impl LaneSolid {
                 let along = (z.abs() - half_length).max(0.0);
                 is_shorter(across * across + along * along, reach_m)
             }
-            // What is not a number is not farther.
+            // NaN does not count as farther.
             LaneKind::HalfSpace => {
                 !matches!(z.partial_cmp(&reach_m), Some(Ordering::Greater | Ordering::Equal))
             }
@@ -180,19 +180,19 @@ impl LaneSolid {
     }
 }
 
-/// A box along the axes of its frame.
+/// Rotation of a box along the axes of its frame.
 const STRAIGHT_ROWS: [[f32; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
-/// The rotation's columns as half extents along the planning frame's axes, if its axes are these.
+/// Returns the half extents along the axes of the planning frame, if the axes of the box are parallel to these.
 fn aligned(rotation: &Matrix3<f64>, half_extents: &Vector) -> Option<Vector> {
-    /// Turned by less than this the box moves by less than the slack of any comparison.
+    /// Tolerance of a rotation entry: less moves the box by less than the slack of any comparison.
     const STRAIGHT: f64 = 1e-9;
     let turned = rotation.abs();
     let is_straight = turned.iter().all(|entry| *entry < STRAIGHT || *entry > 1.0 - STRAIGHT);
     is_straight.then(|| turned.map(f64::round) * half_extents)
 }
 
-/// What the place and the size of a part add to the rounding of distances to it, in metres.
+/// Returns the contribution of the position and size of a part to the rounding of distances to it, in metres.
 pub(crate) fn rounding_m(world_from_solid: &Pose, solid: &Solid) -> f64 {
     let size = if solid.is_half_space() { 0.0 } else { solid.ball().radius_m };
     RELATIVE_ROUNDING * (world_from_solid.translation.vector.norm() + size)
@@ -200,14 +200,14 @@ pub(crate) fn rounding_m(world_from_solid: &Pose, solid: &Solid) -> f64 {
 
 #[derive(Clone, Copy, Debug)]
 enum LaneKind {
-    /// Along the axes of the planning frame.
+    /// A box along the axes of the planning frame.
     AlignedCuboid {
         half_extents: [f32; 3],
     },
     Cuboid {
         half_extents: [f32; 3],
     },
-    /// A ball, or a capsule along z; the radius comes off the distance.
+    /// A ball, or a capsule along z; its radius is subtracted from the distance.
     Segment {
         half_length: f32,
         radius: f32,

@@ -1,5 +1,5 @@
-//! The law of the lanes: their verdict is that of the exact check, under every instruction set; and a slack
-//! that is too small is caught.
+//! Tests that the verdict of the lanes is that of the exact check under every instruction set, and that too small a slack is
+//! detected.
 
 use std::sync::Arc;
 
@@ -14,7 +14,7 @@ use crate::lane::lane_bits::{first_lanes, lanes_of};
 use crate::lane::lanes::Interest;
 use crate::{Body, Cell, Margins, World};
 
-/// A slide that carries an arm of links of every shape, and two fingers.
+/// A slide carrying an arm with links of every shape, and two fingers.
 const ARM: &str = r#"<robot name="arm">
   <link name="rail"><collision><geometry><box size="0.1 0.1 0.1"/></geometry></collision></link>
   <link name="cart"><collision><origin xyz="0 0 0.1"/><geometry><box size="0.2 0.1 0.04"/></geometry></collision></link>
@@ -41,7 +41,7 @@ fn robot(urdf: &str) -> Arc<Robot> {
     Arc::new(Robot::from_urdf_text(urdf, "test.urdf", None, &RobotOptions::default()).expect("a good URDF"))
 }
 
-/// A solid of every kind, turned and strewn about the robot, on a floor.
+/// Scatters a solid of every kind around the robot, in random orientations, above a floor.
 fn world(random: &mut Stream) -> World {
     let mut draw = |low: f64, high: f64| random.uniform_between(low, high);
     let corners: Vec<cranny_spatial::Point> = (0..12)
@@ -58,7 +58,7 @@ fn world(random: &mut Stream) -> World {
     let mut bodies = vec![Body::floor(-0.3)];
     for (index, solid) in solids.into_iter().enumerate() {
         let place = Vector::new(draw(-1.2, 1.2), draw(-1.0, 1.0), draw(-0.3, 1.2));
-        // The first stands along the axes of the planning frame.
+        // The first solid is parallel to the axes of the planning frame.
         let turn =
             if index == 0 { Vector::zeros() } else { Vector::new(draw(-3.0, 3.0), draw(-3.0, 3.0), 0.0) };
         bodies.push(Body::new(
@@ -70,8 +70,8 @@ fn world(random: &mut Stream) -> World {
     World::new(bodies).expect("good poses")
 }
 
-/// Configurations, half of them uniform, half of them bisected between a free one and one in contact until
-/// no joint differs by more than `tolerance`.
+/// Samples configurations: half of them are uniform, and half are bisected between a free one and one in contact until no joint
+/// differs by more than `tolerance`.
 fn configurations(cell: &Cell, random: &mut Stream, count: usize, tolerance: f64) -> Vec<Vec<f64>> {
     let mut scratch = cell.scratch();
     let mut draw = || -> Vec<f64> { cell.robot().random_configuration(random) };
@@ -93,7 +93,7 @@ fn configurations(cell: &Cell, random: &mut Stream, count: usize, tolerance: f64
     all
 }
 
-/// How many of the verdicts of the lanes differ from those of the exact check.
+/// Counts the verdicts of the lanes that differ from those of the exact check.
 fn disagreements(cell: &Cell, configurations: &[Vec<f64>], level: Level) -> usize {
     let mut scratch = cell.scratch();
     let exact: Vec<bool> = configurations.iter().map(|q| cell.is_clear(q, &mut scratch)).collect();
@@ -109,7 +109,7 @@ proptest! {
     fn lanes_and_exact_check_agree(seed in any::<u64>(), margin_m in prop_oneof![Just(0.0), 0.001..0.03]) {
         let mut random = Stream::new(seed, 0);
         let margins = Margins { margin_m, ..Margins::default() };
-        // On a turning base some links never get near some bodies.
+        // On a turning base some links never come near some bodies.
         for urdf in [ARM, &ball(2.0), &ARM.replacen("prismatic", "revolute", 1)] {
             let cell = Cell::new(robot(urdf), world(&mut random), margins).expect("a good margin");
             let configurations = configurations(&cell, &mut random, 400, 1e-6);
@@ -136,8 +136,8 @@ fn a_look_ahead_ends_at_the_first_contact() {
     }
 }
 
-/// What is in doubt, and the lanes that are in contact, as a first check of a batch has them, and a second one at
-/// nothing but what the first left in doubt.
+/// Returns the doubts and the lanes in contact after a first check of a batch, and after a second check of nothing but what the
+/// first left in doubt.
 fn looks(cell: &Cell, rows: &[Vec<f64>], interest: Interest, travel_m: f32) -> [(Vec<(u32, u32)>, u32); 2] {
     let mut lanes = cell.scratch().lanes;
     rows.iter().enumerate().for_each(|(lane, q)| lanes.set_lane(lane, q));
@@ -190,7 +190,7 @@ fn a_look_that_contact_ends_names_where_it_is() {
     }
 }
 
-/// Without slack the rounding of `f32` decides within micrometres of contact: the law above must see that.
+/// Without slack the rounding of `f32` decides within micrometres of contact: the test above must detect that.
 #[test]
 fn lanes_without_slack_are_caught() {
     let mut caught = 0;

@@ -3,21 +3,21 @@ use cranny_spatial::Vector;
 use crate::body::part_tree::PartNode;
 use crate::lane::lane_part::LaneAabb;
 
-/// A node of the [`PartTree`](crate::body::part_tree::PartTree) as the lanes see it.
+/// A node of the [`PartTree`](crate::body::part_tree::PartTree) in lane form.
 #[derive(Clone, Debug)]
 pub(crate) struct LaneBranch {
-    /// A box around all its parts; none where it would not help.
+    /// Box around all its parts; `None` where it would not help.
     pub around: Option<LaneAabb>,
-    /// The places of its parts; no place for a node that is not a leaf.
+    /// Positions of its parts; an empty range for a node that is not a leaf.
     pub begin: u32,
     pub end: u32,
-    /// The node that follows if this one is passed over.
+    /// Node that follows if this one is skipped.
     pub next: usize,
 }
 
 impl LaneBranch {
     pub fn of(node: &PartNode) -> Self {
-        /// More than rounding to `f32` can move a face of the box, relative to how far away it is.
+        /// Upper bound on the shift of a face by rounding to `f32`, relative to its distance from the origin.
         const OVERHANG: f64 = 2e-6;
         let around = node.aabb.as_ref().map(|aabb| {
             let farthest_m = aabb.center.coords.abs() + aabb.half_extents;

@@ -9,19 +9,19 @@ use crate::lane::lane_vector::BoxLanes;
 use crate::lane::lanes::{FEW_LANES, LanePair, Lanes};
 use crate::lane::single_frame::{Bars, SingleFrame, Verdict};
 
-/// How many inner balls of a link are tried before anything else: deep contact shows at once.
+/// Number of inner balls of a link that are checked first: they detect deep contact quickly.
 const LARGE_INNER: usize = 8;
 
 impl Lanes {
-    /// Step 2 of [`Self::check`] for one link; with `wanted`, against these pairs alone, each in these lanes. A
-    /// function of its own for each instruction set: all in one would take minutes to compile.
+    /// Runs step 2 of [`Self::check`] for one link; with `wanted`, only against these pairs, each in its lanes. It is a
+    /// separate function for each instruction set, because all in one would take minutes to compile.
     ///
-    /// 1. The box and the ball around the link against every part; few lanes that are near are checked one by
-    ///    one.
-    /// 2. Its largest inner balls: deep contact shows at once.
-    /// 3. Down its tree of outer balls, whose root is the ball around it.
-    /// 4. The other inner balls, where many lanes are in doubt.
-    /// 5. What is left one by one.
+    /// 1. The box and the ball around the link are checked against every part; where few lanes are near, they are checked one
+    ///    by one.
+    /// 2. Its largest inner balls detect deep contact.
+    /// 3. Its tree of outer balls is traversed from the root.
+    /// 4. The other inner balls are checked where many lanes are in doubt.
+    /// 5. The remaining lanes are checked one by one.
     #[inline(never)]
     pub fn body_against_world<S: Simd>(
         &self,
@@ -105,7 +105,7 @@ impl Lanes {
                         *lanes &= *open;
                         if lanes.count_ones() > if hulls.is_empty() { 0 } else { FEW_LANES } {
                             let center = *center.get_or_insert(frame.point(simd, ball.center));
-                            // The pairs of a link with parts follow each other.
+                            // The pairs of a link with parts are consecutive.
                             let place = (*pair - pairs[0].pair) as usize;
                             *open &= !self.meets(simd, &pairs[place], center, ball.radius, *lanes);
                         }
@@ -131,7 +131,7 @@ impl Lanes {
         );
     }
 
-    /// Step 1 of [`Self::body_against_world`]: the parts that are near in many lanes are in `scratch.near` then.
+    /// Runs step 1 of [`Self::body_against_world`]: afterwards `scratch.near` holds the parts that are near in many lanes.
     #[inline(always)]
     fn find_near<S: Simd>(
         &self,
@@ -145,7 +145,7 @@ impl Lanes {
         let pairs = &self.part_pairs[body];
         let travel = f32x16::from_slice(simd, &scratch.travel.bodies[body]);
         let link = scratch.boxes[body].load(simd);
-        // The boxes.
+        // Compare the boxes.
         scratch.near.clear();
         if let Some(wanted) = wanted {
             for (pair, lanes) in wanted {
@@ -180,7 +180,7 @@ impl Lanes {
         if scratch.near.is_empty() {
             return;
         }
-        // The ball.
+        // Compare the ball around the link.
         let root = &self.bodies[body].outer[0].ball;
         let center = frame.point(simd, root.center);
         let mut kept = 0;
@@ -204,15 +204,15 @@ impl Lanes {
         scratch.near.truncate(kept);
     }
 
-    /// The lanes in which the box around a link is near the box around a part.
+    /// Returns the lanes in which the box around a link is near the box around a part.
     #[inline(always)]
     fn box_near<S: Simd>(&self, body: usize, index: u32, link: BoxLanes<S>, travel: f32x16<S>) -> u32 {
         let reach = travel + self.part_pairs[body][index as usize].free_m;
         self.arounds[index as usize].within_reach(travel.token(), link, reach)
     }
 
-    /// The lanes of `lanes` in which a link and a part are in doubt, each checked by itself; where they are
-    /// in contact is taken out of `open`.
+    /// Checks a link and a part lane by lane, and returns those of `lanes` that stay in doubt; lanes in contact are removed
+    /// from `open`.
     #[allow(clippy::too_many_arguments, reason = "one step of the function above, with what it has at hand")]
     #[inline(always)]
     fn part_one_by_one<S: Simd>(
@@ -233,7 +233,7 @@ impl Lanes {
         Verdict::one_by_one(lanes, against, open)
     }
 
-    /// The lanes in which an inner ball is certainly too close to a part.
+    /// Returns the lanes in which an inner ball is certainly too close to a part.
     #[inline(always)]
     fn meets<S: Simd>(
         &self,

@@ -16,71 +16,70 @@ use crate::lane::lane_vector::RELATIVE_ROUNDING;
 use crate::pair::pairs::{Other, Pair, Pairs};
 use crate::proof::joint_table::{self, JointTable};
 
-/// What [`LANES`] configurations are asked at once, in `f32`, with the error bounded: each pair of things is
-/// certainly far enough apart, certainly too close, or in doubt.
+/// Check of [`LANES`] configurations at once, in `f32` with bounded error: each pair is certainly far enough apart, certainly
+/// too close, or in doubt.
 ///
-/// A link lies within the balls of its tree and contains its inner balls. What keeps off an outer ball keeps
-/// off that piece of the link; what meets an inner ball meets the link. What neither decides in some lanes,
-/// and what is near in few lanes from the start, the hulls decide one by one. What is in doubt then, the exact
-/// check decides.
+/// A link is covered by the balls of its tree and contains its inner balls. If an outer ball is clear, so is its piece of the
+/// link; if an inner ball is in contact, so is the link. The hulls decide, one lane at a time, where neither decides, and where
+/// few lanes are near from the start. The exact check decides the remaining doubts.
 #[derive(Clone, Debug)]
 pub(crate) struct Lanes {
     kinematics: Arc<LaneKinematics>,
     pub(crate) bodies: Arc<[LaneBody]>,
     pub(crate) parts: Arc<[LanePart]>,
-    /// What leads to the parts that are near.
+    /// Nodes of the tree of parts, for the broad phase.
     pub(crate) branches: Vec<LaneBranch>,
-    /// Per link body the parts that it is checked against: all or none, in the order of the branches.
+    /// For each link body the parts that it is checked against: all or none, in the order of the branches.
     pub(crate) part_pairs: Vec<Vec<LanePair>>,
-    /// What is around each part, in the order of the branches.
+    /// Bounding volume of each part, in the order of the branches.
     pub(crate) arounds: Vec<LaneAround>,
-    /// Per link body the greatest `free_m` of its part pairs, in metres.
+    /// Greatest `free_m` of the part pairs of each link body, in metres.
     pub(crate) farthest_free_m: Vec<f32>,
-    /// Pairs of links that are looked up.
+    /// Tables of the pairs of links that depend on one or two joints.
     tables: Vec<JointTable>,
     /// All pairs of link bodies, those of the tables last.
     pub(crate) link_pairs: Vec<LanePair>,
     /// Body of the first link of each of `link_pairs`.
     pub(crate) link_firsts: Vec<u32>,
-    /// Where those of the tables begin.
+    /// Index in `link_pairs` of the first pair that is in a table.
     first_tabled: usize,
-    /// Where each pair of links stands in `link_pairs`, in the order of [`crate::Cell`]'s list.
+    /// Index in `link_pairs` of each pair of links, in the order of [`crate::Cell`]'s list.
     link_slots: Vec<usize>,
 }
 
-/// Up to so many lanes are checked one by one: a step of all lanes takes as long as a few of one lane.
+/// Number of lanes up to which they are checked one by one: a step of all lanes takes as long as a few of one lane.
 pub(crate) const FEW_LANES: u32 = 4;
 
-/// Two things that are checked against each other.
+/// A collision pair of the lanes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LanePair {
-    /// The index in [`crate::Cell`]'s list.
+    /// Index in [`crate::Cell`]'s list.
     pub pair: u32,
-    /// The other thing: a part or a link body.
+    /// Index of the second body: a part or a link body.
     pub other: u32,
-    /// At this distance, or farther, the pair is certainly far enough apart; negative infinity if the two can
-    /// never be near each other.
+    /// Distance from which on the pair is certainly far enough apart, in metres; negative infinity if the two can never be near
+    /// each other.
     pub free_m: f32,
-    /// Below this distance it is certainly too close.
+    /// Distance below which the pair is certainly too close, in metres.
     pub contact_m: f32,
 }
 
-/// Which lanes still matter once some are in contact.
+/// Lanes that still matter once some are in contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Interest {
-    /// Each for itself.
+    /// Every lane, independently of the others.
     Each,
-    /// Only those before the first in contact.
+    /// Only the lanes before the first one in contact.
     UpToContact,
-    /// None.
+    /// No lane.
     AllOrNothing,
 }
 
-/// A check as far as it has come.
+/// State of a check.
 struct LaneCheck {
     asked: u32,
     interest: Interest,
-    /// The lanes that are not certainly in contact, and of interest.
+    /// Lanes that are not certainly in contact, and still of interest.
     open: u32,
 }
 
@@ -89,7 +88,7 @@ impl LaneCheck {
         self.open != 0
     }
 
-    /// After every step.
+    /// Updates the lanes of interest after a step.
     #[inline(always)]
     fn narrow(&mut self) {
         match (self.interest, self.contact()) {
@@ -99,7 +98,7 @@ impl LaneCheck {
         }
     }
 
-    /// The lanes that are in contact, or of no more interest.
+    /// Returns the lanes that are in contact, or of no further interest.
     #[inline(always)]
     fn contact(&self) -> u32 {
         self.asked & !self.open
@@ -172,17 +171,17 @@ impl Lanes {
         }
     }
 
-    /// Tables of pairs of links.
+    /// Returns the tables of pairs of links.
     pub fn tables(&self) -> &[JointTable] {
         &self.tables
     }
 
-    /// The pairs of links that are in none of them, by index in [`crate::Cell`]'s list.
+    /// Returns the pairs of links that are in no table, by index in [`crate::Cell`]'s list.
     pub fn untabled(&self) -> impl Iterator<Item = u32> {
         self.link_pairs[..self.first_tabled].iter().map(|pair| pair.pair)
     }
 
-    /// Takes the slack off every comparison, to see that the law of the lanes notices.
+    /// Removes the slack from every comparison, to test that this is detected.
     #[cfg(test)]
     pub fn forget_slack(&mut self) {
         for pair in self.part_pairs.iter_mut().flatten().chain(&mut self.link_pairs) {
@@ -191,12 +190,12 @@ impl Lanes {
         }
     }
 
-    /// The pairs of links: their index in the list of all pairs.
+    /// Returns the pairs of links, by index in the list of all pairs.
     pub fn link_pairs(&self) -> impl Iterator<Item = u32> {
         self.link_pairs.iter().map(|pair| pair.pair)
     }
 
-    /// How much closer a pair can seem than it is, in metres: below that the lanes cannot tell.
+    /// Returns the maximum underestimate of a pair's distance, in metres; the lanes cannot decide finer than that.
     pub fn blur_m(&self, pair: &Pair) -> f64 {
         let LaneBody { blur_m, ref hulls, .. } = self.bodies[pair.first];
         blur_m
@@ -215,22 +214,21 @@ impl Lanes {
         scratch
     }
 
-    /// Looks at the configurations in `scratch.q` whose bits are set in `asked`. Returns the lanes that are
-    /// certainly in contact; with [`Interest::UpToContact`] also those behind the first of them. What is in
-    /// doubt in the others is in `scratch.doubts` then, and a lane that is in neither is certainly free, unless
-    /// contact ended the check. "Free" and "in doubt" hold for everything that is no farther away than
-    /// `scratch.travel` says.
+    /// Checks the configurations in `scratch.q` whose bits are set in `asked`. Returns the lanes that are certainly in contact;
+    /// with [`Interest::UpToContact`] also those behind the first of them. `scratch.doubts` then holds the pairs in doubt in
+    /// the other lanes, and a lane that is in neither is certainly free, unless contact ended the check. "Free" and "in doubt"
+    /// hold for all configurations within the motion bounds of `scratch.travel`.
     ///
     /// 1. Pairs of links that are in a table are looked up.
-    /// 2. Every link against the world: box and ball around it against every part. What is near in few lanes is
-    ///    checked one by one; else inner balls against the parts that are near, and down its tree of balls
-    ///    against those that are still near, until a leaf leaves the pair in doubt; what is left one by one.
-    /// 3. The other pairs of links in the same way, and those that their table leaves in doubt one by one.
+    /// 2. Every link against the world: box and ball around it against every part. Lanes are checked one by one where few are
+    ///    near; otherwise inner balls against the near parts, then its tree of balls against those that are still near, until a
+    ///    leaf leaves the pair in doubt; the rest is checked one by one.
+    /// 3. The other pairs of links are checked in the same manner, and those left in doubt by their table one by one.
     pub fn check(&self, level: Level, scratch: &mut LaneScratch, asked: u32, interest: Interest) -> u32 {
         dispatch!(level, simd => self.check_with(simd, scratch, asked, interest))
     }
 
-    /// [`Self::check`] at nothing but the pairs of `scratch.wanted`, each in the lanes that it is wanted in.
+    /// Runs [`Self::check`] for the pairs of `scratch.wanted` alone, each in its wanted lanes.
     pub fn check_again(
         &self,
         level: Level,
@@ -324,7 +322,7 @@ impl Lanes {
         check.contact()
     }
 
-    /// Where every link is in every lane, and the boxes around them.
+    /// Computes the poses of all links in every lane, and the boxes around them.
     #[inline(always)]
     fn place<S: Simd>(&self, simd: S, frames: &mut [LaneFrame], scratch: &mut LaneScratch) {
         self.kinematics.forward(simd, &scratch.q, &scratch.places, frames);
@@ -337,7 +335,7 @@ impl Lanes {
         }
     }
 
-    /// How far a body can move within the interval of each lane.
+    /// Computes a bound on the motion of a body within the interval of each lane, in metres.
     #[inline(always)]
     pub fn travel_of<S: Simd>(
         &self,
@@ -361,7 +359,7 @@ impl Lanes {
         f32x16::from_slice(simd, travels)
     }
 
-    /// Step 3 of [`Self::check`] for one pair, in the lanes that it is asked about in.
+    /// Runs step 3 of [`Self::check`] for one pair, in the given lanes.
     #[inline(always)]
     fn links<S: Simd>(
         &self,
@@ -378,7 +376,7 @@ impl Lanes {
         }
     }
 
-    /// What the tables left in doubt, the first `tabled` of `scratch.doubts`, one by one.
+    /// Checks one by one the pairs left in doubt by the tables: the first `tabled` of `scratch.doubts`.
     #[inline(always)]
     fn settle_tabled<S: Simd>(
         &self,
@@ -398,14 +396,14 @@ impl Lanes {
         }
     }
 
-    /// Pairs of links follow those with parts.
+    /// Returns the index of the first pair of links; these follow the pairs with parts.
     fn first_link_pair(&self) -> u32 {
         as_index(self.part_pairs.iter().map(Vec::len).sum())
     }
 }
 
 impl LanePair {
-    /// An infinite slack leaves every configuration in doubt.
+    /// Creates a pair; an infinite slack leaves every configuration in doubt.
     #[allow(clippy::cast_possible_truncation, reason = "lanes are `f32` by design; the slack covers it")]
     fn new(pair: usize, other: usize, required_m: f64, slack_m: f64) -> Self {
         let slack_m = slack_m + RELATIVE_ROUNDING * required_m;
@@ -418,7 +416,7 @@ impl LanePair {
     }
 }
 
-/// Step 1 for one table.
+/// Runs step 1 of the check for one table.
 #[inline(always)]
 fn look_up<S: Simd>(simd: S, table: &JointTable, scratch: &mut LaneScratch, lanes: u32, open: &mut u32) {
     let mut low = [[0; LANES]; 2];

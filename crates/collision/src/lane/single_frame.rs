@@ -6,8 +6,8 @@ use crate::lane::lane_bits::lanes_of;
 use crate::lane::lane_solid::LaneSolid;
 use crate::lane::lane_vector::dot;
 
-/// A frame at one configuration by itself. Where two things are near each other in few lanes only, one by one
-/// in plain numbers is faster than all lanes at once.
+/// A frame at a single configuration. Where two bodies are near each other in few lanes only, scalar computation lane by lane
+/// is faster than all lanes at once.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SingleFrame {
     pub axes: [[f32; 3]; 3],
@@ -15,7 +15,7 @@ pub(crate) struct SingleFrame {
 }
 
 impl SingleFrame {
-    /// The root's own frame.
+    /// Frame of the root itself.
     pub const ROOT: Self =
         Self { axes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], origin: [0.0; 3] };
 
@@ -31,20 +31,20 @@ impl SingleFrame {
         std::array::from_fn(|row| along_x[row] * x + along_y[row] * y + along_z[row] * z)
     }
 
-    /// A direction of the root frame in this one.
+    /// Rotates a direction from the root frame to this frame.
     #[inline(always)]
     pub fn turned_back(&self, direction: [f32; 3]) -> [f32; 3] {
         self.axes.map(|axis| dot(axis, direction))
     }
 
-    /// A point of this frame in the root frame.
+    /// Transforms a point of this frame to the root frame.
     #[inline(always)]
     pub fn point(&self, point: [f32; 3]) -> [f32; 3] {
         let [x, y, z] = self.direction(point);
         [x + self.origin[0], y + self.origin[1], z + self.origin[2]]
     }
 
-    /// Points of this frame in the root frame.
+    /// Transforms points of this frame to the root frame.
     #[inline(always)]
     pub fn points<S: Simd>(&self, points: LaneVector<S>) -> LaneVector<S> {
         let [x, y, z] = &self.axes;
@@ -55,13 +55,13 @@ impl SingleFrame {
         }
     }
 
-    /// A solid of this frame in root coordinates.
+    /// Transforms a solid of this frame to the root frame.
     pub fn solid(&self, solid: &LaneSolid) -> LaneSolid {
         solid.placed(|direction| self.direction(direction), |point| self.point(point))
     }
 }
 
-/// What is certain of two things, everywhere in question.
+/// Verdict on a pair that is certain for all configurations in question.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Verdict {
     Free,
@@ -70,7 +70,7 @@ pub(crate) enum Verdict {
 }
 
 impl Verdict {
-    /// Those of `lanes` that are in doubt, each asked by itself; those in contact are taken out of `open`.
+    /// Returns those of `lanes` that are in doubt, each evaluated by itself; those in contact are removed from `open`.
     #[inline(always)]
     pub fn one_by_one(lanes: u32, verdict: impl Fn(usize) -> Self, open: &mut u32) -> u32 {
         let mut doubt = 0;
@@ -84,8 +84,7 @@ impl Verdict {
         doubt
     }
 
-    /// The verdict on a pair of groups from those on all pairs of their members: free if all are, in contact
-    /// if any is.
+    /// Combines the verdicts on all pairs of members of two groups: free if all are free, in contact if any is in contact.
     pub fn of_all(verdicts: impl Iterator<Item = Self>) -> Self {
         let mut all = Self::Free;
         for verdict in verdicts {
@@ -99,7 +98,7 @@ impl Verdict {
     }
 }
 
-/// At `free_m` or farther two things are certainly far enough apart, below `contact_m` certainly too close.
+/// Thresholds in metres: from `free_m` on a pair is certainly far enough apart, below `contact_m` certainly too close.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Bars {
     pub free_m: f32,
@@ -107,7 +106,7 @@ pub(crate) struct Bars {
 }
 
 impl Bars {
-    /// The verdict on a distance that is known from below and above.
+    /// Returns the verdict on a distance with a known lower and upper bound (m).
     pub fn verdict(self, [low_m, high_m]: [f32; 2]) -> Verdict {
         if low_m >= self.free_m {
             Verdict::Free

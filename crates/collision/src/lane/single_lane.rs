@@ -11,12 +11,12 @@ use crate::lane::lane_vector::{dot, is_shorter, minus};
 use crate::lane::single_frame::{Bars, SingleFrame, Verdict};
 
 impl LaneBody {
-    /// The body against a part of the world that is near the ball around it.
+    /// Checks the body against a part of the world that is near the ball around it.
     ///
-    /// 1. Two boxes along the same axes are compared as they are.
-    /// 2. Its balls, if it consists of balls, or inner balls; then the box around it.
-    /// 3. Its hulls, against the part's own, or its lowest corner above a half-space.
-    /// 4. Where there are no hulls, the outer balls: if no leaf is near, it is free; and the inner balls.
+    /// 1. Two boxes along the same axes are compared directly.
+    /// 2. Its balls are checked, if it consists of balls, or its inner balls; then the box around it.
+    /// 3. Its hulls are checked against that of the part, or its lowest corner against a half-space.
+    /// 4. Without hulls, the outer balls are checked: if no leaf is near, it is free; then the inner balls.
     #[inline(never)]
     pub fn against_part<S: Simd>(
         &self,
@@ -74,7 +74,7 @@ impl LaneBody {
         if part.is_exact && closer(small, bars.contact_m) { Verdict::Contact } else { Verdict::Doubt }
     }
 
-    /// The body against another link's, in the same way.
+    /// Checks the body against that of another link, in the same manner.
     #[inline(never)]
     pub fn against_body<S: Simd>(
         &self,
@@ -112,14 +112,14 @@ impl LaneBody {
         }
     }
 
-    /// Whether the boxes around the body and a part, given by its centre and half extents, are closer than
-    /// `free_m` along all axes of the body's frame.
+    /// Returns true if the boxes around the body and a part, given by its centre and half extents, are closer than `free_m` (m)
+    /// along all axes of the body's frame.
     fn is_box_closer(&self, frame: &SingleFrame, [center, half_extents]: [[f32; 3]; 2], free_m: f32) -> bool {
         let center = frame.turned_back(minus(center, frame.origin));
         (0..3).all(|axis| {
             let others = dot(frame.axes[axis].map(f32::abs), half_extents);
             let gap = (center[axis] - self.middle[axis]).abs() - self.half_extents[axis] - others;
-            // What is not a number is not farther.
+            // NaN does not count as farther.
             !matches!(gap.partial_cmp(&free_m), Some(Ordering::Greater | Ordering::Equal))
         })
     }
@@ -137,14 +137,14 @@ impl LaneBody {
     }
 }
 
-/// The trees of two links.
+/// Trees of outer balls of two links.
 struct BallTrees<'a> {
     nodes: [&'a [LaneNode]; 2],
     frames: [&'a SingleFrame; 2],
     free_m: f32,
 }
 
-/// A node of a tree, and where the middle of its ball is in root coordinates.
+/// A node of a tree, with the centre of its ball in the root frame.
 #[derive(Clone, Copy)]
 struct Placed<'a> {
     node: &'a LaneNode,
@@ -152,7 +152,7 @@ struct Placed<'a> {
 }
 
 impl Placed<'_> {
-    /// The way here from another ball's middle.
+    /// Returns the vector from the centre of another ball to this one.
     fn apart(&self, other: &Self) -> [f32; 3] {
         minus(self.center, other.center)
     }
@@ -163,7 +163,7 @@ impl Placed<'_> {
 }
 
 impl<'a> BallTrees<'a> {
-    /// A node of the first or the second tree.
+    /// Returns a node of the first or the second tree.
     fn node(&self, tree: usize, node: u32) -> Placed<'a> {
         let node = &self.nodes[tree][node as usize];
         Placed { node, center: self.frames[tree].point(node.ball.center) }
@@ -173,7 +173,7 @@ impl<'a> BallTrees<'a> {
         is_closer(a.center, b.center, self.free_m + a.node.ball.radius + b.node.ball.radius)
     }
 
-    /// Whether two leaves below these nodes are closer than `free_m`.
+    /// Returns true if two leaves below these nodes are closer than `free_m` (m).
     fn any_leaves_closer(&self, a: Placed, b: Placed) -> bool {
         if !self.are_closer(a, b) {
             return false;
@@ -181,7 +181,7 @@ impl<'a> BallTrees<'a> {
         if a.is_leaf() && b.is_leaf() {
             return true;
         }
-        // The larger ball is the one to be halved.
+        // Split the larger ball.
         if !a.is_leaf() && (b.is_leaf() || a.node.ball.radius >= b.node.ball.radius) {
             a.node.children.into_iter().any(|child| self.any_leaves_closer(self.node(0, child), b))
         } else {
@@ -190,7 +190,7 @@ impl<'a> BallTrees<'a> {
     }
 }
 
-/// Whether two points are closer than `reach_m`, or not comparable.
+/// Returns true if two points are closer than `reach_m` (m), or a coordinate is NaN.
 fn is_closer(a: [f32; 3], b: [f32; 3], reach_m: f32) -> bool {
     let way = minus(a, b);
     is_shorter(dot(way, way), reach_m)

@@ -5,23 +5,23 @@ use crate::cell::{Cell, Scratch};
 use crate::pair::pairs::{Other, Pair};
 use crate::touch::contact::{Collider, Contact};
 
-/// The two things of a cell that are nearest to each other.
+/// The closest pair of a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Closest {
     /// A link.
     pub first: Collider,
     /// Another link, or a body.
     pub second: Collider,
-    /// Their distance in metres, certified from below; negative for how deep they overlap.
+    /// Their distance in metres, as a certified lower bound; negative for the penetration depth.
     pub distance_m: f64,
-    /// The nearest points of the two, in the planning frame; the same point twice in the overlap. `None` where they
-    /// touch without one.
+    /// Closest points of the two, in the planning frame; one point twice in an overlap. `None` where they touch without a
+    /// common point that is known.
     pub points: Option<[Point; 2]>,
 }
 
 impl Cell {
-    /// The pair that is closest at `q` (m, rad; one per joint), or the one that overlaps deepest; `None` where
-    /// there is no pair. Joint limits do not enter.
+    /// Returns the closest pair at `q` (m, rad; one per joint), or the one that penetrates deepest; `None` if there is no pair.
+    /// Joint limits are not checked.
     ///
     /// `closest(q).distance_m = clearance(q)` where nothing touches.
     ///
@@ -32,7 +32,7 @@ impl Cell {
         let (mut nearest, mut least_m) = (None, f64::INFINITY);
         for pair in self.pairs.iter().filter(|pair| !pair.is_exempt()) {
             let is_farther = self.quick_bound(&pair, &scratch.frames, least_m) >= least_m;
-            // What is not a number is not farther: it is measured, and found in contact.
+            // NaN does not count as farther: the pair is measured, and found in contact.
             if !is_farther {
                 let distance_m = self.distance(&pair, &scratch.frames, least_m).lower_m;
                 if distance_m < least_m {
@@ -50,11 +50,11 @@ impl Cell {
         Some(Closest { first, second, distance_m: least_m, points })
     }
 
-    /// Least distances at `q` (m, rad; one per joint) between the robot, with what it holds, and the world, and between its
-    /// own links, in metres, certified from below; 0 in contact, infinite where there is no such pair. Joint limits do not
-    /// enter.
+    /// Returns the least distances at `q` (m, rad; one per joint) between the robot, with the held object, and the world, and
+    /// between its own links, in metres, as certified lower bounds; 0 in contact, infinite if there is no such pair. Joint
+    /// limits are not checked.
     ///
-    /// `clearances(q)` has `clearance(q)` as its lesser.
+    /// The lesser of `clearances(q)` is `clearance(q)`.
     ///
     /// # Panics
     /// If `q` has not one value per joint.

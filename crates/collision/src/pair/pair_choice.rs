@@ -2,13 +2,13 @@ use crate::cell::Cell;
 use crate::pair::unchecked::Unchecked;
 
 impl Cell {
-    /// Pairs that are not checked.
+    /// Returns the pairs that are not checked.
     pub fn unchecked(&self) -> &[Unchecked] {
         &self.unchecked
     }
 
-    /// The same cell with all pairs of links checked but those that are exempt by declaration, and adjacent ones that are
-    /// not free at any sampled value of their joint.
+    /// Returns this cell with all pairs of links checked except those that are exempt by declaration, and adjacent ones that
+    /// are not free at any sampled value of their joint.
     #[must_use]
     pub fn with_all_pairs(&self) -> Self {
         let more = self.unchecked.iter().filter(|unchecked| !unchecked.reason.is_never_free());

@@ -1,14 +1,14 @@
 use crate::cell::Cell;
 use crate::pair::pairs::{Other, Pair};
 
-/// Pairs of things that one kind of error moves against each other.
+/// Group of collision pairs that one kind of error moves against each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PairGroup {
     /// Links against links.
     Links,
-    /// Links, and what is held, against the world, but for what is to be grasped.
+    /// Links and the held object against the world, without the object to be grasped.
     Around,
-    /// What is to be grasped against the links; once it is held, against all that it may not touch.
+    /// The object to be grasped against the links; once it is held, against all that it may not touch.
     Object,
 }
 

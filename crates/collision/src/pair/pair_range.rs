@@ -9,44 +9,44 @@ use crate::body::link_body::{LinkBody, group_separation};
 use crate::proof::course::Rates;
 use crate::proof::travel::{Travel, shared_joints};
 
-/// Result proven of two links for all values of the joints between them.
+/// Proven result on two links for all values of the joints between them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum PairRange {
-    /// They touch at every value, at the least that deep where it was measured (m).
+    /// They touch at every value; the depth is the least one measured (m).
     AlwaysTouching { depth_m: f64 },
-    /// They touch at none.
+    /// They touch at no value.
     NeverTouching,
-    /// They are free at one value, and touch, that deep (m), or may touch, at another: proven only near their joint, or maybe
-    /// elsewhere.
+    /// They are free at one value and touch, at this depth (m), or may touch, at another: proven only near their joint, or
+    /// possibly elsewhere.
     Both { is_at_joint: bool, depth_m: f64 },
-    /// One value refutes what was asked; the others were not tried.
+    /// One value refutes the property; the others were not tried.
     Refuted,
-    /// Nothing is proven with the allowed number of boxes: the links touched in the middle of every box, with at least
-    /// this depth (m), or in none, and are then proven not to touch away from their joint.
+    /// The allowed number of boxes proves nothing: the links touched in the middle of every box, with at least this depth (m),
+    /// or in none, and are then proven not to touch away from their joint.
     Unproven { depth_m: f64 },
 }
 
-/// Property of two links that is to be proven.
+/// Property of two links to be proven.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Question {
     /// Contact at every value: the first value at which they are free refutes it.
     AlwaysTouching,
-    /// Contact at every value, or at none.
+    /// Contact at every value, or at no value.
     AlwaysAlike,
-    /// Contact at none: the first value at which they touch refutes it.
+    /// Contact at no value: the first value at which they touch refutes it.
     NeverTouching,
 }
 
 /// Proofs about pairs of links over the whole range of the joints between them.
 ///
-/// 1. A box of joint values is evaluated at its middle. No point of either link moves farther against the other within
-///    the box than the travel `t` ([`Travel::between`]).
-/// 2. Links farther apart than `t` touch nowhere in the box. Convex solids deeper than `t` in each other touch
-///    everywhere in it: to separate them takes a relative motion of more than `t`.
+/// 1. A box of joint values is evaluated at its middle. Within the box, no point of either link moves farther relative to the
+///    other than the travel `t` ([`Travel::between`]).
+/// 2. Links farther apart than `t` touch nowhere in the box. Convex solids that penetrate each other deeper than `t` touch
+///    everywhere in it: separating them takes a relative motion of more than `t`.
 /// 3. Any other box is bisected across the joint that moves the links most.
 ///
-/// Boxes are evaluated from the widest on, so that a window in which the links are free is found if it is wider than
-/// the last boxes: for a single joint a thousandth of its range.
+/// Boxes are evaluated from the widest on, so that a window in which the links are free is found if it is wider than the last
+/// boxes: for a single joint, a thousandth of its range.
 pub(crate) struct PairRanges<'a> {
     robot: &'a Robot,
     bodies: &'a [LinkBody],
@@ -56,16 +56,16 @@ pub(crate) struct PairRanges<'a> {
     rates: Rates,
 }
 
-/// Greatest number of boxes for one pair: each takes some 10 to 200 µs.
+/// Maximum number of boxes for one pair: each takes some 10 to 200 µs.
 const MOST_BOXES: usize = 20_000;
 
-/// Greatest number of pieces of the range of a single joint: the last are less than a thousandth of it.
+/// Maximum number of pieces of the range of a single joint: the last are less than a thousandth of it.
 const MOST_PIECES: usize = 4095;
 
-/// The search for the depth of two convex bodies ends within a thousandth of it; of each depth so much is believed.
+/// Fraction of a measured depth of two convex bodies that is relied on; the search ends within a thousandth of the depth.
 const BELIEVED: f64 = 0.9;
 
-/// Values of the joints between two links, each from the first to the second.
+/// Box of values of the joints between two links: lower and upper limit of each.
 type JointBox = Vec<[f64; 2]>;
 
 impl<'a> PairRanges<'a> {
@@ -80,7 +80,7 @@ impl<'a> PairRanges<'a> {
         }
     }
 
-    /// Result proven of a pair of link bodies.
+    /// Proves a property of a pair of link bodies over the range of their joints.
     pub fn of(&mut self, pair: (usize, usize), question: Question) -> PairRange {
         let shared = shared_joints(self.robot, self.bodies[pair.0].link, self.bodies[pair.1].link);
         let joints = self.joints_between(pair, shared);
@@ -129,7 +129,7 @@ impl<'a> PairRanges<'a> {
         }
     }
 
-    /// The joints that the pair's pose against each other depends on, as indices into `q`.
+    /// Returns the joints that the relative pose of the pair depends on, as indices into `q`.
     fn joints_between(&self, pair: (usize, usize), shared: usize) -> Vec<usize> {
         let chain = |body: usize| self.robot.ancestors(self.bodies[body].link).iter().skip(shared);
         let mut joints: Vec<usize> = chain(pair.0).chain(chain(pair.1)).map(|mover| mover.joint).collect();
@@ -138,7 +138,7 @@ impl<'a> PairRanges<'a> {
         joints
     }
 
-    /// Puts the links where they are in the middle of a box, and bounds how far they move against each other within it (m).
+    /// Places the links at the middle of a box, and bounds their relative motion within it (m).
     fn travel_m(&mut self, pair: (usize, usize), shared: usize, joints: &[usize], values: &JointBox) -> f64 {
         self.rates.now.fill(0.0);
         for (&joint, [lower, upper]) in joints.iter().zip(values) {
@@ -157,7 +157,7 @@ impl<'a> PairRanges<'a> {
         self.travel.between(pair.0, pair.1, shared)
     }
 
-    /// A box cut across the joint that moves the links most; none if it is as small as numbers are.
+    /// Bisects a box across the joint that moves the links most; `None` if it is at the resolution of rounding.
     fn halves(
         &mut self,
         pair: (usize, usize),
@@ -182,7 +182,7 @@ impl<'a> PairRanges<'a> {
         Some(halves)
     }
 
-    /// The greatest depth of two convex solids of the links in each other, in metres.
+    /// Returns the greatest penetration depth of two convex solids of the links, in metres.
     fn deepest_m(&self, pair: (usize, usize)) -> f64 {
         let [first, second] = [pair.0, pair.1].map(|body| &self.bodies[body]);
         let others: Vec<_> = second.placed(&self.frames).collect();
@@ -196,9 +196,9 @@ impl<'a> PairRanges<'a> {
         depth_m
     }
 
-    /// Returns whether two links that are free at one value of their only joint touch, at all others, nowhere but near its
-    /// axis: their surfaces beyond [`Self::joint_neighbourhood_m`] from it are proven never to meet, so neither ever gets
-    /// into the other there. Never so for a joint that slides.
+    /// Returns true if two links that are free at one value of their only joint touch, at all others, only near its axis: their
+    /// surfaces beyond [`Self::joint_neighbourhood_m`] from it are proven never to meet, so neither can penetrate the other
+    /// there. Always false for a prismatic joint.
     fn touch_at_joint_alone(&self, pair: (usize, usize), shared: usize) -> bool {
         let movers = [pair.0, pair.1].map(|body| self.robot.ancestors(self.bodies[body].link).get(shared..));
         let mut movers = movers.into_iter().flatten().flatten();
@@ -224,15 +224,15 @@ impl<'a> PairRanges<'a> {
         PairRanges::new(self.robot, &bodies).of((0, 1), Question::NeverTouching) == PairRange::NeverTouching
     }
 
-    /// Distance from the axis of their joint within which two links count as being at the joint, in metres: the sum of
-    /// their thicknesses.
+    /// Returns the distance from the axis of their joint within which two links count as being at the joint, in metres: the sum
+    /// of their thicknesses.
     fn joint_neighbourhood_m(&self, pair: (usize, usize)) -> f64 {
         let thickness_m = |body: usize| 2.0 * self.bodies[body].bounds.aabb.half_extents.min();
         thickness_m(pair.0) + thickness_m(pair.1)
     }
 }
 
-/// Triangles around a convex solid: its tessellation, grown from its middle until each face of it is beyond the solid.
+/// Returns triangles around a convex solid: its tessellation, scaled from its centre until each face is outside the solid.
 fn around(solid: &Solid) -> TriangleSoup {
     let mut soup = solid.tessellation().unwrap_or_default();
     if is_round(solid) {
@@ -247,11 +247,11 @@ fn around(solid: &Solid) -> TriangleSoup {
     soup
 }
 
-/// Sides of the prism that stands for a cylinder.
+/// Number of sides of the prism that approximates a cylinder.
 const SIDES: u32 = 12;
 
-/// The surface of a solid, at a pose against an axis through the origin, outside the prism around a cylinder about that: in
-/// as many pieces as sides, in the frame of the solid. That of a round one is around it.
+/// Returns the surface of a solid, at a pose relative to an axis through the origin, outside the prism around a cylinder about
+/// that axis: one piece per side, in the frame of the solid. The surface of a round solid is circumscribed.
 fn beyond_axis(solid: &Solid, pose: &Pose, axis: &Vector, radius_m: f64) -> Vec<Solid> {
     let is_mesh = solid.support_point(&Vector::x()).is_none();
     let surface =
@@ -275,7 +275,7 @@ mod tests {
 
     use super::*;
 
-    /// A chain of up to five links, each a box, a ball or a capsule of random size and place.
+    /// Builds a chain of up to five links, each a box, a ball or a capsule of random size and position.
     fn chain(random: &mut Stream) -> Robot {
         let mut draw = |low: f64, high: f64| random.uniform_between(low, high);
         let mut text = String::from(r#"<robot name="chain">"#);

@@ -7,21 +7,21 @@ use crate::body::part_tree::PartTree;
 use crate::body::world::Part;
 use crate::proof::travel::shared_joints;
 
-/// Two things that are checked against each other.
+/// A collision pair.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pair {
     /// Index into the link bodies.
     pub first: usize,
     pub second: Other,
-    /// The least distance that counts as free, in metres.
+    /// Least distance that counts as free, in metres.
     pub required_m: f64,
 }
 
-/// Whatever the distance, it is enough.
+/// Required distance of an exempt pair, in metres: any distance satisfies it.
 const NOTHING_M: f64 = f64::NEG_INFINITY;
 
 impl Pair {
-    /// Whether the two may be in each other.
+    /// Returns true if the two may penetrate each other.
     pub fn is_exempt(&self) -> bool {
         self.required_m <= NOTHING_M
     }
@@ -29,26 +29,26 @@ impl Pair {
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Other {
-    /// Index into the link bodies, and how many joints move both links alike.
+    /// Index into the link bodies, and the number of joints that move both links alike.
     Link { body: usize, shared_joints: usize },
     /// Index into the parts of all bodies of the world.
     Part(usize),
 }
 
-/// All that is checked against each other, by index: every link that moves with every part, in the order of the tree;
-/// then links with links. The former are counted, not listed: ten links among 10⁵ boxes make a million.
+/// All collision pairs, by index: every moving link with every part, in the order of the tree; then links with links. The
+/// former are counted, not listed: ten links among 10⁵ boxes make a million.
 #[derive(Clone, Debug)]
 pub(crate) struct Pairs {
     moving: Vec<Moving>,
-    /// The parts in the order of the tree, and what is demanded of them.
+    /// Parts in the order of the tree, and the distances demanded of them.
     parts: Vec<(usize, PartRule)>,
     links: Vec<Pair>,
     margins: Margins,
-    /// The greatest distance that is demanded between any part and a link, and a link of the hand, in metres.
+    /// Greatest distance demanded between any part and a link, and a link of the hand, in metres.
     greatest_m: [f64; 2],
 }
 
-/// A link that moves.
+/// A link that a joint moves.
 #[derive(Clone, Copy, Debug)]
 struct Moving {
     /// Index into the link bodies.
@@ -57,52 +57,52 @@ struct Moving {
     is_held: bool,
 }
 
-/// What is demanded of a part of the world.
+/// Rule for the distance demanded of a part of the world.
 #[derive(Clone, Copy, Debug)]
 struct PartRule {
-    /// Of what is to be grasped, or carries that: the hand may come as near as its margin says.
+    /// Role in the grasp, if any: for such a part the grasp margin of the hand applies.
     grasped: Option<Grasped>,
-    /// Nothing: it is no obstacle, but what is held.
+    /// True if the part belongs to the held body: it is no obstacle.
     is_held: bool,
-    /// Nothing of what is held.
+    /// True if the held body may touch it.
     is_spared: bool,
 }
 
-/// What a part of the world has to do with the grasp.
+/// Role of a part of the world in the grasp.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Grasped {
-    /// It is what is to be grasped.
+    /// It belongs to the object to be grasped.
     Target,
-    /// It carries that.
+    /// It supports that object.
     Support,
 }
 
-/// What is held, and what it may touch.
+/// The held body, and the parts that it may touch.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Held<'a> {
-    /// Its link.
+    /// Index of its link.
     pub link: usize,
-    /// The body of the world that it was.
+    /// Index of the body in the world.
     pub body: usize,
     /// Parts of the world that it is not checked against.
     pub spared: &'a [Spared],
 }
 
-/// The pairs of a link with every part.
+/// Pairs of a link with every part.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PartPairs {
     /// Index into the link bodies.
     pub body: usize,
-    /// The first of them.
+    /// Index of the first of them.
     pub begin: usize,
-    /// The greatest distance that any of them demands, in metres.
+    /// Greatest distance that any of them demands, in metres.
     pub required_m: f64,
-    /// Whether the link belongs to the hand.
+    /// True if the link belongs to the hand.
     pub is_of_hand: bool,
 }
 
 impl Pairs {
-    /// `link_pairs` are those of link bodies that are checked, `grasp_bodies` the bodies that get the grasp margin.
+    /// Creates the pairs; `link_pairs` are the checked pairs of link bodies, `grasp_bodies` the bodies with the grasp margin.
     pub fn new(
         robot: &Robot,
         bodies: &[LinkBody],
@@ -112,7 +112,7 @@ impl Pairs {
         held: Option<Held<'_>>,
         margins: Margins,
     ) -> Self {
-        // Hand and wrist first: they are what touches first.
+        // Hand and wrist come first: they are the likeliest to touch.
         let moving = (0..bodies.len()).rev().filter(|&body| !robot.ancestors(bodies[body].link).is_empty());
         let is_of_hand = |body: usize| robot.hand_links().contains(&bodies[body].link);
         let is_held = |body: usize| held.is_some_and(|held| held.link == bodies[body].link);
@@ -176,12 +176,12 @@ impl Pairs {
         self.moving.iter().flat_map(with_parts).chain(self.links.iter().copied())
     }
 
-    /// The pairs of links, and the index of the first.
+    /// Returns the pairs of links, and the index of the first.
     pub fn of_links(&self) -> (&[Pair], usize) {
         (&self.links, self.first_of_links())
     }
 
-    /// Of each link that moves its pairs with parts, in order.
+    /// Returns the pairs with parts of each moving link, in order.
     pub fn with_parts(&self) -> impl Iterator<Item = PartPairs> {
         self.moving.iter().enumerate().map(|(index, &Moving { body, is_of_hand, .. })| {
             let required_m = self.greatest_m[usize::from(is_of_hand)];

@@ -6,15 +6,15 @@ use crate::pair::unchecked::{Exempt, ExemptPair, UncheckedReason};
 
 /// Pairs of links that can be compared, as indices into the link bodies, each with the reason if it is exempt.
 ///
-/// A pair is left out if the SRDF or the caller declares it, if no joint moves one link against the other, or if it is
-/// proven over the whole range of the joints between them that comparing them shows nothing new. All others are
-/// compared, whatever samples show. Adjacent links are left out too if nothing can be proven of them, or if they were
-/// proven to touch only near their joint: every answer names them.
+/// A pair is exempt if the SRDF or the caller declares it, if no joint moves one link against the other, or if it is proven
+/// over the whole range of the joints between them that comparing them shows nothing new. All others are compared, regardless
+/// of samples. Adjacent links are also exempt if nothing can be proven of them, or if they were proven to touch only near their
+/// joint; every answer names these.
 #[derive(Clone, Debug)]
 pub(crate) struct SelfPairs(Vec<((usize, usize), Option<Exempt>)>);
 
 impl SelfPairs {
-    /// All pairs but those that the robot's SRDF or its options disable, and those that never move against each other.
+    /// Finds all pairs except those that the robot's SRDF or its options disable, and those without relative motion.
     pub fn of(robot: &Robot, bodies: &[LinkBody]) -> Self {
         let moves_relatively = |(a, b): (usize, usize)| {
             let joints = |link: usize| robot.ancestors(link).iter().map(|j| j.child_link).collect::<Vec<_>>();
@@ -35,8 +35,8 @@ impl SelfPairs {
         Self(pairs)
     }
 
-    /// The same with the held body, the last of `bodies`, against all links that move against it. A proof about an open
-    /// hand does not hold for fingers that have closed.
+    /// Adds the held body, the last of `bodies`, against all links that move relative to it. A proof for an open hand does not
+    /// hold for fingers that have closed.
     pub fn with_held(&self, robot: &Robot, bodies: &[LinkBody]) -> Self {
         let held = bodies.len() - 1;
         let moves = |other: &usize| {
@@ -53,8 +53,7 @@ impl SelfPairs {
         Self(own.chain(with_held).collect())
     }
 
-    /// Those that are checked, and those that are not, though not if they stand in `asked_for` (by link index, the lower
-    /// first).
+    /// Splits the pairs into checked and exempt ones; pairs in `asked_for` (by link index, the lower first) are always checked.
     pub fn split(
         &self,
         bodies: &[LinkBody],
@@ -71,13 +70,13 @@ impl SelfPairs {
     }
 }
 
-/// The links of two link bodies, the lower index first.
+/// Returns the links of two link bodies, the lower index first.
 fn links_of(bodies: &[LinkBody], (first, second): (usize, usize)) -> (usize, usize) {
     let (a, b) = (bodies[first].link, bodies[second].link);
     (a.min(b), a.max(b))
 }
 
-/// Exemption of a pair, with its reason and least depth (m), if there is one.
+/// Returns the exemption of a pair, with its reason and least depth (m), if there is one.
 fn exempt(ranges: &mut PairRanges<'_>, pair: (usize, usize), is_adjacent: bool) -> Option<Exempt> {
     let of = |reason, depth_m| Some(Exempt { reason, depth_m });
     if !is_adjacent {

@@ -7,55 +7,54 @@ use crate::body::link_body::{LinkBody, group_separation};
 use crate::body::world::Part;
 use crate::touch::contact::Collider;
 
-/// Two things that no check and no proof compares, or only as far as an allowance: each answer names them.
+/// A pair that no check and no proof compares, or only up to an allowance; each answer names it.
 ///
-/// Pairs that are exempt by declaration (in an SRDF, or by the caller) are not among them.
+/// Pairs that are exempt by declaration (in an SRDF, or by the caller) are not included.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unchecked {
     /// A link.
     pub first: Collider,
     /// Another link, or a body of the world.
     pub second: Collider,
-    /// How deep they are in each other: the least that was seen, in metres.
+    /// Least penetration depth found, in metres.
     pub depth_m: f64,
-    /// Why they are not compared.
+    /// Reason for the exemption.
     pub reason: UncheckedReason,
 }
 
-/// Why two things are not compared. Links are adjacent if no third one with geometry is between them, and one joint moves
-/// them against each other ([`Robot::adjacent_pairs`]).
+/// Reason why a pair is not compared. Links are adjacent if no third link with geometry is between them, and one joint moves
+/// them relative to each other ([`Robot::adjacent_pairs`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum UncheckedReason {
-    /// Two links, proven to touch at every value of the joints between them: no motion changes that.
+    /// Two links, proven to touch at every value of the joints between them: no motion changes this.
     AlwaysTouching,
     /// Two adjacent links, proven to touch at every value of their joint.
     AdjacentTouching,
-    /// Two adjacent links of which nothing is proven: they touch, or nearly do, at all sampled values.
+    /// Two adjacent links of which nothing is proven: they touch, or nearly touch, at all sampled values.
     AdjacentUnproven,
-    /// Two adjacent links that are free at some values of their joint, and touch at others: proven only near its axis.
+    /// Two adjacent links that are free at some values of their joint and touch at others: proven only near its axis.
     AdjacentAtJoint,
-    /// Two adjacent links, proven to touch at no value of their joint. Their distance counts for no margin and no clearance.
+    /// Two adjacent links, proven to touch at no value of their joint. Their distance enters no margin and no clearance.
     AdjacentFree,
-    /// A link that no joint moves, on what it stands on.
+    /// A link that no joint moves, and its support.
     NeverMoves,
-    /// The held body, on a face of a body that it rests on before it is lifted off, or once it is set down: no deeper
-    /// in it than [`CONTACT_ALLOWANCE_M`](crate::CONTACT_ALLOWANCE_M). The depth is that at rest.
+    /// The held body on a face of a body that it rests on before the lift-off or after the set-down: it may penetrate that by
+    /// at most [`CONTACT_ALLOWANCE_M`](crate::CONTACT_ALLOWANCE_M). The depth is that at rest.
     Resting,
 }
 
-/// Why a pair is not compared, and the least depth that was seen (m).
+/// Reason why a pair is not compared, with the least depth found (m).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Exempt {
     pub reason: UncheckedReason,
     pub depth_m: f64,
 }
 
-/// A pair that is not compared, by link body, and why.
+/// A pair that is not compared, by link body, with its exemption.
 pub(crate) type ExemptPair = ((usize, usize), Exempt);
 
 impl UncheckedReason {
-    /// Returns whether the pair was found free at no value of its joint: comparing it would leave no free
-    /// configuration.
+    /// Returns true if the pair was found free at no value of its joint: comparing it would leave no free configuration.
     pub(crate) fn is_never_free(self) -> bool {
         matches!(self, Self::AdjacentTouching | Self::AdjacentUnproven)
     }
@@ -72,7 +71,7 @@ impl Unchecked {
         pairs.iter().map(of_pair).collect()
     }
 
-    /// Links that no joint moves, in contact with bodies of the world.
+    /// Finds the links that no joint moves and that are in contact with bodies of the world.
     pub(crate) fn still_in_contact(robot: &Robot, bodies: &[LinkBody], parts: &[(usize, Part)]) -> Vec<Self> {
         let frames = robot.frames();
         let mut found: Vec<Self> = Vec::new();
@@ -101,7 +100,7 @@ impl Unchecked {
         found
     }
 
-    /// The held body, paired with the bodies that it may rest on.
+    /// Pairs the held body with the bodies that it may rest on.
     pub(crate) fn resting(held_link: usize, spared: &[Spared], parts: &[(usize, Part)]) -> Vec<Self> {
         let mut found: Vec<Self> = Vec::new();
         for &Spared { part, depth_m } in spared {
@@ -114,7 +113,7 @@ impl Unchecked {
         found
     }
 
-    /// The two links, the lower index first, if this is a pair of links that may yet be checked.
+    /// Returns the two links, the lower index first, if this is a pair of links that can still be checked.
     pub(crate) fn links(&self) -> Option<(usize, usize)> {
         match (self.first, self.second) {
             (Collider::Link(a), Collider::Link(b)) => Some((a.min(b), a.max(b))),

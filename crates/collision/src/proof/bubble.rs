@@ -6,48 +6,46 @@ use crate::lane::lane_scratch::as_index;
 use crate::pair::pairs::{Other, Pair};
 use crate::proof::course::Course;
 
-/// A free configuration with how far everything is apart there, beyond what is demanded: from it alone follows how far the
-/// straight motions that begin there are free, in any number of directions, without another check of a shape.
+/// A free configuration with all distances there beyond the demanded ones. They bound the free length of any straight motion
+/// that starts there, in any number of directions, without another check of a shape.
 ///
-/// Sources: bubbles of free configurations (Quinlan 1994, "Real-time modification of collision-free paths", whole, of
-/// which only the bubbles are used); that they are asked along rays, whose ends make a bur: Lačević, Osmanković &
-/// Ademović 2016, "Burs of free C-space" (ICRA, §III). Differs in that each link, and each pair of links, has its own
-/// distance, where they take the least of all, and in that how far a link has moved is measured at configurations on
-/// the ray, and bounded between them.
+/// Sources: bubbles of free configurations (Quinlan 1994, "Real-time modification of collision-free paths", whole, of which
+/// only the bubbles are used); evaluation along rays, whose ends make a bur: Lačević, Osmanković & Ademović 2016, "Burs of free
+/// C-space" (ICRA, §III). It differs in that each link, and each pair of links, has its own distance, where they take the least
+/// of all, and in that the motion of a link is measured at configurations on the ray, and bounded between them.
 #[derive(Clone, Debug)]
 pub struct Bubble {
     q: Vec<f64>,
     frames: LinkFrames,
-    /// Of each link body the least gap to the world, in metres.
+    /// Least gap of each link body to the world, in metres.
     to_world_m: Vec<f64>,
-    /// Of every pair of links whose pose against each other is in no table, in metres.
+    /// Gap of every pair of links whose relative pose is in no table, in metres.
     between_links_m: Vec<(Pair, f64)>,
 }
 
-/// Nothing is measured beyond so much, in metres: gaps count as no greater.
+/// Maximum gap that is measured, in metres; larger gaps count as equal to it.
 const MEASURED_UP_TO_M: f64 = 0.5;
 
-/// Looks along one ray.
+/// Maximum number of evaluations along one ray.
 const MOST_LOOKS: usize = 12;
 
-/// A check that finds less than this share of the whole way to be free is the last.
+/// Minimum gain of an evaluation as a fraction of the whole ray; the search ends below it.
 const LEAST_GAIN: f64 = 0.01;
 
-/// The first check asks about this share of the way, and each further one about so many times what the one before had found
-/// to be free: bounds are the sharper the shorter the way.
+/// First step, as a fraction of the ray. Each further step is the last gain times [`NEXT_TRY`]: shorter steps have sharper
+/// bounds.
 const FIRST_TRY: f64 = 0.1;
 const NEXT_TRY: f64 = 2.0;
 
 impl Cell {
-    /// The bubble about `q` (m, rad; one per joint); none where a link that moves is closer to the world than
-    /// `critical_m` (at least 0) beyond what is demanded, or where links are closer to each other than they may be,
-    /// but for those on either side of a joint or two, which are always close and known from tables. Joint limits do
-    /// not enter.
+    /// Returns the bubble about `q` (m, rad; one per joint); `None` if a moving link is closer to the world than `critical_m`
+    /// (m; at least 0) beyond the demanded distance, or if links are closer to each other than allowed, except those on either
+    /// side of a joint or two, which are always close and known from tables. Joint limits are not checked.
     ///
     /// # Panics
     /// If `q` has not one value per joint.
     pub fn bubble(&self, q: &[f64], critical_m: f64, scratch: &mut Scratch) -> Option<Bubble> {
-        // What is no number is nowhere.
+        // Configurations with NaN or infinite values have no bubble.
         if !q.iter().all(|value| value.is_finite()) {
             return None;
         }
@@ -59,7 +57,7 @@ impl Cell {
             });
             pairs.map(|index| self.pairs.get(as_index(index))).filter(|pair| !pair.is_exempt())
         };
-        // To see that something is near takes a fraction of what it takes to measure.
+        // Detecting that something is near is much cheaper than measuring its distance.
         let is_far = |pair: Pair| {
             let critical_m = if self.is_constant(&pair, frames) { 0.0 } else { critical_m };
             self.is_beyond(&pair, frames, pair.required_m + critical_m + ROUNDING_M)
@@ -92,9 +90,10 @@ impl Cell {
         Some(Bubble { q: q.to_vec(), frames: scratch.frames.clone(), to_world_m, between_links_m })
     }
 
-    /// Whether no joint changes how far a link is above a plane: the base of a mobile robot, which stands close to the floor.
+    /// Returns true if no joint changes the height of a link above a plane, as for the base of a mobile robot close to the
+    /// floor.
     pub(crate) fn is_constant(&self, pair: &Pair, frames: &LinkFrames) -> bool {
-        /// Of a unit vector, what rounding leaves.
+        /// Rounding of a component of a unit vector.
         const NOTHING: f64 = 1e-12;
         let Other::Part(index) = pair.second else { return false };
         let part = &self.parts()[index].1;
@@ -110,11 +109,11 @@ impl Cell {
             })
     }
 
-    /// Share, from 0 to 1, of the straight motion from the middle of `bubble` to `target` (m, rad; one per joint) that
-    /// is free for certain, joint limits aside: up to there nothing can have moved by more than keeps it apart.
+    /// Returns the fraction, from 0 to 1, of the straight motion from the centre of `bubble` to `target` (m, rad; one per
+    /// joint) that is certainly free: up to there no motion exceeds the gaps. Joint limits are not checked.
     ///
-    /// 1. At a place on the way that is free, measure how far everything has moved, and what is left of each gap.
-    /// 2. Beyond it everything moves at most as far as joints and levers allow: so much of the way is free too.
+    /// 1. At a free position on the ray, measure the motion of each link, and the remainder of each gap.
+    /// 2. Beyond it, joints and levers bound every motion, which makes another fraction of the ray free.
     ///
     /// # Panics
     /// If `target` has not one value per joint.
@@ -135,7 +134,7 @@ impl Cell {
             let Scratch { travel, rates, frames, .. } = &mut *scratch;
             travel.update(self.robot(), &self.bodies, frames, rates, ahead, 1.0);
             let ease = self.ease(bubble, scratch);
-            // Travel grows no slower than in proportion, so that a share in proportion is free.
+            // Travel grows at least in proportion, so the proportional fraction is free.
             let gain = if ease >= 1.0 { ahead } else { ease * ahead * SAFE };
             let gain = gain * self.tabled_share(&bubble.q, target, free, gain);
             free += gain;
@@ -147,7 +146,7 @@ impl Cell {
         free
     }
 
-    /// Which share of the way from `free` to `free + gain` tables certify.
+    /// Returns the fraction of the ray from `free` to `free + gain` that the tables certify.
     fn tabled_share(&self, a: &[f64], b: &[f64], free: f64, gain: f64) -> f64 {
         let at = |joint: usize, share: f64| a[joint] + (b[joint] - a[joint]) * share;
         let limits = self.robot().limits();
@@ -157,13 +156,13 @@ impl Cell {
         })
     }
 
-    /// The least ratio, over all that must stay apart, of what is left of its gap at the frames of `scratch` to its travel;
-    /// above 1 it is of no interest.
+    /// Returns the least ratio, over all pairs, of the remainder of the gap at the frames of `scratch` to the travel; values
+    /// above 1 are cut to 1.
     fn ease(&self, bubble: &Bubble, scratch: &mut Scratch) -> f64 {
         let Scratch { travel, frames, moved_m, .. } = scratch;
         let ease = |gap_m: f64, moved_m: f64, travel_m: f64| {
             let left_m = (gap_m - moved_m - ROUNDING_M).max(0.0);
-            // What does not move at all stays where it is.
+            // A link that does not move keeps its distance.
             if travel_m > 0.0 { left_m / travel_m } else { f64::INFINITY }
         };
         let mut least = 1.0_f64;
@@ -176,7 +175,7 @@ impl Cell {
         for (pair, gap_m) in &bubble.between_links_m {
             let Other::Link { body, shared_joints } = pair.second else { continue };
             let travel_m = travel.between(pair.first, body, shared_joints);
-            // Two bounds that both hold: how far each has moved, and the dearer one, how far one has moved as the other sees it.
+            // Two bounds hold: the sum of both motions, and the costlier relative motion of one link as seen from the other.
             if ease(*gap_m, moved_m[pair.first] + moved_m[body], travel_m) >= least {
                 continue;
             }
@@ -188,5 +187,5 @@ impl Cell {
     }
 }
 
-/// What rounding may take from a proportion.
+/// Reserve for rounding of a proportion.
 const SAFE: f64 = 1.0 - 1e-9;

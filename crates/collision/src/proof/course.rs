@@ -1,11 +1,11 @@
 use cranny_robot::between;
 
-/// The configurations `q(t)` of a motion, for t in [0, 1]: one value per joint (m, rad).
+/// Configurations `q(t)` of a motion, for t in [0, 1]: one value per joint (m, rad).
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Course<'a> {
-    /// Straight from one configuration to another.
+    /// Straight motion from one configuration to another.
     Line([&'a [f64]; 2]),
-    /// A polynomial curve, by the control points of its Bézier form, at least two.
+    /// Polynomial curve, given by the control points of its Bézier form, at least two.
     Curve(&'a [Vec<f64>]),
 }
 
@@ -30,7 +30,7 @@ impl Course<'_> {
         }
     }
 
-    /// First and last configuration (m, rad; one per joint).
+    /// Returns the first and last configuration (m, rad; one per joint).
     pub fn ends(&self) -> [&[f64]; 2] {
         match self {
             Self::Line(ends) => *ends,
@@ -55,13 +55,13 @@ impl Course<'_> {
 }
 
 impl Rates {
-    /// Rates of joints that do not move.
+    /// Creates the rates of joints that do not move.
     pub fn still(dof: usize) -> Self {
         Self { now: vec![0.0; dof], ..Self::default() }
     }
 
-    /// The rates in the middle of a motion, and bounds along all of it: a derivative of a curve lies within the hull of its
-    /// control points, which are differences of those of the curve.
+    /// Computes the rates in the middle of a motion, and bounds along all of it: a derivative of a curve lies in the convex
+    /// hull of its control points, which are differences of those of the curve.
     pub fn set(&mut self, course: Course<'_>) {
         if let Course::Curve(points) = course {
             assert!(points.iter().all(|point| point.len() == self.now.len()), "one value per joint");
@@ -81,12 +81,12 @@ impl Rates {
         }
     }
 
-    /// A bound on `|q'|` of a joint.
+    /// Returns a bound on `|q'|` of a joint.
     pub fn most_of(&self, joint: usize) -> f64 {
         self.most.get(joint).copied().unwrap_or_else(|| self.now[joint].abs())
     }
 
-    /// A bound on `|q''|` of a joint.
+    /// Returns a bound on `|q''|` of a joint.
     pub fn bend_of(&self, joint: usize) -> f64 {
         self.bend.get(joint).copied().unwrap_or(0.0)
     }
@@ -99,7 +99,7 @@ fn mix<I: Iterator<Item = f64>>(sum: &mut [f64], weights: &[f64], point: impl Fn
     }
 }
 
-/// The Bernstein polynomials of a degree at t.
+/// Returns the values at t of the Bernstein polynomials of a degree.
 fn bernstein(degree: usize, t: f64) -> Vec<f64> {
     let mut weights = vec![0.0; degree + 1];
     weights[0] = 1.0;

@@ -10,29 +10,29 @@ use crate::proof::tool::{Excess, TOLERANCE};
 use crate::touch::contact::Contact;
 use crate::{Measuring, NearestPair};
 
-/// Pieces of a curve that stray less than this from their chords, as the motion of any point, are not halved again, in
-/// metres: the resolution of a proof.
+/// Deviation of a piece of a curve from its chord, as the motion of any point, below which it is not bisected, in metres: the
+/// resolution of a proof.
 const FINEST_M: f64 = 1e-6;
 
-/// A piece of a curve as the control points of its Bézier form, its parameters on the whole curve, and its distance from
-/// its chord.
+/// A piece of a curve: the control points of its Bézier form, its parameters on the whole curve, and its deviation from its
+/// chord.
 struct CurvePiece {
     points: Vec<Vec<f64>>,
     from: f64,
     until: f64,
-    /// Bound on the distance of any point of the robot from where some point of the chord has it, in metres.
+    /// Bound on the distance of any point of the robot from its position at some point of the chord, in metres.
     deviation_m: f64,
-    /// Bound on the distance of each joint from its value at that point (m, rad).
+    /// Bound on the deviation of each joint from its value at that point of the chord (m, rad).
     strays: Vec<f64>,
 }
 
 impl CurvePiece {
-    /// With the tube lemma: for chord points `c_i` of the control points `P_i`, the curve at t is the chord point
+    /// Applies the tube lemma: for chord points `c_i` of the control points `P_i`, the curve at t is the chord point
     /// `Σ B_i(t) c_i` moved by `Σ B_i(t) (P_i − c_i)`, and the Bernstein polynomials `B_i` are a convex combination. So each
-    /// joint strays from some chord point by at most `max_i |P_i − c_i|`.
+    /// joint deviates from some chord point by at most `max_i |P_i − c_i|`.
     fn new(points: Vec<Vec<f64>>, [from, until]: [f64; 2], reach: &Reach) -> Self {
         let (first, last) = (&points[0], &points[points.len() - 1]);
-        // Joints that move no geometry may still move a link that is bounded.
+        // Joints that move no geometry may still move a bounded link.
         const LEAST_WEIGHT_M: f64 = 0.01;
         let weights: Vec<f64> = reach.weights().iter().map(|weight| weight.max(LEAST_WEIGHT_M)).collect();
         let chord = |joint: usize| last[joint] - first[joint];
@@ -57,7 +57,7 @@ impl CurvePiece {
         [&self.points[0], &self.points[self.points.len() - 1]]
     }
 
-    /// The two halves, by the construction of de Casteljau.
+    /// Bisects the piece by de Casteljau's construction.
     fn halves(&self, reach: &Reach) -> [Self; 2] {
         let mut row = self.points.clone();
         let (mut left, mut right) = (Vec::with_capacity(row.len()), Vec::with_capacity(row.len()));
@@ -72,12 +72,12 @@ impl CurvePiece {
     }
 }
 
-/// A curve as a path of chords that it is near.
+/// A path of chords that approximates a curve.
 #[derive(Clone, Debug)]
 pub struct Chords {
     /// Way points on the curve: one value per joint each (m, rad).
     pub waypoints: Vec<Vec<f64>>,
-    /// Bound on the distance of any point of the robot on the curve from where some point of the chords has it, and on the
+    /// Bound on the distance of any point of the robot on the curve from its position at some point of the chords, and on the
     /// change of any distance between two links, in metres.
     pub deviation_m: f64,
 }
@@ -86,9 +86,10 @@ impl Cell {
     /// Proves the motion along a polynomial curve, given by the control points of its Bézier form (at least two; m, rad; one
     /// value per joint each), or returns the fault; [`Self::motion_is_free`] is the case of two.
     ///
-    /// 1. Joint limits hold for the control points of the pieces into which the curve is cut, and so for the pieces. Bounds of
-    ///    the tool are proven along their chords, with how far the pieces stray from these.
-    /// 2. Distances as on a straight motion, by the velocity in the middle of each interval and bounds on `q'` and `q''`.
+    /// 1. Joint limits hold for the control points of the pieces into which the curve is cut, and so for the pieces. Bounds on
+    ///    the tool are proven along their chords, with the deviation of the pieces from these.
+    /// 2. Distances are proven as on a straight motion, by the velocity in the middle of each interval and bounds on `q'` and
+    ///    `q''`.
     ///
     /// # Panics
     /// For fewer than two control points, or one without one value per joint.
@@ -97,9 +98,9 @@ impl Cell {
         fault.unwrap_or_else(|| self.prove(Course::Curve(control_points), scratch, Demand::default()))
     }
 
-    /// Proof of [`Self::curve_is_free`] (control points: m, rad; one value per joint each) where every pair must keep
-    /// `beyond_m` metres more than it demands, without much effort: `false` too for a curve that passes something so closely that
-    /// it would take many intervals.
+    /// Returns true if [`Self::curve_is_free`] is proven with limited effort (control points: m, rad; one value per joint each)
+    /// where every pair must keep `beyond_m` metres more than demanded; also false for a curve whose small clearance would take
+    /// many intervals.
     ///
     /// # Panics
     /// As [`Self::curve_is_free`].
@@ -110,9 +111,9 @@ impl Cell {
         reach: &Reach,
         scratch: &mut Scratch,
     ) -> bool {
-        /// Pieces that stray by less from their chords are not halved, in metres.
+        /// Deviation from their chords below which pieces are not bisected, in metres.
         const FINE_M: f64 = 5e-5;
-        /// Intervals that may need exact distances.
+        /// Maximum number of intervals that may need exact distances.
         const EFFORT: u64 = 64;
         let demand = Demand { beyond_m, effort: EFFORT, ..Demand::default() };
         let course = match control_points {
@@ -123,8 +124,8 @@ impl Cell {
             && self.first_failure(course, scratch, demand).is_none()
     }
 
-    /// Step 1 of [`Self::curve_is_free`], with pieces that stray from their chords by at least `finest_m`, in metres, or half
-    /// of it.
+    /// Runs step 1 of [`Self::curve_is_free`], with pieces that deviate from their chords by at least `finest_m`, in metres, or
+    /// half of it.
     fn fault_of_joints(
         &self,
         control_points: &[Vec<f64>],
@@ -158,12 +159,12 @@ impl Cell {
         None
     }
 
-    /// The least distance over all pairs along a curve (control points: m, rad; one value per joint each) that is proven, in
-    /// metres: a proven lower bound, at most `share` of the truth, or 10 µm, too low; infinite if there is nothing to touch;
-    /// with the pair that limits it.
+    /// Returns the least distance over all pairs along a curve (control points: m, rad; one value per joint each), in metres: a
+    /// proven lower bound, too low by at most `share` of the true distance, or 10 µm; infinite if there are no pairs; with the
+    /// pair that limits it.
     ///
     /// # Errors
-    /// A pair that was measured closer than it may be, whatever was proven.
+    /// A pair that was measured closer than allowed, even if the curve was proven.
     ///
     /// # Panics
     /// As [`Self::curve_is_free`].
@@ -182,8 +183,8 @@ impl Cell {
         }
     }
 
-    /// The greatest excess over the tool's bound of this number along a curve (control points: m, rad; one value per joint
-    /// each), in radians or metres, from above and to within some thousandths.
+    /// Returns the greatest excess over the tool bound of this index along a curve (control points: m, rad; one value per joint
+    /// each), in radians or metres, as an upper bound to within some thousandths.
     ///
     /// # Panics
     /// As [`Self::curve_is_free`], or if there is no such bound.
@@ -209,8 +210,8 @@ impl Cell {
         greatest
     }
 
-    /// A curve (control points: m, rad; one value per joint each) as chords from which it strays by at most `tolerance_m` (m;
-    /// at least the resolution of a proof counts).
+    /// Approximates a curve (control points: m, rad; one value per joint each) by chords from which it deviates by at most
+    /// `tolerance_m` (m; at least the resolution of a proof applies).
     ///
     /// # Panics
     /// As [`Self::curve_is_free`].
@@ -262,8 +263,8 @@ mod tests {
         row.remove(0)
     }
 
-    /// Curves of degree 1 to 5 among boxes: what is proven is free at every sample and keeps the clearance that is measured; a
-    /// bound that is a twentieth of the true one lets a contact pass. Hull inside the limits, so limits never decide.
+    /// Checks curves of degree 1 to 5 among boxes: a proven curve is free at every sample and keeps its measured clearance; a
+    /// bound of a twentieth of the true one misses a contact. The hull is within the limits, so these never decide.
     #[test]
     fn a_proven_curve_is_free_and_a_wrong_bound_is_caught() {
         let robot = Robot::from_urdf_text(ARM, "arm.urdf", None, &RobotOptions::default()).expect("a URDF");

@@ -10,43 +10,42 @@ use crate::pair::pairs::{Other, Pair};
 use crate::proof::course::Rates;
 use crate::proof::travel::Travel;
 
-/// Pairs of links whose pose against each other depends on the same one or two joints: links on either side
-/// of an elbow or a wrist. They are always near each other, so balls seldom decide; but what they do can be
-/// written down beforehand, for every cell of a grid over the two joints.
+/// Table of pairs of links whose relative pose depends on the same one or two joints: links on either side of an elbow or a
+/// wrist. They are always near each other, so balls seldom decide; but their verdicts can be precomputed for every cell of a
+/// grid over the two joints.
 #[derive(Clone, Debug)]
 pub(crate) struct JointTable {
-    /// Indices in `q`; the same twice if the pose depends on one joint.
+    /// Indices in `q`; one index twice if the pose depends on one joint.
     pub joints: [usize; 2],
-    /// The pairs, by index in the list of all.
+    /// Indices of the pairs in the list of all pairs.
     pub pairs: Vec<u32>,
-    /// The least value of each joint, and cells per unit.
+    /// Least value of each joint (m, rad), and number of cells per unit.
     pub lower: [f32; 2],
     pub per_unit: [f32; 2],
-    /// Per cell one bit for each pair that is in doubt there, or all of them and [`CONTACT`].
+    /// For each cell one bit for each pair that is in doubt there, or all of them and [`CONTACT`].
     cells: Arc<[u8]>,
-    /// The bits of the pairs that are asked about, and of [`CONTACT`] if they are all.
+    /// Bits of the pairs that are checked with this table, and of [`CONTACT`] if they are all.
     asked: u8,
 }
 
-/// Some pair is certainly in contact everywhere in the cell.
+/// Bit for a cell in which some pair is certainly in contact everywhere.
 pub(crate) const CONTACT: u8 = 1 << MOST_PAIRS;
 
-/// As many pairs as there are bits left.
+/// Maximum number of pairs: the remaining bits.
 const MOST_PAIRS: usize = 7;
 
-/// Cells along each joint. Half a cell is about 2° of a joint that turns by 5.8 rad: less than 4 mm at the
-/// size of a hand.
+/// Number of cells along each joint. Half a cell is about 2° of a joint with a range of 5.8 rad: less than 4 mm at the size of
+/// a hand.
 const SIDE: usize = 128;
 
-/// By how many cells rounding can take a joint's value, at most, for a table to be of use.
+/// Maximum overhang, in cells, for a table to be useful.
 const MOST_OVERHANG: f64 = 0.25;
 
-/// By how many cells rounding can take a value from where it is along a joint: its cell's certificate reaches so far
-/// beyond the cell.
+/// Returns the maximum rounding of a joint value, in cells; the certificate of a cell extends beyond the cell by this amount.
 ///
 /// With the unit roundoff u of `f32`: the value and the joint's least value are off by u of the greatest value, their
-/// difference and the travel beside it by u of the range each, and the product with the cells per unit, itself off by
-/// u, by 2 u of all cells.
+/// difference and the travel beside it by u of the range each, and the product with the cells per unit, itself off by u, by 2 u
+/// of all cells.
 fn overhang(limits: &JointLimits) -> f64 {
     const UNIT: f64 = 0.5 * f32::EPSILON as f64;
     let greatest = limits.lower.abs().max(limits.upper.abs());
@@ -54,26 +53,26 @@ fn overhang(limits: &JointLimits) -> f64 {
 }
 
 impl JointTable {
-    /// The same table, asked about nothing but these of its pairs.
+    /// Returns this table restricted to the pairs that `is_asked` selects.
     pub fn asked_about(&self, is_asked: impl Fn(u32) -> bool) -> Self {
         let asked = (0..).zip(&self.pairs).filter(|(_, pair)| is_asked(**pair));
         let asked = asked.fold(0, |bits, (bit, _)| bits | 1 << bit);
         Self { asked: if asked == self.all_pairs() { asked | CONTACT } else { asked }, ..self.clone() }
     }
 
-    /// The same table in a list of pairs that begins with `first` others.
+    /// Returns this table for a list of pairs that begins with `first` others.
     pub fn counted_from(&self, first: u32) -> Self {
         Self { pairs: self.pairs.iter().map(|pair| first + pair).collect(), ..self.clone() }
     }
 
-    /// The pairs that it is asked about, each with its bit.
+    /// Returns the pairs that are checked with this table, each with its bit.
     #[inline(always)]
     pub fn asked_pairs(&self) -> impl Iterator<Item = (u8, u32)> {
         let bits = (0..MOST_PAIRS).map(|bit| 1 << bit);
         bits.zip(&self.pairs).filter(|(bit, _)| self.asked & bit != 0).map(|(bit, pair)| (bit, *pair))
     }
 
-    /// The tables of all such pairs.
+    /// Computes the tables of all such pairs.
     pub fn all(robot: &Robot, bodies: &[LinkBody], pairs: &[Pair]) -> Vec<Self> {
         let mut tables: Vec<Self> = Vec::new();
         for (index, pair) in pairs.iter().enumerate() {
@@ -105,15 +104,15 @@ impl JointTable {
         tables
     }
 
-    /// One bit for each pair that is not free in all cells from `low` to `high`, and [`CONTACT`] if all of them are in
-    /// contact. A cell beyond the last counts as the last.
+    /// Returns one bit for each pair that is not free in all cells from `low` to `high`, and [`CONTACT`] if all of them are in
+    /// contact. A cell out of range counts as the nearest one in range.
     #[inline(always)]
     pub fn look_up(&self, low: [i32; 2], high: [i32; 2]) -> u8 {
         let [low_x, low_y] = low.map(in_range);
         if low == high {
             return self.cells[low_x * SIDE + low_y] & self.asked;
         }
-        // A pose that depends on one joint is looked up on the diagonal only.
+        // A pose that depends on one joint is tabulated on the diagonal only.
         let is_single = self.joints[0] == self.joints[1];
         let [high_x, high_y] = high.map(in_range);
         let (mut any, mut all) = (0, CONTACT);
@@ -127,8 +126,8 @@ impl JointTable {
         ((any & !CONTACT) | all) & self.asked
     }
 
-    /// Which share of the straight way between two places of its joints (rad or m) it certifies to be free for all pairs that
-    /// it is asked about, from the first on: whole pieces in which no joint goes farther than a cell.
+    /// Returns the fraction of the straight edge between two values of its joints (rad or m) that it certifies to be free for
+    /// all its checked pairs, from the first on, in whole pieces in which no joint moves farther than a cell.
     pub fn free_share(&self, limits: [&JointLimits; 2], [from, to]: [[f64; 2]; 2]) -> f64 {
         let in_cells = |place: [f64; 2]| {
             let cell = |axis: usize| {
@@ -184,7 +183,7 @@ fn in_range(cell: i32) -> usize {
     usize::try_from(cell).unwrap_or(0).min(SIDE - 1)
 }
 
-/// The joints that the pair's pose against each other depends on, if they are one or two with a range.
+/// Returns the joints that the relative pose of the pair depends on, if they are one or two with a range.
 fn joints_between(robot: &Robot, bodies: &[LinkBody], pair: &Pair) -> Option<[usize; 2]> {
     let Other::Link { body, shared_joints } = pair.second else { return None };
     let chain = |body: usize| robot.ancestors(bodies[body].link).iter().skip(shared_joints).map(|m| m.joint);
@@ -208,22 +207,22 @@ struct Builder<'a> {
     travel: Travel,
     q: Vec<f64>,
     rates: Rates,
-    /// What is in doubt in the squares around the one at hand, from the outermost in: in each the doubts of one pair stand
-    /// together.
+    /// Doubts in the nested squares around the current one, from the outermost in; in each square the doubts of one pair are
+    /// consecutive.
     doubts: Vec<Doubt>,
 }
 
 /// Two solids of a pair of links that may come too close.
 #[derive(Clone, Copy, Debug)]
 struct Doubt {
-    /// The bit of the pair.
+    /// Number of the pair's bit.
     bit: usize,
-    /// By their numbers among the solids of the links.
+    /// Indices of the solids among those of each link.
     solids: [usize; 2],
 }
 
 impl Builder<'_> {
-    /// All solids of all pairs.
+    /// Puts all pairs of solids in doubt.
     fn doubt_all(&mut self, table: &JointTable) {
         self.doubts.clear();
         for (bit, &pair) in table.pairs.iter().enumerate() {
@@ -237,8 +236,8 @@ impl Builder<'_> {
         }
     }
 
-    /// Decides the square of cells from `corner`: as a whole if that can be, else by quarters. What was in doubt in the
-    /// square around it stands from `first_doubt` on.
+    /// Decides the square of cells from `corner`: as a whole if possible, otherwise by quarters. The doubts of the enclosing
+    /// square start at `first_doubt`.
     fn fill(
         &mut self,
         table: &JointTable,
@@ -247,7 +246,7 @@ impl Builder<'_> {
         side: usize,
         first_doubt: usize,
     ) {
-        // A pose that depends on one joint is looked up on the diagonal only.
+        // A pose that depends on one joint is tabulated on the diagonal only.
         if table.joints[0] == table.joints[1] && corner[0] != corner[1] {
             return;
         }
@@ -266,7 +265,7 @@ impl Builder<'_> {
         self.doubts.truncate(own_doubt);
     }
 
-    /// Adds what is in doubt in the square.
+    /// Returns the verdict on the square, and adds its doubts.
     fn square(&mut self, table: &JointTable, corner: [usize; 2], side: usize, first_doubt: usize) -> u8 {
         self.rates.now.fill(0.0);
         for (joint, corner) in table.joints.into_iter().zip(corner) {
@@ -290,8 +289,8 @@ impl Builder<'_> {
         left
     }
 
-    /// Certifies a pair for all configurations that are no farther from `q` than `rates` in any joint: each
-    /// lies on a straight motion from `q` whose rates are no greater. Of these doubts those that are left are added.
+    /// Certifies a pair for all configurations that are no farther from `q` than `rates` in any joint: each lies on a straight
+    /// motion from `q` whose rates are no greater. The remaining ones of these doubts are added.
     fn pair(&mut self, pair: &Pair, doubts: std::ops::Range<usize>) -> Verdict {
         let Other::Link { body, shared_joints } = pair.second else { return Verdict::Doubt };
         self.travel.forget();
@@ -318,7 +317,7 @@ impl Builder<'_> {
                 continue;
             }
             let is_convex = |solid: &Solid| solid.support_point(&Vector::x()).is_some();
-            // No deeper than the balls and boxes around them.
+            // The bounding balls and boxes limit the depth, so a small bound needs no exact depth.
             let is_deep = bound_m < -travel_m
                 && is_convex(a)
                 && is_convex(b)

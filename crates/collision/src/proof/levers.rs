@@ -4,27 +4,27 @@ use crate::cell::{Cell, Scratch};
 use crate::pair::pairs::Other;
 use crate::proof::course::Course;
 
-/// How far errors of the joints, and of where the robot stands, can move what is checked along a path.
+/// Levers by which errors of the joints, and of the robot's placement, move the collision geometry along a path.
 ///
-/// With every joint that turns off by at most θ, a point of a link moves at most by θ times its levers: for each such joint
-/// the way from its origin to the point over the origins of the joints beyond, which bounds the distance from the axis
-/// wherever the joints stand. Sliding joints make that way longer or shorter: along a straight edge it is a convex function
-/// of the place, so that it is greatest at a way point.
+/// If every revolute joint is off by at most θ, a point of a link moves by at most θ times its levers: for each such joint the
+/// length from its origin to the point through the origins of the joints beyond, which bounds the distance from the axis in any
+/// configuration. Prismatic joints change that length: along a straight edge it is a convex function of the position on the
+/// edge, so its maximum is at a way point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Levers {
-    /// Of all joints that turn together, against the world, and between two links, in metres per radian.
+    /// Lever of all revolute joints together, against the world, and between two links, in metres per radian.
     pub turning_m: [f64; 2],
-    /// Of all joints that slide together, in metres per metre.
+    /// Lever of all prismatic joints together, in metres per metre.
     pub sliding: [f64; 2],
-    /// No point is ever farther from the origin of the root, in metres.
+    /// Maximum distance of any point from the origin of the root, in metres.
     pub from_root_m: f64,
 }
 
-/// Pieces of an edge for which it is said how far anything is from the root.
+/// Number of pieces of an edge for which the distance from the root is bounded.
 const PIECES: u32 = 16;
 
 impl Cell {
-    /// The levers along a path of way points (m, rad; one value per joint).
+    /// Computes the levers along a path of way points (m, rad; one value per joint).
     ///
     /// # Panics
     /// If a way point has not one value per joint.
@@ -32,7 +32,7 @@ impl Cell {
         self.levers_with(path, &|_| 0.0, scratch)
     }
 
-    /// The levers at a configuration (m, rad; one per joint) while the hand closes from open, or opens.
+    /// Computes the levers at a configuration (m, rad; one per joint) while the hand closes from open, or opens.
     ///
     /// # Panics
     /// If `q` has not one value per joint.
@@ -41,7 +41,7 @@ impl Cell {
         self.levers_with(&standing, &|body| self.closing_way_m(&self.bodies[body]), scratch)
     }
 
-    /// The levers along a path where every point of a body may be so much farther away, in metres.
+    /// Computes the levers along a path where every point of a body may be farther away by `farther_m`, in metres.
     fn levers_with(
         &self,
         path: &[Vec<f64>],
@@ -82,7 +82,8 @@ impl Cell {
         levers
     }
 
-    /// For a link body the levers of its joints from the k-th on, of those that turn and of those that slide.
+    /// Returns for a link body the sums of the levers of its joints from the k-th on, of the revolute and of the prismatic
+    /// ones.
     fn sums(&self, body: usize, farther_m: f64, scratch: &Scratch) -> Vec<[f64; 2]> {
         let body = &self.bodies[body];
         let mut beyond = (scratch.frames.link(body.link) * body.bounds.ball.center).coords;

@@ -3,11 +3,11 @@ use cranny_shape::Ball;
 
 use crate::body::link_body::LinkBody;
 
-/// A ball in the root frame that contains a link wherever the joints turn, whatever their limits; `None` if a
-/// slide carries it.
+/// Returns a ball in the root frame that contains a link in every configuration, regardless of the joint limits; `None` if a
+/// prismatic joint moves the link.
 ///
-/// What a joint turns stays at its distance from every point of the joint's axis: the ball that contains all of
-/// it has its middle on the axis, below the middle of the one before. From the link down to the root.
+/// A revolute joint keeps the distance of a point from every point of its axis. So the ball that contains the whole rotation is
+/// centred on the axis, at the projection of the previous centre. The joints are visited from the link to the root.
 pub(crate) fn swept_ball(robot: &Robot, body: &LinkBody) -> Option<Ball> {
     let mut rest = robot.frames();
     robot.forward_kinematics(&vec![0.0; robot.dof()], &mut rest);

@@ -9,14 +9,14 @@ use crate::proof::course::Course;
 use crate::proof::motion::travel_of;
 use crate::touch::contact::Contact;
 
-/// How exactly [`Cell::measure_motion`] measures.
+/// Options of [`Cell::measure_motion`].
 #[derive(Clone, Copy, Debug)]
 pub struct Measuring {
-    /// What is farther apart, in metres, is not asked after. Default: infinite.
+    /// Distance from which on pairs are ignored, in metres. Default: infinite.
     pub below_m: f64,
-    /// How far what is found may lie below the truth, as a share of it, from 0 to below 1; at least 10 µm. Default: 0.
+    /// Relative slack of the result below the true distance, from 0 to below 1; at least 10 µm applies. Default: 0.
     pub share: f64,
-    /// Which pairs are measured. Default: all.
+    /// Group of pairs that is measured. Default: all.
     pub group: Option<PairGroup>,
 }
 
@@ -26,53 +26,53 @@ impl Default for Measuring {
     }
 }
 
-/// What [`Cell::measure_motion`] found.
+/// Result of [`Cell::measure_motion`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeasuredMotion {
-    /// See [`Cell::least_clearance`].
+    /// Least clearance, in metres, as of [`Cell::least_clearance`].
     pub least_m: f64,
-    /// The least distance that was seen, or beyond which nothing was asked after, in metres.
+    /// Least distance that was measured, or from which on pairs were ignored, in metres.
     pub seen_m: f64,
-    /// Where on the motion, in [0, 1], a pair was seen closer than it may be.
+    /// Parameter on the motion, in [0, 1], at which a pair was measured closer than allowed, with that contact.
     pub contradiction: Option<(f64, Contact)>,
-    /// The pair that was seen at that least distance; `None` where no pair was asked after.
+    /// Pair at that least distance; `None` if no pair was measured.
     pub nearest: Option<NearestPair>,
 }
 
-/// The pair that limits a clearance, and the distance that is demanded of it.
+/// Pair that limits a clearance, with the distance demanded of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NearestPair {
     /// A link.
     pub first: Collider,
     /// Another link, or a body.
     pub second: Collider,
-    /// The least distance of the two that counts as free, in metres.
+    /// Least distance of the two that counts as free, in metres.
     pub required_m: f64,
     /// True if [`Margins::grasp_margin_m`](crate::Margins::grasp_margin_m) applies to it instead of
     /// [`Margins::margin_m`](crate::Margins::margin_m).
     pub has_grasp_margin: bool,
 }
 
-/// How far [`Cell::least_clearance`] may lie below the truth, in metres.
+/// Maximum amount by which [`Cell::least_clearance`] is below the true distance, in metres.
 const CLEARANCE_TOLERANCE_M: f64 = 1e-5;
 
-/// The same where two things come closer than [`CLOSE_M`], in metres.
+/// Tolerance where two bodies come closer than [`CLOSE_M`], in metres.
 const FINE_TOLERANCE_M: f64 = 1e-6;
 
-/// Where a link can move farther within an interval, in metres, the exact distance in its middle excludes next to
-/// nothing that the boxes do not.
+/// Travel of a link within an interval from which on the exact distance in its middle excludes hardly more than the boxes do,
+/// in metres.
 const FAR_TRAVEL_M: f64 = 0.2;
 
-/// Where contact would lie within the coarse tolerance, in metres.
+/// Distance below which the coarse tolerance could not exclude contact, in metres.
 const CLOSE_M: f64 = CONTACT_M + 2.0 * CLEARANCE_TOLERANCE_M;
 
-/// A distance that was measured is off by less than this, in metres.
+/// Maximum error of a measured distance, in metres.
 const MEASURING_M: f64 = 1e-7;
 
 impl Cell {
-    /// The least distance over all pairs along the straight motion from `a` to `b` (m, rad; one per joint), in
-    /// metres: a certified lower bound that is at most 10 µm too low; 0 if there is contact, infinite if there is
-    /// nothing to touch. Meant for motions that are proven: the closer two things come, the longer it takes.
+    /// Returns the least distance over all pairs along the straight motion from `a` to `b` (m, rad; one per joint), in metres:
+    /// a certified lower bound that is at most 10 µm too low; 0 if there is contact, infinite if there are no pairs. Meant for
+    /// proven motions: the smaller the clearance, the longer it takes.
     ///
     /// # Panics
     /// If `a` or `b` has not one value per joint.
@@ -80,8 +80,8 @@ impl Cell {
         self.measure_motion([a, b], Measuring::default(), scratch).least_m
     }
 
-    /// [`Self::least_clearance`] between two ends (m, rad; one per joint), and whether any pair was seen closer than
-    /// it may be: all in `f64`, without what a proof relies on besides, so that a proof that it contradicts is none.
+    /// Measures [`Self::least_clearance`] between two ends (m, rad; one per joint), and reports any pair closer than allowed.
+    /// It uses `f64` alone, without the tables and lanes of a proof, so that it can refute a faulty proof.
     ///
     /// # Panics
     /// If an end has not one value per joint.
@@ -94,7 +94,7 @@ impl Cell {
         self.measure(Course::Line([a, b]), measuring, scratch)
     }
 
-    /// [`Self::measure_motion`] along any motion.
+    /// Measures [`Self::measure_motion`] along any motion.
     pub(crate) fn measure(
         &self,
         course: Course<'_>,
@@ -114,11 +114,11 @@ impl Cell {
         let mut open = std::collections::VecDeque::from([(0.5, 0.5, all)]);
         let tolerance_m = |least: f64| {
             let finest = if least < CLOSE_M { FINE_TOLERANCE_M } else { CLEARANCE_TOLERANCE_M };
-            // Of what is infinitely far nothing is a share.
+            // A fraction of an infinite distance is undefined.
             finest.max(if least.is_finite() { measuring.share * least } else { 0.0 })
         };
-        // Branch and bound: an interval is done with a pair once the pair cannot come below the least
-        // distance that was seen, save for the tolerance.
+        // Branch and bound: an interval is done for a pair once the pair cannot come below the least measured distance, less
+        // the tolerance.
         while let Some((middle, half_width, pairs)) = open.pop_front() {
             self.check_at(course, middle, half_width, scratch, 1.0);
             let mut doubtful = Vec::new();
@@ -129,12 +129,12 @@ impl Cell {
                 if self.quick_bound(pair, &scratch.frames, bar(least)) >= bar(least) {
                     continue;
                 }
-                // Boxes are nearly as good as the exact distance where things move by more than their size.
+                // Boxes are nearly as sharp as the exact distance where bodies move by more than their size.
                 if travel > FAR_TRAVEL_M {
                     doubtful.push(index);
                     continue;
                 }
-                // Between the least distance and the bar it only matters that it is there.
+                // Between the least distance and the bar, the exact value is not needed.
                 let exact_below_m = least.max(pair.required_m);
                 let range = Range { beyond_m: exact_below_m.max(bar(least)), exact_below_m };
                 let gap = self.distance_in(pair, &scratch.frames, range);

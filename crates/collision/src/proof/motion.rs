@@ -14,45 +14,43 @@ use crate::proof::travel::Pace;
 use crate::proof::work_list::{Interval, WorkList};
 use crate::touch::contact::Contact;
 
-/// Proof of a motion, or what prevents it.
+/// Proof of a motion, or its failure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Motion {
-    /// Every pair keeps its demanded distance at every point of the motion. By how much,
-    /// [`Cell::least_clearance`] measures.
+    /// Every pair keeps its demanded distance at every point of the motion. [`Cell::least_clearance`] measures the clearance.
     Proven,
     /// Some point of the motion is in contact, or closer than demanded.
     Contact {
-        /// Where, in [0, 1] along the motion.
+        /// Parameter in [0, 1] along the motion.
         at: f64,
-        /// What touches what.
+        /// Contact there.
         contact: Contact,
     },
-    /// No contact was found, but neither could it be excluded: a pair comes within 1 µm of what
-    /// is demanded, or the effort was spent.
+    /// Contact was neither found nor excluded: a pair comes within 1 µm of the demanded distance, or the effort was exhausted.
     Unresolved {
-        /// Where, in [0, 1] along the motion.
+        /// Parameter in [0, 1] along the motion.
         at: f64,
-        /// The pair in doubt, its distance, and what is demanded.
+        /// Pair in doubt, its distance, and the demanded one.
         contact: Contact,
     },
-    /// The tool does not keep a bound, or was not proven to keep it.
+    /// The tool exceeds a bound, or was not proven to keep it.
     OutOfBounds {
-        /// Place in [0, 1] along the motion.
+        /// Parameter in [0, 1] along the motion.
         at: f64,
-        /// The bound, by its number ([`Cell::tool_bounds`]).
+        /// Index of the bound ([`Cell::tool_bounds`]).
         bound: usize,
-        /// The excess over it there, in radians or metres.
+        /// Excess over the bound there, in radians or metres.
         by: f64,
     },
     /// An end lies outside the joint limits.
     OutOfLimits {
-        /// The first joint that does, by its index in the group.
+        /// Index of the first such joint in the group.
         joint: usize,
     },
 }
 
 impl Motion {
-    /// Whether the whole motion is certified.
+    /// Returns true if the whole motion is certified.
     pub fn is_proven(&self) -> bool {
         matches!(self, Self::Proven)
     }
@@ -64,14 +62,14 @@ impl From<Excess> for Motion {
     }
 }
 
-/// What a proof is asked for besides what the pairs demand.
+/// Options of a proof.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Demand {
-    /// By what every bound on motion is multiplied: less than 1 makes a wrong proof, for tests of the proof.
+    /// Factor on every bound on motion: less than 1 makes a wrong proof, for tests of the proof.
     pub factor: f64,
-    /// How much farther than they must be all pairs are to keep apart, in metres.
+    /// Distance that all pairs must keep in addition to the demanded one, in metres.
     pub beyond_m: f64,
-    /// The proof is given up where more than so many intervals need exact distances.
+    /// Maximum number of intervals with exact distances; the proof is given up beyond it.
     pub effort: u64,
 }
 
@@ -81,42 +79,39 @@ impl Default for Demand {
     }
 }
 
-/// Bisection ends where no link can move farther than this within an interval, in metres: a tenth of what
-/// counts as contact.
+/// Travel of a link within an interval below which bisection ends, in metres: a tenth of the distance that counts as contact.
 const RESOLUTION_M: f64 = 1e-6;
 
-/// Where a pair moves by less than this within an interval, in metres, exact distances are cheaper than
-/// more lanes.
+/// Travel of a pair within an interval below which exact distances are cheaper than further lanes, in metres.
 const FINEST_IN_LANES_M: f64 = 3e-5;
 
-/// Nothing moves farther than this from the middle of one of the intervals that a proof begins with, in metres:
-/// half the thickness of an arm. Of longer ones most would be in doubt, of shorter ones more than needed checked.
+/// Maximum travel from the middle of one of the first intervals of a proof, in metres: half the thickness of an arm. Most
+/// longer intervals would be in doubt, and shorter ones would be more than needed.
 const FIRST_TRAVEL_M: f64 = 0.04;
 
-/// A proof begins with so many passes at most.
+/// Maximum number of passes over the first intervals of a proof.
 const MOST_FIRST_PASSES: f64 = 64.0;
 
-/// Where a proof ends without being one.
+/// Failure of a proof.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Failure {
-    /// In [0, 1] along the motion.
+    /// Parameter in [0, 1] along the motion.
     at: f64,
-    /// The pair that is in contact or in doubt; nothing where the lanes alone have seen contact.
+    /// Pair in contact or in doubt; `None` if only the lanes found contact.
     pair: Option<u32>,
     is_contact: bool,
 }
 
 impl Cell {
-    /// Proves the straight motion from `a` to `b` (m, rad; one value per joint), or says what prevents it.
+    /// Proves the straight motion from `a` to `b` (m, rad; one value per joint), or returns the fault.
     ///
-    /// 1. The joint limits are a box, so the ends decide for the whole edge. The bounds of the tool, the tilt of what is held among
-    ///    them, are proven by bisection ([`Self::tool_bounds`]).
-    /// 2. Breadth first, coarse to fine: at the middle of an interval, a pair is certified for all of it if
-    ///    its certified distance exceeds what is demanded by more than the pair can move within it. First in
-    ///    lanes, many intervals at once, down to where the lanes cannot tell; what is left then, one
-    ///    by one with the exact distance.
+    /// 1. The joint limits are a box, so the ends decide for the whole edge. The bounds on the tool, including the tilt of the
+    ///    held object, are proven by bisection ([`Self::tool_bounds`]).
+    /// 2. Breadth first, coarse to fine: at the middle of an interval, a pair is certified for the whole interval if its
+    ///    certified distance exceeds the demanded one by more than the travel of the pair within it. First in lanes, many
+    ///    intervals at once, down to the resolution of the lanes; the rest one by one with the exact distance.
     /// 3. A pair that is closer than demanded at a middle ends the search.
-    /// 4. The pairs left over are checked again in both halves, until nothing is left over.
+    /// 4. The remaining pairs are checked again in both halves, until none is left.
     ///
     /// # Panics
     /// If `a` or `b` has not one value per joint.
@@ -130,9 +125,9 @@ impl Cell {
         excess.map_or_else(|| self.prove(Course::Line([a, b]), scratch, Demand::default()), Motion::from)
     }
 
-    /// Parameter in [0, 1] at which the proof of [`Self::motion_is_free`] from `a` to `b` (m, rad; one per joint) fails; nothing
-    /// for a motion that is proven. It is given up where more than `effort` intervals need exact distances: a motion
-    /// that passes something very closely takes thousands, and a planner may know another.
+    /// Returns the parameter in [0, 1] at which the proof of [`Self::motion_is_free`] from `a` to `b` (m, rad; one per joint)
+    /// fails; `None` for a proven motion. It is given up where more than `effort` intervals need exact distances: a motion with
+    /// a very small clearance takes thousands, and a planner may find another one.
     ///
     /// # Panics
     /// If `a` or `b` has not one value per joint.
@@ -146,7 +141,7 @@ impl Cell {
         })
     }
 
-    /// [`Self::motion_is_free`] along a motion, without joint limits and bounds of the tool.
+    /// Proves [`Self::motion_is_free`] along any motion, without joint limits and bounds on the tool.
     pub(crate) fn prove(&self, course: Course<'_>, scratch: &mut Scratch, demand: Demand) -> Motion {
         let mut failure = self.first_failure(course, scratch, demand);
         if let Some(Failure { at, pair: None, .. }) = failure {
@@ -154,8 +149,8 @@ impl Cell {
             if let Some(pair) = self.first_close_pair(&scratch.frames) {
                 failure = Some(Failure { at, pair: Some(pair), is_contact: true });
             } else {
-                // The lanes are certain of contact only where the exact check is; were it not so, it would have
-                // to check everything itself.
+                // The lanes are certain of contact only where the exact check is. If they were wrong, the exact check has to
+                // certify everything by itself.
                 scratch.work.clear();
                 scratch.work.pairs.extend(self.all_pairs());
                 let pairs = (0, self.pairs.len());
@@ -172,7 +167,7 @@ impl Cell {
         if is_contact { Motion::Contact { at, contact } } else { Motion::Unresolved { at, contact } }
     }
 
-    /// What keeps the proof from being one; a pair that it names stands as it is there in the frames of `scratch`.
+    /// Returns the failure of the proof, if any; the frames of `scratch` then hold the configuration of a named pair.
     pub(crate) fn first_failure(
         &self,
         course: Course<'_>,
@@ -186,7 +181,7 @@ impl Cell {
         }
     }
 
-    /// Step 2 in lanes. What is left is in `scratch.work`; a place where something is in contact is returned.
+    /// Runs step 2 in lanes. `scratch.work` then holds the remaining intervals; returns the parameter of a contact, if any.
     fn certify_in_lanes(
         &self,
         level: Level,
@@ -194,7 +189,7 @@ impl Cell {
         scratch: &mut Scratch,
         demand: Demand,
     ) -> Option<f64> {
-        // How far everything can move along the whole motion bounds how far it can move in each part of it.
+        // Travel bounds of the whole motion bound those of each interval in proportion.
         self.check_at(course, 0.5, 0.5, scratch, demand.factor);
         let mut work = std::mem::take(&mut scratch.work);
         let mut next = std::mem::take(&mut scratch.next_work);
@@ -202,9 +197,9 @@ impl Cell {
         [&mut work, &mut next, &mut rest].into_iter().for_each(WorkList::clear);
         let first_intervals = self.first_intervals(scratch);
         let mut half_width = 0.5 / first_intervals as f64;
-        // At first nothing is certified: these intervals have all pairs, and list none.
+        // At first no pair is certified: the first intervals cover all pairs, and list none.
         let mut is_first = true;
-        // Each pass checks along the whole edge: contact shows the sooner.
+        // Each pass is spread over the whole edge, so that contact is found sooner.
         let passes = first_intervals / LANES;
         let along = (0..passes).flat_map(|pass| (0..LANES).map(move |lane| lane * passes + pass));
         work.intervals.extend(along.map(|index| Interval {
@@ -269,14 +264,14 @@ impl Cell {
         contact_at
     }
 
-    /// How many intervals a proof begins with: as many as whole passes check.
+    /// Returns the number of first intervals of a proof, a multiple of the lanes.
     #[allow(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         reason = "at most `MOST_FIRST_PASSES` passes"
     )]
     fn first_intervals(&self, scratch: &Scratch) -> usize {
-        // As many as make `Pace::travel_m` as much, by the velocity half way.
+        // Solve `Pace::travel_m` for the number of intervals, by the velocity in the middle of the motion.
         let intervals = |Pace { now, acceleration, .. }: Pace| {
             (now + (now * now + 2.0 * FIRST_TRAVEL_M * acceleration).sqrt()) / (4.0 * FIRST_TRAVEL_M)
         };
@@ -285,15 +280,15 @@ impl Cell {
         (most / LANES as f64).ceil().clamp(1.0, MOST_FIRST_PASSES) as usize * LANES
     }
 
-    /// Tells the lanes how far everything can move within an interval that has this share of the edge whose
-    /// travel `scratch` holds; what must be kept beyond what is demanded is as if it moved so much farther.
+    /// Sets the travel bounds of the lanes for an interval that has this share of the edge whose travel `scratch` holds; the
+    /// distance to keep in addition to the demanded one is added to the travel.
     #[allow(
         clippy::cast_possible_truncation,
         reason = "lanes are `f32` by design; what is rounded away is added"
     )]
     pub(crate) fn set_travel(&self, share: f64, demand: Demand, scratch: &mut Scratch) {
-        /// The velocity of a point is off by less than this share of what its joints could add up to: a hundred times
-        /// what `f32` rounds.
+        /// Maximum error of a point's velocity as a fraction of the sum of its joints' contributions: a hundred times the
+        /// rounding of `f32`.
         const ROUNDED: f64 = 1e-4;
         let Demand { factor, beyond_m, .. } = demand;
         let lane = |travel: f64| ((travel + beyond_m + ROUNDING_M) * (1.0 + 1e-6)) as f32;
@@ -312,12 +307,12 @@ impl Cell {
         }
         for (joint, travel) in scratch.lanes.travel.joints.iter_mut().enumerate() {
             let turn = (0.5 * scratch.rates.most_of(joint) * share + ROUNDING_M) * (1.0 + 1e-6);
-            // Tables know of nothing beyond what is demanded.
+            // Tables certify only the demanded distance.
             *travel = if beyond_m > 0.0 { f32::INFINITY } else { turn as f32 };
         }
     }
 
-    /// Steps 2 to 4 for what is in `scratch.work`, with exact distances.
+    /// Runs steps 2 to 4 for `scratch.work`, with exact distances.
     fn certify_exactly(&self, course: Course<'_>, scratch: &mut Scratch, demand: Demand) -> Option<Failure> {
         let mut work = std::mem::take(&mut scratch.work);
         let mut next = std::mem::take(&mut scratch.next_work);
@@ -362,7 +357,7 @@ impl Cell {
         failure
     }
 
-    /// Frames at `middle`, and how far everything can move within `half_width` of it.
+    /// Computes the frames at `middle`, and the travel bounds within `half_width` of it.
     pub(crate) fn check_at(
         &self,
         course: Course<'_>,
@@ -376,7 +371,7 @@ impl Cell {
         travel.update(self.robot(), &self.bodies, frames, rates, half_width, factor);
     }
 
-    /// Frames and rates at `middle` of a motion whose rates are bounded already ([`Rates::set`]).
+    /// Computes frames and rates at `middle` of a motion whose rates are already bounded ([`Rates::set`]).
     fn place_at(&self, course: Course<'_>, middle: f64, scratch: &mut Scratch) {
         course.place(middle, &mut scratch.q);
         if let Course::Curve(_) = course {
@@ -385,7 +380,7 @@ impl Cell {
         self.robot().forward_kinematics(&scratch.q, &mut scratch.frames);
     }
 
-    /// How far the links of a pair can move within `half_width` of the frames of `scratch`, unless that is known.
+    /// Computes and caches the travel bounds of the links of a pair within `half_width` of the frames of `scratch`.
     fn know_travel(&self, pair: &Pair, half_width: f64, scratch: &mut Scratch) {
         let other = match pair.second {
             Other::Link { body, .. } => Some(body),

@@ -4,18 +4,18 @@ use crate::proof::course::Course;
 use crate::proof::motion::Demand;
 use crate::{Measuring, Motion};
 
-/// What is measured lies so much lower than the truth, in metres, where its share is less.
+/// Minimum amount by which a measured clearance is below the true one, in metres, where its relative slack is less.
 const TOLERANCE_M: f64 = 1e-5;
 
 impl Cell {
-    /// The least distance over all pairs along a path of way points (m, rad; one value per joint) whose edges are
-    /// proven, in metres: a proven lower bound, at most `share` of the truth, from 0 to below 1, and 10 µm too low;
-    /// infinite if there is nothing to touch, 0 if an edge cannot be proven after all. Many times faster than
+    /// Returns the least distance over all pairs along a path of way points (m, rad; one value per joint) whose edges are
+    /// proven, in metres: a proven lower bound, too low by at most `share` of the true distance, from 0 to below 1, and 10 µm;
+    /// infinite if there are no pairs, 0 if an edge cannot be proven after all. Many times faster than
     /// [`Self::least_clearance`] of every edge.
     ///
-    /// 1. The least distance at the way points bounds it from above.
-    /// 2. Each edge is proven to keep a little less, from the last, where the hand is at its target, to the first.
-    /// 3. Where it does not, what is seen there is the new bound.
+    /// 1. The least distance at the way points is an upper bound.
+    /// 2. Each edge is proven to keep slightly less, from the last, where the hand is at its target, to the first.
+    /// 3. If the proof of an edge fails, the distance measured there is the new bound.
     ///
     /// # Panics
     /// If a way point has not one value per joint.
@@ -45,8 +45,8 @@ impl Cell {
         kept_m(least_m).max(0.0)
     }
 
-    /// The same along a path of way points (m, rad; one value per joint) over a group of pairs alone: slower, and
-    /// infinite where it has none.
+    /// Returns the least distance along a path of way points (m, rad; one value per joint) over one group of pairs, in metres:
+    /// slower, and infinite if the group is empty.
     ///
     /// # Panics
     /// If a way point has not one value per joint.

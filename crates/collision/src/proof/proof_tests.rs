@@ -1,5 +1,5 @@
-//! The law of the proof: what is proven is free everywhere, and a bound on motion that is too small is
-//! caught. The oracle is dense sampling of single configurations.
+//! Tests that proven motions are free everywhere, and that too small a bound on motion is detected. The oracle is dense
+//! sampling of single configurations.
 
 use std::sync::Arc;
 
@@ -16,7 +16,7 @@ use crate::proof::motion::Demand;
 use crate::proof::travel::Travel;
 use crate::{Body, Cell, Margins, Measuring, Motion, World};
 
-/// A slide that carries an arm of two thin links and a small ball at its end.
+/// A slide carrying an arm of two thin links with a small ball at its end.
 const ARM: &str = r#"<robot name="arm">
   <link name="rail"/>
   <link name="cart"><collision><geometry><box size="0.1 0.1 0.02"/></geometry></collision></link>
@@ -48,7 +48,7 @@ fn cell(robot: &Arc<Robot>, bodies: Vec<Body>, margin_m: f64) -> Cell {
     Cell::new(robot.clone(), World::new(bodies).expect("finite poses"), margins).expect("a good margin")
 }
 
-/// A plate of 1 mm × 6 cm × 6 cm that the tool runs into at `at`.
+/// Places a plate of 1 mm × 6 cm × 6 cm that the tool hits at `at`.
 fn plate_in_the_way(robot: &Robot, a: &[f64], b: &[f64], at: f64, random: &mut Stream) -> Body {
     let frames = robot.frames_at(&between(a, b, at));
     let tool = frames.link(robot.tip()).translation;
@@ -152,7 +152,7 @@ proptest! {
     }
 }
 
-/// Points of a random motion: the ends of a line, or the control points of a curve of up to fourth degree.
+/// Returns the points of a random motion: the ends of a line, or the control points of a curve of up to fourth degree.
 fn random_points(robot: &Robot, seed: u64, random: &mut Stream) -> Vec<Vec<f64>> {
     (0..2 + seed % 4).map(|_| robot.random_configuration(random)).collect()
 }
@@ -161,8 +161,8 @@ fn course_of(points: &[Vec<f64>]) -> Course<'_> {
     if let [a, b] = points { Course::Line([a, b]) } else { Course::Curve(points) }
 }
 
-/// True if some point of some link moves farther, within `half_width` of the middle of a random motion, than
-/// its bound, times `factor`.
+/// Returns true if some point of some link moves farther, within `half_width` of the middle of a random motion, than its bound,
+/// times `factor`.
 fn bound_is_broken(seed: u64, half_width: f64, factor: f64) -> bool {
     let (robot, mut random) = (arm(), Stream::new(seed, 2));
     let cell = cell(&robot, Vec::new(), 0.0);
@@ -177,10 +177,10 @@ fn bound_is_broken(seed: u64, half_width: f64, factor: f64) -> bool {
         .any(|body| most_moved_m(&cell, body, course, 0.5, half_width) > travel.of(body) + 1e-12)
 }
 
-/// The same for every one of the intervals that the lanes check at once.
+/// Returns true if that holds in one of the intervals that the lanes check at once.
 fn bound_of_lanes_is_broken(seed: u64, half_width: f64, factor: f64) -> bool {
     let (robot, mut random) = (arm(), Stream::new(seed, 2));
-    // The floor is what the lanes check.
+    // The floor gives the lanes something to check.
     let cell = cell(&robot, vec![Body::floor(-9.0)], 0.0);
     let points = random_points(&robot, seed, &mut random);
     let course = course_of(&points);
@@ -199,7 +199,7 @@ fn bound_of_lanes_is_broken(seed: u64, half_width: f64, factor: f64) -> bool {
     })
 }
 
-/// Greatest distance of a point of a body from its place in the middle of an interval of a motion, at samples.
+/// Returns the greatest distance of a point of a body from its position in the middle of an interval of a motion, at samples.
 fn most_moved_m(cell: &Cell, body: usize, course: Course<'_>, middle: f64, half_width: f64) -> f64 {
     let (robot, link) = (cell.robot(), &cell.bodies[body]);
     let mut q = vec![0.0; robot.dof()];
@@ -233,7 +233,7 @@ fn half_of_the_bound_lets_thin_plates_through() {
     let (robot, mut random) = (arm(), Stream::new(11, 3));
     let missed = (0..400).filter(|_| {
         let a = robot.random_configuration(&mut random);
-        // Only the tool slides: its bound is exact, so half of it leaves gaps.
+        // Only the slide moves: its bound is exact, so half of it leaves gaps.
         let mut b = a.clone();
         b[0] = -a[0].signum() * 0.9;
         let at = random.uniform_between(0.1, 0.9);
@@ -266,7 +266,7 @@ fn an_end_outside_the_limits_is_named() {
     assert_eq!(motion, Motion::OutOfLimits { joint: 2 });
 }
 
-/// A long spine in an empty world, and none that is proven for certain where nothing is a number.
+/// In an empty world rays are long; NaN gives no certain result.
 #[test]
 fn a_bubble_is_as_large_as_the_room_that_there_is() {
     let robot = arm();
@@ -281,8 +281,8 @@ fn a_bubble_is_as_large_as_the_room_that_there_is() {
     assert!(cell.bubble(&a, 20.0, &mut scratch).is_none());
 }
 
-/// What is measured does not rest on what a proof rests on: tables of another world let the proof through, and the
-/// measurement contradicts it.
+/// The measurement does not depend on the data of the proof: tables of another world let the proof pass, and the measurement
+/// contradicts it.
 #[test]
 fn a_proof_on_wrong_tables_is_contradicted_by_what_is_measured() {
     let robot = arm();

@@ -2,26 +2,26 @@ use cranny_robot::JointKind;
 
 use crate::cell::Cell;
 
-/// Bound on the motion of any point of a robot, and of what it holds, against the world or against another link, when
-/// its joints move by given amounts at any configuration: `Σ |δ_j| · reach_j`, mimic joints included.
+/// Bound on the motion of any point of a robot, and of its held object, against the world or against another link, when its
+/// joints move by given amounts in any configuration: `Σ |δ_j| · reach_j`, mimic joints included.
 ///
-/// The reach of a joint is the greatest distance of a point of any link beyond it from its axis: the distances between
-/// the frames of the joints on the way there, sliding joints drawn out as far as they go, and the ball around the link
-/// after the last of them. Only joints that move one of two links move them against each other, and each of these moves
-/// one of them; so the bound holds for their distance too.
+/// The reach of a joint is the greatest distance of a point of any link beyond it from its axis: the sum of the distances
+/// between the frames of the joints up to the link, prismatic joints fully extended, and the ball around the link after the
+/// last of them. Only joints that move one of two links move them against each other, and each of these moves one of them; so
+/// the bound also holds for their distance.
 #[derive(Clone, Debug)]
 pub struct Reach {
-    /// Metres for a unit of each joint.
+    /// Reach of each joint, in metres per unit of the joint.
     per_joint_m: Vec<f64>,
 }
 
 impl Cell {
-    /// The reach of each joint of the robot with what it holds.
+    /// Computes the reach of each joint of the robot with its held object.
     pub fn reach(&self) -> Reach {
         let robot = self.robot();
         let mut frames = self.scratch().frames;
         robot.forward_kinematics(&vec![0.0; robot.dof()], &mut frames);
-        // For each link that a joint ends in, the joint and its reach.
+        // For each child link of a joint, the joint and its reach.
         let mut movers: Vec<Option<(usize, f64)>> = vec![None; robot.links().len() + 1];
         for body in self.bodies.iter() {
             let ball = &body.bounds.ball;
@@ -45,7 +45,7 @@ impl Cell {
 }
 
 impl Reach {
-    /// The bound for the joints moving by `delta` (m, rad), in metres.
+    /// Returns the bound for a joint motion `delta` (m, rad), in metres.
     pub fn motion_m(&self, delta: impl Fn(usize) -> f64) -> f64 {
         self.per_joint_m.iter().enumerate().map(|(joint, reach_m)| delta(joint).abs() * reach_m).sum()
     }

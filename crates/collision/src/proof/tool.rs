@@ -5,31 +5,31 @@ use crate::body::tool_bound::{CellBound, ToolRegion};
 use crate::cell::{Cell, Scratch};
 use crate::{CollisionError, ToolBound};
 
-/// Angles and distances err by less, in radians and metres: a bound that is kept to within this is kept.
+/// Rounding of angles and distances, in radians and metres: a bound is kept if it is kept to within this.
 const ROUNDING: f64 = 1e-9;
 
-/// Bisection ends where the excess can change by no more than this within an interval, in radians and metres.
+/// Change of the excess within an interval below which bisection ends, in radians and metres.
 const RESOLUTION: f64 = 1e-7;
 
-/// The greatest excess is known to within this, in radians and metres.
+/// Tolerance of the greatest excess, in radians and metres.
 pub(crate) const TOLERANCE: f64 = 1e-3;
 
-/// A bound that is not proven to be kept along a motion.
+/// Failure to prove that a bound is kept along a motion.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Excess {
-    /// Place in [0, 1] along the motion.
+    /// Parameter in [0, 1] along the motion.
     pub at: f64,
-    /// The bound, by its number.
+    /// Index of the bound.
     pub bound: usize,
-    /// The excess there, in radians or metres.
+    /// Excess there, in radians or metres.
     pub by: f64,
 }
 
 impl Cell {
-    /// The same cell in which the tool keeps these bounds too.
+    /// Returns this cell with these additional bounds on the tool.
     ///
     /// # Errors
-    /// [`CollisionError::ToolBound`] for one that bounds nothing, and those of links as for [`Cell::new`].
+    /// [`CollisionError::ToolBound`] for a bound that is out of range, and the errors for its link as in [`Cell::new`].
     pub fn within(&self, further: &[ToolBound]) -> Result<Self, CollisionError> {
         for bound in further {
             bound.check()?;
@@ -41,14 +41,14 @@ impl Cell {
         Ok(cell)
     }
 
-    /// The bounds that the tool keeps along every motion: those of the world
-    /// ([`World::with_tool_bounds`](crate::World::with_tool_bounds)), those of [`Self::within`], and last the tilt of what is
-    /// held, where that is limited ([`Self::tilt_bound`]).
+    /// Returns the bounds on the tool along every motion: those of the world
+    /// ([`World::with_tool_bounds`](crate::World::with_tool_bounds)), those of [`Self::within`], and last the tilt of the held
+    /// object, if it is limited ([`Self::tilt_bound`]).
     pub fn tool_bounds(&self) -> impl ExactSizeIterator<Item = &ToolBound> {
         self.bounds.iter().map(|bound| &bound.bound)
     }
 
-    /// Number of the bound on the tilt of what is held; `None` where nothing is held, or no tilt is demanded
+    /// Returns the index of the bound on the tilt of the held object; `None` if nothing is held, or no tilt is limited
     /// ([`Margins::tilt_rad`](crate::Margins::tilt_rad), [`Body::tilt_rad`](crate::Body::tilt_rad)).
     pub fn tilt_bound(&self) -> Option<usize> {
         self.limits_tilt().then(|| self.bounds.len() - 1)
@@ -58,15 +58,15 @@ impl Cell {
         self.bounds.len() > self.world().tool_bounds().len() + self.further_bounds.len()
     }
 
-    /// The bounds of a cell that is being made: of its world, and of what is held in its hand.
+    /// Collects the bounds of a new cell: of its world, and of the held object.
     pub(crate) fn all_bounds(&self) -> Vec<CellBound> {
         let given = self.world().tool_bounds().iter().chain(&*self.further_bounds).cloned();
         let all = given.chain(self.bound_of_held());
         all.map(|bound| CellBound::new(bound, &self.robot)).collect()
     }
 
-    /// The bound on the angle between the direction in what is held that pointed up where it stood when it was grasped, and
-    /// up.
+    /// Returns the bound on the angle between up and the direction in the held object that pointed up where it stood before the
+    /// grasp.
     fn bound_of_held(&self) -> Option<ToolBound> {
         let held = self.held.as_ref()?;
         let body = &self.world().bodies()[held.body];
@@ -81,8 +81,8 @@ impl Cell {
         })
     }
 
-    /// Excess of the tool at `q` (m, rad; one per joint) over the bound of this number, in radians or metres; negative within
-    /// it.
+    /// Returns the excess of the tool at `q` (m, rad; one per joint) over the bound of this index, in radians or metres;
+    /// negative within it.
     ///
     /// # Panics
     /// If `q` has not one value per joint, or there is no such bound.
@@ -92,7 +92,7 @@ impl Cell {
         bound.bound.region.excess(scratch.frames.link(bound.link))
     }
 
-    /// Name of the first bound that the tool does not keep at `q` (m, rad; one per joint).
+    /// Returns the name of the first bound that the tool does not keep at `q` (m, rad; one per joint).
     ///
     /// # Panics
     /// If `q` has not one value per joint.
@@ -102,7 +102,7 @@ impl Cell {
         Some(self.bounds[bound].bound.name.clone())
     }
 
-    /// Writes the frames of the links that are bounded, and of the joints that move them.
+    /// Computes the frames of the bounded links, and of the joints that move them.
     fn place_links(&self, bounds: &[CellBound], q: &[f64], frames: &mut LinkFrames) {
         if bounds.iter().all(|bound| bound.link == self.robot.tip()) {
             self.robot.tip_kinematics(q, frames);
@@ -111,23 +111,23 @@ impl Cell {
         }
     }
 
-    /// True where the tool keeps all bounds at `q`.
+    /// Returns true if the tool keeps all bounds at `q` (m, rad; one per joint).
     pub(crate) fn keeps_bounds(&self, q: &[f64], scratch: &mut Scratch) -> bool {
         (0..self.bounds.len()).all(|bound| self.tool_excess(bound, q, scratch) <= -ROUNDING)
     }
 
-    /// The first bound that is not proven to be kept along the straight motion from `a` to `b`, each joint straying from it by
-    /// at most `strays` (m, rad; one per joint each). `None` where all are proven.
+    /// Returns the first bound that is not proven to be kept along the straight motion from `a` to `b`, each joint deviating
+    /// from it by at most `strays` (m, rad; one per joint each). `None` if all are proven.
     ///
     /// Within η of the middle of an interval, with `ω_j = |b_j − a_j|` for each joint j that moves the link:
     ///
     /// - An angle changes at most at `Σ_j ω_j · min(sin ∠(a_j, fixed), sin ∠(a_j, axis))`, `a_j` being the axis of the joint: a
-    ///   turn about the fixed direction, or about the axis itself, changes nothing. The first angle changes by at most η
-    ///   times the sum of ω over the joints before j, the second over those after it.
-    /// - A point moves by its velocity in the middle times η, and by half of `Σ_ij ω_i ω_j r_max(i, j)` times η² more, r being
-    ///   its greatest distance from the axis of a joint.
+    ///   turn about the fixed direction, or about the axis itself, changes nothing. The first angle changes by at most η times
+    ///   the sum of ω over the joints before j, the second over those after it.
+    /// - A point moves by its velocity in the middle times η, plus at most half of `Σ_ij ω_i ω_j r_max(i, j)` times η², where r
+    ///   is its greatest distance from the axis of a joint.
     ///
-    /// An interval whose excess is negative with all that is added keeps the bound; others are halved.
+    /// An interval whose excess stays negative with all these changes keeps the bound; others are bisected.
     pub(crate) fn out_of_bounds_at(
         &self,
         a: &[f64],
@@ -153,8 +153,8 @@ impl Cell {
         })
     }
 
-    /// The greatest excess over the bound of this number along the straight motion from `a` to `b` (m, rad; one per joint), in
-    /// radians or metres, from above and to within a thousandth.
+    /// Returns the greatest excess over the bound of this index along the straight motion from `a` to `b` (m, rad; one per
+    /// joint), in radians or metres, as an upper bound to within a thousandth.
     ///
     /// # Panics
     /// If `a` or `b` has not one value per joint, or there is no such bound.
@@ -175,7 +175,7 @@ impl Cell {
         most + ROUNDING
     }
 
-    /// The excess in the middle of an interval, and a bound on it within the interval.
+    /// Returns the excess in the middle of an interval, and an upper bound within the interval.
     fn excess_within(
         &self,
         bound: &CellBound,
@@ -227,9 +227,9 @@ impl Cell {
         [by, most + bend]
     }
 
-    /// Moves a configuration (m, rad; one per joint) at which the tool is out of its bounds to one near it at which it keeps
-    /// them with some reserve, by steps of Newton's method in the least joint motion, the bound that is exceeded farthest first;
-    /// false if it does not come to one.
+    /// Moves a configuration (m, rad; one per joint) at which the tool exceeds its bounds to a nearby one at which it keeps
+    /// them with some reserve, by steps of Newton's method in the least joint motion, the bound with the greatest excess first.
+    /// Returns false if this fails.
     ///
     /// # Panics
     /// If `q` has not one value per joint.
@@ -259,12 +259,12 @@ impl Cell {
         self.keeps_bounds(q, scratch)
     }
 
-    /// Change of the excess over a bound by a unit of each joint, where the frames of `scratch` have its link.
+    /// Returns the change of the excess over a bound per unit of each joint, with the frames of its link in `scratch`.
     fn gradient(&self, bound: &CellBound, dof: usize, scratch: &Scratch) -> Option<Vec<f64>> {
         let frames = &scratch.frames;
         let link = frames.link(bound.link);
         let point = link * bound.bound.region.point_in_link();
-        // The excess grows with a motion of the point along this direction, or a turn about it.
+        // The excess grows with a motion of the point along this direction, or a rotation about it.
         let direction = match &bound.bound.region {
             ToolRegion::Cone { axis_in_link, toward, .. } => {
                 toward.cross(&(link.rotation * axis_in_link)).try_normalize(1e-12)?
@@ -291,7 +291,7 @@ impl Cell {
     }
 }
 
-/// Motion of a point by a unit of a joint that moves it, in the root frame.
+/// Returns the motion of a point per unit of a joint that moves it, in the root frame.
 fn motion_of_point(mover: &Mover, frames: &LinkFrames, point: &Point) -> Vector {
     let root_from_child = frames.link(mover.child_link);
     let axis = root_from_child.rotation * mover.axis_in_child;
@@ -301,7 +301,7 @@ fn motion_of_point(mover: &Mover, frames: &LinkFrames, point: &Point) -> Vector 
     }
 }
 
-/// Distance within its bound, in radians or metres, to which a configuration is moved.
+/// Returns the distance within its bound, in radians or metres, to which a configuration is moved.
 fn reserve(region: &ToolRegion) -> f64 {
     const SHARE: f64 = 0.1;
     match region {

@@ -6,58 +6,57 @@ use crate::proof::course::Rates;
 
 /// Bounds on the motion of the links while the configuration runs along a motion.
 ///
-/// Let the motion be `q(t)`, with `|q'| ≤ Δq` (constant on a straight edge) and `|q''| ≤ β` (0 there), and let `h` be how far `t` strays from the configuration whose
-/// frames are given. Two bounds hold, and the smaller one counts.
+/// Let the motion be `q(t)`, with `|q'| ≤ Δq` (constant on a straight edge) and `|q''| ≤ β` (0 there), and let `h` be the
+/// maximum deviation of `t` from the configuration of the given frames. Two bounds hold, and the smaller one applies.
 ///
-/// 1. By levers: a point of a link moves at most at `Σ_j a_j` per unit of `t`, `a_j = |Δq_j| · r_j`, with `r_j` its
-///    distance from the axis of joint j (1 for a prismatic joint). That distance changes only by joints beyond j,
-///    `r_j ≤ r_j(now) + h · Σ_{k beyond j} a_k`, and is never more than the way to the point over the origins of the
-///    joints beyond j (after Schwarzer, Saha & Latombe 2005, §3, with the reach taken at the configuration instead of
-///    over all of them).
-/// 2. By velocity: what joints do to a point largely cancels out. With `v` and `ω` the velocity of the middle of the
-///    ball around the link now and its angular velocity, `ρ` the ball's radius, and accelerations never greater than
-///    `α = Σ_j |Δq_j| · (a_j + 2 · Σ_{k beyond j} a_k)` over the joints that turn, and `Σ_j β_j · r_j` besides over all (1
-///    for `r_j` of a prismatic joint), no point moves farther than
-///    `h · (|v| + |ω| · ρ) + ½ h² · α` (a Taylor model of first order, after Zhang, Redon, Lee & Kim 2007, "Continuous
-///    collision detection for articulated models using Taylor models and temporal culling", whole; α is derived below).
+/// 1. By levers: a point of a link moves at most at `Σ_j a_j` per unit of `t`, `a_j = |Δq_j| · r_j`, with `r_j` its distance
+///    from the axis of joint j (1 for a prismatic joint). That distance is changed only by joints beyond j,
+///    `r_j ≤ r_j(now) + h · Σ_{k beyond j} a_k`, and never exceeds the length to the point through the origins of the joints
+///    beyond j (after Schwarzer, Saha & Latombe 2005, §3, with the reach taken at the configuration instead of over all of
+///    them).
+/// 2. By velocity: the effects of the joints on a point largely cancel. With `v` and `ω` the present velocity of the centre of
+///    the ball around the link and its angular velocity, `ρ` the ball's radius, and accelerations bounded by
+///    `α = Σ_j |Δq_j| · (a_j + 2 · Σ_{k beyond j} a_k)` over the revolute joints, plus `Σ_j β_j · r_j` over all (1 for `r_j` of
+///    a prismatic joint), no point moves farther than `h · (|v| + |ω| · ρ) + ½ h² · α` (a Taylor model of first order, after
+///    Zhang, Redon, Lee & Kim 2007, "Continuous collision detection for articulated models using Taylor models and temporal
+///    culling", whole; α is derived below).
 ///
 /// The acceleration of a point `p` beyond joints with axes `z_j` through `o_j` is the sum over j of
-/// `Δq_j · (ω_{j-1} × (z_j × (p − o_j)) + z_j × Σ_{k ≥ j} Δq_k · z_k × (p − o_k)) + q_j'' · z_j × (p − o_j)`: that is where
-/// α comes from.
+/// `Δq_j · (ω_{j-1} × (z_j × (p − o_j)) + z_j × Σ_{k ≥ j} Δq_k · z_k × (p − o_k)) + q_j'' · z_j × (p − o_j)`, which gives α.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Travel {
-    /// For each link body the sums of the first bound over the joints from the k-th on, each already times `h`; one
-    /// longer than the link has joints.
+    /// For each link body the sums of the first bound over the joints from the k-th on, each multiplied by `h`; one more entry
+    /// than the link has joints.
     sums: Vec<Vec<f64>>,
-    /// Per link body.
+    /// Bounds on the velocity of each link body.
     paces: Vec<Pace>,
     travels_m: Vec<f64>,
-    /// Whether these have been worked out since [`Self::forget`].
+    /// True if the bounds of a link body have been computed since [`Self::forget`].
     is_known: Vec<bool>,
-    /// Per link what moves it against the one before, if that is known.
+    /// Axis of the joint of each link, if it has been computed.
     axes: Vec<Option<Axis>>,
 }
 
-/// Where the axis of a joint is.
+/// Axis of a joint, in the root frame.
 #[derive(Clone, Copy, Debug)]
 struct Axis {
     direction: Vector,
     origin: Vector,
 }
 
-/// How a link body moves, per unit of `t`, in metres.
+/// Bounds on the motion of a link body, per unit of `t`, in metres.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Pace {
-    /// No point of it is ever faster within the interval.
+    /// Maximum velocity of any of its points within the interval.
     pub most: f64,
-    /// No point of it is faster at the configuration itself.
+    /// Maximum velocity of any of its points at the configuration itself.
     pub now: f64,
-    /// What no acceleration exceeds within the interval.
+    /// Maximum acceleration of any of its points within the interval.
     pub acceleration: f64,
 }
 
 impl Pace {
-    /// How far a point can be from where it is now, for `t` up to `half_width` away.
+    /// Returns a bound on the motion of any point, for `t` up to `half_width` away, in metres.
     fn travel_m(&self, half_width: f64) -> f64 {
         half_width * self.most.min(self.now + 0.5 * half_width * self.acceleration)
     }
@@ -74,8 +73,8 @@ impl Travel {
         }
     }
 
-    /// Bounds the motion of every link within `half_width` (of `t`) of the configuration of `frames`. `factor` is 1;
-    /// the tests set it lower to see that a wrong bound is caught.
+    /// Computes the bounds on the motion of every link within `half_width` (of `t`) of the configuration of `frames`. `factor`
+    /// is 1; the tests lower it to verify that a wrong bound is detected.
     pub fn update(
         &mut self,
         robot: &Robot,
@@ -91,13 +90,13 @@ impl Travel {
         }
     }
 
-    /// What is known holds no more: other frames, or another interval.
+    /// Invalidates the cached bounds, for other frames or another interval.
     pub fn forget(&mut self) {
         self.is_known.fill(false);
         self.axes.fill(None);
     }
 
-    /// Bounds the motion of one link body, unless that is known.
+    /// Computes and caches the motion bound of link body `index`.
     pub fn know(
         &mut self,
         robot: &Robot,
@@ -114,7 +113,8 @@ impl Travel {
         let center = (frames.link(body.link) * body.bounds.ball.center).coords;
         let radius_m = body.bounds.ball.radius_m;
         let (mut velocity, mut turn, mut pace) = (Vector::zeros(), Vector::zeros(), Pace::default());
-        // The origin of the joint beyond, and how far any point of the link can be from the one at hand by way of those.
+        // Origin of the joint beyond, and the maximum length from the current joint to any point of the link through these
+        // origins.
         let (mut beyond, mut way_m) = (center, radius_m);
         for (k, ancestor) in robot.ancestors(body.link).iter().enumerate().rev() {
             let rate = rates.now[ancestor.joint] * ancestor.multiplier;
@@ -154,24 +154,24 @@ impl Travel {
         self.travels_m[index] = pace.travel_m(half_width);
     }
 
-    /// How a link moves against the world.
+    /// Returns the bounds on the velocity of a link body against the world.
     pub fn pace(&self, body: usize) -> Pace {
         self.paces[body]
     }
 
-    /// How far any point of the link can move against the world, in metres.
+    /// Returns the bound on the motion of any point of the link against the world, in metres.
     pub fn of(&self, body: usize) -> f64 {
         self.travels_m[body]
     }
 
-    /// How far any point of one link can move against the other, in metres, when their first
-    /// `shared_joints` joints are the same.
+    /// Returns the bound on the motion of any point of one link against the other, in metres, if their first `shared_joints`
+    /// joints are the same.
     pub fn between(&self, first: usize, second: usize, shared_joints: usize) -> f64 {
         self.sums[first][shared_joints] + self.sums[second][shared_joints]
     }
 }
 
-/// How many joints, from the root on, move both links alike.
+/// Returns the number of joints, from the root on, that move both links alike.
 pub(crate) fn shared_joints(robot: &Robot, first: usize, second: usize) -> usize {
     let (a, b) = (robot.ancestors(first), robot.ancestors(second));
     a.iter().zip(b).take_while(|(x, y)| x.child_link == y.child_link).count()

@@ -1,9 +1,9 @@
-/// A piece of the motion that is not certified yet, and the pairs in doubt there.
+/// An interval of the motion that is not certified yet, with the pairs in doubt there.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Interval {
     pub middle: f64,
     pub half_width: f64,
-    /// Where in the list of pairs its own begin and end.
+    /// Range of its pairs in the list of pairs.
     pub pairs: (usize, usize),
 }
 
@@ -20,7 +20,7 @@ impl WorkList {
         self.pairs.clear();
     }
 
-    /// Both halves of the interval, for the pairs from `begin` on.
+    /// Adds both halves of the interval, for the pairs from `begin` on.
     pub fn push_halves(&mut self, interval: &Interval, begin: usize) {
         if begin < self.pairs.len() {
             let (half_width, pairs) = (interval.half_width * 0.5, (begin, self.pairs.len()));

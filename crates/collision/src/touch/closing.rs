@@ -9,26 +9,26 @@ use crate::pair::pair_group::PairGroup;
 use crate::pair::pairs::{Other, Pair};
 use crate::touch::contact::Contact;
 
-/// How the fingers of a hand meet what is between them.
+/// Result of closing the fingers on an object.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Closing {
-    /// How far the hand has closed when the first finger touches, from 0, open, to 1.
+    /// Closing of the hand at which the first finger touches, from 0, open, to 1.
     pub closing: f64,
-    /// How much farther the finger that touches last would have to go, in metres of its own way.
+    /// Travel of the finger that touches last, after the first one touches, in metres.
     pub uneven_m: f64,
-    /// Share of its travel, from 0, open, to 1, at which each finger touches, by the number of the finger.
+    /// Fraction of its travel, from 0, open, to 1, at which each finger touches, by finger index.
     pub touching: Vec<f64>,
 }
 
-/// Fingers that are nearer touch, in metres.
+/// Distance below which a finger touches, in metres.
 const TOUCHING_M: f64 = 1e-5;
 
-/// Steps of a finger towards what it meets: each is as long as the distance left.
+/// Maximum number of steps of a finger towards the object; each step is as long as the remaining distance.
 const MOST_STEPS: usize = 1000;
 
 impl Cell {
-    /// Closes the fingers, from open, on what the hand holds: each until it touches; `None` if one of them touches
-    /// nothing, or there is no finger, or nothing in the hand. How far the hand of the cell is closed does not enter.
+    /// Closes the fingers, from open, on the held object: each until it touches. `None` if one of them touches nothing, or
+    /// there is no finger, or nothing is held. The closing of the cell's hand has no influence.
     pub fn close_on_held(&self) -> Option<Closing> {
         let held = self.held.as_ref()?;
         let thing = self.bodies.iter().rfind(|body| Some(body.link) == self.robot().held_link())?;
@@ -67,8 +67,8 @@ impl Cell {
         is_whole.then_some(Closing { closing: first, uneven_m, touching })
     }
 
-    /// The links of a finger that have geometry, by index, and where they stand in the frame of the tip when the hand has closed
-    /// by a share of its way; none of a robot that holds nothing.
+    /// Returns the links of a finger that have geometry, by index, each with its pose in the frame of the tip when the hand has
+    /// closed by a fraction of its travel; empty if nothing is held.
     pub fn finger_at(&self, finger: usize, closing: f64) -> Vec<(usize, Pose)> {
         let Some(held) = &self.held else { return Vec::new() };
         let tip_from_loose = self.robot().tip_from_loose(&Hold { closing, ..held.hold });
@@ -77,15 +77,14 @@ impl Cell {
         own.filter_map(|link| Some((link, self.tip_from_finger_link(link, &tip_from_loose)?))).collect()
     }
 
-    /// A bound on how far any point of a finger moves while the hand closes from open, in metres.
+    /// Returns an upper bound on the motion of any point of a finger while the hand closes from open, in metres.
     pub fn finger_way_m(&self, finger: usize) -> f64 {
         let own = self.bodies.iter().filter(|body| self.robot().finger_of(body.link) == Some(finger));
         own.map(|body| self.closing_way_m(body)).fold(0.0, f64::max)
     }
 
-    /// The contact that the fingers meet, other than with what the hand holds, while it closes from open to where the
-    /// cell has it, the arm at `q` (m, rad; one per joint); `None` if there is none for certain. What cannot be decided
-    /// counts as met.
+    /// Returns the contact of the fingers, other than with the held object, while the hand closes from open to the closing of
+    /// the cell, the arm at `q` (m, rad; one per joint); `None` if there is certainly none. Undecided cases count as contact.
     ///
     /// # Panics
     /// If `q` has not one value per joint.
@@ -95,10 +94,9 @@ impl Cell {
         self.closing_contact_each(q, &vec![closing; fingers], scratch)
     }
 
-    /// The same, the arm at `q` (m, rad; one per joint), while every finger closes from open by its own share of its
-    /// travel (`touching`, one per finger, from 0 to 1), all at one rate, and stands there while others go on: a
-    /// finger that stops moves no farther than one that does not.
-    ///
+    /// Returns that contact, the arm at `q` (m, rad; one per joint), while every finger closes from open by its own fraction of
+    /// its travel (`touching`, one per finger, from 0 to 1), all at one rate, and stops there while others go on: a finger that
+    /// stops moves no farther than one that does not.
     /// # Panics
     /// If `q` has not one value per joint.
     pub fn closing_contact_each(
@@ -143,9 +141,9 @@ impl Cell {
         None
     }
 
-    /// The least distance of the pairs of a group, fingers against what they do not hold, while the hand closes from
-    /// open to where the cell has it, or opens from there, the arm at `q` (m, rad; one per joint): in metres,
-    /// certified from below, at most 10 µm too low; infinite if there is none.
+    /// Returns the least distance of the pairs of a group, fingers against all but the held object, while the hand closes from
+    /// open to the closing of the cell, or opens from there, the arm at `q` (m, rad; one per joint): in metres, a certified
+    /// lower bound, at most 10 µm too low; infinite if there is no such pair.
     ///
     /// # Panics
     /// If `q` has not one value per joint.
@@ -160,7 +158,7 @@ impl Cell {
             self.robot().forward_kinematics(q, &mut scratch.frames);
             let mut doubtful = Vec::new();
             for pair in pairs {
-                // Nearer than this somewhere in the interval, or not of interest.
+                // A pair is done unless it comes nearer than this somewhere in the interval.
                 let bar_m = |least_m: f64| least_m - SWEEP_TOLERANCE_M + self.swept_m(&pair, half_width);
                 if self.quick_bound(&pair, &scratch.frames, bar_m(least_m)) >= bar_m(least_m) {
                     continue;
@@ -181,7 +179,7 @@ impl Cell {
         (least_m - SWEEP_TOLERANCE_M).max(0.0)
     }
 
-    /// The pairs that a finger is part of, but for what the hand holds and what it may touch.
+    /// Returns the pairs that involve a finger, without the held object and what it may touch.
     fn swept_pairs(&self) -> impl Iterator<Item = Pair> {
         let is_of_finger = |body: usize| self.robot().is_of_finger(self.bodies[body].link);
         self.pairs.iter().filter(move |pair| {
@@ -190,7 +188,7 @@ impl Cell {
         })
     }
 
-    /// A bound on how much nearer two things come while the hand closes by a share of its way, in metres.
+    /// Returns an upper bound on the approach of two bodies while the hand closes by a fraction of its travel, in metres.
     fn swept_m(&self, pair: &Pair, share: f64) -> f64 {
         let of_body = |body: usize| self.closing_way_m(&self.bodies[body]) * share;
         let second = match pair.second {
@@ -200,13 +198,13 @@ impl Cell {
         of_body(pair.first) + second + ROUNDING_M
     }
 
-    /// A bound on how far any point of a body moves while the hand closes from open, in metres.
+    /// Returns an upper bound on the motion of any point of a body while the hand closes from open, in metres.
     pub(crate) fn closing_way_m(&self, body: &LinkBody) -> f64 {
         let ball = &body.bounds.ball;
         self.robot().closing_way_m(body.link, (ball.center, ball.radius_m))
     }
 
-    /// Where a link of a finger stands in the frame of the tip, the loose links where told.
+    /// Returns the pose of a link of a finger in the frame of the tip, for given poses of the loose links.
     fn tip_from_finger_link(&self, link: usize, tip_from_loose: &[Pose]) -> Option<Pose> {
         let robot = self.robot();
         let mut above = std::iter::successors(Some(link), |&link| robot.links()[link].parent);
@@ -217,8 +215,8 @@ impl Cell {
     }
 }
 
-/// Greatest amount by which the measured clearance of a sweep may lie below the true one, in metres.
+/// Maximum amount by which the measured clearance of a sweep is below the true one, in metres.
 const SWEEP_TOLERANCE_M: f64 = 1e-5;
 
-/// As in a proof of a motion, in metres.
+/// Travel below which bisection ends, as in a proof of a motion, in metres.
 const RESOLUTION_M: f64 = 1e-6;

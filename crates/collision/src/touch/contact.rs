@@ -1,6 +1,6 @@
 use cranny_spatial::Point;
 
-/// One of the two things that touch.
+/// A member of a collision pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Collider {
     /// A link of the robot, by index.
@@ -9,19 +9,19 @@ pub enum Collider {
     Body(usize),
 }
 
-/// Two things that are closer than they may be.
+/// A pair that is closer than allowed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
     /// A link.
     pub first: Collider,
     /// Another link, or a body.
     pub second: Collider,
-    /// Their distance, in metres; 0 where they overlap.
+    /// Their distance, in metres; 0 if they overlap.
     pub clearance_m: f64,
-    /// The clearance that was asked for, in metres.
+    /// Demanded clearance, in metres.
     pub required_m: f64,
-    /// How deep they overlap, in metres; 0 where they only come too close.
+    /// Penetration depth, in metres; 0 if they only come too close.
     pub depth_m: f64,
-    /// A point in the overlap, in the planning frame; `None` where they only come too close.
+    /// A point in the overlap, in the planning frame; `None` if they only come too close.
     pub point: Option<Point>,
 }

@@ -3,22 +3,22 @@ use cranny_spatial::{Point, Vector};
 /// A point of a plane, in metres along its two axes.
 pub(crate) type PlanePoint = [f64; 2];
 
-/// A plane across a direction, with two axes in it.
+/// A plane perpendicular to a direction, with two axes in it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Across {
     direction: Vector,
     axes: [Vector; 2],
 }
 
-/// A triangle seen along a direction, anticlockwise, with the height of each corner along it.
+/// Projection of a triangle along a direction, anticlockwise, with the height of each corner along the direction.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Seen {
     corners: [PlanePoint; 3],
     heights_m: [f64; 3],
 }
 
-/// Region in which a triangle of a body is above one of what may carry it: the corners of a convex polygon, which may be a line or a
-/// point.
+/// Region in which a triangle of a body is above one of a possible support: the corners of a convex polygon, which may be a
+/// line or a point.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Overlap {
     pub corners: Vec<OverlapCorner>,
@@ -30,32 +30,32 @@ pub(crate) struct OverlapCorner {
     pub at: PlanePoint,
     /// Height of the surface below, in metres.
     pub surface_m: f64,
-    /// Height of the body above that, in metres; negative for its depth in it.
+    /// Height of the body above that, in metres; negative for its penetration depth.
     pub gap_m: f64,
 }
 
-/// Triangles of less than this, twice their area as seen (m²), are edges or sides: what they bound has others.
+/// Twice the projected area (m²) below which a triangle is an edge or a side: its boundary belongs to other triangles too.
 const LEAST_AREA_M2: f64 = 1e-14;
 
 impl Across {
-    /// Across a unit vector.
+    /// Creates the plane perpendicular to a unit vector.
     pub fn new(direction: &Vector) -> Self {
         let other = Vector::ith(direction.iamin(), 1.0);
         let first = direction.cross(&other).normalize();
         Self { direction: *direction, axes: [first, direction.cross(&first)] }
     }
 
-    /// A point seen along the direction.
+    /// Projects a point along the direction.
     pub fn seen(&self, point: &Point) -> PlanePoint {
         self.axes.map(|axis| axis.dot(&point.coords))
     }
 
-    /// The point that is seen there, at a height (m) along the direction.
+    /// Returns the point with this projection, at a height (m) along the direction.
     pub fn point(&self, [x, y]: PlanePoint, height_m: f64) -> Point {
         (self.axes[0] * x + self.axes[1] * y + self.direction * height_m).into()
     }
 
-    /// A triangle as it is seen, raised by a height (m); `None` for one seen from its edge.
+    /// Projects a triangle raised by a height (m); `None` if it is seen edge-on.
     pub fn triangle(&self, corners: &[Point; 3], raised_m: f64) -> Option<Seen> {
         let heights_m = corners.map(|corner| self.direction.dot(&corner.coords) + raised_m);
         let corners = corners.map(|corner| self.seen(&corner));
@@ -75,13 +75,13 @@ impl Seen {
         Self { corners: [a, c, b], heights_m: [i, k, j] }
     }
 
-    /// The least and the greatest of the heights of its corners, in metres.
+    /// Returns the least and the greatest height of its corners, in metres.
     pub fn heights_m(&self) -> [f64; 2] {
         let [a, b, c] = self.heights_m;
         [a.min(b).min(c), a.max(b).max(c)]
     }
 
-    /// The box around it.
+    /// Returns its bounding box in the plane.
     pub fn around(&self) -> [PlanePoint; 2] {
         let bound = |of: fn(f64, f64) -> f64| {
             [0, 1].map(|axis| {
@@ -91,7 +91,7 @@ impl Seen {
         [bound(f64::min), bound(f64::max)]
     }
 
-    /// Height of its plane where a point is seen, in metres.
+    /// Returns the height of its plane at a projected point, in metres.
     fn height_at(&self, point: PlanePoint) -> f64 {
         let ([a, b, c], [i, j, k]) = (self.corners, self.heights_m);
         let area = turn(a, b, c);
@@ -99,7 +99,8 @@ impl Seen {
         i + of_b * (j - i) + of_c * (k - i)
     }
 
-    /// Region in which it is above another triangle, wherever that is lower than `ceiling_m` and the gap within a range, both in metres.
+    /// Returns the region in which it is above another triangle, that is lower than `ceiling_m`, and the gap within a range, in
+    /// metres.
     pub fn above(&self, surface: &Self, ceiling_m: f64, gaps_m: [f64; 2]) -> Overlap {
         let corner = |index: usize| surface.corners[index % 3];
         let mut rest: Vec<[f64; 3]> =
@@ -119,7 +120,7 @@ impl Seen {
             .within(gaps_m[1])
     }
 
-    /// Region in which it is above a plane at a height, within a range of gaps, all in metres.
+    /// Returns the region in which it is above a plane at a height, with the gap within a range, all in metres.
     pub fn above_plane(&self, height_m: f64, gaps_m: [f64; 2]) -> Overlap {
         let corners = self.corners.iter().zip(self.heights_m).map(|(at, of_corner_m)| OverlapCorner {
             at: *at,
@@ -131,12 +132,12 @@ impl Seen {
 }
 
 impl Overlap {
-    /// Portion of it in which the gap is no more than so much, in metres.
+    /// Returns the region in which the gap is at most `gap_m`, in metres.
     pub fn within(&self, gap_m: f64) -> Self {
         self.part(|corner| gap_m - corner.gap_m)
     }
 
-    /// Portion of it in which a height, which is linear, is not negative.
+    /// Returns the region in which a linear function is not negative.
     pub fn part(&self, height: impl Fn(&OverlapCorner) -> f64) -> Self {
         let between = |a: &OverlapCorner, b: &OverlapCorner, share: f64| {
             let mix = |a: f64, b: f64| a + share * (b - a);
@@ -154,8 +155,8 @@ fn mixed(a: &[f64; 3], b: &[f64; 3], share: f64) -> [f64; 3] {
     [0, 1, 2].map(|axis| a[axis] + share * (b[axis] - a[axis]))
 }
 
-/// Part of a convex polygon whose height is not negative (Sutherland & Hodgman 1974, "Reentrant polygon clipping",
-/// whole, for one plane).
+/// Clips a convex polygon to the region in which the height is not negative (Sutherland & Hodgman 1974, "Reentrant polygon
+/// clipping", whole, for one plane).
 fn clipped<T: Copy>(polygon: &[T], height: impl Fn(&T) -> f64, between: impl Fn(&T, &T, f64) -> T) -> Vec<T> {
     let mut kept = Vec::with_capacity(polygon.len() + 1);
     for (index, a) in polygon.iter().enumerate() {
@@ -171,8 +172,8 @@ fn clipped<T: Copy>(polygon: &[T], height: impl Fn(&T) -> f64, between: impl Fn(
     kept
 }
 
-/// Distance of a point from the convex hull of others, in metres: negative for its depth in it, infinite if there are no
-/// others.
+/// Returns the distance of a point from the convex hull of others, in metres: negative for its depth inside, infinite if there
+/// are no others.
 pub(crate) fn distance_to_hull(points: &[PlanePoint], point: PlanePoint) -> f64 {
     let corners = hull(points);
     let edges = || (0..corners.len()).map(|index| (corners[index], corners[(index + 1) % corners.len()]));
@@ -181,7 +182,7 @@ pub(crate) fn distance_to_hull(points: &[PlanePoint], point: PlanePoint) -> f64 
     if is_inside { -nearest_m } else { nearest_m }
 }
 
-/// The corners of the convex hull, anticlockwise (Andrew 1979, "Another efficient algorithm for convex hulls in two
+/// Returns the corners of the convex hull, anticlockwise (Andrew 1979, "Another efficient algorithm for convex hulls in two
 /// dimensions", whole).
 fn hull(points: &[PlanePoint]) -> Vec<PlanePoint> {
     let mut sorted = points.to_vec();
@@ -217,7 +218,7 @@ fn distance_to_edge(a: PlanePoint, b: PlanePoint, point: PlanePoint) -> f64 {
     (x * x + y * y).sqrt()
 }
 
-/// Twice the area of a triangle, positive if it is anticlockwise.
+/// Returns twice the signed area of a triangle, positive if it is anticlockwise.
 fn turn(o: PlanePoint, a: PlanePoint, b: PlanePoint) -> f64 {
     (a[0] - o[0]) * (b[1] - o[1]) - (a[1] - o[1]) * (b[0] - o[0])
 }
@@ -233,7 +234,7 @@ mod tests {
         [corner(), corner(), corner()]
     }
 
-    /// Height of a triangle where it is seen along z, by shares of its corners; `None` beside it.
+    /// Returns the height of a triangle at a point projected along z, by barycentric coordinates; `None` outside it.
     fn height_m(triangle: &[Point; 3], [x, y]: PlanePoint) -> Option<f64> {
         let [a, b, c] = triangle;
         let columns = [b - a, c - a].map(|edge| edge.xy());

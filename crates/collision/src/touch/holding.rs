@@ -10,12 +10,12 @@ use crate::body::link_body::{LinkBody, group_separation};
 use crate::cell::{Cell, Scratch};
 
 impl Cell {
-    /// The cell in the mode in which the hand holds a body of the world ([`Hold`]): the body is part of the robot then,
-    /// checked against world, floor and all links that move against it, and no obstacle any more. Another hold of the same
-    /// body is [`Self::with_hold`]; what it may touch yet, [`Self::sparing`].
+    /// Returns the cell in which the hand holds a body of the world ([`Hold`]): the body becomes part of the robot, is checked
+    /// against the world, the floor and all links with relative motion, and is no obstacle any more. For another hold of the
+    /// same body see [`Self::with_hold`]; for its allowed contacts see [`Self::sparing`].
     ///
     /// # Errors
-    /// [`CollisionError::Hold`] for a hold that is none, or a body without bounds.
+    /// [`CollisionError::Hold`] for an invalid hold, or an unbounded body.
     ///
     /// # Panics
     /// If the world has no body of that index.
@@ -39,15 +39,15 @@ impl Cell {
         }))
     }
 
-    /// The same robot, with what it holds, in the surroundings of another cell, with the margins of that.
+    /// Returns this robot, with its held object, in the surroundings and with the margins of another cell.
     #[must_use]
     pub fn amid(&self, other: &Self) -> Self {
         let (robot, body, held) = (self.robot.clone(), self.body.clone(), self.held.clone());
         Self::of(CellParts { robot, body, held, ..other.parts_of() })
     }
 
-    /// Distance of what is held from the bodies of the world at `q` (m, rad; one per joint), floors aside, in metres,
-    /// certified from below: at most `beyond_m`, for what is farther is not measured.
+    /// Returns the distance of the held object from the bodies of the world at `q` (m, rad; one per joint), without floors, in
+    /// metres, as a certified lower bound: at most `beyond_m` (m), because larger distances are not measured.
     ///
     /// # Panics
     /// If `q` has not one value per joint, or nothing is held.
@@ -67,9 +67,9 @@ impl Cell {
         })
     }
 
-    /// The same cell with what is held free to touch the faces that carry it, and nothing else: it is not checked against the
-    /// parts that have them, but against what of these is higher. [`Self::stays_off`] proves that it stays above the faces;
-    /// [`Self::unchecked`] names them.
+    /// Returns this cell with the held object allowed to touch its support faces, and nothing else: it is not checked against
+    /// the parts with these faces, but against the portions that are higher. [`Self::stays_off`] proves that it stays above the
+    /// faces; [`Self::unchecked`] lists the allowed contacts.
     #[must_use]
     pub fn sparing(&self, resting: &Resting) -> Self {
         let (mut spared, mut higher) = (Vec::new(), Vec::new());
@@ -83,10 +83,10 @@ impl Cell {
         Self::of(CellParts { around, held, ..self.parts_of() })
     }
 
-    /// The same cell with the body that is held in another place of the hand, or the hand closed otherwise.
+    /// Returns this cell with another pose of the held object in the hand, or another closing.
     ///
     /// # Errors
-    /// [`CollisionError::Hold`] for a hold that is none.
+    /// [`CollisionError::Hold`] for an invalid hold.
     pub fn with_hold(&self, hold: Hold) -> Result<Self, CollisionError> {
         let mut cell = self.clone();
         if let Some(held) = &mut cell.held {
@@ -100,7 +100,7 @@ impl Cell {
     }
 }
 
-/// Whether a hand can hold something like that.
+/// Returns true if a hold is within the allowed ranges.
 fn check_hold(hold: &Hold) -> bool {
     let Hold { tip_from_held, closing } = hold;
     tip_from_held.translation.vector.norm() <= FARTHEST_HELD_M

@@ -9,11 +9,11 @@ use crate::touch::resting::moved_to;
 use crate::{CollisionError, Margins};
 
 impl Cell {
-    /// The same cell, of the open and empty hand, with a body of the world elsewhere: its first solid at a pose. The hand may
-    /// come as near to it, and to what it then rests on, as to what is to be grasped.
+    /// Returns this cell, with an open and empty hand, after moving a body of the world so that its first solid is at a pose.
+    /// The grasp margin of the hand then applies to the body and its new supports.
     ///
     /// # Errors
-    /// [`CollisionError::Pose`] for a pose that is none.
+    /// [`CollisionError::Pose`] for an invalid pose.
     ///
     /// # Panics
     /// If the world has no body of that index, or something is held.
@@ -30,12 +30,12 @@ impl Cell {
         }))
     }
 
-    /// The body to be grasped, by index, if there is one.
+    /// Returns the index of the body to be grasped, if there is one.
     pub fn grasp_body(&self) -> Option<usize> {
         self.grasp_bodies.last().copied()
     }
 
-    /// The same cell, of the open and empty hand, with another body to be grasped, and other margins; `None` if it is that.
+    /// Returns this cell, with an open and empty hand, for grasping another body with other margins; `None` if nothing changes.
     ///
     /// # Errors
     /// [`CollisionError::Margin`] for a negative or infinite margin.
@@ -52,11 +52,11 @@ impl Cell {
         Ok(Some(Self::of(CellParts { grasp_bodies: grasp_bodies.into(), margins, ..self.parts_of() })))
     }
 
-    /// Distance of the hand from a body of the world at `q` (m, rad; one per joint), in metres, certified from below:
-    /// at most `beyond_m`, for what is farther is not measured.
+    /// Returns the distance of the hand from a body of the world at `q` (m, rad; one per joint), in metres, as a certified
+    /// lower bound: at most `beyond_m` (m), because larger distances are not measured.
     ///
     /// # Panics
-    /// If `q` has not one value per joint, or the world no body of that index.
+    /// If `q` has not one value per joint, or the world has no body of that index.
     pub fn hand_clearance(&self, q: &[f64], body: usize, beyond_m: f64, scratch: &mut Scratch) -> f64 {
         self.robot.forward_kinematics(q, &mut scratch.frames);
         let parts = &self.world().bodies()[body].parts;

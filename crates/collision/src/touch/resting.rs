@@ -12,58 +12,58 @@ use crate::touch::resting_face::{
     CONTACT_ALLOWANCE_M, Face, MOST_GAP_M, RESOLUTION_M, Standing, UNEVEN_M, lip,
 };
 
-/// A body of the world on the faces that carry it.
+/// A body of the world on its support faces.
 ///
-/// A part carries the body by a face below it: a plane across a direction that is upwards to within 45°, above which the
-/// body lies and under which the part does, both to within [`CONTACT_ALLOWANCE_M`], and on which they meet. The centre of
-/// mass lies, along gravity, over the convex hull of where they meet on all faces that carry it. What of a part is higher
-/// than the plane of its face is no part of that contact, nor is any other part.
+/// A part supports the body by a face below it: a plane perpendicular to a direction that is upwards to within 45°. The body
+/// lies above the plane and the part below it, both to within [`CONTACT_ALLOWANCE_M`], and they meet on it. The centre of mass
+/// lies, along gravity, over the convex hull of the contact regions of all support faces. Portions of a part above the plane of
+/// its face do not belong to that contact, nor does any other part.
 ///
-/// The separation along the direction is the height of the body's lowest point above the face: never more than the distance
-/// to what is under the plane, so what keeps it positive touches nothing there.
+/// The separation along the direction is the height of the body's lowest point above the face. It never exceeds the distance to
+/// anything below the plane, so a positive separation excludes contact there.
 #[derive(Clone, Debug)]
 pub struct Resting {
     extent: Extent,
-    /// The faces that carry it.
+    /// Contacts with the support faces.
     contacts: Vec<RestingContact>,
-    /// Other parts that are nearer than the margin of what is held.
+    /// Other parts that are nearer than the margin of the held object.
     beside: Vec<Neighbour>,
-    /// Distance of its centre of mass from what it might rest on, seen along gravity, in metres; `None` where that is below
-    /// it, or nothing is.
+    /// Distance of its centre of mass from the possible supports, as seen along gravity, in metres; `None` if they are below
+    /// it, or there are none.
     overhang_m: Option<f64>,
 }
 
-/// A face that a body rests on.
+/// A support face of a body.
 #[derive(Clone, Copy, Debug)]
 struct RestingContact {
-    /// The part, by its number among all parts of the world.
+    /// Index of the part among all parts of the world.
     part: usize,
-    /// The body of the world that it belongs to.
+    /// Index of its body in the world.
     body: usize,
-    /// Its outward normal, a unit vector.
+    /// Outward normal, a unit vector.
     direction: Vector,
     /// Height of the face along the direction, in metres.
     top_m: f64,
     /// Height of the body's lowest point above the face at rest, along the direction, in metres.
     separation_m: f64,
-    /// The least height of the body above the face where one is above the other, along the direction, in metres.
+    /// Least height of the body above the face in their contact region, along the direction, in metres.
     gap_m: f64,
 }
 
-/// A part near a body that it does not rest on.
+/// A part near a body that does not support it.
 #[derive(Clone, Copy, Debug)]
 struct Neighbour {
     body: usize,
     /// Distance, in metres.
     gap_m: f64,
-    /// Depth in each other, in metres.
+    /// Penetration depth, in metres.
     depth_m: f64,
 }
 
-/// What is no farther below a body than the nearest, in metres, carries it too: rounding.
+/// Excess of the gap over that of the nearest part up to which a part supports a body too, in metres: rounding.
 const EVEN_M: f64 = CONTACT_ALLOWANCE_M;
 
-/// A part that may carry a body, and where the two meet, seen along gravity.
+/// A part that may support a body, and their contact region as seen along gravity.
 struct Candidate {
     part: usize,
     face: Face,
@@ -71,11 +71,11 @@ struct Candidate {
 }
 
 impl Cell {
-    /// A body of the world on what carries it.
+    /// Computes how a body of the world rests on its supports.
     ///
     /// # Errors
-    /// [`CollisionError::Touches`] where the body is in contact with anything else, [`CollisionError::Topples`] where it is
-    /// in contact with faces that do not carry it; [`CollisionError::Hold`] for a body that has no end.
+    /// [`CollisionError::Touches`] if the body is in contact with anything else, [`CollisionError::Topples`] if it is in
+    /// contact with faces that do not support it; [`CollisionError::Hold`] for an unbounded body.
     ///
     /// # Panics
     /// If the world has no body of that index.
@@ -83,7 +83,7 @@ impl Cell {
         self.resting_with(body, &Extent::of(&self.world().bodies()[body])?)
     }
 
-    /// The same where the extent of the body is known.
+    /// Computes [`Self::resting`] with a known extent of the body.
     ///
     /// # Errors
     /// As [`Self::resting`].
@@ -92,7 +92,7 @@ impl Cell {
     /// If the world has no body of that index.
     pub fn resting_with(&self, body: usize, extent: &Extent) -> Result<Resting, CollisionError> {
         let thing: &Body = &self.world().bodies()[body];
-        // As it is held from: so bits agree.
+        // Inverted twice, as in a hold, so that the bits agree.
         let world_from_held = thing.parts[0].world_from_solid.inverse().inverse();
         let placed: Vec<(Pose, &Solid)> =
             thing.parts.iter().map(|part| (part.world_from_solid, &part.solid)).collect();
@@ -109,7 +109,7 @@ impl Cell {
         })
     }
 
-    /// A body of the world on what would carry it with its first solid elsewhere.
+    /// Computes the supports that a body of the world would have with its first solid at this pose in the planning frame.
     ///
     /// # Panics
     /// If the world has no body of that index.
@@ -121,8 +121,8 @@ impl Cell {
         self.resting_of(body, extent, world_from_held, &placed)
     }
 
-    /// 1. Parts near the body, and those that may carry it.
-    /// 2. Of these the highest, and lower ones as long as the centre of mass is not over where they meet it.
+    /// 1. Find the parts near the body, and the possible supports among them.
+    /// 2. Take the highest of these, and lower ones as long as the centre of mass is not over the contact regions.
     fn resting_of(
         &self,
         body: usize,
@@ -200,8 +200,8 @@ impl Cell {
         }
     }
 
-    /// Least height of the held body above the faces that it rested on, at `q` (m, rad; one per joint), in metres;
-    /// infinite where it rested on nothing.
+    /// Returns the least height of the held body above its former support faces, at `q` (m, rad; one per joint), in metres;
+    /// infinite if it had no supports.
     ///
     /// # Panics
     /// If `q` has not one value per joint, or nothing is held.
@@ -213,10 +213,10 @@ impl Cell {
         separations.fold(f64::INFINITY, f64::min)
     }
 
-    /// Parameter in [0, 1] of a place on the straight motion from `a` to `b` (m, rad; one per joint) where the held
-    /// body comes nearer to a face that it rested on than at rest, by more than `slack_m`, or deeper into it than
-    /// [`CONTACT_ALLOWANCE_M`], or where neither can be excluded, and the index of the body of that face; `None` if
-    /// it is proven to stay off all of them.
+    /// Returns the parameter in [0, 1] of a position on the straight motion from `a` to `b` (m, rad; one per joint) at which
+    /// the held body comes nearer to a former support face than at rest, by more than `slack_m` (m), or deeper into it than
+    /// [`CONTACT_ALLOWANCE_M`], or where neither can be excluded, and the index of the body of that face; `None` if the body is
+    /// proven to stay off all of them.
     ///
     /// # Panics
     /// If `a` or `b` has not one value per joint, or nothing is held.
@@ -262,32 +262,33 @@ impl Cell {
 }
 
 impl Resting {
-    /// Its shape.
+    /// Returns the extent of the body.
     pub fn extent(&self) -> &Extent {
         &self.extent
     }
 
-    /// The bodies that carry it, and its height above the face of each, in metres, negative for its depth in it.
+    /// Returns the supporting bodies, with the height above the face of each, in metres, negative for the penetration depth.
     pub fn supports(&self) -> impl Iterator<Item = (usize, f64)> {
         self.contacts.iter().map(|contact| (contact.body, contact.gap_m))
     }
 
-    /// Other bodies nearer than the margin of what is held, with the distance and the depth, in metres.
+    /// Returns other bodies nearer than the margin of the held object, with distance and penetration depth, in metres.
     pub fn beside(&self) -> impl Iterator<Item = (usize, f64, f64)> {
         self.beside.iter().map(|other| (other.body, other.gap_m, other.depth_m))
     }
 
-    /// Distance of its centre of mass from what might carry it, seen along gravity, in metres, where that is not below it.
+    /// Returns the distance of its centre of mass from the possible supports, as seen along gravity, in metres, if it is off
+    /// them.
     pub fn overhang_m(&self) -> Option<f64> {
         self.overhang_m
     }
 
-    /// The greatest angle between the normal of a face that carries it and a direction, a unit vector, in radians.
+    /// Returns the greatest angle between the normal of a support face and a direction (unit vector), in radians.
     pub fn slope_rad(&self, up: &Vector) -> f64 {
         self.contacts.iter().map(|contact| contact.direction.angle(up)).fold(0.0, f64::max)
     }
 
-    /// Returns whether a cell that spares these contacts ([`Cell::sparing`]) spares the other ones as well.
+    /// Returns true if a cell that spares these contacts ([`Cell::sparing`]) also spares the other ones.
     pub fn is_spared_alike(&self, other: &Self) -> bool {
         let is_alike = |(a, b): (&RestingContact, &RestingContact)| {
             a.part == b.part
@@ -298,14 +299,14 @@ impl Resting {
         self.contacts.len() == other.contacts.len() && self.contacts.iter().zip(&other.contacts).all(is_alike)
     }
 
-    /// Ways off what carries it, unit vectors, the first to be tried first: up, and away from all faces.
+    /// Returns lift-off directions, unit vectors, in the order to try them: up, then away from all faces.
     pub fn ways_off(&self, up: Vector) -> Vec<Vector> {
         let away: Vector = self.contacts.iter().map(|contact| contact.direction).sum();
         let mixed = (up + away).try_normalize(1e-6);
         std::iter::once(up).chain(mixed.filter(|way| (way - up).norm() > 1e-6)).collect()
     }
 
-    /// The faces that carry it, each with the number of its part and the depth in it, in metres, and what of that part is
+    /// Returns for each support face the index of its part, the depth in it, in metres, and the portion of that part that is
     /// higher than the face.
     pub(crate) fn spared<'a>(
         &'a self,
@@ -328,7 +329,7 @@ impl RestingContact {
     }
 }
 
-/// What moves a body so that its first solid comes to a pose.
+/// Returns the motion of a body, in the planning frame, that takes its first solid to a pose.
 pub(crate) fn moved_to(body: &Body, world_from_held: &Pose) -> Pose {
     let now = body.parts.first().map_or_else(Pose::identity, |part| part.world_from_solid);
     world_from_held * now.inverse()

@@ -11,52 +11,52 @@ use crate::touch::contact_patch::{Across, Overlap, OverlapCorner, PlanePoint, Se
 pub(crate) struct Standing<'a> {
     pub extent: &'a Extent,
     pub world_from_held: &'a Pose,
-    /// Its solids, where they then are.
+    /// Its solids, at their poses there.
     pub placed: &'a [(Pose, &'a Solid)],
 }
 
-/// A face of a part below a body: a plane across the part's normal where the two meet, above which the body lies.
+/// A face of a part below a body: a plane perpendicular to the part's normal at their contact, above which the body lies.
 #[derive(Clone, Debug)]
 pub(crate) struct Face {
-    /// Its outward normal, a unit vector.
+    /// Outward normal, a unit vector.
     pub direction: Vector,
     /// Height of the plane along the direction, in metres.
     pub top_m: f64,
     /// Height of the lowest point of the body above the plane, in metres.
     pub separation_m: f64,
-    /// The least height of the body above the part, along the direction, wherever one is above the other, in metres.
+    /// Least height of the body above the part in their overlaps, along the direction, in metres.
     pub gap_m: f64,
-    /// Where one is above the other, by no more than [`MOST_GAP_M`].
+    /// Regions in which the body is above the part by no more than [`MOST_GAP_M`].
     overlaps: Vec<Overlap>,
     across: Across,
 }
 
-/// Depth to which a body may be in the face that it rests on, in metres: stated poses and sizes are rounded.
+/// Maximum depth of a body in its support face, in metres: stated poses and sizes are rounded.
 pub const CONTACT_ALLOWANCE_M: f64 = 1e-4;
 
-/// A body rests on what is no farther below it, in metres: those of the paper's release float up to 1.8 mm above what
-/// carries them.
+/// Maximum height of a resting body above its support, in metres: objects in the paper's release float up to 1.8 mm above their
+/// supports.
 pub(crate) const MOST_GAP_M: f64 = 2e-3;
-/// What is no farther below a body than the nearest, in metres, carries it too, if it must, below points of the body's convex
-/// hull: it may be tilted a little, and coarse where it is round (a ball of 27 corners in the paper's release has its middle
-/// over those that are 1.7 mm above the ground).
+/// Excess of the gap over that of the nearest part up to which a part supports a body if needed, in metres, below points of the
+/// body's convex hull: the body may be slightly tilted, and coarse where it is round (a ball of 27 corners in the paper's
+/// release has its centre over corners that are 1.7 mm above the ground).
 pub(crate) const UNEVEN_M: f64 = 1.8e-3;
-/// As in a proof of a motion, in metres.
+/// Resolution, as in a proof of a motion, in metres.
 pub(crate) const RESOLUTION_M: f64 = 1e-6;
-/// Where a part is farther below a body it carries nothing, in metres.
+/// Distance below a body beyond which a part supports nothing, in metres.
 const REACH_M: f64 = MOST_GAP_M + UNEVEN_M;
-/// The least cosine of the angle between a face's normal and the vertical: on steeper ones hardly anything stays.
+/// Least cosine of the angle between a face's normal and the vertical: on steeper faces hardly anything stays.
 const STEEPEST: f64 = std::f64::consts::FRAC_1_SQRT_2;
-/// Triangles of a part that are steeper, by the cosine to the direction of a face, are its sides.
+/// Cosine to the direction of a face below which triangles of a part are its sides.
 const SIDE: f64 = 0.01;
-/// Directions of a part and of a body each that are tried.
+/// Maximum number of directions of a part, and of a body, that are tried.
 const MOST_DIRECTIONS: usize = 12;
-/// Points of a part that are no lower than its highest below a body, or closer to each other, in metres, are one: rounding.
+/// Tolerance for equal heights and equal points of a part, in metres: rounding.
 const SAME_M: f64 = 2e-6;
 
 impl Face {
-    /// The face by which a part may carry a body: of those that it may have that over which the centre of mass of the body
-    /// is, or is least beside.
+    /// Returns the face by which a part may support a body: of the possible faces, the one over which the centre of mass of the
+    /// body lies, or comes closest to lying.
     pub fn below(standing: Standing<'_>, part: &Part, up: &Vector) -> Option<Self> {
         let surface = surface_near(part, standing.placed);
         let ground = Ground { part, surface: &surface };
@@ -76,14 +76,14 @@ impl Face {
         best.map(|(_, face)| face)
     }
 
-    /// The corners of all places where the body is above the part by no more than so much (m), seen along gravity.
+    /// Returns the corners of all regions where the body is above the part by at most `gap_m` (m), as seen along gravity.
     pub fn places(&self, gravity: &Across, gap_m: f64) -> Vec<PlanePoint> {
         let within = self.overlaps.iter().flat_map(|overlap| overlap.within(gap_m).corners);
         within.map(|corner| gravity.seen(&self.body_at(&corner))).collect()
     }
 
-    /// The same of the places where the body is on its convex hull, to [`CONTACT_ALLOWANCE_M`]: where it is not, it touches no
-    /// plane, however it turns.
+    /// Returns the corners of those regions in which the body is on its convex hull, to [`CONTACT_ALLOWANCE_M`]: elsewhere it
+    /// touches no plane in any orientation.
     pub fn places_on_hull(&self, standing: Standing<'_>, gravity: &Across, gap_m: f64) -> Vec<PlanePoint> {
         let Standing { extent, world_from_held, .. } = standing;
         let within: Vec<_> = self.overlaps.iter().map(|overlap| overlap.within(gap_m)).collect();
@@ -97,18 +97,18 @@ impl Face {
         planes.into_iter().flat_map(on).map(|corner| gravity.seen(&self.body_at(&corner))).collect()
     }
 
-    /// The point of the body at a corner of an overlap.
+    /// Returns the point of the body at a corner of an overlap.
     fn body_at(&self, corner: &OverlapCorner) -> Point {
         self.across.point(corner.at, corner.surface_m + corner.gap_m)
     }
 }
 
-/// Height above which a part no longer counts as its face, whose height is `top_m`, both in metres.
+/// Returns the height above which a part no longer belongs to its face, whose height is `top_m`, both in metres.
 fn cut_m(top_m: f64) -> f64 {
     top_m + CONTACT_ALLOWANCE_M
 }
 
-/// Portion of a part that is higher along a direction than its face, whose height is `top_m` (m): an obstacle like any other.
+/// Returns the portion of a part that is higher along a direction than its face at height `top_m` (m): an ordinary obstacle.
 pub(crate) fn lip(part: &Part, direction: &Vector, top_m: f64) -> Option<Part> {
     let Part { world_from_solid, solid } = part;
     let own = world_from_solid.rotation.inverse() * direction;
@@ -117,23 +117,23 @@ pub(crate) fn lip(part: &Part, direction: &Vector, top_m: f64) -> Option<Part> {
     Some(Part { world_from_solid: *world_from_solid, solid })
 }
 
-/// A part, and those of its triangles that are near a body.
+/// A part with those of its triangles that are near a body.
 struct Ground<'a> {
     part: &'a Part,
     surface: &'a [[Point; 3]],
 }
 
 impl Ground<'_> {
-    /// 1. Where the body is above the part.
-    /// 2. The plane through the highest of these places.
-    /// 3. Whether the direction is the normal of the part there.
-    /// 4. Whether what is higher is apart from the body.
+    /// 1. Find the regions in which the body is above the part.
+    /// 2. Take the plane through their highest points.
+    /// 3. Check that the direction is a normal of the part there.
+    /// 4. Check that the portion above the plane is apart from the body.
     fn face(&self, standing: Standing<'_>, direction: Vector) -> Option<Face> {
         let low_m = standing.extent.lowest_along(standing.world_from_held, &direction);
         let ceiling_m = low_m + CONTACT_ALLOWANCE_M + RESOLUTION_M;
         let gaps_m = [-CONTACT_ALLOWANCE_M - RESOLUTION_M, REACH_M];
         let reach_m = reach_along(self.part, &direction);
-        // No part of a convex one is a lip.
+        // A convex part has no portion above its face.
         if reach_m.is_some_and(|reach_m| reach_m > ceiling_m || reach_m < low_m - REACH_M) {
             return None;
         }
@@ -181,7 +181,7 @@ impl Ground<'_> {
         if !is_normal {
             return None;
         }
-        // A convex part lies wholly under it.
+        // A convex part lies entirely below its highest point.
         let top_m = reach_m.unwrap_or(top_m);
         let overlaps = overlaps.into_iter().map(|(overlap, _)| overlap);
         let overlaps = overlaps.filter(|overlap| !overlap.corners.is_empty()).collect();
@@ -199,7 +199,7 @@ impl Ground<'_> {
         Some(face)
     }
 
-    /// How much higher a part that is round reaches along a direction than its triangles, in metres.
+    /// Returns the distance by which a round part protrudes along a direction beyond its triangles, in metres.
     fn raised_m(&self, direction: &Vector, reach_m: Option<f64>) -> f64 {
         let heights = self.surface.iter().flatten().map(|corner| direction.dot(&corner.coords));
         match reach_m {
@@ -210,8 +210,8 @@ impl Ground<'_> {
         }
     }
 
-    /// Its triangles that look along a direction and reach into a range of heights (m), as they are seen, with their normals
-    /// and the boxes around them.
+    /// Returns the projections of its triangles that face a direction and reach into a range of heights (m), with their normals
+    /// and bounding boxes.
     fn tops(
         &self,
         across: &Across,
@@ -228,8 +228,8 @@ impl Ground<'_> {
         seen.collect()
     }
 
-    /// Whether no triangle of the part rises along a direction from a point of its surface: the direction is one of its normals
-    /// there, if only at an edge or a corner.
+    /// Returns true if no triangle of the part rises along a direction from a point of its surface: the direction is then a
+    /// normal there, if only of an edge or a corner.
     fn is_summit(&self, point: &Point, direction: &Vector) -> bool {
         let rises = |corner: &Point| {
             let to = corner - point;
@@ -240,7 +240,7 @@ impl Ground<'_> {
     }
 }
 
-/// Whether a point is on a triangle, to [`SAME_M`].
+/// Returns true if a point is on a triangle, to [`SAME_M`].
 fn is_near(point: &Point, [a, b, c]: &[Point; 3]) -> bool {
     let Some(normal) = normal_of(&[*a, *b, *c]) else { return false };
     (point - a).dot(&normal).abs() <= SAME_M
@@ -254,7 +254,7 @@ fn normal_of([a, b, c]: &[Point; 3]) -> Option<Vector> {
     (b - a).cross(&(c - a)).try_normalize(0.0)
 }
 
-/// Reach of a convex part along a direction, in metres; `None` for a mesh, infinite for what has no end that way.
+/// Returns the reach of a convex part along a direction, in metres; `None` for a mesh, infinite if it is unbounded there.
 fn reach_along(part: &Part, direction: &Vector) -> Option<f64> {
     let Part { world_from_solid, solid } = part;
     let origin_m = direction.dot(&world_from_solid.translation.vector);
@@ -266,7 +266,7 @@ fn reach_along(part: &Part, direction: &Vector) -> Option<f64> {
     Some(own.dot(&solid.support_point(&own)?.coords) + origin_m)
 }
 
-/// The triangles of a part near a body.
+/// Returns the triangles of a part near a body.
 fn surface_near(part: &Part, placed: &[(Pose, &Solid)]) -> Vec<[Point; 3]> {
     let Part { world_from_solid, solid } = part;
     let mut near: Vec<[Point; 3]> = Vec::new();
@@ -281,9 +281,9 @@ fn surface_near(part: &Part, placed: &[(Pose, &Solid)]) -> Vec<[Point; 3]> {
     near
 }
 
-/// Directions that the normal of a face of a part below a body may have, the first to be tried first: normals of its flat
-/// faces, then those of flat faces of the body, which may lie on an edge or a corner, then from the nearest point of one to
-/// that of the other, then up, which may be the normal of an edge or a corner too.
+/// Returns candidate normals of a face of a part below a body, in the order to try them: normals of its flat faces; those of
+/// flat faces of the body, which may lie on an edge or a corner; the direction between the closest points of the two; then up,
+/// which may also be a normal of an edge or a corner.
 fn directions<'a>(
     ground: &Ground<'a>,
     standing: Standing<'a>,
@@ -308,5 +308,5 @@ fn directions<'a>(
     plane.into_iter().chain(others).filter(|normal| normal.dot(up) >= STEEPEST)
 }
 
-/// A body that touches a part has a nearest point so high above where it is, in metres: twice the allowance.
+/// Height by which a touching body is raised to get closest points, in metres: twice the allowance.
 const LIFTED_M: f64 = 2.0 * CONTACT_ALLOWANCE_M;

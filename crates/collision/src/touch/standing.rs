@@ -8,20 +8,20 @@ use crate::touch::contact::{Collider, Contact};
 #[cfg(doc)]
 use crate::UncheckedReason;
 
-/// Distances of the links that no joint moves from the world, in metres, certified from below; infinite where there is
-/// nothing. No motion of the robot changes them, so no proof of a motion compares these pairs; an error of where robot or
-/// object stand does change them.
+/// Distances between the world and the links that no joint moves, in metres, as certified lower bounds; infinite if there are
+/// no pairs. No motion of the robot changes them, so no proof of a motion compares these pairs; an error in the placement of
+/// the robot or the object does change them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StandingClearance {
-    /// From all but what is to be grasped.
+    /// Distance from all bodies except the object to be grasped.
     pub around_m: f64,
-    /// From what is to be grasped, as long as it is not held.
+    /// Distance from the object to be grasped, as long as it is not held.
     pub object_m: f64,
 }
 
 impl Cell {
-    /// The distances of the links that no joint moves from every part of the world but those that they touch: these are
-    /// named with every answer ([`UncheckedReason::NeverMoves`]).
+    /// Returns the distances between the links that no joint moves and every part of the world except those that they touch:
+    /// each answer lists these ([`UncheckedReason::NeverMoves`]).
     pub fn standing_clearance(&self) -> StandingClearance {
         let mut least = StandingClearance { around_m: f64::INFINITY, object_m: f64::INFINITY };
         for (still, body, part) in self.standing_pairs() {
@@ -31,8 +31,8 @@ impl Cell {
         least
     }
 
-    /// A link that no joint moves and that is closer to what is to be grasped than an error of that object allows
-    /// ([`Margins::object_margin_m`](crate::Margins::object_margin_m)); `None` where no such error is to be forgiven.
+    /// Returns a link that no joint moves and that is closer to the object to be grasped than the uncertainty of the object
+    /// allows ([`Margins::object_margin_m`](crate::Margins::object_margin_m)); `None` if no uncertainty is allowed for.
     pub fn standing_contact(&self) -> Option<Contact> {
         if self.margins.object_margin_m <= 0.0 {
             return None;
@@ -52,12 +52,12 @@ impl Cell {
         })
     }
 
-    /// Returns whether a body of the world is the one that is to be grasped, and is not held.
+    /// Returns true if a body of the world is the one to be grasped, and is not held.
     fn is_target(&self, body: usize) -> bool {
         self.held.is_none() && self.grasp_bodies.last() == Some(&body)
     }
 
-    /// Every link that no joint moves, with every part of the world that is not held, and the index of its body.
+    /// Returns every link that no joint moves, with every part of the world that is not held, and the index of its body.
     fn standing_pairs(&self) -> impl Iterator<Item = (&LinkBody, usize, &Part)> {
         let held = self.held.as_ref().map(|held| held.body);
         let still = self.bodies.iter().filter(|body| self.robot.ancestors(body.link).is_empty());
@@ -67,7 +67,8 @@ impl Cell {
         })
     }
 
-    /// Their distance in metres, certified from below; `None` if they touch, or are surely farther apart than `beyond_m`.
+    /// Returns their distance in metres, as a certified lower bound; `None` if they touch, or are farther apart than `beyond_m`
+    /// (m).
     fn standing_distance_m(&self, still: &LinkBody, part: &Part, beyond_m: f64) -> Option<f64> {
         let frames = self.robot.frames();
         if still.quick_bound_to(frames.link(still.link), part, beyond_m) >= beyond_m {

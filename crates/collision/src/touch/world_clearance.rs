@@ -2,9 +2,9 @@ use crate::cell::{Cell, Scratch};
 use crate::lane::lane_scratch::as_index;
 
 impl Cell {
-    /// The least distance at `q` (m, rad; one per joint) between what moves and the world, in metres, certified from
-    /// below; `up_to_m` where that is less. A floor above which a link always stays as high is passed over, and so
-    /// are other links: those beside a joint are always close.
+    /// Returns the least distance at `q` (m, rad; one per joint) between moving links and the world, in metres, as a certified
+    /// lower bound; `up_to_m` (m) if that is less. A floor above which a link always keeps its height is ignored, and so are
+    /// other links, because those beside a joint are always close.
     ///
     /// # Panics
     /// If `q` has not one value per joint.
@@ -16,7 +16,7 @@ impl Cell {
             for index in self.near_parts(pairs, frames.link(self.bodies[pairs.body].link), up_to_m) {
                 let pair = self.pairs.get(as_index(index));
                 let is_farther = self.quick_bound(&pair, frames, least_m) >= least_m;
-                // What is not a number is not farther.
+                // NaN does not count as farther.
                 if !is_farther && !pair.is_exempt() && !self.is_constant(&pair, frames) {
                     least_m = least_m.min(self.distance(&pair, frames, least_m).lower_m);
                 }

@@ -1,6 +1,6 @@
 use std::fs::FileType;
 
-/// Whether what is no file gives bytes all the same: a pipe, or a device such as a terminal.
+/// Returns true if bytes can be read from an entry that is no file: a pipe, or a device such as a terminal.
 pub fn is_stream(kind: FileType) -> bool {
     #[cfg(unix)]
     {
@@ -14,7 +14,7 @@ pub fn is_stream(kind: FileType) -> bool {
     }
 }
 
-/// What to call what is neither file nor folder.
+/// Returns the name of a kind of entry that is neither file nor folder, with its article.
 pub fn kind_name(kind: FileType) -> &'static str {
     #[cfg(unix)]
     {

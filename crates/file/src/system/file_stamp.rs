@@ -2,18 +2,18 @@ use std::fs;
 use std::path::Path;
 use std::time::SystemTime;
 
-/// What the system says of a file: as long as it says the same, nobody has changed it. On Unix that holds whatever its times
-/// were set to; elsewhere a program that sets them back is not noticed.
+/// Metadata of a file that change whenever the file changes. On Unix this holds even if its times are set back; elsewhere such
+/// a change is not noticed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FileStamp {
     bytes: u64,
     modified: Option<SystemTime>,
-    /// Device, number, and when content or attributes were last changed, which no program can set.
+    /// Device, inode number, and time of the last change of content or attributes, which no program can set.
     inode: (u64, u64, i64, i64),
 }
 
 impl FileStamp {
-    /// Nothing for what is no file.
+    /// Returns the stamp of a file; `None` if the path is not a file.
     pub fn of(path: &Path) -> Option<Self> {
         let facts = fs::metadata(path).ok().filter(fs::Metadata::is_file)?;
         #[cfg(unix)]

@@ -1,6 +1,6 @@
 use std::fs;
 
-/// The name of this machine, where somebody tells.
+/// Returns the name of this machine, if known.
 pub fn machine_name() -> Option<String> {
     #[cfg(unix)]
     let told = rustix::system::uname().nodename().to_str().ok().map(str::to_owned);
@@ -10,7 +10,7 @@ pub fn machine_name() -> Option<String> {
     told.or_else(named).map(|name| name.trim().to_owned()).filter(|name| !name.is_empty())
 }
 
-/// What the processor calls itself, where somebody tells.
+/// Returns the model name of the processor, if known.
 pub fn processor_name() -> Option<String> {
     let cpuinfo = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let mut fields = cpuinfo.lines().filter_map(|line| line.split_once(':'));

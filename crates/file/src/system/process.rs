@@ -1,28 +1,27 @@
 use std::fs;
 use std::process::{Command, ExitStatus};
 
-/// What a process holds, in bytes.
+/// Memory of a process, in bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ProcessMemory {
-    /// Its resident set.
+    /// Resident set size.
     pub resident_bytes: u64,
-    /// What of that it shares with others by name.
+    /// Named shared memory within the resident set.
     pub shared_bytes: u64,
 }
 
-/// Closes this process to others of the same user, those of root excepted (Linux): what it has open cannot be reached
+/// Protects this process against other processes of the same user, except root (Linux): they cannot reach its open files
 /// through `/proc`.
 pub fn close_to_others() {
     #[cfg(target_os = "linux")]
     {
         use rustix::process::{DumpableBehavior, set_dumpable_behavior};
-        // An old kernel may refuse; then it is as it was.
+        // An old kernel may refuse; then nothing changes.
         let _ = set_dumpable_behavior(DumpableBehavior::NotDumpable);
     }
 }
 
-/// Makes this process the one to which processes fall that its children start and leave behind (a subreaper, Linux);
-/// whether it is that now.
+/// Makes this process the parent of orphaned descendants (a subreaper, Linux); returns true if it now is.
 pub fn adopt_orphans() -> bool {
     #[cfg(target_os = "linux")]
     let is_adopting = {
@@ -34,25 +33,25 @@ pub fn adopt_orphans() -> bool {
     is_adopting
 }
 
-/// Takes note of the end of all children that have ended, those of [`adopt_orphans`] among them; without that they stay as
-/// names. Nobody else in this process may be waiting for one of them.
+/// Reaps all children that have ended, including those of [`adopt_orphans`]; otherwise they stay as zombies. No other code in
+/// this process may be waiting for one of them.
 pub fn reap() {
     #[cfg(unix)]
     while let Ok(Some(_)) = rustix::process::wait(rustix::process::WaitOptions::NOHANG) {}
 }
 
-/// When a process began, in ticks since the machine did; nothing for one that has ended, and where nobody tells (Linux
-/// does).
+/// Returns the start time of a process, in ticks since the machine started; `None` for a process that has ended, and on systems
+/// other than Linux.
 pub fn beginning(process: u32) -> Option<u64> {
     let stat = fs::read_to_string(format!("/proc/{process}/stat")).ok()?;
-    // The name, in parentheses, may hold anything.
+    // The name, in parentheses, may contain any character.
     let (_, fields) = stat.rsplit_once(") ")?;
     let mut fields = fields.split_whitespace();
     let is_gone = matches!(fields.next(), Some("Z" | "X"));
     fields.nth(18).filter(|_| !is_gone)?.parse().ok()
 }
 
-/// The children of all threads of a process; none where nobody tells (Linux does).
+/// Returns the children of all threads of a process; empty on systems other than Linux.
 pub fn children(process: u32) -> Vec<u32> {
     let Ok(threads) = fs::read_dir(format!("/proc/{process}/task")) else { return Vec::new() };
     let threads = threads.filter_map(|thread| Some(thread.ok()?.file_name()));
@@ -64,7 +63,7 @@ pub fn children(process: u32) -> Vec<u32> {
     threads.map(list).flat_map(numbers).collect()
 }
 
-/// The memory that a process holds; nothing for one that has ended, and where nobody tells (Linux does).
+/// Returns the memory of a process; `None` for a process that has ended, and on systems other than Linux.
 pub fn memory(process: u32) -> Option<ProcessMemory> {
     let status = fs::read_to_string(format!("/proc/{process}/status")).ok()?;
     let bytes = |name: &str| -> Option<u64> {
@@ -78,30 +77,30 @@ pub fn memory(process: u32) -> Option<ProcessMemory> {
     })
 }
 
-/// Lets a command lead a group of its own (Unix): Ctrl-C at the terminal does not reach it, and [`kill_group`] reaches
-/// all that it starts and leaves in the group.
+/// Makes a command the leader of its own process group (Unix): Ctrl-C at the terminal does not reach it, and [`kill_group`]
+/// ends all processes that it starts and leaves in the group.
 pub fn lead_group(command: &mut Command) -> &mut Command {
     #[cfg(unix)]
     std::os::unix::process::CommandExt::process_group(command, 0);
     command
 }
 
-/// Ends all processes of the group of `leader` (Unix). Elsewhere nothing happens: whoever started the leader ends it.
+/// Ends all processes of the group of `leader` (Unix). Elsewhere it does nothing: the process that started the leader ends it.
 pub fn kill_group(leader: u32) {
     #[cfg(unix)]
     if let Some(group) = unix_id(leader) {
-        // That it is gone already is what is wanted.
+        // The group may have ended already, which is no error.
         let _ = rustix::process::kill_process_group(group, rustix::process::Signal::KILL);
     }
     #[cfg(not(unix))]
     let _ = leader;
 }
 
-/// Ends one process (Unix); elsewhere none is known by its number, see [`children`].
+/// Ends one process (Unix). Elsewhere it does nothing: process ids are unknown there, see [`children`].
 pub fn kill_process(process: u32) {
     #[cfg(unix)]
     if let Some(process) = unix_id(process) {
-        // As for a group.
+        // The process may have ended already.
         let _ = rustix::process::kill_process(process, rustix::process::Signal::KILL);
     }
     #[cfg(not(unix))]
@@ -113,7 +112,7 @@ fn unix_id(process: u32) -> Option<rustix::process::Pid> {
     i32::try_from(process).ok().and_then(rustix::process::Pid::from_raw)
 }
 
-/// Whether somebody ended a process by a signal that nobody sends itself (Unix).
+/// Returns true if a process was ended by a signal that comes from outside it (Unix).
 pub fn is_killed(status: ExitStatus) -> bool {
     #[cfg(unix)]
     let is_killed = {
@@ -131,7 +130,7 @@ pub fn is_killed(status: ExitStatus) -> bool {
     is_killed
 }
 
-/// How a process ended, in a few words.
+/// Describes how a process ended, in a few words.
 pub fn ending(status: ExitStatus) -> String {
     #[cfg(unix)]
     if let Some(signal) = std::os::unix::process::ExitStatusExt::signal(&status) {
@@ -148,7 +147,7 @@ mod tests {
     fn what_is_known_of_this_process_holds_together() {
         let this = std::process::id();
         let Some(memory) = memory(this) else {
-            // Nobody tells here; then nothing is made up.
+            // This system does not report memory; then the other functions must not return anything either.
             assert_eq!((beginning(this), children(this)), (None, Vec::new()));
             return;
         };

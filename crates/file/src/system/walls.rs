@@ -1,15 +1,15 @@
 use std::io;
 use std::path::Path;
 
-/// Where a program finds shared memory by name (Linux).
+/// Folder of the named shared memory of programs (Linux).
 pub const SHARED_MEMORY: &str = "/dev/shm";
 
-/// Whether there can be namespaces; whether this user may make them only a trial tells.
+/// Returns true if the system has namespaces; whether this user may create them shows only when it is tried.
 pub fn can_have_namespaces() -> bool {
     cfg!(target_os = "linux")
 }
 
-/// How much of [`SHARED_MEMORY`] is in use, in bytes; 0 where there is none.
+/// Returns the used size of [`SHARED_MEMORY`], in bytes; 0 where there is none.
 pub fn shared_memory_bytes() -> u64 {
     #[cfg(target_os = "linux")]
     if let Ok(facts) = rustix::fs::statvfs(SHARED_MEMORY) {
@@ -18,7 +18,7 @@ pub fn shared_memory_bytes() -> u64 {
     0
 }
 
-/// Whether [`write_only_in`] does what it says: the kernel has the first version of Landlock, and lets it be used.
+/// Returns true if [`write_only_in`] has an effect: the kernel has the first version of Landlock and allows its use.
 pub fn has_file_walls() -> bool {
     #[cfg(target_os = "linux")]
     let is_there = {
@@ -34,12 +34,12 @@ pub fn has_file_walls() -> bool {
     is_there
 }
 
-/// Lets this thread, and all that it starts from now on, write in a folder, into devices and into [`SHARED_MEMORY`]
-/// alone, as far as the kernel knows each kind of writing; and send signals to nobody who is not within the same walls
-/// (Landlock; signals from Linux 6.12 on). Elsewhere nothing happens, as [`has_file_walls`] says.
+/// Restricts this thread, and all processes and threads that it starts from now on, to writing in a folder, to devices and in
+/// [`SHARED_MEMORY`], for the kinds of writing that the kernel knows; and to signals to processes within the same sandbox
+/// (Landlock; signals from Linux 6.12 on). Elsewhere it does nothing (see [`has_file_walls`]).
 ///
 /// # Errors
-/// What the system says.
+/// The error of the operating system.
 pub fn write_only_in(folder: &Path) -> io::Result<()> {
     #[cfg(target_os = "linux")]
     landlocked(folder).map_err(io::Error::other)?;
@@ -55,7 +55,7 @@ fn landlocked(folder: &Path) -> Result<(), landlock::RulesetError> {
         RulesetCreatedAttr as _, Scope, path_beneath_rules,
     };
     let writing = AccessFs::from_write(ABI::V5);
-    // A device is written and controlled, not made.
+    // Devices may be written and controlled, not created.
     let device = AccessFs::WriteFile | AccessFs::Truncate | AccessFs::IoctlDev;
     let rules: RulesetCreated = Ruleset::default()
         .handle_access(writing)?

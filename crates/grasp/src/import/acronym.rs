@@ -13,7 +13,7 @@ const MASK: &str = "grasps/mask";
 const GRIPPER: &str = "gripper/type";
 const SCALE: &str = "object/scale";
 
-/// Other datasets of a file, without bearing on a pose: names, opening, mass, and how far the object moved.
+/// Other datasets of a file that do not affect a pose: names, opening, mass, and the motion of the object.
 const WITHOUT_BEARING: [&str; 12] = [
     "grasps/qualities/flex/object_motion_during_closing_angular",
     "grasps/qualities/flex/object_motion_during_closing_linear",
@@ -86,7 +86,7 @@ pub fn read(bytes: &[u8], settings: &ImportSettings) -> Result<Read, String> {
     Ok(read)
 }
 
-/// The scale of an object, which may be given for each axis if all are equal.
+/// Scale of an object, which may be given for each axis if all are equal.
 fn uniform(scales: &[f64]) -> Result<f64, String> {
     #[allow(clippy::float_cmp, reason = "one scale, written three times")]
     match scales {

@@ -1,4 +1,4 @@
-//! One array of `NumPy`, and archives of them.
+//! Single arrays of `NumPy`, and archives of them.
 
 use std::cell::RefCell;
 use std::collections::BTreeSet;
@@ -9,15 +9,15 @@ use cranny_file::{counted, excerpt};
 use npyz::{NpyFile, Order};
 use zip::ZipArchive;
 
-/// An array whose numbers are read one after the other, in C order.
+/// Array whose numbers are read in sequence, in C order.
 pub struct Array<'a> {
     pub shape: Vec<u64>,
     pub numbers: Box<dyn Iterator<Item = io::Result<f64>> + 'a>,
-    /// Bytes behind the numbers.
+    /// Bytes after the numbers.
     rest: Box<dyn Source + 'a>,
 }
 
-/// A source of which the rest is read by another than the beginning.
+/// Source shared by the reader of its beginning and the reader of its rest.
 struct Shared<S>(Rc<RefCell<S>>);
 
 impl<S> Clone for Shared<S> {
@@ -59,7 +59,7 @@ impl<'a> Array<'a> {
             u64 => |value| value as f64, u32 => f64::from, u16 => f64::from, u8 => f64::from)
     }
 
-    /// All its numbers, as many as its shape has and at most `most`, in the unit of the file.
+    /// Reads all numbers, as many as the shape has and at most `most`, in the unit of the file.
     pub fn all(mut self, most: usize, name: &str) -> Result<Vec<f64>, String> {
         let count = self.shape.iter().try_fold(1_u64, |all, side| all.checked_mul(*side));
         if count.is_none_or(|count| count > most as u64) {
@@ -92,12 +92,12 @@ impl<'a> Array<'a> {
     }
 }
 
-/// An archive of arrays, which can be opened side by side.
+/// Archive of arrays, several of which can be open at once.
 pub struct Archive<'a> {
     bytes: &'a [u8],
-    /// Its arrays.
+    /// Names of its arrays.
     pub names: Vec<String>,
-    /// Its entries that are none, with their endings.
+    /// Names of its other entries, with their extensions.
     pub others: Vec<String>,
 }
 
@@ -134,13 +134,13 @@ impl<'a> Archive<'a> {
         Ok(Self { bytes, names, others })
     }
 
-    /// Entries of an archive beside the arrays of known names.
+    /// Names of the entries other than the arrays in `known`.
     pub fn unread(&self, known: &[&str]) -> Vec<String> {
         let arrays = self.names.iter().filter(|name| !known.contains(&name.as_str()));
         arrays.chain(&self.others).cloned().collect()
     }
 
-    /// Hands the array of a name on; `None` if there is none.
+    /// Passes the array of a name to `read`; `None` if there is none.
     pub fn with<T>(
         &self,
         name: &str,

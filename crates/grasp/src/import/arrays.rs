@@ -21,7 +21,7 @@ pub fn read_npy(bytes: &[u8], settings: &ImportSettings) -> Result<Read, String>
     }
 }
 
-/// The names that an array of poses may have in an archive.
+/// Names that an array of poses may have in an archive.
 const POSES: [&str; 4] = ["poses", "transforms", "grasps", "arr_0"];
 
 pub fn read_npz(bytes: &[u8], settings: &ImportSettings) -> Result<Read, String> {
@@ -55,8 +55,8 @@ pub fn read_npz(bytes: &[u8], settings: &ImportSettings) -> Result<Read, String>
 
 type Column = Option<(Vec<u64>, Vec<f64>)>;
 
-/// Poses (N, 4, 4), with scores and widths (N,) where NaN is none, and a mask, (N,) or (N, 4, 4), that is true where a grasp
-/// is none, as in `NumPy`'s masked arrays.
+/// Reads poses (N, 4, 4), with scores and widths (N,), where NaN means none, and a mask, (N,) or (N, 4, 4), that is true
+/// for invalid grasps, as in `NumPy`'s masked arrays.
 fn poses(array: Array, name: &str, scores: &Column, widths: &Column, mask: &Column) -> Result<Read, String> {
     let &[count, 4, 4] = &array.shape[..] else {
         return Err(format!("{name} is of shape {:?}, not (N, 4, 4)", array.shape));

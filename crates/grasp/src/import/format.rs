@@ -5,7 +5,7 @@ use strum::{EnumString, IntoStaticStr, VariantNames};
 
 use crate::Grasp;
 
-/// Formats of grasps of other projects.
+/// Grasp formats of other projects.
 #[derive(
     Clone,
     Copy,
@@ -34,66 +34,66 @@ pub enum GraspFormat {
     Graspgen,
     /// YAML of Isaac Sim, `isaac_grasp` 1.0: a frame of the user's choice.
     Isaac,
-    /// Poses alone: an `.npy` of shape (N, 4, 4), or an `.npz` with such an array and, if wanted, `scores`, `widths` and
+    /// Poses alone: an `.npy` of shape (N, 4, 4), or an `.npz` with such an array and, optionally, `scores`, `widths` and
     /// `mask`; z approach.
     Poses,
 }
 
-/// The axis of a gripper frame along which its fingers close; its z is the approach.
+/// Axis of a gripper frame along which its fingers close; its z is the approach.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, EnumString, IntoStaticStr)]
 #[serde(rename_all = "kebab-case")]
 #[strum(serialize_all = "kebab-case")]
 pub enum ClosingAxis {
-    /// As in ACRONYM and `GraspGen`.
+    /// The x axis, as in ACRONYM and `GraspGen`.
     X,
-    /// As in this project and in the Franka URDF.
+    /// The y axis, as in this project and in the Franka URDF.
     Y,
 }
 
-/// Choices of an import. The default leaves all to the file and its format.
+/// Settings of an import. By default the file and its format decide.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ImportSettings {
-    /// The format; `None`: by the content.
+    /// Format; `None`: detected from the content.
     pub format: Option<GraspFormat>,
-    /// The closing axis; `None`: that of the format. Isaac's has none, and a file that names another gripper than the Franka
-    /// hand needs both this and the offset.
+    /// Closing axis; `None`: that of the format. The format of Isaac has none. A file that names another gripper than the
+    /// Franka hand needs both this and the offset.
     pub closing: Option<ClosingAxis>,
-    /// From the origin of the file's frame to that of ours, along the approach, in metres; `None`: that of the format for the
-    /// Franka hand ([`FRANKA_PADS_M`]). Isaac's has none. For `GraspNet`, whose grasps know the depth of the fingertips, it is
-    /// measured from these.
+    /// Distance from the origin of the file's frame to that of ours, along the approach, in metres; `None`: that of the
+    /// format for the Franka hand ([`FRANKA_PADS_M`]). The format of Isaac has none. For `GraspNet`, whose grasps know
+    /// the depth of the fingertips, it is measured from these.
     pub offset_m: Option<f64>,
-    /// Least score of the grasps that are kept; those without a score are not.
+    /// Minimum score of the grasps that are kept; unscored ones are dropped.
     pub min_score: Option<f64>,
-    /// The object whose grasps a `GraspGroup` is read for; `None`: it must hold those of one object.
+    /// Object whose grasps are read from a `GraspGroup`; `None`: it must hold those of one object.
     pub object: Option<i64>,
 }
 
-/// From the base of the Franka hand to the gripper frame of the built-in robots with that hand, in metres: between the pads
-/// (`panda_grasptarget`; the TCP of libfranka is 1.6 mm behind it).
+/// Distance from the base of the Franka hand to the gripper frame of the built-in robots with that hand, in metres:
+/// between the pads (`panda_grasptarget`; the TCP of libfranka is 1.6 mm behind it).
 pub const FRANKA_PADS_M: f64 = 0.105;
 
-/// From the tips of the Franka fingers to that frame, in metres, negative as it is behind them: the tips are 0.1122 m from the base
-/// (`acronym_tools`, `create_gripper_marker`).
+/// Distance from the tips of the Franka fingers to that frame, in metres; negative, because it is behind them. The tips
+/// are 0.1122 m from the base (`acronym_tools`, `create_gripper_marker`).
 pub const FRANKA_TIPS_TO_PADS_M: f64 = FRANKA_PADS_M - 0.1122;
 
-/// Names of the Franka hand in files, in small letters.
+/// Names of the Franka hand in files, in lower case.
 const FRANKA_NAMES: [&str; 6] =
     ["panda", "franka", "panda_hand", "franka_hand", "franka_panda", "franka_emika_panda"];
 
-/// Greatest width of an imported grasp, in metres: ten times that of usual hands, and less than any in centimetres or
-/// millimetres that is worth a grasp.
+/// Maximum width of an imported grasp, in metres: ten times that of usual hands, and less than any sensible width in
+/// centimetres or millimetres.
 const MOST_WIDTH_M: f64 = 1.0;
 
-/// No file holds more grasps that are kept: a gigabyte of memory and of text.
+/// Maximum number of grasps that are kept: a gigabyte of memory and of text.
 pub(crate) const MOST_GRASPS: usize = 2_000_000;
 
-/// Grasps as their file has them: `object_from_theirs`, with approach z, before [`ImportSettings`] apply.
+/// Grasps as in their file: `object_from_theirs`, with approach z, before [`ImportSettings`] apply.
 pub(crate) struct Read {
     pub format: GraspFormat,
     pub grasps: Vec<Grasp>,
     pub in_file: usize,
     pub masked: usize,
-    /// Grasps left out while reading because of the least score, where there may be too many to keep.
+    /// Number of grasps dropped while reading for their score, if there may be too many to keep.
     pub below: usize,
     pub object_scale: Option<f64>,
     pub notes: Vec<String>,
@@ -106,7 +106,7 @@ impl Read {
     pub fn new(format: GraspFormat) -> Self {
         let (closing, offset_m) = match format {
             GraspFormat::Acronym | GraspFormat::Graspgen => (Some(ClosingAxis::X), Some(FRANKA_PADS_M)),
-            // Turned to z when they are read.
+            // Their poses are rotated to z when they are read.
             GraspFormat::GraspnetLabels | GraspFormat::GraspnetGroup => {
                 (Some(ClosingAxis::Y), Some(FRANKA_TIPS_TO_PADS_M))
             }
@@ -127,7 +127,7 @@ impl Read {
         }
     }
 
-    /// Checks what a file calls its gripper at `key`: the frame of the format is that of the Franka hand, and for another
+    /// Checks the gripper name of a file at `key`. The frame of the format is that of the Franka hand; for another hand
     /// the settings must give it.
     pub fn of_gripper(&mut self, key: &str, name: &str, settings: &ImportSettings) -> Result<(), String> {
         if FRANKA_NAMES.contains(&name.to_lowercase().as_str()) {
@@ -144,9 +144,9 @@ impl Read {
         Ok(())
     }
 
-    /// Notes what a file holds and nothing is made of.
+    /// Notes contents of a file that are not used.
     pub fn note_unread(&mut self, names: &[impl AsRef<str>]) {
-        /// So many are named; of the rest their number.
+        /// Maximum number of names listed; the rest is counted.
         const NAMED: usize = 20;
         let named: Vec<String> = names.iter().take(NAMED).map(|name| excerpt(name.as_ref())).collect();
         let more = names.len() - named.len();
@@ -156,7 +156,7 @@ impl Read {
         }
     }
 
-    /// Adds a grasp, which errors call by its place.
+    /// Adds a grasp; errors refer to it by its index `place`.
     pub fn push(&mut self, place: usize, grasp: Grasp) -> Result<(), String> {
         if let Some(width_m) = grasp.width_m.filter(|width_m| *width_m > MOST_WIDTH_M) {
             return Err(format!(

@@ -1,4 +1,4 @@
-//! Grasps of GraspNet-1Billion: x approach, y closing, the origin at the grasp point, the fingertips `depth` ahead of it.
+//! Grasps of GraspNet-1Billion: x approach, y closing, origin at the grasp point, fingertips `depth` ahead of it.
 //!
 //! Source: `graspnetAPI` (`grasp.py`, `utils/utils.py`: `generate_views`, `batch_viewpoint_params_to_matrix`,
 //! `generate_scene_model`; `graspnet.py`: `loadGrasp`).
@@ -16,17 +16,17 @@ const VIEWS: u64 = 300;
 const ANGLES: u64 = 12;
 const DEPTHS: u64 = 4;
 
-/// Each has 14 400 labels.
+/// Maximum number of points; each has 14 400 labels.
 const MOST_POINTS: u64 = 20_000;
 const MOST_COORDINATES: usize = 60_000;
 
-/// `theirs_from_z`: a frame whose z is their approach and whose y is their closing axis, at the fingertips.
+/// Pose `theirs_from_z` of a frame whose z is their approach and whose y is their closing axis, at the fingertips.
 fn tips(depth_m: f64) -> Pose {
     let turn = Rotation::from_scaled_axis(Vector::y() * FRAC_PI_2);
     Pose::from_parts(Vector::new(depth_m, 0.0, 0.0).into(), turn)
 }
 
-/// `GraspGroup`: score, width, height, depth, rotation (9, row by row), translation, object.
+/// Reads a `GraspGroup`: score, width, height, depth, rotation (9, row by row), translation, object.
 pub fn read_group(array: Array, settings: &ImportSettings) -> Result<Read, String> {
     let numbers = array.all(17 * MOST_GRASPS, "the array")?;
     let rows = numbers.as_chunks::<17>().0;
@@ -70,8 +70,8 @@ pub fn read_group(array: Array, settings: &ImportSettings) -> Result<Read, Strin
     Ok(read)
 }
 
-/// Object labels: for each point, view, angle and depth the least friction coefficient with which the grasp holds, −1 where
-/// it is invalid.
+/// Reads object labels: for each point, view, angle and depth the least friction coefficient with which the grasp holds,
+/// −1 if it is invalid.
 pub fn read_labels(archive: &Archive, settings: &ImportSettings) -> Result<Read, String> {
     let points = archive.with("points", |array| {
         let &[count @ 1..=MOST_POINTS, 3] = &array.shape[..] else {
@@ -151,7 +151,7 @@ fn labels(
     offsets.end("offsets")
 }
 
-/// The rotation of a view: x is the direction in which the hand approaches, opposite to a point of the Fibonacci lattice.
+/// Rotation of a view: x is the approach direction of the hand, opposite to a point of the Fibonacci lattice.
 fn view(index: u64) -> Rotation {
     let golden = (5.0_f64.sqrt() - 1.0) / 2.0;
     let z = (2 * index + 1) as f64 / VIEWS as f64 - 1.0;

@@ -7,18 +7,18 @@ use hdf5_reader::error::Error;
 use hdf5_reader::group::Group;
 use hdf5_reader::{Dataset, Datatype, Hdf5File};
 
-/// Greatest size of a chunk or a whole array, in bytes: two thousand grasps take a quarter of a megabyte.
+/// Maximum size of a chunk or a whole array, in bytes: two thousand grasps take a quarter of a megabyte.
 pub const MOST_BYTES: usize = 256 << 20;
 
-/// No file of grasps has more members, nor deeper groups. A group may be linked into itself.
+/// Maximum number of members; `DEEPEST` limits nested groups, because a group may be linked into itself.
 const MOST_MEMBERS: usize = 10_000;
 const DEEPEST: usize = 16;
 
-/// Everything in a file, of which nothing is opened but what is asked for.
+/// Paths of all members of a file; a dataset is opened only on request.
 pub struct Members<'a> {
     file: &'a Hdf5File,
     datasets: BTreeSet<String>,
-    /// Attributes of groups, and groups without a member: none is read.
+    /// Attributes of groups, and groups without a member; none of them is read.
     others: BTreeSet<String>,
 }
 
@@ -58,7 +58,7 @@ impl<'a> Members<'a> {
         Ok(())
     }
 
-    /// The dataset at a path, if there is one.
+    /// Opens the dataset at a path, if there is one.
     pub fn open<'p>(&self, path: &'p str) -> Result<Option<Member<'p>>, String> {
         if !self.datasets.contains(path) {
             return Ok(None);
@@ -67,7 +67,7 @@ impl<'a> Members<'a> {
         Ok(Some(Member { path, dataset }))
     }
 
-    /// All that is not `known`.
+    /// Names of all members that are not `known`.
     pub fn others(&self, known: &[&str]) -> Vec<String> {
         let mut others: Vec<String> =
             self.datasets.iter().filter(|path| !known.contains(&path.as_str())).cloned().collect();
@@ -85,13 +85,13 @@ impl Member<'_> {
         self.dataset.shape()
     }
 
-    /// Its attributes, none of which is read.
+    /// Names of its attributes, none of which is read.
     pub fn attributes(&self) -> Vec<String> {
         self.dataset.attributes().iter().map(|attribute| attribute_of(self.path, &attribute.name)).collect()
     }
 
-    /// All its numbers, as many as it has elements, in the unit of the file, where those of an enumeration, as which
-    /// h5py writes booleans, are its values.
+    /// Reads all numbers, as many as it has elements, in the unit of the file. For an enumeration, as which h5py writes
+    /// booleans, they are its values.
     pub fn numbers(&self) -> Result<Vec<f64>, String> {
         let Self { path, dataset } = self;
         let elements = dataset.num_elements().map_err(|reason| fault(path, &reason))?;
@@ -136,7 +136,7 @@ impl Member<'_> {
         }
     }
 
-    /// Its only text.
+    /// Reads its only text.
     pub fn text(&self) -> Result<String, String> {
         let path = self.path;
         match self.dataset.dtype() {
@@ -174,7 +174,7 @@ const FILTERS: [(&str, &str); 6] = [
     ("32015", "Zstandard"),
 ];
 
-/// Description of the contents of a dataset of a type.
+/// Describes the contents of a dataset of a type.
 fn named(datatype: &Datatype) -> &'static str {
     match datatype {
         Datatype::FixedPoint { .. } | Datatype::FloatingPoint { .. } => "numbers",

@@ -11,7 +11,7 @@ use serde::de::{Deserializer, IgnoredAny, MapAccess, Visitor};
 use crate::import::format::{GraspFormat, ImportSettings, Read};
 use crate::{Grasp, pose_of_rows};
 
-/// The value of a known key that nothing is made of.
+/// Value of a known key that is not used.
 type Unread = Option<IgnoredAny>;
 
 #[derive(Deserialize)]
@@ -33,7 +33,7 @@ struct GraspGenObject {
     scale: Option<f64>,
 }
 
-/// A name, or figures with the name among them, which do not define the frame.
+/// Name of the gripper, alone or among other keys, which do not define the frame.
 #[derive(Deserialize)]
 #[serde(untagged)]
 enum GraspGenGripper {
@@ -60,7 +60,7 @@ struct GraspGenGrasps {
     is_sealed: Unread,
 }
 
-/// `true`, or 0 to 1.
+/// Label of a grasp: a boolean, or a score from 0 to 1.
 #[derive(Deserialize)]
 #[serde(untagged)]
 enum Label {
@@ -68,7 +68,7 @@ enum Label {
     Score(f64),
 }
 
-/// Isaac's own keys, and those that `GraspDataGen` adds.
+/// Keys of Isaac, and those that `GraspDataGen` adds.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct IsaacGrasps {
@@ -105,7 +105,7 @@ struct IsaacGrasps {
     created_at: Unread,
 }
 
-/// `1.0` or `"1.0"`.
+/// Version as `1.0` or `"1.0"`.
 #[derive(Deserialize)]
 #[serde(untagged)]
 enum Version {
@@ -141,7 +141,7 @@ struct Orientation {
     xyz: [f64; 3],
 }
 
-/// A mapping in the order of its file.
+/// Mapping in the order of its file.
 struct InOrder<T>(Vec<(String, T)>);
 
 impl<'de, T: Deserialize<'de>> Deserialize<'de> for InOrder<T> {
@@ -185,7 +185,7 @@ pub fn read(bytes: &[u8], settings: &ImportSettings) -> Result<Read, String> {
     }
 }
 
-/// The known key that an unknown one probably is. Of both the message speaks: "unknown field `a`, expected one of b, c".
+/// Suggestion of the known key for an unknown one, from the message "unknown field `a`, expected one of b, c".
 fn nearest(problem: &str) -> String {
     let Some((unknown, known)) =
         problem.strip_prefix("unknown field `").and_then(|rest| rest.split_once("`, expected "))
@@ -239,7 +239,7 @@ fn graspgen(file: GraspGen, settings: &ImportSettings) -> Result<Read, String> {
     Ok(read)
 }
 
-/// Greatest deviation of the norm of a quaternion from 1: files have four digits.
+/// Maximum deviation of the norm of a quaternion from 1: files have four digits.
 const NORM_TOLERANCE: f64 = 1e-3;
 
 /// Number of the axis z, along which `GraspDataGen` approaches.
@@ -307,7 +307,7 @@ fn isaac(file: &IsaacGrasps) -> Result<Read, String> {
     Ok(read)
 }
 
-/// The keys that a file has.
+/// Keys that a file contains.
 fn present<'a, const N: usize>(keys: [(&'a str, &Unread); N]) -> Vec<&'a str> {
     keys.into_iter().filter(|(_, value)| value.is_some()).map(|(key, _)| key).collect()
 }

@@ -3,24 +3,23 @@ use cranny_spatial::{Point, Pose, Vector};
 
 use crate::Pads;
 
-/// Cells of a pad along x and along z.
+/// Number of cells of a pad along x and along z.
 pub(crate) const CELLS: [usize; 2] = [4, 6];
 /// Number of cells.
 pub(crate) const COUNT: usize = CELLS[0] * CELLS[1];
-/// A finger that stands open leaves this much beyond the pads, in metres: what is farther out is behind it.
+/// Distance of an open finger behind the pads, in metres: anything farther out is behind the finger.
 const BEHIND_M: f64 = 1e-3;
 
-/// The sides of an object between the pads, over their cells, in the gripper frame.
+/// Sides of an object between the pads, sampled over their cells, in the gripper frame.
 #[derive(Clone, Debug)]
 pub(crate) struct Between {
-    /// Cells that have the object between them: the middle along x and z, and the lower and the upper side along y, in
-    /// metres.
+    /// Cells with the object between them: the centre along x and z, and the lower and the upper side along y, in metres.
     pub cells: Vec<Cell>,
-    /// Index in `cells` of each place of the pads, along x and along z; `None` where there is nothing.
+    /// Index in `cells` of each grid position of the pads, along x and along z; `None` if there is nothing.
     pub grid: [[Option<usize>; CELLS[1]]; CELLS[0]],
     /// Area of a cell, in square metres.
     pub cell_area_m2: f64,
-    /// Mean arm of an even pressure on a cell about its middle, in metres.
+    /// Mean arm of an even pressure on a cell about its centre, in metres.
     pub cell_arm_m: f64,
 }
 
@@ -31,22 +30,22 @@ pub(crate) struct Cell {
     pub z: f64,
     pub lower: f64,
     pub upper: f64,
-    /// Its place in the grid.
+    /// Position in the grid.
     pub at: [usize; 2],
-    /// Rise of the object towards each pad, that at +y first, per metre along x and along z.
+    /// Rise of the object towards each pad, the pad at +y first, per metre along x and along z.
     pub rise: [[f64; 2]; 2],
 }
 
-/// A surface that faces a pad by less, as a share of its normal, counts as facing it by this …
+/// Minimum component of a unit normal towards a pad; smaller ones count as this.
 const LEAST_FACING: f64 = 1e-3;
-/// … and none rises by more per metre.
+/// Maximum rise of a surface, per metre.
 const STEEPEST: f64 = 100.0;
 
-/// Mean distance from the middle of a square of side 1.
+/// Mean distance from the centre of a square of side 1.
 const SQUARE_ARM: f64 = 0.382_597_858;
 
 impl Between {
-    /// The object of a surface between pads whose gripper frame is at a pose in the frame of the surface.
+    /// Samples the object of a surface between pads whose gripper frame is at a pose in the frame of the surface.
     pub fn new(surface: &Surface, object_from_gripper: &Pose, pads: &Pads) -> Self {
         let out_m = 0.5 * pads.opening_m + BEHIND_M;
         let along = object_from_gripper * Vector::y();
@@ -65,7 +64,7 @@ impl Between {
                 let (x, z) = (at(0, i), at(1, k));
                 let origin = object_from_gripper * Point::new(x, -out_m, z);
                 let hits = surface.ray_hits(&origin, &along, 2.0 * out_m);
-                // A ray that begins inside has no lower side before the finger.
+                // If the ray begins inside, the lower side lies behind the finger.
                 let Some((first, last)) = hits.first().zip(hits.last()) else { continue };
                 let inside_from = if first.normal.dot(&along) > 0.0 { 0.0 } else { first.distance_m };
                 let inside_to = if last.normal.dot(&along) < 0.0 { 2.0 * out_m } else { last.distance_m };

@@ -3,31 +3,31 @@ use std::f64::consts::{PI, TAU};
 use cranny_spatial::{Pose, Rotation, Vector, sin_cos};
 use serde::Serialize;
 
-/// What the hand does to an object that it has closed on, and when that counts as held.
+/// Motion of the hand with an object between its closed fingers, and the criterion of a held object.
 ///
-/// It lifts it, straight up and smoothly (fifth-degree polynomial, at rest at both ends), then shakes it, along and about
-/// each axis of the gripper frame in turn: `A sin²(π t / T) sin(2π f t)`. Then it is still.
+/// The hand lifts the object straight up and smoothly (fifth-degree polynomial, at rest at both ends). It then shakes it
+/// along and about each axis of the gripper frame in turn: `A sin²(π t / T) sin(2π f t)`. Then it is still.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Course {
-    /// How fast the fingers close, in m/s.
+    /// Closing speed of the fingers, in m/s.
     pub closing_speed: f64,
-    /// How far up, in metres.
+    /// Height of the lift, in metres.
     pub lift_m: f64,
-    /// In which time.
+    /// Duration of the lift, in seconds.
     pub lift_s: f64,
-    /// The amplitude A along each axis, in metres. Default 10 mm: at 5 Hz about the acceleration of gravity.
+    /// Amplitude A along each axis, in metres. Default 10 mm: at 5 Hz about the acceleration of gravity.
     pub shake_m: f64,
-    /// The amplitude A about each axis, in radians.
+    /// Amplitude A about each axis, in radians.
     pub shake_rad: f64,
-    /// The frequency f of the shaking, in Hz.
+    /// Frequency f of the shaking, in Hz.
     pub shake_hz: f64,
-    /// How many periods T lasts on each axis; 0: no shaking.
+    /// Number of oscillations in the time T on each axis; 0: no shaking.
     pub shake_periods: f64,
-    /// How long the hand is still at the end.
+    /// Time at rest at the end, in seconds.
     pub rest_s: f64,
-    /// An object that is farther than this from where it was in the hand when it had closed has slipped, in metres.
+    /// Maximum displacement of the object in the closed hand, in metres; beyond it the object has slipped.
     pub slip_m: f64,
-    /// Or turned by more, in radians.
+    /// Maximum rotation of the object in the closed hand, in radians; beyond it the object has slipped.
     pub slip_rad: f64,
 }
 
@@ -49,12 +49,12 @@ impl Default for Course {
 }
 
 impl Course {
-    /// How long it takes after the hand has closed, in seconds.
+    /// Duration of the course after the hand has closed, in seconds.
     pub fn duration_s(&self) -> f64 {
         self.lift_s + 3.0 * self.shake_axis_s() + self.rest_s
     }
 
-    /// Where the hand is, `time_s` after it has closed at `world_from_closed`.
+    /// Pose of the hand `time_s` (s) after it has closed at `world_from_closed`.
     pub fn world_from_hand(&self, world_from_closed: &Pose, time_s: f64) -> Pose {
         let risen_m = self.lift_m * smooth_share(time_s / self.lift_s);
         let lifted = Pose::translation(0.0, 0.0, risen_m) * world_from_closed;
@@ -79,7 +79,7 @@ impl Course {
     }
 }
 
-/// How much of a way is done after a share of its time: the polynomial of fifth degree that is at rest at both ends.
+/// Completed share of a motion after a share of its time: the polynomial of fifth degree that is at rest at both ends.
 pub fn smooth_share(share: f64) -> f64 {
     let share = share.clamp(0.0, 1.0);
     share.powi(3) * (10.0 - share * (15.0 - 6.0 * share))

@@ -1,16 +1,16 @@
-//! How much friction a patch can bear that is pulled and turned at once.
+//! Friction limit of a patch that is pulled and turned at once.
 
 use cranny_spatial::nalgebra::{Matrix3, Vector3};
 
-/// A point of a patch: where it is in the plane of contact, in metres from the patch's middle, and what it bears there.
+/// Point of a patch: position in the plane of contact, in metres from the patch's middle, and load in newtons.
 pub type LoadedPoint = ([f64; 2], f64);
 
-/// Factor by which a wrench in the plane of contact, two components of force and the moment about the middle (N, N m), can
-/// grow before the patch slips: with friction 1, and each point turning on an arm of `arm_m` (m) besides.
+/// Factor by which a wrench in the plane of contact, two components of force and the moment about the middle (N, N m),
+/// can grow before the patch slips: with friction 1, and an additional torsional arm `arm_m` (m) of each point.
 ///
 /// Slip is a velocity ξ in the plane. Friction then takes a power of Σ Nₖ √(|v(pₖ)|² + `arm_m`² ω²), and the wrench gives
-/// w·ξ: the factor is the least ratio of the two (the limit surface: Goyal, Ruina & Papadopoulos 1991, §2). It is found by
-/// weighted least squares whose weights are Nₖ by the last velocity of the point, each step of which comes down.
+/// w·ξ: the factor is the least ratio of the two (the limit surface: Goyal, Ruina & Papadopoulos 1991, §2). Weighted
+/// least squares find it, with weights of Nₖ by the last velocity of the point; each step descends.
 pub fn limit_factor(points: &[LoadedPoint], wrench: Vector3<f64>, arm_m: f64) -> f64 {
     let speed = |p: &[f64; 2], slip: &Vector3<f64>| {
         let (x, y) = (slip.x - slip.z * p[1], slip.y + slip.z * p[0]);
@@ -38,7 +38,7 @@ pub fn limit_factor(points: &[LoadedPoint], wrench: Vector3<f64>, arm_m: f64) ->
     factor
 }
 
-/// After so many steps the factor is known to within 1 % (see the test).
+/// Number of steps; the factor is then known to within 1 % (see the test).
 const STEPS: usize = 8;
 
 #[cfg(test)]
@@ -46,7 +46,7 @@ const STEPS: usize = 8;
 mod tests {
     use super::*;
 
-    /// The least ratio over a fine grid of slips.
+    /// Least ratio over a fine grid of slips.
     fn by_search(points: &[LoadedPoint], [fx, fy, moment]: [f64; 3], arm_m: f64) -> f64 {
         let mut least = f64::INFINITY;
         for i in 0..400 {
@@ -93,7 +93,7 @@ mod tests {
     fn an_edge_turns_at_the_load_of_its_ends_times_their_arms() {
         let edge = [([-0.007, 0.0], 35.0), ([0.007, 0.0], 35.0)];
         assert!((limit_factor(&edge, Vector3::z(), 0.0) - 70.0 * 0.007).abs() < 1e-3);
-        // Pulled across, the pull adds to the turn at one end: F/2 + M/L = N/2.
+        // A pull across the edge adds to the turn at one end: F/2 + M/L = N/2.
         let pull = 20.0;
         let moment = (35.0 - 0.5 * pull) * 0.014;
         assert!((limit_factor(&edge, Vector3::new(0.0, pull, moment), 0.0) - 1.0).abs() < 0.01);

@@ -5,18 +5,18 @@ use cranny_spatial::{Vector, sin_cos};
 
 use crate::Course;
 
-/// A motion of the hand at an instant, with what it holds.
+/// Motion of the hand, with the object in it, at an instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LoadState {
-    /// Acceleration upwards, against gravity, in m/s².
+    /// Upward acceleration, against gravity, in m/s².
     pub lift: f64,
-    /// Acceleration in the gripper frame as it was when the hand closed, in m/s².
+    /// Acceleration in the gripper frame at the instant of closing, in m/s².
     pub acceleration: Vector,
-    /// Rate of turning in the gripper frame, in rad/s.
+    /// Angular velocity in the gripper frame, in rad/s.
     pub rate: Vector,
-    /// Its derivative, in rad/s².
+    /// Angular acceleration, in rad/s².
     pub rate_acceleration: Vector,
-    /// Turn of the gripper frame since the hand closed.
+    /// Rotation of the gripper frame since the hand closed.
     pub turn: Rotation3<f64>,
 }
 
@@ -32,7 +32,7 @@ impl LoadState {
         )),
     };
 
-    /// Motions of the hand along a course: while it lifts every 20 ms, while it shakes every 4 ms.
+    /// Motions of the hand along a course: every 20 ms while it lifts, every 4 ms while it shakes.
     pub fn along(course: &Course) -> Vec<Self> {
         let middles = |step_s: f64, duration_s: f64| {
             let times = (0u32..).map(move |step| (f64::from(step) + 0.5) * step_s);

@@ -4,11 +4,11 @@ use cranny_spatial::{Point, Pose, Vector};
 
 use crate::{Course, HeldObject, Load, LoadMeasure, LoadState, Pads};
 
-/// The rubber tips of a Franka hand.
+/// Rubber tips of a Franka hand.
 const FRANKA: Pads =
     Pads { middle_m: [0.0, 0.0], half_m: [0.00875, 0.00925], opening_m: 0.08, faces_m: [0.04, -0.04] };
 
-/// A bar along x, 30 mm wide, of 0.3 kg, held beside its centre of mass with 20 N.
+/// Load of a bar along x, 30 mm wide, of 0.3 kg, held beside its centre of mass with 20 N.
 fn bar(beside_m: f64, friction: f64, states: Vec<LoadState>) -> Load {
     let half = Vector::new(0.15, 0.015, 0.015);
     let object = HeldObject {
@@ -22,18 +22,18 @@ fn bar(beside_m: f64, friction: f64, states: Vec<LoadState>) -> Load {
     measure.of(&Pose::translation(beside_m, 0.0, 0.0))
 }
 
-/// The least friction that holds it, from statics: the maximum over centres of turning of |M − f c| by F · mean distance.
+/// Least friction from statics: the maximum over centres of turning of |M − f c| by F · mean distance.
 #[test]
 fn a_bar_held_beside_its_centre_needs_the_friction_of_statics() {
     for (beside_m, least) in [(0.0, 0.0736), (0.02, 0.231), (0.04, 0.436), (0.06, 0.647)] {
-        // The factor is proportional to friction, but for the share that turning before the pads close would take.
+        // The factor is proportional to friction, except for the share that a turn during closing would take.
         let found = least / bar(beside_m, least, Vec::new()).at_rest;
         assert!((found / least - 1.0).abs() < 0.03, "{beside_m} m: {found}, not {least}");
     }
 }
 
-/// A wedge that widens along x is squeezed out unless friction exceeds what the slope of its sides takes of it; a roof whose
-/// ridge lies under the pads is not.
+/// A wedge that widens along x is squeezed out unless friction exceeds what the slope of its sides takes of it. A roof
+/// whose ridge lies under the pads is not.
 #[test]
 fn a_wedge_slips_out_where_its_slope_exceeds_friction() {
     let slope = 0.3;
@@ -71,7 +71,7 @@ fn a_wedge_slips_out_where_its_slope_exceeds_friction() {
     assert!(load([0.04 - rise, 0.04, 0.04 - rise], 0.2) > 1.0);
 }
 
-/// A bar that is level at rest holds least where it stands on end or across; held at its middle, gravity has no lever.
+/// A bar that is level at rest is held least on end or across; held at its middle, gravity has no lever.
 #[test]
 fn no_attitude_holds_less_than_the_worst() {
     let half = Vector::new(0.15, 0.015, 0.015);
@@ -87,7 +87,7 @@ fn no_attitude_holds_less_than_the_worst() {
         let grip = measure.grip(&Pose::translation(beside_m, 0.0, 0.0)).unwrap();
         let worst = grip.factor_in_any_attitude();
         for turn in [Vector::zeros(), Vector::x(), Vector::y() * 2.0, Vector::new(1.0, -1.0, 0.5)] {
-            // The attitudes are no more than 28° from one of those that are tried.
+            // The attitudes are at most 28° from one of those that are tried.
             let turn = Rotation3::new(turn);
             let other = grip.factor(&LoadState { turn, ..LoadState::GRAVITY });
             assert!(other > 0.85 * worst, "{beside_m} m, {turn}: {other} below {worst}");
@@ -136,7 +136,7 @@ fn the_twin_of_a_grasp_holds_as_firmly() {
     assert!(first.in_motion < first.at_rest);
 }
 
-/// Motions of the hand are the derivatives of where the course has it.
+/// Motions of the hand are the derivatives of its pose on the course.
 #[test]
 fn the_states_of_a_course_are_its_derivatives() {
     let course = Course::default();

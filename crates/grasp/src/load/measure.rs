@@ -12,24 +12,24 @@ use crate::load::patch::Patch;
 use crate::load::seat::{HARD_PAD, SOFT_PAD, Seat};
 use crate::{LoadState, Pads};
 
-/// An object to be held, in a frame of its own or any other: that of the poses of the grasps.
+/// Object to hold, in the frame of the grasp poses.
 #[derive(Clone, Debug)]
 pub struct HeldObject {
-    /// Its surface, normals outwards.
+    /// Surface, normals outwards.
     pub surface: Surface,
-    /// Its mass, in kilograms.
+    /// Mass, in kilograms.
     pub mass_kg: f64,
-    /// Its centre of mass, in metres.
+    /// Centre of mass, in metres.
     pub center: Point,
-    /// Its inertia about the centre of mass, in kg m².
+    /// Inertia about the centre of mass, in kg m².
     pub inertia_kg_m2: Matrix3<f64>,
-    /// The coefficient of friction between it and the pads.
+    /// Coefficient of friction between the object and the pads.
     pub friction: f64,
 }
 
 impl HeldObject {
-    /// An object of uniform density: its surface (m, normals outwards), the moments of its volume, its mass (kg; that of
-    /// [`ASSUMED_DENSITY`] if it is not stated) and its coefficient of friction.
+    /// Object of uniform density, from its surface (m, normals outwards), the moments of its volume, its mass (kg; by
+    /// default from [`ASSUMED_DENSITY`]) and its coefficient of friction.
     ///
     /// # Errors
     /// [`ShapeError`] for a mesh without a surface.
@@ -50,15 +50,15 @@ impl HeldObject {
     }
 }
 
-/// Firmness of a grasp: the factor by which loads may grow until a pad slips. Below 1 a pad slips for as long as they last.
+/// Firmness of a grasp: the factor by which the loads may grow until a pad slips. Below 1 a pad slips under the loads.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Load {
-    /// Under gravity alone, in the attitude of the grasp (λ₀).
+    /// Factor under gravity alone, in the attitude of the grasp (λ₀).
     pub at_rest: f64,
-    /// The least along the motions that were asked for; `at_rest` without any.
+    /// Least factor along the given motions; `at_rest` without any.
     pub in_motion: f64,
-    /// Turn of the object while the hand closes, in radians.
+    /// Rotation of the object while the hand closes, in radians.
     pub turn_rad: f64,
     /// Displacement of the object along the closing axis while the hand closes, in metres.
     pub shift_m: f64,
@@ -67,19 +67,19 @@ pub struct Load {
 }
 
 impl Load {
-    /// The load of a hand that closes on nothing.
+    /// Load of a hand that closes on nothing.
     const NOTHING: Self = Self { at_rest: 0.0, in_motion: 0.0, turn_rad: 0.0, shift_m: 0.0, width_m: 0.0 };
 }
 
-/// Factors of load of grasps of one object by one hand: two flat soft pads, pressed together.
+/// Load factors of grasps of one object by one hand: two flat soft pads, pressed together.
 ///
-/// 1. The sides of the object between the pads, over 24 cells.
-/// 2. Where it comes to rest between them (least energy), and the pressure on each cell.
-/// 3. What the pads must give it: force and moment about the point midway between the centres of pressure.
-/// 4. The force with which the pads squeeze it out: pressure times slope, where the object rises up to the border of a pad.
-///    It takes its part of friction.
-/// 5. Moments about x and z are first borne by a shift of pressure, the rest by a couple of friction forces; forces in
-///    the plane of the pads and the moment about the closing axis by halves.
+/// 1. Samples the sides of the object between the pads, over 24 cells.
+/// 2. Computes its rest position between them (least energy), and the pressure on each cell.
+/// 3. Computes the required force and moment about the point midway between the centres of pressure.
+/// 4. Computes the force with which the pads squeeze it out: pressure times slope, where the object rises up to the
+///    border of a pad. This force uses up a share of the friction.
+/// 5. A shift of pressure bears the moments about x and z first, a couple of friction forces the rest. The pads share the
+///    forces in their plane and the moment about the closing axis equally.
 /// 6. At rest: how far each pad is from its limit surface (Goyal, Ruina & Papadopoulos 1991, §2). In motion: from the
 ///    ellipsoid of Howe & Cutkosky 1996, whole, which is up to 7 % too large for a face, 13 % for an edge.
 #[derive(Clone)]
@@ -92,42 +92,42 @@ pub struct LoadMeasure {
 }
 
 impl fmt::Debug for LoadMeasure {
-    /// The name alone: object and hand, of which it is made, are large.
+    /// Writes the name alone, because object and hand are large.
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str("LoadMeasure")
     }
 }
 
-/// The coefficient of friction of an object of which none is stated: the lower end of the range from 0.35 to 0.6 in which
-/// rubber pads hold cardboard, plastics and painted wood.
+/// Coefficient of friction of an object without a stated one: the lower end of the range from 0.35 to 0.6 of rubber pads
+/// on cardboard, plastics and painted wood.
 pub const ASSUMED_FRICTION: f64 = 0.35;
-/// The density of an object whose mass is not stated, in kg/m³: of a filled carton, or of a mug with its hollow.
+/// Density of an object without a stated mass, in kg/m³: of a filled carton, or of a mug with its hollow.
 pub const ASSUMED_DENSITY: f64 = 400.0;
 
-/// The acceleration of gravity, in m/s².
+/// Acceleration of gravity, in m/s².
 const GRAVITY: f64 = 9.81;
-/// The couple between the pads has this arm at least, in metres.
+/// Minimum arm of the couple between the pads, in metres.
 const LEAST_WIDTH_M: f64 = 0.002;
-/// An object that is held firmly turns by this much at most while the hand closes, in radians (8°).
+/// Maximum rotation of a firmly held object while the hand closes, in radians (8°).
 const MOST_FIRM_TURN_RAD: f64 = 0.139_63;
-/// A seated object turns by this much at most while the hand closes, in radians (3°) …
+/// Maximum rotation of a seated object while the hand closes, in radians (3°).
 const MOST_TURN_RAD: f64 = 0.052_36;
-/// … and is displaced by this much, in metres.
+/// Maximum displacement of a seated object while the hand closes, in metres.
 const MOST_SHIFT_M: f64 = 0.003;
-/// Share of the squeeze that is taken from friction: its direction and that of the load are seldom one. Of 0.5, 0.7 and 1 this
-/// foretells best which grasps hold (`benchmarks/load.md`).
+/// Share of the squeeze that is subtracted from friction, because it seldom has the direction of the load. Of 0.5, 0.7
+/// and 1 this predicts best which grasps hold (`benchmarks/load.md`).
 const SQUEEZE_SHARE: f64 = 0.7;
-/// A grasp that no load moves is this firm.
+/// Maximum firmness, that of a grasp that no load moves.
 const FIRMEST: f64 = 1e6;
 
 impl LoadMeasure {
-    /// The measure of an object that a hand presses with `force_n` newtons on each pad, `up` being the direction against gravity, a
-    /// unit vector in the frame of the object.
+    /// Measure of an object that a hand presses with `force_n` newtons on each pad. `up` is the direction against
+    /// gravity, a unit vector in the frame of the object.
     pub fn new(object: HeldObject, pads: Pads, force_n: f64, up: Vector, states: Vec<LoadState>) -> Self {
         Self { object, pads, force_n, up, states }
     }
 
-    /// The load of a grasp whose gripper frame is at a pose in the frame of the object.
+    /// Load of a grasp whose gripper frame is at a pose in the frame of the object.
     pub fn of(&self, object_from_gripper: &Pose) -> Load {
         let between = Between::new(&self.object.surface, object_from_gripper, &self.pads);
         let seat = Seat::of(&between, SOFT_PAD, self.force_n, self.object.friction);
@@ -141,7 +141,7 @@ impl LoadMeasure {
         Load { at_rest, in_motion, turn_rad: seat.turn(), shift_m: seat.shift_m, width_m: seat.width_m }
     }
 
-    /// The forces of a grasp whose gripper frame is at a pose in the frame of the object; `None` if no pad bears.
+    /// Forces of a grasp whose gripper frame is at a pose in the frame of the object; `None` unless both pads bear.
     pub fn grip(&self, object_from_gripper: &Pose) -> Option<GripForces> {
         let between = Between::new(&self.object.surface, object_from_gripper, &self.pads);
         let held = |hardness: f64| {
@@ -152,8 +152,8 @@ impl LoadMeasure {
         Some(GripForces { held: [soft, hard], turn_rad })
     }
 
-    /// True for a grasp whose hand holds the object at rest by at least this factor, however soft its pads are, and turns it by
-    /// at most 8° while it closes: what turns farther, such as a rim, comes to rest otherwise than computed.
+    /// Returns true if the hand holds the object at rest by at least this factor, for soft and hard pads, and rotates it
+    /// by at most 8° while it closes. Objects that rotate farther, such as a rim, settle otherwise than computed.
     pub fn is_firm(&self, object_from_gripper: &Pose, factor: f64) -> bool {
         let is_firm = |grip: GripForces| {
             grip.turn_rad <= MOST_FIRM_TURN_RAD && grip.factor(&LoadState::GRAVITY) >= factor
@@ -161,8 +161,8 @@ impl LoadMeasure {
         self.grip(object_from_gripper).is_some_and(is_firm)
     }
 
-    /// True for a grasp whose hand neither turns the object by more than 3° nor shifts it by more than 3 mm while it closes,
-    /// even if no friction resists: what is put down then stands as it was picked up.
+    /// Returns true if the closing hand rotates the object by at most 3° and shifts it by at most 3 mm, even without
+    /// friction: it is then set down as it was picked up.
     pub fn is_seated(&self, object_from_gripper: &Pose) -> bool {
         let between = Between::new(&self.object.surface, object_from_gripper, &self.pads);
         let free = Seat::of(&between, SOFT_PAD, self.force_n, 0.0);
@@ -175,11 +175,11 @@ impl LoadMeasure {
     }
 }
 
-/// The forces with which two pads, soft or hard, hold an object, ready to be loaded in many ways.
+/// Forces with which two pads, soft or hard, hold an object, prepared for many load cases.
 #[derive(Clone, Debug)]
 pub struct GripForces {
     held: [Held; 2],
-    /// Turn of the object while the hand closes, in radians.
+    /// Rotation of the object while the hand closes, in radians.
     turn_rad: f64,
 }
 
@@ -187,15 +187,15 @@ pub struct GripForces {
 const SAFE_SHARE: f64 = 0.87;
 
 impl GripForces {
-    /// The factor by which the loads of a motion may grow until a pad slips, however soft it is: from the ellipsoid, on the
-    /// safe side.
+    /// Factor by which the loads of a motion may grow until a soft or a hard pad slips: from the ellipsoid, on the safe
+    /// side.
     pub fn factor(&self, state: &LoadState) -> f64 {
         let most = self.held.iter().map(|held| held.r#use(state)).fold(0.0, f64::max);
         SAFE_SHARE / most.max(SAFE_SHARE / FIRMEST)
     }
 
-    /// The factor by which gravity may grow until a pad slips in the worst of 26 attitudes: those in which an axis, an edge or
-    /// a corner of a cube about the hand points upwards.
+    /// Factor by which gravity may grow until a pad slips in the worst of 26 attitudes: those with an axis, an edge or a
+    /// corner of a cube about the hand pointing upwards.
     pub fn factor_in_any_attitude(&self) -> f64 {
         let steps = || [-1.0, 0.0, 1.0].into_iter();
         let attitudes =
@@ -212,7 +212,7 @@ impl GripForces {
     }
 }
 
-/// A direction at right angles to another.
+/// Direction at right angles to another.
 fn across(direction: &Vector) -> Unit<Vector> {
     let mut helper = Vector::zeros();
     helper[direction.iamin()] = 1.0;
@@ -223,14 +223,14 @@ fn across(direction: &Vector) -> Unit<Vector> {
 #[derive(Clone, Debug)]
 struct Held {
     mass_kg: f64,
-    /// The centre of mass from the point midway between the centres of pressure.
+    /// Centre of mass relative to the point midway between the centres of pressure, in metres.
     center: Vector,
-    /// The centre of mass.
+    /// Centre of mass, in metres.
     center_in_gripper: Vector,
     inertia: Matrix3<f64>,
     up: Vector,
-    /// Coefficient of friction that is left where pads press on slopes, and friction has to keep the object from being squeezed
-    /// out. Squeezes that are opposite turn it instead, which the seat considers.
+    /// Coefficient of friction left where pads press on slopes, because friction must keep the object from being squeezed
+    /// out. Opposite squeezes rotate it instead, which the seat considers.
     spare_friction: f64,
     force_n: f64,
     /// Moments about x and z that a shift of pressure bears, in N m.
@@ -265,7 +265,7 @@ impl Held {
         }
     }
 
-    /// Forces that each pad must give: its normal force, then force along x and z and moment about y, in N and N m.
+    /// Forces required of each pad: normal force, then force along x and z and moment about y, in N and N m.
     fn demands(&self, state: &LoadState) -> [(f64, Vector3<f64>); 2] {
         let c = &self.center_in_gripper;
         let acceleration = state.turn.inverse() * (self.up * (GRAVITY + state.lift) + state.acceleration)
@@ -282,14 +282,14 @@ impl Held {
             let pull = Vector3::new(
                 0.5 * force.x - side * couple_x,
                 0.5 * force.z + side * couple_z,
-                // From x to z is against the turn about y.
+                // A turn from x to z is opposite to the turn about y.
                 -0.5 * moment.y,
             );
             (self.force_n - side * 0.5 * force.y, pull)
         })
     }
 
-    /// Share of the ellipsoid that the more loaded pad uses; endless where a pad lifts off.
+    /// Share of the ellipsoid that the more loaded pad uses; infinite if a pad lifts off.
     fn r#use(&self, state: &LoadState) -> f64 {
         let uses = self.demands(state).into_iter().zip(&self.patches).map(|((normal_n, pull), patch)| {
             if normal_n <= 0.0 || self.spare_friction <= 0.0 {

@@ -6,28 +6,28 @@ use crate::{Finger, Hand, PadRectangle};
 /// Two equal flat pads of a parallel hand, in the gripper frame: rectangles along x and z that face each other along y.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pads {
-    /// Middle along x and z, in metres.
+    /// Centre along x and z, in metres.
     pub middle_m: [f64; 2],
     /// Half of the size along x and z, in metres.
     pub half_m: [f64; 2],
-    /// Between the pads of the open hand, in metres.
+    /// Distance between the pads of the open hand, in metres.
     pub opening_m: f64,
-    /// Faces of the pads of the open hand along y, finger by finger, in metres.
+    /// Position of the pad faces of the open hand along y, finger by finger, in metres.
     pub faces_m: [f64; 2],
 }
 
-/// A finger's inner side belongs to its pad where it lies at most this far behind its foremost point, in metres: a pad of
-/// 30 mm that is inclined by 1° is one.
+/// Maximum depth of a pad behind the foremost point of the finger's inner side, in metres: a pad of 30 mm that is
+/// inclined by 1° is one.
 const DEPTH_M: f64 = 6e-4;
-/// A finger moves along y where this share of its stroke is.
+/// Minimum share of the stroke along y of a finger that moves along y.
 const LEAST_ALONG_Y: f64 = 0.99;
-/// Rays that feel a finger, along x and along z.
+/// Number of rays that probe a finger, along x and along z.
 const RAYS: [usize; 2] = [32, 64];
 
 impl Pads {
-    /// The pads of a hand: the rectangle in which the inner sides of both fingers lie foremost, and of it the part that is
-    /// stated, if one is. `None` for a hand that has not two fingers that move towards each other along y, or whose fingers
-    /// have no surface.
+    /// Pads of a hand: the rectangle in which the inner sides of both fingers lie foremost, clipped to the stated
+    /// rectangle, if any. `None` for a hand without exactly two fingers that move towards each other along y, or with
+    /// fingers that have no surface.
     pub fn of(hand: &Hand) -> Option<Self> {
         let [first, second] = &hand.fingers[..] else { return None };
         let along_y = |finger: &Finger| finger.stroke_m.y.abs() > LEAST_ALONG_Y * finger.stroke_m.norm();
@@ -62,7 +62,7 @@ impl Pads {
 struct InnerSide {
     /// Distance of its foremost point from the middle, in metres.
     foremost_m: f64,
-    /// Lower and upper corner along x and z of what lies foremost, in metres.
+    /// Lower and upper corner of its foremost region along x and z, in metres.
     extent_m: [[f64; 2]; 2],
 }
 
@@ -89,7 +89,7 @@ impl InnerSide {
                 }
             }
         }
-        // Half a step beyond the outermost rays.
+        // The region extends half a step beyond the outermost rays.
         let step = [half.x / RAYS[0] as f64, half.z / RAYS[1] as f64];
         let mut extent_m = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
         for (at, _) in felt.iter().filter(|(_, distance_m)| *distance_m <= foremost_m + DEPTH_M) {

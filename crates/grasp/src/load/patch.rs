@@ -2,31 +2,31 @@ use crate::load::between::{Between, CELLS, Cell};
 use crate::load::limit_surface::LoadedPoint;
 use crate::load::seat::Seat;
 
-/// Arm of the torsion of the smallest patch, in metres: of a Hertz patch of radius 3.14 mm, as a ball of 33 mm makes in a
-/// pad that gives way by 0.3 mm, 3π/16 of its radius.
+/// Torsional arm of the smallest patch, in metres: 3π/16 of the radius of a Hertz patch of 3.14 mm, as a ball of 33 mm
+/// makes in a pad that yields by 0.3 mm.
 pub const LEAST_ARM_M: f64 = 0.00185;
-/// A cell bears if it bears more than this share of the greatest.
+/// Share of the greatest load above which a cell counts as bearing.
 const BEARS: f64 = 0.02;
 
-/// The patch on which a pad bears, in its plane.
+/// Patch on which a pad bears, in the plane of the pad.
 #[derive(Clone, Debug)]
 pub(crate) struct Patch {
     /// Centre of pressure along x and z, in metres.
     pub center_m: [f64; 2],
-    /// Mean distance of the pressure from its centre, in metres: what turns against friction does so on this arm.
+    /// Mean distance of the pressure from its centre, in metres: the arm of friction against torsion.
     pub arm_m: f64,
-    /// Half of the extent of the cells that bear, along x and z, in metres.
+    /// Half of the extent of the bearing cells, along x and z, in metres.
     pub half_m: [f64; 2],
-    /// The cells that bear, about the centre of pressure.
+    /// Bearing cells, relative to the centre of pressure.
     pub points: Vec<LoadedPoint>,
-    /// Arm on which each of the points turns besides, in metres.
+    /// Additional torsional arm of each point, in metres.
     pub point_arm_m: f64,
     /// Force along x and z with which the pad squeezes the object out along its plane, as a share of the pressing force.
     pub squeeze: [f64; 2],
 }
 
 impl Patch {
-    /// The patch of a pad, 0 at +y and 1 at −y, on a seated object; `None` where none bears.
+    /// Patch of a pad, 0 at +y and 1 at −y, on a seated object; `None` if no cell bears.
     pub fn of(between: &Between, seat: &Seat, pad: usize) -> Option<Self> {
         let pressure = &seat.pressures[pad];
         let total: f64 = pressure.iter().sum();
@@ -67,8 +67,8 @@ impl Patch {
     }
 }
 
-/// Rise of a seated object towards a pad along an axis (0: x, 1: z) at a cell, if it goes on rising to the border of the pad:
-/// there the pad presses on a slope. A rise that ends under the pad ends at a summit, on which the pad lies flat.
+/// Rise of a seated object towards a pad along an axis (0: x, 1: z) at a cell, if it continues to the border of the pad,
+/// where the pad presses on a slope. Otherwise 0: the rise ends at a summit under the pad, on which the pad lies flat.
 fn squeeze(between: &Between, seat: &Seat, pad: usize, cell: &Cell, axis: usize) -> f64 {
     let side = [1.0, -1.0][pad];
     let height = |cell: &Cell| {
@@ -90,5 +90,5 @@ fn squeeze(between: &Between, seat: &Seat, pad: usize, cell: &Cell, axis: usize)
     }
 }
 
-/// Surfaces that differ by less are level, in metres.
+/// Height difference below which surfaces are level, in metres.
 const LEVEL_M: f64 = 1e-6;

@@ -2,41 +2,41 @@ use cranny_spatial::nalgebra::{Matrix4, Vector4};
 
 use crate::load::between::Between;
 
-/// Pressure of a soft pad by its depth, in N/m³: pressed with 70 N, 17.5 × 18.5 mm give way by 0.4 mm.
+/// Pressure of a soft pad per depth, in N/m³: pressed with 70 N, 17.5 × 18.5 mm yield by 0.4 mm.
 pub(crate) const SOFT_PAD: f64 = 5e8;
-/// The same of a hard one: by 0.02 mm, so that it bears on few points.
+/// Pressure of a hard pad per depth, in N/m³: it yields by 0.02 mm, so that it bears on few points.
 pub(crate) const HARD_PAD: f64 = 20.0 * SOFT_PAD;
-/// Turn at which friction against turning has set in, in radians.
+/// Rotation at which friction against turning sets in, in radians.
 const SETTING_IN_RAD: f64 = 2e-3;
-/// A trace of stiffness against turning, in N m, so that the least energy is one point.
+/// Small stiffness against turning, in N m, which makes the point of least energy unique.
 const TRACE: f64 = 1e-2;
-/// Newton's steps at most.
+/// Maximum number of Newton steps.
 const MOST_STEPS: usize = 60;
-/// Least gain of a step, in joules.
+/// Minimum gain of a step, in joules.
 const LEAST_GAIN: f64 = 1e-9;
 
-/// An object at rest between two flat soft pads.
+/// Rest position of an object between two flat soft pads.
 #[derive(Clone, Debug)]
 pub(crate) struct Seat {
     /// Displacement of the object along y, in metres.
     pub shift_m: f64,
-    /// Turn of the object about z and about −x, in radians.
+    /// Rotation of the object about z and about −x, in radians.
     pub turn_rad: [f64; 2],
-    /// Forces on the cells of the pad at +y and of that at −y, in newtons, one per cell.
+    /// Forces on the cells of the pad at +y and of the pad at −y, in newtons, one per cell.
     pub pressures: [Vec<f64>; 2],
     /// Width of the object between the pads, in metres.
     pub width_m: f64,
 }
 
 impl Seat {
-    /// Turn of the object, in radians.
+    /// Rotation of the object, in radians.
     pub fn turn(&self) -> f64 {
         self.turn_rad[0].hypot(self.turn_rad[1])
     }
 
-    /// The least of the energy of two beds of springs of a hardness (N/m³), the work of the closing force (N) and that of
-    /// friction against turning between the pads, over opening, shift and two small turns: damped Newton. `None` with nothing
-    /// between them.
+    /// Minimizes the energy of two beds of springs of a hardness (N/m³), the work of the closing force (N) and that of
+    /// friction against turning between the pads, over opening, shift and two small rotations, by damped Newton. `None`
+    /// if nothing is between the pads.
     pub fn of(between: &Between, hardness: f64, force_n: f64, friction: f64) -> Option<Self> {
         let cells = &between.cells;
         let count = cells.len() as f64;

@@ -1,9 +1,9 @@
-//! Times a planner over seeds: for each scenario how many plans are solved and verified, and the median, 95th
-//! percentile and maximum of `planning_time_s`, then medians of what shortcuts make of the path ("apart" is the
-//! distance of the ends that they leave, which no way between these is shorter than); one thread.
+//! Times a planner over seeds: for each scenario the number of solved and verified plans, and the median, 95th percentile
+//! and maximum of `planning_time_s`, then medians for the path after shortcuts ("apart" is the distance between its ends,
+//! the lower bound on its length); one thread.
 //!
 //! `cargo run --release -p cranny-measure --bin campaign -- PLANNER SEEDS MARGIN_MM GRASP_MARGIN_MM SCENARIO…`, PLANNER
-//! with settings as `reach:{"detour": 0.8}`.
+//! with optional settings, such as `reach:{"detour": 0.8}`.
 
 use std::time::Duration;
 
@@ -69,7 +69,7 @@ fn main() {
     }
 }
 
-/// The nearest-rank quantile; NaN of nothing.
+/// Returns the nearest-rank quantile; NaN for no values.
 #[allow(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,

@@ -1,14 +1,14 @@
-//! What carrying the target home or putting it down takes, and which grasps allow it; one thread.
+//! Measures carrying the target home or putting it down, and the grasps that allow it; one thread.
 //!
-//! `carrying plans END SEEDS MARGIN_MM GRASP_MARGIN_MM SCENARIO…`, the end being `home` or the name of a place: for each scenario how many tasks are solved, judged and
-//! done within 2 s, and median, mean, 95th percentile and maximum of `planning_time_s`: reach, closing, lift-off and all
-//! that follows with their proofs.
+//! `carrying plans END SEEDS MARGIN_MM GRASP_MARGIN_MM SCENARIO…`, with END `home` or a place name: prints for each scenario
+//! how many tasks are solved, judged valid and take over 2 s, and the median, mean, 95th percentile and maximum of
+//! `planning_time_s`: reach, closing, lift-off and all that follows, with their proofs.
 //!
-//! `carrying grasps PLACE EVERY ITERATIONS SCENARIO…`: of every so manieth grasp, each for itself, how many can be reached within ITERATIONS,
-//! with how many of those the target can be carried home, with how many it can be put down in a place, and what stops the
-//! others there.
+//! `carrying grasps PLACE EVERY ITERATIONS SCENARIO…`: prints how many of every EVERY-th grasp, each on its own, can be reached
+//! within ITERATIONS, with how many of those the target can be carried home, with how many it can be put down in a place, and
+//! the reasons for the failures there.
 //!
-//! `carrying holds SCENARIO…`: how long another hold takes, and room to ask with it, in microseconds.
+//! `carrying holds SCENARIO…`: time to change the hold, and to do so with new scratch, in microseconds.
 //!
 //! `cargo run --release -p cranny-measure --bin carrying -- plans home 100 0 0 SCENARIO…`
 
@@ -58,7 +58,7 @@ fn opened(scenario: &str, margins: Margins) -> (String, Problem) {
     (scenario.id, problem)
 }
 
-/// The stages of a word: `home`, or the name of a place.
+/// Returns the stages for `home` or the name of a place.
 fn carry_to(end: &str) -> Vec<Stage> {
     if end == "home" {
         return vec![Stage::pick(), Stage::home()];

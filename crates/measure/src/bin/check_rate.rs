@@ -1,4 +1,4 @@
-//! Exact verdicts a second on uniform random configurations, one at a time and in batches:
+//! Exact checks per second of uniform random configurations, singly and in batches:
 //! `cargo run --release -p cranny-measure --bin check_rate -- SCENARIO…`
 
 use std::time::Instant;
@@ -30,7 +30,7 @@ fn main() {
         let single_rate = COUNT as f64 / begin.elapsed().as_secs_f64();
         let mut batch = Vec::new();
         let mut batch_rate = 0.0_f64;
-        /// The fastest of so many rounds is told: others share the machine.
+        /// Number of rounds, of which the fastest is reported: other programs share the machine.
         const ROUNDS: usize = 20;
         for _ in 0..ROUNDS {
             let begin = Instant::now();

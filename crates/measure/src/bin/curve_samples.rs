@@ -1,9 +1,9 @@
-//! Samples of smooth motions against all that they state; one thread.
+//! Samples smooth trajectories and compares them with all stated bounds; one thread.
 //!
-//! `curve_samples COUNT TILT_DEG SCENARIO…`: plans to reach, to carry home and to put down outside, with what is held tilted by at
-//! most `TILT_DEG`, seed after seed until they have COUNT rounded corners. Prints how many samples of their trajectories at 10 kHz
-//! exceed a limit of position, velocity, acceleration or jerk by more than 1e-9 of it, and how many of 4000 samples of each
-//! corner are in contact (exact distances) or tilted farther; exits with 1 if any do.
+//! `curve_samples COUNT TILT_DEG SCENARIO…`: plans to reach, to carry home and to put down outside, with the object tilted by
+//! at most `TILT_DEG`, seed after seed until there are COUNT rounded corners. Prints how many samples at 10 kHz exceed a limit
+//! of position, velocity, acceleration or jerk by more than 1e-9 of it, and how many of 4000 samples of each corner are in
+//! contact (exact distances) or tilted farther; exits with 1 if there are any.
 //!
 //! `cargo run --release -p cranny-measure --bin curve_samples -- 2000 15 012 015 023 025 031 035 041 043`
 
@@ -28,9 +28,9 @@ struct Seen {
     plans: usize,
     corners: usize,
     instants: u64,
-    /// Beyond limits of position, velocity, acceleration and jerk.
+    /// Number of samples beyond the limits of position, velocity, acceleration and jerk.
     beyond: [u64; 4],
-    /// Greatest share of each of these limits but of position.
+    /// Maximum utilisation of each of these limits except position.
     greatest: [f64; 4],
     places: u64,
     in_contact: u64,
@@ -122,7 +122,7 @@ impl Seen {
                 worst[1] = worst[1].max(sample.velocity[joint].abs() / limits.velocity);
                 let most = limits.acceleration.unwrap_or(f64::INFINITY);
                 worst[2] = worst[2].max(sample.acceleration[joint].abs() / most);
-                // The last sample may come sooner.
+                // The interval to the last sample may be shorter.
                 if let Some(before) = before.as_ref().filter(|_| sample.time_s < leg.duration_s()) {
                     let jerk = (sample.acceleration[joint] - before[joint]).abs() * RATE_HZ;
                     worst[3] = worst[3].max(jerk / limits.jerk.unwrap_or(f64::INFINITY));
@@ -137,7 +137,7 @@ impl Seen {
     }
 }
 
-/// Configurations on the corners of a segment.
+/// Returns configurations sampled on the corners of a segment.
 fn segment_corners(segment: &Segment) -> impl Iterator<Item = Vec<f64>> {
     let of_corner = |corner: &RoundedCorner| {
         let points = corner.control_points.clone();
@@ -146,7 +146,7 @@ fn segment_corners(segment: &Segment) -> impl Iterator<Item = Vec<f64>> {
     segment.corners.iter().flat_map(of_corner)
 }
 
-/// By the construction of de Casteljau.
+/// Evaluates a Bézier curve by de Casteljau's algorithm.
 fn on_curve(points: &[Vec<f64>], t: f64) -> Vec<f64> {
     let mut row = points.to_vec();
     while row.len() > 1 {

@@ -80,15 +80,15 @@ fn row(data: &Path, id: &str, seed: u64) -> Result<String, Failure> {
     ))
 }
 
-/// Whether the object is between the pads nowhere wider than the gripper opens: seen from an open pad,
-/// the closing axis enters it no sooner than at the pad.
+/// Returns true if the object between the pads is nowhere wider than the gripper opening: along the closing axis from an
+/// open pad, the object begins no sooner than at the pad.
 fn is_holdable(surface: &Surface, grasp: &Grasp, opening_m: f64) -> bool {
     use cranny_spatial::{Point, Vector};
     let pose = grasp.world_from_gripper;
     let y = pose.rotation * Vector::y();
     let middle = Point::from(pose.translation.vector);
     let hits = surface.ray_hits(&(middle - y * opening_m), &y, 2.0 * opening_m);
-    // The chord about the middle: the last entrance before it, the first way out behind it.
+    // The chord through the centre ends at the last entry before it and the first exit behind it.
     let entered = hits.iter().rfind(|hit| hit.distance_m < opening_m && hit.normal.dot(&y) < 0.0);
     let left = hits.iter().find(|hit| hit.distance_m > opening_m && hit.normal.dot(&y) > 0.0);
     match (entered, left) {

@@ -1,5 +1,5 @@
-//! For each scenario: how many of its grasps the single shot of the paper and the restarting search can hold,
-//! why the others cannot be held, and how long it takes, on all cores and without loading.
+//! Reports for each scenario how many of its grasps have an IK solution by the paper's single shot and by the restarting
+//! search, why the others fail, and how long it takes, on all cores and without loading.
 //!
 //! `cargo run --release -p cranny-measure --bin ik_table -- SCENARIO…`
 
@@ -54,7 +54,7 @@ fn main() {
     }
 }
 
-/// The annotation, and the milliseconds that it took.
+/// Returns the annotations, and the time that they took, in milliseconds.
 fn timed(problem: &Problem, method: IkMethod) -> (Vec<IkAnnotation>, f64) {
     let settings = IkAnnotationSettings { method, ..IkAnnotationSettings::default() };
     let begin = Instant::now();

@@ -1,4 +1,4 @@
-//! Times forward kinematics, the Jacobian and inverse kinematics of a URDF's robot:
+//! Times forward kinematics, the Jacobian and inverse kinematics of the robot of a URDF:
 //! `cargo run --release -p cranny-measure --bin kinematics_timing -- ROBOT.urdf TIP [JOINT=VALUE …]`.
 
 use std::error::Error;

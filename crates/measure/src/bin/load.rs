@@ -1,4 +1,4 @@
-//! Time that the load of a grasp takes, over the grasps of built-in scenarios: `load [ID…]`.
+//! Computation time of the load of a grasp, over the grasps of built-in scenarios: `load [ID…]`.
 
 use std::error::Error;
 use std::time::Instant;
@@ -8,7 +8,7 @@ use cranny_scenario::{OpenOptions, Scenario, TargetObject, TargetPhysics};
 use cranny_spatial::Vector;
 use cranny_task::robot_hand;
 
-/// Each grasp this often.
+/// Number of evaluations of each grasp.
 const TIMES: u32 = 20;
 
 fn main() -> Result<(), Box<dyn Error>> {

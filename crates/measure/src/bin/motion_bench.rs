@@ -1,14 +1,14 @@
-//! Plans every problem of a folder of `MotionBenchMaker` families, several seeds each:
+//! Plans every problem of a folder of `MotionBenchMaker` families with several seeds:
 //! `cargo run --release -p cranny-measure --bin motion_bench -- FOLDER [PLANNER] [SEEDS] [SETTINGS] [--real]`,
-//! SETTINGS of the planner as JSON.
+//! SETTINGS are those of the planner as JSON.
 //!
-//! FOLDER holds a folder for each family, with `sceneNNNN.yaml` and `requestNNNN.yaml`, and beside them
-//! `panda_spherized.urdf` and `panda.srdf`. With `--real` the robot is the one of detailed meshes in
-//! `$CRANNY_DATA/jogramop/robots/franka_panda/panda.urdf`, each link as its hull.
+//! FOLDER contains a folder for each family, with `sceneNNNN.yaml` and `requestNNNN.yaml`, and beside them
+//! `panda_spherized.urdf` and `panda.srdf`. With `--real` the robot is the detailed one in
+//! `$CRANNY_DATA/jogramop/robots/franka_panda/panda.urdf`, each link as its convex hull.
 //!
-//! Times are in microseconds, over the solved runs; "search" is planning without the proof of the path that
-//! was found, as far as the planner tells the two apart; "iteration" is one of the search, "verdict" that on a uniform
-//! random configuration by itself. A problem is valid if its start and a goal are free.
+//! Times are in microseconds, over the solved runs; "search" is planning without the proof of the path, if the planner
+//! separates the two; "iteration" is one of the search, "verdict" is a single check of a uniform random configuration.
+//! A problem is valid if its start and a goal are free.
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -72,7 +72,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// What became of the problems of a family.
+/// Results on the problems of a family.
 #[derive(Default)]
 struct Tally {
     problems: usize,
@@ -83,9 +83,9 @@ struct Tally {
     search_s: Vec<f64>,
     planning_s: Vec<f64>,
     iterations: u64,
-    /// Seconds of each verdict, as the mean over those of a problem.
+    /// Time of each verdict in seconds, as the mean over a problem.
     verdict_s: Vec<f64>,
-    /// Problems that are not valid, and runs that failed.
+    /// Notes on invalid problems and failed runs.
     notes: Vec<String>,
 }
 
@@ -121,7 +121,7 @@ impl Tally {
     }
 }
 
-/// The least value that at least this fraction of all do not exceed.
+/// Returns the smallest value that at least this fraction of all values do not exceed.
 fn quantile(values: &[f64], fraction: f64) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -162,7 +162,7 @@ fn run(
         tally.iterations += statistics.iterations;
         tally.planning_s.push(statistics.planning_time_s);
         tally.search_s.push(statistics.planning_time_s - statistics.proof_time_s);
-        // Proven once more, by whichever planner: the reports of all are compared.
+        // The path is proven again, whichever planner found it, so that the reports of all planners are comparable.
         let mut scratch = cell.scratch();
         let is_goal = |q: &Vec<f64>| match problem.goal() {
             Goal::Configurations(goals) => goals.contains(q),
@@ -194,7 +194,7 @@ fn seconds_per_verdict(cell: &Cell) -> f64 {
     begin.elapsed().as_secs_f64() / COUNT as f64
 }
 
-/// What is wrong with start and goals; nothing if the start and a goal are free.
+/// Returns the faults of start and goals; empty if the start and a goal are free.
 fn faults(problem: &Problem, cell: &Cell) -> Vec<String> {
     let mut scratch = cell.scratch();
     let mut faults_of = |what: &str, q: &[f64]| -> Vec<String> {

@@ -1,4 +1,4 @@
-//! How long each built-in scenario takes to open: the least and the median of 21 times, in milliseconds.
+//! Time to open each built-in scenario: the minimum and the median of 21 times, in milliseconds.
 
 use std::time::Instant;
 

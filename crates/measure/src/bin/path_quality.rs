@@ -1,12 +1,12 @@
-//! How good the paths are that are delivered, and how soon:
+//! Measures the quality of delivered paths, and the time to obtain them:
 //! `cargo run --release -p cranny-measure --bin path_quality -- FOLDER EVERY SEEDS COST MILLISECONDS…`
 //!
-//! FOLDER holds families of `MotionBenchMaker` problems, or scenario folders; COST is a cost of paths (`length`, `l2`,
-//! `time`, `clearance`), by which better ones are looked for and all are measured.
+//! FOLDER contains families of `MotionBenchMaker` problems, or scenario folders; COST is a cost of paths (`length`, `l2`,
+//! `time`, `clearance`), which is optimised and by which all paths are measured.
 //!
-//! One line of JSON for each problem (every so-many-th), seed and way: the first path as it is found, as it is delivered,
-//! and after so many milliseconds of looking for better ones; with what all of it took, and the seconds of the trajectory
-//! where the robot has the limits for it.
+//! Prints one line of JSON for each problem (every EVERY-th), seed and method: the first path as found, the path as
+//! delivered, and the path after each number of MILLISECONDS of optimisation; with the total time, and the duration of the
+//! trajectory in seconds if the robot has the limits for it.
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -37,7 +37,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The problems of a family, every so-many-th; or that of a scenario.
+/// Returns every `every`-th problem of a family; or the problem of a scenario.
 fn problems_in(folder: &Path, every: usize) -> Result<Vec<(String, Problem)>, Box<dyn Error>> {
     let name = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
     if folder.join("scene.yaml").exists() || folder.join("scenario.yaml").exists() {

@@ -1,5 +1,5 @@
-//! How long a robot takes to be put into its first world, and how long into another: of 100 boxes, and of each
-//! scenario that is named. The least and the median of 21 times, in milliseconds.
+//! Times the placement of a robot in its first world and in another one: of 100 boxes, and of each named scenario. Prints
+//! the minimum and the median of 21 times, in milliseconds.
 //!
 //! `cargo run --release -p cranny-measure --bin second_world -- SCENARIO…`
 
@@ -12,7 +12,7 @@ use cranny_scenario::{OpenOptions, Scenario};
 use cranny_shape::Solid;
 use cranny_spatial::{Pose, Stream, Vector};
 
-/// The least and the median of 21 times, in milliseconds.
+/// Returns the minimum and the median of 21 times, in milliseconds.
 fn timed(mut work: impl FnMut()) -> [f64; 2] {
     let mut times_ms: Vec<f64> = (0..21)
         .map(|_| {
@@ -43,7 +43,7 @@ fn main() {
             let cell = Cell::new(robot.clone(), world.clone(), Margins::default()).expect("good margins");
             assert!(!cell.self_pairs().is_empty());
         };
-        // A clone has nothing worked out.
+        // A clone has no cached values.
         let first = timed(|| cell(&Arc::new(scenario.robot.as_ref().clone()), &World::default()));
         let again = timed(|| cell(&scenario.robot, &scenario.world));
         let worlds: Vec<World> = (0..21).map(|_| boxes(&mut random)).collect();

@@ -1,7 +1,7 @@
-//! Makes a family of problems like those of `MotionBenchMaker` in which the Panda reaches under a table:
+//! Generates a family of problems like those of `MotionBenchMaker` in which the Panda reaches under a table:
 //! `cargo run --release -p cranny-measure --bin under_table -- DATA FOLDER [COUNT]`
 //!
-//! DATA holds `panda_spherized.urdf` and `panda.srdf`, FOLDER gets copies of both and `under_table_panda` with COUNT (100)
+//! DATA contains `panda_spherized.urdf` and `panda.srdf`. FOLDER gets copies of both and `under_table_panda` with COUNT (100)
 //! scenes and requests, which `motion_bench` and `path_quality` read. The table stands in front of the arm: a top, four
 //! legs, up to three boxes below it and two on it. The goal is a random free configuration with the hand well below the
 //! top.
@@ -16,11 +16,11 @@ use cranny_scenario::{MoveItOptions, MoveItProblem};
 use cranny_spatial::Stream;
 use cranny_task::Problem;
 
-/// Where the arms of `MotionBenchMaker` begin, and how far their fingers are open.
+/// Start configuration of the arms in `MotionBenchMaker` (rad), and the position of their fingers in metres.
 const START: [f64; 7] = [0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785];
 const FINGER_M: f64 = 0.065;
 
-/// Configurations that are drawn for a goal before another table is.
+/// Maximum number of configurations drawn for a goal before another table is drawn.
 const DRAWS: usize = 20_000;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -51,9 +51,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// A table in front of the arm, in metres.
+/// Dimensions of a table in front of the arm, in metres.
 struct Table {
-    /// Where its near edge is, and the middle across.
+    /// Position of its near edge (x), and of its centre across (y).
     near: f64,
     aside: f64,
     depth: f64,
@@ -76,7 +76,7 @@ impl Table {
         }
     }
 
-    /// A free configuration with the hand below the top, if some are found and the start is free.
+    /// Returns a free configuration with the hand below the top, if one is found and the start is free.
     fn goal(&self, problem: &Problem, random: &mut Stream) -> Option<Vec<f64>> {
         let (cell, robot) = (problem.cell()?, problem.robot());
         let mut scratch = cell.scratch();

@@ -5,24 +5,24 @@ use crate::PathError;
 use crate::timing::path_curve::{PathCurve, Piece};
 use crate::timing::piece_limits::PieceLimits;
 
-/// Forces and torques that the drives of a robot can give, and the masses that they move.
+/// Maximum forces and torques of the drives of a robot, and the masses that they move.
 #[derive(Clone, Debug)]
 pub struct Drives {
     dynamics: Dynamics,
-    /// Per joint, in N or N m.
+    /// Effort of each joint, in N or N m.
     efforts: Vec<f64>,
 }
 
-/// Share of the limits that trajectories use: see `LIMIT_USE` of `motion_limits.rs`.
+/// Share of the limits that trajectories use, as `LIMIT_USE` of `motion_limits.rs`.
 const EFFORT_USE: f64 = 1.0 - 1e-6;
 
-/// Share of what a drive has left beside the weight that the motion along the curve may take where both need more than it has;
-/// the rest is for changes of speed.
+/// Share of the effort left after gravity that the curvature terms may take if both need more than is left; the rest is for
+/// changes of speed.
 const SHARE_OF_BEND: f64 = 0.5;
 
 impl Drives {
-    /// The drives of a robot, in whose root frame `up`, a unit vector, points against gravity, with what is rigidly in its hand
-    /// in the frame of the tip.
+    /// Creates the drives of a robot, in whose root frame the unit vector `up` points against gravity, with the inertia of a
+    /// held object in the frame of the tip.
     ///
     /// # Errors
     /// [`PathError::MissingEffort`] and [`PathError::MissingInertia`].
@@ -38,11 +38,11 @@ impl Drives {
 
     /// Lowers the limits of each piece of a curve so that no drive exceeds its effort on it.
     ///
-    /// With the force `A·s̈ + B·ṡ² + G` of a joint, and A, B and G bounds of their absolute values along the piece, a joint keeps
-    /// its effort E where `A·|s̈| + B·ṡ² ≤ E − G`.
+    /// With the force `A·s̈ + B·ṡ² + G` of a joint, and A, B and G upper bounds of their absolute values along the piece, a
+    /// joint keeps its effort E if `A·|s̈| + B·ṡ² ≤ E − G`.
     ///
     /// # Errors
-    /// [`PathError::Weight`] for a joint that may not hold the arm at rest.
+    /// [`PathError::Weight`] for a joint that may be unable to hold the arm at rest.
     pub(crate) fn limit(
         &self,
         curve: &PathCurve,
@@ -78,9 +78,9 @@ impl Drives {
         Ok(())
     }
 
-    /// Bounds of the absolute values of the forces along a piece: of samples δ apart the greatest, and δ/2 times a bound of
-    /// their change; in all a few percent of the efforts above the truth at the greatest `s̈` and `ṡ²`, unless that takes more
-    /// than some thousand samples.
+    /// Returns upper bounds of the absolute forces along a piece: the maximum over samples δ apart, plus δ/2 times a bound of
+    /// the derivative. At the greatest `s̈` and `ṡ²` they exceed the true values by a few per cent of the efforts, unless that
+    /// takes more than some thousand samples.
     fn greatest_forces(&self, piece: &Piece, robot: &Robot, [most_u, most_x]: [f64; 2]) -> PathForces {
         const FIRST_SAMPLES: u32 = 8;
         const MOST_SAMPLES: u32 = 8192;

@@ -4,47 +4,47 @@ use strum::IntoStaticStr;
 
 use crate::PathError;
 
-/// How a path is given its time.
+/// Method of timing a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize, IntoStaticStr)]
 #[serde(rename_all = "kebab-case")]
 #[strum(serialize_all = "kebab-case")]
 #[non_exhaustive]
 pub enum TimingMethod {
-    /// As fast as the limits of velocity and acceleration allow along the path (TOPP-RA).
+    /// Fastest motion along the path within the limits of velocity and acceleration (TOPP-RA).
     #[default]
     TimeOptimal,
-    /// Within the limits of jerk too: S-curves along the lines, constant speed in rounded corners.
+    /// Motion within the limits of jerk too: S-curves along the lines, constant speed in rounded corners.
     JerkLimited,
 }
 
 impl TimingMethod {
-    /// What files and `--json` call it.
+    /// Returns the name used in files and `--json`.
     pub fn name(self) -> &'static str {
         self.into()
     }
 }
 
-/// How fast the joints may move: what a [`crate::Trajectory`] keeps to.
+/// Motion limits of the joints, which a [`crate::Trajectory`] keeps.
 ///
-/// All of it comes from the robot; nothing is assumed where the robot says nothing.
+/// All limits come from the robot; there are no defaults.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MotionLimits {
     pub(crate) method: TimingMethod,
     pub(crate) joint_names: Vec<String>,
-    /// Per joint, in its unit/s.
+    /// Velocity limit of each joint, in its unit/s.
     pub(crate) velocity: Vec<f64>,
-    /// Per joint, in its unit/s².
+    /// Acceleration limit of each joint, in its unit/s².
     pub(crate) acceleration: Vec<f64>,
-    /// Per joint, in its unit/s³; empty where jerk is not limited.
+    /// Jerk limit of each joint, in its unit/s³; empty if jerk is not limited.
     pub(crate) jerk: Vec<f64>,
 }
 
-/// Trajectories use this much of every limit. The rest, a millionth, covers the rounding of whoever takes
-/// differences of sampled positions: at 1 kHz the third difference of values around 3 errs by 3e-6.
+/// Share of every limit that trajectories use. The rest, a millionth, covers rounding in finite differences of sampled
+/// positions: at 1 kHz the third difference of values around 3 errs by 3e-6.
 const LIMIT_USE: f64 = 1.0 - 1e-6;
 
 impl MotionLimits {
-    /// The limits of `robot` that `method` needs.
+    /// Returns the limits of `robot` that `method` needs.
     ///
     /// # Errors
     /// As [`Self::new`].
@@ -52,8 +52,7 @@ impl MotionLimits {
         Self::new(robot.joint_names(), robot.limits(), method)
     }
 
-    /// The limits of `robot` within those of jerk, where it states them for all joints; else as fast as those of velocity and
-    /// acceleration allow.
+    /// Returns the limits of `robot` including jerk if it states them for all joints, else those of velocity and acceleration.
     ///
     /// # Errors
     /// As [`Self::new`].
@@ -61,11 +60,11 @@ impl MotionLimits {
         Self::of(robot, TimingMethod::JerkLimited).or_else(|_| Self::of(robot, TimingMethod::TimeOptimal))
     }
 
-    /// The limits of joints of these names, one entry for each.
+    /// Creates the limits of the named joints, one entry for each.
     ///
     /// # Errors
-    /// [`PathError::MissingLimit`] for a joint without a limit that `method` needs, [`PathError::Limit`]
-    /// for one that is not positive and finite, [`TaskError::JointCount`](cranny_task::TaskError::JointCount) if the counts differ.
+    /// [`PathError::MissingLimit`] for a joint without a limit that `method` needs, [`PathError::Limit`] for one that is not
+    /// positive and finite, [`TaskError::JointCount`](cranny_task::TaskError::JointCount) if the counts differ.
     pub fn new(
         joint_names: &[String],
         limits: &[JointLimits],
@@ -95,7 +94,7 @@ impl MotionLimits {
         })
     }
 
-    /// How the path is given its time.
+    /// Returns the method of timing a path.
     pub fn method(&self) -> TimingMethod {
         self.method
     }

@@ -2,18 +2,16 @@ use cranny_task::RoundedCorner;
 
 use crate::PathError;
 
-/// A path as a curve `q(s)`: straight lines along its edges, and between two of them either a stop or a rounded corner
-/// ([`RoundedCorner`]).
+/// Path as a curve `q(s)`: straight lines along its edges, joined by either a stop or a rounded corner ([`RoundedCorner`]).
 ///
-/// On the first line after a stop `q' = dq/ds` is such that the slowest joint moves at its limit of velocity at `ṡ = 1`;
-/// `s` is thus in seconds at full speed. It counts from the last stop. On a rounded corner `q'` goes over smoothly from
-/// that of one line to that of the next, so that no joint is faster there than on both lines. If the corner cuts off more
-/// of one edge than of the other, `q'` on the two lines differs by that ratio: at constant `ṡ` the robot then gains or
-/// loses speed in the corner.
+/// On the first line after a stop `q' = dq/ds` is scaled so that the slowest joint moves at its velocity limit at `ṡ = 1`; `s`
+/// is thus in seconds at full speed. It counts from the last stop. In a rounded corner `q'` changes smoothly from that of one
+/// line to that of the next, so that no joint is faster there than on both lines. If the corner cuts off more of one edge than
+/// of the other, `q'` on the two lines differs by that ratio: at constant `ṡ` the robot changes speed in the corner.
 #[derive(Clone, Debug)]
 pub(crate) struct PathCurve {
     pub pieces: Vec<Piece>,
-    /// For each way point the piece where it is passed, and at which `s`.
+    /// Piece on which each way point is passed, and the value of `s` there.
     pub waypoints: Vec<(usize, f64)>,
 }
 
@@ -21,21 +19,21 @@ pub(crate) struct PathCurve {
 /// `length`].
 #[derive(Clone, Debug)]
 pub(crate) struct Piece {
-    /// Whether the robot rests where the piece begins; `begin` is 0 then.
+    /// True if the robot rests at the beginning of the piece; `begin` is 0 then.
     pub after_stop: bool,
     pub begin: f64,
     pub length: f64,
     pub origin: Vec<f64>,
     pub end: Vec<f64>,
-    /// At the beginning.
+    /// Slope at the beginning.
     pub slope: Vec<f64>,
     /// Change of the slope from beginning to end; `None` on a line.
     pub turn: Option<Vec<f64>>,
-    /// Edges of the path that it lies on; twice the same for a line.
+    /// Edges of the path that it lies on; both equal for a line.
     pub edges: [usize; 2],
 }
 
-/// First three derivatives of a joint by `s`.
+/// First three derivatives of a joint with respect to `s`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Derivatives {
     pub first: f64,
@@ -43,14 +41,14 @@ pub(crate) struct Derivatives {
     pub third: f64,
 }
 
-/// Directions that differ by less, as a part of the joint's limit of velocity, are one: way points on a
-/// straight line differ from it by rounding, about 1e-15 of the length of an edge.
+/// Maximum difference, relative to the velocity limit of a joint, of directions that count as equal. Way points on a straight
+/// line deviate from it by rounding, about 1e-15 of the length of an edge.
 const SAME_DIRECTION: f64 = 1e-9;
 
-/// Rounded corners take at most this share of an edge, so that some of every edge is a line.
+/// Maximum share of an edge that rounded corners take, so that a line remains on every edge.
 pub(crate) const LARGEST_SHARE: f64 = 0.98;
 
-/// The greatest ratio of the lengths that a corner cuts off its two edges.
+/// Maximum ratio of the lengths that a corner cuts off its two edges.
 pub(crate) const MOST_UNEVEN: f64 = 32.0;
 
 /// Lengths that a corner cuts off the edges before and after it, in seconds at full speed.
@@ -68,7 +66,7 @@ pub(crate) struct Corner {
 }
 
 impl Corner {
-    /// The corner that cuts this much off its edges.
+    /// Returns the corner that cuts these lengths off its edges.
     pub fn rounded(&self, [before, after]: Cuts) -> RoundedCorner {
         let [from, to] =
             [moved(&self.point, &self.slopes[0], -before), moved(&self.point, &self.slopes[1], after)];
@@ -84,9 +82,9 @@ struct Edge {
 }
 
 impl PathCurve {
-    /// The curve along `path`, at least one way point (m, rad; one value per joint), by the limits `velocity` of the
-    /// joints (m/s, rad/s; one per joint). At a way point k where the direction changes there is a stop, or, with
-    /// `cuts[k]` above 0, a rounded corner that cuts this much off both edges; missing cuts are 0.
+    /// Creates the curve along `path`, at least one way point (m, rad; one value per joint), with the velocity limits
+    /// `velocity` of the joints (m/s, rad/s; one per joint). A way point k where the direction changes is a stop, or, with
+    /// `cuts[k]` above 0, a rounded corner that cuts these lengths off its edges; missing cuts are 0.
     pub fn along(path: &[Vec<f64>], velocity: &[f64], cuts: &[Cuts]) -> Self {
         let edges = edges(path, velocity);
         // The cuts at the end of edge e, 0 for none.
@@ -154,7 +152,7 @@ impl PathCurve {
         Self { pieces, waypoints }
     }
 
-    /// The way points of `path` (m, rad; one value per joint) at which a corner may be rounded, by the limits `velocity` of
+    /// Returns the corners of `path` (m, rad; one value per joint) that may be rounded, with the velocity limits `velocity` of
     /// the joints (m/s, rad/s; one per joint).
     pub fn corners(path: &[Vec<f64>], velocity: &[f64]) -> Vec<Corner> {
         let corner = |[edge, next]: [&Edge; 2]| {
@@ -169,11 +167,11 @@ impl PathCurve {
         edges(path, velocity).windows(2).filter_map(|pair| corner([&pair[0], &pair[1]])).collect()
     }
 
-    /// The cuts of rounded corners of a path (m, rad; one value per joint), one per way point, under limits of velocity
-    /// (m/s, rad/s; one per joint).
+    /// Returns the cuts of rounded corners of a path (m, rad; one value per joint), one per way point, with the velocity limits
+    /// of the joints (m/s, rad/s; one per joint).
     ///
     /// # Errors
-    /// [`PathError::NoCorner`] for one that is not at a corner of the path.
+    /// [`PathError::NoCorner`] for a rounded corner that is not at a corner of the path.
     pub fn cuts_of(
         path: &[Vec<f64>],
         velocity: &[f64],
@@ -197,7 +195,7 @@ impl PathCurve {
         Ok(cuts)
     }
 
-    /// The ranges of pieces from one stop to the next.
+    /// Returns the ranges of pieces from one stop to the next.
     pub fn runs(&self) -> Vec<std::ops::Range<usize>> {
         let mut starts: Vec<usize> = (0..self.pieces.len()).filter(|&i| self.pieces[i].after_stop).collect();
         starts.push(self.pieces.len());
@@ -210,7 +208,7 @@ impl Piece {
         self.begin + self.length
     }
 
-    /// `q(s)` (m, rad; one per joint); exactly `end` at the end of the piece.
+    /// Returns `q(s)` (m, rad; one per joint); exactly `end` at the end of the piece.
     pub fn position(&self, s: f64) -> Vec<f64> {
         let sigma = (s - self.begin).clamp(0.0, self.length);
         if sigma >= self.length {
@@ -218,7 +216,7 @@ impl Piece {
         }
         let ratio = sigma / self.length;
         match &self.turn {
-            // Rounding must not lead past an end, which may lie at a limit of the joint.
+            // Rounding must not exceed an end, which may lie at a joint limit.
             None => (self.origin.iter().zip(&self.end))
                 .map(|(a, b)| (a + (b - a) * ratio).clamp(a.min(*b), a.max(*b)))
                 .collect(),
@@ -231,7 +229,7 @@ impl Piece {
         }
     }
 
-    /// The derivatives of one joint at `s`.
+    /// Returns the derivatives of one joint at `s`.
     pub fn derivatives(&self, joint: usize, s: f64) -> Derivatives {
         let slope = self.slope[joint];
         let Some(turn) = self.turn.as_ref().map(|turn| turn[joint]) else {
@@ -246,7 +244,7 @@ impl Piece {
         }
     }
 
-    /// Bounds on the absolute derivatives of one joint along the piece, which they reach.
+    /// Returns tight bounds of the absolute derivatives of one joint along the piece.
     pub fn greatest(&self, joint: usize) -> Derivatives {
         let first = self.slope[joint].abs();
         let Some(turn) = self.turn.as_ref().map(|turn| turn[joint]) else {
@@ -260,7 +258,7 @@ impl Piece {
     }
 }
 
-/// The edges that have a length.
+/// Returns the edges of non-zero length.
 fn edges(path: &[Vec<f64>], velocity: &[f64]) -> Vec<Edge> {
     let mut edges = Vec::new();
     let mut from = 0;

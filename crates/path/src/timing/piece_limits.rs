@@ -8,24 +8,24 @@ use crate::timing::path_curve::{PathCurve, Piece};
 /// Limits on one piece of a curve.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct PieceLimits {
-    /// Per joint, in its unit/s.
+    /// Velocity limit of each joint, in its unit/s.
     pub velocity: Vec<f64>,
-    /// Per joint, in its unit/s².
+    /// Acceleration limit of each joint, in its unit/s².
     pub acceleration: Vec<f64>,
-    /// Per joint, in its unit/s³; infinite where jerk is not limited.
+    /// Jerk limit of each joint, in its unit/s³; infinite if jerk is not limited.
     pub jerk: Vec<f64>,
-    /// Greatest `ṡ`.
+    /// Maximum `ṡ`.
     pub most_speed: f64,
-    /// Greatest absolute value of `s̈`.
+    /// Maximum absolute value of `s̈`.
     pub most_acceleration: f64,
 }
 
-/// Limits of the edges of a path besides those of the joints.
+/// Limits of an edge of a path in addition to the joint limits.
 #[derive(Clone, Copy, Debug)]
 pub struct EdgePace {
-    /// Limits that were asked for.
+    /// Requested limits.
     pub pace: Pace,
-    /// Share of the speed: velocities, that of the tool too, have it, accelerations the square of it, jerks the cube.
+    /// Speed factor: velocities, including that of the tool, scale with it, accelerations with its square, jerks with its cube.
     pub share: f64,
 }
 
@@ -36,7 +36,7 @@ impl Default for EdgePace {
 }
 
 impl PieceLimits {
-    /// Those of each piece of a curve, by the paces of the edges of its path (none: no further limits).
+    /// Returns the limits of each piece of a curve, given the paces of the edges of its path (none: no further limits).
     pub fn all_of(
         curve: &PathCurve,
         limits: &MotionLimits,
@@ -76,7 +76,7 @@ impl PieceLimits {
         }
     }
 
-    /// The greatest `|s̈|` and `ṡ²` on a piece by the limits of the joints.
+    /// Returns the greatest `|s̈|` and `ṡ²` on a piece under the joint limits.
     pub fn greatest_rates(&self, piece: &Piece) -> [f64; 2] {
         let rates = (0..self.velocity.len()).map(|joint| (piece.greatest(joint), joint));
         let of_joint = rates.map(|(most, joint)| {
@@ -88,15 +88,15 @@ impl PieceLimits {
         })
     }
 
-    /// Velocity, acceleration and jerk of a joint.
+    /// Returns the limits of velocity, acceleration and jerk of a joint.
     pub fn of_joint(&self, joint: usize) -> [f64; 3] {
         [self.velocity[joint], self.acceleration[joint], self.jerk[joint]]
     }
 }
 
-/// A bound on `|dp/ds|` of the origin of the gripper frame along a piece, in metres per unit of `s`, as [`greatest_slope`] has
-/// it, with `|d²p/ds²| ≤ Σ_i Σ_j |q_i'| |q_j'| r + Σ_j |q_j''| r`, where r bounds the distance of the origin from every
-/// axis of a joint that turns (`∂²p/∂q_i∂q_j = a_i × (a_j × (p − o_j))`).
+/// Returns an upper bound of `|dp/ds|` of the origin of the gripper frame along a piece, in metres per unit of `s`, by
+/// [`greatest_slope`] with `|d²p/ds²| ≤ Σ_i Σ_j |q_i'| |q_j'| r + Σ_j |q_j''| r`, where r bounds the distance of the origin
+/// from every axis of a revolute joint (`∂²p/∂q_i∂q_j = a_i × (a_j × (p − o_j))`).
 fn greatest_tool_slope(robot: &Robot, piece: &Piece) -> f64 {
     /// Step of the difference quotient, as a share of the piece.
     const STEP: f64 = 1e-5;
@@ -111,8 +111,8 @@ fn greatest_tool_slope(robot: &Robot, piece: &Piece) -> f64 {
     greatest_slope(piece, (first * first + second) * tip_reach_m(robot), slope)
 }
 
-/// A bound on `|ω|`, `ω = Σ_j q_j' a_j`, with which the gripper frame turns along a piece, in radians per unit of `s`, as
-/// [`greatest_slope`] has it, with `|dω/ds| ≤ Σ_i Σ_j |q_i'| |q_j'| + Σ_j |q_j''|`.
+/// Returns an upper bound of the rate `|ω|`, `ω = Σ_j q_j' a_j`, at which the gripper frame turns along a piece, in radians per
+/// unit of `s`, by [`greatest_slope`] with `|dω/ds| ≤ Σ_i Σ_j |q_i'| |q_j'| + Σ_j |q_j''|`.
 fn greatest_turn_slope(robot: &Robot, piece: &Piece) -> f64 {
     let movers = robot.ancestors(robot.tip());
     let most = movers.iter().map(|mover| mover.multiplier.abs()).fold(1.0, f64::max);
@@ -129,16 +129,16 @@ fn greatest_turn_slope(robot: &Robot, piece: &Piece) -> f64 {
     greatest_slope(piece, first * first + second, turn)
 }
 
-/// Sums of the greatest absolute first and second derivatives of all joints along a piece.
+/// Returns the sums of the greatest absolute first and second derivatives of all joints along a piece.
 fn rate_sums(piece: &Piece) -> [f64; 2] {
     let most = (0..piece.slope.len()).map(|joint| piece.greatest(joint));
     most.fold([0.0; 2], |[first, second], most| [first + most.first, second + most.second])
 }
 
-/// A bound on a slope along a piece, at most 1 % above the truth unless that takes more than 1024 samples.
+/// Returns an upper bound of a slope along a piece, at most 1 % above the true value unless that takes more than 1024 samples.
 ///
-/// At samples δ apart no point of the piece is farther than δ/2 from one, so the bound is the greatest sample plus δ/2 times
-/// `bend`, a bound on the change of the slope.
+/// With samples δ apart, no point of the piece is farther than δ/2 from a sample. The bound is therefore the greatest sample
+/// plus δ/2 times `bend`, a bound of the derivative of the slope.
 fn greatest_slope(piece: &Piece, bend: f64, mut slope: impl FnMut(f64) -> f64) -> f64 {
     const MOST_SAMPLES: u32 = 1024;
     const EXCESS: f64 = 0.01;
@@ -157,8 +157,8 @@ fn greatest_slope(piece: &Piece, bend: f64, mut slope: impl FnMut(f64) -> f64) -
     }
 }
 
-/// A bound on the distance of the origin of the gripper frame from the axis of any joint that turns, times how much the
-/// joint's value turns it, at any configuration, in metres; at least 1, for joints that slide.
+/// Returns an upper bound of the distance of the origin of the gripper frame from the axis of any revolute joint, times the
+/// multiplier of the joint, at any configuration, in metres; at least 1, for prismatic joints.
 fn tip_reach_m(robot: &Robot) -> f64 {
     let frames = robot.frames_at(&vec![0.0; robot.dof()]);
     let origin = |link: usize| frames.link(link).translation.vector;

@@ -8,35 +8,35 @@ use crate::timing::rounding::{CurveProof, CurvedPath};
 /// Way points and rounded corners of a path.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RefinedPath {
-    /// One value per joint each (m, rad).
+    /// Way points, one value per joint each (m, rad).
     pub waypoints: Vec<Vec<f64>>,
-    /// Its corners, by their way points, ascending.
+    /// Rounded corners, by their way points, ascending.
     pub corners: Vec<RoundedCorner>,
 }
 
-/// A step of way points that is tried, in seconds at full speed of the fastest joint: at first, and at least.
+/// Initial and minimum step of way points, in seconds at full speed of the fastest joint.
 const FIRST_STEP_S: f64 = 0.1;
 const LEAST_STEP_S: f64 = 2e-3;
 
-/// Steps that are tried along a direction, as factors of the last that succeeded there.
+/// Steps tried along a direction, as factors of the last successful step.
 const FACTORS: [f64; 4] = [2.0, 1.0, 0.5, 0.25];
 
-/// Most rounds over all way points; a round that saves less than this share of the time is the last.
+/// Maximum number of rounds over all way points; a round that saves less than `LEAST_GAIN` of the time is the last.
 const MOST_ROUNDS: usize = 12;
 const LEAST_GAIN: f64 = 2e-3;
 
-/// Proofs of one step that are tried, and the share of the time that a step must save for one.
+/// Maximum number of proofs per step, and minimum share of the time that a step must save for a proof.
 const MOST_PROOFS: usize = 2;
 const WORTH_A_PROOF: f64 = 1e-3;
 
-/// Steps aside that are tried where something is in the way, and their size as a share of the step.
+/// Maximum number of sideways steps tried at an obstacle, and their size as a share of the step.
 const MOST_ASIDE: usize = 3;
 const ASIDE: f64 = 0.5;
 
 impl CurvedPath<'_> {
-    /// The path with its corners rounded ([`Self::rounded`]), and way points moved to where the whole takes less time: descent
-    /// along the gradient of the duration by each way point for which `may_move`, one after the other. Each step is proven, edges
-    /// and corners, before it is taken.
+    /// Returns the path with rounded corners ([`Self::rounded`]) and with way points moved to reduce the duration: gradient
+    /// descent of the duration at each way point for which `may_move`, one after the other. Each step is proven, edges and
+    /// corners, before it is taken.
     pub fn refined(
         &self,
         limits: &MotionLimits,
@@ -77,7 +77,7 @@ impl CurvedPath<'_> {
     }
 }
 
-/// A path whose way points move.
+/// Path whose way points move.
 struct Descent<'a> {
     path: &'a CurvedPath<'a>,
     limits: &'a MotionLimits,
@@ -85,7 +85,7 @@ struct Descent<'a> {
     /// Shares of both edges that the corner at each way point cuts off; 0 for none.
     shares: Vec<[f64; 2]>,
     least_s: f64,
-    /// Whether the corner at each way point is another by now.
+    /// True for each way point whose corner has changed.
     is_touched: Vec<bool>,
     random: Stream,
 }
@@ -123,7 +123,7 @@ impl<'a> Descent<'a> {
         path.duration_s(self.limits, &self.cuts())
     }
 
-    /// The duration with a way point elsewhere.
+    /// Returns the duration with way point `at` moved to `q`.
     fn duration_at_s(&mut self, at: usize, q: &[f64]) -> f64 {
         let was = std::mem::replace(&mut self.waypoints[at], q.to_vec());
         let duration_s = self.duration_s();
@@ -131,12 +131,12 @@ impl<'a> Descent<'a> {
         duration_s
     }
 
-    /// Direction of steepest descent at a way point (m, rad; one per joint), of which the fastest joint takes a second; `None`
-    /// where the duration does not change.
+    /// Returns the direction of steepest descent at a way point (m, rad; one per joint), scaled so that the fastest joint takes
+    /// a second; `None` if the duration does not change.
     fn direction(&mut self, at: usize) -> Option<Vec<f64>> {
         /// Step of the difference quotient, in seconds at full speed.
         const STEP_S: f64 = 1e-3;
-        /// Least slope that counts.
+        /// Minimum slope that counts.
         const LEAST_SLOPE: f64 = 1e-3;
         let here = self.waypoints[at].clone();
         let velocity = self.limits.velocity.clone();
@@ -151,7 +151,7 @@ impl<'a> Descent<'a> {
         is_felt.then(|| slopes.iter().zip(&velocity).map(|(slope, v)| -slope / greatest * v).collect())
     }
 
-    /// Moves a way point, if that saves time and is proven, and returns the step for the next time, in seconds.
+    /// Moves a way point, if that saves time and is proven, and returns the next step to try, in seconds.
     fn step(&mut self, at: usize, step_s: f64, proof: &mut impl CurveProof) -> f64 {
         let Some(direction) = self.direction(at) else { return 0.0 };
         let here = self.waypoints[at].clone();
@@ -174,7 +174,7 @@ impl<'a> Descent<'a> {
             }
             longest_s = step_s;
         }
-        // Past what is in the way, by joints that the time does not depend on.
+        // Random sideways steps may pass the obstacle with joints that do not affect the duration.
         if longest_s.is_finite() {
             for _ in 0..MOST_ASIDE {
                 let aside: Vec<f64> = self
@@ -194,7 +194,7 @@ impl<'a> Descent<'a> {
         0.5 * step_s
     }
 
-    /// Moves a way point to where the whole takes this time, if that is proven.
+    /// Moves a way point and records the new duration, if that is proven.
     fn takes(&mut self, at: usize, (q, duration_s): (Vec<f64>, f64), proof: &mut impl CurveProof) -> bool {
         let was = std::mem::replace(&mut self.waypoints[at], q);
         let is_taken = self.is_proven(at, proof);
@@ -207,7 +207,7 @@ impl<'a> Descent<'a> {
         is_taken
     }
 
-    /// Proves all that a way point is part of.
+    /// Returns true if all edges and corners that a way point affects are proven.
     fn is_proven(&self, at: usize, proof: &mut impl CurveProof) -> bool {
         let edge = |edge: usize| [&self.waypoints[edge][..], &self.waypoints[edge + 1][..]];
         let corners = self.corners();

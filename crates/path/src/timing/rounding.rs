@@ -9,45 +9,46 @@ use crate::timing::s_curve::s_curve;
 use crate::timing::time_law::TimeLaw;
 use crate::timing::time_optimal::time_optimal;
 
-/// A path as a trajectory runs along it.
+/// Path as a trajectory executes it.
 #[derive(Clone, Copy, Debug)]
 pub struct CurvedPath<'a> {
     /// Way points: one value per joint each (m, rad).
     pub waypoints: &'a [Vec<f64>],
-    /// Corners that are rounded, by their way points in the path, ascending; at others there is a stop.
+    /// Rounded corners, by their way points in the path, ascending; at all other corners the robot stops.
     pub corners: &'a [RoundedCorner],
-    /// Limits of each edge besides those of the joints; none: no further limits.
+    /// Limits of each edge in addition to the joint limits; none: no further limits.
     pub paces: &'a [EdgePace],
-    /// The robot, whose tool's speed is limited; `None`: it is not.
+    /// Robot whose tool speed is limited; `None`: no limit.
     pub robot: Option<&'a Robot>,
-    /// The drives of this robot, whose forces are limited; `None`: they are not.
+    /// Drives of this robot, whose forces are limited; `None`: no limit.
     pub drives: Option<&'a Drives>,
 }
 
-/// Proofs that a curved path may be changed.
+/// Proof that a curved path may be changed.
 pub trait CurveProof {
-    /// Whether an edge of the path, by its number, may lead between these ends (m, rad; one value per joint).
+    /// Returns true if edge `edge` of the path may connect these ends (m, rad; one value per joint).
     fn edge(&mut self, edge: usize, ends: [&[f64]; 2]) -> bool;
 
-    /// Whether a corner at a way point may have these control points ([`RoundedCorner`]; m, rad; one value per joint).
+    /// Returns true if the corner at a way point may have these control points ([`RoundedCorner`]; m, rad; one value per
+    /// joint).
     fn corner(&mut self, waypoint: usize, control_points: &[Vec<f64>; 5]) -> bool;
 }
 
 impl<'a> CurvedPath<'a> {
-    /// A path with a stop at each corner, through way points (m, rad; one value per joint).
+    /// Creates a path with a stop at each corner, through way points (m, rad; one value per joint).
     pub fn stopping(waypoints: &'a [Vec<f64>]) -> Self {
         Self { waypoints, corners: &[], paces: &[], robot: None, drives: None }
     }
 
-    /// Its corners, each rounded as serves the time best among the sizes that `proven` accepts ([`CurveProof::corner`]; control points
-    /// in m, rad, one value per joint). Corners of this path are disregarded.
+    /// Returns the corners of the path, each rounded for minimum duration among the sizes that `proven` accepts
+    /// ([`CurveProof::corner`]; control points in m, rad, one value per joint). Rounded corners of this path are ignored.
     ///
-    /// 1. The largest proven share of both edges of each corner: greatest first, then halved, with two steps of bisection.
-    /// 2. Descent along what each corner cuts off either edge, one after the other, as long as the whole takes less time.
-    /// 3. Proof of each corner that became smaller; of half of it where it is not proven, and so on.
+    /// 1. Finds the largest proven share of both edges of each corner, by halving from the greatest and two steps of bisection.
+    /// 2. Descends in the lengths that each corner cuts off its edges, one after the other, as long as the duration decreases.
+    /// 3. Proves each corner that became smaller; if that fails, half of it, and so on.
     ///
-    /// A large corner is run through faster, but leaves less of its edges to gain speed on; and one that cuts off more of one
-    /// edge than of the other is a change of speed. Where the path turns back, a stop may be faster than any smooth corner.
+    /// A large corner is passed faster, but leaves less of its edges to accelerate on. A corner that cuts off more of one edge
+    /// than of the other changes the speed. Where the path turns back, a stop may be faster than any smooth corner.
     pub fn rounded(
         &self,
         limits: &MotionLimits,
@@ -80,15 +81,15 @@ impl<'a> CurvedPath<'a> {
         self.with_cuts(limits, &cuts)
     }
 
-    /// The corners that have these cuts, one per way point.
+    /// Returns the corners with these cuts, one per way point.
     pub(crate) fn with_cuts(&self, limits: &MotionLimits, cuts: &[Cuts]) -> Vec<RoundedCorner> {
         let corners = PathCurve::corners(self.waypoints, &limits.velocity).into_iter();
         let rounded = corners.filter(|corner| cuts[corner.waypoint][0] > 0.0);
         rounded.map(|corner| corner.rounded(cuts[corner.waypoint])).collect()
     }
 
-    /// Improves what each corner cuts off its edges: 2. of [`Self::rounded`]. Cuts that are larger than `proven` are proven
-    /// first; smaller ones are not yet.
+    /// Improves the cuts of each corner, step 2 of [`Self::rounded`]. Larger cuts than `proven` are proven first, smaller ones
+    /// later.
     fn descend(
         &self,
         limits: &MotionLimits,
@@ -98,14 +99,14 @@ impl<'a> CurvedPath<'a> {
         accepts: &mut impl FnMut(&Corner, Cuts) -> bool,
     ) {
         const MOST_ROUNDS: usize = 4;
-        /// A round that saves less than this share of the time is the last; for less no proof is tried.
+        /// Minimum share of the time that a round must save for another one, and that a change must save for a proof.
         const LEAST_GAIN: f64 = 1e-3;
-        /// A corner whose size changes the time by less than this share is left as it is.
+        /// Change of the duration, as a share, below which a corner is left unchanged.
         const NO_CHANGE: f64 = 1e-6;
         for round in 0..MOST_ROUNDS {
             let before_s = *least_s;
             for (index, corner) in corners.iter().enumerate() {
-                // What its neighbours leave of its edges.
+                // Lengths of its edges that its neighbours leave.
                 let left = |other: Option<&Corner>, side: usize| {
                     let taken = other.filter(|other| other.waypoint.abs_diff(corner.waypoint) == 1);
                     corner.lengths[side] * LARGEST_SHARE
@@ -145,10 +146,10 @@ impl<'a> CurvedPath<'a> {
         }
     }
 
-    /// The duration with these cuts, but for limits of the speed of the tool and of the drives: costly to bound, they limit the
-    /// same edges whatever the corners.
+    /// Returns the duration with these cuts, without the limits of tool speed and drives: these are costly to bound, and limit
+    /// the same edges with any corners.
     ///
-    /// Infinite where uneven corners add up to a scale of `s` with which rounding would be felt.
+    /// Returns infinity if uneven corners multiply to a scale of `s` that would amplify rounding errors.
     pub(crate) fn duration_s(&self, limits: &MotionLimits, cuts: &[Cuts]) -> f64 {
         const MOST_SCALE: f64 = 4096.0;
         let mut scale = 1.0;
@@ -167,13 +168,13 @@ fn is_same(a: Cuts, b: Cuts) -> bool {
     a.map(f64::to_bits) == b.map(f64::to_bits)
 }
 
-/// Most halvings of a corner that descent made smaller than a proven one, and that is not proven itself.
+/// Maximum number of halvings of a corner that descent made smaller than a proven one and that is not proven itself.
 const FINAL_HALVINGS: i32 = 4;
 
-/// Factors of both cuts of a corner that are tried.
+/// Factors of both cuts of a corner to try.
 const STEPS: &[[f64; 2]] = &[[1.25, 1.0], [1.0, 1.25], [0.8, 1.0], [1.0, 0.8], [0.8, 0.8], [1.25, 1.25]];
 
-/// Factors that are tried in the first round.
+/// Factors to try in the first round.
 const FIRST_STEPS: &[[f64; 2]] = &[
     [0.5, 0.5],
     [0.5, 0.5],
@@ -188,7 +189,7 @@ const FIRST_STEPS: &[[f64; 2]] = &[
     [0.0, 0.0],
 ];
 
-/// The law of time along a curve by a method.
+/// Returns the time law along a curve by a method.
 pub(crate) fn law(curve: &PathCurve, method: TimingMethod, limits: &[PieceLimits]) -> TimeLaw {
     match method {
         TimingMethod::TimeOptimal => time_optimal(curve, limits),
@@ -196,7 +197,7 @@ pub(crate) fn law(curve: &PathCurve, method: TimingMethod, limits: &[PieceLimits
     }
 }
 
-/// The greatest found share of its edges up to a half with which a corner is proven; 0 for none.
+/// Returns the largest share of its edges found, up to a half, with which a corner is proven; 0 for none.
 fn proven_share(mut is_proven: impl FnMut(f64) -> bool) -> f64 {
     const GREATEST: f64 = 0.49;
     const HALVINGS: usize = 6;

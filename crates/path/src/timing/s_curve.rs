@@ -4,20 +4,18 @@ use crate::timing::path_curve::{PathCurve, Piece};
 use crate::timing::piece_limits::PieceLimits;
 use crate::timing::time_law::{PathState, TimeLaw};
 
-/// A fast way along `curve` under the limits of velocity, acceleration and jerk of each piece, at rest at every stop.
+/// Returns a fast time law along `curve` under the velocity, acceleration and jerk limits of each piece, at rest at every stop.
 ///
-/// On a line the direction is constant, so the limits of the joints are limits of `ṡ`, `s̈` and `s⃛`, and the fastest
-/// motion between two speeds is the double S (Biagiotti & Melchiorri 2008, §3.4). A rounded corner is run through at
-/// constant speed V, where joint j has the velocity `q'V`, the acceleration `q''V²` and the jerk `q'''V³`: V is the greatest
-/// that keeps all limits at the greatest derivatives of the piece. So acceleration is continuous, and every limit holds at
-/// every instant by formulas, without samples.
+/// On a line the direction is constant, so the joint limits are limits of `ṡ`, `s̈` and `s⃛`, and the fastest motion between
+/// two speeds is the double S (Biagiotti & Melchiorri 2008, §3.4). A rounded corner is passed at constant speed V, where joint
+/// j has the velocity `q'V`, the acceleration `q''V²` and the jerk `q'''V³`. V is the greatest speed that keeps all limits at
+/// the greatest derivatives of the piece. Acceleration is thus continuous, and every limit holds in closed form.
 ///
-/// 1. Neighbouring lines with the same limits are one span, and each rounded corner one.
-/// 2. Speeds at the nodes between spans: forward, then backward, no greater than what can be reached along a span.
-/// 3. In each span the double S between the speeds at its nodes.
+/// 1. Neighbouring lines with the same limits form one span, each rounded corner another.
+/// 2. The speeds at the nodes between spans are limited, forward and then backward, to those reachable along a span.
+/// 3. Each span gets the double S between the speeds at its nodes.
 ///
-/// Speeds at the nodes are as great as can be, with no acceleration there: the fastest motion of all may accelerate in a
-/// corner.
+/// The speeds at the nodes are as great as possible with zero acceleration there. The time optimum may accelerate in a corner.
 pub(crate) fn s_curve(curve: &PathCurve, limits: &[PieceLimits]) -> TimeLaw {
     let mut law = TimeLaw::default();
     for run in curve.runs() {
@@ -33,14 +31,14 @@ pub(crate) fn s_curve(curve: &PathCurve, limits: &[PieceLimits]) -> TimeLaw {
     law
 }
 
-/// Pieces between two nodes, at whose ends nothing accelerates.
+/// Pieces between two nodes with zero acceleration.
 #[derive(Clone, Debug)]
 struct Span {
     pieces: Range<usize>,
     begin: f64,
     length: f64,
     is_rounded: bool,
-    /// Greatest `ṡ`, `s̈` and `s⃛`.
+    /// Maximum `ṡ`, `s̈` and `s⃛`.
     speed: f64,
     acceleration: f64,
     jerk: f64,
@@ -81,7 +79,7 @@ fn node_speeds(spans: &[Span]) -> Vec<f64> {
     speeds
 }
 
-/// A change of speed: two ramps of the acceleration, and a stretch between them where it is constant.
+/// Change of speed: two ramps of the acceleration, and an interval of constant acceleration between them.
 #[derive(Clone, Copy, Debug)]
 struct Change {
     from: f64,
@@ -100,7 +98,7 @@ impl Change {
         0.5 * (self.from + self.to) * self.duration_s()
     }
 
-    /// The phases forward from `s`, the speed growing.
+    /// Returns the phases forward from `s`, with growing speed.
     fn phases(&self, s: f64) -> [(f64, PathState, f64); 3] {
         let begin = PathState { s, speed: self.from, acceleration: 0.0 };
         let ramped = begin.after(self.ramp_s, self.jerk);
@@ -135,7 +133,7 @@ impl Span {
         span
     }
 
-    /// The fastest change between two speeds.
+    /// Returns the fastest change between two speeds.
     fn change(&self, from: f64, to: f64) -> Change {
         let difference = to - from;
         let (jerk, acceleration) = (self.jerk, self.acceleration);
@@ -147,7 +145,7 @@ impl Span {
         Change { from, to, ramp_s, constant_s, jerk }
     }
 
-    /// The greatest speed up to `most` at one node where that at the other is `from`.
+    /// Returns the greatest speed up to `most` at one node if the speed at the other is `from`.
     fn reached(&self, from: f64, most: f64) -> f64 {
         if most <= from || self.is_rounded {
             return most.min(from);
@@ -169,7 +167,7 @@ impl Span {
         rise.phases(self.begin).into_iter().for_each(&mut push);
         let cruise = self.length - rise.length() - fall.length();
         let risen = PathState { s: self.begin + rise.length(), speed: peak, acceleration: 0.0 };
-        // What rounding leaves is no stretch.
+        // A remainder due to rounding is not a phase.
         if cruise > 1e-12 * self.length {
             push((cruise / peak, risen, 0.0));
         }
@@ -183,11 +181,11 @@ impl Span {
     }
 }
 
-/// The greatest value from `low` to `high` at which `excess`, which grows, is not above 0, as it is at `low`; by regula
-/// falsi (Illinois) within brackets.
+/// Returns the greatest value from `low` to `high` at which the increasing function `excess` is not above 0, as it is at `low`,
+/// by regula falsi (Illinois) within brackets.
 fn greatest(low: f64, high: f64, excess: impl Fn(f64) -> f64) -> f64 {
     const MOST_STEPS: u32 = 100;
-    /// An excess that rounding leaves.
+    /// Excess that counts as zero, due to rounding.
     const NONE: f64 = 1e-14;
     let mut above = excess(high);
     if above <= 0.0 {
@@ -203,7 +201,7 @@ fn greatest(low: f64, high: f64, excess: impl Fn(f64) -> f64) -> f64 {
         }
         let found = excess(middle);
         let is_below = found <= 0.0;
-        // The end that stays a second time counts half, lest it stay for ever.
+        // An end that is kept a second time counts half, otherwise it could stay forever.
         let half = if was_below == Some(is_below) { 0.5 } else { 1.0 };
         if is_below {
             (low, below, above) = (middle, found, half * above);
@@ -236,9 +234,8 @@ mod tests {
         law(&span(length, speed, acceleration, jerk), [0.0, 0.0]).duration_s
     }
 
-    /// Published: Biagiotti & Melchiorri 2008, example 3.9 comes to rest within the same limits (`h = 10`,
-    /// `v = 5`, `a = 10`, `j = 30`) with `T_j = 0.333` and `T_d = 0.833`; from rest to rest the rise takes as
-    /// long.
+    /// Compares with published values: Biagiotti & Melchiorri 2008, example 3.9 comes to rest within the same limits (`h = 10`,
+    /// `v = 5`, `a = 10`, `j = 30`) with `T_j = 0.333` and `T_d = 0.833`; from rest the rise takes as long.
     #[test]
     fn the_double_s_has_the_phases_of_the_closed_form() {
         let rise = span(10.0, 5.0, 10.0, 30.0).change(0.0, 5.0);
@@ -246,7 +243,7 @@ mod tests {
         assert!((duration_s(10.0, 5.0, 10.0, 30.0) - (5.0 / 3.0 + 7.0 / 6.0)).abs() < 1e-12);
         // Jerk alone: four ramps of ∛(L/2j).
         assert!((duration_s(2.0, 1e9, 1e9, 1.0) - 4.0).abs() < 1e-9);
-        // With jerk without limit the trapezoid is left: L/v + v/a.
+        // Without a jerk limit the trapezoid remains: L/v + v/a.
         assert!((duration_s(3.0, 1.0, 2.0, 1e9) - 3.5).abs() < 1e-6);
     }
 

@@ -2,27 +2,27 @@ use std::ops::Range;
 
 use crate::timing::path_curve::PathCurve;
 
-/// How a path is run through: `s(t)`, phase by phase a polynomial of third degree.
+/// Time law `s(t)` along a path: a cubic polynomial per phase.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct TimeLaw {
     pub phases: Vec<Phase>,
     pub duration_s: f64,
 }
 
-/// A stretch of time with constant jerk.
+/// Time interval of constant jerk.
 #[derive(Clone, Debug)]
 pub(crate) struct Phase {
-    /// The pieces of the curve that it runs through.
+    /// Pieces of the curve that it covers.
     pub pieces: Range<usize>,
     pub begin_s: f64,
     pub duration_s: f64,
-    /// At the beginning.
+    /// State at the beginning.
     pub state: PathState,
     /// `d³s/dt³`.
     pub jerk: f64,
 }
 
-/// Where on a path, and how fast: `s` (from the last stop), `ds/dt`, `d²s/dt²`.
+/// State on a path: `s` (from the last stop), `ds/dt`, `d²s/dt²`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct PathState {
     pub s: f64,
@@ -31,7 +31,7 @@ pub(crate) struct PathState {
 }
 
 impl PathState {
-    /// The state after `t` seconds of constant `jerk`.
+    /// Returns the state after `t` seconds of constant `jerk`.
     pub fn after(&self, t: f64, jerk: f64) -> Self {
         Self {
             s: self.s + t * (self.speed + t * (0.5 * self.acceleration + t * jerk / 6.0)),
@@ -42,7 +42,7 @@ impl PathState {
 }
 
 impl TimeLaw {
-    /// Adds a phase after the others; one of no duration is left out.
+    /// Appends a phase; a phase of zero duration is left out.
     pub fn push(&mut self, pieces: Range<usize>, duration_s: f64, state: PathState, jerk: f64) {
         if duration_s > 0.0 {
             self.phases.push(Phase { pieces, begin_s: self.duration_s, duration_s, state, jerk });
@@ -50,7 +50,7 @@ impl TimeLaw {
         }
     }
 
-    /// The same, run through `factor` times as slowly.
+    /// Returns this law slowed down by `factor`.
     pub fn slowed(mut self, factor: f64) -> Self {
         self.duration_s *= factor;
         for phase in &mut self.phases {
@@ -63,8 +63,7 @@ impl TimeLaw {
         self
     }
 
-    /// The piece and the state at time `t`, kept within the pieces of the phase; `None` outside
-    /// [0, duration).
+    /// Returns the piece and the state at time `t`, clamped to the pieces of the phase; `None` outside [0, duration).
     pub fn at(&self, t: f64, curve: &PathCurve) -> Option<(usize, PathState)> {
         if !(0.0..self.duration_s).contains(&t) {
             return None;
@@ -78,9 +77,9 @@ impl TimeLaw {
         Some((phase.pieces.start + piece, state))
     }
 
-    /// When `s` on piece `piece` is reached.
+    /// Returns the time at which `s` on piece `piece` is reached, in seconds.
     pub fn time_of(&self, piece: usize, s: f64) -> f64 {
-        // The last phase that begins there or before.
+        // The last phase that begins at or before that point.
         let is_before = |phase: &Phase| {
             phase.pieces.end <= piece || (phase.pieces.contains(&piece) && phase.state.s <= s)
         };
@@ -89,7 +88,7 @@ impl TimeLaw {
         if phase.state.s >= s {
             return phase.begin_s;
         }
-        // Halved until neighbouring numbers are left.
+        // After this number of halvings only neighbouring numbers are left.
         const HALVINGS: u32 = 60;
         for _ in 0..HALVINGS {
             let middle = 0.5 * (low + high);

@@ -2,28 +2,27 @@ use crate::timing::path_curve::{Derivatives, PathCurve, Piece};
 use crate::timing::piece_limits::PieceLimits;
 use crate::timing::time_law::{PathState, TimeLaw};
 
-/// The fastest way along `curve` under the limits of velocity and acceleration, at rest at every stop
-/// (TOPP-RA: Pham & Pham 2018, §IV).
+/// Returns the fastest time law along `curve` under the limits of velocity and acceleration, at rest at every stop (TOPP-RA:
+/// Pham & Pham 2018, §IV).
 ///
-/// With `x = ṡ²` and `u = s̈` the acceleration of joint j is `q_j'(s)·u + q_j''(s)·x`, and over a stage of
-/// length Δ with constant u, `x` grows by `2Δu`.
+/// With `x = ṡ²` and `u = s̈` the acceleration of joint j is `q_j'(s)·u + q_j''(s)·x`. Over a stage of length Δ, `x` grows by
+/// `2Δu`.
 ///
-/// 1. The path is cut into stages: a line is one, a rounded corner many.
-/// 2. Backward, the controllable sets: from which `x` can the end of a stage be reached within its own set?
-///    Since every limit is symmetric, rest is always among them, so a set is [0, `greatest`].
-/// 3. Forward, greedily the greatest `x` that stays controllable.
-/// 4. Again with less of the limits of acceleration in corners, if one can be exceeded between the ends of a stage.
+/// 1. The path is divided into stages: one per line, many per rounded corner.
+/// 2. The backward pass finds the controllable sets: the values of `x` from which the end of a stage can be reached within its
+///    own set. Since every limit is symmetric, rest is always among them, so a set is [0, `greatest`].
+/// 3. The forward pass greedily takes the greatest `x` that stays controllable.
+/// 4. The steps are repeated with reduced acceleration limits in corners, if a limit can be exceeded within a stage.
 ///
-/// On a line the limits of u are constant, so one stage holds the whole optimum: accelerate, cruise,
-/// decelerate. Along a stage of a corner the acceleration `a(s)` of a joint is at most `Δ²/8·sup|d²a/ds²|` from the line
-/// between its values at both ends, which keep the limits. The limit of velocity is taken at the faster end of a stage,
-/// for `q'` grows or falls all the way.
+/// On a line the limits of u are constant, so one stage holds the whole optimum: accelerate, cruise, decelerate. Along a stage
+/// of a corner the acceleration `a(s)` of a joint deviates by at most `Δ²/8·sup|d²a/ds²|` from the line between its values at
+/// both ends, which keep the limits. The velocity limit is taken at the faster end of a stage, because `q'` is monotonic.
 pub(crate) fn time_optimal(curve: &PathCurve, limits: &[PieceLimits]) -> TimeLaw {
     on_grid(curve, limits, STAGES_PER_CORNER)
 }
 
 pub(crate) fn on_grid(curve: &PathCurve, limits: &[PieceLimits], stages_per_corner: u32) -> TimeLaw {
-    /// Repetitions of 4., each with twice the reserve that the one before lacked.
+    /// Maximum number of repetitions in step 4, each with twice the reserve that was missing before.
     const MOST_REPETITIONS: usize = 4;
     let mut used = 1.0;
     let mut law = with_use(curve, limits, stages_per_corner, used);
@@ -39,7 +38,7 @@ pub(crate) fn on_grid(curve: &PathCurve, limits: &[PieceLimits], stages_per_corn
     if excess > 0.0 { law.slowed((1.0 + excess).sqrt()) } else { law }
 }
 
-/// 1. to 3. with a share of the limits of acceleration in corners.
+/// Runs steps 1 to 3 with the share `used` of the acceleration limits in corners.
 fn with_use(curve: &PathCurve, limits: &[PieceLimits], stages_per_corner: u32, used: f64) -> TimeLaw {
     // 1.
     let stages: Vec<Stage> = curve
@@ -71,7 +70,7 @@ fn with_use(curve: &PathCurve, limits: &[PieceLimits], stages_per_corner: u32, u
     law
 }
 
-/// By how much accelerations can exceed their limits in corners, as a share of them; negative if they cannot.
+/// Returns the greatest relative excess of accelerations over their limits in corners; negative if there is none.
 fn excess(curve: &PathCurve, limits: &[PieceLimits], law: &TimeLaw) -> f64 {
     let mut most = -1.0_f64;
     for phase in &law.phases {
@@ -93,34 +92,33 @@ fn excess(curve: &PathCurve, limits: &[PieceLimits], law: &TimeLaw) -> f64 {
     most
 }
 
-/// Stages of a rounded corner. What this takes longer than a grid without limit is below a hundredth, where corners
-/// are rounded as far as can be, and falls with the number of stages.
+/// Number of stages per rounded corner. The time lost against an infinitely fine grid is below a hundredth for corners of
+/// maximum size, and falls with the number of stages.
 const STAGES_PER_CORNER: u32 = 256;
 
-/// A slope below this part of its change over a stage is none: near such a turning point of a joint the
-/// bounds of u that its row gives are differences of large numbers. What is ignored is a hundredth of what
-/// limits keep in reserve.
+/// Slope, relative to its change over a stage, that counts as zero. Near such a turning point of a joint, its row gives bounds
+/// of u that are differences of large numbers. The error is a hundredth of the reserve kept by the limits.
 const NO_SLOPE: f64 = 1e-7;
 
-/// A stretch of the path with its limits.
+/// Section of the path with its limits.
 struct Stage {
     piece: usize,
     after_stop: bool,
     begin: f64,
     length: f64,
-    /// The greatest `x` that the limits of velocity allow on it.
+    /// Greatest `x` that the velocity limits allow on it.
     cap: f64,
     rows: Rows,
 }
 
 enum Rows {
-    /// On a line: `|u| ≤ acceleration`.
+    /// Line: `|u| ≤ acceleration`.
     Line { acceleration: f64 },
-    /// On a rounded corner, at both ends of the stage.
+    /// Rounded corner: constraints at both ends of the stage.
     Corner(Vec<Row>),
 }
 
-/// `|bend·x + slope·u| ≤ limit`, with `slope` ≥ 0.
+/// Constraint `|bend·x + slope·u| ≤ limit`, with `slope` ≥ 0.
 #[derive(Clone, Copy, Debug)]
 struct Row {
     bend: f64,
@@ -128,7 +126,7 @@ struct Row {
     limit: f64,
 }
 
-/// A bound of u that is linear in x: its value at the x in question, and its slope.
+/// Bound of u that is linear in x: its value at the current x, and its slope.
 #[derive(Clone, Copy, Debug)]
 struct Bound {
     value: f64,
@@ -178,7 +176,7 @@ impl Stage {
         (0..stages).map(stage).collect()
     }
 
-    /// The greatest `x` up to `cap` at the beginning from which some admissible u leads to at most `end`.
+    /// Returns the greatest `x` up to `cap` at the beginning from which some admissible u leads to at most `end`.
     fn greatest_begin(&self, cap: f64, end: f64) -> f64 {
         let rows = match &self.rows {
             Rows::Line { acceleration } => return cap.min(end + 2.0 * acceleration * self.length),
@@ -186,8 +184,8 @@ impl Stage {
         };
         let flat = rows.iter().filter(|row| row.slope <= 0.0 && row.bend != 0.0);
         let mut x = flat.map(|row| row.limit / row.bend.abs()).fold(cap, f64::min);
-        // The gap between the bounds of u is concave in x and not negative at 0: Newton from above ends at
-        // its root after at most one step for each row.
+        // The gap between the bounds of u is concave in x and not negative at 0. Newton steps from above reach its root after
+        // at most one step per row.
         for _ in 0..2 * rows.len() + 2 {
             let (lower, upper) = self.bounds(rows, x, end);
             let gap = upper.value - lower.value;
@@ -200,7 +198,7 @@ impl Stage {
         x
     }
 
-    /// The bounds of u at `x`, with `x + 2Δu` in [0, `end`].
+    /// Returns the bounds of u at `x`, with `x + 2Δu` in [0, `end`].
     fn bounds(&self, rows: &[Row], x: f64, end: f64) -> (Bound, Bound) {
         let slope = -0.5 / self.length;
         let mut lower = Bound { value: slope * x, slope };
@@ -218,7 +216,7 @@ impl Stage {
         (lower, upper)
     }
 
-    /// Runs the stage from `x` to the greatest value up to `end` and returns that.
+    /// Runs the stage from `x` to the greatest value up to `end`, and returns that value.
     fn run(&self, x: f64, end: f64, law: &mut TimeLaw) -> f64 {
         match &self.rows {
             Rows::Line { acceleration } => self.run_line(x, end, *acceleration, law),
@@ -234,7 +232,7 @@ impl Stage {
     fn run_line(&self, x: f64, end: f64, acceleration: f64, law: &mut TimeLaw) -> f64 {
         let reached = end.min(x + 2.0 * acceleration * self.length);
         let least = 0.5 * (reached - x) / acceleration;
-        // Where acceleration and deceleration meet, unless the limit of velocity comes first.
+        // Value at which acceleration and deceleration meet, unless the velocity limit comes first.
         let peak = 0.5 * (x + reached) + acceleration * self.length;
         let (peak, rise, fall) = if peak > self.cap {
             (self.cap, 0.5 * (self.cap - x) / acceleration, 0.5 * (self.cap - reached) / acceleration)
@@ -248,9 +246,9 @@ impl Stage {
         reached
     }
 
-    /// A phase from `offset` on over `length`, with `x` at its ends.
+    /// Appends a phase from `offset` on over `length`, with `x` at its ends.
     fn push(&self, law: &mut TimeLaw, offset: f64, length: f64, (from, to): (f64, f64)) {
-        /// Shorter stretches of the path, in seconds at full speed, are rounding.
+        /// Length in seconds at full speed up to which a phase is a rounding error.
         const SHORTEST: f64 = 1e-18;
         if length > SHORTEST {
             let speed = from.max(0.0).sqrt();

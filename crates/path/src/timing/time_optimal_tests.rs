@@ -35,19 +35,19 @@ fn motion_limits() -> MotionLimits {
     limits_by(TimingMethod::TimeOptimal)
 }
 
-/// The cuts of a path: at each corner these, in seconds at full speed, or their reverse, but at most almost half of an edge.
+/// Returns the cuts of a path: `wanted` at each corner, in seconds at full speed, or its reverse, at most almost half an edge.
 fn cuts(path: &[Vec<f64>], limits: &MotionLimits, wanted: Cuts) -> Vec<Cuts> {
     let mut cuts = vec![[0.0; 2]; path.len()];
     for corner in PathCurve::corners(path, &limits.velocity) {
         let mut of = wanted;
-        // All the same way round, they would add up to a scale of ten thousands, and rounding with it.
+        // Without alternation, they would multiply to a scale of ten thousands, and amplify rounding errors.
         of.rotate_left(corner.waypoint % 2);
         cuts[corner.waypoint] = [0, 1].map(|side| of[side].min(0.49 * corner.lengths[side]));
     }
     cuts
 }
 
-/// A trajectory along a path with such cuts.
+/// Returns a trajectory along a path with these cuts.
 fn rounded(path: &[Vec<f64>], limits: &MotionLimits, wanted: Cuts) -> Trajectory {
     let cuts = cuts(path, limits, wanted);
     let corners = PathCurve::corners(path, &limits.velocity);
@@ -56,7 +56,7 @@ fn rounded(path: &[Vec<f64>], limits: &MotionLimits, wanted: Cuts) -> Trajectory
     Trajectory::along_curve(&curved, limits).expect("a trajectory")
 }
 
-/// The limits of each piece of a curve: those of the joints.
+/// Returns the limits of each piece of a curve, from the joint limits alone.
 fn of_pieces(curve: &PathCurve, limits: &MotionLimits) -> Vec<PieceLimits> {
     PieceLimits::all_of(curve, limits, &[], None)
 }
@@ -66,7 +66,7 @@ fn polyline(seed: u64, count: usize) -> Vec<Vec<f64>> {
     (0..count).map(|_| (0..JOINTS).map(|_| stream.uniform_between(-3.0, 3.0)).collect()).collect()
 }
 
-/// The first joint that exceeds a limit along a rounded path sampled at 1 kHz, and when (s).
+/// Returns the first joint that exceeds a limit along a rounded path sampled at 1 kHz, and the time (s).
 fn exceeded(method: TimingMethod, seed: u64, count: usize, wanted: Cuts) -> Option<(usize, f64)> {
     let path = polyline(seed, count);
     let trajectory = rounded(&path, &limits_by(method), wanted);
@@ -98,8 +98,7 @@ fn exceeded(method: TimingMethod, seed: u64, count: usize, wanted: Cuts) -> Opti
     None
 }
 
-/// How much of the limits of acceleration is used at most, at the ends of the stages: between them it is
-/// less.
+/// Returns the greatest used share of the acceleration limits at the ends of the stages; between them it is less.
 fn greatest_use(curve: &PathCurve, limits: &MotionLimits, stages: u32) -> f64 {
     let mut most = 0.0_f64;
     for phase in on_grid(curve, &of_pieces(curve, limits), stages).phases {
@@ -115,8 +114,8 @@ fn greatest_use(curve: &PathCurve, limits: &MotionLimits, stages: u32) -> f64 {
     most
 }
 
-/// In the middle of this corner a joint turns back, on the very edge of a stage but for rounding: its row
-/// there has a slope of 1e-17, and gave bounds of u that were noise.
+/// Checks a corner in whose middle a joint turns back exactly at the edge of a stage, up to rounding. The slope of its row is
+/// 1e-17 there, so that bounds of u from it would be noise.
 #[test]
 fn a_joint_may_turn_back_on_the_edge_of_a_stage() {
     let (limits, path) = (motion_limits(), polyline(15229711017748495913, 4));
@@ -131,7 +130,7 @@ fn a_joint_may_turn_back_on_the_edge_of_a_stage() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 40, failure_persistence: None, ..Default::default() })]
 
-    /// As in `every_limit_holds_at_1_khz`, for curves.
+    /// Checks curves as `every_limit_holds_at_1_khz` checks straight paths.
     #[test]
     fn every_limit_holds_on_rounded_paths(seed in any::<u64>(), count in 3usize..8, size in -4.0..0.5, ratio in -1.0..1.0) {
         for method in [TimingMethod::TimeOptimal, TimingMethod::JerkLimited] {
@@ -140,8 +139,8 @@ proptest! {
         }
     }
 
-    /// Whatever sizes are proven, and at full and at less pace: never slower than a stop at each corner, and corners of the
-    /// sizes that were accepted alone.
+    /// Checks for any proven sizes, at full and at reduced pace, that rounding is never slower than a stop at each corner, and
+    /// that only accepted sizes are used.
     #[test]
     fn rounding_is_never_slower_than_stopping(seed in any::<u64>(), count in 3usize..8, share in 0.1..1.0) {
         let path = polyline(seed, count);
@@ -168,8 +167,8 @@ proptest! {
         }
     }
 
-    /// Never slower than the rounded path; what may not move stays; edges and corners are among those that were accepted, or as they
-    /// were.
+    /// Checks that the result is never slower than the rounded path, that fixed way points stay, and that edges and corners are
+    /// accepted or unchanged.
     #[test]
     fn way_points_move_only_where_that_is_proven_and_saves_time(seed in any::<u64>(), count in 3usize..7, share in 0.1..1.0) {
         let path = polyline(seed, count);
@@ -207,7 +206,7 @@ proptest! {
         prop_assert!(fine <= taken * (1.0 + 1e-5) && taken <= fine * 1.01, "{taken} against {fine}");
     }
 
-    /// The stages of a corner against the closed form of a line.
+    /// Compares the stages of a corner with the closed form of a line.
     #[test]
     fn a_line_taken_as_a_corner_takes_as_long(seed in any::<u64>()) {
         let limits = motion_limits();
@@ -219,7 +218,7 @@ proptest! {
     }
 }
 
-/// Accepts what is small, and keeps it.
+/// Proof that accepts small changes and records them.
 struct Recorded {
     share: f64,
     accepted: Vec<Vec<Vec<f64>>>,
@@ -246,7 +245,7 @@ impl CurveProof for Recorded {
     }
 }
 
-/// The curve in one parameter, for the other implementation.
+/// Curve in one parameter, for the other implementation.
 struct Evaluator(PathCurve);
 
 impl PathEvaluator2nd for Evaluator {
@@ -276,7 +275,7 @@ impl PathEvaluator2nd for Evaluator {
     }
 }
 
-/// The time that `copp`, another TOPP-RA, takes on an even grid.
+/// Returns the duration that `copp`, another implementation of TOPP-RA, finds on an even grid.
 fn other_duration_s(curve: PathCurve, limits: &MotionLimits, stations: usize) -> f64 {
     let end = curve.pieces.last().expect("a path").end_s();
     let s: Vec<f64> = (0..stations).map(|k| end * k as f64 / (stations - 1) as f64).collect();

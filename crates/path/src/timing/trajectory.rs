@@ -7,8 +7,8 @@ use crate::timing::piece_limits::PieceLimits;
 use crate::timing::rounding::{CurvedPath, law};
 use crate::timing::time_law::TimeLaw;
 
-/// A path with its time: where every joint is at any instant, how fast, and how hard it accelerates. It
-/// begins and ends at rest and keeps to every limit at every instant.
+/// Path with timing: position, velocity and acceleration of every joint at any instant. It begins and ends at rest and keeps
+/// every limit at every instant.
 #[derive(Clone, Debug)]
 pub struct Trajectory {
     method: TimingMethod,
@@ -21,40 +21,39 @@ pub struct Trajectory {
     waypoint_times_s: Vec<f64>,
 }
 
-/// A robot at one instant of a trajectory; one value per joint each.
+/// State of a robot at one instant of a trajectory; one value per joint each.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrajectorySample {
-    /// Seconds since the beginning.
+    /// Time since the beginning, in seconds.
     pub time_s: f64,
     /// Joint values (m, rad).
     pub position: Vec<f64>,
-    /// Their first derivative (m/s, rad/s).
+    /// First derivative of the joint values (m/s, rad/s).
     pub velocity: Vec<f64>,
-    /// Their second derivative (m/s², rad/s²). Where it jumps, the value right after.
+    /// Second derivative of the joint values (m/s², rad/s²). At a jump, the value right after it.
     pub acceleration: Vec<f64>,
 }
 
-/// The greatest rate at which a trajectory is sampled, in Hz: ten times that of a robot's controller.
+/// Maximum sample rate of a trajectory, in Hz: ten times that of a robot controller.
 pub const MAX_SAMPLE_RATE_HZ: f64 = 1e4;
 
 impl Trajectory {
-    /// A fast trajectory exactly along the straight edges of `path` (m, rad; one value per joint), by the method
-    /// of `limits`. It stops at each way point where the direction changes, and only there, so what is proven of the
-    /// edges is proven of the trajectory.
+    /// Creates a fast trajectory exactly along the straight edges of `path` (m, rad; one value per joint), by the method of
+    /// `limits`. It stops at each way point where the direction changes, and only there, so a proof of the edges holds for the
+    /// trajectory.
     ///
     /// # Errors
-    /// [`PathError::EmptyPath`], [`TaskError::JointCount`] or [`TaskError::NotFinite`] for what is no path of
-    /// these joints.
+    /// [`PathError::EmptyPath`], [`TaskError::JointCount`] or [`TaskError::NotFinite`] for a path not of these joints.
     pub fn along(path: &[Vec<f64>], limits: &MotionLimits) -> Result<Self, PathError> {
         Self::along_curve(&CurvedPath::stopping(path), limits)
     }
 
-    /// The same along a path with rounded corners, in which it does not stop: it is then nowhere but on the lines and on these
-    /// curves.
+    /// Creates a trajectory as [`Self::along`] does, but without a stop in the rounded corners: it stays on the lines and on
+    /// these curves.
     ///
     /// # Errors
-    /// As [`Self::along`]; [`PathError::NoCorner`] for a rounded corner where the path has none, [`PathError::Weight`] for a path
-    /// on which the drives may not hold the robot.
+    /// As [`Self::along`]; [`PathError::NoCorner`] for a rounded corner where the path has none, [`PathError::Weight`] for a
+    /// path on which the drives may be unable to hold the robot.
     pub fn along_curve(of: &CurvedPath<'_>, limits: &MotionLimits) -> Result<Self, PathError> {
         let path = of.waypoints;
         let (Some(first), Some(last)) = (path.first(), path.last()) else {
@@ -94,34 +93,33 @@ impl Trajectory {
         })
     }
 
-    /// How the path was given its time.
+    /// Returns the method of its timing.
     pub fn method(&self) -> TimingMethod {
         self.method
     }
 
-    /// Whether it rounds a corner of its path instead of stopping there.
+    /// Returns true if it rounds a corner of its path instead of stopping there.
     pub fn is_rounded(&self) -> bool {
         self.is_rounded
     }
 
-    /// The names of the joints, in the order of every sample.
+    /// Returns the names of the joints, in the order of every sample.
     pub fn joint_names(&self) -> &[String] {
         &self.joint_names
     }
 
-    /// Seconds from the beginning to the end.
+    /// Returns the duration in seconds.
     pub fn duration_s(&self) -> f64 {
         self.law.duration_s
     }
 
-    /// Times at which the way points of the path are passed (a rounded corner: half passed), one per way point,
-    /// in seconds; ascending, from 0 to the duration.
+    /// Returns the times at which the way points of the path are passed (a rounded corner: its middle), one per way point, in
+    /// seconds; ascending, from 0 to the duration.
     pub fn waypoint_times_s(&self) -> &[f64] {
         &self.waypoint_times_s
     }
 
-    /// The robot at `time_s`: at rest at the first way point before the beginning, at rest at the last one
-    /// from the end on.
+    /// Returns the state at `time_s` (s): at rest at the first way point before the beginning, at the last one from the end on.
     pub fn sample(&self, time_s: f64) -> TrajectorySample {
         let Some((index, state)) = self.law.at(time_s, &self.curve) else {
             let position = if time_s < self.duration_s() { &self.first } else { &self.last };
@@ -141,7 +139,7 @@ impl Trajectory {
         TrajectorySample { time_s, position: piece.position(state.s), velocity, acceleration }
     }
 
-    /// Samples at 0, 1/`rate_hz`, 2/`rate_hz`, … and at the end.
+    /// Returns samples at 0, 1/`rate_hz`, 2/`rate_hz`, … and at the end.
     ///
     /// # Errors
     /// [`PathError::SampleRate`] if the rate is not above 0 and at most [`MAX_SAMPLE_RATE_HZ`].
@@ -153,7 +151,7 @@ impl Trajectory {
     }
 }
 
-/// The instants 0, 1/`rate_hz`, 2/`rate_hz`, … and the end, in seconds.
+/// Returns the instants 0, 1/`rate_hz`, 2/`rate_hz`, … and the end, in seconds.
 ///
 /// # Errors
 /// [`PathError::SampleRate`] if the rate is not above 0 and at most [`MAX_SAMPLE_RATE_HZ`].
@@ -161,7 +159,7 @@ pub fn sample_times(duration_s: f64, rate_hz: f64) -> Result<impl Iterator<Item 
     if !(rate_hz > 0.0 && rate_hz <= MAX_SAMPLE_RATE_HZ) {
         return Err(PathError::SampleRate { rate_hz, greatest_hz: MAX_SAMPLE_RATE_HZ });
     }
-    // A sample this close to the end, as a part of the interval, is the end.
+    // A sample this close to the end, as a share of the interval, is the end.
     const SAME_INSTANT: f64 = 1e-6;
     let latest_s = duration_s - SAME_INSTANT / rate_hz;
     let times = (0_u32..).map(move |k| f64::from(k) / rate_hz).take_while(move |t| *t < latest_s);

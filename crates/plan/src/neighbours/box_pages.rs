@@ -1,19 +1,19 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, u32x16};
 
-/// Boxes of a page: one vector of the widest instruction set in use.
+/// Number of boxes per page: one vector of the widest instruction set in use.
 pub(crate) const PAGE: usize = 16;
 
-/// What a box of a page holds.
+/// Content of a box of a page.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Entry {
-    /// Further boxes, on the page of this number.
+    /// Further boxes, on the page with this index.
     Page(u32),
-    /// Points, in the leaf of this number.
+    /// Points, in the leaf with this index.
     Leaf(u32),
 }
 
-/// The place of one box: the page's number times [`PAGE`], plus where on the page it stands.
+/// Address of a box: the index of the page times [`PAGE`], plus its position on the page.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Slot(u32);
 
@@ -27,33 +27,32 @@ impl Slot {
     }
 }
 
-/// Bounding boxes in pages of up to sixteen, laid out so that one pass of vectors measures a whole page. Page
-/// 0 is the root. A box contains all boxes of the page that it holds.
+/// Bounding boxes in pages of up to sixteen, laid out so that one pass of vectors measures a whole page. Page 0 is the root. A
+/// box contains all boxes of the page that it holds.
 ///
-/// A search reads far more boxes than the caches hold, so a side has the upper half of an `f32` only, rounded
-/// outwards: a box is at most 2⁻⁷ of its coordinates wider than it need be, and half as large to read.
+/// A search reads far more boxes than the caches hold. A side therefore keeps only the upper half of an `f32`, rounded
+/// outwards: a box is at most 2⁻⁷ of its coordinates wider than necessary, and takes half the memory.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct BoxPages {
     dimensions: usize,
-    /// For each page, for each dimension: the sides of its boxes, the low one in the lower half of the word.
+    /// Sides of the boxes, for each page, for each dimension, with the low side in the lower half of the word.
     sides: Vec<u32>,
     entries: Vec<[Entry; PAGE]>,
     lens: Vec<u8>,
-    /// The box that holds each page; none for the root.
+    /// Box that holds each page; `None` for the root.
     owners: Vec<Option<Slot>>,
 }
 
 impl BoxPages {
-    /// A root page without boxes.
+    /// Creates a root page without boxes.
     pub fn new(dimensions: usize) -> Self {
         let mut pages = Self { dimensions, ..Self::default() };
         pages.add_page(None);
         pages
     }
 
-    /// Adds an empty box beside that of `slot`, on the same page; where that is full, first the box of `slot`
-    /// gets a page of its own, with a box for what it held. Returns where what `slot` held stands now,
-    /// and the new box.
+    /// Adds an empty box beside that of `slot`, on the same page. If the page is full, the box of `slot` first gets its own
+    /// page, with a box for its content. Returns the new slot of the content of `slot`, and the new box.
     pub fn add_beside(&mut self, slot: Slot, entry: Entry) -> (Slot, Slot) {
         if usize::from(self.lens[slot.page()]) < PAGE {
             return (slot, self.add(slot.page(), entry));
@@ -99,12 +98,12 @@ impl BoxPages {
                     has_grown = true;
                 }
             }
-            // What contains a box that contains the point contains the point.
+            // A box that contains another box contains its points, so the loop can stop early.
             at = self.owners[slot.page()].filter(|_| has_grown);
         }
     }
 
-    /// What the boxes of a page hold, each with its squared distance to the point, in the order of the page.
+    /// Returns the content of the boxes of a page, each with its squared distance to the point, in the order of the page.
     #[inline(always)]
     pub fn measure<S: Simd>(&self, simd: S, page: u32, point: &[f32]) -> impl Iterator<Item = (f32, Entry)> {
         let page = page as usize;
@@ -134,7 +133,7 @@ impl BoxPages {
         page
     }
 
-    /// For each dimension the sides of the page's boxes.
+    /// Returns the sides of the boxes of a page, for each dimension.
     fn page_sides(&mut self, page: usize) -> &mut [u32] {
         let stride = self.dimensions * PAGE;
         &mut self.sides[page * stride..][..stride]
@@ -143,9 +142,9 @@ impl BoxPages {
 
 const UPPER_HALF: u32 = 0xFFFF_0000;
 
-/// Both sides of a box in one word, rounded outwards.
+/// Packs both sides of a box into one word, rounded outwards.
 fn packed(low: f32, high: f32) -> u32 {
-    // Rounding down is rounding up in the mirror.
+    // Rounding down equals rounding up the negated number.
     (rounded_up(-low) ^ SIGN) >> 16 | rounded_up(high)
 }
 
@@ -155,11 +154,11 @@ fn unpacked(sides: u32) -> (f32, f32) {
 
 const SIGN: u32 = 1 << 31;
 
-/// The bits of the least number that has only the upper half of an `f32` and is at least `x`.
+/// Returns the bits of the least number that has only the upper half of an `f32` and is at least `x`.
 fn rounded_up(x: f32) -> u32 {
     let bits = x.to_bits();
     let is_cut = bits & !UPPER_HALF != 0;
-    // The bits of a positive number grow with it; those of a negative one when it falls.
+    // The bits of a positive number grow with it; those of a negative number grow as it falls.
     (bits & UPPER_HALF) + u32::from(is_cut && bits & SIGN == 0) * (1 << 16)
 }
 

@@ -1,5 +1,5 @@
-/// Configurations of which the k nearest are asked for (L2), by a scan: where every neighbour costs a proof, tens of
-/// thousands of distances are cheap.
+/// Configurations for queries of the k nearest (L2), answered by a scan: if every neighbour costs a proof, tens of thousands of
+/// distances are cheap.
 #[derive(Clone, Debug)]
 pub(crate) struct NearSet {
     dof: usize,
@@ -11,13 +11,13 @@ impl NearSet {
         Self { dof, rows: Vec::new() }
     }
 
-    /// Adds a configuration (m, rad; one per joint) and gives its index: 0, 1, 2, …
+    /// Adds a configuration (m, rad; one per joint) and returns its index: 0, 1, 2, …
     pub fn add(&mut self, q: &[f64]) -> usize {
         self.rows.extend_from_slice(q);
         self.rows.len() / self.dof - 1
     }
 
-    /// The `k` nearest to `q` (m, rad; one per joint), or all, the nearest first; of equal ones the one added first.
+    /// Returns the `k` nearest to `q` (m, rad; one per joint), or all, the nearest first; ties go to the one added first.
     pub fn nearest(&self, q: &[f64], k: usize) -> Vec<usize> {
         let squared = |row: &[f64]| row.iter().zip(q).map(|(a, b)| (a - b) * (a - b)).sum::<f64>();
         let mut all: Vec<(f64, usize)> =

@@ -4,19 +4,18 @@ use fearless_simd::{Level, Simd, dispatch, f32x16};
 
 use crate::neighbours::box_pages::{BoxPages, Entry, Slot};
 
-/// Points of a leaf; a multiple of every SIMD width in use.
+/// Number of points per leaf, a multiple of every SIMD width in use.
 const LEAF: usize = 32;
 
-/// The nearest of a growing set of configurations by plain L2 distance: exactly below [`EXACT_BELOW`] points,
-/// above that one that is at most [`FARTHER_BY`] times farther away.
+/// Nearest neighbours in a growing set of configurations by plain L2 distance: exact below [`EXACT_BELOW`] points, above that
+/// at most [`FARTHER_BY`] times farther away than the nearest.
 ///
-/// A k-d tree (Bentley 1975, "Multidimensional binary search trees used for associative searching", whole) with leaves
-/// of 32 points, searched by the true bounding boxes of its subtrees, sixteen at a time: in nine dimensions the boxes
-/// prune far better than the splitting planes. Above the threshold a box must beat the best distance so far by the
-/// factor to be looked into (Arya, Mount, Netanyahu, Silverman & Wu 1998, "An optimal algorithm for approximate nearest
-/// neighbor searching in fixed dimensions", whole, its pruning alone). Distances are `f32` sums in a fixed order; of
-/// equal ones the point added first wins. So the answer depends on nothing but the points, in the order in which they
-/// came, under every instruction set.
+/// The structure is a k-d tree (Bentley 1975, "Multidimensional binary search trees used for associative searching", whole)
+/// with leaves of 32 points, searched by the true bounding boxes of its subtrees, sixteen at a time: in nine dimensions the
+/// boxes prune far better than the splitting planes. Above the threshold a box is searched only if it beats the best distance
+/// by the factor (Arya, Mount, Netanyahu, Silverman & Wu 1998, "An optimal algorithm for approximate nearest neighbor searching
+/// in fixed dimensions", whole, its pruning alone). Distances are `f32` sums in a fixed order, and ties go to the point added
+/// first. The answer therefore depends only on the points and their order, under every instruction set.
 ///
 /// Law: `|nearest(q) − q| ≤ (FARTHER_BY if len ≥ EXACT_BELOW, else 1) · |p − q|` for every point p
 /// (tests `the_tree_answers_as_a_scan_does`, `a_large_tree_answers_within_its_factor`).
@@ -29,19 +28,18 @@ pub struct NearestNeighbours {
     lanes: Vec<f32>,
     ids: Vec<[u32; LEAF]>,
     len: u32,
-    /// Room for a point as the tree stores it.
+    /// Scratch for a point as the tree stores it.
     point: Vec<f32>,
-    /// Room for what a search has still to look into.
+    /// Scratch for the pages and leaves still to be searched.
     stack: Vec<(f32, Entry)>,
 }
 
-/// Below so many points the answer is exact. Planners other than J⁺-RRT end far below.
+/// Number of points below which the answer is exact. Planners other than J⁺-RRT end far below.
 pub const EXACT_BELOW: usize = 10_000;
 
-/// From [`EXACT_BELOW`] points on, the answer is at most so many times farther away than the nearest point.
-/// That is the bound; in the tree that J⁺-RRT grows in released 011, between 10⁴ and 4.8·10⁵ nodes, 83 % of
-/// the answers are exact, the mean answer is 1.009 times and the worst of 7833 1.40 times as far. A factor of
-/// 1.3 gives 94 % and 1.002, and takes a third longer.
+/// Maximum ratio of the distance of the answer to that of the nearest point, from [`EXACT_BELOW`] points on. In the tree that
+/// J⁺-RRT grows in released 011, between 10⁴ and 4.8·10⁵ nodes, 83 % of the answers are exact, the mean ratio is 1.009 and the
+/// worst of 7833 is 1.40. A factor of 1.3 gives 94 % and 1.002, and takes a third longer.
 pub const FARTHER_BY: f32 = 1.5;
 
 #[derive(Clone, Copy, Debug)]
@@ -51,7 +49,7 @@ enum Node {
         len: u8,
         slot: Slot,
     },
-    /// The high child follows the low one. What is descended at every addition is kept small.
+    /// Inner node, whose high child follows the low one. It is kept small because every addition descends through it.
     Inner {
         dimension: u16,
         split: f32,
@@ -60,7 +58,7 @@ enum Node {
 }
 
 impl NearestNeighbours {
-    /// An empty set of points with so many coordinates.
+    /// Creates an empty set of points with this number of coordinates.
     pub fn new(dimensions: usize) -> Self {
         let mut set = Self {
             dimensions,
@@ -78,12 +76,12 @@ impl NearestNeighbours {
         set
     }
 
-    /// How many points there are.
+    /// Returns the number of points.
     pub fn len(&self) -> usize {
         self.len as usize
     }
 
-    /// Whether there is no point.
+    /// Returns true if there is no point.
     pub fn is_empty(&self) -> bool {
         self.len == 0
     }
@@ -115,8 +113,8 @@ impl NearestNeighbours {
         id as usize
     }
 
-    /// The index of the point nearest to `query` (one coordinate per dimension, in the unit of the points), or above
-    /// [`EXACT_BELOW`] points of one nearly as near; `None` if there is no point.
+    /// Returns the index of the point nearest to `query` (one coordinate per dimension, in the unit of the points), or from
+    /// [`EXACT_BELOW`] points on of a nearly nearest one; `None` if there is no point.
     ///
     /// # Panics
     /// If the query has the wrong number of coordinates.
@@ -153,7 +151,7 @@ impl NearestNeighbours {
                     let floor = stack.len();
                     for (bound, entry) in self.pages.measure(simd, page, query) {
                         if bound <= bar {
-                            // Sorted in, so that the nearest comes off the stack first.
+                            // Insertion sort keeps the nearest on top of the stack.
                             let mut at = stack.len();
                             stack.push((bound, entry));
                             while at > floor && stack[at - 1].0 < bound {
@@ -179,14 +177,14 @@ impl NearestNeighbours {
                 *sum += difference * difference;
             }
         }
-        // Most leaves hold nothing nearer, which the least of all sums shows at once.
+        // Most leaves hold nothing nearer, which the minimum of all sums shows at once.
         if halves[0].min(halves[1]).reduce_min() > best.0 {
             return;
         }
         let mut sums = [0.0; LEAF];
         halves[0].store_slice(&mut sums[..LEAF / 2]);
         halves[1].store_slice(&mut sums[LEAF / 2..]);
-        // Empty slots are infinitely far, and come after all others.
+        // Empty slots are infinitely far away, and come after all others.
         for (&sum, &id) in sums.iter().zip(&self.ids[leaf as usize]) {
             if sum < best.0 || (sum <= best.0 && id < best.1) {
                 *best = (sum, id);
@@ -194,7 +192,7 @@ impl NearestNeighbours {
         }
     }
 
-    /// Turns a full leaf into an inner node with two leaves, cut at the median of the box's longest side.
+    /// Splits a full leaf into an inner node with two leaves, at the median of the longest side of its box.
     fn split(&mut self, node: usize, leaf: u32, slot: Slot) {
         let lane = |d: usize, slot: usize| (leaf as usize * self.dimensions + d) * LEAF + slot;
         let points: Vec<(u32, Vec<f32>)> = (0..LEAF)
@@ -213,7 +211,7 @@ impl NearestNeighbours {
         let dimension = (0..self.dimensions).max_by(|a, b| extent(a).total_cmp(&extent(b))).unwrap_or(0);
         let mut values: Vec<f32> = points.iter().map(|(_, p)| p[dimension]).collect();
         values.sort_by(f32::total_cmp);
-        // If most values are equal, any cut that leaves both sides non-empty will do.
+        // If most values are equal, any cut that leaves both sides non-empty is valid.
         let split = values.iter().copied().skip(LEAF / 2).find(|v| *v > values[0]).unwrap_or(values[0]);
 
         let begin = leaf as usize * self.dimensions * LEAF;
@@ -225,7 +223,7 @@ impl NearestNeighbours {
         let slots = [low, high];
         let mut lens = [0; 2];
         for (place, (id, point)) in points.into_iter().enumerate() {
-            // Equal points cannot be told apart: they are dealt out in halves.
+            // Equal points cannot be separated by a cut, so they are divided in halves.
             let is_high = if split > values[0] { point[dimension] >= split } else { place >= LEAF / 2 };
             let side = usize::from(is_high);
             self.write(leaves[side], usize::from(lens[side]), id, &point);
@@ -254,7 +252,7 @@ impl NearestNeighbours {
         u32::try_from(self.ids.len() - 1).unwrap_or(u32::MAX)
     }
 
-    /// A point as the tree stores it, in the room for it, to be given back after use.
+    /// Returns a point as the tree stores it, in the scratch, which the caller returns after use.
     fn stored(&mut self, point: &[f64]) -> Vec<f32> {
         assert_eq!(point.len(), self.dimensions, "one coordinate per dimension");
         let mut stored = std::mem::take(&mut self.point);
@@ -264,7 +262,7 @@ impl NearestNeighbours {
     }
 }
 
-/// A coordinate as the tree stores it.
+/// Converts a coordinate to the precision of the tree.
 #[allow(clippy::cast_possible_truncation, reason = "single precision is what is meant")]
 fn as_lane(x: f64) -> f32 {
     x as f32
@@ -305,7 +303,7 @@ mod tests {
         }
     }
 
-    /// A tree as a search grows it: a step from the nearest point towards a random one.
+    /// Grows a tree as a search does, by steps from the nearest point towards a random one.
     fn grown(count: usize, mut watch: impl FnMut(&mut NearestNeighbours, &[Vec<f64>], &[f64], usize)) {
         let mut random = Stream::new(3, 0);
         let mut tree = NearestNeighbours::new(9);

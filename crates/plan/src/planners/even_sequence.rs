@@ -1,10 +1,10 @@
 use cranny_spatial::Stream;
 
-/// Points that fill the unit cube evenly from the first one on, where random ones leave gaps and clusters:
-/// `p(n) = p(0) + n · (√2, √3, √5, …)` without the whole parts (Richtmyer 1951, "The evaluation of definite integrals,
-/// and a quasi-Monte-Carlo method based on the properties of algebraic numbers", whole). That even samples serve a
-/// search better than random ones: `LaValle`, Branicky & Lindemann 2004, "On the relationship between classical grid
-/// search and probabilistic roadmaps", whole.
+/// Sequence of points that fills the unit cube evenly from the first point on, where random points leave gaps and clusters:
+/// `p(n) = p(0) + n · (√2, √3, √5, …)` without the integer parts (Richtmyer 1951, "The evaluation of definite integrals, and a
+/// quasi-Monte-Carlo method based on the properties of algebraic numbers", whole). Even samples serve a search better than
+/// random ones (`LaValle`, Branicky & Lindemann 2004, "On the relationship between classical grid search and probabilistic
+/// roadmaps", whole).
 #[derive(Clone, Debug)]
 pub(crate) struct EvenSequence {
     point: Vec<f64>,
@@ -12,7 +12,7 @@ pub(crate) struct EvenSequence {
 }
 
 impl EvenSequence {
-    /// One in so many dimensions that begins anywhere.
+    /// Creates a sequence of this dimension that begins at a random point.
     pub fn new(dimensions: usize, random: &mut Stream) -> Self {
         let is_prime = |n: &u32| {
             (2..*n).take_while(|factor| factor * factor <= *n).all(|factor| !n.is_multiple_of(factor))
@@ -21,7 +21,7 @@ impl EvenSequence {
         Self { point: (0..dimensions).map(|_| random.uniform()).collect(), steps: steps.collect() }
     }
 
-    /// The next point: one coordinate per dimension, in [0, 1), of no unit.
+    /// Returns the next point: one coordinate per dimension, in [0, 1), without a unit.
     pub fn next(&mut self) -> &[f64] {
         for (x, step) in self.point.iter_mut().zip(&self.steps) {
             *x += step;
@@ -35,7 +35,7 @@ impl EvenSequence {
 mod tests {
     use super::*;
 
-    /// Of n even points in an interval the share is off by about 1 / n, of random ones by 1 / √n.
+    /// Checks the share of n points in an interval, which is off by about 1 / n for even points, by 1 / √n for random ones.
     #[test]
     fn every_stretch_of_every_axis_gets_its_share() {
         const COUNT: u32 = 1000;

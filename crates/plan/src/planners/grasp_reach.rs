@@ -7,23 +7,23 @@ use crate::search::goal_pool::GoalPool;
 use crate::search::grasp_source::GraspSource;
 use crate::{Budget, Observer, PathSearch, PlanError, PlanReport, Planner, Ranges, Reach};
 
-/// [`Reach`] without a set of grasps: it samples them on the target while it searches.
+/// [`Reach`] without a set of grasps: it samples them on the target during the search.
 ///
-/// 1. Antipodal grasps are sampled on the surface of the target (Eppner et al. 2019, §III), with the hand turned at random
-///    about the line between the contacts, the more the more attempts of inverse kinematics were made. One below a score is
-///    left out, and one at which the hand alone collides. The score that is asked falls to the least that is one
-///    ([`GraspMeasure::LEAST_SCORE`](cranny_task::GraspMeasure::LEAST_SCORE)) with every batch that brings no goal.
-/// 2. Batches of inverse kinematics go to those that are left. A configuration that is free is a goal if the hand holds
-///    the target there, as whoever judges the path will find too.
-/// 3. Everything else is as in [`Reach`]. There is always one more grasp to try, so that only the budget ends a search that
-///    finds nothing.
+/// 1. Antipodal grasps are sampled on the surface of the target (Eppner et al. 2019, §III), with random rotation of the hand
+///    about the line between the contacts, in proportion to the attempts of inverse kinematics made. A grasp is discarded if
+///    its score is too low or the hand alone collides. The required score decreases to the minimum
+///    ([`GraspMeasure::LEAST_SCORE`](cranny_task::GraspMeasure::LEAST_SCORE)) with every batch without a goal.
+/// 2. Batches of inverse kinematics go to the remaining grasps. A free configuration is a goal if the hand holds the target
+///    there, by the same judge as in the audit of the path.
+/// 3. Everything else is as in [`Reach`]. There is always another grasp to try, so that only the budget ends an unsuccessful
+///    search.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GraspReach {
-    /// How the search goes.
+    /// Settings of the search.
     #[serde(flatten)]
     pub search: Reach,
-    /// The first grasps have at least this score, in [0, 1]. Default 0.5: half of the friction is then left for what is not
-    /// as it was measured, and most objects have many such grasps.
+    /// Minimum score of the first grasps, in [0, 1]. Default 0.5: half of the friction then remains as a reserve for
+    /// measurement errors, and most objects have many such grasps.
     pub first_score: f64,
 }
 

@@ -17,34 +17,33 @@ use crate::{Budget, Observer, Outcome, PlanError, PlanReport, Planner, Ranges};
 /// IEEE Robotics & Automation Magazine 19(2), whole, the planner for one arm): one tree from the start, with neither a
 /// set of grasps nor inverse kinematics.
 ///
-/// 1. With probability `1 − p_approach`, one step from the nearest node towards a uniform random configuration.
-/// 2. Otherwise take a node near the target, from all directions about it alike (the `ApproachSphere`). Its hand shall
-///    point at the nearest point of the target, and go there; steps of the pseudo-inverse of the Jacobian bring it on,
-///    each a new node, until it arrives, is blocked, meets a joint limit or comes no nearer.
-/// 3. At each of these nodes the hand is tried: would it close on the target in a grasp that is good enough, the search
-///    ends.
+/// 1. With probability `1 − p_approach`, takes one step from the nearest node towards a uniform random configuration.
+/// 2. Otherwise takes a node near the target, evenly over all directions about it (the `ApproachSphere`). Its hand must point
+///    at the nearest point of the target, and move there. Steps of the pseudo-inverse of the Jacobian, each a new node, bring
+///    it there until it arrives, is blocked, meets a joint limit or comes no closer.
+/// 3. The hand is tried at each of these nodes: if it closes on the target in a good enough grasp, the search ends.
 ///
-/// One iteration is one pass through 1, or 2 and 3. Differs from the publication in this: edges are proven; a random
-/// extension is one step, not the whole way; the score is that of two opposite contacts and the friction between them
-/// ([`GraspMeasure::score`](cranny_task::GraspMeasure::score)), not that of a wrench space. The fingers of its
-/// hand close around what the palm is near; the gripper frame of a parallel hand lies between the pads, so that it goes on
-/// by `depth_m` beyond the surface, and the hand is tried on the way and not at its end alone.
+/// One iteration is one pass through 1, or 2 and 3. There are four differences from the publication. Edges are proven. A random
+/// extension is a single step. The score is that of two opposite contacts and the friction between them
+/// ([`GraspMeasure::score`](cranny_task::GraspMeasure::score)), not that of a wrench space. The fingers of the published hand
+/// close around the object near the palm, whereas the gripper frame of a parallel hand lies between the pads; it therefore
+/// moves on by `depth_m` beyond the surface, and the hand is tried at every step and not only at the end.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GraspRrt {
-    /// Probability of an approach, in [0, 1]. Default 0.1, that of the authors' own implementation (Simox), as all that
-    /// follow but for `step_m`, `depth_m` and `damping`.
+    /// Probability of an approach, in [0, 1]. Default 0.1. The defaults are those of the implementation by the authors (Simox),
+    /// except for `step_m`, `depth_m` and `damping`.
     pub p_approach: f64,
-    /// How far the origin of any link frame moves in a random step, in metres. Default 0.1, that of the other planners.
+    /// Maximum motion of the origin of any link frame in a random step, in metres. Default 0.1, as in the other planners.
     pub step_m: f64,
-    /// How far the gripper goes in a step of an approach at most, in metres. Default 0.01.
+    /// Maximum motion of the gripper in a step of an approach, in metres. Default 0.01.
     pub approach_step_m: f64,
-    /// How far it turns in one at most, in radians. Default π/18.
+    /// Maximum rotation of the gripper in a step of an approach, in radians. Default π/18.
     pub approach_step_rad: f64,
-    /// Approaches begin at nodes whose gripper is so near to the middle of the target, in metres. Default 0.6.
+    /// Maximum distance of the gripper from the middle of the target at the beginning of an approach, in metres. Default 0.6.
     pub approach_within_m: f64,
-    /// How far the gripper goes beyond the surface of the target, in metres. Default 0.05: as far as the fingers of a small
-    /// hand reach before its palm.
+    /// Distance by which the gripper moves beyond the surface of the target, in metres. Default 0.05: the reach of the fingers
+    /// of a small hand beyond its palm.
     pub depth_m: f64,
     /// Damping λ of the pseudo-inverse. Default 0.05, as in [`JPlusRrt`](crate::JPlusRrt).
     pub damping: f64,
@@ -64,12 +63,12 @@ impl Default for GraspRrt {
     }
 }
 
-/// An approach has arrived within so many metres and radians (1 mm, 3°) …
+/// Tolerances in metres and radians within which an approach has arrived (1 mm, 3°).
 const ARRIVED_M: f64 = 1e-3;
 const ARRIVED_RAD: f64 = 0.052;
-/// … or is given up after so many steps.
+/// Number of steps after which an approach is abandoned.
 const MOST_STEPS: u32 = 300;
-/// A turn of so many radians counts as much as a metre where two poses are compared: 3° as 1 mm.
+/// Rotation in radians that counts as much as a metre when two poses are compared: 3° as 1 mm.
 const RADIANS_PER_METRE: f64 = ARRIVED_RAD / ARRIVED_M;
 
 impl Planner for GraspRrt {
@@ -178,7 +177,7 @@ impl Approaches<'_> {
         }
     }
 
-    /// Steps 2 and 3; a path if that ends the search.
+    /// Runs steps 2 and 3; returns a path if that ends the search.
     fn approach(&mut self) -> Option<Path> {
         let mut node = self.sphere.take(&mut self.search.random)?;
         self.search.statistics.goals_tried += 1;
@@ -196,7 +195,7 @@ impl Approaches<'_> {
                 return None;
             }
             let off = off_m + off_rad / RADIANS_PER_METRE;
-            // As much farther away as this an approach may come before it counts as trapped.
+            // An approach may increase the distance by this much before it counts as trapped.
             if off > last + 2.0 * self.settings.approach_step_m {
                 return None;
             }
@@ -224,10 +223,10 @@ impl Approaches<'_> {
         None
     }
 
-    /// Where the gripper shall go from a pose: its approach direction towards the nearest point of the target, and it
-    /// itself a little beyond.
+    /// Returns the target pose of the gripper from a pose: its approach direction towards the nearest point of the target, and
+    /// its position slightly beyond that point.
     fn wanted(&self, world_from_gripper: &Pose) -> Option<Pose> {
-        /// As good as a point, in metres.
+        /// Radius of a sphere that serves as a point, in metres.
         const POINT_M: f64 = 1e-6;
         let point = Solid::sphere(POINT_M).ok()?;
         let origin = Point::from(world_from_gripper.translation.vector);
@@ -240,13 +239,13 @@ impl Approaches<'_> {
         let way = ways.min_by(|a, b| a.norm_squared().total_cmp(&b.norm_squared()))?;
         let approach_in_world = world_from_gripper.rotation * Vector::z();
         let direction = way.try_normalize(POINT_M)?;
-        // A hand that points the other way has no shortest turn, and is not turned.
+        // A hand that points the opposite direction has no unique shortest rotation, and is not rotated.
         let turn = Rotation::rotation_between(&approach_in_world, &direction)?;
         let at = origin.coords + way + direction * self.settings.depth_m;
         Some(Pose::from_parts(at.into(), turn * world_from_gripper.rotation))
     }
 
-    /// A new node at the end of an edge from `parent`, if that is proven.
+    /// Adds a node at the end of an edge from `parent`, if the edge is proven.
     fn grow(&mut self, parent: usize, q: &[f64]) -> Option<usize> {
         let begin = now();
         self.search.statistics.collision_checks += 1;
@@ -259,7 +258,7 @@ impl Approaches<'_> {
         Some(self.add(q, Some(parent)))
     }
 
-    /// Adds a node, and notes from where it may approach the target, if it is near.
+    /// Adds a node, and records it as the beginning of an approach if it is near the target.
     fn add(&mut self, q: &[f64], parent: Option<usize>) -> usize {
         self.search.observer.node_added(0, q, parent);
         let node = self.tree.add(q, parent);
@@ -272,7 +271,7 @@ impl Approaches<'_> {
         node
     }
 
-    /// The path to a node, if the hand holds the target there.
+    /// Returns the path to a node, if the hand holds the target there.
     fn grasp_at(&mut self, node: usize) -> Option<Path> {
         self.judge.grasp_at(self.tree.q(node)).ok()?;
         Some(self.tree.path_to(node))

@@ -5,19 +5,20 @@ use crate::search::growth::Growth;
 use crate::search::ik_pipeline::{PipelineSettings, Shares, plan_goal_by_goal};
 use crate::{Budget, IkRrt, Observer, PlanError, PlanReport, Planner, Ranges, RbtConnect};
 
-/// IK-RBT, as in the programs that were released with the paper: [`IkRrt`] whose trees grow by burs ([`RbtConnect`]) in the
-/// place of steps, where the world is farther away than the critical distance.
+/// IK-RBT, as in the programs released with the paper: [`IkRrt`] whose trees grow by burs ([`RbtConnect`]) instead of steps
+/// where the world is farther away than the critical distance.
 ///
-/// One iteration is one random configuration, or one turn of a grasp in inverse kinematics. Differs from the released
-/// program, which takes given configurations one after the other:
+/// One iteration is one random configuration, or one turn of a grasp in inverse kinematics. Differs from the released program,
+/// which takes given configurations one after the other, in these points:
 ///
-/// - in its inverse kinematics;
-/// - the tree from the start grows on from goal to goal, and goals have their turns by the sequence of Luby, Sinclair &
-///   Zuckerman (1993, "Optimal speedup of Las Vegas algorithms", whole: the strategy `S^univ`), short and long: some
-///   goals are beyond a wall, and others behind a gate that takes long;
-/// - both trees grow towards the random configuration until they are there or blocked, as those of [`IkRrt`] do, where
-///   [`RbtConnect`] makes one bur: with one a gate is found ten times later;
-/// - its critical distance is four times that of the released program: near things spines are short, and dearer than steps.
+/// - its inverse kinematics;
+/// - the tree from the start keeps growing from goal to goal, and goals have their turns by the sequence of Luby, Sinclair &
+///   Zuckerman (1993, "Optimal speedup of Las Vegas algorithms", whole: the strategy `S^univ`), short and long, because some
+///   goals are unreachable behind a wall, and others behind a narrow passage that takes long;
+/// - both trees grow towards the random configuration until they reach it or are blocked, as those of [`IkRrt`] do, where
+///   [`RbtConnect`] makes one bur, with which a narrow passage is found ten times later;
+/// - its critical distance is four times that of the released program, because near obstacles spines are short, and cost more
+///   than steps.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct IkRbt {
@@ -29,7 +30,7 @@ pub struct IkRbt {
     pub critical_m: f64,
     /// [`RbtConnect::step_m`].
     pub step_m: f64,
-    /// At most so many iterations for one goal, times the share of its turn: 1, 1, 2, 1, 1, 2, 4, … Default 1000.
+    /// Maximum number of iterations per goal, times the share of its turn: 1, 1, 2, 1, 1, 2, 4, … Default 1000.
     pub goal_iterations: u64,
     /// [`IkRrt::ik_attempts`].
     pub ik_attempts: usize,

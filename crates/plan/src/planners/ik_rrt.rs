@@ -6,32 +6,29 @@ use crate::search::growth::Growth;
 use crate::search::ik_pipeline::{PipelineSettings, Shares, plan_goal_by_goal};
 use crate::{Budget, Observer, PlanError, PlanReport, Planner, Ranges};
 
-/// IK-RRT (the paper's §V.B): first a configuration for a grasp by inverse kinematics, then a bidirectional
-/// RRT to it; if that fails, the next grasp, from the highest score down.
+/// IK-RRT (the paper's §V.B): finds a configuration for a grasp by inverse kinematics, then a path to it by a bidirectional
+/// RRT; if that fails, continues with the next grasp, from the highest score down.
 ///
-/// 1. Grasps at which the hand alone collides are left out (`exact`); if none is left, no grasp can be
-///    reached.
-/// 2. The next grasp in order, or its twin, round after round: a configuration that is not known yet, free
-///    under `exact`, unchecked under `paper`, as released; first from the start with a pull towards it, then
-///    from random configurations.
-/// 3. A tree from the start and a tree from that goal both grow towards the same random configuration (with
-///    probability `p_goal` towards the goal) until each reaches it or is blocked. Where both reach it they
-///    make a path.
-/// 4. After `goal_iterations` without a path, on to 2.
+/// 1. Grasps at which the hand alone collides are discarded (`exact`); if none is left, no grasp can be reached.
+/// 2. The next grasp in order, or its twin, round after round, yields a new configuration: free under `exact`, unchecked under
+///    `paper`, as released; first from the start with a pull towards it, then from random configurations.
+/// 3. A tree from the start and a tree from that goal both grow towards the same random configuration (with probability
+///    `p_goal` towards the goal) until each reaches it or is blocked. If both reach it, they form a path.
+/// 4. After `goal_iterations` without a path, the search continues with 2.
 ///
-/// A problem with goal configurations instead of grasps starts at 3. One iteration is one random
-/// configuration of 3, or one turn of a grasp in 2.
+/// A problem with goal configurations instead of grasps starts at 3. One iteration is one random configuration of 3, or one
+/// turn of a grasp in 2.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct IkRrt {
     /// Probability of growing towards the goal itself, in [0, 1]. Default 0.01, the paper's.
     pub p_goal: f64,
-    /// How far the origin of any link frame moves in a step, in metres. Default 0.1, the released value.
+    /// Maximum motion of the origin of any link frame in a step, in metres. Default 0.1, the released value.
     pub step_m: f64,
-    /// At most so many iterations for one goal. Default 20 000.
+    /// Maximum number of iterations per goal. Default 20 000.
     pub goal_iterations: u64,
-    /// At most so many attempts of inverse kinematics for one grasp in one round. Default 100: a second
-    /// round is cheaper than a grasp that has no solution.
+    /// Maximum number of attempts of inverse kinematics per grasp and round. Default 100: a second round costs less than a
+    /// grasp without a solution.
     pub ik_attempts: usize,
 }
 

@@ -5,8 +5,8 @@ use crate::search::growth::Growth;
 use crate::search::jacobian_search::{GraspChoice, JacobianSettings, plan_by_jacobian};
 use crate::{Budget, JPlusRrt, Observer, PlanError, PlanReport, Planner, Ranges, RbtConnect};
 
-/// J⁺-RBT, as in the programs that were released with the paper: [`JPlusRrt`] whose tree grows towards random configurations
-/// by burs ([`RbtConnect`]) in the place of steps, where the world is farther away than the critical distance.
+/// J⁺-RBT, as in the programs released with the paper: [`JPlusRrt`] whose tree grows towards random configurations by burs
+/// ([`RbtConnect`]) instead of steps where the world is farther away than the critical distance.
 ///
 /// One iteration is one bur, one step, or one series of pseudo-inverse steps towards a grasp.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -18,64 +18,64 @@ use crate::{Observer, Outcome, PathSearch, PlanError, PlanReport, Reach, Statist
 mod below;
 mod within_bounds;
 
-/// After so many iterations the way may lead [`Reach::detour`] farther away: most problems are solved by then.
+/// Number of iterations after which the sampling box grows by another [`Reach::detour`]: most problems are solved before.
 const ITERATIONS_PER_DETOUR: u64 = 100;
 
-/// A proof may take so many intervals at first, and so many more with each iteration.
+/// Maximum number of intervals in a proof at first, and its increase per iteration.
 const FIRST_EFFORT: u64 = 200;
 const EFFORT_PER_ITERATION: u64 = 2;
 
-/// A path as a search finds it may cost so many times the bound: shortened it may cost less, and another way round is worth
-/// more than the last per cent of the same.
+/// Maximum cost of an unshortened path, as a multiple of the bound: shortening may bring it below, and another route is worth
+/// more than the last per cent of the same one.
 const SLACK: f64 = 3.0;
 
-/// After so many iterations there is one goal more than [`Reach::goals`].
+/// Number of iterations after which there may be one goal more than [`Reach::goals`].
 const ITERATIONS_PER_GOAL: u64 = 100;
 
-/// A search by lanes: a tree from the start and a forest from the goals that grow towards each other ([`Reach`]).
+/// Search by lanes: a tree from the start and a forest from the goals that grow towards each other ([`Reach`]).
 pub(crate) struct LaneSearch<'a> {
     settings: Reach,
     problem: &'a Problem,
     cell: &'a Cell,
     random: Stream,
-    /// The forest from the start (of one root), and the one from the goals.
+    /// Forest from the start (with one root), and forest from the goals.
     sides: [Forest; 2],
-    /// How far each node of either may see.
+    /// Radius of the domain of each node on either side.
     domains: [Vec<f64>; 2],
-    /// The roots of the latter.
+    /// Roots of the forest from the goals.
     goals: Vec<usize>,
-    /// All goals that were ever found, and what each costs by itself.
+    /// All goals ever found, with the cost of each.
     known: Vec<(Vec<f64>, f64)>,
     /// Goals for the next search.
     drawn: Vec<(Vec<f64>, f64)>,
-    /// A path must cost less than [`SLACK`] times this, straight ways to goals less than this itself.
+    /// Cost bound: paths must cost less than [`SLACK`] times it, straight lines to goals less than itself.
     bound: f64,
-    /// The iteration at which this search began, and at which it ends.
+    /// Iterations at which this search began, and at which it ends.
     began: u64,
     last: u64,
-    /// What a goal of each grasp costs by itself; nothing, if there are none.
+    /// Cost of a goal of each grasp; empty if there is none.
     grasp_costs: Vec<f64>,
     scratch: Scratch,
-    /// The configuration to grow towards, the one that a growth begins at, and the one that is added.
+    /// Configuration to grow towards, beginning of a growth, and configuration to add.
     sample: Vec<f64>,
     from: Vec<f64>,
     q: Vec<f64>,
-    /// Where in the box that is sampled the samples lie.
+    /// Positions of the samples within the sampled box.
     shares: EvenSequence,
     clock: Clock,
     laps: Laps,
     statistics: Statistics,
     /// Pool of the goals of [`PathSearch::next`], if they are grasps.
     pool: Option<GoalPool<'a>>,
-    /// Goals that are free and not yet added, with what each costs by itself.
+    /// Free goals that are not yet added, with the cost of each.
     waiting: VecDeque<(Vec<f64>, f64)>,
     stage: Stage,
-    /// The nodes of either side at which the last path was joined.
+    /// Nodes of both sides at which the last path was joined.
     joined: Option<[usize; 2]>,
     is_rejected: bool,
 }
 
-/// Point at which a search goes on.
+/// Point at which a search continues.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Stage {
     /// Before its first iteration.
@@ -86,26 +86,28 @@ enum Stage {
     Growing,
 }
 
-/// How a growth follows on the way that led to where it begins.
+/// Relation of a growth to the edge that leads to its beginning: it turns or prolongs it.
 #[derive(Clone, Copy)]
 enum Way {
     Turns,
     GoesOn,
 }
 
-/// Where a growth towards a target ended.
+/// End of a growth towards a target.
 struct Growth {
-    /// The last node that was reached; the one it began at if there was no way.
+    /// Last node that was reached; the first one if the growth is blocked.
     node: usize,
-    /// Whether that is the target.
+    /// True if that is the target.
     is_target: bool,
-    /// Whether nothing was in the way so far.
+    /// True if nothing has blocked the growth.
     is_open: bool,
 }
 
 impl<'a> LaneSearch<'a> {
+    /// Creates a search that has not begun.
+    ///
     /// # Errors
-    /// [`TaskError::Goal`] for another criterion than `exact`.
+    /// [`TaskError::Goal`] for a criterion other than `exact`.
     pub fn new(
         settings: Reach,
         problem: &'a Problem,
@@ -146,7 +148,7 @@ impl<'a> LaneSearch<'a> {
         })
     }
 
-    /// The same for the grasps of a pool.
+    /// Returns this search with a pool of grasps.
     pub fn with_pool(self, pool: Option<GoalPool<'a>>) -> Self {
         Self { pool, ..self }
     }
@@ -165,9 +167,9 @@ impl<'a> LaneSearch<'a> {
         PlanReport { failures, ..PlanReport::of(ended, statistics) }
     }
 
-    /// Adds the start, and the goal configurations that are free to those that wait.
+    /// Adds the start, and queues the goal configurations that are free.
     fn begin(&mut self, observer: &mut dyn Observer) -> Result<(), Outcome> {
-        // Start and goals in one check.
+        // One check covers start and goals.
         let start = self.problem.start();
         let mut free = Vec::new();
         let goals = self.problem.goal_configurations();
@@ -200,7 +202,7 @@ impl<'a> LaneSearch<'a> {
                     return Ok(path);
                 }
             }
-            // With no goal that is free, or will do, there is nothing to search for.
+            // Without a goal that is free and accepted, there is nothing to search for.
             if self.goals.is_empty() && self.pool.is_none() {
                 return Err(Outcome::GoalsInvalid);
             }
@@ -214,7 +216,7 @@ impl<'a> LaneSearch<'a> {
             self.statistics.iterations += 1;
             self.stage = Stage::Growing;
             // 1. and 2.
-            // Goals that the search does not come to may all be cut off from the start: later there are more.
+            // Unreached goals may all be cut off from the start, so more goals are added later.
             let most = self.settings.goals + (self.statistics.iterations / ITERATIONS_PER_GOAL) as usize;
             if let Some(pool) = self.pool.as_mut().filter(|_| self.goals.len() < most) {
                 if pool.is_hopeless() {
@@ -227,7 +229,7 @@ impl<'a> LaneSearch<'a> {
         }
     }
 
-    /// Adds a goal to those that are known, and as a root, unless every path to it costs too much.
+    /// Adds a goal to the known goals, and as a root, unless every path to it costs too much.
     fn remember_goal(&mut self, goal: &[f64], cost: f64, observer: &mut dyn Observer) -> Option<usize> {
         let least = self.sides[0].distance(self.problem.start(), goal) + cost;
         (least < self.bound).then(|| {
@@ -245,7 +247,7 @@ impl<'a> LaneSearch<'a> {
         self.meet(1, root, observer)
     }
 
-    /// Growth of one side towards a random configuration, and the other side's way to where it ended.
+    /// Grows one side towards a random configuration, and the other side to the end of that growth.
     fn grow_both(&mut self, side: usize, observer: &mut dyn Observer) -> Option<Path> {
         let mut sample = std::mem::take(&mut self.sample);
         self.draw(&mut sample);
@@ -270,7 +272,7 @@ impl<'a> LaneSearch<'a> {
         self.meet(side, node, observer)
     }
 
-    /// A random configuration about the box between the start and a random goal.
+    /// Draws a random configuration about the box between the start and a random goal.
     fn draw(&mut self, sample: &mut [f64]) {
         let root = self.goals[self.random.index(self.goals.len())];
         let goal = self.sides[1].q(root);
@@ -285,7 +287,7 @@ impl<'a> LaneSearch<'a> {
         }
     }
 
-    /// Whether a path through a node at `q`, which is grown from `from`, may cost less than the bound.
+    /// Returns true if a path through a node at `q`, which is grown from `from`, may cost less than the bound.
     fn is_below_bound(&self, side: usize, from: usize, q: &[f64]) -> bool {
         if self.bound.is_infinite() {
             return true;
@@ -302,7 +304,7 @@ impl<'a> LaneSearch<'a> {
         to_come + to_go < SLACK * self.bound
     }
 
-    /// The other side's way to a node, as far as it goes; a path if it gets there.
+    /// Grows the other side to a node as far as possible; returns a path if it gets there.
     fn meet(&mut self, side: usize, node: usize, observer: &mut dyn Observer) -> Option<Path> {
         let meeting = self.sides[side].q(node).to_vec();
         let from = self.nearest(1 - side, &meeting);
@@ -323,8 +325,8 @@ impl<'a> LaneSearch<'a> {
         nearest
     }
 
-    /// Grows from a node towards `target` as far as one pass of checks goes, or to the first that is not free;
-    /// adds a node for each whole step, and at the target.
+    /// Grows from a node towards `target` as far as one pass of checks extends, or to the first that is not free. Adds a node
+    /// for each whole step, and at the target.
     fn grow(
         &mut self,
         side: usize,
@@ -340,7 +342,7 @@ impl<'a> LaneSearch<'a> {
         self.from.clear();
         self.from.extend_from_slice(forest.q(from));
         let spacing = step / looks as f64;
-        // Looks all the way to the target, and how many of them one pass takes.
+        // Number of checks up to the target, and number of checks in this pass.
         let all = (forest.distance(&self.from, target) / spacing).ceil().max(1.0);
         let count = LANES.min(as_count(all));
         let is_last = count >= as_count(all);
@@ -366,7 +368,7 @@ impl<'a> LaneSearch<'a> {
         Growth { node, is_target, is_open }
     }
 
-    /// Step 4: the path through two nodes at the same configuration, or nothing if an edge cannot be proven.
+    /// Step 4: returns the path through two nodes at the same configuration, or `None` if an edge cannot be proven.
     fn proven_path(&mut self, ends: [usize; 2], observer: &mut dyn Observer) -> Option<Path> {
         let begin = now();
         let mut refuted = None;
@@ -375,7 +377,7 @@ impl<'a> LaneSearch<'a> {
                 let forest = &mut self.sides[side];
                 let Some(from) = forest.unproven_edge(node) else { continue };
                 self.statistics.collision_checks += 1;
-                // What passes something very closely is for those who find nothing else.
+                // Proofs of motions that pass obstacles very closely are left to searches that find nothing else.
                 let effort = FIRST_EFFORT
                     .saturating_add(EFFORT_PER_ITERATION.saturating_mul(self.statistics.iterations));
                 let (a, b) = (forest.q(from), forest.q(node));
@@ -398,14 +400,14 @@ impl<'a> LaneSearch<'a> {
         };
         let mut path: Path = way(0).collect();
         path.reverse();
-        // Both ways end where they meet: it stands in the path once.
+        // Both paths end at the meeting configuration, which is added once.
         path.extend(way(1).skip(1));
         self.joined = Some(ends);
         Some(path)
     }
 
-    /// Cuts off a goal that will not do, where both sides have met. What led to it is of use for its neighbours: it grows
-    /// on from the start.
+    /// Cuts off a rejected goal after both sides have met. The branch to it helps its neighbours, and moves to the tree from
+    /// the start.
     fn refuse(&mut self, ends: [usize; 2], observer: &mut dyn Observer) {
         let goals = &self.sides[1];
         let (nodes, turns) = (goals.nodes_to_root(ends[1]), goals.turns_to_root(ends[1]));
@@ -465,7 +467,7 @@ impl PathSearch for LaneSearch<'_> {
     }
 }
 
-/// Checks that would take longer than this are not taken at once anyway.
+/// Upper limit of a count of checks, far above a single pass.
 const MOST_CHECKS: f64 = 1e9;
 
 #[allow(

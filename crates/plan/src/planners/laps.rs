@@ -1,11 +1,11 @@
 use crate::wall_clock::now;
 use std::time::Instant;
 
-/// Seconds of the pieces of one iteration in so many, the first included: to look at the clock takes a tenth of what is
-/// timed.
+/// Timer for the sections of one in sixteen iterations, beginning with the first: reading the clock takes a tenth of the timed
+/// work.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Laps {
-    /// When the last piece ended; nothing in an iteration that is not timed.
+    /// End of the last section; `None` in an iteration that is not timed.
     last: Option<Instant>,
     is_timed: bool,
     timed: u64,
@@ -14,18 +14,18 @@ pub(crate) struct Laps {
 impl Laps {
     const ONE_IN: u64 = 16;
 
-    /// Before the iteration of this number.
+    /// Decides whether to time the iteration of this number.
     pub fn choose(&mut self, iteration: u64) {
         self.is_timed = iteration.is_multiple_of(Self::ONE_IN);
         self.timed += u64::from(self.is_timed);
     }
 
-    /// A piece begins.
+    /// Begins a section.
     pub fn begin(&mut self) {
         self.last = self.is_timed.then(now);
     }
 
-    /// Seconds of the piece that ends, and the next one begins.
+    /// Returns the seconds of the section that ends, and begins the next one.
     pub fn lap_s(&mut self) -> f64 {
         let Some(begin) = self.last else { return 0.0 };
         let end = now();
@@ -33,7 +33,7 @@ impl Laps {
         end.duration_since(begin).as_secs_f64()
     }
 
-    /// By what the sum of all is to be multiplied for so many iterations.
+    /// Returns the factor that extrapolates the measured sum to `iterations` iterations.
     pub fn share_of(&self, iterations: u64) -> f64 {
         iterations.max(1) as f64 / self.timed.max(1) as f64
     }

@@ -12,23 +12,24 @@ use crate::{Budget, Observer, PlanError, PlanReport, Planner, Ranges, Unobserved
 /// PRM (Kavraki, Švestka, Latombe & Overmars 1996, §3; in the simple form of Karaman & Frazzoli 2011, §3.2) with the goals
 /// of all grasps at once.
 ///
-/// 1. The roadmap is that of a file, or empty. The start becomes a node of it, and so do goals, which inverse kinematics
-///    finds meanwhile.
-/// 2. Where no goal is connected, an iteration adds a uniform random configuration, if it is free. A new node is joined with the `neighbours` nearest
-///    (L2 in joint space) to which the edge is proven.
-/// 3. Where start and a goal are connected the shortest way between them is taken, and those of its edges are proven that
-///    are as a file has them; one that cannot be is left out.
+/// 1. The roadmap is read from a file, or empty. The start becomes a node, and so do the goals, which inverse kinematics finds
+///    meanwhile.
+/// 2. If no goal is connected, an iteration adds a uniform random configuration, if it is free. A new node is joined to those
+///    of the `neighbours` nearest (L2 in joint space) to which the edge is proven.
+/// 3. If the start and a goal are connected, the shortest path between them is taken. Its edges from a file are proven; an edge
+///    without a proof is removed.
 ///
-/// One iteration is one random configuration, one edge that is checked, or one batch of inverse kinematics before there is a
-/// goal. Differs from the publication in 1 and 3: the roadmap grows until the question is answered, and is not enhanced in difficult regions.
+/// One iteration is one random configuration, one checked edge, or one batch of inverse kinematics before there is a goal.
+/// Differs from the publication in 1 and 3: the roadmap grows until the query is answered, and is not enhanced in difficult
+/// regions.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Prm {
-    /// How many nearest a node is joined with at most. Default 15.
+    /// Maximum number of nearest nodes to which a node is joined. Default 15.
     pub neighbours: usize,
-    /// Goals that are enough. Default 100.
+    /// Number of goals that suffice. Default 100.
     pub goals: usize,
-    /// The file of a roadmap to begin with, which stays as it is. Default none.
+    /// Roadmap file to begin with, which is not modified. Default none.
     pub roadmap: Option<RoadmapFile>,
 }
 
@@ -74,11 +75,11 @@ impl Planner for Prm {
 }
 
 impl Prm {
-    /// A roadmap of so many nodes for the robot of a problem in its world, for any start and goal. `progress` hears how many
-    /// there are, and says whether to go on; where it stops, the roadmap is what there is by then.
+    /// Builds a roadmap of `nodes` nodes for the robot of a problem in its world, for any start and goal. `progress` receives
+    /// the number of nodes, and returns false to stop; the roadmap is then returned as it is.
     ///
     /// # Errors
-    /// [`TaskError::Goal`](cranny_task::TaskError::Goal) for another criterion than `exact`.
+    /// [`TaskError::Goal`](cranny_task::TaskError::Goal) for a criterion other than `exact`.
     pub fn build(
         &self,
         problem: &Problem,
@@ -107,7 +108,7 @@ struct Graph<'a> {
     neighbours: usize,
     grower: Grower<'a>,
     start: usize,
-    /// The node of each goal; none where it was removed.
+    /// Node of each goal; `None` if the goal was removed.
     goals: Vec<Option<usize>>,
 }
 
@@ -117,7 +118,7 @@ impl<'a> Graph<'a> {
         Self { roadmap, neighbours, grower, start: 0, goals: Vec::new() }
     }
 
-    /// Adds a node that is free.
+    /// Adds a free configuration as a node.
     fn add(&mut self, q: &[f64], search: &mut Search) -> usize {
         let begin = now();
         let near = self.roadmap.nearest(q, self.neighbours);
@@ -142,7 +143,7 @@ impl<'a> Graph<'a> {
         }
     }
 
-    /// Step 3, once: a way is proven, or what cannot be is left out of it.
+    /// Runs step 3 once: proves a path, or removes an edge without a proof.
     fn connected(&mut self, search: &mut Search) -> Option<Connected> {
         let start = self.start;
         let goals: Vec<usize> = self.goals.iter().copied().flatten().collect();
@@ -165,7 +166,7 @@ impl<'a> Graph<'a> {
     }
 }
 
-/// What became of a way in the roadmap from the start to a goal.
+/// Result of a path in the roadmap from the start to a goal.
 enum Connected {
     Path(Path, usize),
     Refuted,
@@ -184,7 +185,7 @@ impl Connector for Graph<'_> {
     fn grow(&mut self, search: &mut Search) -> Option<(Path, usize)> {
         match self.connected(search) {
             Some(Connected::Path(path, goal)) => Some((path, goal)),
-            // A roadmap of another world has many such ways: each is an iteration, so that time and watcher are asked.
+            // A roadmap of another world has many such paths. Each is an iteration, so that time and observer are checked.
             Some(Connected::Refuted) => None,
             None => {
                 self.add_random(search);

@@ -7,30 +7,29 @@ use crate::search::connector::connect;
 use crate::search::growth::Growth;
 use crate::{Budget, Observer, PlanError, PlanReport, Planner, Ranges};
 
-/// RBT-Connect: trees of burs that grow towards each other (Lačević, Osmanković & Ademović 2016, "Burs of free C-space:
-/// a novel structure for path planning", ICRA, whole), with the goals of all grasps at once.
+/// RBT-Connect: trees of burs that grow towards each other (Lačević, Osmanković & Ademović 2016, "Burs of free C-space: a novel
+/// structure for path planning", ICRA, whole), with the goals of all grasps at once.
 ///
 /// 1. As in [`RrtConnect`](crate::RrtConnect) inverse kinematics adds goals, and both sides take turns.
-/// 2. A node is extended by a bur: spines towards the random configuration and in random directions, each as far as no pair of
-///    things can have come together. What a spine needs is known from the distances at its node: it is proven without
-///    another look.
-/// 3. Where the first spine would be shorter than a step the node is extended by a proven step instead. The other side follows
-///    by spines towards the new node, or steps.
+/// 2. A node is extended by a bur: spines towards the random configuration and in random directions, each as far as no pair can
+///    have come into contact. The distances at the node prove a spine without another check.
+/// 3. If the first spine would be shorter than a step, the node is extended by a proven step instead. The other side follows by
+///    spines towards the new node, or steps.
 ///
-/// One iteration is one random configuration, or one batch of inverse kinematics before there is a goal. Differs from the
-/// publication in that each pair of things has its own distance, where they take the least of all, in that the robot itself
-/// counts among them: a robot is always closer to itself than the critical distance, which is asked of the world alone, as is
-/// in 3 the length of the spine.
+/// One iteration is one random configuration, or one batch of inverse kinematics before there is a goal. There are two
+/// differences from the publication. Each pair has its own distance, where the publication takes the minimum. The pairs include
+/// those of the robot with itself. A robot is always closer to itself than the critical distance, so that this distance, and
+/// the length of the spine in 3, refer to the world alone.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RbtConnect {
-    /// Spines of a bur, the one towards the target included. Default 7, that of the released planners.
+    /// Number of spines of a bur, including the one towards the target. Default 7, that of the released planners.
     pub spines: usize,
-    /// Where the world is nearer than this to a link that moves, in metres, trees grow by steps. Default 0.1, theirs.
+    /// Distance of the world from a moving link below which trees grow by steps, in metres. Default 0.1, as released.
     pub critical_m: f64,
-    /// How far the origin of any link frame moves in a step, in metres. Default 0.1, theirs.
+    /// Maximum motion of the origin of any link frame in a step, in metres. Default 0.1, as released.
     pub step_m: f64,
-    /// Goals that are enough. Default 100.
+    /// Number of goals that suffice. Default 100.
     pub goals: usize,
 }
 

@@ -56,7 +56,7 @@ impl Reach {
         self.search_in(problem, pool, clock, seed)
     }
 
-    /// The search for a way to the goals of a pool, or to those of the problem.
+    /// Creates the search for a path to the goals of a pool, or to those of the problem.
     pub(crate) fn search_in<'a>(
         &self,
         problem: &'a Problem,

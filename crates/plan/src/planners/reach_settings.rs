@@ -3,52 +3,50 @@ use serde::{Deserialize, Serialize};
 
 use crate::{PlanError, Ranges};
 
-/// The flagship: one search for grasp and motion at exact tolerance.
+/// Main planner: one search for grasp and motion at exact tolerance.
 ///
 /// 1. Batches of inverse kinematics between the iterations add goal configurations, for random grasps or
 ///    their twins, as further roots of one goal forest.
-/// 2. A pose at which the hand alone collides is left out; if none is left, no grasp can be reached.
-/// 3. Bidirectional growth: the smaller side grows towards a random configuration, the other side then goes as far as
-///    it can towards the new node. Random configurations lie about the box between the start and one of the goals,
-///    farther and farther beyond it as time goes on; within it they follow a sequence that fills it evenly, which takes
-///    a quarter off the slowest. From a node that was blocked nothing far away is tried again.
-/// 4. Growth checks a row of single configurations at once and ends before the first that is not free; where both sides
-///    meet, every straight edge of the path is proven as a whole, and one that cannot be is cut off where it fails,
-///    with all that grew from there.
+/// 2. A pose at which the hand alone collides is discarded; if none is left, no grasp can be reached.
+/// 3. Bidirectional growth: the smaller side grows towards a random configuration, then the other side as far as possible
+///    towards the new node. Random configurations lie in the box between the start and one of the goals, extended farther and
+///    farther with time. A sequence fills this box evenly, which takes a quarter off the slowest searches. A node that was
+///    blocked is not extended again towards distant configurations.
+/// 4. Growth checks a row of single configurations at once and ends before the first that is not free. If both sides meet,
+///    every straight edge of the path is proven as a whole. An edge without a proof is cut off at its fault, with all that grew
+///    from there.
 ///
 /// One iteration is one random configuration.
 ///
-/// Taken from publications:
+/// Sources:
 ///
-/// - the alternate growth of 3: RRT-Connect (Kuffner & `LaValle` 2000, §II), with a forest in place of the goal's tree,
-///   the smaller side first, and one pass of checks in place of one step;
-/// - the sequence of 3: Richtmyer 1951, "The evaluation of definite integrals, and a quasi-Monte-Carlo method based on
-///   the properties of algebraic numbers", whole;
-/// - the domains of 3: Yershova, Jaillet, Siméon & `LaValle` 2005, "Dynamic-domain RRTs", whole; a sample that is
-///   dropped counts as an iteration here, where they draw another;
-/// - the checks of 4 along an edge in the lanes of one instruction: Thomason, Kingston & Kavraki 2024, "Motions in
-///   microseconds via vectorized sampling-based planning", Fig. 2; here in the order of the edge, and of exact bodies;
-/// - the proof of 4 after the growth: delayed checks as in SBL (Sánchez & Latombe 2003, "A single-query bi-directional
+/// - alternate growth in 3: RRT-Connect (Kuffner & `LaValle` 2000, §II), with a forest in place of the tree of the goal, the
+///   smaller side first, and one pass of checks in place of one step;
+/// - sequence in 3: Richtmyer 1951, "The evaluation of definite integrals, and a quasi-Monte-Carlo method based on the
+///   properties of algebraic numbers", whole;
+/// - domains in 3: Yershova, Jaillet, Siméon & `LaValle` 2005, "Dynamic-domain RRTs", whole; a sample that is dropped counts as
+///   an iteration here, where they draw another;
+/// - checks in 4 along an edge in the lanes of one instruction: Thomason, Kingston & Kavraki 2024, "Motions in microseconds via
+///   vectorized sampling-based planning", Fig. 2; here in the order of the edge, and of exact bodies;
+/// - proof in 4 after the growth: delayed checks as in SBL (Sánchez & Latombe 2003, "A single-query bi-directional
 ///   probabilistic roadmap planner with lazy collision checking", whole).
 ///
-/// Ours: goals that inverse kinematics adds during the search, the hand alone as a filter of grasps, the box that widens,
-/// the metric weighted by reach, and the proof of whole edges with the cut where it fails.
-// Other keys are refused where a planner is made; `GraspReach` has these settings among its own.
+/// Original here: goals added by inverse kinematics during the search, the hand alone as a filter of grasps, the widening box,
+/// the metric weighted by reach, and the proof of whole edges with a cut at the fault.
+// Unknown keys are refused when a planner is created; `GraspReach` flattens these settings into its own.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Reach {
-    /// How far apart the nodes of a growth lie, in the metric weighted by reach. Default 0.25.
+    /// Distance between the nodes of a growth, in the metric weighted by reach. Default 0.25.
     pub step: f64,
-    /// Configurations that are checked between two nodes, the second included. One growth checks 16 (`LANES`).
-    /// Default 4.
+    /// Number of configurations checked between two nodes, including the second. One growth checks 16 (`LANES`). Default 4.
     pub looks: usize,
-    /// Goals that are enough at first. Default 100: more do not help, unless all are cut off; one more for every 100
-    /// iterations.
+    /// Number of goals that suffice at first. Default 100: more do not help, unless all are cut off, so one is added for every
+    /// 100 iterations.
     pub goals: usize,
-    /// How far beyond start and goal each joint of a random configuration may lie at first (m, rad); once more
-    /// that far for every 100 iterations, up to the joint limits. Default 0.5.
+    /// Distance of each joint of a random configuration beyond start and goal at first (m, rad). It grows by the same amount
+    /// for every 100 iterations, up to the joint limits. Default 0.5.
     pub detour: f64,
-    /// A node from which growth was blocked at once is grown from only towards what is no farther away than this, in the
-    /// metric weighted by reach. Default 2.
+    /// Maximum distance of a target from a node that was blocked at once, in the metric weighted by reach. Default 2.
     pub domain: f64,
 }
 
@@ -59,7 +57,7 @@ impl Default for Reach {
 }
 
 impl Reach {
-    /// The ranges of the settings.
+    /// Checks the ranges of the settings.
     pub(crate) fn search_ranges(&self, ranges: Ranges) -> Result<Ranges, PlanError> {
         ranges
             .positive("step", self.step)?

@@ -11,8 +11,8 @@ use crate::{
     RbtConnect, Reach, Rrt, RrtConnect, RrtStar, Unobserved,
 };
 
-/// The planners that a program knows by name. [`Registry::default`] has the built-in ones, and [`Registry::with`] adds
-/// one's own; who has a registry knows nothing of the planners in it.
+/// Planners by name. [`Registry::default`] has the built-in ones, and [`Registry::with`] adds others. Users of a registry need
+/// not know the planners in it.
 #[derive(Clone)]
 pub struct Registry {
     entries: Vec<Entry>,
@@ -23,7 +23,7 @@ type Made = Result<Box<dyn Planner>, PlanError>;
 #[derive(Clone)]
 struct Entry {
     default: Arc<dyn Planner>,
-    /// The same kind with these settings, all of them.
+    /// Constructor with these settings, which must be complete.
     with: fn(&str, Map<String, Value>) -> Made,
 }
 
@@ -43,7 +43,7 @@ impl Entry {
 }
 
 impl Default for Registry {
-    /// Every planner that is built in, in the order in which lists show them.
+    /// Returns all built-in planners, in the order in which lists show them.
     fn default() -> Self {
         let entries = vec![
             Entry::of::<Reach>(),
@@ -69,7 +69,7 @@ impl fmt::Debug for Registry {
     }
 }
 
-/// Equal where they know the same names.
+/// Compares the names of the planners.
 impl PartialEq for Registry {
     fn eq(&self, other: &Self) -> bool {
         self.names() == other.names()
@@ -77,7 +77,7 @@ impl PartialEq for Registry {
 }
 
 impl Registry {
-    /// The same with one planner more. Its settings are the fields of `T`, by the names that serde gives them.
+    /// Returns this registry with an additional planner. Its settings are the fields of `T`, by their serde names.
     ///
     /// # Errors
     /// [`PlanError::TwicePlanner`] for a name that is taken.
@@ -91,30 +91,30 @@ impl Registry {
         Ok(self)
     }
 
-    /// The names of all planners.
+    /// Returns the names of all planners.
     pub fn names(&self) -> Vec<&'static str> {
         self.entries.iter().map(|entry| entry.default.name()).collect()
     }
 
-    /// The names of those that make grasps of their own ([`Planner::makes_grasps`]).
+    /// Returns the names of the planners that generate grasps ([`Planner::makes_grasps`]).
     pub fn grasp_makers(&self) -> Vec<&'static str> {
         let makers = self.entries.iter().filter(|entry| entry.default.makes_grasps());
         makers.map(|entry| entry.default.name()).collect()
     }
 
-    /// The planner of that name, with its default settings.
+    /// Returns the planner of that name, with its default settings.
     ///
     /// # Errors
-    /// [`PlanError::UnknownPlanner`], which lists the names that there are.
+    /// [`PlanError::UnknownPlanner`], which lists the existing names.
     pub fn planner(&self, name: &str) -> Result<Arc<dyn Planner>, PlanError> {
         self.entry(name).map(|entry| entry.default.clone())
     }
 
-    /// The planner of that name, with `settings` in place of the defaults of the same names.
+    /// Creates the planner of that name, with `settings` in place of the defaults of the same names.
     ///
     /// # Errors
-    /// As [`Self::planner`]; [`PlanError::UnknownSetting`], which lists those that there are; [`PlanError::Setting`] for
-    /// a value of another kind, or out of its range ([`Planner::check`]).
+    /// As [`Self::planner`]; [`PlanError::UnknownSetting`], which lists the existing ones; [`PlanError::Setting`] for a value
+    /// of another type, or out of its range ([`Planner::check`]).
     pub fn planner_with(
         &self,
         name: &str,
@@ -144,8 +144,8 @@ impl Registry {
     }
 }
 
-/// The planner to take where none is named: the flagship, or where no set of grasps is given the same with grasps of its
-/// own, or under `paper`, which it does not take, the better of the paper's two.
+/// Returns the default planner of a problem: [`Reach`], or [`GraspReach`] without a set of grasps, or under `paper` [`IkRrt`],
+/// the better of the two in the paper.
 pub fn default_planner(problem: &Problem) -> Box<dyn Planner> {
     match problem.criterion() {
         Criterion::Exact if problem.grasp_measure().is_some() => Box::new(GraspReach::default()),
@@ -154,7 +154,7 @@ pub fn default_planner(problem: &Problem) -> Box<dyn Planner> {
     }
 }
 
-/// Whether a short search of the default planner finds a way to a grasp of a problem, or to its goal configurations.
+/// Returns true if a short search by the default planner finds a path to a grasp of a problem, or to its goal configurations.
 ///
 /// # Errors
 /// Those of the planner.
@@ -164,7 +164,7 @@ pub fn is_reached(problem: &Problem) -> Result<bool, PlanError> {
     Ok(report.outcome == Outcome::Solved)
 }
 
-/// A setting is of the kind of its default.
+/// Checks that a setting has the type of its default.
 fn check_kind(planner: &str, setting: &str, default: &Value, value: &Value) -> Result<(), PlanError> {
     let kind = |value: &Value| match value {
         Value::Number(number) if number.is_u64() => "a whole number, at least 0",
@@ -174,7 +174,7 @@ fn check_kind(planner: &str, setting: &str, default: &Value, value: &Value) -> R
         Value::Null | Value::Array(_) | Value::Object(_) => "",
     };
     let expected = kind(default);
-    // A number may be whole.
+    // A setting with a real default also accepts whole numbers.
     if expected == kind(value) || (expected == "a number" && value.is_number()) || expected.is_empty() {
         return Ok(());
     }

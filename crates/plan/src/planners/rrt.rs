@@ -9,13 +9,13 @@ use crate::search::search_state::Search;
 use crate::wall_clock::now;
 use crate::{Budget, Observer, PlanError, PlanReport, Planner, Ranges};
 
-/// RRT (`LaValle` 1998, "Rapidly-exploring random trees", whole; with goal bias: `LaValle` & Kuffner 2001, §5.3) to the
-/// goals of all grasps at once.
+/// RRT (`LaValle` 1998, "Rapidly-exploring random trees", whole; with goal bias: `LaValle` & Kuffner 2001, §5.3) to the goals
+/// of all grasps at once.
 ///
-/// 1. Inverse kinematics finds goal configurations meanwhile.
-/// 2. With probability `p_goal` towards a random one of them, otherwise towards a uniform random configuration, one step is
-///    made from the nearest node (L2 in joint space), and kept if it is proven.
-/// 3. Where a step ends at a goal there is a path.
+/// 1. Inverse kinematics finds goal configurations during the search.
+/// 2. With probability `p_goal` towards a random goal, otherwise towards a uniform random configuration, one step is taken from
+///    the nearest node (L2 in joint space), and kept if it is proven.
+/// 3. A step that ends at a goal completes a path.
 ///
 /// One iteration is one step, or one batch of inverse kinematics before there is a goal. Differs from the publication in 1,
 /// and in that the length of a step is measured at the links.
@@ -24,9 +24,9 @@ use crate::{Budget, Observer, PlanError, PlanReport, Planner, Ranges};
 pub struct Rrt {
     /// Probability of a step towards a goal, in [0, 1]. Default 0.05.
     pub p_goal: f64,
-    /// How far the origin of any link frame moves in a step, in metres. Default 0.1, that of the released planners.
+    /// Maximum motion of the origin of any link frame in a step, in metres. Default 0.1, that of the released planners.
     pub step_m: f64,
-    /// Goals that are enough. Default 100.
+    /// Number of goals that suffice. Default 100.
     pub goals: usize,
 }
 
@@ -113,11 +113,11 @@ impl Connector for Tree<'_> {
     }
 }
 
-/// Goals that a tree from the start grows towards now and then.
+/// Goals towards which a tree from the start grows at times.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct KnownGoals {
     configurations: Vec<Vec<f64>>,
-    /// Those that were not removed.
+    /// Indices of the goals that were not removed.
     living: Vec<usize>,
 }
 
@@ -132,8 +132,8 @@ impl KnownGoals {
         self.living.retain(|living| *living != goal);
     }
 
-    /// The configuration (m, rad; one per joint) to grow towards next: with probability `p_goal` a random goal, and
-    /// which, otherwise a random configuration.
+    /// Returns the configuration (m, rad; one per joint) to grow towards next: with probability `p_goal` a random goal, with
+    /// its index, otherwise a random configuration.
     pub fn target(&self, p_goal: f64, search: &mut Search) -> (Vec<f64>, Option<usize>) {
         if search.random.uniform() < p_goal {
             let goal = self.living[search.random.index(self.living.len())];

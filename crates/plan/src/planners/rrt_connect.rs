@@ -9,20 +9,20 @@ use crate::{Budget, Observer, PlanError, PlanReport, Planner, Ranges};
 
 /// RRT-Connect (Kuffner & `LaValle` 2000, §II) with the goals of all grasps at once.
 ///
-/// 1. Inverse kinematics adds goal configurations, each the root of a tree of its own.
-/// 2. The tree from the start and the forest from the goals take turns: one is extended by a step from its nearest node
-///    (L2 in joint space) towards a uniform random configuration, the other then step by step towards where that ended, until
-///    it is there or blocked.
-/// 3. Every step is proven as it is made, so that a path needs no proof of its own.
+/// 1. Inverse kinematics adds goal configurations, each the root of its own tree.
+/// 2. The tree from the start and the forest from the goals take turns: one is extended by a step from its nearest node (L2 in
+///    joint space) towards a uniform random configuration, then the other step by step towards the new node, until it arrives
+///    or is blocked.
+/// 3. Every step is proven when it is taken, so that a path needs no further proof.
 ///
 /// One iteration is one random configuration, or one batch of inverse kinematics before there is a goal. Differs from the
 /// publication in 1, and in that the length of a step is measured at the links.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RrtConnect {
-    /// How far the origin of any link frame moves in a step, in metres. Default 0.1, that of the released planners.
+    /// Maximum motion of the origin of any link frame in a step, in metres. Default 0.1, that of the released planners.
     pub step_m: f64,
-    /// Goals that are enough. Default 100.
+    /// Number of goals that suffice. Default 100.
     pub goals: usize,
 }
 

@@ -12,13 +12,12 @@ use crate::wall_clock::now;
 use crate::{Budget, NearestNeighbours, Observer, PlanError, PlanReport, Planner, Ranges, Rrt};
 
 /// RRT* with the k nearest (Karaman & Frazzoli 2011, Algorithm 6 and §3.3.3) to the goals of all grasps at once: its paths
-/// become as short as can be (L2 in joint space) as time goes on.
+/// converge to the shortest ones (L2 in joint space).
 ///
-/// 1. As in [`Rrt`] inverse kinematics finds goals meanwhile, and a step is made towards a goal or a random configuration.
-/// 2. Of the new node's `k = ⌈e·(1 + 1/dof)·ln n⌉` nearest among n nodes that one becomes its parent through which the
-///    way to it is shortest, if the edge is proven; and each of the others to which the way is shorter through it is
-///    joined to it, if the edge is proven.
-/// 3. `refinements` iterations after the first path, or when the budget is spent, the shortest to any goal is given.
+/// 1. As in [`Rrt`] inverse kinematics finds goals meanwhile, and a step is taken towards a goal or a random configuration.
+/// 2. Among the `k = ⌈e·(1 + 1/dof)·ln n⌉` nearest of n nodes, the parent of the new node is the one with the shortest path to
+///    it and a proven edge. Each of the others is rewired to the new node if that shortens its path and the edge is proven.
+/// 3. The shortest path to any goal is returned `refinements` iterations after the first path, or when the budget is spent.
 ///
 /// One iteration is one step, or one batch of inverse kinematics before there is a goal. Differs from the publication in
 /// that there are many goals, in 3, and in that the length of a step is measured at the links.
@@ -31,7 +30,7 @@ pub struct RrtStar {
     pub step_m: f64,
     /// [`Rrt::goals`].
     pub goals: usize,
-    /// Iterations after the first path. Default 1000.
+    /// Number of iterations after the first path. Default 1000.
     pub refinements: u64,
 }
 
@@ -86,7 +85,7 @@ struct Node {
     q: Vec<f64>,
     parent: Option<usize>,
     children: Vec<usize>,
-    /// The length of the way from the start.
+    /// Length of the path from the start.
     cost: f64,
 }
 
@@ -96,15 +95,15 @@ struct Tree<'a> {
     index: NearestNeighbours,
     near: NearSet,
     goals: KnownGoals,
-    /// Nodes at goals, and which.
+    /// Nodes at goals, each with the index of its goal.
     arrivals: Vec<(usize, usize)>,
-    /// Iterations since there is a path.
+    /// Number of iterations since the first path.
     refined: u64,
     grower: Grower<'a>,
 }
 
 impl Tree<'_> {
-    /// Steps 1 and 2.
+    /// Runs steps 1 and 2.
     fn extend(&mut self, search: &mut Search) -> Option<()> {
         let (target, goal) = self.goals.target(self.settings.p_goal, search);
         let begin = now();
@@ -135,7 +134,7 @@ impl Tree<'_> {
         None
     }
 
-    /// Through which node the way to `q` is shortest; the edge from `nearest` is proven.
+    /// Returns the node with the shortest path to `q`; the edge from `nearest` is proven.
     fn best_parent(&mut self, nearest: usize, near: &[usize], q: &[f64], search: &mut Search) -> usize {
         let cost = |node: usize| self.nodes[node].cost + distance(&self.nodes[node].q, q);
         let bar = cost(nearest);
@@ -162,7 +161,7 @@ impl Tree<'_> {
         node
     }
 
-    /// Gives a node another parent, through which the way to it costs so much.
+    /// Gives a node another parent, with which the path to it costs `cost`.
     fn join(&mut self, node: usize, parent: usize, cost: f64) {
         if let Some(old) = self.nodes[node].parent.replace(parent) {
             self.nodes[old].children.retain(|child| *child != node);
@@ -183,10 +182,10 @@ impl Tree<'_> {
     }
 }
 
-/// What rounding may take from the cost of a way: no node becomes its own ancestor.
+/// Minimum saving of a rewiring, above rounding errors, so that no node becomes its own ancestor.
 const ROUNDING: f64 = 1e-9;
 
-/// How many nearest are checked among `nodes`.
+/// Returns the number of nearest nodes to check among `nodes`.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "some dozens")]
 fn rewired(nodes: usize, dof: usize) -> usize {
     let factor = std::f64::consts::E * (1.0 + 1.0 / dof as f64);

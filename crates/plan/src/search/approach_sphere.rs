@@ -2,23 +2,23 @@ use std::collections::BTreeMap;
 
 use cranny_spatial::{Stream, Vector};
 
-/// Nodes of a tree by the direction in which their grippers lie from an object, so that approaches to it come from all
-/// sides alike (the `ApproachSphere` of Vahrenkamp, Asfour & Dillmann 2012, whole).
+/// Nodes of a tree by the direction of their grippers from an object, so that approaches to it come evenly from all sides (the
+/// `ApproachSphere` of Vahrenkamp, Asfour & Dillmann 2012, whole).
 ///
-/// The sphere is divided as an octahedron is whose faces are cut three times into four: 512 triangles.
+/// The sphere is divided as an octahedron whose faces are split three times into four: 512 triangles.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ApproachSphere {
     faces: Vec<Face>,
-    /// The place in `faces` of each triangle that has ever had a node.
+    /// Index in `faces` of each triangle that has ever had a node.
     places: BTreeMap<Triangle, usize>,
 }
 
-/// An octant, a cell of its face, and whether it is the upper half of that.
+/// Octant, cell of its face, and true for the upper half of the cell.
 type Triangle = ([bool; 3], [u32; 2], bool);
 
 #[derive(Clone, Debug, Default)]
 struct Face {
-    /// How often a node of it was taken.
+    /// Number of times a node of it was taken.
     taken: u32,
     nodes: Vec<usize>,
 }
@@ -26,11 +26,11 @@ struct Face {
 /// Cells along an edge of the octahedron.
 const CELLS: u32 = 8;
 
-/// Triangles that are looked at for one of which few nodes were taken.
+/// Number of triangles sampled to find one of which few nodes were taken.
 const LOOKS: u32 = 30;
 
 impl ApproachSphere {
-    /// Adds a node that lies in a direction from the middle; nothing for one without a direction.
+    /// Adds a node that lies in a direction from the middle; ignores one without a direction.
     pub fn add(&mut self, direction: &Vector, node: usize) {
         let length = direction.iter().map(|x| x.abs()).sum::<f64>();
         if length <= 0.0 || !length.is_finite() {
@@ -44,7 +44,7 @@ impl ApproachSphere {
         self.faces[place].nodes.push(node);
     }
 
-    /// Takes a random node out, of a triangle of which few were taken before; `None` if none is left there.
+    /// Removes and returns a random node, of a triangle of which few were taken before; `None` if none is left there.
     pub fn take(&mut self, random: &mut Stream) -> Option<usize> {
         let mut best: Option<usize> = None;
         for _ in 0..LOOKS.min(u32::try_from(self.faces.len()).unwrap_or(LOOKS)) {
@@ -61,7 +61,7 @@ impl ApproachSphere {
     }
 }
 
-/// Which triangle a point of the octahedron |x| + |y| + |z| = 1 lies in.
+/// Returns the triangle of a point of the octahedron |x| + |y| + |z| = 1.
 fn triangle(point: &Vector) -> Triangle {
     let scaled = [point.x, point.y].map(|x| x.abs() * f64::from(CELLS));
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "they lie in [0, CELLS]")]

@@ -5,16 +5,16 @@ use cranny_grasp::GraspSet;
 use cranny_spatial::{Pose, Vector};
 use cranny_task::{Goal, IkAnnotationSettings, IkStatus, Problem, annotate_ik};
 
-/// Worlds of more parts are not built again, and again, for a hint.
+/// Maximum number of parts of a world that is rebuilt for a hint.
 const MOST_PARTS: usize = 5000;
 
-/// Looks for a displacement of the base by which one of `goals` gets a free configuration, the start staying free: along x
-/// and y of the planning frame, in metres, in the direction of `way`, which leads from where the arm comes to a grasp.
+/// Searches for a displacement of the base with which one of `goals` has a free configuration and the start stays free: along x
+/// and y of the planning frame, in metres, in the direction of `way`, which leads from the reached position to a grasp.
 pub(crate) fn base_shift_m(problem: &Problem, goals: &GraspSet, way: &Vector) -> Option<[f64; 2]> {
     /// Number of lengths to try, and their spacing, in metres.
     const LENGTHS: u32 = 6;
     const STEP_M: f64 = 0.15;
-    /// Resolution of the shift, per metre: a base is placed to the centimetre.
+    /// Resolution of the shift, in steps per metre: a base is placed to the centimetre.
     const PER_METRE: f64 = 100.0;
     let parts: usize = problem.cell()?.world().bodies().iter().map(|body| body.parts.len()).sum();
     let across = Vector::new(way.x, way.y, 0.0);
@@ -29,7 +29,7 @@ pub(crate) fn base_shift_m(problem: &Problem, goals: &GraspSet, way: &Vector) ->
     })
 }
 
-/// Returns whether a grasp has a free configuration with the base shifted: everything else is shifted the opposite way.
+/// Returns true if a grasp has a free configuration with the base shifted. Everything else is shifted the opposite direction.
 fn is_within_reach(problem: &Problem, goals: &GraspSet, [x, y]: [f64; 2]) -> bool {
     const SETTINGS: IkAnnotationSettings =
         IkAnnotationSettings { attempts: 192, ..IkAnnotationSettings::DEFAULT };

@@ -4,7 +4,7 @@ use cranny_robot::LinkFrames;
 use cranny_spatial::Pose;
 use cranny_task::{Problem, Validity, gripper_poses, open_gripper_poses};
 
-/// What planners ask that grow by steps or burs, some of them under either criterion: a check with its scratch.
+/// Check, with its scratch, for planners that grow by steps or burs, some of them under either criterion.
 pub(crate) enum BaselineCheck<'a> {
     Exact(&'a Cell, Box<Scratch>),
     Paper { check: &'a ReleasedCheck, scratch: Box<ReleasedScratch>, distances: Box<(&'a Cell, Scratch)> },
@@ -22,7 +22,7 @@ impl<'a> BaselineCheck<'a> {
         }
     }
 
-    /// Whether a single configuration (m, rad; one per joint) is free.
+    /// Returns true if a configuration (m, rad; one per joint) is free.
     pub fn is_free(&mut self, q: &[f64]) -> bool {
         match self {
             Self::Exact(cell, scratch) => cell.is_free(q, scratch),
@@ -30,16 +30,16 @@ impl<'a> BaselineCheck<'a> {
         }
     }
 
-    /// Whether goals are checked: the released planners do not.
+    /// Returns true if goals are checked; the released planners do not check them.
     pub fn checks_goals(&self) -> bool {
         matches!(self, Self::Exact(..))
     }
 
-    /// Whether a tree may grow from `a`, which is free, to `b`, both (m, rad; one per joint): under `exact` if the
-    /// whole motion is proven, under `paper` if `b` alone is free.
+    /// Returns true if a tree may grow from `a`, which is free, to `b`, both (m, rad; one per joint): under `exact` if the
+    /// whole motion is proven, under `paper` if `b` is free.
     pub fn edge_is_free(&mut self, a: &[f64], b: &[f64]) -> bool {
         match self {
-            // A blocked end is the usual reason, and cheaper to find than the whole proof.
+            // A blocked end is the most frequent reason, and cheaper to find than the whole proof.
             Self::Exact(cell, scratch) => {
                 cell.is_free(b, scratch) && matches!(cell.motion_is_free(a, b, scratch), Motion::Proven)
             }
@@ -47,8 +47,7 @@ impl<'a> BaselineCheck<'a> {
         }
     }
 
-    /// [`Self::edge_is_free`] from `a` to `b` (m, rad; one per joint), where the link frames at `b` are known
-    /// already.
+    /// Returns [`Self::edge_is_free`] from `a` to `b` (m, rad; one per joint), given the link frames at `b`.
     pub fn edge_to_frames_is_free(&mut self, a: &[f64], b: &[f64], frames_at_b: &LinkFrames) -> bool {
         match self {
             Self::Exact(..) => self.edge_is_free(a, b),
@@ -56,7 +55,7 @@ impl<'a> BaselineCheck<'a> {
         }
     }
 
-    /// [`Cell::bubble`] about `q` (m, rad; one per joint).
+    /// Returns [`Cell::bubble`] about `q` (m, rad; one per joint).
     pub fn bubble(&mut self, q: &[f64], critical_m: f64) -> Option<Bubble> {
         match self {
             Self::Exact(cell, scratch) => cell.bubble(q, critical_m, scratch),
@@ -64,8 +63,8 @@ impl<'a> BaselineCheck<'a> {
         }
     }
 
-    /// [`Cell::free_share`] towards `target` (m, rad; one per joint): under `exact` so much is proven; under `paper`
-    /// it is how far a spine goes at most.
+    /// Returns [`Cell::free_share`] towards `target` (m, rad; one per joint): under `exact` the proven share; under `paper` the
+    /// maximum length of a spine.
     pub fn free_share(&mut self, bubble: &Bubble, target: &[f64]) -> f64 {
         match self {
             Self::Exact(cell, scratch) => cell.free_share(bubble, target, scratch),
@@ -73,14 +72,14 @@ impl<'a> BaselineCheck<'a> {
         }
     }
 
-    /// Whether a bubble proves what lies in it: under `paper` each way point is checked, and no two are farther apart than
-    /// a step.
+    /// Returns true if a bubble proves everything in it. Under `paper` each way point is checked instead, and no two are
+    /// farther apart than a step.
     pub fn is_proven_by_bubbles(&self) -> bool {
         matches!(self, Self::Exact(..))
     }
 
-    /// The poses `world_from_gripper` of grasps, from the highest score down, that the hand alone can take (`exact`),
-    /// or all (`paper`).
+    /// Returns the poses `world_from_gripper` of grasps, from the highest score down, that are free for the hand alone
+    /// (`exact`), or all (`paper`).
     pub fn open_poses(&mut self, grasps: &GraspSet) -> Vec<(usize, Pose)> {
         match self {
             Self::Exact(cell, scratch) => open_gripper_poses(cell, grasps, scratch),

@@ -7,14 +7,14 @@ use crate::search::growth::{Grower, Growth};
 use crate::search::search_state::Search;
 use crate::wall_clock::now;
 
-/// A tree from the start and a forest from goals that grow towards each other by turns: RRT-Connect (Kuffner &
-/// `LaValle` 2000, §II), and with burs RBT-Connect (Lačević, Osmanković & Ademović 2016, whole).
+/// Tree from the start and forest from goals that grow towards each other in turn: RRT-Connect (Kuffner & `LaValle` 2000, §II),
+/// and with burs RBT-Connect (Lačević, Osmanković & Ademović 2016, whole).
 pub(crate) struct Bidirectional<'a> {
     grower: Grower<'a>,
     sides: [Forest; 2],
-    /// The root of each goal.
+    /// Root of each goal.
     goals: Vec<usize>,
-    /// The side that grows next.
+    /// Side that grows next.
     side: usize,
 }
 
@@ -30,7 +30,7 @@ impl<'a> Bidirectional<'a> {
         }
     }
 
-    /// Extends a side from a node towards `target`: the new node there, and whether it is the target.
+    /// Extends a side from a node towards `target`, and returns the new node, and true if it is the target.
     fn extend(
         &mut self,
         side: usize,
@@ -48,11 +48,11 @@ impl<'a> Bidirectional<'a> {
         Some((end, grown.ahead.is_target))
     }
 
-    /// The path through two nodes at the same configuration, and its goal.
+    /// Returns the path through two nodes at the same configuration, and its goal.
     fn path_through(&self, [from_start, from_goal]: [usize; 2]) -> (Path, usize) {
         let mut path = self.sides[0].path_to(from_start);
         let way = self.sides[1].nodes_to_root(from_goal);
-        // Both ways end where they meet: it stands in the path once.
+        // Both paths end at the meeting configuration, which is added once.
         path.extend(way.iter().skip(1).map(|&node| self.sides[1].q(node).to_vec()));
         let root = way.last().copied().unwrap_or(from_goal);
         (path, self.goals.iter().position(|goal| *goal == root).unwrap_or(0))
@@ -81,7 +81,7 @@ impl Connector for Bidirectional<'_> {
         self.goals.push(root);
     }
 
-    /// One side grows towards a random configuration, and the other as far as it can towards where that ended.
+    /// Grows one side towards a random configuration, and the other as far as possible towards the end of the first.
     fn grow(&mut self, search: &mut Search) -> Option<(Path, usize)> {
         let sample = search.sample();
         let side = self.side;

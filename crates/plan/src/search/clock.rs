@@ -3,7 +3,7 @@ use std::time::Instant;
 use crate::wall_clock::now;
 use crate::{Budget, Observer, Outcome};
 
-/// Tells a search when to end: the only clock that a planner has.
+/// Clock that ends a search: the only clock of a planner.
 #[derive(Debug)]
 pub struct Clock {
     begin: Instant,
@@ -13,24 +13,24 @@ pub struct Clock {
 }
 
 impl Clock {
-    /// Starts now.
+    /// Starts a clock now.
     pub fn new(budget: &Budget) -> Self {
         let begin = now();
         Self { begin, deadline: begin.checked_add(budget.time), iterations: budget.iterations, calls: 0 }
     }
 
-    /// Seconds since it was made.
+    /// Returns the seconds since it was started.
     pub fn elapsed_s(&self) -> f64 {
         self.begin.elapsed().as_secs_f64()
     }
 
-    /// Why the search must end after `iterations`, if it must. To be asked once an iteration: it tells the observer how far
-    /// the search is, and looks at the time once in sixteen calls.
+    /// Returns the reason to end the search after `iterations`, if there is one. It must be called once per iteration: it
+    /// reports progress to the observer and reads the time in one of sixteen calls.
     pub fn verdict(&mut self, iterations: u64, observer: &mut dyn Observer) -> Option<Outcome> {
         if iterations >= self.iterations {
             return Some(Outcome::BudgetExhausted);
         }
-        /// Looking at the clock costs as much as a distance; one look in so many calls is enough.
+        /// Number of calls per clock reading, since a reading costs as much as a distance.
         const LOOK_EVERY: u64 = 16;
         self.calls += 1;
         if !self.calls.is_multiple_of(LOOK_EVERY) {

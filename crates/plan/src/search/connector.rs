@@ -5,38 +5,37 @@ use crate::search::goal_pool::GoalPool;
 use crate::search::search_state::Search;
 use crate::{Budget, Observer, Outcome, PlanError, PlanReport};
 
-/// Way points, each of one value per joint.
+/// Way points (m, rad; one value per joint each).
 pub type Path = Vec<Vec<f64>>;
 
-/// Trees or a graph that a start and any number of goals are put into, and that grow until they connect them.
+/// Trees or a graph to which a start and any number of goals are added, and that grow until they connect them.
 pub trait Connector {
-    /// Puts in the start (m, rad; one per joint), once and first; it is free.
+    /// Adds the start (m, rad; one per joint), once and first; it is free.
     fn add_start(&mut self, q: &[f64], search: &mut Search);
 
-    /// Puts in a goal (m, rad; one per joint), which is free; goals are counted from 0.
+    /// Adds a goal (m, rad; one per joint), which is free; goals are numbered from 0.
     fn add_goal(&mut self, q: &[f64], search: &mut Search);
 
-    /// Grows by one iteration, once there is a goal: a path, of which every edge is proven, and which goal it leads to.
+    /// Grows by one iteration, once there is a goal; returns a path with every edge proven, and the index of its goal.
     fn grow(&mut self, search: &mut Search) -> Option<(Path, usize)>;
 
-    /// The best path that is known already where [`Self::grow`] would look for a better one: it is given when the budget is
-    /// spent.
+    /// Returns the best known path, if [`Self::grow`] searches for better ones: it is the result when the budget is spent.
     fn best(&self) -> Option<(Path, usize)> {
         None
     }
 
-    /// Takes a goal away that will not do.
+    /// Removes an unsuitable goal.
     fn remove_goal(&mut self, goal: usize, search: &mut Search);
 
-    /// How many nodes there are.
+    /// Returns the number of nodes.
     fn nodes(&self) -> usize;
 }
 
-/// Looks for a path to any goal of a problem: of grasps, inverse kinematics finds goals between the iterations, up to
+/// Searches for a path to any goal of a problem. For grasps, inverse kinematics finds goals between the iterations, up to
 /// `most_goals`.
 ///
 /// # Errors
-/// [`PlanError`] for another criterion than `exact`, or a problem without a goal.
+/// [`PlanError`] for a criterion other than `exact`, or a problem without a goal.
 pub fn connect(
     planner: &'static str,
     connector: &mut dyn Connector,
@@ -131,7 +130,7 @@ impl Goals<'_> {
     }
 }
 
-/// The goals that one more iteration brings, unless there can be none.
+/// Returns the goals of one more iteration, unless there can be none.
 fn draw(pool: &mut GoalPool, scratch: &mut Scratch, search: &mut Search) -> Result<Path, Outcome> {
     let goals = pool.draw(&mut search.random, scratch, &mut search.statistics);
     if pool.is_hopeless() {

@@ -2,11 +2,10 @@ use cranny_path::JointMetric;
 
 use crate::NearestNeighbours;
 
-/// Trees of configurations that grow from any number of roots, from which nodes can be cut off again. Nodes are numbered
-/// from 0 in the order in which they were added, roots included, and keep their numbers.
+/// Trees of configurations that grow from any number of roots, and from which nodes can be cut off. Nodes are numbered from 0
+/// in the order in which they were added, including roots, and keep their numbers.
 ///
-/// Edges that prolong each other make one straight edge; edges are taken to be free until they are proven or
-/// refuted as a whole.
+/// Edges that prolong each other form one straight edge. Edges are assumed free until they are proven or refuted as a whole.
 ///
 /// All methods that take a node panic if there is none of that number.
 #[derive(Clone, Debug)]
@@ -15,11 +14,11 @@ pub struct Forest {
     metric: JointMetric,
     configurations: Vec<f64>,
     parents: Vec<Option<usize>>,
-    /// Per node where the straight edge begins that leads to it; itself for a root.
+    /// First node of the straight edge to each node; itself for a root.
     begins: Vec<usize>,
-    /// Per node the length of the path from its root, and what the root costs.
+    /// Length of the path from its root to each node, plus the cost of the root.
     costs: Vec<f64>,
-    /// Whether that edge is proven.
+    /// True for each node with a proven straight edge.
     proven: Vec<bool>,
     index: NearestNeighbours,
     /// Node of each point of the index.
@@ -28,7 +27,7 @@ pub struct Forest {
 }
 
 impl Forest {
-    /// Without any node, for configurations of `dof` values; which node is the nearest, `metric` says.
+    /// Creates a forest without nodes, for configurations of `dof` values; `metric` determines the nearest node.
     pub fn new(dof: usize, metric: JointMetric) -> Self {
         Self {
             dof,
@@ -44,49 +43,49 @@ impl Forest {
         }
     }
 
-    /// Takes all nodes out.
+    /// Removes all nodes.
     pub fn clear(&mut self) {
         *self = Self::new(self.dof, self.metric.clone());
     }
 
-    /// How many nodes were ever added, those that are cut off included.
+    /// Returns the number of nodes ever added, including those that were cut off.
     pub fn added(&self) -> usize {
         self.parents.len()
     }
 
-    /// How many nodes can be grown from.
+    /// Returns the number of nodes that can be grown from.
     pub fn len(&self) -> usize {
         self.indexed.len()
     }
 
-    /// Whether there are none.
+    /// Returns true if there are none.
     pub fn is_empty(&self) -> bool {
         self.indexed.is_empty()
     }
 
-    /// The configuration (m, rad; one per joint) of a node.
+    /// Returns the configuration (m, rad; one per joint) of a node.
     pub fn q(&self, node: usize) -> &[f64] {
         &self.configurations[node * self.dof..(node + 1) * self.dof]
     }
 
-    /// Length of the path from its root to a node, and what the root costs.
+    /// Returns the length of the path from its root to a node, plus the cost of the root.
     pub fn cost(&self, node: usize) -> f64 {
         self.costs[node]
     }
 
-    /// A new root at `q` (m, rad; one per joint) that costs so much by itself.
+    /// Adds a root at `q` (m, rad; one per joint) with its own cost, and returns it.
     pub fn add_root(&mut self, q: &[f64], cost: f64) -> usize {
         let node = self.add(q, None);
         self.costs[node] = cost;
         node
     }
 
-    /// A new node at `q` (m, rad; one per joint), the end of an edge from its parent; without a parent, a root.
+    /// Adds a node at `q` (m, rad; one per joint), the end of an edge from its parent or a root, and returns it.
     pub fn add(&mut self, q: &[f64], parent: Option<usize>) -> usize {
         self.add_on_edge(q, parent, parent.unwrap_or(self.parents.len()))
     }
 
-    /// A new node at `q` (m, rad; one per joint) that prolongs the straight edge that led to its parent.
+    /// Adds a node at `q` (m, rad; one per joint) that prolongs the straight edge to its parent, and returns it.
     pub fn prolong(&mut self, q: &[f64], parent: usize) -> usize {
         self.add_on_edge(q, Some(parent), self.begins[parent])
     }
@@ -103,39 +102,39 @@ impl Forest {
         self.parents.len() - 1
     }
 
-    /// The node nearest to `q` (m, rad; one per joint); `None` for a forest without nodes.
+    /// Returns the node nearest to `q` (m, rad; one per joint); `None` for a forest without nodes.
     pub fn nearest(&mut self, q: &[f64]) -> Option<usize> {
         self.metric.scale(q, &mut self.scaled);
         self.index.nearest(&self.scaled).map(|point| self.indexed[point])
     }
 
-    /// The distance of two configurations (m, rad; one per joint) in the metric of the forest.
+    /// Returns the distance between two configurations (m, rad; one per joint) in the metric of the forest.
     pub fn distance(&self, a: &[f64], b: &[f64]) -> f64 {
         self.metric.distance(a, b)
     }
 
-    /// The nodes at which the path from `node` to its root turns, both included.
+    /// Returns the nodes at which the path from `node` to its root turns, including both.
     pub fn turns_to_root(&self, node: usize) -> Vec<usize> {
         let next = |&node: &usize| Some(self.begins[node]).filter(|begin| *begin != node);
         std::iter::successors(Some(node), next).collect()
     }
 
-    /// The nodes from `node` to its root, both included.
+    /// Returns the nodes from `node` to its root, including both.
     pub fn nodes_to_root(&self, node: usize) -> Vec<usize> {
         std::iter::successors(Some(node), |&node| self.parents[node]).collect()
     }
 
-    /// The configurations (m, rad; one value per joint) from the root of `node` to it.
+    /// Returns the configurations (m, rad; one value per joint) from the root of `node` to it.
     pub fn path_to(&self, node: usize) -> Vec<Vec<f64>> {
         self.nodes_to_root(node).into_iter().rev().map(|node| self.q(node).to_vec()).collect()
     }
 
-    /// Where the straight edge to the node begins, unless it is proven already or the node is a root.
+    /// Returns the first node of the straight edge to `node`, unless the edge is proven or `node` is a root.
     pub fn unproven_edge(&self, node: usize) -> Option<usize> {
         Some(self.begins[node]).filter(|_| !self.proven[node])
     }
 
-    /// The first node on the straight edge to `node` that lies at the share `place` of it, or beyond.
+    /// Returns the first node on the straight edge to `node` at or beyond the share `place` of its length.
     pub fn first_beyond(&self, node: usize, place: f64) -> usize {
         let begin = self.begins[node];
         let from_begin = |node: usize| self.distance(self.q(begin), self.q(node));
@@ -145,12 +144,12 @@ impl Forest {
         beyond.last().unwrap_or(node)
     }
 
-    /// The straight edge that leads to the node is proven.
+    /// Marks the straight edge to the node as proven.
     pub fn set_proven(&mut self, node: usize) {
         self.proven[node] = true;
     }
 
-    /// Takes the node and all that grew from it out of the forest.
+    /// Removes the node and all its descendants from the forest.
     pub fn cut(&mut self, node: usize) {
         let mut is_cut = vec![false; self.parents.len()];
         is_cut[node] = true;

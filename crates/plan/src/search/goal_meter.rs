@@ -1,15 +1,15 @@
 use cranny_grasp::{Grasp, GraspSet};
 use cranny_spatial::{EXACT_TRANSLATION_M, Pose, PoseDifference, Vector, nalgebra::Quaternion};
 
-/// Measures grippers against all grasps of a set by the released metric `d = ½·mm + ½·deg`, and remembers
-/// for each grasp the node of a tree that came nearest.
+/// Measures grippers against all grasps of a set by the released metric `d = ½·mm + ½·deg`, and stores the nearest node for
+/// each grasp.
 #[derive(Clone, Debug)]
 pub(crate) struct GoalMeter {
     positions: Vec<Vector>,
     rotations: Vec<Quaternion<f64>>,
     twins: Vec<Quaternion<f64>>,
     nearest: Vec<(f64, usize)>,
-    /// How near a gripper must come to each grasp to be its nearest, or to arrive (m²).
+    /// Squared distance below which a gripper may be the nearest to each grasp, or may have arrived (m²).
     reach_squared_m2: Vec<f64>,
 }
 
@@ -26,17 +26,15 @@ impl GoalMeter {
         }
     }
 
-    /// The node nearest to `grasp` so far.
+    /// Returns the node nearest to `grasp`.
     pub fn nearest_node(&self, grasp: usize) -> usize {
         self.nearest[grasp].1
     }
 
-    /// Measures the gripper of a new node against every grasp. Returns the first grasp at which it has
-    /// arrived, if any.
+    /// Measures the gripper of a new node against every grasp. Returns the first grasp at which it has arrived.
     ///
-    /// The translation alone bounds `d` from below; the rotation is measured only where the node may be the
-    /// nearest so far, or may have arrived by the `exact` criterion. (By `paper` the first node to arrive is
-    /// the nearest so far.)
+    /// The translation alone is a lower bound of `d`. The rotation is evaluated only if the node may be the nearest, or may
+    /// have arrived by the `exact` criterion. (Under `paper` the first node to arrive is the nearest.)
     pub fn measure(
         &mut self,
         node: usize,
@@ -73,7 +71,7 @@ impl GoalMeter {
     }
 }
 
-/// `d` of one metre of translation.
+/// Value of `d` for one metre of translation.
 const HALF_MILLIMETRES_PER_METRE: f64 = 500.0;
 
 #[cfg(test)]

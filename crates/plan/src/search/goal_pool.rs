@@ -8,34 +8,34 @@ use crate::search::grasp_source::GraspSource;
 use crate::wall_clock::now;
 use crate::{PlanError, Statistics};
 
-/// Attempts to a pose that is known to be open to the hand, before another pose is checked: so many cost
-/// as much as looking at poses until the hand is free at one.
+/// Number of attempts per open pose before another pose is checked: they cost as much as finding a pose at which the hand is
+/// free.
 const ATTEMPTS_PER_POSE: usize = 16;
-/// Poses that are checked before the first attempt, so that it does not all hang on one.
+/// Number of poses checked before the first attempt, so that it does not depend on a single one.
 const FIRST_POSES: usize = 8;
-/// Once there is a goal, a batch is due every so many iterations for each … attempts that a goal costs:
+/// Attempts per goal that delay the next batch by one iteration, once there is a goal.
 const ATTEMPTS_PER_ITERATION: u64 = 8;
-/// … and at the latest after so many.
+/// Maximum number of iterations between two batches.
 const MOST_ITERATIONS: u64 = 8;
 
 /// Goal configurations of a problem, found in batches by inverse kinematics from random starts.
 ///
-/// 1. Poses are opened in random order, the more the more attempts were made. One at which the hand alone
-///    collides is left out for good: no arm can hold it; and one that will not do for what is to follow. Where there is a
-///    source of grasps, it brings new ones.
-/// 2. Each attempt of a batch goes to any open pose, from a start of its own.
-/// 3. What is reached and free is a goal, unless the hand holds nothing there, which is asked where the grasps come from a
-///    source; joints that can stand several turns apart stand near the start's.
+/// 1. Poses are opened in random order, in proportion to the attempts made. A pose is discarded if the hand alone collides
+///    there, since no arm can hold it, or if it fails the filter of the problem. A source of grasps, if there is one, adds
+///    poses.
+/// 2. Each attempt of a batch goes to a random open pose, from its own start.
+/// 3. A reached and free configuration is a goal. For grasps from a source the hand must also hold the target there. Joints
+///    with a range of several turns are set near the start.
 ///
-/// Until there is a goal, every iteration of a search runs a batch; then the fewer the more goals cost, so
-/// that neither the attempts nor the search takes all the time.
+/// Until there is a goal, every iteration of a search runs a batch. Afterwards batches are rarer the more a goal costs, so that
+/// neither the attempts nor the search takes all the time.
 pub struct GoalPool<'a> {
     cell: &'a Cell,
     start: &'a [f64],
-    /// Grasps and poses not left out yet; the first so many are known to be open to the hand.
+    /// Grasps and poses that are not discarded; the first `open` are known to be open to the hand.
     poses: Vec<(usize, Pose)>,
     open: usize,
-    /// Where more grasps come from; `None` where all are given. Of its grasps no account is kept: all are number 0.
+    /// Source of further grasps; `None` if all are given. Its grasps are recorded together, under number 0.
     source: Option<GraspSource<'a>>,
     batch: IkBatch<'a>,
     filter: Option<&'a GraspFilter>,
@@ -44,11 +44,11 @@ pub struct GoalPool<'a> {
     /// Iterations since the last batch.
     waited: u64,
     records: Vec<Record>,
-    /// Whether the solutions of the last batch are free.
+    /// True for each free solution of the last batch.
     verdicts: Vec<bool>,
 }
 
-/// What was met at one grasp and its twin.
+/// Results at one grasp and its twin.
 #[derive(Clone, Default)]
 struct Record {
     attempts: u64,
@@ -56,15 +56,15 @@ struct Record {
     hand_contacts: usize,
     hand_contact: Option<Contact>,
     blocked: Vec<f64>,
-    /// Why it is left out: from the beginning, or by the filter of the problem.
+    /// Reason for exclusion: from the beginning, or by the filter of the problem.
     excluded: Option<FailureReason>,
 }
 
 impl<'a> GoalPool<'a> {
-    /// The pool of a problem; none where its goals are configurations.
+    /// Returns the pool of a problem; `None` if its goals are configurations.
     ///
     /// # Errors
-    /// [`PlanError`] for a problem under another criterion than `exact`.
+    /// [`PlanError`] for a problem under a criterion other than `exact`.
     pub fn of(problem: &'a Problem) -> Result<Option<Self>, PlanError> {
         let cell = problem.exact_cell("reach")?;
         if let Some(measure) = problem.grasp_measure() {
@@ -73,7 +73,7 @@ impl<'a> GoalPool<'a> {
         Ok(problem.grasps().map(|grasps| Self::new(problem, cell, grasps)))
     }
 
-    /// The pool of all grasps and their twins.
+    /// Creates the pool of all grasps and their twins.
     pub fn new(problem: &'a Problem, cell: &'a Cell, grasps: &GraspSet) -> Self {
         let given = grasps.grasps();
         let excluded: Vec<_> =
@@ -85,7 +85,7 @@ impl<'a> GoalPool<'a> {
         Self { poses, records, ..Self::empty(problem, cell) }
     }
 
-    /// The pool of the grasps that a source brings.
+    /// Creates the pool of the grasps from a source.
     pub(crate) fn sampling(problem: &'a Problem, cell: &'a Cell, source: GraspSource<'a>) -> Self {
         Self { source: Some(source), records: vec![Record::default()], ..Self::empty(problem, cell) }
     }
@@ -107,12 +107,12 @@ impl<'a> GoalPool<'a> {
         }
     }
 
-    /// Whether the hand alone collides at every pose.
+    /// Returns true if the hand alone collides at every pose.
     pub fn is_hopeless(&self) -> bool {
         self.poses.is_empty() && self.source.is_none()
     }
 
-    /// The goals (m, rad; one value per joint) that one more iteration of the search brings, each with its grasp.
+    /// Returns the goals (m, rad; one value per joint) of one more iteration of the search, each with its grasp.
     pub fn draw(
         &mut self,
         random: &mut Stream,
@@ -126,8 +126,8 @@ impl<'a> GoalPool<'a> {
         self.draw_batch(&[], random, scratch, statistics)
     }
 
-    /// The goals (m, rad; one value per joint) of one more batch, each with its grasp; with a path, every other
-    /// attempt starts at a random point of it.
+    /// Returns the goals (m, rad; one value per joint) of one more batch, each with its grasp. Every second attempt starts at a
+    /// random point of the path, if there is one.
     pub fn draw_batch(
         &mut self,
         path: &[Vec<f64>],
@@ -195,7 +195,7 @@ impl<'a> GoalPool<'a> {
             || self.waited * ATTEMPTS_PER_ITERATION * self.goals >= self.attempts
     }
 
-    /// Looks for poses that are open to the hand until there are as many as the attempts so far deserve.
+    /// Searches for poses that are open to the hand until their number matches the attempts.
     fn open_poses(&mut self, random: &mut Stream, scratch: &mut Scratch) {
         let wanted = FIRST_POSES + usize::try_from(self.attempts).unwrap_or(usize::MAX) / ATTEMPTS_PER_POSE;
         if let Some(source) = &mut self.source {
@@ -223,8 +223,8 @@ impl<'a> GoalPool<'a> {
         }
     }
 
-    /// Obstacle between the robot and each grasp that was given, as far as it was met; of those from a source the last that
-    /// was met at any, as one.
+    /// Returns the obstacle between the robot and each given grasp, as far as one was found; for a source, the last one found
+    /// at any grasp.
     pub fn failures(&self, scratch: &mut Scratch) -> Vec<GraspFailure> {
         if self.source.is_some()
             && self.records.iter().all(|record| record.hand_contacts == 0 && record.attempts == 0)

@@ -6,33 +6,33 @@ use cranny_task::{GraspMeasure, TaskError, gripper_poses};
 
 use crate::PlanError;
 
-/// First contacts that are drawn for one batch of inverse kinematics, at most: a millisecond or so, where the hand collides
-/// almost everywhere.
+/// Maximum number of first contacts drawn per batch of inverse kinematics: about a millisecond if the hand collides almost
+/// everywhere.
 const DRAWS_PER_BATCH: usize = 128;
 
-/// What is left, after a batch without a goal, of the score that is asked beyond the least: a search that finds nothing
-/// soon takes what there is.
+/// Factor on the required score beyond the minimum after a batch without a goal, so that a search without success soon accepts
+/// any grasp.
 const LEFT_PER_BATCH: f64 = 0.95;
 
-/// Grasps that are sampled on the target while a search wants them.
+/// Grasps sampled on the target as a search needs them.
 pub(crate) struct GraspSource<'a> {
     sampler: GraspSampler<'a>,
     measure: &'a GraspMeasure,
     judge: GraspJudge<'a>,
-    /// How much more than [`GraspMeasure::LEAST_SCORE`] is asked of a grasp by now.
+    /// Currently required score beyond [`GraspMeasure::LEAST_SCORE`].
     score_beyond: f64,
-    /// Draws that are left to the batch.
+    /// Draws left in the batch.
     left: usize,
-    /// Goals that there were when the batch began.
+    /// Number of goals at the beginning of the batch.
     goals: u64,
 }
 
 impl<'a> GraspSource<'a> {
-    /// Of grasps with at least this score, in [0, 1], at first, and with less and less down to
-    /// [`GraspMeasure::LEAST_SCORE`] where they lead to no goals.
+    /// Creates a source of grasps with at least this score, in [0, 1], at first. The required score decreases to
+    /// [`GraspMeasure::LEAST_SCORE`] while they lead to no goals.
     ///
     /// # Errors
-    /// [`TaskError::NoGraspMeasure`] for a surface on which no grasp can be sampled: there is none with a measure.
+    /// [`TaskError::NoGraspMeasure`] for a surface on which no grasp can be sampled, which has no measure.
     pub fn new(measure: &'a GraspMeasure, first_score: f64) -> Result<Self, PlanError> {
         let sampler = Self::sampler(measure)?;
         let score_beyond = (first_score - GraspMeasure::LEAST_SCORE).max(0.0);
@@ -40,7 +40,7 @@ impl<'a> GraspSource<'a> {
         Ok(Self { sampler, measure, judge, score_beyond, left: 0, goals: 0 })
     }
 
-    /// The sampler of grasps of at least [`GraspMeasure::LEAST_SCORE`].
+    /// Returns the sampler of grasps with at least [`GraspMeasure::LEAST_SCORE`].
     ///
     /// # Errors
     /// As [`Self::new`].
@@ -49,14 +49,14 @@ impl<'a> GraspSource<'a> {
             .map_err(|_| TaskError::NoGraspMeasure { needs: "a target on which grasps can be sampled" })
     }
 
-    /// By how much the target is too wide for the hand with what is demanded between them, if it is.
+    /// Returns the excess width of the target over the hand opening, including the required margins, if it is too wide.
     pub fn too_wide(measure: &GraspMeasure, margins: Margins) -> Option<TooWide> {
         TooWide::of(measure.surface_in_world(), &Self::settings(measure), margins.of_grasp_m())
     }
 
     fn settings(measure: &GraspMeasure) -> SamplerSettings {
         SamplerSettings {
-            // Whatever needs no more friction than this has the least score.
+            // Grasps that need no more friction than this have the minimum score.
             friction: (1.0 - GraspMeasure::LEAST_SCORE) * measure.friction(),
             opening_m: measure.opening_m(),
             first_approach: FirstApproach::Random,
@@ -64,7 +64,7 @@ impl<'a> GraspSource<'a> {
         }
     }
 
-    /// A new batch begins, so many goals being found.
+    /// Begins a new batch, with `goals` goals found before.
     pub fn begin_batch(&mut self, goals: u64) {
         if goals == self.goals {
             self.score_beyond *= LEFT_PER_BATCH;
@@ -72,13 +72,13 @@ impl<'a> GraspSource<'a> {
         (self.goals, self.left) = (goals, DRAWS_PER_BATCH);
     }
 
-    /// One more grasp and its twin, as `world_from_gripper`; `None` where the batch has drawn enough.
+    /// Draws one more grasp and its twin, as `world_from_gripper`; `None` if the batch has no draws left.
     pub fn draw(&mut self, random: &mut Stream) -> Option<[Pose; 2]> {
         while self.left > 0 {
             self.left -= 1;
             let mut found = None;
             self.sampler.draw(random, &mut |SampledGrasp { grasp, .. }| found = Some(grasp));
-            // Pads from outside may meet another pair of contacts than the sampler did: a hole, the far side of a ring.
+            // Pads from outside may touch other contacts than the sampler found, as at a hole or the far side of a ring.
             let least = GraspMeasure::LEAST_SCORE + self.score_beyond;
             let is_good = |pose: &Pose| self.measure.score(pose).is_some_and(|score| score >= least);
             if let Some(grasp) = found.filter(|grasp| is_good(&grasp.world_from_gripper)) {
@@ -88,7 +88,7 @@ impl<'a> GraspSource<'a> {
         None
     }
 
-    /// Whether the hand holds the target at a configuration (m, rad; one per joint).
+    /// Returns true if the hand holds the target at a configuration (m, rad; one per joint).
     pub fn holds(&mut self, q: &[f64]) -> bool {
         self.judge.grasp_at(q).is_ok()
     }

@@ -9,14 +9,14 @@ use crate::search::forest::Forest;
 use crate::search::search_state::Search;
 use crate::wall_clock::now;
 
-/// How a tree grows from one of its nodes.
+/// Growth of a tree from one of its nodes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Growth {
-    /// By a step in which the origin of no link frame moves farther than so many metres.
+    /// Step in which the origin of no link frame moves farther than `step_m` metres.
     Step { step_m: f64 },
-    /// By a bur: so many spines, of which the first goes towards the target and the others towards random configurations,
-    /// each as far as the bubble about the node is free; by a step where the world is nearer than the critical distance, or the
-    /// first spine would be shorter.
+    /// Bur of `spines` spines, the first towards the target and the others towards random configurations, each as far as the
+    /// bubble about the node is free. It is replaced by a step if the world is closer than `critical_m` metres, or if the first
+    /// spine would be shorter.
     Bur { spines: usize, critical_m: f64, step_m: f64 },
 }
 
@@ -28,25 +28,25 @@ impl Growth {
     }
 }
 
-/// What a tree grows by, from one of its nodes.
+/// New nodes of a tree from one of its nodes.
 pub(crate) struct Grown {
-    /// Towards the target.
+    /// Branch towards the target.
     pub ahead: Branch,
-    /// The other spines.
+    /// Other spines.
     pub aside: Vec<Branch>,
 }
 
-/// The new nodes in one direction, each grown from the one before.
+/// New nodes in one direction, each grown from the one before.
 #[derive(Default)]
 pub(crate) struct Branch {
-    /// None where it is blocked. A spine is one node, but where way points may be no farther apart than a step.
+    /// Nodes, none if it is blocked. A spine is one node, unless way points may be no farther apart than a step.
     pub nodes: Vec<Vec<f64>>,
-    /// Whether the last is the target.
+    /// True if the last node is the target.
     pub is_target: bool,
 }
 
 impl Branch {
-    /// Adds the nodes to a forest, which observers know by the index `tree`, the first below `from`; gives the last.
+    /// Adds the nodes to a forest, known to observers by the index `tree`, the first below `from`; returns the last.
     pub fn add_to(
         &self,
         forest: &mut Forest,
@@ -62,7 +62,7 @@ impl Branch {
     }
 }
 
-/// Grows trees along ways that are free by the criterion of a problem.
+/// Grows trees along edges that are free by the criterion of a problem.
 pub(crate) struct Grower<'a> {
     pub check: BaselineCheck<'a>,
     stepper: Stepper,
@@ -76,8 +76,8 @@ impl<'a> Grower<'a> {
         Self { check: BaselineCheck::of(problem), stepper: Stepper::new(robot), robot, growth }
     }
 
-    /// Grows from `q` towards `target`, another configuration (m, rad; one per joint); a bur has its random spines
-    /// only where it `explores`.
+    /// Grows from `q` towards `target`, another configuration (m, rad; one per joint). A bur has random spines only if it
+    /// `explores`.
     pub fn grow(&mut self, q: &[f64], target: &[f64], explores: bool, search: &mut Search) -> Grown {
         let bur = match self.growth {
             Growth::Step { .. } => None,
@@ -96,8 +96,8 @@ impl<'a> Grower<'a> {
         })
     }
 
-    /// A step from `q` towards `target` (m, rad; one per joint), unless it is blocked: where it ends, and whether
-    /// that is the target.
+    /// Takes a step from `q` towards `target` (m, rad; one per joint), unless it is blocked; returns its end, and true if that
+    /// is the target.
     pub fn step(&mut self, q: &[f64], target: &[f64], search: &mut Search) -> Option<(Vec<f64>, bool)> {
         let (_, is_target) = self.stepper.towards(self.robot, q, target, self.growth.step_m());
         let (to, frames) = (self.stepper.q(), self.stepper.frames());
@@ -108,7 +108,7 @@ impl<'a> Grower<'a> {
         is_free.then(|| (to.to_vec(), is_target))
     }
 
-    /// Whether the whole edge between two configurations (m, rad; one per joint) is free.
+    /// Returns true if the whole edge between two configurations (m, rad; one per joint) is free.
     pub fn edge(&mut self, from: &[f64], to: &[f64], search: &mut Search) -> bool {
         let begin = now();
         search.statistics.collision_checks += 1;
@@ -117,8 +117,7 @@ impl<'a> Grower<'a> {
         is_free
     }
 
-    /// The bur about `q`, unless its first spine is shorter than a step. Its spines are proven by the bubble that they begin
-    /// in.
+    /// Returns the bur about `q`, unless its first spine is shorter than a step. The bubble at `q` proves its spines.
     fn bur(
         &mut self,
         q: &[f64],
@@ -144,7 +143,7 @@ impl<'a> Grower<'a> {
         })
     }
 
-    /// The end of a spine towards `target`, and whether that is the target.
+    /// Returns the end of a spine towards `target`, and true if that is the target.
     fn spine(&mut self, q: &[f64], bubble: &Bubble, target: &[f64], search: &mut Search) -> (Vec<f64>, bool) {
         let begin = now();
         let share = self.check.free_share(bubble, target);
@@ -153,7 +152,7 @@ impl<'a> Grower<'a> {
         (between(q, target, share).collect(), share >= 1.0)
     }
 
-    /// The nodes of a spine from `q`.
+    /// Returns the nodes of a spine from `q`.
     fn branch(&mut self, q: &[f64], (end, is_target): (Vec<f64>, bool), search: &mut Search) -> Branch {
         if self.check.is_proven_by_bubbles() {
             let nodes = if end == q { Vec::new() } else { vec![end] };

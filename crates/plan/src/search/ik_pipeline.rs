@@ -12,39 +12,38 @@ use crate::search::search_state::Search;
 use crate::wall_clock::now;
 use crate::{Budget, Observer, Outcome, PlanError, PlanReport};
 
-/// What goes by [`IkRrt`](crate::IkRrt) and its kin.
+/// Settings of [`IkRrt`](crate::IkRrt) and related planners.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PipelineSettings {
-    /// How trees grow.
+    /// Growth of the trees.
     pub growth: Growth,
     /// Probability of growing towards the goal itself.
     pub p_goal: f64,
-    /// At most so many iterations for one goal, or times the share that it has.
+    /// Maximum number of iterations per goal, multiplied by its share.
     pub goal_iterations: u64,
     pub shares: Shares,
-    /// At most so many attempts of inverse kinematics for one grasp in one round.
+    /// Maximum number of attempts of inverse kinematics per grasp and round.
     pub ik_attempts: usize,
 }
 
-/// How iterations are shared out among goals.
+/// Distribution of iterations among goals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Shares {
-    /// As many for each, which has both trees of its own; configurations that are given have their turn once.
+    /// Equal shares, with two trees of its own per goal; given configurations are tried once.
     Equal,
-    /// One goal after the other, over and over, by the sequence 1, 1, 2, 1, 1, 2, 4, … of Luby, Sinclair & Zuckerman
-    /// (1993, "Optimal speedup of Las Vegas algorithms", whole: the strategy `S^univ`), while the tree from the start
-    /// grows on.
+    /// One goal after the other, repeatedly, by the sequence 1, 1, 2, 1, 1, 2, 4, … of Luby, Sinclair & Zuckerman (1993,
+    /// "Optimal speedup of Las Vegas algorithms", whole: the strategy `S^univ`), while the tree from the start keeps growing.
     Luby,
 }
 
-/// The `index`-th share of [`Shares::Luby`], from 1 on.
+/// Returns the `index`-th share of [`Shares::Luby`], counted from 1.
 fn luby_share(index: u64) -> u64 {
-    // A run of 2ᵏ − 1 shares ends with 2ᵏ⁻¹, and before that it is the run of 2ᵏ⁻¹ − 1 shares twice.
+    // A run of 2ᵏ − 1 shares is the run of 2ᵏ⁻¹ − 1 shares twice, and then 2ᵏ⁻¹.
     let run = (index + 1).next_power_of_two();
     if run == index + 1 { run / 2 } else { luby_share(index + 1 - run / 2) }
 }
 
-/// One goal after the other, each with a tree from the start and one from it ([`IkRrt`](crate::IkRrt)).
+/// Plans for one goal after the other, each with a tree from the start and one from it ([`IkRrt`](crate::IkRrt)).
 ///
 /// # Errors
 /// [`TaskError::NoGoal`].
@@ -70,9 +69,9 @@ struct Pipeline<'a> {
     settings: PipelineSettings,
     check: BaselineCheck<'a>,
     grower: Grower<'a>,
-    /// The tree from the start, where it is kept.
+    /// Tree from the start, if it is kept.
     start_tree: Option<Forest>,
-    /// How many goals have had their turn.
+    /// Number of goals that have had their turn.
     turns: u64,
 }
 
@@ -124,7 +123,7 @@ impl Pipeline<'_> {
         }
     }
 
-    /// The next configuration for the grasp of `solutions` that is free.
+    /// Returns the next free configuration for the grasp of `solutions`.
     fn next_goal(&mut self, solutions: &mut IkSearch, search: &mut Search) -> Option<Vec<f64>> {
         let begin = now();
         let attempts_before = solutions.attempts();
@@ -135,7 +134,7 @@ impl Pipeline<'_> {
             statistics.collision_checks += u64::from(check.checks_goals());
             !check.checks_goals() || check.is_free(q)
         };
-        // The paper's way first: from the start, pulled towards it; then from random configurations.
+        // As in the paper, the first attempt is from the start, pulled towards it; the others are from random configurations.
         let from_start = match attempts_before {
             0 => solutions.next_from(start, &mut is_free).map(|solution| solution.q.clone()),
             _ => None,
@@ -180,7 +179,7 @@ impl Pipeline<'_> {
             let ends = [0, 1].map(|index| self.reach(&mut trees[index], index, &sample, search));
             if let [Some(from_start), Some(from_goal)] = ends {
                 let mut path = trees[0].path_to(from_start);
-                // Both trees end at the sample: it stands in the path once.
+                // Both trees end at the sample, which is added once.
                 let back = trees[1].nodes_to_root(from_goal).into_iter().skip(1);
                 path.extend(back.map(|node| trees[1].q(node).to_vec()));
                 found = Ok(Some(path));
@@ -193,7 +192,7 @@ impl Pipeline<'_> {
         found
     }
 
-    /// Extends a tree towards `target` until it is reached, which gives the node there, or the way is blocked.
+    /// Extends a tree towards `target` until it is reached, and returns the node there; `None` if it is blocked.
     fn reach(
         &mut self,
         tree: &mut Forest,

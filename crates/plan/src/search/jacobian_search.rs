@@ -12,32 +12,32 @@ use crate::search::search_state::Search;
 use crate::wall_clock::now;
 use crate::{Budget, Observer, Outcome, PlanError, PlanReport};
 
-/// How a planner picks a grasp to go for.
+/// Choice of the grasp that a planner approaches.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum GraspChoice {
-    /// Every grasp is as likely as any other.
+    /// Equal probability for every grasp.
     #[default]
     Uniform,
-    /// With probability proportional to the score; a set without scores is drawn from uniformly.
+    /// Probability proportional to the score; uniform for a set without scores.
     ByScore,
 }
 
-/// The released planners let the rotation enter once `d` is at most this.
+/// Value of `d` up to which the released planners include the rotation.
 const ROTATION_ENTERS_BELOW: f64 = 100.0;
 
-/// What a search with the pseudo-inverse of the Jacobian goes by.
+/// Settings of a search with the pseudo-inverse of the Jacobian.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct JacobianSettings {
-    /// Probability of going towards a grasp.
+    /// Probability of growing towards a grasp.
     pub p_goal: f64,
-    /// How the tree grows towards random configurations; towards a grasp it steps.
+    /// Growth of the tree towards random configurations; towards a grasp it takes steps.
     pub growth: Growth,
     pub choice: GraspChoice,
     pub damping: f64,
 }
 
-/// One tree from the start that grows towards random configurations and, now and then, towards a grasp by the
+/// Plans with one tree from the start that grows towards random configurations and, at times, towards a grasp by the
 /// pseudo-inverse of the Jacobian ([`JPlusRrt`](crate::JPlusRrt)).
 ///
 /// # Errors
@@ -87,7 +87,7 @@ impl<'a> JacobianTree<'a> {
         }
     }
 
-    /// The node at which the search arrived, or why it ended without.
+    /// Returns the node at which the search arrived, or the reason for its failure.
     fn run(&mut self, search: &mut Search) -> Result<usize, Outcome> {
         let start = self.problem.start();
         if !self.grower.check.is_free(start) {
@@ -110,7 +110,7 @@ impl<'a> JacobianTree<'a> {
         }
     }
 
-    /// Growth from the nearest node towards a random configuration.
+    /// Grows from the nearest node towards a random configuration.
     fn explore(&mut self, search: &mut Search) -> Option<usize> {
         let sample = search.sample();
         let begin = now();
@@ -131,8 +131,8 @@ impl<'a> JacobianTree<'a> {
         None
     }
 
-    /// Pseudo-inverse steps towards a grasp, from the node that is nearest to it, until the gripper arrives, the motion is
-    /// blocked, or it comes no nearer.
+    /// Takes pseudo-inverse steps towards a grasp, from its nearest node, until the gripper arrives, the motion is blocked, or
+    /// it comes no closer.
     fn reach_for_a_grasp(&mut self, search: &mut Search) -> Option<usize> {
         let picked = self.pick(search);
         let goal = &self.grasps.grasps()[picked];
@@ -150,7 +150,7 @@ impl<'a> JacobianTree<'a> {
                 return None;
             }
             nearest = d;
-            // Of the grasp and its twin the one that is turned less.
+            // The goal is the grasp or its twin, whichever needs less rotation.
             let twin = goal.twin();
             let turn = |pose: &Pose| PoseDifference::between(gripper, pose).rotation_rad;
             let wanted = if turn(&goal.world_from_gripper) <= turn(&twin.world_from_gripper) {
@@ -185,7 +185,7 @@ impl<'a> JacobianTree<'a> {
         }
     }
 
-    /// Adds a node, and tells whether the gripper has arrived at a grasp there.
+    /// Adds a node, and returns it, and true if the gripper has arrived at a grasp there.
     fn add(&mut self, q: &[f64], parent: Option<usize>, search: &mut Search) -> (usize, bool) {
         search.observer.node_added(0, q, parent);
         let node = self.nodes.add(q, parent);
@@ -206,7 +206,7 @@ impl<'a> JacobianTree<'a> {
                     left -= weight(*index);
                     left < 0.0
                 };
-                // Without a score anywhere every grasp is as good as any other.
+                // Without any score every grasp is as good as any other.
                 match (0..self.grasps.len()).find(passes) {
                     Some(picked) => picked,
                     None => search.random.index(self.grasps.len()),

@@ -7,14 +7,14 @@ use serde::{Deserialize, Serialize};
 use crate::search::base_shift::base_shift_m;
 use crate::search::grasp_source::GraspSource;
 
-/// Reason why a search took no grasp at all.
+/// Reason why no grasp of a search was feasible.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", tag = "reason")]
 #[non_exhaustive]
 pub enum NoGrasp {
-    /// The target is wider than the hand opens wherever it was sampled, and no grasps are given.
+    /// The target is wider than the hand opens at every sample, and no grasps are given.
     TooWide(TooWide),
-    /// The arm comes to none of the grasps.
+    /// The arm reaches none of the grasps.
     OutOfReach(ReachMiss),
 }
 
@@ -22,24 +22,23 @@ pub enum NoGrasp {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ReachMiss {
-    /// The nearest grasp; `None` for one that was sampled, because none are given.
+    /// Index of the nearest grasp; `None` for a sampled one, if none are given.
     pub grasp: Option<usize>,
-    /// Least distance of that grasp from everything within reach, in metres, by a bound that holds for certain; 0 where
-    /// the bound does not exclude it.
+    /// Lower bound of the distance of that grasp from everything within reach, in metres; 0 if the bound does not exclude it.
     pub beyond_m: f64,
     /// Distance of the tip from that grasp at the end of the best attempt of inverse kinematics, in metres.
     pub missed_by_m: f64,
-    /// Rotation of the tip from that grasp there, in radians.
+    /// Rotation of the tip relative to that grasp there, in radians.
     pub turned_by_rad: f64,
-    /// The joints that stand at a limit there.
+    /// Names of the joints at a limit there.
     pub joints_at_limits: Vec<String>,
-    /// Displacement of the base, along x and y of the planning frame in metres, with which a free configuration at a grasp
-    /// was found; `None` where none of those that were tried leads to one.
+    /// Displacement of the base, along x and y of the planning frame in metres, that gives a free configuration at a grasp;
+    /// `None` if no tried displacement does.
     pub base_shift_m: Option<[f64; 2]>,
 }
 
-/// Why each grasp of a problem is excluded before any search, if all of them are: by their stated widths, or for certain
-/// beyond reach. Empty where grasps are sampled, and none can be.
+/// Returns the reason for each excluded grasp of a problem if all are excluded before any search: by their stated widths, or
+/// provably beyond reach. The list is empty if grasps would be sampled, but none can be.
 pub(crate) fn all_excluded(problem: &Problem) -> Option<Vec<GraspFailure>> {
     let cell = problem.cell()?;
     let robot = cell.robot();
@@ -61,16 +60,16 @@ pub(crate) fn all_excluded(problem: &Problem) -> Option<Vec<GraspFailure>> {
     grasps.iter().enumerate().map(failure).collect()
 }
 
-/// Least distance of any grasp of the target from everything within reach, in metres: the gripper frame lies no farther
-/// from its surface than the hand opens.
+/// Returns a lower bound of the distance of any grasp of the target from everything within reach, in metres. The gripper frame
+/// lies no farther from the target surface than the hand opens.
 fn own_beyond_m(robot: &Robot, measure: &GraspMeasure) -> f64 {
     let surface = measure.surface_in_world().aabb();
     robot.reach_bound().beyond_m(&surface.center) - surface.half_extents.norm() - measure.opening_m()
 }
 
 impl NoGrasp {
-    /// Looks for the reason after a search without a path, in which grasps failed like this: some milliseconds. `None`
-    /// where the arm came to a grasp, or may have.
+    /// Determines the reason after a search without a path, given the failures of its grasps, in some milliseconds. `None` if
+    /// the arm reached a grasp, or may have.
     pub fn of(problem: &Problem, failures: &[GraspFailure]) -> Option<Self> {
         let cell = problem.cell()?;
         let robot = cell.robot();
@@ -108,7 +107,7 @@ impl NoGrasp {
     }
 }
 
-/// A few grasps of the target.
+/// Samples a few grasps of the target.
 fn sampled(measure: &GraspMeasure) -> Vec<Grasp> {
     const COUNT: usize = 8;
     const DRAWS: usize = 1000;
@@ -124,7 +123,7 @@ fn sampled(measure: &GraspMeasure) -> Vec<Grasp> {
     grasps
 }
 
-/// The end of an attempt of inverse kinematics at a grasp.
+/// End of an attempt of inverse kinematics at a grasp.
 struct Attempt {
     grasp: Option<usize>,
     goal: Grasp,
@@ -134,10 +133,10 @@ struct Attempt {
     turned_by_rad: f64,
 }
 
-/// Repeats an attempt from where it ends as long as it gets nearer: to what is far away one ends early.
+/// Repeats an attempt from its end as long as it comes closer, because an attempt at a distant pose ends early.
 fn end_near(solver: &mut IkSolver, pose: &Pose, begin: &[f64]) -> (IkSolution, bool) {
     const ROUNDS: usize = 50;
-    /// An attempt that gets no nearer than this is the last, in metres.
+    /// Minimum progress of an attempt for another one, in metres.
     const NEARER_M: f64 = 1e-3;
     let (mut end, mut is_reached) = solver.approach(pose, begin);
     for _ in 0..ROUNDS {
@@ -151,14 +150,15 @@ fn end_near(solver: &mut IkSolver, pose: &Pose, begin: &[f64]) -> (IkSolution, b
 }
 
 impl ReachMiss {
-    /// 1. The nearest grasps by the bound of [`Robot::reach_bound`] are tried, from the start and from random
-    ///    configurations.
-    /// 2. The attempt that ends nearest is the one to report; a grasp that is reached after all is no miss.
-    /// 3. The base is shifted towards it.
+    /// Finds the attempt of inverse kinematics that ends nearest to a candidate.
+    ///
+    /// 1. Tries the nearest grasps by the bound of [`Robot::reach_bound`], from the start and from random configurations.
+    /// 2. Reports the attempt that ends nearest; a grasp that is reached after all is no miss.
+    /// 3. Shifts the base towards it.
     fn of(problem: &Problem, robot: &Robot, candidates: Vec<(Option<usize>, Grasp)>) -> Option<Self> {
-        /// Grasps that are tried.
+        /// Number of grasps to try.
         const GRASPS: usize = 8;
-        /// Random configurations that an attempt begins at, for each.
+        /// Number of random configurations at which attempts begin, per grasp.
         const STARTS: u64 = 3;
         let reach = robot.reach_bound();
         let beyond_m = |grasp: &Grasp| {

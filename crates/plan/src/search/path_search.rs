@@ -6,8 +6,8 @@ use cranny_task::Problem;
 use crate::search::no_grasp::all_excluded;
 use crate::{Budget, Observer, Outcome, PathSearch, PlanError, PlanReport, Planner, Statistics};
 
-/// Runs a planner whose settings are good ([`Planner::check`]). Where every grasp is excluded beforehand, by its width or as
-/// beyond reach, no search is begun.
+/// Runs a planner with valid settings ([`Planner::check`]). If every grasp is excluded beforehand, by its width or because it
+/// is beyond reach, no search begins.
 ///
 /// # Errors
 /// Those of the planner.
@@ -25,7 +25,7 @@ pub fn search(
     }
 }
 
-/// The search of a planner for one path after another, as [`search`] runs it for one.
+/// Begins the search of a planner for one path after another, as [`search`] does for one.
 ///
 /// # Errors
 /// Those of the planner.
@@ -45,22 +45,22 @@ pub fn begin_search<'a>(
     }))
 }
 
-/// The report on a problem whose grasps are all excluded.
+/// Returns the report on a problem whose grasps are all excluded.
 fn excluded(problem: &Problem) -> Option<PlanReport> {
     let failures = all_excluded(problem).filter(|_| problem.start_is_free())?;
     let report = PlanReport::of(Err(Outcome::NoReachableGrasp), Statistics::default());
     Some(PlanReport { failures, ..report })
 }
 
-/// The search of a planner that finds one path: for each further one it begins anew, from another seed.
+/// Search of a planner that finds one path: each further path is a new search with another seed.
 struct Restarts<'a> {
     planner: &'a dyn Planner,
     problem: &'a Problem,
     budget: Budget,
     seed: u64,
-    /// Searches that are over.
+    /// Number of completed searches.
     count: u64,
-    /// Cost of all of them.
+    /// Statistics of all of them.
     spent: Statistics,
 }
 
@@ -79,7 +79,7 @@ impl PathSearch for Restarts<'_> {
     fn reject(&mut self) {}
 }
 
-/// A search that has ended before it began.
+/// Search that ended before it began.
 struct Ended(PlanReport);
 
 impl PathSearch for Ended {

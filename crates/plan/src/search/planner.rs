@@ -6,13 +6,13 @@ use strum::IntoStaticStr;
 
 use crate::PlanError;
 
-/// How much a planner may spend.
+/// Limits of a search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Budget {
-    /// At most so many iterations (each planner says what one is). Default: no limit.
+    /// Maximum number of iterations (each planner defines one). Default: no limit.
     pub iterations: u64,
-    /// At most so much wall-clock time. It may only cut short the search that the seed and the iterations
-    /// determine. Default: 120 s, the paper's limit.
+    /// Maximum wall-clock time. It may only cut short the search that the seed and the iterations determine. Default: 120 s,
+    /// the limit of the paper.
     pub time: Duration,
 }
 
@@ -22,41 +22,40 @@ impl Default for Budget {
     }
 }
 
-/// How a search ended.
+/// Outcome of a search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, IntoStaticStr)]
 #[serde(rename_all = "kebab-case")]
 #[strum(serialize_all = "kebab-case")]
 pub enum Outcome {
-    /// There is a path, and it meets the criterion.
+    /// A path was found, and it meets the criterion.
     Solved,
     /// The budget was spent before a path was found.
     BudgetExhausted,
-    /// The observer asked to stop.
+    /// The observer requested a stop.
     Cancelled,
-    /// The planner has nothing left to try, though its budget is not spent: it says nothing of whether there is a path.
+    /// The planner has nothing left to try, before its budget is spent. A path may exist nevertheless.
     GaveUp,
     /// The start is in collision or outside the joint limits.
     StartInvalid,
     /// Every goal configuration is in collision or outside the joint limits.
     GoalsInvalid,
-    /// No grasp can be reached at all: each is excluded for certain, or wherever the target was sampled it is wider than the
-    /// hand opens.
+    /// No grasp can be reached: each is provably excluded, or the target is wider than the hand opens at every sample.
     NoReachableGrasp,
 }
 
 impl Outcome {
-    /// What files and `--json` call it.
+    /// Returns the name used in files and `--json`.
     pub fn name(self) -> &'static str {
         self.into()
     }
 
-    /// What it means, in a few words.
+    /// Returns a description in a few words.
     pub fn sentence(self) -> &'static str {
         match self {
             Self::Solved => "solved",
             Self::BudgetExhausted => "time or iterations ran out",
             Self::Cancelled => "the search was stopped",
-            Self::GaveUp => "every goal was tried as long as the planner does",
+            Self::GaveUp => "every goal was tried up to the planner's limit",
             Self::StartInvalid => "the start is in collision or beyond a joint limit",
             Self::GoalsInvalid => "every goal is in collision or beyond a joint limit",
             Self::NoReachableGrasp => "no grasp can be reached",
@@ -64,37 +63,36 @@ impl Outcome {
     }
 }
 
-/// What a search cost.
+/// Statistics of a search.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Statistics {
-    /// Iterations, as the planner counts them.
+    /// Number of iterations, as the planner counts them.
     pub iterations: u64,
-    /// Nodes that were added to all search trees together.
+    /// Number of nodes added to all search trees together.
     pub nodes: u64,
-    /// Configurations and edges that were checked for collision.
+    /// Number of configurations and edges checked for collision.
     pub collision_checks: u64,
-    /// Inverse-kinematics attempts.
+    /// Number of inverse-kinematics attempts.
     pub ik_attempts: u64,
-    /// Goals (grasps or configurations) that were tried one after the other.
+    /// Number of goals (grasps or configurations) tried one after the other.
     pub goals_tried: u64,
-    /// Seconds from the problem to the proven path.
+    /// Time from the problem to the proven path, in seconds.
     pub planning_time_s: f64,
-    /// Seconds of it spent on inverse kinematics and the validity of its solutions.
+    /// Time spent on inverse kinematics and the validity of its solutions, in seconds.
     pub ik_time_s: f64,
-    /// Seconds of it spent on collision checks during the search, and on proofs where the tree grows on
-    /// proven edges.
+    /// Time spent on collision checks during the search, and on proofs if the tree grows along proven edges, in seconds.
     pub collision_time_s: f64,
-    /// Seconds of it spent on proving a path that was found, where that is apart from the search.
+    /// Time spent on the proof of a path, if that is separate from the search, in seconds.
     #[serde(default)]
     pub proof_time_s: f64,
-    /// Seconds of it spent on the nearest neighbours. `reach` times this and the collision checks in one iteration of
-    /// sixteen, and tells what follows for all.
+    /// Time spent on nearest neighbours, in seconds. `reach` measures this and the collision checks in one of sixteen
+    /// iterations, and extrapolates.
     pub nearest_time_s: f64,
 }
 
 impl Statistics {
-    /// The sum of this and the cost of another search.
+    /// Returns the sum of these and the statistics of another search.
     #[must_use]
     pub fn with(&self, other: &Self) -> Self {
         Self {
@@ -112,22 +110,22 @@ impl Statistics {
     }
 }
 
-/// What a planner found.
+/// Result of a planner.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlanReport {
-    /// How the search ended.
+    /// Outcome of the search.
     pub outcome: Outcome,
-    /// Way points from the start to the goal; empty unless solved.
+    /// Way points from the start to the goal (m, rad; one value per joint); empty unless solved.
     pub path: Vec<Vec<f64>>,
-    /// What it cost.
+    /// Statistics of the search.
     pub statistics: Statistics,
-    /// What stood between the robot and each grasp, from planners that keep account of it; empty if solved.
+    /// Obstacle to each grasp, from planners that record it; empty if solved.
     pub failures: Vec<GraspFailure>,
 }
 
 impl PlanReport {
-    /// The report of a search that ended with a path of way points (m, rad; one value per joint), or with a reason
-    /// why there is none.
+    /// Creates the report of a search that ended with a path of way points (m, rad; one value per joint), or with the reason
+    /// for its failure.
     pub fn of(ended: Result<Vec<Vec<f64>>, Outcome>, statistics: Statistics) -> Self {
         let (outcome, path) = match ended {
             Ok(path) => (Outcome::Solved, path),
@@ -137,61 +135,59 @@ impl PlanReport {
     }
 }
 
-/// Watches a search. Every method has a default that does nothing, so watching nothing costs nothing.
+/// Observer of a search. Every method does nothing by default.
 pub trait Observer {
-    /// A node was added to tree `tree` (0: from the start) at `q` (m, rad; one per joint), below node `parent` of the
-    /// same tree.
+    /// Reports a new node of tree `tree` (0: from the start) at `q` (m, rad; one per joint), below node `parent` of the same
+    /// tree.
     fn node_added(&mut self, _tree: usize, _q: &[f64], _parent: Option<usize>) {}
 
-    /// Node `node` of tree `tree` was cut off, with all that grew from it: nodes are counted from 0 in the order in which
-    /// they were added to the tree, and keep their numbers.
+    /// Reports that node `node` of tree `tree` was cut off with all its descendants. Nodes are numbered from 0 in the order in
+    /// which they were added to the tree, and keep their numbers.
     fn node_cut(&mut self, _tree: usize, _node: usize) {}
 
-    /// So many iterations are done.
+    /// Reports the number of iterations completed.
     fn progress(&mut self, _iterations: u64) {}
 
-    /// The search is over: whatever follows does something else with its path.
+    /// Reports the end of the search; only further processing of its path follows.
     fn search_ended(&mut self) {}
 
-    /// Whether the search should end with [`Outcome::Cancelled`].
+    /// Returns true if the search should end with [`Outcome::Cancelled`].
     fn should_stop(&self) -> bool {
         false
     }
 }
 
-/// Watches nothing.
+/// Observer that ignores all reports.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Unobserved;
 
 impl Observer for Unobserved {}
 
-/// A search for paths to the goals of a problem, one after another: the caller decides what each is good for.
+/// Search for paths to the goals of a problem, one after another. The caller decides about each path.
 ///
-/// Pull, not push: a task goes on from the end of a path (closing a hand, carrying what it holds) with searches of its own,
-/// which have a budget and an account; inside a callback of the first search they had neither.
+/// The caller pulls paths, because a task continues from the end of a path (closing the hand, carrying an object) with further
+/// searches, which need a budget and statistics of their own. A callback of the first search could not provide these.
 pub trait PathSearch {
-    /// The next path, or the reason for which there is none, with the statistics so far. Budget and time go on where the last
-    /// call ended.
+    /// Returns the next path, or the reason why there is none, with the statistics of all calls. Budget and time carry over.
     ///
     /// # Errors
     /// As [`Planner::plan`].
     fn next(&mut self, observer: &mut dyn Observer) -> Result<PlanReport, PlanError>;
 
-    /// Leaves out the goal at which the last path ends.
+    /// Rejects the goal at which the last path ends.
     fn reject(&mut self);
 }
 
-/// A planner: a pure function of problem, budget and seed. The same three give the same path, on any
-/// machine, unless time cuts the search short.
+/// Planner: a pure function of problem, budget and seed. Equal arguments give equal paths on any machine, unless time runs out.
 pub trait Planner: Send + Sync {
-    /// The name by which the registry knows it.
+    /// Returns its name in the registry.
     fn name(&self) -> &'static str;
 
-    /// Its settings, for the record.
+    /// Returns its settings, for the record.
     fn settings(&self) -> serde_json::Value;
 
-    /// Whether its settings lie where it can use them ([`Ranges`](crate::Ranges)). The registry asks when it makes one,
-    /// [`search`](crate::search) before it runs one. Default: whatever can be read is good.
+    /// Checks that its settings are in range ([`Ranges`](crate::Ranges)). The registry does so when it creates a planner,
+    /// [`search`](crate::search) before it runs one. Default: all readable settings are valid.
     ///
     /// # Errors
     /// [`PlanError::Setting`], which names the setting and its range.
@@ -199,13 +195,13 @@ pub trait Planner: Send + Sync {
         Ok(())
     }
 
-    /// Whether it makes grasps of its own: it solves problems without a set of grasps, and no others.
+    /// Returns true if it generates grasps: it then solves only problems without a set of grasps.
     fn makes_grasps(&self) -> bool {
         false
     }
 
-    /// Its search, if that can go on from a path to others. Default: none, and for each further path it begins anew from
-    /// another seed ([`begin_search`](crate::begin_search)).
+    /// Begins its search, if that can continue from one path to others. Default: `None`, so that each further path is a new
+    /// search with another seed ([`begin_search`](crate::begin_search)).
     ///
     /// # Errors
     /// As [`Self::plan`].
@@ -218,11 +214,11 @@ pub trait Planner: Send + Sync {
         Ok(None)
     }
 
-    /// Looks for a path.
+    /// Searches for a path.
     ///
     /// # Errors
-    /// [`PlanError`] if the problem is malformed or of a kind that this planner cannot take. That there is
-    /// no path within the budget is an [`Outcome`].
+    /// [`PlanError`] if the problem is malformed or of a kind that this planner does not support. Finding no path within the
+    /// budget is an [`Outcome`].
     fn plan(
         &self,
         problem: &Problem,

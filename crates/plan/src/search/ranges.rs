@@ -1,6 +1,6 @@
 use crate::PlanError;
 
-/// Says whether the settings of a planner lie in their ranges, one after the other ([`Planner::check`](crate::Planner::check)).
+/// Range checks of the settings of a planner, one after the other ([`Planner::check`](crate::Planner::check)).
 ///
 /// ```
 /// # use cranny_plan::{PlanError, Ranges};
@@ -17,31 +17,31 @@ pub struct Ranges {
 }
 
 impl Ranges {
-    /// Of the planner of this name.
+    /// Creates checks for the planner of this name.
     pub fn of(planner: &'static str) -> Self {
         Self { planner }
     }
 
-    /// A finite number above 0.
+    /// Checks for a finite number above 0.
     ///
     /// # Errors
-    /// [`PlanError::Setting`] for another.
+    /// [`PlanError::Setting`] for any other value.
     pub fn positive(self, setting: &str, value: f64) -> Result<Self, PlanError> {
         self.when(value > 0.0 && value.is_finite(), || format!("'{setting}' is {value}, but must be above 0"))
     }
 
-    /// A probability, a score, a share: in [0, 1].
+    /// Checks for a probability, a score or a share: in [0, 1].
     ///
     /// # Errors
-    /// [`PlanError::Setting`] for another.
+    /// [`PlanError::Setting`] for any other value.
     pub fn share(self, setting: &str, value: f64) -> Result<Self, PlanError> {
         self.when((0.0..=1.0).contains(&value), || format!("'{setting}' is {value}, but must be in [0, 1]"))
     }
 
-    /// A number of things, from 1 to `most`.
+    /// Checks for a count from 1 to `most`.
     ///
     /// # Errors
-    /// [`PlanError::Setting`] for another.
+    /// [`PlanError::Setting`] for any other value.
     pub fn count(self, setting: &str, value: usize, most: usize) -> Result<Self, PlanError> {
         self.when((1..=most).contains(&value), || {
             let at_most = if most == usize::MAX { String::new() } else { format!(" and at most {most}") };

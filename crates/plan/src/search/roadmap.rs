@@ -11,18 +11,18 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use crate::PlanError;
 use crate::neighbours::near_set::NearSet;
 
-/// A graph of configurations, kept in a file for any number of questions (multi-query).
+/// Graph of configurations, kept in a file for any number of queries (multi-query).
 ///
-/// What a file says of edges is not believed: those of a path are proven, and what cannot be is left out. So a roadmap of
-/// another world, or of one that has changed, costs time and no truth.
+/// Edges from a file are not trusted: those of a path are proven, and edges without a proof are removed. A roadmap of another
+/// world, or of one that has changed, costs time but never correctness.
 #[derive(Clone, Debug)]
 pub struct Roadmap {
     joints: Vec<String>,
     nodes: Vec<Vec<f64>>,
     near: NearSet,
-    /// Of each node its neighbours.
+    /// Neighbours of each node.
     neighbours: Vec<Vec<Neighbour>>,
-    /// Of each node one that stands for all that are connected with it.
+    /// Representative of each node in the union-find forest of connected components.
     components: Vec<usize>,
 }
 
@@ -32,14 +32,14 @@ struct Neighbour {
     is_proven: bool,
 }
 
-/// A file that a roadmap stands in, read when the setting is that names it.
+/// File of a roadmap, read together with the setting that names it.
 #[derive(Clone, Debug)]
 pub struct RoadmapFile {
     path: PathBuf,
     content: Arc<Content>,
 }
 
-/// What stands in it.
+/// Content of the file.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Content {
@@ -50,10 +50,10 @@ struct Content {
 }
 
 impl RoadmapFile {
-    /// Reads what a [`Roadmap`] was serialised to, as JSON.
+    /// Reads a [`Roadmap`] that was serialised as JSON.
     ///
     /// # Errors
-    /// [`PlanError::Roadmap`] for a file that cannot be read or is none.
+    /// [`PlanError::Roadmap`] for a file that cannot be read or is not a roadmap.
     pub fn read(path: &Path) -> Result<Self, PlanError> {
         let fault = |problem: String| PlanError::Roadmap { path: path.to_owned(), problem };
         let text = cranny_file::TEXT.text(path).map_err(|reason| fault(reason.to_string()))?;
@@ -81,11 +81,11 @@ impl<'de> Deserialize<'de> for RoadmapFile {
     }
 }
 
-/// What the file of a roadmap says first.
+/// Format identifier at the beginning of a roadmap file.
 const FORMAT: &str = "cranny-roadmap/1";
 
 impl Roadmap {
-    /// One without nodes.
+    /// Creates a roadmap without nodes.
     pub fn new(robot: &Robot) -> Self {
         Self {
             joints: robot.joint_names().to_vec(),
@@ -96,10 +96,10 @@ impl Roadmap {
         }
     }
 
-    /// The roadmap of a file, which must be of the same robot.
+    /// Creates the roadmap of a file, which must be for the same robot.
     ///
     /// # Errors
-    /// [`PlanError::Roadmap`] for one that is not.
+    /// [`PlanError::Roadmap`] for a roadmap of another robot.
     pub fn of_file(file: &RoadmapFile, robot: &Robot) -> Result<Self, PlanError> {
         let fault = |problem: String| PlanError::Roadmap { path: file.path.clone(), problem };
         let file = &file.content;
@@ -119,24 +119,26 @@ impl Roadmap {
         }
         for &[a, b] in &file.edges {
             if a == b || a.max(b) >= roadmap.len() {
-                return Err(fault(format!("there is no edge from node {a} to {b}")));
+                return Err(fault(format!(
+                    "the edge from node {a} to {b} is not valid: both nodes must exist and differ"
+                )));
             }
             roadmap.join(a, b, false);
         }
         Ok(roadmap)
     }
 
-    /// How many nodes there are.
+    /// Returns the number of nodes.
     pub fn len(&self) -> usize {
         self.nodes.len()
     }
 
-    /// Whether there is no node.
+    /// Returns true if there is no node.
     pub fn is_empty(&self) -> bool {
         self.nodes.is_empty()
     }
 
-    /// How many edges there are.
+    /// Returns the number of edges.
     pub fn edges(&self) -> usize {
         self.neighbours.iter().map(Vec::len).sum::<usize>() / 2
     }
@@ -152,7 +154,7 @@ impl Roadmap {
         self.near.add(q)
     }
 
-    /// The nodes nearest to `q`, the nearest first.
+    /// Returns the nodes nearest to `q`, the nearest first.
     pub(crate) fn nearest(&self, q: &[f64], k: usize) -> Vec<usize> {
         self.near.nearest(q, k)
     }
@@ -165,7 +167,7 @@ impl Roadmap {
         self.components[a.max(b)] = a.min(b);
     }
 
-    /// Whether there is a way between two nodes.
+    /// Returns true if a path connects two nodes.
     pub(crate) fn are_connected(&mut self, a: usize, b: usize) -> bool {
         self.component(a) == self.component(b)
     }
@@ -179,11 +181,11 @@ impl Roadmap {
         root
     }
 
-    /// The shortest way (L2) from a node to any of `goals`, by its nodes.
+    /// Returns the nodes of the shortest path (L2) from a node to any of `goals`.
     pub(crate) fn shortest_way(&self, from: usize, goals: &[usize]) -> Option<Vec<usize>> {
         let mut costs = vec![f64::INFINITY; self.len()];
         let mut before = vec![None; self.len()];
-        // Costs are not negative: their bits are in their order.
+        // Costs are not negative, so their bit patterns sort in the same order.
         let mut open = BinaryHeap::from([(Reverse(0.0_f64.to_bits()), from)]);
         costs[from] = 0.0;
         while let Some((Reverse(cost), node)) = open.pop() {
@@ -218,7 +220,7 @@ impl Roadmap {
         }
     }
 
-    /// Leaves an edge out.
+    /// Removes an edge.
     pub(crate) fn cut(&mut self, a: usize, b: usize) {
         for (a, b) in [(a, b), (b, a)] {
             self.neighbours[a].retain(|next| next.node != b);

@@ -4,15 +4,15 @@ use cranny_task::Problem;
 use crate::search::clock::Clock;
 use crate::{Budget, Observer, Outcome, PlanReport, Statistics};
 
-/// What every search has: what it is about, its random numbers, what it has cost so far, and who watches.
+/// State of a search: problem, random numbers, statistics and observer.
 pub struct Search<'a> {
-    /// What it is about.
+    /// Problem to solve.
     pub problem: &'a Problem,
-    /// Where all randomness comes from.
+    /// Source of all randomness.
     pub random: Stream,
-    /// What it has cost so far; whoever does something counts it.
+    /// Statistics up to now; every component adds its own work.
     pub statistics: Statistics,
-    /// Who watches.
+    /// Observer of the search.
     pub observer: &'a mut dyn Observer,
     clock: Clock,
 }
@@ -31,7 +31,7 @@ impl<'a> Search<'a> {
     /// Counts another iteration.
     ///
     /// # Errors
-    /// Why the search must end instead.
+    /// The reason to end the search instead.
     pub(crate) fn begin_iteration(&mut self) -> Result<(), Outcome> {
         if let Some(outcome) = self.clock.verdict(self.statistics.iterations, self.observer) {
             return Err(outcome);
@@ -40,12 +40,12 @@ impl<'a> Search<'a> {
         Ok(())
     }
 
-    /// A configuration (m, rad; one per joint) drawn uniformly from within the joint limits.
+    /// Returns a configuration (m, rad; one per joint) drawn uniformly within the joint limits.
     pub fn sample(&mut self) -> Vec<f64> {
         self.problem.robot().random_configuration(&mut self.random)
     }
 
-    /// The report of how it ended.
+    /// Returns the report of the ended search.
     pub(crate) fn report(self, ended: Result<Vec<Vec<f64>>, Outcome>) -> PlanReport {
         let planning_time_s = self.clock.elapsed_s();
         PlanReport::of(ended, Statistics { planning_time_s, ..self.statistics })

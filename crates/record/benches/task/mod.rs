@@ -1,4 +1,4 @@
-//! The tasks that this room's benches share.
+//! The tasks that the benchmarks of this crate share.
 
 use std::path::Path;
 
@@ -6,11 +6,11 @@ use cranny_collision::Margins;
 use cranny_scenario::{OpenOptions, Scenario};
 use cranny_task::Problem;
 
-/// The built-in 021, and released 011 and 044 where the data folder is given in `CRANNY_DATA`.
+/// Returns the built-in 021, and released 011 and 044 if `CRANNY_DATA` names the data folder.
 pub fn all() -> Vec<(String, Problem)> {
     let mut names = vec!["021".to_owned()];
     if let Some(data) = std::env::var_os("CRANNY_DATA") {
-        // Benches run in the package's folder; a relative folder is meant from the workspace's.
+        // Benchmarks run in the folder of the package; a relative folder refers to that of the workspace.
         let scenarios =
             Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(data).join("jogramop/scenarios");
         names.extend(["011", "044"].map(|id| scenarios.join(id).display().to_string()));

@@ -1,5 +1,5 @@
-//! Tasks that nobody has released: what is brought in, and several steps. The shapes are those of the built-in scenarios, the
-//! looking at them is the oracle's own.
+//! Oracle for tasks that are not in the release: insertions and tasks of several steps. The shapes are those of the built-in
+//! scenarios; the check is the oracle's own.
 
 use cranny_collision::{Body, Margins, Part};
 use cranny_plan::Unobserved;
@@ -12,7 +12,7 @@ use crate::judge::Oracle;
 use crate::mesh::Mesh;
 use crate::scene::Obstacle;
 
-/// A body as closed meshes; nothing of the floor, below which the oracle looks for itself.
+/// Converts a body to closed meshes; the floor is skipped, because the oracle checks it itself.
 fn obstacle(body: &Body) -> Option<Obstacle> {
     let part = |part: &Part| {
         let Mesh { vertices, triangles, .. } = Mesh::of_soup(&part.solid.tessellation()?);
@@ -32,7 +32,7 @@ fn oracle(scenario: &Scenario) -> Oracle {
     Oracle::among(scenario.robot.clone(), obstacles, scenario.start.clone(), Vec::new())
 }
 
-/// Those that are looked at: some, or with `CRANNY_LONG` all.
+/// Returns the ids to check: some, or with `CRANNY_LONG` all.
 fn chosen(ids: impl Iterator<Item = &'static str>, few: &[&str]) -> Vec<&'static str> {
     let is_long = std::env::var_os("CRANNY_LONG").is_some();
     ids.filter(|id| is_long || few.contains(id)).collect()
@@ -56,7 +56,7 @@ fn nothing_that_is_brought_in_touches_anything() {
         let answer = solve(&problem, &Request { stages, ..Request::default() }, &mut Unobserved).unwrap();
         assert!(answer.is_solved(), "{id}");
         let pieces = answer.segments.into_iter().map(|segment| segment.waypoints).collect();
-        // Where the paper has it, it rests on something, within 1 mm of its pose.
+        // At the pose of the paper it rests on something, within 1 mm.
         judged(id, &oracle(&scenario), pieces, 1e-3)
     });
     assert!(faults.iter().all(Vec::is_empty), "{ids:?}: {faults:?}");

@@ -1,4 +1,4 @@
-//! The released scenarios, each with a path that the planner under test found.
+//! The released scenarios, each with a path of the planner under test.
 
 use std::collections::BTreeMap;
 use std::io::{self, Write};
@@ -20,25 +20,24 @@ use crate::judge::Oracle;
 pub struct Case {
     pub id: String,
     pub oracle: Oracle,
-    /// What is to be judged.
+    /// Cell under test.
     pub cell: Arc<Cell>,
     pub start: Vec<f64>,
-    /// Way points from the start to a grasp; `None` where the planner found none.
+    /// Way points from the start to a grasp; `None` if the planner found none.
     pub path: Option<Vec<Vec<f64>>>,
-    /// The ways of the target in the closed hand: the first from where the hand closed to where the target is off what it
-    /// rested on, the second from there home.
+    /// Paths of the target in the closed hand: the first from the grasp to the end of the lift-off, the second from there home.
     pub carried: Option<[Vec<Vec<f64>>; 2]>,
-    /// All pieces of a task that puts the target down outside and goes home.
+    /// All segments of a task that puts the target down outside and goes home.
     pub placed: Option<Vec<Vec<Vec<f64>>>>,
 }
 
-/// All twenty; `None`, said loudly, where the data is not there. Planned once for all tests.
+/// Returns all twenty, planned once for all tests; `None`, with a message, if the data does not exist.
 pub fn cases() -> Option<&'static [Case]> {
     static CASES: OnceLock<Vec<Case>> = OnceLock::new();
     let Some(folder) = scenarios() else {
         assert!(std::env::var_os("CRANNY_REQUIRE_ALL").is_none(), "CRANNY_DATA is not set");
         static SAID: Once = Once::new();
-        // Straight to the stream: what a test prints is shown only where the test fails.
+        // Write to the stream directly: the output of a test is shown only if it fails.
         SAID.call_once(|| {
             let _ =
                 writeln!(io::stderr(), "SKIPPED: the oracle judges no released scenario; set CRANNY_DATA");
@@ -72,19 +71,19 @@ fn case(folder: &Path) -> Case {
     }
 }
 
-/// A task that puts the target down where the built-in scenario of the same id would.
+/// Solves a task that puts the target down at the goal of the built-in scenario of the same id.
 fn placed(scenario: &Scenario, problem: &Problem) -> Option<Vec<Vec<Vec<f64>>>> {
     let own = Scenario::open(&scenario.id, &OpenOptions::default()).unwrap();
     let mut goal = own.places[0].clone();
     if let PlaceSpot::Surface { on, .. } = &mut goal.spot {
-        // What is called otherwise there.
+        // The surface may have another name there.
         let bodies = scenario.world.bodies();
         let known = bodies.iter().find(|body| body.name.contains(on.as_str()));
         *on = known.unwrap_or_else(|| panic!("{}: no {on}", scenario.id)).name.clone();
     }
     let stages = vec![Stage::pick(), Stage::place(&goal.name), Stage::home()];
     let problem = problem.clone().with_places(&[goal]);
-    // Shapes are judged here, not how firmly they are held.
+    // The oracle checks shapes, not the firmness of the hold.
     let request = Request { stages, hold: None, ..Request::default() };
     let answer = solve(&problem, &request, &mut Unobserved).unwrap();
     assert!(answer.segments.is_empty() || answer.is_solved(), "{:?}", answer.audit);
@@ -92,7 +91,7 @@ fn placed(scenario: &Scenario, problem: &Problem) -> Option<Vec<Vec<Vec<f64>>>> 
     (!pieces.is_empty()).then_some(pieces)
 }
 
-/// Lift-off and carry of a task that takes the target home.
+/// Returns lift-off and carry of a task that takes the target home.
 fn carried(problem: &Problem) -> Option<[Vec<Vec<f64>>; 2]> {
     let request = Request { stages: vec![Stage::pick(), Stage::home()], hold: None, ..Request::default() };
     let answer = solve(problem, &request, &mut Unobserved).unwrap();
@@ -101,7 +100,7 @@ fn carried(problem: &Problem) -> Option<[Vec<Vec<f64>>; 2]> {
     Some([lift_off, carry].map(|segment| segment.waypoints.clone()))
 }
 
-/// What `reach` finds with the first seed that lets it, shortened as it is delivered.
+/// Returns the path of `reach` with the first seed that solves it, shortened as delivered.
 fn path(id: &str, problem: &Problem) -> Option<Vec<Vec<f64>>> {
     const SEEDS: u64 = 3;
     let planner = Registry::default().planner("reach").unwrap();
@@ -117,7 +116,7 @@ fn path(id: &str, problem: &Problem) -> Option<Vec<Vec<f64>>> {
     None
 }
 
-/// What `work` makes of each item, on two threads; in the order of the items.
+/// Applies `work` to each item, on two threads; returns the results in the order of the items.
 pub fn for_each<I: Sync, T: Send>(items: &[I], work: impl Fn(&I) -> T + Sync) -> Vec<T> {
     let next = AtomicUsize::new(0);
     let done = Mutex::new(BTreeMap::new());

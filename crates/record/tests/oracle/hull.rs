@@ -1,4 +1,4 @@
-//! The convex hull of a set of points, one point after the other.
+//! Convex hull of a set of points by incremental construction.
 
 use std::collections::BTreeSet;
 
@@ -6,14 +6,14 @@ use cranny_spatial::{Point, Vector};
 
 use crate::mesh::Mesh;
 
-/// A point this close to the hull so far is taken to lie on it, in metres: far below the 10 µm that count
-/// as contact, far above rounding.
+/// Distance from the present hull within which a point counts as on it, in metres: far below the 10 µm that count as contact,
+/// far above rounding.
 const ON_THE_HULL_M: f64 = 1e-9;
 
-/// The convex hull of `points`, save for [`ON_THE_HULL_M`].
+/// Computes the convex hull of `points`, to within [`ON_THE_HULL_M`].
 ///
-/// 1. Begin with a tetrahedron of points that lie far apart.
-/// 2. For each further point, take away the faces that it sees from outside.
+/// 1. Start with a tetrahedron of points that lie far apart.
+/// 2. For each further point, remove the faces that it sees from outside.
 /// 3. Join it to the rim of the gap.
 ///
 /// # Panics
@@ -34,7 +34,7 @@ pub fn convex_hull(points: &[Point]) -> Mesh {
     Mesh::new(points.to_vec(), faces).without_unused_vertices()
 }
 
-/// How far `point` lies outside the plane of a face, in metres.
+/// Returns the distance of `point` outside the plane of a face, in metres.
 pub fn height_above(vertices: &[Point], face: &[usize; 3], point: &Point) -> f64 {
     let [a, b, c] = face.map(|vertex| vertices[vertex]);
     (b - a).cross(&(c - a)).normalize().dot(&(point - a))

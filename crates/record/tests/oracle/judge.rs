@@ -1,4 +1,4 @@
-//! The judge: samples of a motion, each looked at by edges and triangles.
+//! The judge: samples of a motion, each checked by edges and triangles.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -11,13 +11,13 @@ use crate::hull::convex_hull;
 use crate::mesh::{Bounds, Mesh, Placed};
 use crate::scene::{self, Obstacle};
 
-/// Between two samples no point of a link moves farther than this, in metres.
+/// Greatest motion of a point of a link between two samples, in metres.
 pub const STEP_M: f64 = 0.5e-3;
 
 /// Height of the floor in the root frame, in metres.
 const FLOOR_M: f64 = -0.05;
 
-/// The limits of the URDF (m, rad).
+/// Joint limits of the URDF (m, rad).
 #[expect(clippy::approx_constant, reason = "the file says so")]
 pub const LIMITS: [[f64; 2]; 9] = [
     [-1.0, 1.0],
@@ -36,13 +36,13 @@ pub struct Oracle {
     robot: Arc<Robot>,
     pub links: Vec<LinkMesh>,
     obstacles: Vec<Obstacle>,
-    /// Which links are looked at together, as indices into `links`.
+    /// Pairs of links that are checked, as indices into `links`.
     pub pairs: Vec<(usize, usize)>,
     start: Vec<f64>,
     pub grasps: Vec<Matrix4<f64>>,
 }
 
-/// The hull of a piece of a link, in the frame of the link.
+/// Hull of a part of a link, in the frame of the link.
 pub struct LinkMesh {
     pub link: usize,
     pub name: String,
@@ -50,22 +50,22 @@ pub struct LinkMesh {
     bounds: Bounds,
 }
 
-/// What touches what.
+/// Names of two things that touch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Touch {
     pub first: String,
     pub second: String,
 }
 
-/// What the judge saw of a motion.
+/// Result of the judge for a motion.
 #[derive(Debug)]
 pub struct Sight {
     pub samples: usize,
-    /// Where, in [0, 1], and what: the first touch.
+    /// First touch, with its parameter in [0, 1].
     pub touch: Option<(f64, Touch)>,
 }
 
-/// All meshes at their places for one configuration.
+/// All meshes at their poses for one configuration.
 #[derive(Clone)]
 pub struct Pictures<'a> {
     frames: LinkFrames,
@@ -74,12 +74,12 @@ pub struct Pictures<'a> {
 }
 
 impl Oracle {
-    /// Of a released scenario, whose files it reads itself.
+    /// Creates the oracle of a released scenario from its files, with its own reader.
     pub fn new(robot: Arc<Robot>, folder: &Path) -> Self {
         Self::among(robot, scene::obstacles(folder), scene::start(folder), scene::grasps(folder))
     }
 
-    /// Among obstacles, the target last.
+    /// Creates the oracle for a robot among obstacles, the target last.
     pub fn among(
         robot: Arc<Robot>,
         obstacles: Vec<Obstacle>,
@@ -108,9 +108,9 @@ impl Oracle {
         oracle
     }
 
-    /// All pairs of links but those with no link with a mesh between them and those that always touch.
+    /// Returns all pairs of links except those without another meshed link between them and those that always touch.
     fn pairs_to_look_at(&self) -> Vec<(usize, usize)> {
-        /// One configuration without touch keeps a pair.
+        /// Number of sampled configurations: one without touch keeps a pair.
         const CONFIGURATIONS: usize = 100;
         let mut random = Stream::new(0, 0);
         let mut pictures = self.pictures();
@@ -154,7 +154,7 @@ impl Oracle {
         Pictures { frames: self.robot.frames(), links, obstacles }
     }
 
-    /// The same with the target where a hand that closed on it at `grasp` lets it go at `down`.
+    /// Returns the meshes with the target where a hand that closed on it at `grasp` releases it at `down` (m, rad).
     pub fn pictures_with_target_moved(&self, grasp: &[f64], down: &[f64]) -> Pictures<'_> {
         let tip = |q: &[f64]| *self.robot.frames_at(q).link(self.robot.tip());
         let moved = tip(down) * tip(grasp).inverse();
@@ -174,7 +174,7 @@ impl Oracle {
         }
     }
 
-    /// What touches what at `q`.
+    /// Returns the first touch at `q` (m, rad).
     pub fn touch_at(&self, q: &[f64], pictures: &mut Pictures) -> Option<Touch> {
         self.look_at(q, pictures);
         let touch = |link: usize, second: &str| {
@@ -193,7 +193,7 @@ impl Oracle {
         self.pairs.iter().find(touches).and_then(|&(first, second)| touch(first, &self.links[second].name))
     }
 
-    /// Looks at the straight motion from `a` to `b` until something touches.
+    /// Checks the straight motion from `a` to `b` (m, rad) until something touches.
     pub fn watch(&self, a: &[f64], b: &[f64], pictures: &mut Pictures) -> Sight {
         let mut sight = Sight { samples: 0, touch: None };
         for t in self.samples(a, b) {
@@ -206,8 +206,8 @@ impl Oracle {
         sight
     }
 
-    /// What the target touches, `raised_m` higher than in the hand that closed on it at `grasp`, on the straight motion
-    /// from `a` to `b`; and how many samples were looked at.
+    /// Returns the number of samples and the first touch of the target on the straight motion from `a` to `b` (m, rad),
+    /// `raised_m` (m) higher than in the hand that closed on it at `grasp`.
     pub fn watch_carried(
         &self,
         grasp: &[f64],
@@ -242,8 +242,8 @@ impl Oracle {
         (samples, None)
     }
 
-    /// What a task touches that puts the target down, by its six pieces; and how many samples were looked at. What it is put
-    /// down on it may be in as deep as `most_sunk_m` at the end, in metres, and is then never in deeper.
+    /// Returns the number of samples and all touches of a task that puts the target down, given as its six segments. At the end
+    /// the target may penetrate its new support up to `most_sunk_m`, in metres, and before that no deeper than at the end.
     pub fn watch_task(
         &self,
         [reach, lift_off, carry, set_down, retreat, back]: &[Vec<Vec<f64>>; 6],
@@ -274,7 +274,7 @@ impl Oracle {
         (samples, faults)
     }
 
-    /// How far up the target is out of all that it rests on, in metres, to 0.1 mm.
+    /// Returns the rise that frees the target from all its supports, in metres, to 0.1 mm.
     pub fn resting_depth_m(&self) -> f64 {
         let rises = (0..100).map(|step| 1e-4 * f64::from(step));
         let is_free =
@@ -282,8 +282,8 @@ impl Oracle {
         rises.into_iter().find(is_free).expect("it rests within a centimetre")
     }
 
-    /// Points of [0, 1] along the motion, both ends included, between which no link moves farther than
-    /// [`STEP_M`]. How far a link moves is measured: at most as far as a corner of its box.
+    /// Returns points of [0, 1] along the motion, both ends included, between which no link moves farther than [`STEP_M`]. The
+    /// motion of a link is at most that of a corner of its box.
     pub fn samples<'a>(&'a self, a: &'a [f64], b: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
         let mut frames = self.robot.frames();
         let mut corners_at = move |t: f64| {
@@ -302,7 +302,7 @@ impl Oracle {
                 let there = corners_at(next);
                 let way = |(from, to): (&Point, &Point)| (to - from).norm();
                 let farthest = here.iter().zip(&there).map(way).fold(0.0, f64::max);
-                // Aim a little lower, so that the next step rarely needs a second attempt.
+                // Aim slightly lower, so that the next step rarely needs a second attempt.
                 step = (0.95 * (next - t) * STEP_M / farthest).min(2.0 * step);
                 if farthest <= STEP_M {
                     here = there;
@@ -312,7 +312,7 @@ impl Oracle {
         })
     }
 
-    /// What is wrong with the ends of a path and the joint limits of its way points.
+    /// Returns the faults of the ends of a path and of the joint values of its way points (m, rad).
     pub fn faults_of_way_points(&self, path: &[Vec<f64>]) -> Vec<String> {
         let (Some(first), Some(last)) = (path.first(), path.last()) else {
             return vec!["no path".to_owned()];
@@ -334,7 +334,7 @@ impl Oracle {
         faults
     }
 
-    /// Whether the gripper is within 1 mm and 1° of the grasp or its twin at `q`.
+    /// Returns true if the gripper is within 1 mm and 1° of the grasp or its twin at `q` (m, rad).
     pub fn is_reached(&self, grasp: &Matrix4<f64>, q: &[f64]) -> bool {
         let frames = self.robot.frames_at(q);
         let gripper = frames.link(self.robot.link_index("panda_grasptarget").unwrap()).to_homogeneous();
@@ -347,12 +347,12 @@ impl Oracle {
     }
 }
 
-/// The point `t` of the straight motion from `a` to `b`.
+/// Returns the point `t` of the straight motion from `a` to `b` (m, rad).
 pub fn between(a: &[f64], b: &[f64], t: f64) -> Vec<f64> {
     a.iter().zip(b).map(|(a, b)| a + (b - a) * t).collect()
 }
 
-/// A configuration uniform within the limits.
+/// Returns a configuration that is uniform within the limits.
 pub fn random_configuration(random: &mut Stream) -> Vec<f64> {
     LIMITS.map(|[low, high]| random.uniform_between(low, high)).to_vec()
 }

@@ -1,5 +1,5 @@
-//! An oracle for the collision room: it reads the released files itself, samples a motion every half
-//! millimetre and tests edges against triangles. It shares no distance code with what it judges.
+//! An oracle for the collision crate: it reads the released files itself, samples a motion every half millimetre and tests
+//! edges against triangles. It shares no distance code with the code under test.
 
 #![allow(clippy::disallowed_methods, reason = "what is compared to may come from the system")]
 
@@ -57,7 +57,7 @@ fn no_carried_target_touches_anything() {
         let rest_m = case.oracle.resting_depth_m();
         let mut faults = Vec::new();
         let mut samples = 0;
-        // Until it is off what it rests on, the target is no deeper in that than at rest, to 0.1 mm; then in nothing.
+        // During the lift-off, the target penetrates its support no deeper than at rest, to 0.1 mm; after it, nothing.
         for (way, raised_m) in ways.iter().zip([rest_m + 1e-4, 0.0]) {
             for (edge, ends) in way.windows(2).enumerate() {
                 let (seen, touch) = case.oracle.watch_carried(&ways[0][0], raised_m, [&ends[0], &ends[1]]);
@@ -71,7 +71,7 @@ fn no_carried_target_touches_anything() {
     for (case, faults) in cases.iter().zip(for_each(cases, judge)) {
         assert_eq!(faults, Some(Vec::new()), "{}", case.id);
     }
-    // The target is an obstacle that is looked at: where it stands, the table would be met.
+    // The target is checked as an obstacle: in this motion it would hit the table.
     let grasp = &cases[0].carried.as_ref().unwrap()[0][0];
     let mut sunk = grasp.clone();
     sunk[0] += 0.3;
@@ -83,7 +83,7 @@ fn no_target_that_is_put_down_touches_anything_and_nothing_touches_it() {
     let Some(cases) = cases() else { return };
     let judge = |case: &Case| {
         let pieces = case.placed.as_ref()?.clone().try_into().ok()?;
-        // It is let go a third of a millimetre above what it is put down on: in nothing all the way down.
+        // It is released a third of a millimetre above its support, so that it penetrates nothing during the set-down.
         let (samples, faults) = case.oracle.watch_task(&pieces, 0.0);
         println!("{}: {samples} samples, {faults:?}", case.id);
         Some(faults)
@@ -134,7 +134,7 @@ fn a_grasp_is_reached_by_itself_and_its_twin_but_not_from_beside() {
             q[joint] += by;
             oracle.is_reached(grasp, &q)
         };
-        // The base, 3 mm; the last joint, which turns the hand about the approach direction, 3°.
+        // The base by 3 mm; the last joint, which turns the hand about the approach direction, by 3°.
         assert!(!moved(0, 3e-3) && !moved(1, -3e-3) && !moved(8, 3f64.to_radians()));
         assert!(moved(8, std::f64::consts::PI));
     }
@@ -152,13 +152,13 @@ fn the_oracle_looks_at_every_pair_of_links_that_the_collision_room_looks_at() {
     }
 }
 
-/// How often the oracle and the proof had something to say about a motion, and what touched.
+/// Counts of motions by the verdicts of oracle and proof, and of the touched things.
 #[derive(Debug, Default)]
 struct Tally {
     proven: usize,
     touched: usize,
     deep_contacts: usize,
-    /// By what the first touch was with.
+    /// Counts by the name of the first touched thing.
     touches: BTreeMap<String, usize>,
 }
 
@@ -185,9 +185,9 @@ fn what_is_proven_the_oracle_sees_free_and_what_it_sees_touch_is_not_proven() {
     assert!(total.proven >= 100 && total.touched >= 200 && total.deep_contacts >= 200, "{total:?}");
 }
 
-/// Oracle and proof on many motions of one scenario.
+/// Compares oracle and proof on many motions of one scenario.
 fn agreement(case: &Case) -> Tally {
-    /// Deeper overlap than this, in metres, cannot be a matter of tolerance.
+    /// Depth beyond which an overlap cannot be a matter of tolerance, in metres.
     const DEEP_M: f64 = 1e-4;
     let (mut pictures, mut scratch) = (case.oracle.pictures(), case.cell.scratch());
     let mut tally = Tally::default();
@@ -211,13 +211,13 @@ fn agreement(case: &Case) -> Tally {
     tally
 }
 
-/// Motions of all kinds: across the whole configuration space, short ones beside the path, those that push
-/// the hand at the end of the path about, and the one from start to end.
+/// Returns motions of all kinds: across the whole configuration space, short ones near the path, displacements of the hand at
+/// the end of the path, and the one from start to end.
 fn motions(case: &Case) -> Vec<(Vec<f64>, Vec<f64>)> {
     const ACROSS: u32 = 8;
     const SHORT: usize = 8;
     const PUSHES: u32 = 8;
-    /// Of the base, in metres: more than the width of the open hand.
+    /// Displacement of the base, in metres: more than the width of the open hand.
     const PUSH_M: f64 = 0.1;
     let mut random = Stream::new(1, case.id.parse().unwrap());
     let mut motions = Vec::new();

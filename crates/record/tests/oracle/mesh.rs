@@ -1,4 +1,4 @@
-//! Closed triangle meshes, and whether two of them meet: edges against triangles, and nothing else.
+//! Closed triangle meshes and their intersection test: edges against triangles, and nothing else.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -16,7 +16,7 @@ pub struct Mesh {
 
 impl Mesh {
     /// # Panics
-    /// If an edge is not run through as often in one direction as in the other.
+    /// If an edge is not used equally often in both directions.
     pub fn new(vertices: Vec<Point>, triangles: Vec<[usize; 3]>) -> Self {
         let mut balance: BTreeMap<[usize; 2], i32> = BTreeMap::new();
         for &[a, b, c] in &triangles {
@@ -29,7 +29,7 @@ impl Mesh {
         Self { vertices, triangles, edges: balance.into_keys().collect() }
     }
 
-    /// Vertices within a nanometre of each other are one.
+    /// Creates a mesh in which vertices within a nanometre of each other are merged.
     ///
     /// # Panics
     /// As [`Self::new`].
@@ -50,7 +50,7 @@ impl Mesh {
         Self::new(vertices, triangles)
     }
 
-    /// A cuboid centred at the origin.
+    /// Creates a cuboid centred at the origin.
     pub fn cuboid(half_extents: Vector) -> Self {
         let sign = |corner: usize, axis: usize| if corner >> axis & 1 == 0 { -1.0 } else { 1.0 };
         let corner = |k: usize| Vector::new(sign(k, 0), sign(k, 1), sign(k, 2)).component_mul(&half_extents);
@@ -59,10 +59,10 @@ impl Mesh {
         Self::new((0..8).map(|k| corner(k).into()).collect(), triangles)
     }
 
-    /// The parts that share no vertex, each closed.
+    /// Returns the parts that share no vertex, each closed.
     pub fn pieces(&self) -> Vec<Self> {
         let mut label: Vec<usize> = (0..self.vertices.len()).collect();
-        // Every edge hands the lower label on, until nothing changes.
+        // Every edge passes the lower label on, until nothing changes.
         let mut changed = true;
         while changed {
             changed = false;
@@ -80,7 +80,7 @@ impl Mesh {
         labels.into_iter().map(piece).collect()
     }
 
-    /// The same surface; the vertices keep their order.
+    /// Returns this surface without unused vertices; the others keep their order.
     #[must_use]
     pub fn without_unused_vertices(&self) -> Self {
         let used: BTreeSet<usize> = self.triangles.iter().flatten().copied().collect();
@@ -90,7 +90,7 @@ impl Mesh {
         Self::new(vertices, self.triangles.iter().map(|t| t.map(|old| position[&old])).collect())
     }
 
-    /// The mesh at its place in the root frame.
+    /// Returns the mesh at a pose in the root frame.
     pub fn placed(&self, root_from_mesh: &Pose) -> Placed<'_> {
         let mut placed = Placed { mesh: self, vertices: self.vertices.clone(), bounds: Bounds::NOTHING };
         placed.move_to(root_from_mesh);
@@ -98,7 +98,7 @@ impl Mesh {
     }
 }
 
-/// A mesh at a place in the root frame.
+/// A mesh at a pose in the root frame.
 #[derive(Clone, Debug)]
 pub struct Placed<'a> {
     mesh: &'a Mesh,
@@ -115,7 +115,7 @@ impl Placed<'_> {
         self.bounds = Bounds::around(&self.vertices);
     }
 
-    /// Whether the two bodies share a point: their surfaces cross, or one lies inside the other.
+    /// Returns true if the two bodies share a point: their surfaces cross, or one lies inside the other.
     pub fn meets(&self, other: &Self) -> bool {
         let shared = self.bounds.intersection(&other.bounds);
         !shared.is_empty()
@@ -125,8 +125,7 @@ impl Placed<'_> {
                 || other.lies_within(self))
     }
 
-    /// Whether an edge of this mesh goes through a triangle of `other`. Both meshes can only cross within
-    /// `shared`.
+    /// Returns true if an edge of this mesh crosses a triangle of `other`. Both meshes can only cross within `shared`.
     fn has_edge_through(&self, other: &Self, shared: &Bounds) -> bool {
         let edges: Vec<_> = self.those_near(&self.mesh.edges, shared).collect();
         !edges.is_empty()
@@ -135,7 +134,7 @@ impl Placed<'_> {
             })
     }
 
-    /// The corners and bounds of those edges or triangles that do not lie beyond one side of `region`.
+    /// Returns the corners and bounds of those edges or triangles that do not lie beyond one side of `region`.
     fn those_near<const N: usize>(
         &self,
         pieces: &[[usize; N]],
@@ -150,16 +149,16 @@ impl Placed<'_> {
         })
     }
 
-    /// Whether the whole mesh lies inside `other`, given that their surfaces do not cross: then one vertex
-    /// decides for all.
+    /// Returns true if the whole mesh lies inside `other`, given that their surfaces do not cross: then one vertex decides for
+    /// all.
     fn lies_within(&self, other: &Self) -> bool {
         other.bounds.contain(&self.bounds) && other.contains(&self.vertices[0])
     }
 
-    /// Whether `point` lies inside: a ray from it meets the surface an odd number of times. Of three rays
-    /// the majority decides, since one may run along an edge.
+    /// Returns true if `point` lies inside: a ray from it meets the surface an odd number of times. The majority of three rays
+    /// decides, because one may run along an edge.
     fn contains(&self, point: &Point) -> bool {
-        /// Longer than any scene, in metres.
+        /// Ray length beyond any scene, in metres.
         const RAY_M: f64 = 100.0;
         let directions = [
             Vector::new(0.267, 0.535, 0.802),
@@ -175,8 +174,8 @@ impl Placed<'_> {
     }
 }
 
-/// Whether the segment has a point in common with the triangle, touching included. A segment in the
-/// triangle's plane does not count: if anything crosses there, a neighbouring edge or triangle shows it.
+/// Returns true if the segment has a point in common with the triangle, touching included. A segment in the plane of the
+/// triangle does not count: a neighbouring edge or triangle shows any crossing there.
 pub fn goes_through([p, q]: &[Point; 2], [a, b, c]: &[Point; 3]) -> bool {
     let (before, after) = (volume(a, b, c, p), volume(a, b, c, q));
     if (before > 0.0 && after > 0.0) || (before < 0.0 && after < 0.0) || (before == 0.0 && after == 0.0) {
@@ -186,7 +185,7 @@ pub fn goes_through([p, q]: &[Point; 2], [a, b, c]: &[Point; 3]) -> bool {
     sides.iter().all(|&side| side >= 0.0) || sides.iter().all(|&side| side <= 0.0)
 }
 
-/// Six times the signed volume of the tetrahedron.
+/// Returns six times the signed volume of the tetrahedron.
 fn volume(a: &Point, b: &Point, c: &Point, d: &Point) -> f64 {
     (b - a).cross(&(c - a)).dot(&(d - a))
 }
@@ -224,7 +223,7 @@ impl Bounds {
         (0..3).any(|axis| self.low[axis] > self.high[axis])
     }
 
-    /// One bit for each of the six sides that the point lies beyond.
+    /// Returns one bit for each of the six sides that the point lies beyond.
     fn sides_beyond(&self, point: &Point) -> u8 {
         let beyond = |axis: usize| {
             u8::from(point[axis] < self.low[axis]) | u8::from(point[axis] > self.high[axis]) << 1

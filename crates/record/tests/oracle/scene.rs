@@ -1,4 +1,4 @@
-//! What stands around the robot, and where it shall go, read from the released files by own means.
+//! Obstacles, start and grasps of a scenario, read from the released files by an independent reader.
 
 use std::fs;
 use std::path::Path;
@@ -41,7 +41,7 @@ struct LibraryEntry {
     scale: f64,
 }
 
-/// All obstacles of the released scenario in `folder`, the target last.
+/// Reads all obstacles of the released scenario in `folder`, the target last.
 pub fn obstacles(folder: &Path) -> Vec<Obstacle> {
     let scene: SceneFile = yaml(&folder.join("scene.yaml"));
     let library_folder = folder.join("../../object_library");
@@ -66,20 +66,20 @@ pub fn obstacles(folder: &Path) -> Vec<Obstacle> {
     background.chain(targets).collect()
 }
 
-/// The start configuration: one number on each line.
+/// Reads the start configuration: one number per line.
 pub fn start(folder: &Path) -> Vec<f64> {
     let text = fs::read_to_string(folder.join("export/robot_start_conf.csv")).unwrap();
     text.split_whitespace().map(|number| number.parse().unwrap()).collect()
 }
 
-/// The grasps: poses of the gripper frame in the root frame.
+/// Reads the grasps: poses of the gripper frame in the root frame.
 pub fn grasps(folder: &Path) -> Vec<Matrix4<f64>> {
     let text = fs::read_to_string(folder.join("export/grasps.csv")).unwrap();
     let numbers = |line: &str| line.split(',').map(|number| number.trim().parse().unwrap()).collect();
     text.lines().map(numbers).map(|row: Vec<f64>| Matrix4::from_row_slice(&row)).collect()
 }
 
-/// The vertices of an object of the scene in the root frame, and its triangles.
+/// Reads the vertices of an object of the scene in the root frame, and its triangles.
 fn placed(mesh_file: &Path, scale: f64, object: &PlacedObject) -> (Vec<Point>, Vec<[usize; 3]>) {
     let (mut vertices, triangles) = obj(&fs::read_to_string(mesh_file).unwrap());
     for vertex in &mut vertices {
@@ -92,12 +92,12 @@ fn placed(mesh_file: &Path, scale: f64, object: &PlacedObject) -> (Vec<Point>, V
     (vertices, triangles)
 }
 
-/// The root stands at (1, 0, 0.05) m in the scene, its x axis along the scene's y.
+/// Converts a point: the root stands at (1, 0, 0.05) m in the scene, its x axis along the scene's y.
 fn root_from_scene(x: f64, y: f64, z: f64) -> Point {
     Point::new(y, 1.0 - x, z - 0.05)
 }
 
-/// Vertices and triangles of an OBJ text whose faces are triangles.
+/// Parses vertices and triangles of an OBJ text whose faces are triangles.
 fn obj(text: &str) -> (Vec<Point>, Vec<[usize; 3]>) {
     let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
     for line in text.lines() {

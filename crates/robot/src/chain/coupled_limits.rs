@@ -4,14 +4,14 @@ use crate::description::urdf_model::{Urdf, UrdfJoint, UrdfJointKind};
 use crate::error::RobotError;
 use crate::{JointLimits, JointUnit, RateScales};
 
-/// The limits of each joint of the group within which it and all joints that mimic it keep their own.
+/// Returns, for each joint of the group, the limits within which it and all joints that mimic it keep their own.
 ///
 /// A joint with `value = multiplier · q + offset` keeps [lower, upper] where q is between `(lower − offset) / multiplier` and
 /// `(upper − offset) / multiplier`, and a rate (velocity, acceleration, jerk) where that of q is at most the rate divided by
 /// |multiplier|. A continuous joint has no range of its own unless `limits.yaml` gives it one.
 ///
 /// # Errors
-/// Those of the limits of a joint; [`RobotError::CoupledLimits`] for two joints that cannot both keep theirs while they move.
+/// Errors in the limits of a joint; [`RobotError::CoupledLimits`] if two coupled joints cannot both stay within their limits.
 pub(crate) fn coupled_limits(
     urdf: &Urdf,
     resolved: &Resolved,
@@ -46,7 +46,7 @@ fn is_movable(joint: &UrdfJoint) -> bool {
     joint.motion.as_ref().map(range).is_some_and(|(lower, upper)| lower < upper)
 }
 
-/// Narrows the limits of a joint to what one that mimics it allows, which follows it by `(multiplier, offset)`.
+/// Narrows the limits of a joint to those that a joint mimicking it with `(multiplier, offset)` allows.
 fn narrow(limits: &mut JointLimits, mimic: &UrdfJoint, (multiplier, offset): (f64, f64), scales: RateScales) {
     let Some(motion) = &mimic.motion else { return };
     let (lower, upper) = range(motion);
@@ -60,7 +60,7 @@ fn narrow(limits: &mut JointLimits, mimic: &UrdfJoint, (multiplier, offset): (f6
     let slower = |known: Option<f64>, own: Option<f64>| {
         known.into_iter().chain(own.map(|rate| rate / multiplier.abs())).reduce(f64::min)
     };
-    // No joint has a velocity limit of zero: many files have it as a placeholder for an unknown one.
+    // A velocity limit of 0 is a placeholder for an unknown one in many files; it is ignored.
     let own_velocity = motion.limits.velocity.filter(|velocity| *velocity > 0.0);
     let own_velocity = scaled(own_velocity, scales.velocity);
     limits.velocity = slower(Some(limits.velocity), own_velocity).unwrap_or(limits.velocity);
@@ -69,7 +69,7 @@ fn narrow(limits: &mut JointLimits, mimic: &UrdfJoint, (multiplier, offset): (f6
     limits.jerk = slower(limits.jerk, motion.limits.jerk);
 }
 
-/// A rate of which a share is used.
+/// Returns `rate` times `share`.
 fn scaled(rate: Option<f64>, share: Option<f64>) -> Option<f64> {
     rate.map(|rate| rate * share.unwrap_or(1.0))
 }
@@ -101,7 +101,7 @@ fn joint_limits(joint: &UrdfJoint, scales: RateScales) -> Result<JointLimits, Ro
 mod tests {
     use crate::{JointLimits, Robot, RobotError, RobotOptions, TextSource};
 
-    /// Two stages of a lift, the lower driven by the upper, with limits 0 to 0.25 m and 0.1 m/s of its own.
+    /// Returns the limits of a two-stage lift, the lower stage driven by the upper, with own limits 0 to 0.25 m and 0.1 m/s.
     fn lift(mimic: &str, kind: &str) -> Result<JointLimits, RobotError> {
         let urdf = format!(
             r#"<robot name="lift"><link name="a"/><link name="b"/><link name="c"/>
@@ -131,7 +131,7 @@ mod tests {
             assert!((found.acceleration.unwrap() - 0.6_f64.min(0.5 / rate)).abs() < 1e-15, "{found:?}");
             assert_eq!(found.jerk, Some(50.0));
         }
-        // One without an end has no range to keep, but a velocity.
+        // An endless joint has no range to keep, but a velocity limit.
         let endless = lift(r#"multiplier="3""#, "continuous").expect("limits");
         assert_eq!((endless.lower, endless.upper), (-0.4, 0.4));
         assert!((endless.velocity - 0.1 / 3.0).abs() < 1e-15);

@@ -2,7 +2,7 @@ use std::any::Any;
 use std::fmt;
 use std::sync::{Arc, OnceLock};
 
-/// What a room above has worked out of a robot. A clone begins without it: it may become another robot.
+/// Cache of one value that a dependent crate derives from a robot. A clone starts empty, as it may be modified.
 #[derive(Default)]
 pub(crate) struct Derived(pub OnceLock<Arc<dyn Any + Send + Sync>>);
 
@@ -39,7 +39,7 @@ mod tests {
         };
         assert_eq!((*dof(&robot), *dof(&robot), times.get()), (1, 1, 1));
         assert_eq!((*dof(&robot.clone()), times.get()), (1, 2));
-        // There is room for one thing.
+        // The cache holds one value.
         assert_eq!(*robot.derived(|robot| robot.name().to_owned()), "r");
         assert_eq!((*dof(&robot), times.get()), (1, 2));
     }

@@ -3,7 +3,7 @@ use cranny_spatial::{Point, Pose, Vector};
 
 use crate::{Inertial, JointKind, LinkFrames, Mover, Robot};
 
-/// Masses of a robot, for the forces that its joints need ([`Robot::path_forces`]).
+/// Masses and inertias of a robot, for the forces at its joints ([`Robot::path_forces`]).
 #[derive(Clone, Debug)]
 pub struct Dynamics {
     bodies: Vec<MovingBody>,
@@ -11,18 +11,18 @@ pub struct Dynamics {
     dof: usize,
 }
 
-/// A body that joints move.
+/// A link with mass that joints move.
 #[derive(Clone, Debug)]
 struct MovingBody {
     link: usize,
     inertial: Inertial,
-    /// The greatest moment of inertia, in kg m².
+    /// Largest principal moment of inertia, in kg m².
     greatest_moment: f64,
-    /// As [`Robot::link_arms_m`] of the centre of mass, each times the multiplier of its joint.
+    /// [`Robot::link_arms_m`] of the centre of mass, each multiplied by the multiplier of its joint.
     arms_m: Vec<f64>,
 }
 
-/// Forces of the joints along a path `q(s)`, per joint in N or N m: that of joint j is `inertia·s̈ + bend·ṡ² + weight`.
+/// Joint forces along a path `q(s)`, per joint in N or N m: that of joint j is `inertia·s̈ + bend·ṡ² + weight`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PathForces {
     /// Coefficients of `s̈`.
@@ -33,15 +33,15 @@ pub struct PathForces {
     pub weight: Vec<f64>,
 }
 
-/// The gravity of Earth, in m/s².
+/// Standard gravity of Earth, in m/s².
 const GRAVITY_M_S2: f64 = 9.81;
 
 impl Dynamics {
-    /// The masses of a robot whose links are moved by its joints, with gravity against a direction of its root frame, a unit
-    /// vector, and what is rigidly in its hand, in the frame of the tip. The hand is as it is when it is open.
+    /// Collects the masses of all moving links of `robot`. `up` is the direction opposite to gravity in the root frame, a
+    /// unit vector; `held` is rigidly attached to the hand, in the tip frame. The hand is taken to be open.
     ///
     /// # Errors
-    /// The name of a link that has a shape, is moved by a joint and has no mass or inertia in the URDF.
+    /// Name of the first link that has a shape, is moved by a joint and has no mass or inertia in the URDF.
     pub fn new(robot: &Robot, up: &Vector, held: Option<Inertial>) -> Result<Self, String> {
         let frames = robot.frames();
         let mut bodies = Vec::new();
@@ -59,10 +59,10 @@ impl Dynamics {
         Ok(Self { bodies, gravity: -GRAVITY_M_S2 * up, dof: robot.dof() })
     }
 
-    /// Bounds on the change of each of [`PathForces`] by a unit of `s`, one per joint, where the first three derivatives of
-    /// the joints (m, rad) by `s` are at most these in absolute value (one value per joint each).
+    /// Bounds the change of each of [`PathForces`] per unit of `s`, one value per joint, given bounds on the absolute values
+    /// of the first three derivatives of the joints (m, rad) by `s` (one value per joint each).
     ///
-    /// Of a body with arms `ρ_j` (greatest distances of its centre from the axes of joints, whatever the joints do), let
+    /// For a body with arms `ρ_j` (maximum distances of its centre from the joint axes over all joint values), let
     /// `P = Σ ρ_j |q_j'|`, `W = Σ |q_j'|` over the joints that turn, and `Z`, `Y`, `PZ`, `PY` the same sums with the second and
     /// third derivatives. A column of the Jacobian of the centre changes by at most `J' = Wρ_j + P`, the centre itself by
     /// `c' ≤ P`, `c'' ≤ C₂ = 2WP + PZ` and `c''' ≤ (3W² + Z)P + W(2WP + 2C₂) + 2(W·PZ + Z·P) + PY`; a moment of inertia λ
@@ -113,8 +113,8 @@ impl MovingBody {
         Self { link, inertial, greatest_moment, arms_m }
     }
 
-    /// Adds the forces with which joints give the body its motion: joint values change by `rates` and `accelerations` (one
-    /// value per joint each); `gravity` acts on it (m/s²).
+    /// Adds the joint forces that give the body its motion: joint values change with `rates` and `accelerations` (one value per
+    /// joint each); `gravity` acts on the body (m/s²).
     fn add_forces(
         &self,
         robot: &Robot,
@@ -128,7 +128,7 @@ impl MovingBody {
             let world_from_child: &Pose = frames.link(mover.child_link);
             (world_from_child.translation.vector, world_from_child.rotation * mover.axis_in_child)
         };
-        // The motion of the body, by that of a point of it.
+        // The motion of the body is described by that of one of its points.
         let mut motion = PointMotion::default();
         for mover in movers {
             let (origin, axis) = place(mover);
@@ -163,7 +163,7 @@ impl MovingBody {
     }
 }
 
-/// Acceleration of a point of a rigid body, and how the body turns.
+/// Acceleration of a point of a rigid body, with the body's angular velocity and acceleration.
 #[derive(Clone, Copy, Default)]
 struct PointMotion {
     point: Vector,
@@ -173,7 +173,7 @@ struct PointMotion {
 }
 
 impl PointMotion {
-    /// The same motion by another point of the body.
+    /// Returns the motion of this body at another of its points.
     fn at(self, point: Vector) -> Self {
         let arm = point - self.point;
         let acceleration =
@@ -183,9 +183,9 @@ impl PointMotion {
 }
 
 impl Robot {
-    /// Forces of the joints along a path at `q` (m, rad) that has the first two derivatives `first` and `second` by its
-    /// parameter (one value per joint each), by the equations of motion of its bodies (Newton–Euler: Featherstone 2008, §5.3).
-    /// Friction in the drives and their rotors' inertia, which a URDF does not state, are left out.
+    /// Returns the joint forces along a path at `q` (m, rad) with first and second derivatives `first` and `second` by the
+    /// path parameter (one value per joint each), from the equations of motion (Newton–Euler: Featherstone 2008, §5.3).
+    /// Friction in the drives and the inertia of their rotors, which a URDF does not state, are neglected.
     ///
     /// # Panics
     /// If there is not one value per joint.

@@ -5,12 +5,12 @@ use crate::description::urdf_model::{UrdfJoint, UrdfJointKind};
 use crate::{JointKind, JointLimits, Mover, Robot};
 
 impl Robot {
-    /// Turns joints of `q` (m, rad; one per joint) by whole turns, within their limits, to where they are nearest to
-    /// `reference`: all links stay where they are. Whether any was turned. Joints without a full turn stay as they
-    /// are.
+    /// Turns joints of `q` (m, rad; one per joint) by whole turns, within their limits, to the values nearest to
+    /// `reference`; all links keep their poses. Joints without a full turn keep their values. Returns true if any joint
+    /// was turned.
     ///
     /// # Panics
-    /// If either has not one value per joint.
+    /// If either does not have one value per joint.
     pub fn turn_towards(&self, reference: &[f64], q: &mut [f64]) -> bool {
         assert!(
             reference.len() == self.dof() && q.len() == self.dof(),
@@ -25,11 +25,11 @@ impl Robot {
         is_turned
     }
 
-    /// Turns joints of `q` (m, rad; one per joint) without an end that are outside their limits by whole turns into
-    /// them, as near to their middle as can be. Others stay as they are.
+    /// Turns endless joints of `q` (m, rad; one per joint) that are outside their limits by whole turns into them, as near
+    /// to the middle of the limits as possible. Other joints keep their values.
     ///
     /// # Panics
-    /// If `q` has not one value per joint.
+    /// If `q` does not have one value per joint.
     pub fn turn_into_limits(&self, q: &mut [f64]) {
         assert_eq!(q.len(), self.dof(), "one value for each joint of the group");
         for (joint, value) in q.iter_mut().enumerate() {
@@ -40,12 +40,12 @@ impl Robot {
         }
     }
 
-    /// Turns joints of `q` (m, rad; one per joint) without an end by whole turns, within their limits, to where they
-    /// are nearest to `reference`: values that differ by whole turns are one place of such a joint, whatever its
-    /// links do. Others stay as they are. A value that no number of turns brings within the limits stays too.
+    /// Turns endless joints of `q` (m, rad; one per joint) by whole turns, within their limits, to the values nearest to
+    /// `reference`; values that differ by whole turns are equivalent for such a joint, even if links that follow it move.
+    /// Other joints, and values that no number of turns brings within the limits, stay unchanged.
     ///
     /// # Panics
-    /// If either has not one value per joint.
+    /// If either does not have one value per joint.
     pub fn wrap_towards(&self, reference: &[f64], q: &mut [f64]) {
         assert!(
             reference.len() == self.dof() && q.len() == self.dof(),
@@ -56,7 +56,7 @@ impl Robot {
         }
     }
 
-    /// The difference of two values of a joint, at least 0: of one without an end, up to whole turns.
+    /// Returns the absolute difference of two values of a joint; modulo whole turns for an endless joint.
     ///
     /// # Panics
     /// If there is no such joint.
@@ -65,12 +65,12 @@ impl Robot {
         if self.endless[joint] { (off - TAU * (off / TAU).round()).abs() } else { off }
     }
 
-    /// Angle by which a path of way points (m, rad; one value per joint) turns a joint beyond need, of the joint that
-    /// it turns farthest so, in radians: what the joint travels, less the way from where it starts to the nearest of
-    /// the whole turns, within its limits, at which the path could end. Only joints that have a full turn count.
+    /// Returns the largest unnecessary rotation of a joint along a path of way points (m, rad; one value per joint), in
+    /// radians: the distance that the joint travels, less the distance from its start to the nearest equivalent end value
+    /// within its limits. Only joints with a full turn count.
     ///
     /// # Panics
-    /// If a way point has not one value per joint.
+    /// If a way point does not have one value per joint.
     pub fn needless_turn(&self, path: &[Vec<f64>]) -> f64 {
         let (Some(start), Some(end)) = (path.first(), path.last()) else { return 0.0 };
         let mut end = end.clone();
@@ -83,8 +83,8 @@ impl Robot {
     }
 }
 
-/// Per joint of the group whether it can stand a full turn from where it stands with all links in the same place: it
-/// turns, by more than 2π from limit to limit, and whatever follows it turns a whole number of times as far.
+/// Returns, per joint of the group, true if a full turn leaves all links in place: it turns, its range is at least 2π, and
+/// every joint that mimics it has an integer multiplier.
 pub(crate) fn full_turns(limits: &[JointLimits], movers: &[Vec<Mover>]) -> Vec<bool> {
     let keeps_its_place = |joint: usize| {
         let moved = movers.iter().flatten().filter(|mover| mover.joint == joint);
@@ -96,7 +96,7 @@ pub(crate) fn full_turns(limits: &[JointLimits], movers: &[Vec<Mover>]) -> Vec<b
     limits.iter().enumerate().map(|(joint, limits)| has_range(limits) && keeps_its_place(joint)).collect()
 }
 
-/// Flag per joint of the group, true if its URDF declares it `continuous` and it has a full turn.
+/// Returns, per joint of the group, true if the URDF declares it `continuous` and it has a full turn.
 pub(crate) fn endless<'a>(kinds: impl Iterator<Item = &'a UrdfJoint>, full_turns: &[bool]) -> Vec<bool> {
     let is_endless = |joint: &UrdfJoint| {
         joint.motion.as_ref().is_some_and(|motion| motion.kind == UrdfJointKind::Continuous)
@@ -104,7 +104,7 @@ pub(crate) fn endless<'a>(kinds: impl Iterator<Item = &'a UrdfJoint>, full_turns
     kinds.zip(full_turns).map(|(joint, has_turn)| *has_turn && is_endless(joint)).collect()
 }
 
-/// `value` and whole turns, within the limits as near to `reference` as can be; `value` itself if none is within.
+/// Returns `value` plus whole turns, within the limits and as near to `reference` as possible; `value` if none is within.
 fn nearest_turn(value: f64, reference: f64, limits: &JointLimits) -> f64 {
     wrapped(value, reference, [limits.lower, limits.upper]).unwrap_or(value)
 }
@@ -128,7 +128,7 @@ mod tests {
             (-5.0, 0.5, TAU - 5.0),
             (0.3, 0.0, 0.3),
             (3.0, -3.0, 3.0 - TAU),
-            // A turn farther would be nearer, but beyond the limit.
+            // Another turn would be nearer, but beyond the limit.
             (0.5, 6.2, 0.5),
             (0.5, -6.2, 0.5 - TAU),
         ] {

@@ -4,27 +4,27 @@ use cranny_spatial::nalgebra::{Cholesky, Const, Matrix6, Matrix6xX, Vector6};
 
 use crate::{JointKind, LinkFrames, Robot};
 
-/// A geometric Jacobian, 6 × dof: rows 0–2 metres of the link's origin, rows 3–5 radians of its rotation,
-/// both in the root frame, per metre or radian of each joint.
+/// Geometric Jacobian, 6 × dof: rows 0–2 metres of the link's origin, rows 3–5 radians of its rotation, both in the root
+/// frame, per metre or radian of each joint.
 pub type Jacobian = Matrix6xX<f64>;
 
-/// A small motion of a frame in the root frame: translation of its origin (m), then rotation vector (rad).
+/// Infinitesimal motion of a frame in the root frame: translation of its origin (m), then rotation vector (rad).
 pub type Twist = Vector6<f64>;
 
 impl Robot {
-    /// A Jacobian of the right size, all zero.
+    /// Returns a zero Jacobian of the right size.
     pub fn empty_jacobian(&self) -> Jacobian {
         Jacobian::zeros(self.dof())
     }
 
-    /// Writes the geometric Jacobian of `link`, at its origin and in the root frame, for the configuration
-    /// that `frames` were computed at. Mimic joints count towards the joint that they follow.
+    /// Writes the geometric Jacobian of `link`, at its origin and in the root frame, for the configuration at which `frames`
+    /// were computed. The columns of mimic joints are added to that of the joint they follow.
     ///
     /// Law: `frames(q + δ) ≈ twist(jacobian · δ) applied to frames(q)`
     /// (test `jacobian_is_the_derivative_of_the_pose`).
     ///
     /// # Panics
-    /// If `jacobian` or `frames` come from another robot, or `link` is no link.
+    /// If `jacobian` or `frames` belong to another robot, or `link` does not exist.
     pub fn jacobian(&self, frames: &LinkFrames, link: usize, jacobian: &mut Jacobian) {
         assert_eq!(jacobian.ncols(), self.dof(), "one column for each joint of the group");
         jacobian.fill(0.0);
@@ -45,12 +45,12 @@ impl Robot {
     }
 }
 
-/// Writes to `step` the joint motion (m, rad; one per joint) `Jᵀ(JJᵀ + λ²I)⁻¹ v` that follows the twist `v` best in
+/// Writes to `step` the joint motion (m, rad; one per joint) `Jᵀ(JJᵀ + λ²I)⁻¹ v` that best follows the twist `v` in
 /// the sense of damped least squares (Wampler 1986, "Manipulator inverse kinematic solutions based on vector
 /// formulations and damped least-squares methods", whole; Nakamura & Hanafusa 1986, "Inverse kinematic solutions with
 /// singularity robustness for robot manipulator control", whole; as in Siciliano, Sciavicco, Villani & Oriolo 2009,
-/// "Robotics", §3.5.2), λ = `damping`: with λ = 0 the pseudo-inverse's step. Returns whether there is one: with λ > 0
-/// always, with λ = 0 not where J has lost rank; `step` is then left as it was.
+/// "Robotics", §3.5.2), λ = `damping`: λ = 0 gives the step of the pseudo-inverse. Returns true if there is a step:
+/// always with λ > 0; with λ = 0 not if J is rank-deficient, and `step` is then unchanged.
 ///
 /// # Panics
 /// If `step` does not hold one value per column.
@@ -65,15 +65,15 @@ pub fn damped_pseudo_inverse_step(
     true
 }
 
-/// `(JJᵀ + λ²I)⁻¹` of a Jacobian J, factorised once for several uses. All methods take the same J again.
+/// Factorisation of `JJᵀ + λ²I` of a Jacobian J, reused by several operations. All methods take that J again.
 #[derive(Clone, Debug)]
 pub struct DampedInverse {
     factors: Cholesky<f64, Const<6>>,
 }
 
 impl DampedInverse {
-    /// Factorises with λ = `damping`; None where `JJᵀ + λ²I` is not positive definite to rounding: never
-    /// for finite J and λ well above 10⁻⁷ of its entries.
+    /// Factorises with λ = `damping`; `None` if `JJᵀ + λ²I` is not numerically positive definite, which never happens for
+    /// finite J and λ well above 10⁻⁷ of its entries.
     pub fn new(jacobian: &Jacobian, damping: f64) -> Option<Self> {
         let mut gram = Matrix6::from_diagonal_element(damping * damping);
         // The factorisation reads the lower triangle only.
@@ -100,13 +100,13 @@ impl DampedInverse {
         }
     }
 
-    /// `(JJᵀ + λ²I)⁻¹ v`: the weights with which the rows of J add up to [`Self::step`].
+    /// Returns `(JJᵀ + λ²I)⁻¹ v`: the weights of the rows of J whose sum is [`Self::step`].
     pub fn dual(&self, twist: &Twist) -> Twist {
         self.factors.solve(twist)
     }
 
-    /// Replaces `motion` (m, rad; one per joint) by its part that does not move the frame, `(I − J⁺J) motion`. With
-    /// damping J⁺ = `Jᵀ(JJᵀ + λ²I)⁻¹` is not quite the pseudo-inverse, and a part of the order of λ² stays.
+    /// Projects `motion` (m, rad; one per joint) onto the null space of the Jacobian, `(I − J⁺J) motion`. With damping,
+    /// J⁺ = `Jᵀ(JJᵀ + λ²I)⁻¹` only approximates the pseudo-inverse, and a residual of the order of λ² remains.
     ///
     /// # Panics
     /// If `motion` does not hold one value per column.

@@ -7,24 +7,24 @@ use crate::description::urdf_model::{Urdf, UrdfJoint, UrdfJointKind, UrdfMotion}
 use crate::tree::Tree;
 use crate::{Hindrance, JointGroup, Location, RobotError, RobotOptions, Srdf, SrdfGroup};
 
-/// Which joints `q` stands for, what the others do, and which link reaches for grasps.
+/// Resolved joint group: the joints of `q`, the values of all other joints, and the tip link.
 pub(crate) struct Resolved {
-    /// Joints of the group, as indices into the file's joints.
+    /// Joints of the group, as indices into the joints of the file.
     pub(crate) group: Vec<usize>,
     /// The tip, as a node of the tree.
     pub(crate) tip: usize,
-    /// What the value of each joint of the file is.
+    /// Value of each joint of the file.
     pub(crate) values: Vec<JointValue>,
-    /// Content of the SRDF that fits no joint, one line each.
+    /// Content of the SRDF that matches no joint, one line each.
     pub(crate) notes: Vec<String>,
 }
 
-/// `value = multiplier · q[joint] + offset`, or `offset` alone.
+/// Joint value `multiplier · q[joint] + offset`, or `offset` alone.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct JointValue {
     pub(crate) follows: Option<(usize, f64)>,
     pub(crate) offset: f64,
-    /// True if the joint is free to move, but is held.
+    /// True if the joint could move, but is held at a value.
     pub(crate) stands: bool,
 }
 
@@ -52,7 +52,7 @@ impl Resolved {
     }
 }
 
-/// The joints of the group that the options name, by index; none where they name none.
+/// Returns the joints of the group named in the options, by index; empty if none is named.
 pub(crate) fn named_group(
     urdf: &Urdf,
     tree: &Tree,
@@ -64,20 +64,20 @@ pub(crate) fn named_group(
     Ok(resolver.named_group()?.unwrap_or_default())
 }
 
-/// The error for a `name` that is not in the file.
+/// Returns the error for a joint `name` that is not in the file.
 pub(crate) fn unknown_joint(urdf: &Urdf, place: String, name: &str) -> RobotError {
     let nearest = nearest_names(name, urdf.joints.iter().map(|joint| joint.name.as_str()));
     RobotError::UnknownName { place, kind: "joint", name: name.to_owned(), nearest }
 }
 
-/// The error for a link `name` that is not in the file.
+/// Returns the error for a link `name` that is not in the file.
 pub(crate) fn unknown_link(urdf: &Urdf, place: String, name: &str) -> RobotError {
     let nearest = nearest_names(name, urdf.links.iter().map(|link| link.name.as_str()));
     RobotError::UnknownName { place, kind: "link", name: name.to_owned(), nearest }
 }
 
-/// The groups that a walk through groups within groups is in, and those that it has been in: each is walked once,
-/// however many hold it.
+/// Groups that a walk through nested groups is inside of, and those it has finished: each is walked once, however many
+/// groups contain it.
 #[derive(Default)]
 struct Inside<'s> {
     open: Vec<&'s str>,
@@ -92,8 +92,8 @@ struct Resolver<'a> {
 }
 
 impl Resolver<'_> {
-    /// Every joint that a mimic joint or the option `fixed` names exists; mimicry ends at a joint that does
-    /// not mimic; a held value is a number.
+    /// Checks that every joint named by a mimic joint or the option `fixed` exists, that every chain of mimic joints ends,
+    /// and that held values are finite.
     fn check_names(&self) -> Result<(), RobotError> {
         for joint in &self.urdf.joints {
             let mut follower = joint;
@@ -124,7 +124,7 @@ impl Resolver<'_> {
         Ok(())
     }
 
-    /// A line for each passive joint of the SRDF that the robot lacks, as where one SRDF serves several hands.
+    /// Returns a note for each passive joint of the SRDF that the robot lacks, as when one SRDF serves several hands.
     fn passive_notes(&self) -> Vec<String> {
         let passive = self.srdf.iter().flat_map(|srdf| srdf.passive_joints.iter().zip(&srdf.places.passive));
         let place = |at: &Location| format!("{at}: passive_joint");
@@ -138,7 +138,7 @@ impl Resolver<'_> {
         self.tree.joint(name).ok_or_else(|| unknown_joint(self.urdf, place(), name))
     }
 
-    /// The joint of this name, or all parts of the planar or floating one.
+    /// Returns the joint named `name`, or all joints that stand for the planar or floating joint of that name.
     fn joint_or_its_parts(&self, name: &str, place: impl Fn() -> String) -> Result<Vec<usize>, RobotError> {
         let is_part =
             |joint: &UrdfJoint| joint.name.strip_prefix(name).is_some_and(|rest| rest.starts_with('/'));
@@ -147,12 +147,12 @@ impl Resolver<'_> {
         if parts.is_empty() { Ok(vec![self.known_joint(name, place)?]) } else { Ok(parts) }
     }
 
-    /// Returns whether the SRDF has a virtual joint of that name, and the URDF no joint.
+    /// Returns true if the SRDF has a virtual joint of that name and the URDF has no such joint.
     fn is_virtual(&self, name: &str) -> bool {
         self.tree.joint(name).is_none() && self.srdf.is_some_and(|srdf| srdf.virtual_joint(name).is_some())
     }
 
-    /// The link that a chain begins at: the frame that the robot stands in stands for the link that stands there.
+    /// Returns the base link of a chain: the parent frame of a virtual joint stands for the link attached to it.
     fn chain_base(&self, name: &str, place: impl Fn() -> String) -> Result<usize, RobotError> {
         let virtual_joints = self.srdf.iter().flat_map(|srdf| &srdf.virtual_joints);
         let mut standing =
@@ -168,7 +168,7 @@ impl Resolver<'_> {
         self.tree.node(name).ok_or_else(|| unknown_link(self.urdf, place(), name))
     }
 
-    /// Can move, and chooses its own value.
+    /// Returns true if the joint can move and mimics no other.
     fn is_free(&self, joint: usize) -> bool {
         let joint = &self.urdf.joints[joint];
         joint.motion.as_ref().is_some_and(|motion| motion.mimic.is_none())
@@ -201,7 +201,7 @@ impl Resolver<'_> {
                     &mut Inside::default(),
                     &mut joints,
                 )?;
-                // A joint that no motor drives stands where it is held.
+                // A passive joint keeps the value it is held at.
                 joints
                     .retain(|&joint| self.is_free(joint) && !(self.is_passive(joint) && self.is_held(joint)));
                 joints.sort_by_key(|&joint| self.tree.node_of_joint[joint]);
@@ -286,7 +286,7 @@ impl Resolver<'_> {
         Ok(())
     }
 
-    /// The joints between two links, if the second descends from the first.
+    /// Returns the joints between two links, if the second descends from the first.
     fn chain(&self, base: usize, tip: usize) -> Option<Vec<usize>> {
         let mut joints = Vec::new();
         let mut node = tip;
@@ -326,7 +326,7 @@ impl Resolver<'_> {
         Ok((0..is_leaf.len()).filter(|&node| is_leaf[node]).max_by_key(rank).unwrap_or(0))
     }
 
-    /// The value of a joint of the file, mimicry followed to its end (see [`check_names`](Self::check_names)).
+    /// Returns the value of a joint of the file, with mimicry resolved (see [`check_names`](Self::check_names)).
     fn value(&self, joint: usize, group: &[usize]) -> Result<JointValue, RobotError> {
         let described = &self.urdf.joints[joint];
         let Some(motion) = &described.motion else {
@@ -349,13 +349,13 @@ impl Resolver<'_> {
             return Ok(JointValue { follows: Some((index, 1.0)), offset: 0.0, stands: false });
         }
         let (lower, upper) = range(motion);
-        // What follows a joint by a fraction of its turn must not lose whole turns of it.
+        // The value is not wrapped: a joint that follows it by a fraction of a turn would change with whole turns.
         let held = self.options.fixed.get(&described.name).copied();
         let offset = held.unwrap_or_else(|| 0.0_f64.clamp(lower, upper));
         Ok(JointValue { follows: None, offset, stands: true })
     }
 
-    /// Held values lie within limits, those of joints that mimic held ones too, and agree with what they follow.
+    /// Checks that held values lie within limits, also those of joints that mimic held ones, and agree with the mimicry.
     fn check_held(&self, values: &[JointValue]) -> Result<(), RobotError> {
         for (name, &value) in &self.options.fixed {
             let Some(index) = self.tree.joint(name) else { continue };
@@ -364,7 +364,7 @@ impl Resolver<'_> {
             let followed = values[index];
             if let Some(mimic) = &motion.mimic {
                 let master = mimic.master.clone();
-                // Rounding of one product and one sum of metres or radians.
+                // The tolerance covers the rounding of one product and one sum of metres or radians.
                 let agrees = followed.follows.is_none() && (followed.offset - value).abs() < 1e-12;
                 if !agrees {
                     let hindrance = match followed.follows {
@@ -390,10 +390,10 @@ impl Resolver<'_> {
     }
 }
 
-/// Excess of a mimic joint over its limits that is rounding (m, rad): files give factors and limits to some four digits.
+/// Tolerated excess of a mimic joint over its limits (m, rad): files round factors and limits to some four digits.
 pub(crate) const MIMIC_SLACK: f64 = 1e-3;
 
-/// Whether a joint may stand at the value at which its master puts it.
+/// Checks that the value a mimic joint gets from its master is within its limits, up to [`MIMIC_SLACK`].
 ///
 /// # Errors
 /// [`RobotError::NotFree`] for a value outside its limits.
@@ -408,10 +408,10 @@ pub(crate) fn mimic_within_limits(joint: &UrdfJoint, master: &str, value: f64) -
     Err(not_free(joint, "held", hindrance))
 }
 
-/// A joint without an end is not held farther than this from 0, in radians: its links are where they are to within 1e-12 rad.
+/// Maximum absolute value at which an endless joint is held, in radians: its links are then accurate to within 1e-12 rad.
 const FARTHEST_TURN_RAD: f64 = 1e4;
 
-/// The value of a joint without an end that is nearest to 0, up to whole turns within its limits; of others the same.
+/// Returns `value` of an endless joint wrapped nearest to 0 by whole turns within its limits; other values unchanged.
 fn wrapped_if_endless(motion: &UrdfMotion, value: f64) -> f64 {
     let (lower, upper) = range(motion);
     let is_endless = motion.kind == UrdfJointKind::Continuous && value.abs() <= FARTHEST_TURN_RAD;
@@ -423,7 +423,7 @@ pub(crate) fn range(motion: &UrdfMotion) -> (f64, f64) {
     (motion.limits.lower, motion.limits.upper)
 }
 
-/// Returns whether a joint may be held at `value`; for a continuous joint, up to any number of whole turns.
+/// Returns true if a joint may be held at `value`; for a continuous joint, modulo whole turns.
 pub(crate) fn admits(motion: &UrdfMotion, value: f64) -> bool {
     let (lower, upper) = range(motion);
     (lower..=upper).contains(&wrapped_if_endless(motion, value))

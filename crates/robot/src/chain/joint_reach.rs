@@ -3,15 +3,14 @@ use cranny_spatial::{Point, Pose};
 use crate::{GroupJoint, JointKind, Link, Mover, Robot};
 
 impl Robot {
-    /// Distances by which the joints move the robot, one per joint of the group: for a revolute joint the farthest
-    /// that any point beyond it lies from its origin at `q = 0`, in metres (so in m/rad); for a prismatic one 1
-    /// (m/m).
+    /// Maximum motion of the robot per unit of each joint, one value per joint of the group: for a revolute joint the distance
+    /// of the farthest point beyond it from its origin at `q = 0`, in metres (so in m/rad); for a prismatic joint 1 (m/m).
     pub fn joint_reaches(&self) -> &[f64] {
         &self.joint_reaches
     }
 }
 
-/// See [`Robot::joint_reaches`]; `rest` are the links in the root at `q = 0`, `movers` what moves each.
+/// Computes [`Robot::joint_reaches`]; `rest` are the links in the root frame at `q = 0`, `movers` the movers of each.
 pub(crate) fn joint_reaches(
     joints: &[GroupJoint],
     links: &[Link],
@@ -20,7 +19,7 @@ pub(crate) fn joint_reaches(
 ) -> Vec<f64> {
     let slides = |joint: &GroupJoint| joint.kind == JointKind::Prismatic;
     let mut reaches: Vec<f64> = joints.iter().map(|joint| if slides(joint) { 1.0 } else { 0.0 }).collect();
-    // What moves a link is known for each link, so that no joint need be looked for in all of them.
+    // The map from links to joints avoids a search of all links for each joint.
     let mut joint_of_child = vec![None; links.len()];
     for (index, joint) in joints.iter().enumerate().filter(|(_, joint)| !slides(joint)) {
         joint_of_child[joint.child_link] = Some(index);

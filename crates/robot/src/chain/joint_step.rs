@@ -1,7 +1,7 @@
 use cranny_spatial::nalgebra::Quaternion;
 use cranny_spatial::{Pose, Rotation, Vector, sin_cos};
 
-/// How to get the pose of one link from that of its parent.
+/// Forward kinematics of one link from its parent.
 #[derive(Clone, Debug)]
 pub(crate) struct Step {
     pub(crate) link: usize,
@@ -35,7 +35,7 @@ impl Step {
     }
 }
 
-/// The motion of a joint, with all constants multiplied out beforehand.
+/// Motion of a joint with precomputed constants.
 #[derive(Clone, Debug)]
 pub(crate) enum Motion {
     Rigid {
@@ -50,19 +50,19 @@ pub(crate) enum Motion {
     Turn {
         value: Value,
         translation: Vector,
-        /// The rotation at value 0, and the same times a half turn: `cos(v/2) · at_zero + sin(v/2) ·
-        /// at_half_turn` is the rotation at value v.
+        /// Rotation at value 0, and that rotation times a half turn: `cos(v/2) · at_zero + sin(v/2) · at_half_turn` is the
+        /// rotation at value v.
         at_zero: Quaternion<f64>,
         at_half_turn: Quaternion<f64>,
     },
-    /// On the tip, where a hold puts it.
+    /// Rigidly attached to the tip by a hold.
     Loose {
         slot: usize,
     },
 }
 
 impl Motion {
-    /// A joint that slides along `axis` (in its own frame).
+    /// Returns the motion of a joint that slides along `axis` (in its own frame).
     pub(crate) fn slide(value: Value, parent_from_joint: &Pose, axis: &Vector) -> Self {
         Self::Slide {
             value,
@@ -72,7 +72,7 @@ impl Motion {
         }
     }
 
-    /// A joint that turns about `axis` (in its own frame).
+    /// Returns the motion of a joint that turns about `axis` (in its own frame).
     pub(crate) fn turn(value: Value, parent_from_joint: &Pose, axis: &Vector) -> Self {
         let at_zero = parent_from_joint.rotation.into_inner();
         Self::Turn {
@@ -84,7 +84,7 @@ impl Motion {
     }
 }
 
-/// `multiplier · q[joint] + offset`.
+/// Joint value `multiplier · q[joint] + offset`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Value {
     pub(crate) joint: usize,

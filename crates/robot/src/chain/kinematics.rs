@@ -3,19 +3,19 @@ use cranny_spatial::Pose;
 use crate::chain::joint_step::Step;
 use crate::{Hold, Robot};
 
-/// Where every link of a robot is: what [`Robot::forward_kinematics`] writes.
+/// Poses of all links of a robot, written by [`Robot::forward_kinematics`].
 #[derive(Clone, Debug)]
 pub struct LinkFrames {
     pub(crate) root_from_link: Vec<Pose>,
-    /// Where the loose links stand on the tip ([`Robot::place_held`](crate::Robot::place_held)).
+    /// Poses of the loose links in the tip frame ([`Robot::place_held`](crate::Robot::place_held)).
     pub(crate) loose: Vec<Pose>,
 }
 
 impl LinkFrames {
-    /// The pose of the link with this index in the root frame, `root_from_link`.
+    /// Returns the pose of the link of this index in the root frame, `root_from_link`.
     ///
     /// # Panics
-    /// If the robot that the frames were made for has no such link.
+    /// If the robot of these frames has no such link.
     pub fn link(&self, index: usize) -> &Pose {
         &self.root_from_link[index]
     }
@@ -27,7 +27,7 @@ impl LinkFrames {
 }
 
 impl Robot {
-    /// Frames for this robot, as at `q = 0` (which may lie outside its limits).
+    /// Returns frames of this robot at `q = 0` (which may lie outside its limits).
     pub fn frames(&self) -> LinkFrames {
         let mut frames = LinkFrames { root_from_link: self.rest.clone(), loose: Vec::new() };
         if let Some(loose) = &self.loose {
@@ -37,8 +37,8 @@ impl Robot {
         frames
     }
 
-    /// The pose of every link at `q` (m, rad; one per joint). Whoever asks often uses [`Self::forward_kinematics`],
-    /// which makes no new frames.
+    /// Returns the pose of every link at `q` (m, rad; one per joint). Use [`Self::forward_kinematics`] for repeated calls:
+    /// it does not allocate.
     ///
     /// # Panics
     /// If `q` does not hold [`dof`](Self::dof) values.
@@ -48,18 +48,17 @@ impl Robot {
         frames
     }
 
-    /// Writes the pose of every link at `q` (m, rad; one per joint) to `frames`. Every call starts afresh from `q`,
-    /// so that errors of rounding do not add up. Limits are not checked.
+    /// Writes the pose of every link at `q` (m, rad; one per joint) to `frames`. Every call computes all poses from `q`, so
+    /// rounding errors do not accumulate. Limits are not checked.
     ///
     /// # Panics
-    /// If `q` does not hold [`dof`](Self::dof) values, or `frames` come from another robot.
+    /// If `q` does not hold [`dof`](Self::dof) values, or `frames` belong to another robot.
     pub fn forward_kinematics(&self, q: &[f64], frames: &mut LinkFrames) {
         assert_eq!(frames.root_from_link.len(), self.rest.len(), "frames of this robot");
         self.follow(&self.steps, q, frames);
     }
 
-    /// The same at `q` (m, rad; one per joint) for the links from the root to the tip only; the other frames keep
-    /// what they hold.
+    /// Writes the poses of the links from the root to the tip at `q` (m, rad; one per joint); other frames stay unchanged.
     ///
     /// # Panics
     /// As [`Self::forward_kinematics`].
@@ -67,8 +66,7 @@ impl Robot {
         self.follow(&self.tip_steps, q, frames);
     }
 
-    /// [`Self::forward_kinematics`] at `q` (m, rad; one per joint) where only these joints have another value than
-    /// when `frames` was computed.
+    /// Updates `frames` to `q` (m, rad; one per joint), given that only `joints` have changed since `frames` were computed.
     ///
     /// # Panics
     /// As [`Self::forward_kinematics`].

@@ -5,17 +5,17 @@ use fearless_simd::{Simd, f32x16};
 
 use crate::{JointKind, Robot};
 
-/// The joints from the root to the tip, for the pose of the tip and its Jacobian at 16 configurations at
-/// once, in `f32`.
+/// Joints from the root to the tip, which gives the pose of the tip and its Jacobian at 16 configurations at once, in
+/// `f32`.
 #[derive(Clone, Debug)]
 pub(crate) struct LaneChain {
     joints: Vec<ChainJoint>,
     last_from_tip: Offset,
-    /// Axis and origin of every joint in the root frame, as the last call of [`Self::tip`] left them.
+    /// Axis and origin of every joint in the root frame, from the last call of [`Self::tip`].
     axes: Vec<[LaneArray; 6]>,
 }
 
-/// A joint between root and tip, in a frame whose z axis is the joint's.
+/// Joint between root and tip, in a frame whose z axis is the joint's.
 #[derive(Clone, Debug)]
 struct ChainJoint {
     previous_from_joint: Offset,
@@ -24,22 +24,22 @@ struct ChainJoint {
     kind: JointKind,
 }
 
-/// A rigid transform, as lanes use it.
+/// Rigid transform in `f32`.
 #[derive(Clone, Debug)]
 pub(crate) struct Offset {
-    /// Row by row.
+    /// Rotation matrix, row by row.
     pub rotation: [[f32; 3]; 3],
     pub translation: [f32; 3],
 }
 
-/// Where the tips are in the root frame: rotation matrices, row by row, and translations.
+/// Poses of the tips in the root frame: rotation matrices, row by row, and translations.
 pub(crate) struct Tip<S: Simd> {
     pub rotation: [[f32x16<S>; 3]; 3],
     pub translation: [f32x16<S>; 3],
 }
 
 impl LaneChain {
-    /// The chain of the robot's tip.
+    /// Returns the chain from the root to the robot's tip.
     pub fn new(robot: &Robot) -> Self {
         let frames = robot.frames();
         let mut root_from_previous = Pose::identity();
@@ -63,7 +63,7 @@ impl LaneChain {
         }
     }
 
-    /// The tips at `q`, one lane a joint.
+    /// Returns the tip poses at `q`, with one row of lanes per joint.
     #[inline(always)]
     pub fn tip<S: Simd>(&mut self, simd: S, q: &[LaneArray]) -> Tip<S> {
         let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
@@ -100,7 +100,7 @@ impl LaneChain {
         tip
     }
 
-    /// Writes the columns of the geometric Jacobian (see [`Robot::jacobian`]) where [`Self::tip`] was last.
+    /// Writes the columns of the geometric Jacobian (see [`Robot::jacobian`]) at the configurations of the last [`Self::tip`].
     #[inline(always)]
     pub fn jacobian<S: Simd>(&self, simd: S, tip: &Tip<S>, jacobian: &mut [[LaneArray; 6]]) {
         let zero = f32x16::splat(simd, 0.0);
@@ -124,7 +124,7 @@ impl LaneChain {
 }
 
 impl Offset {
-    /// The same in `f32`.
+    /// Converts a pose to `f32`.
     pub fn of(target_from_source: &Pose) -> Self {
         let rotation: Matrix3<f64> = target_from_source.rotation.to_rotation_matrix().into_inner();
         let entry = |row: usize, column: usize| narrow(rotation[(row, column)]);
@@ -136,7 +136,7 @@ impl Offset {
 }
 
 impl<S: Simd> Tip<S> {
-    /// Goes on to a frame that stands still in this one.
+    /// Moves on to a frame that is fixed to this one.
     #[inline(always)]
     fn follow(&mut self, simd: S, offset: &Offset) {
         let zero = f32x16::splat(simd, 0.0);
@@ -158,7 +158,7 @@ pub(crate) fn cross<S: Simd>(a: [f32x16<S>; 3], b: [f32x16<S>; 3]) -> [f32x16<S>
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// A number as lanes hold it.
+/// Converts `x` to single precision.
 #[allow(clippy::cast_possible_truncation, reason = "single precision is what is meant")]
 pub(crate) fn narrow(x: f64) -> f32 {
     x as f32
@@ -193,7 +193,7 @@ mod tests {
 
     #[test]
     fn tip_and_jacobian_are_those_of_double_precision() {
-        /// Rounding of a chain of a dozen frames within 2 m, in m and rad.
+        /// Rounding error of a chain of a dozen frames within 2 m, in m and rad.
         const BOUND: f64 = 5e-6;
         for file in ["mobile_arm/mobile_arm.urdf", "mimic.urdf"] {
             let robot = robot(file);

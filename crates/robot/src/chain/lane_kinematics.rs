@@ -11,47 +11,47 @@ use crate::{FARTHEST_HELD_M, Hold, JointKind, Robot};
 
 /// Forward kinematics of [`LANES`] configurations at once, in `f32`.
 ///
-/// Links that no joint moves against each other share one frame. Every frame but the root's is turned such
-/// that its joint's axis is z, so a turn mixes two columns and nothing else.
+/// Links that are rigid with each other share one frame. Every frame but the root's is oriented with its joint's axis as z,
+/// so a rotation mixes only two columns.
 ///
-/// The error against [`Robot::forward_kinematics`] stays below [`position_error_m`](Self::position_error_m)
-/// anywhere within the joint limits. There is no fused multiplication, so every instruction set gives the same bits.
+/// The error relative to [`Robot::forward_kinematics`] stays below [`position_error_m`](Self::position_error_m) everywhere
+/// within the joint limits. Fused multiplication is not used, so every instruction set gives the same bits.
 #[derive(Clone, Debug)]
 pub struct LaneKinematics {
-    /// Parents before children; the frame of step `i` is number `i + 1`, the root's is number 0.
+    /// Parents before children; step `i` has frame number `i + 1`, the root has number 0.
     steps: Vec<LaneStep>,
     /// Per link of the robot.
     placements: Vec<LanePlacement>,
-    /// Of a robot that holds something: the frame of the tip, and the tip in it. The loose links have the last frames.
+    /// Frame of the tip, and the tip in it; used if the robot holds something. The loose links have the last frames.
     tip: LanePlacement,
     loose: usize,
     /// Per frame.
     errors: Vec<FrameError>,
 }
 
-/// Half the distance between two numbers of `f32` at 1: what rounding leaves, relative to a number.
+/// Unit roundoff of `f32`: half the distance between two numbers at 1.
 const UNIT: f64 = 0.5 * f32::EPSILON as f64;
 
-/// Where a link is fixed to one of the frames of a [`LaneKinematics`].
+/// Fixed pose of a link in one of the frames of a [`LaneKinematics`].
 #[derive(Clone, Copy, Debug)]
 pub struct LanePlacement {
-    /// The number of the frame.
+    /// Number of the frame.
     pub frame: usize,
-    /// The link in that frame.
+    /// Pose of the link in that frame.
     pub frame_from_link: Pose,
 }
 
-/// A frame in the root frame, for every lane.
+/// Pose of a frame in the root frame, for every lane.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub struct LaneFrame {
-    /// The axes of the frame, each with its three coordinates.
+    /// Axes of the frame, each with its three coordinates.
     pub axes: [[LaneArray; 3]; 3],
-    /// Its origin, in metres.
+    /// Origin of the frame, in metres.
     pub origin: [LaneArray; 3],
 }
 
-/// How a frame moves, for every lane, per unit of what its joints run along.
+/// Velocity of a frame, for every lane, per unit of the path parameter.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub struct LaneTwist {
@@ -67,11 +67,11 @@ struct LaneStep {
     joint: usize,
     multiplier: f32,
     kind: JointKind,
-    /// Where the frame is in its parent at value 0.
+    /// Pose of the frame in its parent at value 0.
     place: LanePlace,
 }
 
-/// Where a frame is in another one.
+/// Pose of a frame in another one.
 #[derive(Clone, Copy, Debug)]
 pub struct LanePlace {
     /// Columns of the rotation.
@@ -79,11 +79,11 @@ pub struct LanePlace {
     translation: [f32; 3],
 }
 
-/// A value is rounded when it becomes an `f32`, as is its multiplier, as is their product.
+/// Number of roundings of a joint value: the conversion to `f32`, that of its multiplier, and their product.
 const VALUE_ROUNDINGS: f64 = 3.0;
 
 impl LaneKinematics {
-    /// The kinematics of all links of `robot`.
+    /// Returns the kinematics of all links of `robot`.
     pub fn new(robot: &Robot) -> Self {
         let rest = robot.frames();
         let mut steps: Vec<LaneStep> = Vec::new();
@@ -126,7 +126,7 @@ impl LaneKinematics {
             let frame_from_link = frames[frame].1.inv_mul(rest.link(link));
             placements.push(LanePlacement { frame, frame_from_link });
         }
-        // Loose links, and what stands on them, each have a frame of their own, which is not known yet.
+        // Loose links, and the links attached to them, have frames of their own, whose poses are not yet known.
         let (tip, loose) = (placements[robot.tip()], robot.loose_links().count());
         let frame_count = steps.len() + 1;
         let way_m = tip.frame_from_link.translation.vector.norm() + FARTHEST_HELD_M;
@@ -134,7 +134,7 @@ impl LaneKinematics {
         let loose_links: Vec<usize> = robot.loose_links().collect();
         for (link, placement) in placements.iter_mut().enumerate() {
             if let Some(slot) = robot.loose_slot_of(link) {
-                // Of what is held the pose in the frames at rest says nothing: it is its own frame.
+                // The rest pose of a held object is meaningless: it has a frame of its own.
                 let frame_from_link = rest.link(loose_links[slot]).inv_mul(rest.link(link));
                 *placement = LanePlacement { frame: frame_count + slot, frame_from_link };
             }
@@ -142,10 +142,10 @@ impl LaneKinematics {
         Self { steps, placements, tip, loose, errors }
     }
 
-    /// Where the loose links of a robot that holds something are, for [`Self::forward`]; written to `places`.
+    /// Writes the poses of the loose links of a robot that holds something to `places`, for [`Self::forward`].
     ///
     /// # Panics
-    /// If the robot is another one.
+    /// If `robot` is not the one that these kinematics were made for.
     pub fn place_held(&self, robot: &Robot, hold: &Hold, places: &mut Vec<LanePlace>) {
         places.clear();
         places.extend(
@@ -157,12 +157,12 @@ impl LaneKinematics {
         assert_eq!(places.len(), self.loose, "places of this robot");
     }
 
-    /// How many frames there are, the root's included.
+    /// Returns the number of frames, including the root's.
     pub fn frame_count(&self) -> usize {
         self.steps.len() + 1 + self.loose
     }
 
-    /// Where the link is fixed.
+    /// Returns the frame that a link is fixed to, and its pose in it.
     ///
     /// # Panics
     /// If the robot has no such link.
@@ -170,9 +170,9 @@ impl LaneKinematics {
         &self.placements[link]
     }
 
-    /// A bound on the error of any point that lies at most `from_frame_m` from the origin of the frame of this
-    /// number, in metres, wherever the joints stand within their limits (`FrameError`). Infinite where `f32` cannot
-    /// say where the frame is: beyond a joint that turns farther than [`MOST_TURN_IN_LANES_RAD`].
+    /// Bounds the error of any point that lies at most `from_frame_m` from the origin of the frame of this number, in
+    /// metres, for all joint values within their limits (`FrameError`). Infinite beyond a joint that turns farther than
+    /// [`MOST_TURN_IN_LANES_RAD`], where `f32` is not accurate enough.
     ///
     /// # Panics
     /// If there is no such frame.
@@ -180,7 +180,7 @@ impl LaneKinematics {
         self.errors[frame].of_point_m(from_frame_m)
     }
 
-    /// How far the origin of a frame can be from the root's, in metres.
+    /// Returns the maximum distance of the origin of a frame from the root's, in metres.
     ///
     /// # Panics
     /// If there is no such frame.
@@ -188,8 +188,8 @@ impl LaneKinematics {
         self.errors[frame].farthest_m()
     }
 
-    /// Writes all frames at the configurations `q`, one row of lanes per joint (m, rad), with loose links where
-    /// [`Self::place_held`] has them.
+    /// Writes all frames at the configurations `q`, one row of lanes per joint (m, rad), with the loose links posed by
+    /// [`Self::place_held`].
     ///
     /// # Panics
     /// If there are too few rows or frames.
@@ -208,7 +208,7 @@ impl LaneKinematics {
 }
 
 impl LaneKinematics {
-    /// Writes how all `frames` move while joint j moves at `rates[j]` (m or rad per unit).
+    /// Writes the velocities of all `frames` while joint j moves at `rates[j]` (m or rad per unit of the path parameter).
     ///
     /// # Panics
     /// If there are too few rates, frames or twists.
@@ -246,10 +246,10 @@ impl LaneKinematics {
 }
 
 impl LaneTwist {
-    /// That of a frame which does not move.
+    /// Twist of a frame that does not move.
     pub const STILL: Self = Self { turn: [[0.0; LANES]; 3], velocity: [[0.0; LANES]; 3] };
 
-    /// Angular velocity of `frame`, which moves so, and velocity of a point that is fixed to it, in root coordinates.
+    /// Returns the angular velocity of `frame` under this twist and the velocity of a point fixed to it, in root coordinates.
     #[inline(always)]
     pub fn at<S: Simd>(
         &self,
@@ -270,13 +270,13 @@ impl LaneTwist {
 }
 
 impl LaneFrame {
-    /// The root's own frame.
+    /// Root frame.
     pub const IDENTITY: Self = {
         let (one, zero) = ([1.0; LANES], [0.0; LANES]);
         Self { axes: [[one, zero, zero], [zero, one, zero], [zero, zero, one]], origin: [zero; 3] }
     };
 
-    /// A point of the frame in root coordinates, for every lane.
+    /// Transforms a point of the frame to root coordinates, for every lane.
     #[inline(always)]
     pub fn point<S: Simd>(&self, simd: S, point: [f32; 3]) -> LaneVector<S> {
         let [x, y, z] = &self.axes;
@@ -286,7 +286,7 @@ impl LaneFrame {
         x.plus(y).plus(z).plus(LaneVector::load(simd, &self.origin))
     }
 
-    /// Half extents along the root's axes of a box around a box along this frame's axes.
+    /// Returns the half extents along the root's axes of the bounding box of a box along this frame's axes.
     #[inline(always)]
     pub fn box_around<S: Simd>(&self, simd: S, half_extents: [f32; 3]) -> LaneVector<S> {
         let [x, y, z] = &self.axes;
@@ -304,7 +304,7 @@ impl LaneFrame {
         origin.store(&mut self.origin);
     }
 
-    /// The axes' combination with these weights; most are 0 between the joints of most arms.
+    /// Returns the linear combination of the axes with these weights; for most arms, most weights are 0.
     #[inline(always)]
     fn mixed<S: Simd>(&self, simd: S, weights: [f32; 3]) -> LaneVector<S> {
         let mut sum = LaneVector::splat(simd, [0.0; 3]);
@@ -350,7 +350,7 @@ impl LanePlace {
     )]
     fn of(parent_from_frame: &Pose) -> Self {
         let rotation: Matrix3<f64> = parent_from_frame.rotation.to_rotation_matrix().into_inner();
-        /// A sine of a right angle is this far from 0 at most.
+        /// Entries below this are set to 0: the computed cosine of a right angle is at most this far from 0.
         const NOTHING: f64 = 1e-12;
         let lane = |x: f64| if x.abs() < NOTHING { 0.0 } else { x as f32 };
         Self {
@@ -359,10 +359,10 @@ impl LanePlace {
         }
     }
 
-    /// Axes and origin of the frame, given its parent.
+    /// Returns axes and origin of the frame, given its parent.
     #[inline(always)]
     fn within<S: Simd>(&self, simd: S, parent: &LaneFrame) -> ([LaneVector<S>; 3], LaneVector<S>) {
-        // Written out: a closure is compiled without the instructions of its lanes.
+        // No closure is used here: it would be compiled without the SIMD instructions of its lanes.
         let [x, y, z] = self.columns;
         let axes = [parent.mixed(simd, x), parent.mixed(simd, y), parent.mixed(simd, z)];
         (axes, parent.mixed(simd, self.translation).plus(LaneVector::load(simd, &parent.origin)))
@@ -375,9 +375,9 @@ impl LanePlace {
     }
 }
 
-/// A rotation that takes z onto `axis`.
+/// Returns a rotation that takes z onto `axis`.
 fn z_onto(axis: &Vector) -> Rotation {
-    // Where the two are opposite any half turn about an axis across will do.
+    // If the two are opposite, a half turn about any perpendicular axis is valid.
     Rotation::rotation_between(&Vector::z(), axis)
         .unwrap_or_else(|| Rotation::from_axis_angle(&Vector::x_axis(), std::f64::consts::PI))
 }

@@ -1,51 +1,51 @@
 use std::f64::consts::TAU;
 
-/// The limits of a continuous joint are minus and plus this, in radians: one and a half turns either way, so that from
-/// any start within a full turn the nearest way to every other angle stays inside, and cables are not wound up for ever.
+/// Limits of a continuous joint are ± this value, in radians: one and a half turns either way, so that from any start
+/// within a full turn the shortest rotation to every other angle stays inside, and cables are not wound up indefinitely.
 pub const CONTINUOUS_LIMIT_RAD: f64 = 3.0 * std::f64::consts::PI;
 
-/// What a joint of the group may do.
+/// Limits of a joint of the group.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointLimits {
-    /// Least value, in `unit`.
+    /// Minimum value, in `unit`.
     pub lower: f64,
-    /// Greatest value, in `unit`.
+    /// Maximum value, in `unit`.
     pub upper: f64,
-    /// Greatest speed, in `unit`/s, greater than zero.
+    /// Maximum speed, in `unit`/s, greater than zero.
     pub velocity: f64,
-    /// Greatest acceleration, in `unit`/s², if known.
+    /// Maximum acceleration, in `unit`/s², if known.
     pub acceleration: Option<f64>,
-    /// Greatest jerk, in `unit`/s³, if known.
+    /// Maximum jerk, in `unit`/s³, if known.
     pub jerk: Option<f64>,
-    /// What its value is measured in.
+    /// Unit of the joint value.
     pub unit: JointUnit,
 }
 
 impl JointLimits {
-    /// Whether `value` lies in [`lower`, `upper`]. A NaN does not.
+    /// Returns true if `value` lies in [`lower`, `upper`]; false for NaN.
     pub fn contain(&self, value: f64) -> bool {
         self.lower <= value && value <= self.upper
     }
 
-    /// The value within the limits that is nearest to `value`.
+    /// Returns the value within the limits that is nearest to `value`.
     pub fn clamp(&self, value: f64) -> f64 {
         value.clamp(self.lower, self.upper)
     }
 }
 
-/// What the value of a joint is measured in; shown as its symbol.
+/// Unit of a joint value; displayed as its symbol.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, strum::Display, strum::IntoStaticStr)]
 pub enum JointUnit {
-    /// A prismatic joint.
+    /// Unit of a prismatic joint.
     #[strum(to_string = "m")]
     Metre,
-    /// A revolute joint.
+    /// Unit of a revolute joint.
     #[strum(to_string = "rad")]
     Radian,
 }
 
 impl JointUnit {
-    /// Its symbol: "m" or "rad".
+    /// Returns the symbol: "m" or "rad".
     pub fn symbol(self) -> &'static str {
         self.into()
     }
@@ -56,19 +56,19 @@ impl JointUnit {
 pub struct LimitViolation {
     /// Index of the joint in `q`.
     pub joint: usize,
-    /// Its value.
+    /// Value of the joint.
     pub value: f64,
-    /// Its lower limit.
+    /// Lower limit of the joint.
     pub lower: f64,
-    /// Its upper limit.
+    /// Upper limit of the joint.
     pub upper: f64,
 }
 
-/// Along each of its axes, a planar or floating joint without limits goes from minus to plus this, in metres: about what
-/// stands around a task.
+/// Default limits of a planar or floating joint, ± this value along each of its axes, in metres: the usual extent of a task's
+/// surroundings.
 pub const FREE_JOINT_LIMIT_M: f64 = 2.0;
 
-/// `value` and whole turns, within [lower, upper] as near to `reference` as can be; `None` if none is within.
+/// Returns `value` plus whole turns, in [lower, upper] and as near to `reference` as possible; `None` if none is within.
 pub(crate) fn wrapped(value: f64, reference: f64, [lower, upper]: [f64; 2]) -> Option<f64> {
     let most = ((upper - value) / TAU).floor();
     let least = ((lower - value) / TAU).ceil();

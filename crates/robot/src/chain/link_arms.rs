@@ -3,12 +3,12 @@ use cranny_spatial::Point;
 use crate::{JointKind, LinkFrames, Robot};
 
 impl Robot {
-    /// Bounds on the distance of a point that is fixed to a link from the axis of each joint that moves it, in the order of
-    /// [`Self::ancestors`], whatever the joints (m, rad) do within their limits: metres for a joint that turns, so metres per
-    /// radian; 1 for one that slides; one value per joint that moves the link. `point_in_link`: metres; `frames` at zero, with
-    /// what is held where it is.
+    /// Bounds the distance of a point fixed to a link from the axis of each joint that moves it, in the order of
+    /// [`Self::ancestors`], for all joint values (m, rad) within their limits: metres for a revolute joint, so metres per
+    /// radian; 1 for a prismatic one; one value per joint that moves the link. `point_in_link` is in metres; `frames` are at
+    /// `q = 0`, with held objects attached.
     ///
-    /// The distances between the frames of the joints add up, slides drawn out as far as they go.
+    /// The distances between consecutive joint frames add up, with prismatic joints fully extended.
     ///
     /// # Panics
     /// If there is no such link.

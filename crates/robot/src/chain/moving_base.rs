@@ -2,22 +2,21 @@ use cranny_spatial::{Stream, Vector};
 
 use crate::{JointKind, Robot};
 
-/// How often a base position is drawn before the nearest one so far is taken: a target at the edge of what
-/// the base can serve leaves about a tenth of all positions.
+/// Number of base positions drawn before the nearest of them is taken: for a target at the edge of the workspace, about a
+/// tenth of all positions are valid.
 const BASE_DRAWS: usize = 32;
 
-/// More slides than this in a row are drawn like any other joint: three already reach every point.
+/// Maximum number of consecutive slides that are drawn together; three already reach every point.
 const MOST_SLIDES: usize = 6;
 
-/// The prismatic joints between the root and the first joint that turns: they shift the arm without turning
-/// it.
+/// Prismatic joints between the root and the first revolute joint: they translate the arm without turning it.
 #[derive(Clone, Debug)]
 pub(crate) struct Base {
-    /// Index in `q`, and the shift in the root frame per metre.
+    /// Index in `q`, and the translation in the root frame per metre.
     slides: Vec<(usize, Vector)>,
-    /// Where the arm starts while all slides stand at 0.
+    /// Position of the arm's first joint in the root frame while all slides are at 0.
     arm_in_root: Vector,
-    /// No configuration of the arm brings the tip further away from where the arm starts, in metres.
+    /// Upper bound on the distance of the tip from the arm's first joint, in metres.
     reach_m: f64,
 }
 
@@ -32,7 +31,7 @@ impl Base {
             let axis_in_root = frames.link(mover.child_link).rotation * mover.axis_in_child;
             (mover.joint, axis_in_root * mover.multiplier)
         });
-        // Joint by joint, the distance between neighbouring axes' origins does not depend on how they turn.
+        // The distance between the origins of neighbouring axes does not depend on their rotation.
         let mut reach_m = 0.0;
         let mut previous = arm;
         for mover in &movers[count + 1..] {
@@ -47,8 +46,8 @@ impl Base {
         Some(Self { slides: slides.collect(), arm_in_root: origin(arm), reach_m })
     }
 
-    /// Redraws the slides of `q` (m, rad; one per joint) until the target is within reach, or leaves the nearest of
-    /// many draws.
+    /// Redraws the slides of `q` (m, rad; one per joint) until the target is within reach, or keeps the nearest of
+    /// [`BASE_DRAWS`] draws.
     pub fn draw_near(&self, robot: &Robot, target_in_root: &Vector, random: &mut Stream, q: &mut [f64]) {
         let mut nearest_m = f64::INFINITY;
         for _ in 0..BASE_DRAWS {

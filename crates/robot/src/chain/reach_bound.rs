@@ -2,40 +2,40 @@ use cranny_spatial::{Point, Vector};
 
 use crate::{JointKind, Robot};
 
-/// Where the tip of a robot can be at most: within a ball whose middle slides with the base.
+/// Outer bound on the reachable positions of the tip: a ball whose centre moves with the slides of the base.
 ///
-/// A point farther than that from everywhere the middle can be is out of reach, whatever the joints do; most
-/// points within are out of reach too.
+/// A point farther than the radius from every possible centre is unreachable; most points inside the bound are
+/// unreachable too.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReachBound {
-    /// The middle of the ball while every slide of the base stands half way, in the root frame.
+    /// Centre of the ball with every slide of the base in the middle of its range, in the root frame.
     middle: Point,
-    /// Half the way of each slide, at right angles to each other.
+    /// Half the stroke of each slide, mutually perpendicular.
     half_ways: Vec<Vector>,
     radius_m: f64,
 }
 
-/// More than the rounding of kinematics adds up to, in metres.
+/// Upper bound on the accumulated rounding of kinematics, in metres.
 const ROUNDING_M: f64 = 1e-9;
 
-/// Slides whose directions have a greater cosine are not at right angles.
+/// Maximum cosine between the directions of two slides that count as perpendicular.
 const RIGHT_ANGLE: f64 = 1e-9;
 
-/// How often the points on the axes are moved in turn: arms have a dozen joints at most, and after a dozen
-/// rounds the sum changes by less than a millimetre. However often, the bound holds.
+/// Number of rounds in which the points on the axes are moved in turn: for the dozen joints of an arm, the sum changes by
+/// less than a millimetre after a dozen rounds. The bound holds for any number of rounds.
 const ROUNDS: usize = 24;
 
 impl Robot {
-    /// A bound of where the tip can be within the joint limits.
+    /// Bounds the positions of the tip within the joint limits.
     ///
     /// Law: `reach_bound().beyond_m(tip at q) = 0` for every q within limits
     /// (`no_tip_is_ever_beyond_the_bound`).
     ///
-    /// 1. The slides before the first joint that turns shift the arm without turning it.
-    /// 2. A joint that turns leaves the points on its axis where they are, on both sides of it. So the
-    ///    distance between a point on one axis and one on the next never changes, and their sum along the arm
-    ///    bounds how far the tip gets from the first of them. A slide adds half its way.
-    /// 3. The points on the axes are those of the least sum; it is convex in each of them.
+    /// 1. The slides before the first revolute joint translate the arm without turning it.
+    /// 2. A revolute joint leaves the points on its axis fixed in both links that it connects. The distance between a point
+    ///    on one axis and one on the next is therefore constant, and the sum of these distances along the arm bounds the
+    ///    distance of the tip from the first of them. A slide adds half its stroke.
+    /// 3. The points on the axes minimise that sum, which is convex in each of them.
     pub fn reach_bound(&self) -> ReachBound {
         let movers = self.ancestors(self.tip());
         let frames = self.frames();
@@ -62,7 +62,7 @@ impl Robot {
                 radius_m += reach_m;
             }
         }
-        // 2. Pairs of neighbouring points that keep their distance.
+        // 2. Pairs of neighbouring points at a constant distance.
         let mut axes: Vec<Axis> = Vec::new();
         for mover in &movers[slides..] {
             let axis_in_root = axis_of(mover.child_link, &mover.axis_in_child);
@@ -91,13 +91,13 @@ impl Robot {
     }
 }
 
-/// A point that two neighbouring parts of the arm share, at `q = 0`.
+/// Point that two neighbouring links of the arm share, at `q = 0`.
 struct Axis {
-    /// As the part before it has it.
+    /// Position fixed to the link before it.
     before: Vector,
-    /// As the part behind it has it: the same, but for a slide.
+    /// Position fixed to the link behind it; equal to `before` except for a slide.
     after: Vector,
-    /// The direction in which the point may be moved.
+    /// Direction in which the point may be moved.
     along: Option<Vector>,
 }
 
@@ -106,7 +106,7 @@ impl Axis {
         Self { before: point, after: point, along: Some(along) }
     }
 
-    /// Moves the point to where the way from one neighbour to the other over it is shortest.
+    /// Moves the point along its axis to minimise the sum of its distances to both neighbours.
     fn shorten(&mut self, before: Option<Vector>, after: Option<Vector>) {
         let Some(along) = self.along else { return };
         let seen = |point: Vector| {
@@ -115,7 +115,7 @@ impl Axis {
             (way_m, (from - along * way_m).norm())
         };
         let way_m = match (before.map(seen), after.map(seen)) {
-            // Like light in a mirror: the point divides the way as the distances from the axis do.
+            // Reflection principle: the point divides the distance along the axis in the ratio of the distances from the axis.
             (Some((a, from_a)), Some((b, from_b))) if from_a + from_b > ROUNDING_M => {
                 (a * from_b + b * from_a) / (from_a + from_b)
             }
@@ -128,12 +128,12 @@ impl Axis {
 }
 
 impl ReachBound {
-    /// The greatest distance of the tip from the ball's middle, in metres.
+    /// Maximum distance of the tip from the centre of the ball, in metres.
     pub fn radius_m(&self) -> f64 {
         self.radius_m
     }
 
-    /// How far, at least, the tip stays from `point_in_root`, in metres; 0 where it may get there.
+    /// Lower bound on the distance of the tip from `point_in_root`, in metres; 0 if the point is inside the bound.
     pub fn beyond_m(&self, point_in_root: &Point) -> f64 {
         let mut offset = point_in_root - self.middle;
         for half_way in &self.half_ways {

@@ -3,16 +3,16 @@ use cranny_spatial::{FARTHEST_M, Point, ROUNDING_M};
 use crate::chain::frame_error::{FrameError, MovedBy};
 use crate::{Robot, RobotError};
 
-/// Half the distance between two numbers of `f64` at 1: what rounding leaves, relative to a number.
+/// Unit roundoff of `f64`: half the distance between two numbers at 1.
 const UNIT: f64 = 0.5 * f64::EPSILON;
 
 impl Robot {
-    /// Whether the bounds that proofs rest on hold for this robot: no point of it can be farther from the root than
-    /// [`FARTHEST_M`], and rounding in double precision takes no two of its links farther from where they are than
-    /// [`ROUNDING_M`] together. `file` is where it comes from, for errors.
+    /// Checks that the bounds used in proofs hold for this robot: no point of it can be farther from the root than
+    /// [`FARTHEST_M`], and double-precision rounding displaces no two of its links by more than [`ROUNDING_M`] together.
+    /// `file` is the robot's source, for errors.
     ///
     /// # Errors
-    /// [`RobotError::TooFar`], [`RobotError::Unsteady`] for the first link of which this is not true.
+    /// [`RobotError::TooFar`] or [`RobotError::Unsteady`] for the first link that violates this.
     pub(crate) fn check_steadiness(&self, file: &str) -> Result<(), RobotError> {
         let mut errors = vec![FrameError::root(UNIT)];
         for (index, link) in self.links.iter().enumerate() {
@@ -24,7 +24,7 @@ impl Robot {
                 let moved_by = own_joint.map(|mover| {
                     let limits = &self.limits[mover.joint];
                     greatest = limits.lower.abs().max(limits.upper.abs()) * mover.multiplier.abs();
-                    // The middle of an interval is rounded; behind a gear the product and the offset are too.
+                    // The midpoint of an interval is rounded; behind a gear, so are the product and the offset.
                     let is_geared = (mover.multiplier - 1.0).abs() > 0.0;
                     let roundings = if is_geared { 3.0 } else { 1.0 };
                     MovedBy { kind: mover.kind, most: greatest, roundings, sine: UNIT }

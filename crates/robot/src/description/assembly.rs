@@ -25,28 +25,26 @@ use crate::{
 };
 
 impl Robot {
-    /// Builds a robot from the URDF file at `path`, with the SRDF, the `limits.yaml` and the `robot.yaml`
-    /// beside it unless `options` name others.
+    /// Loads a robot from the URDF file at `path`, with the SRDF, the `limits.yaml` and the `robot.yaml` beside it unless
+    /// `options` gives others.
     ///
     /// # Errors
-    /// Whatever is wrong with the files or the options: see [`RobotError`].
+    /// Any fault of the files or the options: see [`RobotError`].
     pub fn load(path: &Path, options: &RobotOptions) -> Result<Self, RobotError> {
         UrdfFile::read(path)?.robot(options)
     }
 
-    /// Builds a robot from the text of a URDF. `source_name` is what errors call it; mesh names are
-    /// relative to `base_dir`.
+    /// Builds a robot from the text of a URDF. `source_name` is its name in errors; mesh names are relative to `base_dir`.
     ///
     /// # Errors
-    /// As [`load`](Self::load); a mesh that is named relative to the URDF while `base_dir` is None is not
-    /// found.
+    /// As [`load`](Self::load); a mesh named relative to the URDF is not found if `base_dir` is `None`.
     pub fn from_urdf_text(
         text: &str,
         source_name: &str,
         base_dir: Option<&Path>,
         options: &RobotOptions,
     ) -> Result<Self, RobotError> {
-        // 1. What the files say, and that it fits together.
+        // 1. The files are read and checked against each other.
         let mut urdf = Urdf::parse(text, source_name)?;
         let tree = Tree::of(&urdf)?;
         let srdf = parsed(options.srdf.as_ref(), Srdf::parse)?;
@@ -62,10 +60,10 @@ impl Robot {
         let scales = planning.scales(options.rate_scales);
         let is_own_group = options.group == JointGroup::RootToTip;
         let (options, description) = &options.with_open_hands(&urdf, &tree, srdf.as_ref())?;
-        // 2. Which joints move, and how.
+        // 2. The group is resolved: the joints that move, and their motion.
         let resolved = Resolved::new(&urdf, &tree, srdf.as_ref(), options)?;
         let (movers, steps, rest) = motions(&urdf, &tree, &resolved);
-        // 3. Solids.
+        // 3. The solids of the links are built.
         let solids = SolidSource { base_dir, options };
         let mut links = Vec::with_capacity(tree.nodes.len());
         for node in &tree.nodes {
@@ -131,7 +129,7 @@ impl Robot {
     }
 }
 
-/// A URDF as read from a file, for those who build several robots of it; a pipe can be read once only.
+/// URDF as read from a file, for building several robots from it; a pipe can be read only once.
 #[derive(Clone, Debug)]
 pub struct UrdfFile {
     path: PathBuf,
@@ -139,16 +137,16 @@ pub struct UrdfFile {
 }
 
 impl UrdfFile {
-    /// Reads the file at `path`, which may be a pipe, or the one that the `robot.yaml` of a folder names.
+    /// Reads the file at `path`, which may be a pipe, or the URDF named in the `robot.yaml` of the folder at `path`.
     ///
     /// # Errors
-    /// [`RobotError::Unreadable`], [`RobotError::NoDescription`] for a folder that is no robot's.
+    /// [`RobotError::Unreadable`], or [`RobotError::NoDescription`] for a folder without a robot.
     pub fn read(path: &Path) -> Result<Self, RobotError> {
         let path = RobotDescription::urdf_at(path)?;
         Ok(Self { text: read(cranny_file::TEXT.argument(), &path)?, path })
     }
 
-    /// Builds a robot of it, as [`Robot::load`] does.
+    /// Builds a robot from it, as [`Robot::load`] does.
     ///
     /// # Errors
     /// As [`Robot::load`].
@@ -187,7 +185,7 @@ impl From<UrdfJointKind> for JointKind {
     }
 }
 
-/// Per link what moves it, the steps of forward kinematics, and all poses at `q = 0`.
+/// Returns the movers of each link, the steps of forward kinematics, and all poses at `q = 0`.
 fn motions(urdf: &Urdf, tree: &Tree, resolved: &Resolved) -> (Vec<Vec<Mover>>, Vec<Step>, Vec<Pose>) {
     let mut movers: Vec<Vec<Mover>> = vec![Vec::new()];
     let mut rest = LinkFrames { root_from_link: vec![Pose::identity(); tree.nodes.len()], loose: Vec::new() };
@@ -200,7 +198,7 @@ fn motions(urdf: &Urdf, tree: &Tree, resolved: &Resolved) -> (Vec<Vec<Mover>>, V
         let motion = joint_motion(described, resolved, joint, link, &mut above);
         let step = Step { link, parent, motion };
         rest.root_from_link[link] = step.root_from_link(&rest.root_from_link[parent], &[], &at_zero);
-        // What no joint of the group moves stays where it is at `q = 0`.
+        // Links that no joint of the group moves keep their pose at `q = 0`.
         if !above.is_empty() {
             steps.push(step);
         }
@@ -209,7 +207,7 @@ fn motions(urdf: &Urdf, tree: &Tree, resolved: &Resolved) -> (Vec<Vec<Mover>>, V
     (movers, steps, rest.root_from_link)
 }
 
-/// How `joint` moves `link`; adds to `movers` if a joint of the group has a part in it.
+/// Returns the motion by which `joint` moves `link`; adds to `movers` if it depends on a joint of the group.
 fn joint_motion(
     described: &UrdfJoint,
     resolved: &Resolved,
@@ -237,7 +235,7 @@ fn joint_motion(
     Motion::Rigid { parent_from_link: step.root_from_link(&Pose::identity(), &[], &[0.0]) }
 }
 
-/// Where solids come from.
+/// Context for reading the solids of links.
 struct SolidSource<'a> {
     base_dir: Option<&'a Path>,
     options: &'a RobotOptions,
@@ -293,7 +291,7 @@ impl SolidSource<'_> {
     }
 }
 
-/// The states that name every joint of the group.
+/// Returns the states that name every joint of the group.
 fn group_states(
     urdf: &Urdf,
     tree: &Tree,

@@ -3,23 +3,23 @@ use cranny_spatial::{Point, Pose};
 
 use crate::description::xml::Element;
 
-/// What a link weighs (`<inertial>`).
+/// Mass and inertia of a link (`<inertial>`).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Inertial {
-    /// In kilograms, above 0.
+    /// Mass in kilograms, above 0.
     pub mass_kg: f64,
-    /// The centre of mass, in the frame of the link.
+    /// Centre of mass, in the link frame.
     pub center: Point,
-    /// About the centre of mass, along the axes of the frame of the link, in kg m²; positive definite.
+    /// Inertia about the centre of mass, along the axes of the link frame, in kg m²; positive definite.
     pub inertia_kg_m2: Matrix3<f64>,
 }
 
 impl Inertial {
-    /// That of a `<link>`; `None` where it has none, or figures that no body can have. Those are no fault of a file: only
-    /// a simulation asks for them, and many files that people plan with have zeros there.
+    /// Reads the inertial of a `<link>`; `None` if it has none or physically impossible values. Those are not an error: only
+    /// dynamics uses them, and many files used for planning have zeros there.
     pub(crate) fn of(link: Element<'_>) -> Option<Self> {
         let inertial = link.first("inertial")?;
-        // Everything is read before anything is judged.
+        // All values are read before any is validated, so that none counts as unread.
         let (link_from_inertial, mass, inertia) =
             (inertial.origin(), inertial.first("mass"), inertial.first("inertia"));
         let mass_kg = mass.map(|mass| mass.positive("value"));

@@ -1,14 +1,14 @@
 use std::path::{Path, PathBuf};
 
-/// The files that a mesh name of a URDF may mean, in the order in which they are tried.
+/// Returns the files that a mesh name of a URDF may refer to, in the order in which they are tried.
 ///
 /// - `package://P/rest`, `model://P/rest` or xacro's `$(find P)/rest`: in every folder of `packages`, then in every folder
-///   above the URDF, `P/rest`, and `rest` where the folder itself is called `P`.
+///   above the URDF, `P/rest`, and `rest` if the folder itself is named `P`.
 /// - `file:///path`, or an absolute path: that file.
 /// - anything else: relative to the URDF's folder.
 ///
-/// After the name as it is written comes what it stands for if it is a URI (`%20` is a blank), and if it was written on
-/// Windows.
+/// The literal name is tried first, then the name with percent-encoding decoded (`%20` is a blank), then with backslashes of
+/// Windows replaced.
 pub fn candidates(filename: &str, base_dir: Option<&Path>, packages: &[PathBuf]) -> Vec<PathBuf> {
     let mut names = vec![filename.to_owned()];
     names.extend(percent_decoded(filename));
@@ -37,18 +37,18 @@ fn places(name: &str, base_dir: Option<&Path>, packages: &[PathBuf]) -> Vec<Path
     }
 }
 
-/// The package that a name begins with, and the path inside.
+/// Splits a name into its package and the path inside the package.
 fn in_package(name: &str) -> Option<(&str, &str)> {
     let found = ["package://", "model://"].iter().find_map(|scheme| name.strip_prefix(scheme));
     let (package, rest) = match found {
         Some(inside) => inside.trim_start_matches('/').split_once('/').unwrap_or((inside, "")),
         None => name.strip_prefix("$(find ")?.split_once(')')?,
     };
-    // With a slash in front it would be a path from the root.
+    // With a leading slash it would be an absolute path.
     Some((package.trim(), rest.trim_start_matches('/')))
 }
 
-/// The name without its percent-encoding (RFC 3986, §2.1), if it has one.
+/// Decodes the percent-encoding of a name (RFC 3986, §2.1); `None` if it has none.
 fn percent_decoded(name: &str) -> Option<String> {
     let mut bytes = Vec::with_capacity(name.len());
     let mut parts = name.split('%');
@@ -61,14 +61,14 @@ fn percent_decoded(name: &str) -> Option<String> {
     String::from_utf8(bytes).ok().filter(|decoded| decoded != name)
 }
 
-/// Whether something is there that is no folder: what cannot be read of it, the opener says.
+/// Returns true if `path` exists and is not a folder. Other problems are reported on opening the file.
 pub(crate) fn is_file_like(path: &Path) -> bool {
     path.exists() && !path.is_dir()
 }
 
-/// So that the folders above `.` can be named; a path that cannot be made absolute stays as it is.
+/// Makes a path absolute so that the folders above `.` can be named; returns it unchanged if that fails.
 fn absolute(path: &Path) -> PathBuf {
-    // The folder of a file that is named without one.
+    // An empty path is the folder of a file named without one.
     let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
     std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
 }
@@ -101,7 +101,7 @@ mod tests {
             format!("$(find {own})/meshes/a b.stl"),
             format!("package://{own}\\meshes\\a b.stl"),
         ] {
-            // The folder of `arm.urdf` is the empty path.
+            // The parent folder of `arm.urdf` is the empty path.
             for base in ["", ".", "./"] {
                 let tried = candidates(&spelling, Some(Path::new(base)), &[]);
                 assert!(tried.contains(&here.join("meshes/a b.stl")), "{spelling} from {base:?}: {tried:?}");

@@ -6,23 +6,22 @@ use serde_saphyr::Spanned;
 use crate::description::rate_limits::{RateLimits, parse_yaml};
 use crate::{Location, RateScales, RobotError};
 
-/// The contents of a `joint_limits.yaml` of `MoveIt`, which replace the limits of the URDF.
+/// Content of `MoveIt`'s `joint_limits.yaml`, which replaces the limits of the URDF.
 #[derive(Default)]
 pub(crate) struct PlanningLimits {
-    /// By the name of the joint.
+    /// Limits by joint name.
     pub(crate) joints: BTreeMap<String, RateLimits>,
     defaults: RateScales,
 }
 
 impl PlanningLimits {
-    /// Reads the text of a `joint_limits.yaml`; `file` is the name for it in errors.
+    /// Parses the text of a `joint_limits.yaml`; `file` is its name in errors.
     ///
-    /// A limit that is given counts unless its `has_…_limits` is false, as in `MoveIt`; then, and where none is given,
-    /// that of the URDF stays. A deceleration limit below that of acceleration stands for both.
+    /// A given limit applies unless its `has_…_limits` is false, as in `MoveIt`; otherwise that of the URDF stays. A
+    /// deceleration limit below that of acceleration is used for both.
     ///
     /// # Errors
-    /// [`RobotError::Yaml`] for a key that is not known; [`RobotError::NotPositive`] and [`RobotError::HandFigure`] for
-    /// figures that cannot be.
+    /// [`RobotError::Yaml`] for an unknown key; [`RobotError::NotPositive`] and [`RobotError::HandFigure`] for invalid values.
     pub(crate) fn parse(text: &str, file: &str) -> Result<Self, RobotError> {
         let parsed: PlanningFile = parse_yaml(text, file)?;
         let mut limits = Self::default();
@@ -62,7 +61,7 @@ impl PlanningLimits {
         Ok(limits)
     }
 
-    /// The scales that are asked for, or else the defaults of the file.
+    /// Returns the requested scaling factors, or the defaults of the file for those not given.
     pub(crate) fn scales(&self, asked: RateScales) -> RateScales {
         RateScales {
             velocity: asked.velocity.or(self.defaults.velocity),
@@ -91,11 +90,11 @@ struct PlanningEntry {
     has_acceleration_limits: Option<bool>,
     max_acceleration: Option<f64>,
     has_deceleration_limits: Option<bool>,
-    /// Below zero in some files.
+    /// Maximum deceleration; negative in some files.
     max_deceleration: Option<f64>,
     has_jerk_limits: Option<bool>,
     max_jerk: Option<f64>,
-    // Of the drives, not of motions.
+    // These limit the drives, not the motion.
     #[serde(rename = "has_effort_limits")]
     _has_effort_limits: Option<bool>,
     #[serde(rename = "max_effort")]

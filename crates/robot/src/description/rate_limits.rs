@@ -9,12 +9,12 @@ use crate::description::urdf_model::{UrdfJoint, UrdfJointKind};
 use crate::error::{Location, RobotError};
 use crate::hindrance::Hindrance;
 
-/// The figures of a `limits.yaml` for one joint, and where they stand.
+/// Limits of one joint from a `limits.yaml`, and their location in the file.
 pub(crate) struct RateLimits {
     pub(crate) at: Location,
     pub(crate) joint: String,
     pub(crate) range: [Option<f64>; 2],
-    /// True if the range may be wider than that of the URDF.
+    /// True if the range may exceed that of the URDF.
     pub(crate) replaces: bool,
     pub(crate) velocity: Option<f64>,
     pub(crate) acceleration: Option<f64>,
@@ -26,7 +26,7 @@ impl RateLimits {
         &self.at
     }
 
-    /// Checks that its rates are positive and finite.
+    /// Checks that the velocity, acceleration and jerk limits are positive and finite.
     pub(crate) fn check_rates(&self) -> Result<(), RobotError> {
         for (attribute, value) in
             [("velocity", self.velocity), ("acceleration", self.acceleration), ("jerk", self.jerk)]
@@ -39,8 +39,8 @@ impl RateLimits {
         Ok(())
     }
 
-    /// Gives the joint the range and the rates that stand here. A continuous joint gets any range; what has one already can
-    /// only lose of it, unless the range [replaces](Self::replaces) it.
+    /// Applies the range and the rates to `joint`. A continuous joint accepts any range; the range of another joint can only
+    /// become narrower, unless this one [replaces](Self::replaces) it.
     pub(crate) fn narrow(&self, joint: &mut UrdfJoint) -> Result<(), RobotError> {
         let given = self.range.iter().chain([&self.velocity]).flatten().next();
         let Some(motion) = &mut joint.motion else {
@@ -79,7 +79,7 @@ impl RateLimits {
     }
 }
 
-/// Reads a `limits.yaml`; `file` is the name for it in errors.
+/// Parses a `limits.yaml`; `file` is its name in errors.
 pub(crate) fn parse_rate_limits(text: &str, file: &str) -> Result<BTreeMap<String, RateLimits>, RobotError> {
     let at = |location: serde_saphyr::Location| Location {
         file: file.to_owned(),
@@ -105,7 +105,7 @@ pub(crate) fn parse_rate_limits(text: &str, file: &str) -> Result<BTreeMap<Strin
     Ok(limits)
 }
 
-/// What stands in a YAML file beside a URDF; `file` is the name for it in errors.
+/// Parses the text of a YAML file beside a URDF; `file` is its name in errors.
 pub(crate) fn parse_yaml<T: DeserializeOwned>(text: &str, file: &str) -> Result<T, RobotError> {
     if text.trim().is_empty() {
         return Err(RobotError::Empty { file: file.to_owned() });
@@ -116,11 +116,11 @@ pub(crate) fn parse_yaml<T: DeserializeOwned>(text: &str, file: &str) -> Result<
     })
 }
 
-/// What a `limits.yaml` may say.
+/// Content of a `limits.yaml`.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LimitsFile {
-    /// Joints by their names, in metres, radians and seconds.
+    /// Limits by joint name, in metres, radians and seconds.
     #[schemars(with = "BTreeMap<String, Entry>")]
     joints: BTreeMap<String, Spanned<Entry>>,
 }
@@ -128,14 +128,14 @@ pub struct LimitsFile {
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct Entry {
-    /// Least value, within that of the URDF.
+    /// Minimum value, within the range of the URDF.
     lower: Option<f64>,
-    /// Greatest value, within that of the URDF.
+    /// Maximum value, within the range of the URDF.
     upper: Option<f64>,
-    /// Greatest speed, instead of that of the URDF; positive.
+    /// Maximum speed, which replaces that of the URDF; positive.
     velocity: Option<f64>,
-    /// Greatest acceleration; positive.
+    /// Maximum acceleration; positive.
     acceleration: Option<f64>,
-    /// Greatest jerk; positive.
+    /// Maximum jerk; positive.
     jerk: Option<f64>,
 }

@@ -11,37 +11,37 @@ use crate::gripper::hand_description::line_of;
 use crate::tree::Tree;
 use crate::{HandDescription, Hindrance, JointGroup, JointLimits, Location, RobotError, RobotOptions};
 
-/// What [`Robot::load`](crate::Robot::load) looks for beside a URDF.
+/// Names of the files beside a URDF that [`Robot::load`](crate::Robot::load) reads.
 pub(crate) const LIMITS: &str = "limits.yaml";
 pub(crate) const DESCRIPTION: &str = "robot.yaml";
 
-/// What a URDF does not say of a robot: `robot.yaml` beside it.
+/// Description of a robot beyond its URDF, in a `robot.yaml` beside it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RobotDescription {
-    /// Its URDF, from the folder of this file; who opens the folder opens that.
+    /// Path of the URDF, relative to the folder of this file; it is opened if a path names the folder.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub urdf: Option<PathBuf>,
-    /// The group of the SRDF whose joints move. Default: as of [`RobotOptions::group`].
+    /// Group of the SRDF whose joints move. Default: as of [`RobotOptions::group`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub group: Option<String>,
-    /// The link that grasps are reached with. Default: that of the hand, else as of [`RobotOptions::tip`].
+    /// Link for which grasp poses are planned. Default: that of the hand, else as of [`RobotOptions::tip`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tip: Option<String>,
-    /// Joints outside the group, and where they stand (m, rad).
+    /// Joints outside the group, and the values at which they are held (m, rad).
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub fixed: BTreeMap<String, f64>,
-    /// Links whose meshes stand for what they enclose, not for their convex hull: those that an object reaches into, such as
-    /// a palm that is one body with a jaw. Motions of the others are found faster.
+    /// Links whose meshes represent the solid they enclose instead of their convex hull: those that an object reaches into,
+    /// such as a palm that is one body with a jaw. Planning is faster for the others.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub solid_meshes: Vec<String>,
-    /// Start if a scenario states none: the joints that move (m, rad); those left out are as near to 0 as they can be.
+    /// Start configuration if a scenario gives none (m, rad), by joint name; other joints are as near to 0 as possible.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub start: BTreeMap<String, f64>,
-    /// Height of the ground that it stands on in its root frame, in metres: there a scene's floor is laid.
+    /// Height of the ground below the robot in its root frame, in metres: a scene's floor is placed there.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub floor_m: Option<f64>,
-    /// Its hand, if it has one.
+    /// Hand of the robot, if it has one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hand: Option<HandDescription>,
     /// Location of `start`.
@@ -51,11 +51,11 @@ pub struct RobotDescription {
 }
 
 impl RobotDescription {
-    /// Reads the text of a `robot.yaml`; `file` is the name for it in errors.
+    /// Parses the text of a `robot.yaml`; `file` is its name in errors.
     ///
     /// # Errors
-    /// [`RobotError::Yaml`] or [`RobotError::Empty`] for a text that is none, [`RobotError::HandFigure`] for a figure
-    /// that cannot be.
+    /// [`RobotError::Yaml`] or [`RobotError::Empty`] for a malformed or empty text, [`RobotError::HandFigure`] for an
+    /// invalid value.
     pub fn parse(text: &str, file: &str) -> Result<Self, RobotError> {
         let mut description: Self = parse_yaml(text, file)?;
         if !description.start.is_empty() {
@@ -75,10 +75,10 @@ impl RobotDescription {
         Ok(description)
     }
 
-    /// The URDF that `path` names: a URDF, or that of a folder with a `robot.yaml`.
+    /// Returns the path of the URDF at `path`, or of the URDF named in the `robot.yaml` of the folder at `path`.
     ///
     /// # Errors
-    /// [`RobotError::NoDescription`] for a folder without one, or one that names no URDF; as [`Self::parse`].
+    /// [`RobotError::NoDescription`] for a folder without one, or one that names no URDF; those of [`Self::parse`].
     pub(crate) fn urdf_at(path: &Path) -> Result<PathBuf, RobotError> {
         if !path.is_dir() {
             return Ok(path.to_owned());
@@ -95,7 +95,7 @@ impl RobotDescription {
         Ok(path.join(description.urdf.ok_or_else(missing)?))
     }
 
-    /// Fills in what the options leave open.
+    /// Fills in the options that are not given.
     pub(crate) fn complete(&self, options: &mut RobotOptions) {
         if let (JointGroup::RootToTip, Some(group)) = (&options.group, &self.group) {
             options.group = JointGroup::Srdf(group.clone());
@@ -107,12 +107,11 @@ impl RobotDescription {
         }
     }
 
-    /// Whether the robot has what it names, and joints can be held where it says; `text` is that of `file`, in which it
-    /// stands.
+    /// Checks that the robot has every joint and link named here, and that the held values are admissible; `text` is the text
+    /// of `file`.
     ///
     /// # Errors
-    /// [`RobotError::UnknownName`], [`RobotError::NotFree`], [`RobotError::HeldOutsideLimits`], each with its line in
-    /// `file`.
+    /// [`RobotError::UnknownName`], [`RobotError::NotFree`], [`RobotError::HeldOutsideLimits`], each with its line in `file`.
     pub(crate) fn check_names(
         &self,
         (text, file): (&str, &str),
@@ -183,12 +182,11 @@ impl RobotDescription {
         Ok(())
     }
 
-    /// The start of the group of these names and limits, joints without a value as near to 0 as they can be; `None` where it
-    /// names none of them.
+    /// Returns the start configuration for joints of these names and limits, with unnamed joints as near to 0 as possible;
+    /// `None` if none of them has a start value.
     ///
     /// # Errors
-    /// [`RobotError::NotFree`] for a joint that does not belong to the group, where `is_own_group`: a caller may choose other
-    /// joints.
+    /// [`RobotError::NotFree`] for a joint outside the group, if `is_own_group`: a caller may choose other joints.
     pub(crate) fn start_of(
         &self,
         joints: &[String],
@@ -207,13 +205,13 @@ impl RobotDescription {
     }
 }
 
-/// The line in which a section names something: the first from one on that begins with `section:`, else the first of all.
+/// Returns the first line that contains `name`, from one on that begins with `section:`; line 1 if there is none.
 fn line_within(text: &str, file: &str, section: &str, name: &str) -> Location {
     let lines: Vec<&str> = text.lines().collect();
     let depth = |line: &str| line.len() - line.trim_start().len();
     let begins =
         |line: &str| line.trim_start().strip_prefix(section).is_some_and(|rest| rest.starts_with(':'));
-    // A section ends where a line stands as far left as its own, but for the points of a list.
+    // A section ends at a line with at most its own indentation, except for list items.
     let is_within = |first: usize, line: &str| {
         line.trim().is_empty() || depth(line) > depth(lines[first]) || line.trim_start().starts_with('-')
     };

@@ -6,29 +6,29 @@ use crate::description::robot_description::{DESCRIPTION, LIMITS};
 use crate::description::xml::{XmlText, known_prefixes};
 use crate::{RobotDescription, RobotError, description::mesh_path};
 
-/// A robot's files, brought together: URDF, SRDF, limits and meshes under names of one folder, in which the URDF
-/// finds its meshes without any package.
+/// Files of a robot, collected: URDF, SRDF, limits and meshes under names in one folder, where the URDF refers to its
+/// meshes without any package.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RobotFiles {
-    /// Content by name, with slashes.
+    /// Content by file name, with slashes.
     pub contents: BTreeMap<String, Vec<u8>>,
-    /// The name of the URDF.
+    /// Name of the URDF.
     pub urdf: String,
-    /// The name of the SRDF, if there is one.
+    /// Name of the SRDF, if there is one.
     pub srdf: Option<String>,
 }
 
-/// The folder of the meshes.
+/// Folder of the meshes.
 const MESHES: &str = "meshes";
 
 impl RobotFiles {
-    /// Reads the files of the robot at `robot`, a URDF or a folder with a `robot.yaml`: the SRDF given, or else the one beside it, `limits.yaml` and `robot.yaml`
-    /// beside it, and every mesh that it names, for collision or for looks; `package://` as in
-    /// [`RobotOptions::packages`](crate::RobotOptions::packages). A mesh for looks alone that is not there is
-    /// left out. What a mesh file itself refers to, such as textures, is not followed.
+    /// Reads the files of the robot at `robot`, a URDF or a folder with a `robot.yaml`: the SRDF given, or else the one beside
+    /// it, `limits.yaml` and `robot.yaml` beside it, and every collision and visual mesh named in it; `package://` as in
+    /// [`RobotOptions::packages`](crate::RobotOptions::packages). A missing visual mesh is omitted. Files that a mesh file
+    /// refers to, such as textures, are not included.
     ///
     /// # Errors
-    /// [`RobotError::Unreadable`], [`RobotError::MeshNotFound`], and what makes the text no URDF.
+    /// [`RobotError::Unreadable`], [`RobotError::MeshNotFound`], and the errors of parsing the URDF.
     pub fn gather(robot: &Path, srdf: Option<&Path>, packages: &[PathBuf]) -> Result<Self, RobotError> {
         let urdf = &RobotDescription::urdf_at(robot)?;
         let text = cranny_file::TEXT
@@ -46,14 +46,14 @@ impl RobotFiles {
         Ok(files)
     }
 
-    /// URDF and meshes alone; `text` is that of the URDF at `urdf`, or what became of it.
+    /// Collects URDF and meshes only; `text` is that of the URDF at `urdf`, possibly modified.
     ///
     /// # Errors
     /// As [`Self::gather`].
     pub fn of_text(mut text: String, urdf: &Path, packages: &[PathBuf]) -> Result<Self, RobotError> {
         let mut contents = BTreeMap::new();
         let mut names: BTreeMap<PathBuf, String> = BTreeMap::new();
-        // From the last to the first, so that the places of the others stay.
+        // The replacement runs from the last to the first, so that earlier positions stay valid.
         for mesh in mesh_names(&text, urdf)?.into_iter().rev() {
             let tried = mesh_path::candidates(&mesh.file, urdf.parent(), packages);
             let Some(path) = tried.iter().find(|path| mesh_path::is_file_like(path)) else {
@@ -81,16 +81,16 @@ fn bytes_of(path: &Path) -> Result<Vec<u8>, RobotError> {
 }
 
 impl RobotFiles {
-    /// Whether their folder names the robot by itself.
+    /// Returns true if the files include a `robot.yaml`, so that their folder names the robot.
     pub fn has_description(&self) -> bool {
         self.contents.contains_key(DESCRIPTION)
     }
 }
 
-/// A mesh as a URDF names it.
+/// Mesh name in a URDF.
 pub(crate) struct MeshName {
     pub(crate) file: String,
-    /// Where the name stands in the text.
+    /// Position of the name in the text.
     pub(crate) place: Range<usize>,
     link: String,
     at: crate::Location,
@@ -103,7 +103,7 @@ impl MeshName {
     }
 }
 
-/// The meshes that a URDF names, in the order of the text.
+/// Returns the meshes named in a URDF, in the order of the text.
 pub(crate) fn mesh_names(text: &str, urdf: &Path) -> Result<Vec<MeshName>, RobotError> {
     let file = urdf.display().to_string();
     let text = known_prefixes(text);
@@ -123,7 +123,7 @@ pub(crate) fn mesh_names(text: &str, urdf: &Path) -> Result<Vec<MeshName>, Robot
     Ok(names)
 }
 
-/// A name for the mesh that no other has.
+/// Returns an unused name for the mesh.
 fn free_name(path: &Path, taken: &BTreeMap<String, Vec<u8>>) -> String {
     let part = |part: Option<&std::ffi::OsStr>| part.unwrap_or_default().to_string_lossy().into_owned();
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "_-.".contains(c);

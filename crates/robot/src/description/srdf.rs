@@ -5,8 +5,7 @@ use crate::description::xml::{Element, XmlText};
 use crate::tree::MAX_LINKS;
 use crate::{Location, RobotError};
 
-/// What an SRDF says about groups, states and pairs of links; names are checked against a robot when the
-/// two are put together.
+/// Content of an SRDF on groups, states and pairs of links; names are checked when it is combined with a robot.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Srdf {
     /// Named sets of joints.
@@ -15,24 +14,23 @@ pub struct Srdf {
     pub group_states: Vec<GroupState>,
     /// Hands and tools.
     pub end_effectors: Vec<EndEffector>,
-    /// Pairs of links that are never tested against each other.
+    /// Pairs of links that are never tested for collision.
     pub disabled_pairs: Vec<(String, String)>,
-    /// Links that are tested against no other link but those of `enabled_pairs`
-    /// (`disable_default_collisions`).
+    /// Links that are tested only against those of `enabled_pairs` (`disable_default_collisions`).
     pub untested_links: Vec<String>,
-    /// Pairs of links that are tested unless `disabled_pairs` names them (`enable_collisions`).
+    /// Pairs of links that are tested unless they are in `disabled_pairs` (`enable_collisions`).
     pub enabled_pairs: Vec<(String, String)>,
-    /// Joints between the robot and what it stands on.
+    /// Joints between the robot and its surroundings.
     pub virtual_joints: Vec<VirtualJoint>,
-    /// Joints that no motor drives.
+    /// Joints without a motor.
     pub passive_joints: Vec<String>,
     /// Locations of `disabled_pairs`, `untested_links`, `enabled_pairs` and `passive_joints` in the file.
     pub(crate) places: Places,
-    /// Content that is not read, one line for each kind.
+    /// Notes on content that was not read, one line for each kind.
     pub(crate) notes: Vec<String>,
 }
 
-/// Lines of an SRDF, by what stands in them.
+/// Locations in an SRDF, by content.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Places {
     pub(crate) disabled: Vec<Location>,
@@ -41,16 +39,16 @@ pub(crate) struct Places {
     pub(crate) passive: Vec<Location>,
 }
 
-/// A joint between a robot and what it stands on.
+/// Joint between a robot and its surroundings.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct VirtualJoint {
-    /// Its name.
+    /// Name of the joint.
     pub name: String,
     /// Kind of motion.
     pub kind: VirtualJointKind,
-    /// The frame that the robot stands in.
+    /// Frame that the robot is attached to.
     pub parent_frame: String,
-    /// The link that stands there.
+    /// Link attached to that frame.
     pub child_link: String,
 }
 
@@ -58,67 +56,67 @@ pub struct VirtualJoint {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, strum::EnumString, strum::IntoStaticStr)]
 #[strum(serialize_all = "lowercase")]
 pub enum VirtualJointKind {
-    /// Not at all.
+    /// No motion.
     Fixed,
-    /// In the plane x, y, and about z.
+    /// Translation in the plane x, y, and rotation about z.
     Planar,
-    /// Any way.
+    /// Motion in all six degrees of freedom.
     Floating,
 }
 
-/// A named set of joints: all those of its chains, links, joints and sub-groups.
+/// Named set of joints: all those of its chains, links, joints and sub-groups.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SrdfGroup {
-    /// Its name.
+    /// Name of the group.
     pub name: String,
     /// Base link and tip link of each chain.
     pub chains: Vec<(String, String)>,
-    /// Joints named one by one.
+    /// Individually named joints.
     pub joints: Vec<String>,
     /// Links, each standing for the joint above it.
     pub links: Vec<String>,
     /// Names of groups that this one contains.
     pub subgroups: Vec<String>,
-    /// Where it stands.
+    /// Location of the group in the file.
     pub at: Location,
 }
 
-/// Named values for joints.
+/// Named joint values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GroupState {
-    /// Its name.
+    /// Name of the state.
     pub name: String,
-    /// The group it is for.
+    /// Group that the state belongs to.
     pub group: String,
     /// Joint and value, in metres or radians.
     pub values: Vec<(String, f64)>,
-    /// Joints that have a pose, which is not read.
+    /// Joints with a pose as value, which is not read.
     pub unread: Vec<String>,
-    /// Where it stands.
+    /// Location of the state in the file.
     pub at: Location,
 }
 
-/// A hand or tool.
+/// Hand or tool.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EndEffector {
-    /// Its name.
+    /// Name of the end effector.
     pub name: String,
-    /// The group of its own joints.
+    /// Group of its own joints.
     pub group: String,
-    /// The link that it is mounted on.
+    /// Link that it is mounted on.
     pub parent_link: String,
-    /// The group that moves it, if said.
+    /// Group that moves it, if given.
     pub parent_group: Option<String>,
-    /// Where it stands.
+    /// Location of the end effector in the file.
     pub at: Location,
 }
 
 impl Srdf {
-    /// Reads an SRDF from `text`; `file` is the name for it in errors.
+    /// Parses the text of an SRDF; `file` is its name in errors.
     ///
     /// # Errors
-    /// XML that is not well-formed, an attribute missing, a value that is no number; an attribute or element that is
-    /// unknown within a known element, or an element that may be a misspelt one. Other unknown elements are noted.
+    /// Malformed XML, a missing attribute, an invalid number; an unknown attribute or element in a known element, or an
+    /// element that may be a misspelt one. Other unknown elements are noted.
     pub fn parse(text: &str, file: &str) -> Result<Self, RobotError> {
         let xml = XmlText::parse(text, file)?;
         let robot = xml.robot()?;
@@ -151,7 +149,7 @@ impl Srdf {
                 }
                 "passive_joint" => srdf.add_passive_joint(element)?,
                 "virtual_joint" => srdf.virtual_joints.push(parse_virtual_joint(element)?),
-                // Approximations, hints and plugins of others, which change neither groups nor pairs.
+                // Approximations, hints and plugins of other programs affect neither groups nor pairs.
                 "link_sphere_approximation"
                 | "joint_property"
                 | "group_tcps"
@@ -165,7 +163,7 @@ impl Srdf {
             }
         }
         srdf.notes = [notes.lines(), srdf.contradictions()].concat();
-        // Groups may hold groups, and are looked up by their name.
+        // Groups may contain groups, which are found by name.
         if let Some(extra) = srdf.groups.get(MAX_LINKS) {
             let (at, actual) = (extra.at.clone(), srdf.groups.len());
             return Err(RobotError::TooMany { at, what: "groups in one SRDF", most: MAX_LINKS, actual });
@@ -173,29 +171,31 @@ impl Srdf {
         Ok(srdf)
     }
 
-    /// Names that are given twice, or that nothing has, in sentences.
+    /// Returns sentences on duplicate names and on names that refer to nothing.
     fn contradictions(&self) -> Vec<String> {
         let mut found = Vec::new();
         let is_group = |name: &String| self.group(name).is_some();
         for (index, SrdfGroup { name, at, .. }) in self.groups.iter().enumerate() {
             if self.groups[..index].iter().any(|earlier| earlier.name == *name) {
-                found.push(format!("{at}: group `{name}` is there before: the first counts"));
+                found.push(format!("{at}: group `{name}` is defined twice: the first definition is used"));
             }
         }
         for (index, state) in self.group_states.iter().enumerate() {
             let GroupState { name, group, values, at, .. } = state;
             if !is_group(group) {
-                found.push(format!("{at}: state `{name}` is of group `{group}`, which is not there"));
+                found.push(format!("{at}: state `{name}` refers to the unknown group `{group}`"));
             }
             let is_same = |other: &GroupState| other.name == *name && other.group == *group;
             if self.group_states[..index].iter().any(is_same) {
                 found.push(format!(
-                    "{at}: state `{name}` of group `{group}` is there before: the first counts"
+                    "{at}: state `{name}` of group `{group}` is defined twice: the first definition is used"
                 ));
             }
             for (index, (joint, _)) in values.iter().enumerate() {
                 if values[..index].iter().any(|(earlier, _)| earlier == joint) {
-                    found.push(format!("{at}: state `{name}` has joint `{joint}` twice: the last counts"));
+                    found.push(format!(
+                        "{at}: state `{name}` has joint `{joint}` twice: the last value is used"
+                    ));
                 }
             }
             for joint in &state.unread {
@@ -205,7 +205,7 @@ impl Srdf {
         for EndEffector { name, group, at, .. } in
             self.end_effectors.iter().filter(|end| !is_group(&end.group))
         {
-            found.push(format!("{at}: end effector `{name}` is of group `{group}`, which is not there"));
+            found.push(format!("{at}: end effector `{name}` refers to the unknown group `{group}`"));
         }
         found
     }
@@ -217,25 +217,25 @@ impl Srdf {
         Ok(())
     }
 
-    /// The group of that name.
+    /// Returns the group named `name`.
     pub fn group(&self, name: &str) -> Option<&SrdfGroup> {
         self.groups.iter().find(|group| group.name == name)
     }
 
-    /// Returns whether a group, or one within it, names that joint.
+    /// Returns true if the group, or one nested in it, names the joint.
     pub fn has_joint(&self, group: &str, joint: &str) -> bool {
         self.any_group(group, |group| group.joints.iter().any(|name| name == joint))
     }
 
-    /// Returns whether a chain of a group, or of one within it, begins at that frame or link.
+    /// Returns true if a chain of the group, or of one nested in it, begins at that frame or link.
     pub fn has_chain_from(&self, group: &str, base: &str) -> bool {
         self.any_group(group, |group| group.chains.iter().any(|(from, _)| from == base))
     }
 
-    /// Returns whether a condition holds for a group, or for one within it.
+    /// Returns true if a condition holds for the group, or for one nested in it.
     fn any_group(&self, name: &str, holds: impl Fn(&SrdfGroup) -> bool) -> bool {
         let mut names = vec![name];
-        // Groups within groups may be a loop.
+        // Nested groups may form a loop.
         for next in 0..=self.groups.len() {
             let Some(group) = names.get(next).and_then(|name| self.group(name)) else { continue };
             if holds(group) {
@@ -248,7 +248,7 @@ impl Srdf {
         false
     }
 
-    /// The virtual joint of that name, or of which that is the name of a part (`NAME/x`).
+    /// Returns the virtual joint of that name, or the one of which `name` is a degree of freedom (`NAME/x`).
     pub(crate) fn virtual_joint(&self, name: &str) -> Option<&VirtualJoint> {
         self.virtual_joints.iter().find(|joint| {
             name.strip_prefix(&joint.name).is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
@@ -256,7 +256,7 @@ impl Srdf {
     }
 }
 
-/// Elements that are read.
+/// Names of the elements that are read.
 const ELEMENTS: [&str; 8] = [
     "group",
     "group_state",
@@ -268,7 +268,7 @@ const ELEMENTS: [&str; 8] = [
     "disable_default_collisions",
 ];
 
-/// Refuses an element with attributes or elements other than these.
+/// Returns an error if the element has other attributes or elements than these.
 fn known(
     element: Element<'_>,
     attributes: &[&'static str],
@@ -349,8 +349,8 @@ fn parse_state(element: Element<'_>) -> Result<GroupState, RobotError> {
     })
 }
 
-/// The value of a joint; of a planar one three, which stand for the three joints that it is here. Of a floating one
-/// `MoveIt` writes a pose: that is not read.
+/// Reads the value of a joint; the three values of a planar joint are those of the three joints that represent it here. The
+/// pose that `MoveIt` writes for a floating joint is not read.
 fn parse_value(joint: Element<'_>) -> Result<Vec<(String, f64)>, RobotError> {
     known(joint, &["name", "value"], &[])?;
     let name = joint.text("name")?;

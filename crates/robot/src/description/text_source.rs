@@ -4,21 +4,21 @@ use cranny_file::Readable;
 
 use crate::error::RobotError;
 
-/// A text that comes along with a URDF.
+/// Source of a text that accompanies a URDF.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum TextSource {
-    /// A file.
+    /// Path of a file.
     Path(PathBuf),
-    /// The text itself.
+    /// Text in memory.
     Text {
-        /// What errors call it.
+        /// Name in errors.
         name: String,
-        /// Its content.
+        /// Content.
         text: String,
     },
 }
 
-/// What `parse` makes of the text of a file and its name.
+/// Reads `source`, if given, and parses it with `parse`, which takes the text and its name.
 pub(crate) fn parsed<T>(
     source: Option<&TextSource>,
     parse: impl Fn(&str, &str) -> Result<T, RobotError>,

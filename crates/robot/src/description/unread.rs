@@ -6,11 +6,11 @@ use cranny_file::{counted, nearest_names};
 use crate::RobotError;
 use crate::description::xml::{Element, XmlText};
 
-/// Elements of a URDF that no plan depends on, by the element that holds them (`*` for any).
+/// Elements of a URDF that no plan depends on, by the parent element (`*` for any).
 const KNOWN_ELEMENTS: [(&str, &[&str]); 6] = [
     ("*", &["gazebo", "material", "sensor", "transmission", "actuator"]),
     ("robot", &["ros2_control", "mujoco"]),
-    // A mesh stands for its hull unless asked otherwise, and then for more of itself.
+    // A mesh stands for its hull by default, and otherwise for the more precise solid.
     ("mesh", &["drake:declare_convex"]),
     ("link", &["contact", "self_collision_checking"]),
     (
@@ -32,10 +32,10 @@ const KNOWN_ELEMENTS: [(&str, &[&str]); 6] = [
     ),
 ];
 
-/// Attributes of the same kind.
+/// Attributes that no plan depends on, by element.
 const KNOWN_ATTRIBUTES: [(&str, &[&str]); 7] = [
     ("link", &["type"]),
-    // The other half of a symmetric matrix.
+    // These repeat the other half of a symmetric matrix.
     ("inertia", &["iyx", "izx", "izy"]),
     ("visual", &["name"]),
     ("collision", &["name", "group", "concave"]),
@@ -44,31 +44,31 @@ const KNOWN_ATTRIBUTES: [(&str, &[&str]); 7] = [
     ("limit", &["damping", "friction"]),
 ];
 
-/// Elements without effect in joints of a type, as many exporters write them.
+/// Elements without effect by joint type, as many exporters write them.
 const WITHOUT_EFFECT: [(&str, &[&str]); 2] =
     [("fixed", &["axis", "limit", "mimic"]), ("floating", &["axis"])];
 
-/// Elements that hold others, and no value of their own.
+/// Elements that contain others, but no value of their own.
 const CONTAINERS: [&str; 3] = ["joint", "collision", "geometry"];
 
 /// Versions of URDF whose additions are read: quaternions in 1.1; capsules, accelerations and jerks in 1.2.
 const VERSIONS: [&str; 4] = ["1", "1.0", "1.1", "1.2"];
 
-/// Compares a URDF with what its reader asked for, and returns a note for each kind of content that was not read and
-/// can change neither geometry nor motion.
+/// Compares a URDF with the content that was read from it, and returns a note for each kind of unread content that
+/// affects neither geometry nor motion.
 ///
-/// In a `<collision>` or `<joint>` everything counts: each element, attribute and text. In the rest of the file so does
-/// an element that is, resembles or holds a link, joint or collision geometry.
+/// In a `<collision>` or `<joint>` all content is relevant: each element, attribute and text. In the rest of the file, an
+/// element is relevant if it is, resembles or contains a link, joint or collision geometry.
 ///
 /// # Errors
-/// [`RobotError::NotUnderstood`] at the first that counts.
+/// [`RobotError::NotUnderstood`] for the first relevant content that was not read.
 pub(crate) fn unread(xml: &XmlText<'_>) -> Result<Vec<String>, RobotError> {
     let mut notes = Notes::default();
     walk(xml.robot()?, false, &mut notes)?;
     Ok(notes.lines())
 }
 
-/// Places by what stands there.
+/// Locations in the file by kind of content.
 #[derive(Default)]
 pub(crate) struct Notes(BTreeMap<String, Vec<String>>);
 
@@ -102,7 +102,7 @@ fn walk(element: Element<'_>, counts: bool, notes: &mut Notes) -> Result<(), Rob
         let what = format!("attribute `{name}`");
         // The range of a continuous joint has no meaning (URDF specification).
         let is_idle_range = tag == "limit" && (name == "lower" || name == "upper");
-        // An extension of another program, unless it is one of URDF's own names under a prefix.
+        // The attribute is an extension of another program, unless it is one of URDF's own names under a prefix.
         let is_foreign = name.split_once(':').is_some_and(|(_, local)| !is_asked_for(element, local));
         if counts && !is_idle_range && !is_foreign {
             return Err(not_understood(element, element, what));
@@ -111,7 +111,7 @@ fn walk(element: Element<'_>, counts: bool, notes: &mut Notes) -> Result<(), Rob
     }
     if let Some(text) = element.own_text() {
         let what = format!("the text `{}`", cranny_file::excerpt(text));
-        // Between elements a text is a remark, as some write them without the marks of a comment; in one it is a value.
+        // Between elements a text is a remark, written without comment marks; inside an element it is a value.
         if counts && !CONTAINERS.contains(&tag) {
             return Err(not_understood(element, element, what));
         }
@@ -153,13 +153,12 @@ fn is_asked_for(element: Element<'_>, name: &str) -> bool {
     element.asked_attributes().iter().any(|known| known.eq_ignore_ascii_case(name))
 }
 
-/// Returns whether an element that was skipped is meant as a link, joint or geometry, contains one, or includes other
-/// files.
+/// Returns true if a skipped element resembles a link, joint or geometry, contains one, or includes other files.
 fn resembles_structure(element: Element<'_>) -> bool {
     const STRUCTURE: [&str; 4] = ["link", "joint", "collision", "geometry"];
     element.within().any(|element| {
         let tag = element.tag().to_ascii_lowercase();
-        // Only which pairs are compared depends on these, and without them more are.
+        // Collision filters only select the tested pairs, and without them more pairs are tested.
         let is_filter = tag.contains("disable_collision") || tag.contains("collision_filter");
         let local = tag.rsplit(':').next().unwrap_or_default();
         let is_like = !nearest_names(local, STRUCTURE.iter().copied()).is_empty()
@@ -169,7 +168,7 @@ fn resembles_structure(element: Element<'_>) -> bool {
     })
 }
 
-/// `what`, which stands at `at` in `owner`, is not understood.
+/// Returns the error for `what` at `at` in `owner`, which is not understood.
 fn not_understood(at: Element<'_>, owner: Element<'_>, what: String) -> RobotError {
     let known = if what.starts_with("attribute") {
         owner.asked_attributes().iter().map(ToString::to_string).collect()

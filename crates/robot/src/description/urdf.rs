@@ -11,14 +11,14 @@ use crate::free_joint::{FLOATING, PLANAR};
 use crate::{Inertial, LinkForm, LinkVisual, Location, RobotError};
 
 impl UrdfLink {
-    /// A frame without a body.
+    /// Returns a link without geometry.
     pub(crate) fn bare(name: String, at: Location) -> Self {
         Self { name, at, collisions: Vec::new(), visuals: Vec::new(), inertial: None }
     }
 }
 
 impl Urdf {
-    /// Reads a URDF from `text`; `file` is the name for it in errors.
+    /// Parses the text of a URDF; `file` is its name in errors.
     pub(crate) fn parse(text: &str, file: &str) -> Result<Self, RobotError> {
         let text = known_prefixes(text);
         let xml = XmlText::parse(&text, file)?;
@@ -40,8 +40,8 @@ impl Urdf {
     }
 }
 
-/// Colours (red, green, blue, opacity; 0 to 1) by the name of their material. A material may be given its
-/// colour at the top or in any visual, and is then known by its name everywhere.
+/// Colours (red, green, blue, opacity; 0 to 1) by the name of their material. A material may get its colour at the top
+/// or in any visual, and its name is valid everywhere.
 type Colours<'a> = HashMap<&'a str, [f64; 4]>;
 
 fn named_colours(robot: Element<'_>) -> Colours<'_> {
@@ -56,7 +56,7 @@ fn named_colours(robot: Element<'_>) -> Colours<'_> {
     colours
 }
 
-/// What is no colour is none: it is for looks alone, and many files have such.
+/// Returns the colour of a material; `None` for an invalid one, which many files have, as colours only affect display.
 fn parse_colour(material: Element<'_>) -> Option<[f64; 4]> {
     material.first("color").and_then(|colour| colour.numbers("rgba").ok()?)
 }
@@ -97,7 +97,7 @@ fn parse_visual(element: Element<'_>, link: &str, colours: &Colours<'_>) -> Resu
     })
 }
 
-/// The geometry of a `<collision>` or a `<visual>`, and where it stands.
+/// Reads the geometry of a `<collision>` or a `<visual>`, and its location in the file.
 fn parse_geometry(element: Element<'_>, link: &str) -> Result<(Location, LinkForm), RobotError> {
     let owner = || format!("<{}> of link `{link}`", element.tag());
     let shape = element.needed("geometry", &owner())?.children().next().ok_or_else(|| {
@@ -131,7 +131,7 @@ fn parse_size(element: Element<'_>) -> Result<Vector, RobotError> {
     Ok(size)
 }
 
-/// A negative factor mirrors the mesh and is allowed; zero flattens it and is not.
+/// Reads the scale of a mesh. A negative factor mirrors the mesh and is allowed; zero flattens it and is not.
 fn parse_scale(element: Element<'_>) -> Result<Vector, RobotError> {
     let scale = element.vector("scale")?.unwrap_or_else(|| Vector::repeat(1.0));
     scale.iter().try_for_each(|&factor| element.check_positive("scale", factor.abs()))?;
@@ -162,12 +162,12 @@ fn parse_joint(element: Element<'_>) -> Result<UrdfJoint, RobotError> {
 }
 
 fn parse_motion(element: Element<'_>, kind: UrdfJointKind, joint: &str) -> Result<UrdfMotion, RobotError> {
-    // The URDF specification's default is the x axis.
+    // The default in the URDF specification is the x axis.
     let (axis, axis_at) = match element.first("axis") {
         Some(axis) => (axis.vector("xyz")?.unwrap_or_else(Vector::x), axis.at()),
         None => (Vector::x(), element.at()),
     };
-    // The smallest axis that still has a direction: written axes have a length of about one.
+    // Axes below this length have no reliable direction; axes in files have a length of about one.
     let axis_in_child = axis
         .try_normalize(1e-9)
         .ok_or_else(|| RobotError::ZeroAxis { at: axis_at, joint: joint.to_owned() })?;

@@ -6,13 +6,13 @@ use crate::description::visual::{LinkForm, LinkVisual};
 use crate::description::xml::Element;
 use crate::error::{Location, RobotError};
 
-/// What a URDF says, checked element by element; that its links form a tree is checked by `tree`.
+/// Content of a URDF, checked element by element; `tree` checks that its links form a tree.
 pub(crate) struct Urdf {
     pub(crate) name: String,
     pub(crate) file: String,
     pub(crate) links: Vec<UrdfLink>,
     pub(crate) joints: Vec<UrdfJoint>,
-    /// Notes on content that was not read and changes neither geometry nor motion, a line for each kind.
+    /// Notes on content that was not read and affects neither geometry nor motion, one line for each kind.
     pub(crate) notes: Vec<String>,
 }
 
@@ -20,7 +20,7 @@ pub(crate) struct UrdfLink {
     pub(crate) name: String,
     pub(crate) at: Location,
     pub(crate) collisions: Vec<UrdfCollision>,
-    /// Where meshes may be is not known yet.
+    /// Visuals of the link; their mesh files are not resolved yet.
     pub(crate) visuals: Vec<LinkVisual>,
     pub(crate) inertial: Option<Inertial>,
 }
@@ -37,13 +37,13 @@ pub(crate) struct UrdfJoint {
     pub(crate) parent: String,
     pub(crate) child: String,
     pub(crate) parent_from_joint: Pose,
-    /// None for a fixed joint.
+    /// Motion of the joint; `None` for a fixed one.
     pub(crate) motion: Option<UrdfMotion>,
 }
 
 pub(crate) struct UrdfMotion {
     pub(crate) kind: UrdfJointKind,
-    /// A unit vector.
+    /// Axis of the joint, a unit vector.
     pub(crate) axis_in_child: Vector,
     pub(crate) limits: UrdfLimits,
     pub(crate) mimic: Option<UrdfMimic>,
@@ -66,7 +66,7 @@ pub(crate) struct UrdfLimits {
 }
 
 impl UrdfLimits {
-    /// Those of a continuous joint of which nothing else is known.
+    /// Returns the limits of a continuous joint without further data.
     pub(crate) fn of_continuous() -> Self {
         Self {
             lower: -CONTINUOUS_LIMIT_RAD,
@@ -79,7 +79,7 @@ impl UrdfLimits {
     }
 }
 
-/// `value = multiplier · value of the master + offset`.
+/// Mimicry: joint value `multiplier · value of the master + offset`.
 pub(crate) struct UrdfMimic {
     pub(crate) master: String,
     pub(crate) multiplier: f64,
@@ -94,17 +94,17 @@ pub(crate) fn parse_limits(
     let optional =
         |attribute| element.optional_text(attribute).map(|_| element.positive(attribute)).transpose();
     let velocity = element.optional_text("velocity").map(|_| element.number("velocity")).transpose()?;
-    // Many files have a zero where nobody knows it.
+    // Many files have a zero for an unknown effort.
     let effort = element.positive("effort").ok();
     let (faster, slower) = (optional("acceleration")?, optional("deceleration")?);
     let (foreign, jerk) = (optional("drake:acceleration")?, optional("jerk")?);
-    // One figure holds for both directions: the least.
+    // One value holds for both directions: the smallest.
     let acceleration = [faster, slower, foreign].into_iter().flatten().reduce(f64::min);
     let limits = UrdfLimits { velocity, effort, acceleration, jerk, ..UrdfLimits::of_continuous() };
     if kind == UrdfJointKind::Continuous {
         return Ok(limits);
     }
-    // Left out, both are zero (URDF specification).
+    // Both limits default to zero (URDF specification).
     let (lower, upper) = (element.number_or("lower", 0.0)?, element.number_or("upper", 0.0)?);
     if lower > upper {
         let (at, joint) = (element.at(), joint.to_owned());

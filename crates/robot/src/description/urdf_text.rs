@@ -5,56 +5,56 @@ use crate::description::xml::{XmlText, known_prefixes};
 use crate::tree::Tree;
 use crate::{JointKind, RobotError};
 
-/// The text of a URDF, to be put together with others; everything that is in it stays in it.
+/// Text of a URDF, to be combined with others; its content is preserved.
 #[derive(Clone, Debug)]
 pub struct UrdfText {
     text: String,
     file: String,
 }
 
-/// How one part of a robot is fixed to another, or moves on it.
+/// Joint between two assembled robots.
 #[derive(Clone, Debug)]
 pub struct MountingJoint {
-    /// The name of the joint.
+    /// Name of the joint.
     pub name: String,
-    /// Its type: `fixed`, `planar` or `floating`.
+    /// Type of the joint: `fixed`, `planar` or `floating`.
     pub kind: &'static str,
-    /// Where what is carried stands while the joint is at 0.
+    /// Pose of the carried robot's root in the mount frame with the joint at 0.
     pub mount_from_carried: Pose,
 }
 
 impl UrdfText {
-    /// A text that is a URDF; `file` is the name for it in errors.
+    /// Checks that `text` is a URDF; `file` is its name in errors.
     ///
     /// # Errors
-    /// Whatever makes it none: see [`RobotError`].
+    /// Any fault of the URDF: see [`RobotError`].
     pub fn new(text: String, file: &str) -> Result<Self, RobotError> {
         Tree::of(&Urdf::parse(&text, file)?)?;
         Ok(Self { text, file: file.to_owned() })
     }
 
-    /// The text.
+    /// Text of the URDF.
     pub fn text(&self) -> &str {
         &self.text
     }
 
-    /// What errors call it.
+    /// Name in errors.
     pub fn file(&self) -> &str {
         &self.file
     }
 
-    /// The name of the robot in it.
+    /// Returns the name of the robot.
     ///
     /// # Errors
-    /// None for a text that was checked.
+    /// None for a text that has been checked.
     pub fn robot_name(&self) -> Result<String, RobotError> {
         Ok(Urdf::parse(&self.text, &self.file)?.name)
     }
 
-    /// The same with one more link, which is a bare frame fixed to the link `parent`.
+    /// Returns this URDF with one more link, a bare frame fixed to the link `parent`.
     ///
     /// # Errors
-    /// [`RobotError::UnknownName`] for a parent that is not there, [`RobotError::DefinedTwice`] for a name that is.
+    /// [`RobotError::UnknownName`] for an unknown parent, [`RobotError::DefinedTwice`] for a name that exists.
     pub fn with_frame(&self, name: &str, parent: &str, parent_from_frame: &Pose) -> Result<Self, RobotError> {
         let (name, parent) = (escaped(name), escaped(parent));
         let origin = origin(parent_from_frame);
@@ -65,10 +65,10 @@ impl UrdfText {
         self.with(&added)
     }
 
-    /// The same without the collision geometry of a link, which then is a frame.
+    /// Returns this URDF without the collision geometry of a link, which becomes a bare frame.
     ///
     /// # Errors
-    /// None for a text that was checked.
+    /// None for a text that has been checked.
     pub fn without_body(&self, link: &str) -> Result<Self, RobotError> {
         let known = known_prefixes(&self.text);
         let xml = XmlText::parse(&known, &self.file)?;
@@ -76,7 +76,7 @@ impl UrdfText {
         let named = robot.all("link").filter(|element| element.optional_text("name") == Some(link));
         let mut places: Vec<_> =
             named.flat_map(|link| link.all("collision")).map(|collision| collision.place()).collect();
-        // From the last to the first, so that the places of the others stay.
+        // The removal runs from the last to the first, so that earlier positions stay valid.
         places.sort_by_key(|place| std::cmp::Reverse(place.start));
         let mut text = self.text.clone();
         for place in places {
@@ -85,10 +85,10 @@ impl UrdfText {
         Self::new(text, &self.file)
     }
 
-    /// This robot with `carried` on its link `mount`.
+    /// Returns this robot with `carried` mounted on its link `mount`.
     ///
     /// # Errors
-    /// As [`Self::with_frame`], also for names that both have.
+    /// As [`Self::with_frame`], also for names that occur in both.
     pub fn carrying(&self, mount: &str, carried: &Self, joint: &MountingJoint) -> Result<Self, RobotError> {
         let urdf = Urdf::parse(&carried.text, &carried.file)?;
         let root = &urdf.links[Tree::of(&urdf)?.nodes[0].link].name;
@@ -116,17 +116,17 @@ impl UrdfText {
         Self::new(text, &self.file)
     }
 
-    /// Where the content of the outermost element begins and ends.
+    /// Returns the start and end offset of the content of the outermost element.
     fn inside(&self) -> Result<(usize, usize), RobotError> {
         let known = known_prefixes(&self.text);
         let xml = XmlText::parse(&known, &self.file)?;
         Ok(xml.robot()?.inside())
     }
 
-    /// What it says of its joints, in the order of the file; a planar or floating one as the joints that it stands for.
+    /// Returns the joints in the order of the file; a planar or floating one as the joints that represent it.
     ///
     /// # Errors
-    /// None for a text that was checked.
+    /// None for a text that has been checked.
     pub fn joints(&self) -> Result<Vec<JointFacts>, RobotError> {
         let facts = |joint: UrdfJoint| {
             let motion = joint.motion.map(|motion| JointMotion {
@@ -145,46 +145,46 @@ impl UrdfText {
     }
 }
 
-/// What a URDF says of a joint.
+/// Data of a joint of a URDF.
 #[derive(Clone, Debug)]
 pub struct JointFacts {
-    /// Its name.
+    /// Name of the joint.
     pub name: String,
-    /// The link above.
+    /// Parent link.
     pub parent: String,
-    /// The link below.
+    /// Child link.
     pub child: String,
-    /// How it moves; `None` for a fixed one.
+    /// Motion of the joint; `None` for a fixed one.
     pub motion: Option<JointMotion>,
 }
 
-/// How a joint of a URDF moves.
+/// Motion of a joint of a URDF.
 #[derive(Clone, Debug)]
 pub struct JointMotion {
-    /// Whether it turns or slides.
+    /// Revolute or prismatic.
     pub kind: JointKind,
-    /// Whether it turns without end.
+    /// True if it turns without end.
     pub is_continuous: bool,
-    /// The joint that it follows, if it does.
+    /// Name of the joint that it mimics, if any.
     pub mimics: Option<String>,
-    /// Its limits (m, rad).
+    /// Lower and upper limit (m, rad).
     pub range: [f64; 2],
-    /// Its greatest speed (m/s, rad/s), as it is written; often 0 where nobody knows it.
+    /// Maximum speed (m/s, rad/s), as written; often 0 for an unknown one.
     pub velocity: Option<f64>,
-    /// The greatest force or torque of its drive (N, N m), if a number above 0 is written.
+    /// Maximum force or torque of its drive (N, N m), if a number above 0 is written.
     pub effort: Option<f64>,
-    /// Its greatest acceleration (m/s², rad/s²), if URDF 1.2 gives one.
+    /// Maximum acceleration (m/s², rad/s²), if URDF 1.2 gives one.
     pub acceleration: Option<f64>,
-    /// Its greatest jerk (m/s³, rad/s³), likewise.
+    /// Maximum jerk (m/s³, rad/s³), if URDF 1.2 gives one.
     pub jerk: Option<f64>,
 }
 
-/// Text as XML reads it back.
+/// Escapes a text for XML.
 fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;")
 }
 
-/// An `<origin>`, as exact as numbers are.
+/// Returns an `<origin>` with the pose in full precision.
 fn origin(pose: &Pose) -> String {
     let [x, y, z] = pose.translation.vector.into();
     let (roll, pitch, yaw) = pose.rotation.euler_angles();

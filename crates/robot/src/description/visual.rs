@@ -2,61 +2,61 @@ use std::path::PathBuf;
 
 use cranny_spatial::{Pose, Vector};
 
-/// How a piece of a link looks: a `<visual>` of the URDF, which no check of collision knows.
+/// Visual geometry of a link: a `<visual>` of the URDF, which collision tests ignore.
 ///
-/// Two attributes of `<visual>` are an extension to URDF. `rounding` rounds the edges of a cuboid or cylinder
-/// inwards. `blend` melts a primitive into the link's other primitives of the same colour that have one, so
-/// that a few of them look like one cast body.
+/// Two attributes of `<visual>` are an extension to URDF. `rounding` rounds the edges of a cuboid or cylinder inwards.
+/// `blend` smoothly merges a primitive with the link's other primitives of the same colour that have it, so that they
+/// appear as one cast body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LinkVisual {
-    /// Where it stands on the link.
+    /// Pose of the visual in the link frame.
     pub link_from_visual: Pose,
-    /// Its form, in its own frame.
+    /// Shape, in its own frame.
     pub form: LinkForm,
-    /// Red, green, blue and opacity of its material, 0 to 1, in the sRGB colour space; None if it has none
-    /// or one without a colour.
+    /// Red, green, blue and opacity of its material, 0 to 1, in the sRGB colour space; `None` if it has no material or one
+    /// without a colour.
     pub colour: Option<[f64; 4]>,
-    /// The radius of its edges, in metres; 0 for sharp ones.
+    /// Radius of its edges, in metres; 0 for sharp ones.
     pub rounding_m: f64,
-    /// How wide the fillet is with which it goes over into others, in metres; 0 for none.
+    /// Width of the fillet to the primitives it is blended with, in metres; 0 for none.
     pub blend_m: f64,
 }
 
-/// The form of a `<visual>` or a `<collision>`; lengths in metres, all greater than zero. Cylinder and capsule lie
-/// along z.
+/// Shape of a `<visual>` or a `<collision>`; lengths in metres, all greater than zero. The axis of a cylinder or capsule
+/// is z.
 #[derive(Clone, Debug, PartialEq)]
 pub enum LinkForm {
     /// A cuboid.
     Cuboid {
-        /// Its lengths.
+        /// Edge lengths, in metres.
         size: Vector,
     },
     /// A sphere.
     Sphere {
-        /// Its radius.
+        /// Radius, in metres.
         radius_m: f64,
     },
     /// A cylinder.
     Cylinder {
-        /// Its length.
+        /// Length, in metres.
         length_m: f64,
-        /// Its radius.
+        /// Radius, in metres.
         radius_m: f64,
     },
     /// A capsule.
     Capsule {
-        /// The length of its cylindrical part.
+        /// Length of the cylindrical section, in metres.
         length_m: f64,
-        /// Its radius.
+        /// Radius, in metres.
         radius_m: f64,
     },
-    /// A mesh file. That of a visual is not opened before somebody wants to see it: a robot can be planned for without.
+    /// A mesh file. That of a visual is opened only for display: planning does not need it.
     Mesh {
-        /// The name in the URDF.
+        /// Name in the URDF.
         name: String,
-        /// The files that the name may mean, in the order in which they are tried.
+        /// Files that the name may refer to, in the order in which they are tried.
         candidates: Vec<PathBuf>,
-        /// What its coordinates are multiplied by to become metres.
+        /// Factors that convert its coordinates to metres.
         scale: Vector,
     },
 }

@@ -9,33 +9,33 @@ use roxmltree::{Attribute, Document, Node};
 
 use crate::{Location, RobotError};
 
-/// An XML text together with the name under which errors speak of it.
+/// XML document with its name in errors.
 pub(crate) struct XmlText<'a> {
     document: Document<'a>,
     file: &'a str,
-    /// Where each line begins: an element would count the lines before it anew each time it is asked for its own.
+    /// Offset of each line start, precomputed so that elements need not count the lines before them.
     line_starts: Vec<usize>,
     asked: Asked,
 }
 
-/// The part of a document that its reader asked for.
+/// Content of a document that its reader has requested.
 #[derive(Default)]
 struct Asked {
     /// Offsets of the elements and attributes that were found.
     read: RefCell<HashSet<usize>>,
-    /// Names that were asked for, by where the element begins.
+    /// Requested attribute names, by the offset of the element.
     attributes: RefCell<HashSet<(usize, &'static str)>>,
     children: RefCell<HashSet<(usize, &'static str)>>,
 }
 
-/// An element with more is no link or joint, and to see that no two are alike takes a while.
+/// Maximum number of attributes of an element: no link or joint has more, and the check for duplicates takes long.
 const MOST_ATTRIBUTES: usize = 1000;
 
-/// The text with every undeclared namespace prefix made part of the name that follows it, joined by a dot. Programs
-/// that read XML without namespaces write such prefixes (`<drake:acceleration …>`). All offsets in the text stay the
-/// same, and so does the prefix `xacro`: its file is not yet a URDF.
+/// Joins every undeclared namespace prefix to the name that follows it by a dot. Programs that read XML without namespaces
+/// write such prefixes (`<drake:acceleration …>`). All offsets in the text stay the same. The prefix `xacro` is left
+/// unchanged: a file with it is not yet a URDF.
 pub(crate) fn known_prefixes(text: &str) -> Cow<'_, str> {
-    /// More kinds of them has no file.
+    /// Maximum number of different prefixes; no known file has more.
     const MOST: usize = 16;
     let mut known = Cow::Borrowed(text);
     for _ in 0..MOST {
@@ -65,7 +65,7 @@ impl<'a> XmlText<'a> {
             return Err(RobotError::TooMany { at: place(offset), what, most, actual });
         }
         let document = Document::parse(text).map_err(|reason| {
-            // The reader gives no position for a text that ends too early: that is its last line.
+            // The parser gives no position for a text that ends too early; the error is then at the last line.
             let line = match reason {
                 roxmltree::Error::UnclosedRootNode | roxmltree::Error::UnexpectedEndOfStream => {
                     text.lines().count()
@@ -90,7 +90,7 @@ impl<'a> XmlText<'a> {
         Element { node, file: self.file, line_starts: &self.line_starts, asked: &self.asked }
     }
 
-    /// The outermost element, which must be `<robot>`.
+    /// Returns the outermost element, which must be `<robot>`.
     pub(crate) fn robot(&self) -> Result<Element<'_>, RobotError> {
         let robot = self.element(self.document.root_element());
         if robot.tag() != "robot" {
@@ -110,7 +110,7 @@ pub(crate) struct Element<'a> {
 }
 
 impl<'a> Element<'a> {
-    /// Its name; with its prefix if that stands for another namespace than the outermost element's.
+    /// Returns the element name; with its prefix if its namespace differs from that of the outermost element.
     pub(crate) fn tag(&self) -> Cow<'a, str> {
         let name = self.node.tag_name();
         if name.namespace() == self.own_namespace() {
@@ -138,12 +138,12 @@ impl<'a> Element<'a> {
         Location { file: self.file.to_owned(), line: line_of(self.line_starts, self.node.range().start) }
     }
 
-    /// Where it stands in the document, tags and all.
+    /// Byte range of the element in the document, tags included.
     pub(crate) fn place(&self) -> Range<usize> {
         self.node.range()
     }
 
-    /// Where its content begins and ends in the document; of an element that is one tag, both are before its `>`.
+    /// Start and end offset of its content in the document; for an element that is one tag, both are before its `>`.
     pub(crate) fn inside(&self) -> (usize, usize) {
         let text = self.node.document().input_text();
         let whole = self.node.range();
@@ -156,7 +156,7 @@ impl<'a> Element<'a> {
         }
     }
 
-    /// The names of its attributes, without those of a namespace of its own.
+    /// Names of its attributes, without those that have a namespace.
     pub(crate) fn attribute_names(&self) -> impl Iterator<Item = &'a str> {
         self.node
             .attributes()
@@ -164,17 +164,17 @@ impl<'a> Element<'a> {
             .map(|attribute| attribute.name())
     }
 
-    /// The elements directly inside, whether or not they are read.
+    /// Direct child elements; does not mark them as read.
     fn inner(self) -> impl Iterator<Item = Element<'a>> {
         self.node.children().filter(Node::is_element).map(move |node| Element { node, ..self })
     }
 
-    /// The elements directly inside.
+    /// Direct child elements; marks them as read.
     pub(crate) fn children(self) -> impl Iterator<Item = Element<'a>> {
         self.inner().inspect(Self::mark_read)
     }
 
-    /// It and all elements inside, at any depth.
+    /// This element and all its descendants.
     pub(crate) fn within(self) -> impl Iterator<Item = Element<'a>> {
         self.node.descendants().filter(Node::is_element).map(move |node| Element { node, ..self })
     }
@@ -183,42 +183,42 @@ impl<'a> Element<'a> {
         self.asked.read.borrow_mut().insert(self.node.range().start);
     }
 
-    /// The elements directly inside that bear `tag`.
+    /// Direct child elements named `tag`.
     pub(crate) fn all(self, tag: &'static str) -> impl Iterator<Item = Element<'a>> {
         self.asked.children.borrow_mut().insert((self.node.range().start, tag));
         self.inner().filter(move |child| child.tag() == tag).inspect(Self::mark_read)
     }
 
-    /// The elements directly inside, and whether each was read.
+    /// Direct child elements, each with a flag that is true if it was read.
     pub(crate) fn children_and_use(self) -> impl Iterator<Item = (Element<'a>, bool)> {
         let is_read = move |child: &Self| self.asked.read.borrow().contains(&child.node.range().start);
         self.inner().map(move |child| (child, is_read(&child)))
     }
 
-    /// The names of the attributes that were not read.
+    /// Names of the attributes that were not read.
     pub(crate) fn unread_attributes(self) -> Vec<Cow<'a, str>> {
         let read = self.asked.read.borrow();
         let unread = self.node.attributes().filter(|attribute| !read.contains(&attribute.range().start));
         unread.map(|attribute| self.attribute_name(attribute)).collect()
     }
 
-    /// The attributes that the reader knows in this element, sorted.
+    /// Attributes that the reader requested in this element, sorted.
     pub(crate) fn asked_attributes(&self) -> Vec<&'static str> {
         names_of(&self.asked.attributes, self.node.range().start)
     }
 
-    /// The elements that the reader knows in this one, sorted.
+    /// Elements that the reader requested in this one, sorted.
     pub(crate) fn asked_children(&self) -> Vec<&'static str> {
         names_of(&self.asked.children, self.node.range().start)
     }
 
-    /// The first text directly inside that is more than blanks.
+    /// First non-blank text directly inside.
     pub(crate) fn own_text(&self) -> Option<&'a str> {
         let texts = self.node.children().filter(Node::is_text).filter_map(|node| node.text());
         texts.map(str::trim).find(|text| !text.is_empty())
     }
 
-    /// Its name and, where it has none of its own, the nearest around it that has one: ``<origin> of link `bar` ``.
+    /// Element name with its `name` or, if it has none, that of the nearest ancestor that does: ``<origin> of link `bar` ``.
     pub(crate) fn title(&self) -> String {
         let named = |node: &Node<'a, 'a>| Some((node.tag_name().name(), node.attribute("name")?));
         match self.node.ancestors().skip(1).find_map(|node| named(&node)) {
@@ -234,7 +234,7 @@ impl<'a> Element<'a> {
         self.all(tag).next()
     }
 
-    /// The first element inside that bears `tag`; `owner` is whose absence an error deplores.
+    /// Returns the first child element named `tag`; `owner` names this element in the error if there is none.
     pub(crate) fn needed(self, tag: &'static str, owner: &str) -> Result<Element<'a>, RobotError> {
         self.first(tag).ok_or_else(|| RobotError::MissingElement {
             at: self.at(),
@@ -247,7 +247,7 @@ impl<'a> Element<'a> {
         self.text_and_place(attribute).map(|(text, _)| text)
     }
 
-    /// The text of an attribute, and where it stands in the document.
+    /// Returns the text of an attribute, and its byte range in the document.
     pub(crate) fn text_and_place(&self, attribute: &'static str) -> Option<(&'a str, Range<usize>)> {
         self.asked.attributes.borrow_mut().insert((self.node.range().start, attribute));
         let found = self.node.attributes().find(|found| self.attribute_name(*found) == attribute)?;
@@ -289,7 +289,7 @@ impl<'a> Element<'a> {
         Ok(self.numbers(attribute)?.map(|[x, y, z]| Vector::new(x, y, z)))
     }
 
-    /// The pose in the `<origin>` inside, or no displacement.
+    /// Returns the pose of the `<origin>` child, or the identity if there is none.
     pub(crate) fn origin(self) -> Result<Pose, RobotError> {
         let Some(origin) = self.first("origin") else { return Ok(Pose::identity()) };
         let translation = origin.vector("xyz")?.unwrap_or_default();
@@ -302,7 +302,7 @@ impl<'a> Element<'a> {
             }
             Some([x, y, z, w]) => {
                 let given = Quaternion::new(w, x, y, z);
-                // Further off, it is no rotation that was rounded.
+                // A larger deviation is not a rounding error.
                 if (given.norm() - 1.0).abs() > LONGEST_ROUNDING {
                     let (at, element) = (origin.at(), "<origin>".to_owned());
                     return Err(RobotError::NoRotation { at, element, norm: given.norm() });
@@ -337,10 +337,10 @@ impl<'a> Element<'a> {
     }
 }
 
-/// By how much the length of a written quaternion may differ from 1: two decimals are written at least.
+/// Maximum deviation of the norm of a quaternion in a file from 1, for at least two decimals.
 const LONGEST_ROUNDING: f64 = 0.02;
 
-/// Roll about x, then pitch about y, then yaw about z, all of the parent (URDF specification).
+/// Returns the rotation by roll about x, then pitch about y, then yaw about z, all of the parent (URDF specification).
 fn rotation_of([roll, pitch, yaw]: [f64; 3]) -> Rotation {
     let turn = |axis, angle: f64| {
         let (sine, cosine) = sin_cos(0.5 * angle);
@@ -349,7 +349,7 @@ fn rotation_of([roll, pitch, yaw]: [f64; 3]) -> Rotation {
     turn(Vector::z(), yaw) * turn(Vector::y(), pitch) * turn(Vector::x(), roll)
 }
 
-/// A name with the prefix that [`known_prefixes`] made part of it.
+/// Restores the colon of a prefix that [`known_prefixes`] joined to the name.
 fn with_colon(name: &str) -> Cow<'_, str> {
     if name.contains('.') { Cow::Owned(name.replacen('.', ":", 1)) } else { Cow::Borrowed(name) }
 }
@@ -361,12 +361,12 @@ fn names_of(asked: &RefCell<HashSet<(usize, &'static str)>>, element: usize) -> 
     names
 }
 
-/// The line of a place in the text, from 1.
+/// Returns the line number of an offset in the text, from 1.
 fn line_of(line_starts: &[usize], offset: usize) -> u32 {
     u32::try_from(line_starts.partition_point(|start| *start <= offset)).unwrap_or(u32::MAX)
 }
 
-/// The first element with more attributes than are read: where it begins, and how many it has.
+/// Returns the first element with more attributes than [`MOST_ATTRIBUTES`]: its offset and its number of attributes.
 fn crowded_tag(text: &str) -> Option<(usize, usize)> {
     let bytes = text.as_bytes();
     let after =

@@ -9,24 +9,24 @@ use crate::gripper::pad_distance::PadDistance;
 use crate::tree::Tree;
 use crate::{Link, Mover, RobotOptions};
 
-/// The hand of a robot, as it is described.
+/// Hand of a robot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RobotHand {
-    /// What the robot's files do not say themselves.
+    /// Description of the hand beyond the robot's URDF.
     pub description: HandDescription,
-    /// The joints that move while the hand closes, parents before children: those that the description names, and those
-    /// that mimic them.
+    /// Joints that move while the hand closes, parents before children: those named in the description, and those that mimic
+    /// them.
     pub joints: Vec<HandJoint>,
-    /// How many fingers there are: of the joints right on the palm, all those on one side of the plane in which the pads
-    /// meet move one finger, as the two knuckles of a parallel linkage do.
+    /// Number of fingers: all joints attached to the palm on one side of the plane in which the pads meet move one finger,
+    /// as the two knuckles of a parallel linkage do.
     pub fingers: usize,
-    /// Distance of its pads as it closes, and the time that this takes.
+    /// Distance between the pads while the hand closes, and the time that closing takes.
     pub pads: PadDistance,
 }
 
 impl RobotHand {
-    /// The first of the hands of `options` that the robot has: all its fingers. `links` stand where `rest` says, the hand
-    /// open.
+    /// Returns the first known hand of `options` whose fingers the robot has, if there is one. `links` have the poses `rest`,
+    /// with the hand open.
     pub(crate) fn of(
         urdf: &Urdf,
         tree: &Tree,
@@ -48,7 +48,7 @@ impl RobotHand {
             let mut above = std::iter::successors(node.above, |&(node, _)| tree.nodes[node].above);
             let parent = above.find_map(|(node, _)| joints.iter().position(|joint| joint.link == node));
             let (kind, axis_in_link) = (motion.kind.into(), motion.axis_in_child);
-            // No joint has a velocity limit of zero: many files have it as a placeholder for an unknown one.
+            // A velocity limit of 0 is a placeholder for an unknown one in many files; it is ignored.
             let velocity = motion.limits.velocity.filter(|velocity| *velocity > 0.0);
             let (finger, acceleration) = (0, motion.limits.acceleration);
             joints.push(HandJoint {
@@ -68,10 +68,10 @@ impl RobotHand {
     }
 }
 
-/// How far a joint of the file moves while the hand closes: as it is described, or as the one does that it mimics.
+/// Returns the travel of a joint of the file from open to closed: as described, or as it follows from mimicry.
 fn stroke(urdf: &Urdf, tree: &Tree, fingers: &BTreeMap<String, FingerRange>, joint: usize) -> f64 {
     let (mut joint, mut factor) = (joint, 1.0);
-    // Mimicry has an end (`joint_group`).
+    // `joint_group` has checked that mimicry is not circular.
     loop {
         let described = &urdf.joints[joint];
         if let Some(range) = fingers.get(&described.name) {
@@ -85,8 +85,8 @@ fn stroke(urdf: &Urdf, tree: &Tree, fingers: &BTreeMap<String, FingerRange>, joi
     }
 }
 
-/// Tells each joint its finger: on which side of the plane in which the pads meet the bodies are that it moves. How many
-/// fingers there are.
+/// Assigns each joint to a finger by the side of the plane in which the pads meet that its bodies are on. Returns the
+/// number of fingers.
 fn sides(joints: &mut [HandJoint], links: &[Link], rest: &[Pose], tip: usize) -> usize {
     let tip_from_root = rest[tip].inverse();
     let root_of = |joints: &[HandJoint], mut joint: usize| {
@@ -95,7 +95,7 @@ fn sides(joints: &mut [HandJoint], links: &[Link], rest: &[Pose], tip: usize) ->
         }
         joint
     };
-    // Per joint right on the palm, how far the bodies beyond it reach to either side.
+    // For each joint attached to the palm, the largest y of the bodies beyond it, in the tip frame.
     let mut reach_m = vec![0.0_f64; joints.len()];
     for (index, link) in links.iter().enumerate() {
         let mut above = std::iter::successors(Some(index), |&link| links[link].parent);
@@ -117,9 +117,9 @@ fn sides(joints: &mut [HandJoint], links: &[Link], rest: &[Pose], tip: usize) ->
     joints.iter().map(|joint| joint.finger + 1).max().unwrap_or(0)
 }
 
-/// The links of hand and fingers, by index: those with collision geometry that move as one with the tip,
-/// without the link that the last joint moves, which belongs to the arm. A gripper mounted right on the last
-/// joint, as one link with its flange, is that link itself.
+/// Returns the indices of the links of hand and fingers: those with collision geometry that are rigid with the tip,
+/// without the link that the last joint moves, which belongs to the arm. A gripper that is one link with its flange,
+/// mounted directly on the last joint, is that link itself.
 pub(crate) fn hand_links(links: &[Link], movers: &[Vec<Mover>], tip: usize) -> Vec<usize> {
     let last_arm_link = movers[tip].last().map(|mover| mover.child_link);
     let moves_with_tip = |link: &usize| !links[*link].collisions.is_empty() && movers[*link] == movers[tip];

@@ -5,46 +5,46 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::{Location, RobotError};
 
-/// What a URDF does not say of a hand with parallel pads: `hand` in the `robot.yaml` of a robot.
+/// Description of a hand with parallel pads beyond its URDF: `hand` in the `robot.yaml` of a robot.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct HandDescription {
-    /// What it is called.
+    /// Name of the hand.
     pub name: String,
-    /// The gripper frame: between the pads, y the axis on which they close, z the approach direction. Default: the
-    /// tip that the robot has without this file.
+    /// Gripper frame: between the pads, y along the closing direction, z along the approach direction. Default: the tip that
+    /// the robot has without this file.
     #[serde(default)]
     pub tip: Option<String>,
-    /// The joints that close it, by name; what mimics them closes with them. None: it cannot close.
+    /// Joints that close the hand, by name; joints that mimic them close with them. If empty, the hand cannot close.
     #[serde(default)]
     pub fingers: BTreeMap<String, FingerRange>,
-    /// Between the pads when the fingers stand open, in metres.
+    /// Distance between the pads when the fingers are open, in metres.
     pub opening_m: f64,
-    /// How far behind the origin of the gripper frame the palm begins, in metres.
+    /// Distance from the origin of the gripper frame back to the palm, in metres.
     pub finger_depth_m: f64,
-    /// With what the pads press on what they hold, in newtons.
+    /// Force of the pads on a held object, in newtons.
     pub closing_force_n: f64,
-    /// Its flat pads. Default: as the collision geometry of the fingers has them.
+    /// Flat pads. Default: those of the fingers' collision geometry.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pads: Option<PadDescription>,
 }
 
-/// Flat pads of a hand, one on each finger, where its collision geometry does not show them.
+/// Flat pads of a hand, one on each finger, for hands whose collision geometry does not show them.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PadDescription {
     /// Lengths along x and z of the gripper frame, in metres.
     pub size_m: [f64; 2],
-    /// Middle along x and z of the gripper frame, in metres.
+    /// Centre along x and z of the gripper frame, in metres.
     #[serde(default)]
     pub middle_m: [f64; 2],
 }
 
-/// Length that no hand exceeds, in metres: a longer one is in other units.
+/// Maximum length of any hand, in metres: a larger value is in other units.
 const LONGEST_M: f64 = 1.0;
 
 impl HandDescription {
-    /// Whether its figures can be; `text` is that of `file`, in which it stands.
+    /// Checks that the values are possible; `text` is the text of `file`.
     pub(crate) fn check(&self, text: &str, file: &str) -> Result<(), RobotError> {
         let of_hand = || format!("hand `{}`", self.name);
         for (attribute, value, most) in [
@@ -76,7 +76,7 @@ impl HandDescription {
         self.check_fingers(text, file, |_| (f64::MIN, f64::MAX))
     }
 
-    /// Whether the joint of each finger can stand where it is to stand, open and closed; `limits` by its name.
+    /// Checks that the joint of each finger can take its open and closed values; `limits` returns limits by joint name.
     pub(crate) fn check_fingers(
         &self,
         text: &str,
@@ -105,17 +105,17 @@ impl HandDescription {
     }
 }
 
-/// Where the joint of a finger stands (m, rad).
+/// Range of the joint of a finger (m, rad).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FingerRange {
-    /// With the hand open.
+    /// Joint value with the hand open.
     pub open: f64,
-    /// With the hand closed on nothing.
+    /// Joint value with the hand fully closed, without an object.
     pub closed: f64,
 }
 
-/// The line of a text that begins with a key.
+/// Returns the location of the first line that begins with a key; line 1 if there is none.
 pub(crate) fn line_of(text: &str, file: &str, key: &str) -> Location {
     let line = text.lines().position(|line| line.trim_start().starts_with(key));
     let line = u32::try_from(line.map_or(1, |line| line + 1)).unwrap_or(u32::MAX);

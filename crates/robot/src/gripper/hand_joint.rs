@@ -2,23 +2,23 @@ use cranny_spatial::Vector;
 
 use crate::JointKind;
 
-/// A joint that moves while a hand closes.
+/// Joint that moves while a hand closes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HandJoint {
-    /// The link right below it.
+    /// Child link of the joint.
     pub link: usize,
-    /// The joint of the hand above it, by its number among them; `None` right on the palm.
+    /// Parent joint, as an index into the joints of the hand; `None` if attached to the palm.
     pub parent: Option<usize>,
     /// Kind of motion.
     pub kind: JointKind,
-    /// Its axis in the frame of `link`, a unit vector.
+    /// Axis in the frame of `link`, a unit vector.
     pub axis_in_link: Vector,
     /// Signed travel from open to closed (m, rad).
     pub stroke: f64,
-    /// The finger that it belongs to, counted from 0.
+    /// Finger that it belongs to, counted from 0.
     pub finger: usize,
-    /// Greatest speed, in m/s or rad/s, if known.
+    /// Maximum speed, in m/s or rad/s, if known.
     pub velocity: Option<f64>,
-    /// Greatest acceleration, in m/s² or rad/s², if known.
+    /// Maximum acceleration, in m/s² or rad/s², if known.
     pub acceleration: Option<f64>,
 }

@@ -5,15 +5,15 @@ use crate::chain::joint_step::{Motion, Step};
 use crate::gripper::loose_links::{Hold, LooseJoint, LooseLinks};
 use crate::{HandJoint, JointKind, Link, LinkFrames, Robot};
 
-/// What is held stands no farther from the tip than this, in metres.
+/// Maximum distance of a held object from the tip, in metres.
 pub const FARTHEST_HELD_M: f64 = 2.0;
 
 impl Robot {
-    /// The same robot with something in its hand: one more link, which is named as told, has no geometry here, and moves
-    /// with the tip. Where it and the fingers stand is said by a [`Hold`] ([`Self::place_held`]); until then the hand is
-    /// open, and the thing at the tip.
+    /// Returns this robot with a held object: one more link with this name, without geometry here, that moves with the tip.
+    /// A [`Hold`] gives the poses of the object and of the fingers ([`Self::place_held`]). Initially the hand is open and the
+    /// object is at the tip.
     ///
-    /// A robot that holds something already is asked again for something else.
+    /// If the robot already holds an object, the new one replaces it.
     #[must_use]
     pub fn holding(&self, name: &str) -> Self {
         let mut robot = self.clone();
@@ -34,7 +34,7 @@ impl Robot {
         robot.rest.push(self.rest[self.tip]);
         let hand_joints = self.hand.as_ref().map_or(&[][..], |hand| &hand.joints);
         let loose = LooseLinks { joints: LooseJoint::all(hand_joints, &self.rest, self.tip), held };
-        // What hangs on a finger follows it; both come after the tip.
+        // Links attached to a finger follow it; both come after the tip.
         let is_loose = |link: usize| {
             std::iter::successors(Some(link), |&link| self.links[link].parent)
                 .find_map(|link| loose.slot(link))
@@ -53,52 +53,51 @@ impl Robot {
         robot
     }
 
-    /// The link of what is held, of a robot that holds something.
+    /// Link of the held object, if the robot holds one.
     pub fn held_link(&self) -> Option<usize> {
         self.loose.as_ref().map(|loose| loose.held)
     }
 
-    /// The links that stand where a [`Hold`] puts them: those right below a joint of the hand, then what it holds; none if
-    /// nothing is held.
+    /// Links posed by a [`Hold`]: those directly below a joint of the hand, then the held object; none if nothing is held.
     pub fn loose_links(&self) -> impl Iterator<Item = usize> {
         let loose = self.loose.iter();
         loose.flat_map(|loose| loose.joints.iter().map(|joint| joint.joint.link).chain([loose.held]))
     }
 
-    /// The loose link that a link stands on, by its place among [`Self::loose_links`].
+    /// Returns the loose link that a link is attached to, as an index into [`Self::loose_links`].
     pub(crate) fn loose_slot_of(&self, link: usize) -> Option<usize> {
         let loose = self.loose.as_ref()?;
         std::iter::successors(Some(link), |&link| self.links[link].parent).find_map(|link| loose.slot(link))
     }
 
-    /// Whether a link stands where a [`Hold`] puts it, or on one that does.
+    /// Returns true if a link is posed by a [`Hold`], or attached to one that is.
     pub fn is_loose(&self, link: usize) -> bool {
         self.loose_slot_of(link).is_some()
     }
 
-    /// The joint of the hand that moves a link last, by its number in [`Self::hand`].
+    /// Returns the last joint of the hand above a link, as an index into the joints of [`Self::hand`].
     fn hand_joint_of(&self, link: usize) -> Option<usize> {
         let joints = &self.hand.as_ref()?.joints;
         let joint = |link: usize| joints.iter().position(|joint| joint.link == link);
         std::iter::successors(Some(link), |&link| self.links[link].parent).find_map(joint)
     }
 
-    /// The finger that a link is part of, counted from 0.
+    /// Returns the finger that a link belongs to, counted from 0.
     pub fn finger_of(&self, link: usize) -> Option<usize> {
         let joint = self.hand_joint_of(link)?;
         self.hand.as_ref().map(|hand| hand.joints[joint].finger)
     }
 
-    /// Whether a link is part of a finger.
+    /// Returns true if a link belongs to a finger.
     pub fn is_of_finger(&self, link: usize) -> bool {
         self.finger_of(link).is_some()
     }
 
-    /// A bound on how far any point of a ball on a link moves, in metres, while the hand closes from open; `ball` is its
-    /// center in the link and its radius. 0 for a link that is no part of a finger.
+    /// Bounds the motion of any point of a ball on a link, in metres, while the hand closes from open; `ball` is its centre in
+    /// the link frame and its radius, in metres. 0 for a link that does not belong to a finger.
     ///
-    /// Each joint above moves the point by its stroke, and if it turns, by that times how far the point can be from its
-    /// axis: the way through the joints between.
+    /// Each joint above moves the point by its stroke, multiplied for a revolute joint by an upper bound on the distance of the
+    /// point from its axis: the length of the chain between.
     pub fn closing_way_m(&self, link: usize, (center, radius_m): (Point, f64)) -> f64 {
         let Some(hand) = &self.hand else { return 0.0 };
         let mut below = self.hand_joint_of(link);
@@ -123,11 +122,11 @@ impl Robot {
         way_m
     }
 
-    /// Tells the frames how the hand holds what it holds; those of the loose links are right after the next call of
-    /// [`Self::forward_kinematics`]. Of a robot that holds nothing nothing changes.
+    /// Sets the hold in `frames`; the poses of the loose links are valid after the next call of
+    /// [`Self::forward_kinematics`]. Has no effect for a robot that holds nothing.
     ///
     /// # Panics
-    /// If the frames come from another robot.
+    /// If the frames belong to another robot.
     pub fn place_held(&self, hold: &Hold, frames: &mut LinkFrames) {
         let Some(loose) = &self.loose else { return };
         assert_eq!(frames.loose.len(), loose.len(), "frames of this robot");
@@ -136,11 +135,11 @@ impl Robot {
         }
     }
 
-    /// As [`Self::place_held`], with every finger closed by its own share of its travel (`closings`, one per finger,
-    /// from 0 to 1); a finger without a share stays open.
+    /// Sets the hold as [`Self::place_held`], with each finger closed by its own share of its travel (`closings`, one per
+    /// finger, from 0 to 1); a finger without a share stays open.
     ///
     /// # Panics
-    /// If the frames come from another robot.
+    /// If the frames belong to another robot.
     pub fn place_fingers(&self, tip_from_held: Pose, closings: &[f64], frames: &mut LinkFrames) {
         let links: Vec<usize> = self.loose_links().collect();
         self.place_held(&Hold { tip_from_held, closing: 0.0 }, frames);
@@ -154,7 +153,7 @@ impl Robot {
         }
     }
 
-    /// Where each of [`Self::loose_links`] stands in the frame of the tip.
+    /// Returns the poses of [`Self::loose_links`] in the tip frame.
     pub fn tip_from_loose(&self, hold: &Hold) -> Vec<Pose> {
         let Some(loose) = &self.loose else { return Vec::new() };
         let mut poses = LooseJoint::poses(&loose.joints, hold.closing);

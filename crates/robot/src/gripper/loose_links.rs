@@ -4,20 +4,20 @@ use cranny_spatial::{Pose, Rotation};
 use crate::gripper::hand_joint::HandJoint;
 use crate::link::JointKind;
 
-/// The hold of a hand on something, which a mode of a task fixes between the joints of the arm (Hauser & Latombe 2010, §3).
+/// Hold of a hand on an object, fixed within a mode of a task for all motions of the arm (Hauser & Latombe 2010, §3).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hold {
-    /// Where the thing is in the frame of the tip.
+    /// Pose of the object in the tip frame.
     pub tip_from_held: Pose,
-    /// How far the fingers have closed, from 0, open, to 1.
+    /// Closing of the fingers, from 0, open, to 1.
     pub closing: f64,
 }
 
-/// Links that stand on the tip where a [`Hold`] puts them: those of the hand that move, then what they hold.
+/// Links posed relative to the tip by a [`Hold`]: the moving links of the hand, then the held object.
 #[derive(Clone, Debug)]
 pub(crate) struct LooseLinks {
     pub joints: Vec<LooseJoint>,
-    /// The link of what is held.
+    /// Link of the held object.
     pub(crate) held: usize,
 }
 
@@ -35,13 +35,12 @@ impl LooseLinks {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct LooseJoint {
     pub joint: HandJoint,
-    /// While the hand is open, in the tip, or in the link of the joint above.
+    /// Pose with the hand open, in the tip frame or in the link of the joint above.
     pub parent_from_open: Pose,
 }
 
 impl LooseJoint {
-    /// The joints of a hand that stands open in `rest`, which has the `root_from_link` of every link, on links or the
-    /// tip.
+    /// Returns the joints of a hand that is open in `rest`, which holds the `root_from_link` of every link.
     pub fn all(joints: &[HandJoint], rest: &[Pose], tip: usize) -> Vec<Self> {
         let loose = |joint: &HandJoint| {
             let parent = joint.parent.map_or(tip, |parent| joints[parent].link);
@@ -50,7 +49,7 @@ impl LooseJoint {
         joints.iter().map(loose).collect()
     }
 
-    /// Pose of the link below each joint in the frame of the tip.
+    /// Returns the pose of the link below each joint in the tip frame.
     pub fn poses(joints: &[Self], closing: f64) -> Vec<Pose> {
         let mut poses: Vec<Pose> = Vec::with_capacity(joints.len() + 1);
         for joint in joints {
@@ -63,7 +62,7 @@ impl LooseJoint {
         poses
     }
 
-    /// Pose of the link below the joint in the link above it, or the tip, the fingers closed by the share `closing`.
+    /// Returns the pose of the joint's child link in its parent link or the tip, with the fingers closed by `closing`.
     pub fn parent_from_link(&self, closing: f64) -> Pose {
         let by = self.joint.axis_in_link * (self.joint.stroke * closing);
         self.parent_from_open

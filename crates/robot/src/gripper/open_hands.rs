@@ -9,8 +9,8 @@ use crate::gripper::hand_description::HandDescription;
 use crate::tree::Tree;
 
 impl RobotOptions {
-    /// The same with the robot's own hand as the first of those that are known, fingers open, and the gripper frame as
-    /// the tip, as far as the robot has such joints and links and the options do not say otherwise.
+    /// Returns these options with the robot's own hand as the first known hand, fingers open, and the gripper frame as the
+    /// tip, as far as the robot has those joints and links and the options do not set them.
     pub(crate) fn with_open_hands(
         &self,
         urdf: &Urdf,
@@ -32,7 +32,7 @@ impl RobotOptions {
         if let Some(own) = own.as_ref().and_then(|own| own.hand.clone()) {
             options.known_hands.insert(0, own);
         }
-        // Who names a finger's joint one of the group wants it to move; one that mimics another follows it.
+        // A finger's joint that is in the group is not held; one that mimics another follows it.
         let group = named_group(urdf, tree, srdf, &options)?;
         let is_held = |finger: &String| {
             let mimics = motion(finger).is_some_and(|motion| motion.mimic.is_some());

@@ -4,40 +4,40 @@ use cranny_spatial::{Point, Pose};
 use crate::gripper::loose_links::LooseJoint;
 use crate::{HandDescription, HandJoint, Link};
 
-/// Distance of the pads of a hand as it closes, and the time that closing takes.
+/// Distance between the pads of a hand while it closes, and the time that closing takes.
 ///
-/// A pad is represented by the point of a finger that lies on the axis of closing (y of the gripper frame) while the
-/// hand is open. With `y_f(c)` the coordinate of that point of finger f on the axis, once all joints of the hand have
-/// moved by the share c of their strokes, the distance is `opening + Σ_f sign_f·(y_f(c) − y_f(0))`: linear in c for
-/// fingers that slide along the axis, not for jaws that turn.
+/// A pad is represented by the point of a finger that lies on the closing axis (y of the gripper frame) while the hand
+/// is open. With `y_f(c)` the coordinate of that point of finger f on the axis, once all joints of the hand have moved
+/// by the share c of their strokes, the distance is `opening + Σ_f sign_f·(y_f(c) − y_f(0))`: linear in c for fingers
+/// that slide along the axis, but not for jaws that rotate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PadDistance {
     opening_m: f64,
     joints: Vec<LooseJoint>,
-    /// Pad of each finger.
+    /// One pad per finger.
     pads: Vec<Pad>,
     /// True if the distance is `opening · (1 − c)`.
     is_linear: bool,
 }
 
-/// A point that goes with a finger.
+/// Point fixed to a finger.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Pad {
-    /// The joint of the hand that moves it last, by its number.
+    /// Last joint of the hand above it, as an index into the joints.
     joint: usize,
     in_link: Point,
-    /// 1 where y is positive, else −1.
+    /// 1 if y is positive, else −1.
     side: f64,
 }
 
-/// A hand is linear to within this, in metres.
+/// Maximum deviation from linearity, in metres, up to which a hand counts as linear.
 const LINEAR_M: f64 = 1e-9;
 
-/// Bisections in search of a closing: more change no bit.
+/// Number of bisections to find a closing: more would not change the result.
 const BISECTIONS: usize = 60;
 
 impl PadDistance {
-    /// Pad distance of the hand of a robot whose links have the poses `rest` while the hand is open.
+    /// Returns the pad distance of the hand of a robot whose links have the poses `rest` while the hand is open.
     pub(crate) fn of(
         description: &HandDescription,
         (joints, fingers): (&[HandJoint], usize),
@@ -46,7 +46,7 @@ impl PadDistance {
         let opening_m = description.opening_m;
         let joints = LooseJoint::all(joints, rest, tip);
         let on_axis = |side: f64| Point::new(0.0, 0.5 * side * opening_m, 0.0);
-        // The distance of a link of a finger from where a pad would be.
+        // Distance of a link of a finger from the nominal position of a pad.
         let off_m = |link: usize, side: f64| {
             let Ok(point) = Solid::sphere(POINT_M) else { return f64::INFINITY };
             let at = rest[tip] * Pose::translation(0.0, on_axis(side).y, 0.0);
@@ -71,19 +71,19 @@ impl PadDistance {
         };
         let pads = (0..fingers).filter_map(pad_of).collect();
         let mut known = Self { opening_m, joints, pads, is_linear: false };
-        // Three places on a line, of which the last is none apart.
+        // The hand is linear if three samples, the last of them at zero distance, lie on a line.
         let off_line_m = |closing: f64| (known.by_pads_m(closing) - opening_m * (1.0 - closing)).abs();
         known.is_linear = [0.25, 0.5, 1.0].into_iter().all(|closing| off_line_m(closing) < LINEAR_M);
         known
     }
 
-    /// The distance of the pads of a hand that has closed by a share of its way, from 0, open, to 1: in metres.
+    /// Distance between the pads when the hand has closed by the share `closing`, from 0, open, to 1: in metres.
     pub fn opening_m(&self, closing: f64) -> f64 {
         if self.is_linear { self.opening_m * (1.0 - closing) } else { self.by_pads_m(closing).max(0.0) }
     }
 
-    /// Share of its travel, from 0, open, to 1, that the hand has closed when the distance of its pads is `opening_m`,
-    /// in metres.
+    /// Share of its travel, from 0, open, to 1, by which the hand has closed when the distance between its pads is
+    /// `opening_m`, in metres.
     pub fn closing(&self, opening_m: f64) -> f64 {
         if self.is_linear {
             return (1.0 - opening_m / self.opening_m).clamp(0.0, 1.0);
@@ -99,19 +99,18 @@ impl PadDistance {
         narrower
     }
 
-    /// The distance between two that are `share` of the time apart, in metres, while every joint moves evenly.
+    /// Interpolates between two pad distances at the time `share`, in metres, with every joint at constant speed.
     pub fn between_m(&self, [before_m, after_m]: [f64; 2], share: f64) -> f64 {
         if self.is_linear {
-            // Exact at both ends.
+            // This form is exact at both ends.
             return (1.0 - share) * before_m + share * after_m;
         }
         let [before, after] = [before_m, after_m].map(|opening_m| self.closing(opening_m));
         self.opening_m(before + share * (after - before))
     }
 
-    /// Least time, in seconds, in which the distance of the pads can change from the first value to the second (m),
-    /// from rest to rest; 0 if no joint of the hand has a limit. Each joint keeps its limits of velocity and of
-    /// acceleration, as far as it has them.
+    /// Minimum time, in seconds, in which the pad distance can change from the first value to the second (m), from rest to
+    /// rest, within the velocity and acceleration limits of each joint that has them; 0 if no joint of the hand has a limit.
     pub fn least_time_s(&self, openings_m: [f64; 2]) -> f64 {
         let [before, after] = openings_m.map(|opening_m| self.closing(opening_m));
         let of_joint = |joint: &LooseJoint| {
@@ -138,7 +137,7 @@ impl PadDistance {
     }
 }
 
-/// As good as a point, in metres.
+/// Radius of a sphere that stands for a point, in metres.
 const POINT_M: f64 = 1e-6;
 
 #[cfg(test)]
@@ -147,7 +146,7 @@ mod tests {
 
     use crate::{Robot, RobotOptions, TextSource};
 
-    /// Two jaws 0.1 m long that turn about pivots 40 mm from the middle.
+    /// Returns two jaws 0.1 m long that rotate about pivots 40 mm from the centre.
     fn jaws(limits: &str) -> Robot {
         let jaw = |name: &str, side: f64| {
             format!(
@@ -185,7 +184,7 @@ mod tests {
         let pads = &robot.hand().expect("a hand").pads;
         for closing in [0.0, 0.3, 0.7, 1.0] {
             let turn: f64 = 0.4 * closing;
-            // A pad is 1 mm inside the pivot and 0.1 m beyond it.
+            // The pad is 1 mm inside the pivot and 0.1 m beyond it.
             let (sine, cosine) = sin_cos(turn);
             let nearer_m = 0.1 * sine + 0.001 * (cosine - 1.0);
             let expected_m = (0.08 - 2.0 * nearer_m).max(0.0);
@@ -208,7 +207,7 @@ mod tests {
         let way: f64 = 0.36;
         for (limits, expected_s) in [
             ("joints: {}", way / 0.25),
-            // One that mimics has its own.
+            // A mimic joint has limits of its own.
             ("joints: {right_joint: {velocity: 0.1}}", way / 0.1),
             ("joints: {left_joint: {acceleration: 0.5}}", way / 0.25 + 0.25 / 0.5),
             ("joints: {left_joint: {acceleration: 0.1, velocity: 9}}", 2.0 * (way / 0.1).sqrt()),

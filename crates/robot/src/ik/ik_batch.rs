@@ -4,18 +4,17 @@ use crate::chain::moving_base::Base;
 use crate::ik::ik_lanes::IkLanes;
 use crate::{IkSettings, IkSolution, IkSolver, Robot};
 
-/// How many attempts run side by side in an [`IkBatch`].
+/// Number of attempts that run in parallel in an [`IkBatch`].
 pub const IK_BATCH: usize = LANES;
 
-/// Attempts of inverse kinematics from random starts, up to [`IK_BATCH`] at once, each with a target of its
-/// own.
+/// Attempts of inverse kinematics from random starts, up to [`IK_BATCH`] at once, each with its own target.
 ///
-/// They run side by side in vector lanes and single precision; what they reach is then measured, and if need
-/// be corrected, in double precision, so that a solution is as good as one of [`IkSolver`]. An attempt of a
-/// batch costs a tenth of one alone, but is given up earlier.
+/// They run in parallel SIMD lanes and single precision. The results are then evaluated and, if necessary, corrected in
+/// double precision, so a solution is as accurate as one of [`IkSolver`]. An attempt of a batch costs a tenth of a
+/// single one, but is given up earlier.
 ///
-/// A start is uniform within limits, but for the prismatic joints between the root and the first joint that
-/// turns (a moving base): these are drawn such that the target is within the arm's reach, if they can be.
+/// Starts are uniform within limits, except for the prismatic joints between the root and the first revolute joint (a
+/// moving base): these are drawn such that the target is within the arm's reach, if possible.
 #[derive(Clone, Debug)]
 pub struct IkBatch<'robot> {
     solver: IkSolver<'robot>,
@@ -26,8 +25,8 @@ pub struct IkBatch<'robot> {
 }
 
 impl<'robot> IkBatch<'robot> {
-    /// A batch for the tip of `robot`; `settings.pull` has no part in it. This allocates; attempts do not,
-    /// but for the solutions that they find.
+    /// Returns a batch for the tip of `robot`; `settings.pull` is ignored. Allocates; attempts do not, except for their
+    /// solutions.
     pub fn new(robot: &'robot Robot, settings: IkSettings) -> Self {
         Self {
             solver: IkSolver::new(robot, settings),
@@ -38,7 +37,7 @@ impl<'robot> IkBatch<'robot> {
         }
     }
 
-    /// Gives this attempt of the next run a target, and draws where it starts.
+    /// Sets the target of this attempt of the next run, and draws its start.
     ///
     /// # Panics
     /// If `attempt` is not below [`IK_BATCH`].
@@ -54,18 +53,18 @@ impl<'robot> IkBatch<'robot> {
         self.lanes.set(attempt, root_from_tip, &self.start);
     }
 
-    /// Gives this attempt of the next run a target, and where it starts (m, rad; within limits): what it reaches is near
-    /// there.
+    /// Sets the target and the start (m, rad; within limits) of this attempt of the next run; its solution tends to be near
+    /// the start.
     ///
     /// # Panics
-    /// If `attempt` is not below [`IK_BATCH`], or `start` has not one value per joint.
+    /// If `attempt` is not below [`IK_BATCH`], or `start` does not have one value per joint.
     pub fn begin_at(&mut self, attempt: usize, root_from_tip: &Pose, start: &[f64]) {
         assert_eq!(start.len(), self.start.len(), "one value per joint");
         self.targets[attempt] = *root_from_tip;
         self.lanes.set(attempt, root_from_tip, start);
     }
 
-    /// Runs attempts 0 to `count` − 1 from where they were drawn.
+    /// Runs attempts 0 to `count` − 1.
     ///
     /// # Panics
     /// If `count` is above [`IK_BATCH`].
@@ -74,8 +73,8 @@ impl<'robot> IkBatch<'robot> {
         self.lanes.run(count);
     }
 
-    /// The solution of this attempt of the last run; None if it got stuck, which does not prove that there
-    /// is none.
+    /// Returns the solution of this attempt of the last run; `None` if it did not converge, which does not prove that no
+    /// solution exists.
     ///
     /// # Panics
     /// If `attempt` is not below [`IK_BATCH`].

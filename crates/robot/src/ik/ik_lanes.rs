@@ -8,42 +8,41 @@ use crate::ik::inverse_kinematics::{
 };
 use crate::{IkSettings, Robot};
 
-/// Keeps the factorisation positive definite in `f32`, whose rounding of the Panda's Gram matrix is about
-/// 10⁻⁶; more than in `f64`, which costs a few steps near a singularity.
+/// Minimum damping λ². It keeps the factorisation positive definite in `f32`, whose rounding of the Panda's Gram matrix is
+/// about 10⁻⁶; it exceeds that in `f64`, which costs a few steps near a singularity.
 const LEAST_DAMPING: f32 = 1e-5;
-/// The least pivot of a factorisation: what rounding may leave of `LEAST_DAMPING`.
+/// Minimum pivot of a factorisation: the remainder of `LEAST_DAMPING` after rounding.
 const LEAST_PIVOT: f32 = 1e-6;
-/// Lanes stop at this part of the tolerances, so that what they reach is within them in `f64` too: the
-/// two poses differ by a few 10⁻⁶ m and rad.
+/// Factor on the tolerances at which lanes stop, so that their results are within tolerance in `f64` too: the two poses
+/// differ by a few 10⁻⁶ m and rad.
 const PART_OF_TOLERANCE: f64 = 0.8;
-/// No tighter than this do lanes ask for (m, rad): several times what rounding leaves; the rest of the way to
-/// tighter tolerances goes in `f64`.
+/// Minimum tolerance in the lanes (m, rad): several times the rounding error; `f64` steps reach tighter tolerances.
 const LEAST_TOLERANCE: f64 = 2e-5;
-/// Steps of a batch. It lasts as long as its slowest attempt, so that a long one is given up earlier than
-/// alone; 97 of 100 that succeed on the Panda need no more.
+/// Maximum number of steps of a batch. It lasts as long as its slowest attempt, so a long one is given up earlier than
+/// a single one; 97 of 100 successful attempts on the Panda need no more.
 const MAX_ITERATIONS: usize = 12;
-/// Below this sine the axis of a rotation is lost to rounding: it is within any tolerance, or so near to a
-/// half turn that any step leads away.
+/// Minimum sine of a rotation whose axis is not lost to rounding: below it, the rotation is within any tolerance, or so
+/// near a half turn that the direction of the step is arbitrary.
 const LEAST_SINE: f32 = 1e-6;
 
-/// Damped least squares from 16 starts at once, one a vector lane, in `f32`: the steps that
-/// [`crate::IkSolver`] takes without a pull.
+/// Damped least squares from 16 starts at once, one per SIMD lane, in `f32`: the steps of [`crate::IkSolver`] without a
+/// pull.
 ///
-/// Every instruction set adds, multiplies, divides and takes roots in the same order, without fused
-/// operations, so all give the same bits; and no lane depends on another.
+/// Every instruction set adds, multiplies, divides and takes roots in the same order, without fused operations, so all
+/// give the same bits; no lane depends on another.
 #[derive(Clone, Debug)]
 pub(crate) struct IkLanes {
     chain: LaneChain,
-    /// Lower and upper, for each joint.
+    /// Lower and upper limit of each joint.
     limits: Vec<[f32; 2]>,
-    /// In m² and rad².
+    /// Squared tolerances, in m² and rad².
     tolerance_squared: [f32; 2],
     max_iterations: usize,
-    /// One lane a joint.
+    /// One row of lanes per joint.
     q: Vec<LaneArray>,
     /// Rotation matrix, row by row, and translation of each target.
     targets: [LaneArray; 12],
-    /// One bit an attempt.
+    /// One bit per attempt.
     reached: u64,
     iterations: LaneArray,
     jacobian: Vec<[LaneArray; 6]>,
@@ -51,7 +50,7 @@ pub(crate) struct IkLanes {
 }
 
 impl IkLanes {
-    /// Lanes for the robot's tip; `settings.pull` has no part in them.
+    /// Returns lanes for the robot's tip; `settings.pull` is ignored.
     pub fn new(robot: &Robot, settings: &IkSettings) -> Self {
         let square = |tolerance: f64| narrow((PART_OF_TOLERANCE * tolerance).max(LEAST_TOLERANCE).powi(2));
         Self {
@@ -87,7 +86,7 @@ impl IkLanes {
         }
     }
 
-    /// Runs the first `count` attempts, at most [`LANES`], to their ends.
+    /// Runs the first `count` attempts, at most [`LANES`], until each has converged or failed.
     pub fn run(&mut self, count: usize) {
         self.run_at(simd_level(), count);
     }
@@ -96,17 +95,17 @@ impl IkLanes {
         dispatch!(level, simd => self.attempt(simd, count));
     }
 
-    /// Whether attempt `lane` of the last run reached its target.
+    /// Returns true if attempt `lane` of the last run reached its target.
     pub fn is_reached(&self, lane: usize) -> bool {
         self.reached >> lane & 1 == 1
     }
 
-    /// Where attempt `lane` of the last run ended.
+    /// Returns the final configuration of attempt `lane` of the last run.
     pub fn q(&self, lane: usize) -> impl Iterator<Item = f64> {
         self.q.iter().map(move |lanes| f64::from(lanes[lane]))
     }
 
-    /// Steps that attempt `lane` of the last run took, if it reached its target.
+    /// Number of steps of attempt `lane` of the last run, if it reached its target.
     #[allow(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -116,8 +115,8 @@ impl IkLanes {
         self.iterations[lane] as usize
     }
 
-    /// 1. Measure the errors; an attempt is done if they are within tolerance, lost if they no longer fall.
-    /// 2. Take the damped least-squares step of those that run.
+    /// 1. Evaluate the errors; an attempt has converged within tolerance, and failed if the error no longer decreases.
+    /// 2. Take the damped least-squares step of those still running.
     #[inline(always)]
     fn attempt<S: Simd>(&mut self, simd: S, count: usize) {
         let mut is_running = mask32x16::from_bitmask(simd, (1 << count) - 1);
@@ -154,10 +153,10 @@ impl IkLanes {
         iterations.store_slice(&mut self.iterations);
     }
 
-    /// The motion that takes each tip to its target, shortened to what a step may be, and its squared parts
-    /// before that, in m² and rad².
+    /// Returns the motion that takes each tip to its target, limited to the maximum step, and its squared translation and
+    /// rotation before that, in m² and rad².
     ///
-    /// The rotation's length is near its angle only for small angles: for large ones it says which is larger.
+    /// The length of the rotation approximates its angle only for small angles; large ones are only ordered correctly.
     #[inline(always)]
     fn twist<S: Simd>(&self, simd: S, tip: &Tip<S>) -> ([f32x16<S>; 6], f32x16<S>, f32x16<S>) {
         let target = |index: usize| f32x16::from_slice(simd, &self.targets[index]);
@@ -170,7 +169,7 @@ impl IkLanes {
             *difference = target(9 + row) - tip.translation[row];
             translation_squared += *difference * *difference;
         }
-        // Half the sum of the cross products of the axes is sine times axis of the rotation between them.
+        // Half the sum of the cross products of the axes is the sine times the axis of the rotation between them.
         let mut twice_cosine = -one;
         for axis in 0..3 {
             let a: [f32x16<S>; 3] = std::array::from_fn(|row| tip.rotation[row][axis]);
@@ -182,7 +181,7 @@ impl IkLanes {
         }
         let sine_squared = twist[3] * twist[3] + twist[4] * twist[4] + twist[5] * twist[5];
         let sine = sine_squared.sqrt();
-        // A cubic through the angles 0 and ½π, mirrored there.
+        // A cubic through the angles 0 and ½π, mirrored at ½π, approximates the angle.
         const CUBIC: f32 = std::f32::consts::FRAC_PI_2 - 1.0;
         let folded = sine * (sine_squared * CUBIC + 1.0);
         let is_obtuse = twice_cosine.simd_lt(0.0);
@@ -199,7 +198,7 @@ impl IkLanes {
         (twist, translation_squared, angle * angle)
     }
 
-    /// One step of the attempts that run; a joint at its limit that would go on is locked.
+    /// Takes one step of the running attempts; a joint at its limit that would move beyond it is locked.
     #[inline(always)]
     fn step<S: Simd>(
         &mut self,
@@ -245,7 +244,7 @@ impl IkLanes {
     }
 }
 
-/// `(JJᵀ + λ²I)⁻¹ v` by Cholesky's factorisation.
+/// Solves `(JJᵀ + λ²I)⁻¹ v` by Cholesky factorisation.
 #[inline(always)]
 fn solve<S: Simd>(
     simd: S,
@@ -309,7 +308,7 @@ mod tests {
         Robot::load(&file, &RobotOptions::default()).expect("the fixture is a robot")
     }
 
-    /// Lanes whose attempts start anywhere and go to where the robot can be.
+    /// Returns lanes whose attempts have random starts and reachable targets.
     fn drawn(robot: &Robot, random: &mut Stream) -> IkLanes {
         let mut lanes = IkLanes::new(robot, &IkSettings::default());
         let mut frames = robot.frames();
@@ -321,7 +320,7 @@ mod tests {
         lanes
     }
 
-    /// Reached or not, steps, and where the attempt ended.
+    /// Returns the outcome of an attempt: true if it reached its target, its steps, and the bits of its final configuration.
     fn ends(lanes: &IkLanes, lane: usize) -> (bool, usize, Vec<u64>) {
         (lanes.is_reached(lane), lanes.iterations(lane), lanes.q(lane).map(f64::to_bits).collect())
     }

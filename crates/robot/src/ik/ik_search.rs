@@ -5,14 +5,13 @@ use cranny_spatial::{Pose, Stream};
 use crate::ik::ik_batch::IkBatch;
 use crate::{IK_BATCH, IkSettings, IkSolution, IkSolver, JointUnit, Robot};
 
-/// How [`IkSearch`] searches.
+/// Settings of an [`IkSearch`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IkSearchSettings {
-    /// Each attempt's settings.
+    /// Settings of each attempt.
     pub ik: IkSettings,
-    /// Two configurations are the same solution if no prismatic joint differs by more than this, in metres,
-    /// and no revolute one by more than `distinct_rad`. Default 0.05 m: the base of the Panda moved by an
-    /// eighth of its width.
+    /// Two configurations are the same solution if no prismatic joint differs by more than this, in metres, and no revolute
+    /// one by more than `distinct_rad`. Default 0.05 m: the base of the Panda moved by an eighth of its width.
     pub distinct_m: f64,
     /// See `distinct_m`. Default 0.1 rad, which moves an outstretched arm's hand by 0.08 m.
     pub distinct_rad: f64,
@@ -24,11 +23,11 @@ impl Default for IkSearchSettings {
     }
 }
 
-/// Up to `count` distinct solutions whose `q` (m, rad; one per joint) `accept` agrees with, from at most `attempts`
+/// Returns up to `count` distinct solutions whose `q` (m, rad; one per joint) `accept` accepts, from at most `attempts`
 /// random starts.
 ///
-/// Stops at whichever comes first. The order, and with one version of this crate every bit of the result, is
-/// a function of the arguments.
+/// Stops at whichever limit is reached first. The order and, with one version of this crate, every bit of the result is a
+/// function of the arguments.
 pub fn solve_restarts(
     robot: &Robot,
     root_from_tip: &Pose,
@@ -46,15 +45,14 @@ pub fn solve_restarts(
     search.solutions
 }
 
-/// A search for many solutions to one target, from random starts, that can be carried on at any time.
+/// Resumable search for many solutions to one target, from random starts.
 ///
-/// Attempts run in batches ([`IkBatch`]); what a batch found beyond the solution that was asked for waits
-/// for the next question.
+/// Attempts run in batches ([`IkBatch`]); further solutions of a batch are kept for the next call.
 #[derive(Clone, Debug)]
 pub struct IkSearch<'robot> {
     solver: IkSolver<'robot>,
     batch: IkBatch<'robot>,
-    /// Attempts of the batch that nobody has looked at yet.
+    /// Attempts of the batch that have not been evaluated yet.
     waiting: Range<usize>,
     settings: IkSearchSettings,
     root_from_tip: Pose,
@@ -63,7 +61,7 @@ pub struct IkSearch<'robot> {
 }
 
 impl<'robot> IkSearch<'robot> {
-    /// A search for `root_from_tip`. This allocates; attempts do not, but for the solutions that they find.
+    /// Starts a search for `root_from_tip`. Allocates; attempts do not, except for their solutions.
     pub fn new(robot: &'robot Robot, root_from_tip: &Pose, settings: IkSearchSettings) -> Self {
         Self {
             solver: IkSolver::new(robot, settings.ik),
@@ -76,8 +74,8 @@ impl<'robot> IkSearch<'robot> {
         }
     }
 
-    /// The next solution that is distinct from those before and whose `q` (m, rad; one per joint) `accept` agrees
-    /// with; None if at most `attempts` more random starts lead to none.
+    /// Returns the next solution that is distinct from those before and whose `q` (m, rad; one per joint) `accept` accepts;
+    /// `None` if at most `attempts` more random starts lead to none.
     pub fn next_solution(
         &mut self,
         random: &mut Stream,
@@ -107,8 +105,8 @@ impl<'robot> IkSearch<'robot> {
         }
     }
 
-    /// One attempt from `start` (m, rad; one per joint), pulled towards it; counts as an attempt, and its solution as
-    /// one of this search, if it is new and `accept` agrees.
+    /// Makes one attempt from `start` (m, rad; one per joint), pulled towards it; it counts as an attempt, and its solution as
+    /// one of this search, if it is new and `accept` accepts it.
     ///
     /// # Panics
     /// If `start` does not hold one value for each joint of the group.
@@ -126,12 +124,12 @@ impl<'robot> IkSearch<'robot> {
         self.solutions.last()
     }
 
-    /// The solutions so far, in the order in which they were found.
+    /// Solutions in the order in which they were found.
     pub fn solutions(&self) -> &[IkSolution] {
         &self.solutions
     }
 
-    /// The attempts so far.
+    /// Number of attempts made.
     pub fn attempts(&self) -> usize {
         self.attempts
     }

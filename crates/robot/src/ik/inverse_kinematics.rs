@@ -2,20 +2,19 @@ use cranny_spatial::{Pose, PoseDifference, Vector};
 
 use crate::{DampedInverse, Jacobian, LinkFrames, Robot, Twist};
 
-/// How inverse kinematics searches.
+/// Settings of inverse kinematics.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IkSettings {
-    /// A solution's tip is at most this far from the target, in metres, above 0. Default 10⁻⁴: a tenth of
-    /// what `exact` allows, so that later rounding and smoothing have room.
+    /// Maximum distance of a solution's tip from the target, in metres, above 0. Default 10⁻⁴: a tenth of the tolerance of
+    /// `exact`, which leaves a margin for later rounding and smoothing.
     pub translation_tolerance_m: f64,
-    /// A solution's tip is turned at most this far from the target, in radians, above 0. Default 10⁻³, for
-    /// the same reason.
+    /// Maximum angle between a solution's tip and the target, in radians, above 0. Default 10⁻³, for the same reason.
     pub rotation_tolerance_rad: f64,
-    /// Steps of one attempt. Default 30: on the Panda, attempts that succeed
-    /// need 7 on average, and those that need more than 30 are better begun anew.
+    /// Maximum number of steps of one attempt. Default 30: on the Panda, successful attempts need 7 on average, and those
+    /// that need more than 30 are better restarted.
     pub max_iterations: usize,
-    /// Which part of the way back to the start configuration is taken with each step, as far as it does not
-    /// move the tip: from 0, free, to 1. Default 0.5.
+    /// Share of the offset from the start configuration that each step removes within the null space of the tip: from 0, no
+    /// pull, to 1. Default 0.5.
     pub pull: f64,
 }
 
@@ -25,20 +24,20 @@ impl Default for IkSettings {
     }
 }
 
-/// A configuration that brings the tip to a target.
+/// Configuration that brings the tip to a target.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IkSolution {
-    /// The configuration, within limits.
+    /// Configuration (m, rad; one per joint), within limits.
     pub q: Vec<f64>,
-    /// How far the tip is from the target, in metres.
+    /// Distance of the tip from the target, in metres.
     pub translation_error_m: f64,
-    /// How far the tip is turned from the target, in radians.
+    /// Rotation of the tip relative to the target, in radians.
     pub rotation_error_rad: f64,
-    /// Steps taken.
+    /// Number of steps.
     pub iterations: usize,
 }
 
-/// Inverse kinematics by damped least squares, with the memory that attempts write to.
+/// Inverse kinematics by damped least squares, with its scratch memory.
 #[derive(Clone, Debug)]
 pub struct IkSolver<'robot> {
     robot: &'robot Robot,
@@ -51,26 +50,26 @@ pub struct IkSolver<'robot> {
     is_locked: Vec<bool>,
 }
 
-/// Where the tip is at most moved in one step of an attempt: linearisation holds no further. In metres.
+/// Maximum translation of the tip in one step of an attempt, in metres: the linearisation is not valid beyond it.
 pub(crate) const MAX_STEP_M: f64 = 0.3;
-/// The same for its rotation, in radians.
+/// Maximum rotation of the tip in one step of an attempt, in radians.
 pub(crate) const MAX_STEP_RAD: f64 = 0.8;
 /// Damping λ² = this · (squared error, m² + rad²) + `LEAST_DAMPING` (Sugihara 2011, "Solvability-unconcerned inverse
 /// kinematics by the Levenberg-Marquardt method", whole, with this factor added and one weight for all rows): strong
-/// far from the target, where a full step would overshoot, and gone near it, where Newton's steps converge
+/// far from the target, where a full step would overshoot, and negligible near it, where Newton's method converges
 /// quadratically.
 pub(crate) const DAMPING_PER_ERROR: f64 = 0.02;
-/// Keeps the factorisation positive definite at a singularity; below tolerances squared.
+/// Minimum damping λ²: keeps the factorisation positive definite at a singularity; below the squared tolerances.
 const LEAST_DAMPING: f64 = 1e-7;
-/// An attempt ends when over this many steps …
+/// Number of steps over which the squared error must fall below [`LEAST_PROGRESS`] of its value, or the attempt fails.
 pub(crate) const PATIENCE: usize = 6;
-/// … the squared error has not fallen below this part of what it was.
+/// Maximum ratio of squared errors that counts as progress (see [`PATIENCE`]).
 pub(crate) const LEAST_PROGRESS: f64 = 0.5;
-/// How often one step is computed anew because a joint met its limit.
+/// Maximum number of computations of one step, repeated when a joint meets its limit.
 pub(crate) const LOCK_ROUNDS: usize = 3;
 
 impl<'robot> IkSolver<'robot> {
-    /// A solver for the tip of `robot`. This allocates; attempts do not, but for the solution they return.
+    /// Returns a solver for the tip of `robot`. Allocates; attempts do not, except for the solution they return.
     pub fn new(robot: &'robot Robot, settings: IkSettings) -> Self {
         let dof = robot.dof();
         Self {
@@ -85,16 +84,16 @@ impl<'robot> IkSolver<'robot> {
         }
     }
 
-    /// The robot that this solves for.
+    /// Robot of this solver.
     pub fn robot(&self) -> &'robot Robot {
         self.robot
     }
 
-    /// One attempt from `start` (m, rad; one per joint), clamped into limits, to bring the tip to `root_from_tip`,
-    /// pulled towards `start` where that does not move the tip (Rudorfer et al. 2024, §V: their way to annotate
-    /// grasps). None if it got stuck, which does not prove that there is no solution.
+    /// Makes one attempt from `start` (m, rad; one per joint), clamped into limits, to bring the tip to `root_from_tip`, with
+    /// a null-space pull towards `start` (Rudorfer et al. 2024, §V: their method to annotate grasps). `None` if it did not
+    /// converge, which does not prove that no solution exists.
     ///
-    /// Law: forward kinematics of a solution differ from the target by the errors it names, which are within
+    /// Law: forward kinematics of a solution differ from the target by the errors it states, which are within
     /// tolerance (test `a_solution_reaches_its_target`).
     ///
     /// # Panics
@@ -104,8 +103,8 @@ impl<'robot> IkSolver<'robot> {
         self.attempt(root_from_tip, self.settings.pull, Some(start))
     }
 
-    /// One attempt from `start` (m, rad; one per joint), clamped into limits, without a pull: where it ends, and
-    /// whether it reached the target.
+    /// Makes one attempt from `start` (m, rad; one per joint), clamped into limits, without a pull. Returns its final
+    /// configuration, and true if it reached the target.
     ///
     /// # Panics
     /// As [`Self::solve_from`].
@@ -127,7 +126,7 @@ impl<'robot> IkSolver<'robot> {
         (end, is_reached)
     }
 
-    /// The next configuration (m, rad; one per joint) on a way of the tip: [`Self::solve_from`] the last one, unless
+    /// Returns the next configuration (m, rad; one per joint) on a path of the tip: [`Self::solve_from`] the last one, unless
     /// a joint jumps by more than 0.1 (m, rad).
     ///
     /// # Panics
@@ -138,7 +137,7 @@ impl<'robot> IkSolver<'robot> {
         next.iter().zip(last).all(|(a, b)| (a - b).abs() <= JUMP).then_some(next)
     }
 
-    /// One attempt from a random configuration, without a pull; `draw` writes the configuration.
+    /// Makes one attempt from a random configuration, without a pull; `draw` writes the configuration.
     pub(crate) fn solve_from_drawn(
         &mut self,
         root_from_tip: &Pose,
@@ -148,12 +147,11 @@ impl<'robot> IkSolver<'robot> {
         self.attempt(root_from_tip, 0.0, None)
     }
 
-    /// Works from and on `self.q`.
+    /// Makes one attempt from `self.q`, and updates it.
     ///
-    /// 1. Measure the error; done if within tolerance, lost if it no longer falls.
-    /// 2. Take the damped least-squares step, plus the pull's part that does not move the tip.
-    /// 3. If that leads a joint out of its limits, stop the joint there and compute the step of the others
-    ///    anew.
+    /// 1. Evaluate the error; the attempt has converged within tolerance, and failed if the error no longer decreases.
+    /// 2. Take the damped least-squares step, plus the null-space component of the pull.
+    /// 3. If that moves a joint beyond its limits, stop the joint there and recompute the step of the others.
     fn attempt(&mut self, root_from_tip: &Pose, pull: f64, home: Option<&[f64]>) -> Option<IkSolution> {
         let (robot, settings) = (self.robot, self.settings);
         for (value, limits) in self.q.iter_mut().zip(robot.limits()) {
@@ -185,8 +183,8 @@ impl<'robot> IkSolver<'robot> {
             // 2. and 3.
             robot.jacobian(&self.frames, robot.tip(), &mut self.jacobian);
             let shrunk = shrink(twist, translation_error_m, rotation_error_rad);
-            // The pull fades with the error, or its own second-order motion of the tip would never let the
-            // error reach zero.
+            // The pull fades with the error; otherwise its own second-order motion of the tip would keep the error from
+            // reaching zero.
             let fading = pull * error.sqrt().min(1.0);
             self.step_within_limits(&shrunk, DAMPING_PER_ERROR * error + LEAST_DAMPING, fading, home)?;
         }
@@ -211,7 +209,7 @@ impl<'robot> IkSolver<'robot> {
                 inverse.project_to_null_space(&self.jacobian, &mut self.pull);
                 self.step.iter_mut().zip(&self.pull).for_each(|(step, pull)| *step += pull);
             }
-            // A joint at its limit that would go on is locked: without its column the others take over.
+            // A joint at its limit that would move beyond it is locked: without its column the others compensate.
             let mut is_free = true;
             for (joint, limits) in self.robot.limits().iter().enumerate() {
                 let (value, step) = (self.q[joint], self.step[joint]);
@@ -234,13 +232,13 @@ impl<'robot> IkSolver<'robot> {
     }
 }
 
-/// The motion in the root frame that takes `root_from_a` to `root_from_b`.
+/// Returns the motion in the root frame that takes `root_from_a` to `root_from_b`.
 fn twist_between(root_from_a: &Pose, root_from_b: &Pose) -> Twist {
     let translation = root_from_b.translation.vector - root_from_a.translation.vector;
     let turn = root_from_b.rotation * root_from_a.rotation.conjugate();
     let imaginary = turn.imag();
     let sine = imaginary.norm();
-    // Of a rotation's two quaternions the one with positive real part has the smaller angle.
+    // Of the two quaternions of a rotation, the one with positive real part has the smaller angle.
     let angle = 2.0 * libm::atan2(sine, turn.w.abs());
     let rotation: Vector =
         if sine > 0.0 { imaginary * (angle / sine).copysign(turn.w) } else { Vector::zeros() };
@@ -251,7 +249,7 @@ fn length(twist: &Twist, first_row: usize) -> f64 {
     twist.fixed_rows::<3>(first_row).norm()
 }
 
-/// Both parts of `twist`, shortened together so that neither is longer than a step may be.
+/// Scales `twist` so that neither its translation nor its rotation exceeds the maximum step.
 fn shrink(twist: Twist, translation_m: f64, rotation_rad: f64) -> Twist {
     let excess = (translation_m / MAX_STEP_M).max(rotation_rad / MAX_STEP_RAD);
     if excess > 1.0 { twist / excess } else { twist }

@@ -1,29 +1,29 @@
 use cranny_file::did_you_mean;
 
-/// What can be wrong with a family of scenarios. The message is complete in itself: file and line where there is one.
+/// Errors of scenario families. Each message is self-contained and names file and line if there are any.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FamilyError {
-    /// A family is asked for that there is not.
+    /// The requested family does not exist.
     #[error("no family '{name}' (there are {known}){}", did_you_mean(name, known.split(", ")))]
     UnknownFamily {
-        /// What was asked for.
+        /// Requested name.
         name: String,
-        /// The families.
+        /// Names of the families.
         known: String,
     },
     /// The parameter of a family is out of its range.
     #[error("{family}: the {parameter} must be from {low} to {high} m, but is {value}")]
     Parameter {
-        /// The family.
+        /// Name of the family.
         family: &'static str,
-        /// What its parameter is.
+        /// Name of its parameter.
         parameter: &'static str,
-        /// The least value.
+        /// Minimum value, in metres.
         low: f64,
-        /// The greatest.
+        /// Maximum value, in metres.
         high: f64,
-        /// What was given.
+        /// Requested value, in metres.
         value: f64,
     },
 }

@@ -9,85 +9,85 @@ use crate::{
     FamilyError, ObjectSource, ObjectType, Obstacle, RecipeBody, RecipeShape, ScenarioError, TargetPhysics,
 };
 
-/// The paper's environments, each with one dial that makes it harder.
+/// Environments of the paper, each with one difficulty parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, EnumString, IntoStaticStr, VariantArray)]
 #[strum(serialize_all = "kebab-case")]
 pub enum Family {
-    /// A screwdriver in an open shelf on a table (01); the dial is how far behind the front edge it lies.
+    /// Screwdriver in an open shelf on a table (01); the parameter is its distance behind the front edge.
     Shelf,
-    /// A ball under a table (02); the dial is how far behind the front edge it lies.
+    /// Ball under a table (02); the parameter is its distance behind the front edge.
     Table,
-    /// A box behind two segments of a wall (03); the dial is the gap between them.
+    /// Box behind two wall segments (03); the parameter is the gap between them.
     Gap,
-    /// A banana on a pedestal behind a gate (04); the dial is the gate's opening.
+    /// Banana on a pedestal behind a gate (04); the parameter is the opening of the gate.
     Gate,
 }
 
-/// Where an object lies in the scene.
+/// Placement of an object in the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placement {
-    /// The middle of its bounds, in metres along x of the scene, across the robot's way.
+    /// Centre of its bounds along x of the scene, across the viewing direction of the robot, in metres.
     pub x_m: f64,
-    /// The same along y, away from the robot.
+    /// Centre of its bounds along y of the scene, away from the robot, in metres.
     pub y_m: f64,
-    /// Its turn about the vertical against the paper's, in radians.
+    /// Yaw relative to the orientation in the paper, in radians.
     pub yaw_rad: f64,
 }
 
-/// A region of the floor, or of what an object lies on, in metres of the scene.
+/// Region of the floor, or of an object's support, in metres in the scene.
 #[derive(Clone, Copy, Debug)]
 #[allow(clippy::struct_field_names, reason = "units, as everywhere")]
 pub(crate) struct Region {
-    /// From, to.
+    /// Bounds: from, to.
     pub across_m: [f64; 2],
     pub away_m: [f64; 2],
     pub floor_m: f64,
-    /// How high things on it may be.
+    /// Maximum height of objects in it.
     pub tallest_m: f64,
 }
 
-/// The object of a family, resting.
+/// Object of a family in its resting pose.
 #[derive(Clone, Debug)]
 pub(crate) struct Resting {
-    /// Its mesh, in its own frame.
+    /// Mesh of the object, in its own frame.
     pub mesh: TriangleSoup,
-    /// What it is called in scenarios.
+    /// Name in scenarios.
     pub name: &'static str,
     shape: RecipeShape,
-    /// What a scenario has to say of it, because its shape does not.
+    /// Mass and friction that the scenario must state because the shape does not.
     pub given_physics: TargetPhysics,
-    /// Its mass and friction, whatever states them.
+    /// Mass and friction, from any source.
     pub physics: TargetPhysics,
-    /// Its turn at rest, as in the paper.
+    /// Resting orientation, as in the paper.
     pub ground_from_object: Rotation,
-    /// The origin of its frame above the ground, in metres.
+    /// Height of the origin of its frame above the ground, in metres.
     pub lift_m: f64,
-    /// From the origin of its frame to the middle of its bounds, on the ground, in metres.
+    /// Vector from the origin of its frame to the centre of its bounds, in axes of the ground, in metres.
     middle: Vector,
 }
 
-/// Where the front of shelf and table is in the scene, in metres along y.
+/// Position of the front of shelf and table in the scene, in metres along y.
 const FRONT_M: f64 = 0.6;
 
-/// The middle of the scene, in front of the robot, in metres along x.
+/// Middle of the scene, in front of the robot, in metres along x.
 const MIDDLE_M: f64 = 1.0;
 
 impl Family {
-    /// What flags call it.
+    /// Returns the name in flags.
     pub fn name(self) -> &'static str {
         self.into()
     }
 
-    /// The family of that name.
+    /// Returns the family of that name.
     ///
     /// # Errors
-    /// [`FamilyError::UnknownFamily`], which lists the names that there are.
+    /// [`FamilyError::UnknownFamily`], which lists the names of the families.
     pub fn of_name(name: &str) -> Result<Self, ScenarioError> {
         let known = || Self::VARIANTS.iter().map(|family| family.name()).collect::<Vec<_>>().join(", ");
         name.parse().map_err(|_| FamilyError::UnknownFamily { name: name.to_owned(), known: known() }.into())
     }
 
-    /// What its dial is.
+    /// Returns the name of its difficulty parameter.
     pub fn parameter(self) -> &'static str {
         match self {
             Self::Shelf | Self::Table => "depth",
@@ -96,8 +96,8 @@ impl Family {
         }
     }
 
-    /// The least and the greatest value of its dial, in metres: the object stays on what carries it, walls and
-    /// gate keep legs.
+    /// Returns the minimum and maximum of the parameter, in metres: the object stays on its support, and walls and gate keep
+    /// their legs.
     pub fn range_m(self) -> [f64; 2] {
         match self {
             Self::Shelf => [0.02, 0.78],
@@ -107,8 +107,7 @@ impl Family {
         }
     }
 
-    /// From where to where large sets draw the dial, in metres, unless told otherwise: the paper's levels, and
-    /// a little beyond.
+    /// Returns the default range of the parameter in large sets, in metres: the levels of the paper, and a little beyond.
     pub fn usual_range_m(self) -> [f64; 2] {
         match self {
             Self::Shelf => [0.10, 0.45],
@@ -118,7 +117,7 @@ impl Family {
         }
     }
 
-    /// Where the paper has the object, at that value of the dial: centres of bounds in the released scenes.
+    /// Returns the placement of the object in the paper at that parameter value (m): centres of bounds in the released scenes.
     pub fn paper_placement(self, parameter_m: f64) -> Placement {
         let (x_m, y_m) = match self {
             Self::Shelf => (0.993, FRONT_M + parameter_m),
@@ -129,7 +128,7 @@ impl Family {
         Placement { x_m, y_m, yaw_rad: 0.0 }
     }
 
-    /// The obstacles at that value of the dial.
+    /// Returns the obstacles at that parameter value (m).
     pub(crate) fn obstacles(self, parameter_m: f64) -> Vec<RecipeBody> {
         let at = |name: &str, obstacle: Obstacle, x: f64, y: f64, z: f64| {
             let shape = |(middle, size): (Vector, Vector)| {
@@ -143,7 +142,7 @@ impl Family {
             }
         };
         let wall = Obstacle::WALL_SEGMENT;
-        /// Width of a segment.
+        /// Width of a segment, in metres.
         const WALL_M: f64 = 0.8;
         let half_gap = 0.5 * parameter_m;
         match self {
@@ -163,7 +162,7 @@ impl Family {
         }
     }
 
-    /// Where its object can be put down outside of what it lies in, at least half a metre from where it lies.
+    /// Returns the place goal outside of the narrow space, at least half a metre from the object's initial position.
     pub(crate) fn outside(self) -> PlaceGoal {
         let (on, middle, size_m) = match self {
             Self::Shelf => ("table", [0.25, 0.95, 0.5], [0.4, 0.6]),
@@ -175,7 +174,7 @@ impl Family {
         PlaceGoal { name: Self::OUTSIDE.to_owned(), spot }
     }
 
-    /// The mirror of the place outside.
+    /// Returns the mirror image of the place goal outside.
     pub(crate) fn other_side(self) -> PlaceGoal {
         let PlaceGoal { spot, .. } = self.outside();
         let spot = match spot {
@@ -188,9 +187,9 @@ impl Family {
         PlaceGoal { name: Self::OTHER_SIDE.to_owned(), spot }
     }
 
-    /// Columns that stand in the way, one hand wide each.
+    /// Returns columns that block the access, each one hand wide.
     pub(crate) fn columns(self) -> Vec<RecipeBody> {
-        /// As wide as a hand can hold, in metres.
+        /// Width that a hand can grasp, in metres.
         const WIDTH_M: f64 = 0.07;
         let (across_m, away_m, height_m): (&[f64], f64, f64) = match self {
             Self::Shelf => (&[0.915, 1.065], 0.7, 0.33),
@@ -207,14 +206,14 @@ impl Family {
         across_m.iter().enumerate().map(column).collect()
     }
 
-    /// What the place on the other side of the object is called.
+    /// Name of the place goal on the other side of the object.
     pub const OTHER_SIDE: &str = "other side";
-    /// What the place outside is called.
+    /// Name of the place goal outside.
     pub const OUTSIDE: &str = "outside";
-    /// What the place is called where the paper has the object, in scenarios where it starts outside.
+    /// Name of the place goal at the object's position in the paper, in scenarios where the object starts outside.
     pub const INSIDE: &str = "inside";
 
-    /// How wide its object is between the fingers, where it is narrowest, in metres.
+    /// Returns the smallest width of the object between the fingers, in metres.
     pub(crate) fn object_width_m(self) -> f64 {
         match self {
             Self::Shelf => 0.032,
@@ -224,8 +223,8 @@ impl Family {
         }
     }
 
-    /// How far behind the front of what is in the way the object lies at most, in metres, with a little to spare: so far a
-    /// robot that drives up to it has to reach.
+    /// Returns the maximum distance of the object behind the front of the obstacles, in metres, with a small reserve: the reach
+    /// that a robot needs if it drives up to them.
     pub(crate) fn beyond_front_m(self) -> f64 {
         match self {
             Self::Shelf | Self::Gap => 0.55,
@@ -234,7 +233,7 @@ impl Family {
         }
     }
 
-    /// How high the object lies, in metres.
+    /// Returns the height of the object's support, in metres.
     pub(crate) fn support_m(self) -> f64 {
         match self {
             Self::Shelf | Self::Gate => 0.5,
@@ -242,7 +241,7 @@ impl Family {
         }
     }
 
-    /// Where an object of a large set may lie; `None` along y where the dial says it.
+    /// Returns the region of the object in large sets; `None` along y if the parameter determines it.
     pub(crate) fn object_region(self) -> ([f64; 2], Option<[f64; 2]>) {
         match self {
             Self::Shelf => ([0.9, 1.1], None),
@@ -252,7 +251,7 @@ impl Family {
         }
     }
 
-    /// Where clutter of a large set may stand.
+    /// Returns the region of clutter in large sets.
     pub(crate) fn clutter_region(self) -> Region {
         let region = |across_m, away_m, floor_m, tallest_m| Region { across_m, away_m, floor_m, tallest_m };
         match self {
@@ -263,7 +262,7 @@ impl Family {
         }
     }
 
-    /// The object, `scale` times as large as it is, resting as in the paper.
+    /// Returns the object, scaled by `scale`, in the resting pose of the paper.
     pub(crate) fn resting(self, scale: f64) -> Result<Resting, ScenarioError> {
         let about_z = |degrees: f64| Rotation::from_axis_angle(&Vector::z_axis(), degrees.to_radians());
         let (object, name, ground_from_object) = match self {
@@ -277,12 +276,12 @@ impl Family {
             }
             Self::Table => ("tennis_ball", "ball", Rotation::identity()),
             Self::Gap => {
-                // On its narrow side, along the wall.
+                // The box lies on its narrow side, along the wall.
                 let on_side = Rotation::from_axis_angle(&Vector::x_axis(), std::f64::consts::FRAC_PI_2);
                 ("sugar_box", "box", about_z(90.0) * on_side)
             }
             Self::Gate => {
-                // Bent away from the robot, upside down as far as it rests so.
+                // The banana is bent away from the robot, and upside down as far as a stable pose allows.
                 let upside_down = Rotation::from_axis_angle(&Vector::x_axis(), std::f64::consts::PI);
                 ("banana", "banana", at_rest(&builtin_object("banana")?, &(about_z(90.0) * upside_down)))
             }
@@ -290,7 +289,7 @@ impl Family {
         let mesh = builtin::mesh(object)?;
         let source = ObjectSource::builtin(object)?;
         let physics = source.physics();
-        // A sphere and a box are looked at faster than their meshes, but do not say what they weigh.
+        // Spheres and boxes are checked faster than their meshes, but do not define a mass.
         let (shape, given_physics) = match self {
             Self::Table => (RecipeShape::Sphere(bounds(&mesh, &Rotation::identity()).1.x), physics),
             Self::Gap => (RecipeShape::Cuboid(bounds(&mesh, &Rotation::identity()).1 * 2.0), physics),
@@ -309,7 +308,7 @@ impl Family {
     }
 }
 
-/// The orientation in which an object rests that is nearest to this one.
+/// Returns the stable orientation of an object nearest to the given one.
 fn at_rest(object: &ObjectType, ground_from_object: &Rotation) -> Rotation {
     let tilt = |rest: &Rotation| (ground_from_object * (rest.inverse() * Vector::z())).angle(&Vector::z());
     let rests = object.stable_poses.iter().map(|stable| stable.ground_from_body.rotation);
@@ -318,7 +317,7 @@ fn at_rest(object: &ObjectType, ground_from_object: &Rotation) -> Rotation {
     Rotation::from_axis_angle(&Vector::z_axis(), yaw) * rest
 }
 
-/// Middle and half size of the bounds of a mesh that is turned.
+/// Returns centre and half size of the bounds of a rotated mesh.
 fn bounds(mesh: &TriangleSoup, turn: &Rotation) -> (Vector, Vector) {
     let infinity = Vector::repeat(f64::INFINITY);
     let turned = mesh.vertices.iter().map(|vertex| turn * vertex.coords);
@@ -327,14 +326,14 @@ fn bounds(mesh: &TriangleSoup, turn: &Rotation) -> (Vector, Vector) {
 }
 
 impl Resting {
-    /// The object in the scene, on what lies `support_m` above the floor.
+    /// Returns the object as a body in the scene, on a support at height `support_m` above the floor.
     pub fn body(&self, placement: &Placement, support_m: f64) -> RecipeBody {
         RecipeBody::new(self.name, self.scene_from_object(placement, support_m), self.shape.clone())
     }
 
     pub fn scene_from_object(&self, placement: &Placement, support_m: f64) -> Pose {
         let turn = Rotation::from_axis_angle(&Vector::z_axis(), placement.yaw_rad);
-        // The bounds of the object as the paper has it; turning it turns their middle about the origin.
+        // The bounds are those in the paper; a yaw rotates their centre about the origin.
         let (sine, cosine) = sin_cos(placement.yaw_rad);
         let middle_x = cosine * self.middle.x - sine * self.middle.y;
         let middle_y = sine * self.middle.x + cosine * self.middle.y;

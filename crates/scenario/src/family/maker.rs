@@ -17,48 +17,50 @@ use crate::{
     TargetPhysics,
 };
 
-/// Makes scenarios of one family: its object at rest, and grasps of the object sampled once for all.
+/// Generator of scenarios of one family, with the resting object and grasps of it that are sampled once.
 #[derive(Clone, Debug)]
 pub struct FamilyMaker {
-    /// The family.
+    /// Family of the scenarios.
     pub family: Family,
     robot: RecipeRobot,
     scale: SceneScale,
     resting: Resting,
     hand: Hand,
-    /// All sampled grasps, then the few that stand for them; poses in the object's frame.
+    /// All sampled grasps, then the few that cover them; poses in the object's frame.
     candidates: Vec<Grasp>,
     few: Vec<Grasp>,
 }
 
-/// Which of the sampled grasps a scenario gets, of those that the hand can take there.
+/// Selection of sampled grasps for a scenario, among those that are collision-free for the hand there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GraspChoice {
-    /// 200 that cover all of them, chosen anew.
+    /// At most 200 grasps that cover all collision-free ones, selected for this scenario.
     Covering,
-    /// Of 200 that were chosen once, on level ground with nothing around; fewer, but sooner.
+    /// The collision-free ones of 200 grasps that were selected once on level ground without obstacles; fewer, but faster.
     Few,
 }
 
-/// What a column that stands in the way weighs, in kilograms: an empty carton.
+/// Mass of a column that blocks the access, in kilograms: an empty carton.
 const COLUMN_KG: f64 = 0.15;
 
-/// As many as each scenario of the paper has.
+/// Number of grasps of a scenario, as in the paper.
 const GRASPS: usize = 200;
 
-/// From so many they are chosen, as in the paper.
+/// Number of sampled grasps from which those are selected, as in the paper.
 const CANDIDATES: usize = 2000;
 
-/// A hand that takes so few after so many waves of contacts takes few of the others, and each may cost milliseconds.
+/// Sampling stops if no more than this number is accepted after `PATIENT_WAVES` waves of contacts: the hand then fits few of
+/// the remaining ones, and each may cost milliseconds.
 const HOPELESS: usize = CANDIDATES / 20;
 const PATIENT_WAVES: usize = 40;
 
 impl FamilyMaker {
-    /// Samples the grasps of the family's object for the robot's hand, the object resting on level ground, by the sampler's
-    /// defaults: from the side or from above, hand and fingers free of object and ground at the grasp and on the way there.
+    /// Samples the grasps of the family's object for the robot's hand, with the object resting on level ground and the
+    /// sampler's default settings: from the side or from above, with hand and fingers free of object and ground at the grasp
+    /// and along the approach.
     ///
     /// # Errors
-    /// [`RobotError::NoHand`] for a robot of whose hand nothing is known.
+    /// [`RobotError::NoHand`] for a robot without a known hand.
     pub fn new(
         family: Family,
         robot: RecipeRobot,
@@ -103,40 +105,40 @@ impl FamilyMaker {
         Ok(Self { family, robot, scale, resting, hand, candidates, few })
     }
 
-    /// The robot, and where it stands.
+    /// Returns the robot and its pose in the scene.
     pub fn robot(&self) -> &RecipeRobot {
         &self.robot
     }
 
-    /// How much smaller than the paper's its scenes are.
+    /// Returns the scale of its scenes relative to the paper's.
     pub fn scale(&self) -> SceneScale {
         self.scale
     }
 
-    /// Where the paper has the object at that value of the dial (m), in a scene of this scale.
+    /// Returns the object's placement in the paper at that parameter value (m), in a scene of this scale.
     pub fn paper_placement(&self, parameter_m: f64) -> Placement {
         self.scale.placement(&self.family.paper_placement(parameter_m / self.scale.of_dial(self.family)))
     }
 
-    /// How high the object lies, in metres.
+    /// Returns the height of the object's support in the scene, in metres.
     fn support_m(&self) -> f64 {
         self.scale.shift_m[2] + self.scale.across * self.family.support_m()
     }
 
-    /// The scenario at a value of the dial (m), with the object where the paper has it.
+    /// Returns the scenario at a parameter value (m), with the object as placed in the paper.
     ///
     /// # Errors
-    /// [`FamilyError::Parameter`](crate::FamilyError::Parameter) for a value out of the dial's range.
+    /// [`FamilyError::Parameter`](crate::FamilyError::Parameter) for a value outside the range of the parameter.
     pub fn at(&self, parameter_m: f64) -> Result<Recipe, ScenarioError> {
         let placement = self.paper_placement(parameter_m);
         self.scenario(parameter_m, &placement, Vec::new(), GraspChoice::Covering)
     }
 
-    /// The scenario at a value of the dial (m) the other way round: the object lies outside, and is to be put where the paper
-    /// has it ([`Family::INSIDE`]).
+    /// Returns the reversed scenario at a parameter value (m): the object starts outside and must be placed as in the paper
+    /// ([`Family::INSIDE`]).
     ///
     /// # Errors
-    /// [`FamilyError::Parameter`](crate::FamilyError::Parameter) for a value out of the dial's range.
+    /// [`FamilyError::Parameter`](crate::FamilyError::Parameter) for a value outside the range of the parameter.
     pub fn insertion(&self, parameter_m: f64) -> Result<Recipe, ScenarioError> {
         let outside = self.scale.place(self.family.outside());
         let PlaceSpot::Surface { pose: outside, .. } = outside.spot else { return self.at(parameter_m) };
@@ -149,11 +151,11 @@ impl FamilyMaker {
         self.with_grasps(Recipe { places, ..bare }, &placement, at.z, GraspChoice::Covering)
     }
 
-    /// The scenario at a value of the dial (m) with columns in the way, which are to be put down on the
-    /// other side before the object is outside.
+    /// Returns the scenario at a parameter value (m) with columns that block the access. They must be placed on the other side
+    /// before the object is placed outside.
     ///
     /// # Errors
-    /// [`FamilyError::Parameter`](crate::FamilyError::Parameter) for a value out of the dial's range.
+    /// [`FamilyError::Parameter`](crate::FamilyError::Parameter) for a value outside the range of the parameter.
     pub fn clearing(&self, parameter_m: f64) -> Result<Recipe, ScenarioError> {
         let columns = self.family.columns().into_iter().map(|column| self.scale.clutter(column)).collect();
         let placement = self.paper_placement(parameter_m);
@@ -174,11 +176,11 @@ impl FamilyMaker {
         Ok(Recipe { places, tasks, physics, ..recipe })
     }
 
-    /// The scenario at a value of the dial (m), with the object at `placement` and `clutter` about. It has as
-    /// many grasps as the hand can take there: at most 200, perhaps none.
+    /// Returns the scenario at a parameter value (m), with the object at `placement` and with `clutter`. Its grasps are the
+    /// collision-free ones for the hand there: at most 200, possibly none.
     ///
     /// # Errors
-    /// [`FamilyError::Parameter`](crate::FamilyError::Parameter) for a value out of the dial's range.
+    /// [`FamilyError::Parameter`](crate::FamilyError::Parameter) for a value outside the range of the parameter.
     pub fn scenario(
         &self,
         parameter_m: f64,
@@ -191,7 +193,7 @@ impl FamilyMaker {
         self.with_grasps(recipe, placement, self.support_m(), choice)
     }
 
-    /// The recipe with the grasps that the hand can take with the object at `placement`, on what is so high (m).
+    /// Returns the recipe with the collision-free grasps of the object at `placement`, on a support at this height (m).
     fn with_grasps(
         &self,
         mut recipe: Recipe,
@@ -231,7 +233,7 @@ impl FamilyMaker {
         Ok(recipe)
     }
 
-    /// The same without clutter and grasps.
+    /// Returns the scenario without clutter and grasps.
     pub(crate) fn scenario_without_grasps(
         &self,
         parameter_m: f64,
@@ -240,7 +242,7 @@ impl FamilyMaker {
         self.bare(parameter_m, placement, self.support_m())
     }
 
-    /// Obstacles, and the object at `placement` on what is so high (m).
+    /// Returns the recipe with obstacles, and the object at `placement` on a support at this height (m).
     fn bare(&self, parameter_m: f64, placement: &Placement, support_m: f64) -> Result<Recipe, ScenarioError> {
         let family = self.family;
         let parameter_m = family.checked(parameter_m, &self.scale)?;
@@ -270,7 +272,7 @@ impl FamilyMaker {
     }
 }
 
-/// Grasps of a resting object, poses in its frame, with the load of each, where it can be computed.
+/// Returns grasps of a resting object, with poses in its frame, and with the load of each if it can be computed.
 fn with_loads(resting: &Resting, hand: &Hand, grasps: Vec<Grasp>) -> Result<Vec<Grasp>, ScenarioError> {
     let placement = Placement { x_m: 0.0, y_m: 0.0, yaw_rad: 0.0 };
     let world = World::new(vec![resting.body(&placement, 0.0).body(&Pose::identity())?])?;

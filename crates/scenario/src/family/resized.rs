@@ -3,7 +3,7 @@ use cranny_shape::TriangleSoup;
 use crate::layout::recipe::RecipeShape;
 use crate::object::physics::TargetPhysics;
 
-/// A shape in another size, and what it then weighs.
+/// Returns the scaled shape, and its physics with the mass scaled by the volume.
 pub(crate) fn resized(
     shape: &RecipeShape,
     physics: &TargetPhysics,

@@ -5,50 +5,51 @@ use cranny_task::{PlaceGoal, PlaceSpot};
 use crate::error::ScenarioError;
 use crate::{Family, FamilyError, Placement, RecipeBody, RecipeShape};
 
-/// How much smaller than the paper's a scene is, so that a robot of another reach can do something in it: shrunk about
-/// the place where the robot stands. The object stays as large as it is while the hand can hold it and there is room.
+/// Scale of a scene relative to the paper's, so that a robot of another reach can act in it. The scene shrinks about the
+/// position of the robot. The object keeps its size as long as the hand can hold it and the scene has space for it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SceneScale {
-    /// Of everything that stands around, away from the robot, in (0, 1].
+    /// Scale of the environment away from the robot, in (0, 1].
     pub away: f64,
-    /// The same across and upwards.
+    /// Scale of the environment across and upwards, in (0, 1].
     pub across: f64,
-    /// Of the object.
+    /// Scale of the object, in (0, 1].
     pub object: f64,
-    /// How much farther from the robot, to its right and above its ground everything stands, in metres: ahead of a body
-    /// that is in the way, before an arm that is at one side of the robot, on a platform where it does not reach the ground.
+    /// Additional distance of the scene ahead of the robot, to its right and above its ground, in metres: ahead of a base that
+    /// would obstruct it, in front of an arm mounted on one side of the robot, on a platform if the arm does not reach the
+    /// ground.
     pub shift_m: [f64; 3],
 }
 
-/// Where the robot stands in the scene, in metres along x.
+/// Position of the robot in the scene, in metres along x.
 const ROBOT_X_M: f64 = 1.0;
 
-/// How far ahead, in metres, the paper's scenes ask a robot to reach that stands where the paper's starts.
+/// Reach ahead that the scenes of the paper require of a robot at the start pose of the paper, in metres.
 const FROM_AFAR_M: f64 = 1.6;
 
-/// How far ahead of it the first thing stands in them, in metres.
+/// Distance from the robot to the first obstacle in those scenes, in metres.
 const FIRST_OBSTACLE_M: f64 = 0.45;
 
-/// A base that is so far ahead of its root takes no room from the scenes, in metres.
+/// A base that extends no farther than this ahead of its root takes no space from the scenes, in metres.
 const SLENDER_M: f64 = 0.2;
 
-/// How high and how far to either side, in metres.
+/// Required reach upwards and to either side, in metres.
 const AROUND_M: f64 = 0.75;
 
-/// Of how far its joints would let a robot reach, it can use about so much with the hand turned as a grasp wants it.
+/// Usable share of the reach that the joints permit, with the hand oriented for a grasp.
 const USABLE_REACH: f64 = 0.9;
 
-/// A base that drives less than this, in metres, stands.
+/// Minimum travel of a mobile base, in metres; with less, the robot counts as stationary.
 const LEAST_DRIVE_M: f64 = 0.5;
 
-/// Of a hand's opening an object takes up at most so much.
+/// Maximum share of the opening of a hand that an object occupies.
 const FILLED_OPENING: f64 = 0.85;
 
 impl SceneScale {
-    /// Everything as large as in the paper.
+    /// Scale of the paper's scenes.
     pub const PAPER: Self = Self { away: 1.0, across: 1.0, object: 1.0, shift_m: [0.0; 3] };
 
-    /// The scale that suits a robot, for a family.
+    /// Returns the scale that suits a robot, for a family.
     pub fn of(robot: &Robot, family: Family, opening_m: f64) -> Self {
         let base = Base::of(robot);
         let workspace = Workspace::of(robot, &base);
@@ -59,29 +60,29 @@ impl SceneScale {
             Drive::Nowhere => {
                 let is_slender = base.ahead_m(robot) <= SLENDER_M;
                 shift_m = workspace.shift_m(robot.floor_m().unwrap_or(0.0));
-                // Nothing stands before the first obstacle of a scene.
+                // No obstacle of a scene is closer than the first one.
                 let free = FIRST_OBSTACLE_M / FROM_AFAR_M;
                 let ahead_m = (start_ahead_m(robot) - free * reach_m) / (1.0 - free);
                 shift_m[0] = if is_slender { 0.0 } else { (ahead_m * 100.0).ceil().max(0.0) / 100.0 };
                 ((reach_m - shift_m[0]) / FROM_AFAR_M, across)
             }
-            // It drives up to what is in its way, and reaches on from there.
+            // The base drives up to the obstacles, and the arm reaches on from there.
             Drive::OnFloor => {
                 ((reach_m - USABLE_REACH * base.ahead_m(robot)) / family.beyond_front_m(), across)
             }
-            // Nothing but the hand has to fit.
+            // Only the hand must fit.
             Drive::Anywhere => (1.0, 1.0),
         };
         let away = away.clamp(LEAST, 1.0);
         let of_hand =
             if opening_m > 0.0 { FILLED_OPENING * opening_m / family.object_width_m() } else { 1.0 };
-        // In a scene of half the size and less an object of full size finds no room.
+        // A scene of at most half the size has no space for an object of full size.
         let of_scene = if across < 0.5 { 2.0 * across } else { 1.0 };
         let object = rounded(of_hand.min(of_scene).min(1.0));
         Self { away: rounded(away), across: rounded(across), object, shift_m }
     }
 
-    /// How the dial of a family is scaled.
+    /// Returns the scale of the parameter of a family.
     pub(crate) fn of_dial(&self, family: Family) -> f64 {
         match family {
             Family::Shelf | Family::Table => self.away,
@@ -89,14 +90,14 @@ impl SceneScale {
         }
     }
 
-    /// A point of the paper's scene, in this one.
+    /// Maps a point of the paper's scene to this one.
     pub(crate) fn point(&self, paper: &Vector) -> Vector {
         let [ahead_m, right_m, up_m] = self.shift_m;
         let x_m = ROBOT_X_M + right_m + self.across * (paper.x - ROBOT_X_M);
         Vector::new(x_m, ahead_m + self.away * paper.y, up_m + self.across * paper.z)
     }
 
-    /// A place of the paper's scene.
+    /// Maps a place goal of the paper's scene to this one.
     pub(crate) fn place(&self, place: PlaceGoal) -> PlaceGoal {
         let PlaceSpot::Surface { on, pose, size_m: [across_m, away_m] } = place.spot else { return place };
         let point = self.point(&pose.translation.vector);
@@ -105,9 +106,9 @@ impl SceneScale {
         PlaceGoal { spot: PlaceSpot::Surface { on, pose, size_m }, ..place }
     }
 
-    /// What raises the scene, if anything does: from before its first obstacle to behind its last.
+    /// Returns the platform under the scene, if it is raised: it extends from the first obstacle to behind the last.
     pub(crate) fn platform(&self) -> Option<RecipeBody> {
-        /// In the paper's scene, in metres.
+        /// Extent in the paper's scene, in metres.
         const LEFT_M: f64 = -0.25;
         const RIGHT_M: f64 = 2.25;
         const BACK_M: f64 = 2.0;
@@ -121,7 +122,7 @@ impl SceneScale {
         (up_m > 0.0).then(|| RecipeBody::new("platform", middle, RecipeShape::Cuboid(size)))
     }
 
-    /// A size in the paper's scene, in this one.
+    /// Maps a size in the paper's scene to this one.
     fn size(&self, paper: &Vector) -> Vector {
         paper.component_mul(&Vector::new(self.across, self.away, self.across))
     }
@@ -135,7 +136,7 @@ impl SceneScale {
         *self == Self { object: self.object, ..Self::PAPER }
     }
 
-    /// An obstacle of the paper's scene, which is made of cuboids.
+    /// Maps an obstacle of the paper's scene, made of cuboids, to this one.
     pub(crate) fn obstacle(&self, mut body: RecipeBody) -> RecipeBody {
         if self.is_of_the_paper() {
             return body;
@@ -152,7 +153,8 @@ impl SceneScale {
         body
     }
 
-    /// A thing that stands about: where it would stand, as high as there is room, and as thick as it is, or half of that.
+    /// Maps a clutter object to this scene: scaled in position and height, and in thickness by at least half the scale of the
+    /// object.
     pub(crate) fn clutter(&self, mut body: RecipeBody) -> RecipeBody {
         if self.is_of_the_paper() {
             return body;
@@ -175,22 +177,22 @@ impl SceneScale {
     }
 }
 
-/// To a hundredth: that a robot is a little longer changes no scene.
+/// Rounds a scale down to a hundredth, so that a slightly longer robot changes no scene.
 fn rounded(scale: f64) -> f64 {
     ((scale * 100.0).floor() / 100.0).max(0.01)
 }
 
-/// No scene is smaller.
+/// Minimum scale.
 const LEAST: f64 = 0.01;
 
-/// Where the base of a robot can go.
+/// Mobility of the base of a robot.
 enum Drive {
     Nowhere,
     OnFloor,
     Anywhere,
 }
 
-/// What moves a robot as a whole: the joints before the first link with a body.
+/// Base of a robot: the joints before the first link with a collision body.
 struct Base {
     drive: Drive,
     joints: Vec<usize>,
@@ -219,7 +221,7 @@ impl Base {
         Self { drive, joints: movers.iter().map(|mover| mover.joint).collect() }
     }
 
-    /// How far ahead of the axis through the root the base itself is, in metres.
+    /// Returns the extent of the base ahead of the axis through the root, in metres.
     fn ahead_m(&self, robot: &Robot) -> f64 {
         let frames = robot.frames();
         let is_base =
@@ -237,11 +239,11 @@ impl Base {
     }
 }
 
-/// Where the tip of a robot gets while what slides of its base stays, from many drawn configurations.
+/// Positions of the tip for many random configurations in which the prismatic base joints are held.
 struct Workspace {
-    /// How far from the axis through its root, in metres.
+    /// Maximum distance from the axis through the root, in metres.
     reach_m: f64,
-    /// Where it is when it is ahead, in its root frame.
+    /// Tip positions ahead of the robot, in its root frame.
     ahead: Vec<Vector>,
 }
 
@@ -268,13 +270,13 @@ impl Workspace {
         Self { reach_m, ahead }
     }
 
-    /// How the scenes of a robot that stands are shifted to its side and up: see [`SceneScale::shift_m`].
+    /// Returns the lateral and vertical shift of the scenes of a stationary robot; see [`SceneScale::shift_m`].
     fn shift_m(&self, floor_m: f64) -> [f64; 3] {
-        /// An arm so little beside its root is before it, in metres.
+        /// Lateral offset below which an arm counts as mounted in the middle, in metres.
         const BESIDE_M: f64 = 0.1;
-        /// Whose tip is seldom lower than this share of what it reaches comes to little on the ground.
+        /// If the tip is seldom lower than this share of its reach, the arm reaches too little at ground level.
         const HIGH: f64 = 0.4;
-        // The value that one of so many is below.
+        // Value below which a fraction `1 / one_of` of the positions lies.
         let quantile = |axis: usize, one_of: usize| {
             let mut values: Vec<f64> = self.ahead.iter().map(|tip| tip[axis]).collect();
             values.sort_by(f64::total_cmp);
@@ -287,7 +289,7 @@ impl Workspace {
     }
 }
 
-/// How far ahead of its root any part of a robot is where it starts, in metres.
+/// Returns the extent of a robot ahead of its root at its start, in metres.
 fn start_ahead_m(robot: &Robot) -> f64 {
     let near_zero = || robot.limits().iter().map(|limits| limits.clamp(0.0)).collect::<Vec<f64>>();
     let frames = robot.frames_at(&robot.default_start().map_or_else(near_zero, <[f64]>::to_vec));
@@ -305,10 +307,10 @@ fn start_ahead_m(robot: &Robot) -> f64 {
 }
 
 impl Family {
-    /// The value, if the dial goes so far in a scene of that scale.
+    /// Returns `value` if it is within the range of the parameter in a scene of that scale.
     ///
     /// # Errors
-    /// [`FamilyError::Parameter`].
+    /// [`FamilyError::Parameter`] otherwise.
     pub fn checked(self, value: f64, scale: &SceneScale) -> Result<f64, ScenarioError> {
         let [low, high] = self.range_m().map(|end| end * scale.of_dial(self));
         if (low..=high).contains(&value) {

@@ -1,4 +1,4 @@
-//! Large sets of random scenarios, each checked to be sound.
+//! Large sets of random scenarios, each checked for soundness.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -19,38 +19,38 @@ use crate::{
     RecipeRobot, RecipeShape, ScenarioError, SceneScale,
 };
 
-/// What the scenarios of a set may be like.
+/// Settings of a set of scenarios.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SetSettings {
-    /// Between which values of the dial, in metres. Default: the family's usual range, in the scale of the scene.
+    /// Range of the difficulty parameter, in metres. Default: the usual range of the family, in the scale of the scene.
     pub parameter_m: [f64; 2],
-    /// How much smaller than the paper's the scenes are. Default: as it suits the robot.
+    /// Scale of the scenes relative to the paper's. Default: as suits the robot.
     pub scale: SceneScale,
-    /// What the arm must be able to do. Default: nothing for the paper's own robot, for which the environments were made,
-    /// to hold a grasp for the other built-in ones, to get there for a robot of one's own.
+    /// Required capability of the arm. Default: nothing for the paper's robot, for which the environments were designed;
+    /// holding a grasp for the other built-in robots; reaching a grasp for a user's robot.
     pub demand: ArmDemand,
-    /// At most so many things stand about; how many is drawn. Default 3.
+    /// Maximum number of clutter objects; the actual number is random. Default 3.
     pub most_clutter: usize,
-    /// Seed of all randomness.
+    /// Random seed.
     pub seed: u64,
 }
 
-/// What the arm must be able to do in the scenarios of a set.
+/// Required capability of the arm in the scenarios of a set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ArmDemand {
-    /// Nothing is asked.
+    /// No requirement.
     Nothing,
-    /// To hold the object at one of the grasps, free of collision, as far as some attempts at some of them show.
+    /// Holding the object at one of the grasps, free of collision, as far as some attempts at some grasps can show.
     Hold,
-    /// That a short search ([`ReachTest`]) finds a way to a grasp. Scenarios of which only this is known favour its planner.
+    /// Reaching a grasp by a short search ([`ReachTest`]). Scenarios selected by this test alone favour its planner.
     Reach,
 }
 
 impl SetSettings {
-    /// The defaults of a family, for a robot.
+    /// Returns the defaults of a family, for a robot.
     pub fn new(family: Family, robot: &RecipeRobot, seed: u64) -> Self {
         let opening_m = robot.robot.hand().map_or(0.0, |hand| hand.description.opening_m);
-        // For the paper's robot the scenes were made.
+        // The scenes were designed for the paper's robot.
         let is_papers = robot.named == BUILTIN_ROBOTS[0].name;
         let scale =
             if is_papers { SceneScale::PAPER } else { SceneScale::of(&robot.robot, family, opening_m) };
@@ -65,7 +65,7 @@ impl SetSettings {
 }
 
 impl SetSettings {
-    /// The same in scenes that are `scene` times as large as the paper's, from 0, excluded, to 1.
+    /// Returns the settings for scenes that are `scene` times as large as the paper's, from 0, excluded, to 1.
     #[must_use]
     pub fn scaled(self, family: Family, scene: f64) -> Self {
         let parameter_m = family.usual_range_m().map(|end| end * scene);
@@ -73,39 +73,39 @@ impl SetSettings {
     }
 }
 
-/// One scenario of a set.
+/// Scenario of a set.
 #[derive(Clone, Debug)]
 pub struct SetMember {
     /// The scenario.
     pub recipe: Recipe,
-    /// The value of its dial, in metres.
+    /// Value of its difficulty parameter, in metres.
     pub parameter_m: f64,
-    /// Where its object lies.
+    /// Placement of its object.
     pub placement: Placement,
-    /// How many things stand about.
+    /// Number of clutter objects.
     pub clutter: usize,
 }
 
-/// Why draws were not sound, and how many each.
+/// Numbers of rejected draws, by reason.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Rejections {
-    /// The object, or a thing that stands about, touches something else than what it stands on.
+    /// The object or a clutter object touches something other than its support.
     pub things_overlap: usize,
-    /// The robot touches something where it starts.
+    /// The robot is in collision at its start.
     pub start_collides: usize,
-    /// The hand can take no grasp.
+    /// No grasp is collision-free for the hand.
     pub no_free_grasp: usize,
-    /// The arm comes to no grasp.
+    /// The arm reaches no grasp.
     pub out_of_reach: usize,
 }
 
 impl Rejections {
-    /// All of them.
+    /// Returns the number of all rejections.
     pub fn total(&self) -> usize {
         self.things_overlap + self.start_collides + self.no_free_grasp + self.out_of_reach
     }
 
-    /// Both together.
+    /// Returns the sum of both, by reason.
     #[must_use]
     pub fn plus(self, other: Self) -> Self {
         Self {
@@ -117,26 +117,27 @@ impl Rejections {
     }
 }
 
-/// Whether a short search finds a way to a grasp of a problem; a fault is a message.
+/// Returns true if a short search finds a path to a grasp of a problem; an error is a message.
 pub type ReachTest = fn(&Problem) -> Result<bool, String>;
 
-/// Draws scenarios of one family.
+/// Generator of random scenarios of one family.
 #[derive(Clone, Debug)]
 pub struct SetMaker {
     maker: FamilyMaker,
     settings: SetSettings,
     start: StartPose,
-    /// Of the robot, unless it is built in.
+    /// Files of the robot, unless it is built in.
     files: Option<Arc<RobotFiles>>,
     is_reached: ReachTest,
 }
 
-/// After so many draws without a sound one a member is given up: then hardly any is sound.
+/// Number of rejected draws after which a member is given up: then hardly any draw is sound.
 const MOST_DRAWS: usize = 200;
 
 impl SetMaker {
     /// # Errors
-    /// [`FamilyError::Parameter`](crate::FamilyError::Parameter) for a range beyond the dial's; as [`FamilyMaker::new`].
+    /// [`FamilyError::Parameter`](crate::FamilyError::Parameter) for a range that exceeds that of the parameter; as
+    /// [`FamilyMaker::new`].
     pub fn new(
         family: Family,
         robot: RecipeRobot,
@@ -151,21 +152,21 @@ impl SetMaker {
         Ok(Self { maker, settings, start, files: robot.files, is_reached })
     }
 
-    /// Writes the files of the robot once for all scenarios of a set, into its folder.
+    /// Writes the files of the robot into its folder, once for all scenarios of a set.
     pub(crate) fn write_robot(&self, folder: &Path) -> Result<(), ScenarioError> {
         self.files.as_ref().map_or(Ok(()), |files| write_robot(&folder.join(ROBOT), files))
     }
 
-    /// Who makes its scenarios.
+    /// Returns the maker of its scenarios.
     pub fn family(&self) -> &FamilyMaker {
         &self.maker
     }
 
-    /// What is unsound about a recipe, if anything: the start touches something, or no grasp is free. That
-    /// the robot does not touch itself at the start is the same for all.
+    /// Returns the reason why a recipe is unsound, if it is: the start is in collision, or no grasp is collision-free.
+    /// Self-collision at the start does not depend on the recipe.
     ///
     /// # Errors
-    /// [`ScenarioError`] for a shape that is none.
+    /// [`ScenarioError`] for an invalid shape.
     pub fn rejection(&self, recipe: &Recipe) -> Result<Option<Rejections>, ScenarioError> {
         let one = Rejections::default();
         Ok(if self.start.touches(&recipe.world()?) {
@@ -179,11 +180,11 @@ impl SetMaker {
         })
     }
 
-    /// The member `index` of the set, the first sound draw of its own random stream, and the draws that were
-    /// not. Members do not depend on each other, so they may be made in any order, by any number of threads.
+    /// Returns member `index` of the set, the first sound draw of its own random stream, and the rejected draws. Members do not
+    /// depend on each other, so they can be generated in any order and by any number of threads.
     ///
     /// # Errors
-    /// None on a sound build.
+    /// None unless the built-in files are broken.
     pub fn member(&self, index: u64) -> Result<(Option<SetMember>, Rejections), ScenarioError> {
         let mut random = Stream::new(self.settings.seed, index);
         let mut rejected = Rejections::default();
@@ -228,7 +229,7 @@ impl SetMaker {
         let region = family.clutter_region();
         let clutter_of = |index: usize, random: &mut Stream| scale.clutter(thing(index, &region, random));
         let clutter: Vec<RecipeBody> = (0..count).map(|index| clutter_of(index, random)).collect();
-        // Cheap checks first.
+        // Cheap checks come first.
         let bare = self.maker.scenario_without_grasps(parameter_m, &placement)?;
         let planning_from_scene = self.maker.robot().planning_from_scene();
         let placed = |body: &RecipeBody| body.body(&planning_from_scene);
@@ -251,9 +252,9 @@ impl SetMaker {
     }
 }
 
-/// Whether the arm can hold the object at one of the grasps, as far as some attempts at some of them show.
+/// Returns true if the arm can hold the object at one of the grasps, as far as some attempts at some grasps show.
 fn is_held(recipe: &Recipe) -> Result<bool, ScenarioError> {
-    /// So many grasps, from the best score down, are tried in turns until one is held.
+    /// Number of grasps tried per turn, by descending score; the turns end when one is held.
     const IN_TURN: usize = 20;
     const TURNS: usize = 3;
     let settings = IkAnnotationSettings { attempts: 400, ..IkAnnotationSettings::default() };
@@ -270,9 +271,9 @@ fn is_held(recipe: &Recipe) -> Result<bool, ScenarioError> {
     Ok(false)
 }
 
-/// Whether a thing touches none of the others but what it stands on, which it may.
+/// Returns true if a body touches none of the others except its support, which it may touch.
 fn stands_free(thing: &Body, others: &[Body]) -> bool {
-    /// So far above its ground it is asked, in metres.
+    /// Height above its support at which the body is checked, in metres.
     const LIFT_M: f64 = 1e-3;
     let lift = Pose::translation(0.0, 0.0, LIFT_M);
     thing.parts.iter().all(|own| {
@@ -284,15 +285,15 @@ fn stands_free(thing: &Body, others: &[Body]) -> bool {
     })
 }
 
-/// A box or a cylinder, upright, turned at random, somewhere in the region.
+/// Returns an upright box or cylinder with random size, yaw and position in the region.
 fn thing(index: usize, region: &Region, random: &mut Stream) -> RecipeBody {
     let x_m = random.uniform_between(region.across_m[0], region.across_m[1]);
     let y_m = random.uniform_between(region.away_m[0], region.away_m[1]);
     let yaw_rad = random.uniform_between(0.0, std::f64::consts::TAU);
-    /// Smaller things hide nothing.
+    /// Minimum height, in metres; smaller objects occlude nothing.
     const SHORTEST_M: f64 = 0.05;
     let height_m = random.uniform_between(SHORTEST_M, region.tallest_m);
-    // From a mug to a large carton of milk, in metres.
+    // Sizes range from a mug to a large milk carton, in metres.
     let shape = if random.uniform() < 0.5 {
         let side = |random: &mut Stream| random.uniform_between(0.04, 0.12);
         RecipeShape::Cuboid(Vector::new(side(random), side(random), height_m))
@@ -304,11 +305,11 @@ fn thing(index: usize, region: &Region, random: &mut Stream) -> RecipeBody {
     RecipeBody::new(&format!("clutter {}", index + 1), Pose::from_parts(middle.into(), turn), shape)
 }
 
-/// The solids of the robot where it starts, in the planning frame.
+/// Solids of the robot at its start, in the planning frame.
 #[derive(Clone, Debug)]
 struct StartPose {
     placed: Vec<(Pose, Solid)>,
-    /// Those that no joint moves, which may touch the floor they stand on.
+    /// Solids that no joint moves; they may touch the floor.
     standing: Vec<(Pose, Solid)>,
 }
 

@@ -1,4 +1,4 @@
-//! Sets of scenarios on disk: a folder for each, and `index.csv`.
+//! Sets of scenarios on disk: a folder for each scenario, and `index.csv`.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -10,26 +10,26 @@ use crate::{
     Placement, Rejections, ScenarioError, SetMaker, SetMember, write_whole_file, write_whole_folder,
 };
 
-/// What became of a set.
+/// Result of writing a set.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct SetReport {
-    /// The folders that were written, by their names, in order.
+    /// Names of the folders that were written, in order.
     pub written: Vec<String>,
-    /// The draws that were not sound.
+    /// Rejected draws.
     pub rejected: Rejections,
-    /// Members that were given up because hardly any draw was sound, or because the set was stopped.
+    /// Number of members that were given up because hardly any draw was sound or because the set was stopped.
     pub missing: usize,
 }
 
-/// Who watches a set grow.
+/// Progress callback and stop flag of a set.
 pub struct SetProgress<'a> {
-    /// Called once for each member that is done, from any thread.
+    /// Called once for each finished member, from any thread.
     pub done: &'a (dyn Fn() + Sync),
-    /// The set ends early where this becomes true.
+    /// The set ends early when this becomes true.
     pub stop: &'a AtomicBool,
 }
 
-/// One line of the index.
+/// Line of the index.
 struct Line {
     id: String,
     parameter_m: f64,
@@ -38,8 +38,8 @@ struct Line {
     grasps: usize,
 }
 
-/// Writes `count` random scenarios below `folder`, which must not be there, as `<family>-<index>`. The files are
-/// the same whatever the number of threads.
+/// Writes `count` random scenarios below `folder`, which must not exist, as `<family>-<index>`. The files do not depend on the
+/// number of threads.
 ///
 /// # Errors
 /// [`ScenarioError::Exists`], [`ScenarioError::Unwritable`].
@@ -62,12 +62,12 @@ pub fn write_set(
     })
 }
 
-/// Writes `steps` scenarios from one value of the dial (m) to another, both included, with the object where
-/// the paper has it, below `folder`, which must not be there, as `<family>-<value>`.
+/// Writes `steps` scenarios with parameter values (m) from `from_m` to `to_m`, both included, and with the object placed as in
+/// the paper, below `folder`, which must not exist, as `<family>-<value>`.
 ///
 /// # Errors
-/// [`FamilyError::Parameter`](crate::FamilyError::Parameter) for a value beyond the dial's range, [`ScenarioError::Exists`],
-/// [`ScenarioError::Unwritable`].
+/// [`FamilyError::Parameter`](crate::FamilyError::Parameter) for a value outside the range of the parameter,
+/// [`ScenarioError::Exists`], [`ScenarioError::Unwritable`].
 pub fn write_sweep(
     maker: &SetMaker,
     folder: &Path,

@@ -1,8 +1,7 @@
-//! Files and folders that come into being as a whole or not at all.
+//! Files and folders that are written atomically.
 //!
-//! Everything is written beside its place under a hidden name (`.NAME.PID.partial`) and renamed when it is
-//! complete. Whatever fails before that (a full disk, a quota) leaves nothing behind, and what stood there before
-//! as it was.
+//! All content is written next to its destination under a hidden name (`.NAME.PID.partial`) and renamed when it is complete. A
+//! failure before that (a full disk, a quota) leaves nothing behind and does not change what existed there.
 
 use std::fs::{self, File};
 use std::io::Write as _;
@@ -10,10 +9,10 @@ use std::path::{Path, PathBuf};
 
 use crate::ScenarioError;
 
-/// Writes a file as a whole or not at all. What a link leads to is replaced, and the link stays.
+/// Writes a file atomically. If `path` is a link, its target is replaced and the link stays.
 ///
 /// # Errors
-/// [`ScenarioError::Unwritable`]: also for a folder, a device, and a file that is read-only.
+/// [`ScenarioError::Unwritable`], also for a folder, a device, and a read-only file.
 pub fn write_whole_file(path: &Path, content: &[u8]) -> Result<(), ScenarioError> {
     let unwritable = |reason| ScenarioError::Unwritable { path: path.to_owned(), reason };
     let place = place_of(path).map_err(unwritable)?;
@@ -25,13 +24,13 @@ pub fn write_whole_file(path: &Path, content: &[u8]) -> Result<(), ScenarioError
         })
         .and_then(|()| fs::rename(&partial, &place));
     written.map_err(|reason| {
-        // The rest of a failed attempt; that it cannot be removed is no second fault.
+        // Removes the remainder of a failed attempt; a failure to remove it is not reported.
         let _ = fs::remove_file(&partial);
         unwritable(reason)
     })
 }
 
-/// Whether a file could be written there, found out without touching what stands there.
+/// Checks that a file can be written at `path`, without touching an existing file.
 ///
 /// # Errors
 /// As [`write_whole_file`].
@@ -41,7 +40,7 @@ pub fn check_writable(path: &Path) -> Result<(), ScenarioError> {
     File::create(&partial).and_then(|_| fs::remove_file(&partial)).map_err(unwritable)
 }
 
-/// Whether a folder could be made there: there is nothing yet, or a folder with nothing in it.
+/// Checks that a folder can be created at `place`: it does not exist, or is an empty folder.
 ///
 /// # Errors
 /// [`ScenarioError::Exists`], [`ScenarioError::Unreadable`].
@@ -51,7 +50,7 @@ pub fn check_free_folder(place: &Path) -> Result<(), ScenarioError> {
         Ok(found) => found.is_dir() && fs::read_dir(place).map_err(unreadable)?.next().is_none(),
         Err(reason) => reason.kind() == std::io::ErrorKind::NotFound,
     };
-    // What has no name of its own (`.`) has nothing beside it.
+    // A path without a name of its own (`.`) has no siblings.
     if is_free && place.file_name().is_some() {
         Ok(())
     } else {
@@ -59,8 +58,8 @@ pub fn check_free_folder(place: &Path) -> Result<(), ScenarioError> {
     }
 }
 
-/// Makes a folder, and those above it that are not there, with all that `fill` writes to the folder that it is
-/// given; or nothing, where that fails.
+/// Creates a folder and its missing parents, with everything that `fill` writes to the folder passed to it; creates nothing if
+/// that fails.
 ///
 /// # Errors
 /// As [`check_free_folder`], [`ScenarioError::Unwritable`], and those of `fill`.
@@ -70,9 +69,9 @@ pub fn write_whole_folder<T>(
 ) -> Result<T, ScenarioError> {
     let unwritable = |reason| ScenarioError::Unwritable { path: place.to_owned(), reason };
     check_free_folder(place)?;
-    // `a/b/` is `a/b`, also where a name beside it is made of it.
+    // `a/b/` is treated as `a/b`, also when a sibling name is derived from it.
     let place: PathBuf = place.components().collect();
-    // The topmost folder that is new: all below it appears with it.
+    // The topmost new folder: all folders below it appear with it.
     let is_new = |path: &&Path| !path.as_os_str().is_empty() && !path.exists();
     let top = place.ancestors().take_while(is_new).last().unwrap_or(&place);
     let partial = partial_of(top);
@@ -82,13 +81,13 @@ pub fn write_whole_folder<T>(
         .and_then(|()| fill(&inside))
         .and_then(|filled| put_in_place(&partial, top).map(|()| filled).map_err(unwritable));
     written.map_err(|fault| {
-        // As for a file.
+        // The remainder is removed as for a file.
         let _ = fs::remove_dir_all(&partial);
         moved(fault, &inside, &place)
     })
 }
 
-/// Renames a folder to where nothing is, or an empty folder, which not every system lets a rename replace.
+/// Renames a folder to a free path, or to an empty folder, which not every system lets a rename replace.
 fn put_in_place(partial: &Path, place: &Path) -> std::io::Result<()> {
     if place.is_dir() {
         fs::remove_dir(place)?;
@@ -96,7 +95,7 @@ fn put_in_place(partial: &Path, place: &Path) -> std::io::Result<()> {
     fs::rename(partial, place)
 }
 
-/// Writes a file of a folder that is not in its place yet, and makes the folders above it.
+/// Writes a file in a folder that is not yet at its destination, and creates the parent folders.
 pub(crate) fn write_into(folder: &Path, name: &str, content: impl AsRef<[u8]>) -> Result<(), ScenarioError> {
     let path = folder.join(name);
     let written =
@@ -104,7 +103,7 @@ pub(crate) fn write_into(folder: &Path, name: &str, content: impl AsRef<[u8]>) -
     written.map_err(|reason| ScenarioError::Unwritable { path, reason })
 }
 
-/// The fault, said of the place where the file was to be.
+/// Returns the fault with its path mapped to the final destination.
 fn moved(fault: ScenarioError, from: &Path, to: &Path) -> ScenarioError {
     let place = |path: PathBuf| path.strip_prefix(from).map(|below| to.join(below)).unwrap_or(path);
     match fault {
@@ -113,7 +112,7 @@ fn moved(fault: ScenarioError, from: &Path, to: &Path) -> ScenarioError {
     }
 }
 
-/// Where the bytes of a file go: itself, or what a link leads to.
+/// Returns the path to which the content of a file is written: the file itself, or the target of a link.
 fn place_of(path: &Path) -> std::io::Result<PathBuf> {
     use std::io::ErrorKind::{IsADirectory, NotFound};
     match fs::symlink_metadata(path) {
@@ -161,7 +160,7 @@ mod tests {
             fs::write(folder.join("half"), "written").unwrap();
             write_whole_file(&folder.join("no/such/folder"), b"")
         });
-        // It names where the file was to be, not where it was being made.
+        // The message names the destination, not the temporary folder.
         assert!(fault.unwrap_err().to_string().contains("a/b/c/no/such/folder"));
         assert_eq!(names(root.path()), Vec::<String>::new());
         write_whole_folder(&place, |folder| write_whole_file(&folder.join("whole"), b"x")).unwrap();
@@ -180,7 +179,7 @@ mod tests {
         assert_eq!((names(root.path()), names(&place)), (vec!["empty".into()], vec!["whole".into()]));
     }
 
-    /// `-o /dev/sda` must not end as a file there, and a results page behind a link stays behind it.
+    /// `-o /dev/sda` must not replace the device by a file, and a results page behind a link stays there.
     #[cfg(unix)]
     #[test]
     fn links_are_followed_to_files_and_nowhere_else() {

@@ -5,21 +5,21 @@ use cranny_file::{TABLE, excerpt};
 use crate::ScenarioError;
 use crate::files::yaml;
 
-/// The numbers of a file of comma-separated ones, line after line.
+/// Reads the comma-separated numbers of a file, line by line.
 pub(crate) fn read(path: &Path) -> Result<Vec<f64>, ScenarioError> {
     let rows = parse(path, &yaml::text(TABLE, path)?, |_| Ok(()))?;
     Ok(rows.into_iter().flatten().collect())
 }
 
-/// The configurations of a file, one a line, each of `dof` values (m, rad); there may be none. The file may be a pipe.
+/// Reads the configurations of a file, one per line, each of `dof` values (m, rad); the file may be empty, and may be a pipe.
 ///
 /// # Errors
-/// [`ScenarioError`] with file and line for a wrong count or what is no finite number.
+/// [`ScenarioError`] with file and line for a wrong count or a value that is not a finite number.
 pub fn read_configurations(path: &Path, dof: usize) -> Result<Vec<Vec<f64>>, ScenarioError> {
     parse_configurations(path, &yaml::text(TABLE.argument(), path)?, dof)
 }
 
-/// The same of a text; errors name `path`.
+/// Parses configurations of `dof` values (m, rad) from a text; errors name `path`.
 pub(crate) fn parse_configurations(
     path: &Path,
     text: &str,
@@ -28,7 +28,7 @@ pub(crate) fn parse_configurations(
     parse(path, text, |actual| if actual == dof { Ok(()) } else { Err(dof) })
 }
 
-/// What is wrong with a line by itself.
+/// Returns the fault of a single line, if it has one.
 pub(crate) fn fault_of_line(
     path: &Path,
     index: usize,
@@ -39,8 +39,8 @@ pub(crate) fn fault_of_line(
     parse_line(path, index, line, check).err()
 }
 
-/// The lines of a text but the blank ones. `check` says how many numbers a line must have if it has not; a line
-/// is not read before that.
+/// Parses the non-blank lines of a text. `check` receives the count of numbers of a line before they are parsed, and returns
+/// the expected count if it differs.
 fn parse(
     path: &Path,
     text: &str,

@@ -9,22 +9,22 @@ use serde::de::DeserializeOwned;
 use crate::ScenarioError;
 use crate::object::object_type::check_number;
 
-/// What a YAML file says that a scenario names, or that lies in its folder.
+/// Reads a YAML file that a scenario names or that is in its folder.
 pub(crate) fn read<T: DeserializeOwned>(path: &Path) -> Result<T, ScenarioError> {
     parse(path, &text(TEXT, path)?)
 }
 
-/// The same of a file that a person names.
+/// Reads a YAML file that the user names.
 pub(crate) fn read_argument<T: DeserializeOwned>(path: &Path) -> Result<T, ScenarioError> {
     parse(path, &text(TEXT.argument(), path)?)
 }
 
-/// The text of a file of some kind.
+/// Reads the text of a file of some kind.
 pub(crate) fn text(kind: Readable, path: &Path) -> Result<String, ScenarioError> {
     kind.text(path).map_err(|reason| ScenarioError::Unreadable { path: path.to_owned(), reason })
 }
 
-/// What a YAML text says; errors name `path`.
+/// Parses a YAML text; errors name `path`.
 pub(crate) fn parse<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T, ScenarioError> {
     if text.trim().is_empty() {
         return Err(ScenarioError::Empty { path: path.to_owned() });
@@ -32,12 +32,12 @@ pub(crate) fn parse<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T, S
     cranny_file::yaml(text).map_err(|reason| ScenarioError::Yaml { at: line(path, reason.line), reason })
 }
 
-/// A place in a YAML file, as errors name it.
+/// Returns a location in a YAML file, as errors report it.
 pub(crate) fn at(path: &Path, location: serde_saphyr::Location) -> Location {
     line(path, usize::try_from(location.line()).unwrap_or(0).max(1))
 }
 
-/// A number of a file, if it is finite.
+/// Returns a number of a file if it is finite.
 pub(crate) fn finite(
     path: &Path,
     number: f64,
@@ -47,7 +47,7 @@ pub(crate) fn finite(
     number.is_finite().then_some(number).ok_or_else(fault)
 }
 
-/// A number of a file that describes an object, if it is positive and finite.
+/// Returns a number of a file that describes an object if it is positive and finite.
 pub(crate) fn positive(
     path: &Path,
     what: &'static str,
@@ -60,7 +60,7 @@ pub(crate) fn positive(
     Ok(number)
 }
 
-/// The rotation of a quaternion (x, y, z, w) of unit length.
+/// Returns the rotation of a unit quaternion (x, y, z, w).
 pub(crate) fn rotation(
     path: &Path,
     quaternion: [f64; 4],
@@ -69,12 +69,12 @@ pub(crate) fn rotation(
     rotation_at(at(path, location), quaternion)
 }
 
-/// The rotation of a quaternion (x, y, z, w) of unit length that stands at `at`.
+/// Returns the rotation of the unit quaternion (x, y, z, w) at location `at`.
 pub(crate) fn rotation_at(at: Location, quaternion: [f64; 4]) -> Result<Rotation, ScenarioError> {
     rotation_from_xyzw(quaternion).map_err(|norm| ScenarioError::Quaternion { at, norm })
 }
 
-/// A line of a file, from 1, as errors name it.
+/// Returns the location of a line of a file, counted from 1, as errors report it.
 pub(crate) fn line(path: &Path, line: usize) -> Location {
     Location { file: path.display().to_string(), line: u32::try_from(line).unwrap_or(u32::MAX) }
 }

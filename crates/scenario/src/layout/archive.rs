@@ -1,5 +1,5 @@
-//! Scenarios in one file: a zip archive of the folder with `manifest.json`, which names author, licence and
-//! citation and gives the SHA-256 of every other file.
+//! Scenarios in one file: a zip archive of the folder with `manifest.json`, which contains author, licence and citation and the
+//! SHA-256 of every other file.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -25,17 +25,17 @@ use crate::{
 
 const MANIFEST: &str = "manifest.json";
 
-/// The version of the manifest that is written and read.
+/// Version of the manifest that is written and read.
 const VERSION: u32 = 1;
 
-/// Who made a scenario, and how it may be used; what is missing is taken from `about` of `scenario.yaml`.
+/// Author, licence and citation of a scenario; missing entries are taken from `about` of `scenario.yaml`.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Credits {
-    /// Who made it.
+    /// Author of the scenario.
     pub author: Option<String>,
-    /// An SPDX expression, such as `CC-BY-4.0`.
+    /// SPDX expression, such as `CC-BY-4.0`.
     pub licence: Option<String>,
-    /// How it wants to be cited.
+    /// Requested citation.
     pub citation: Option<String>,
 }
 
@@ -51,19 +51,19 @@ struct Manifest {
     files: BTreeMap<String, String>,
 }
 
-/// Packs the folder of a scenario in Cranny's own layout: every file below it but hidden ones and plans. The
-/// same folder gives the same bytes. A robot from outside the folder comes along in `robot/`, where the packed
-/// `scenario.yaml` then finds it. The archive is opened before it is written, so that one that needs other files
-/// from elsewhere is never made.
+/// Packs the folder of a scenario in Cranny's layout: every file in it except hidden ones and plans. The archive is
+/// reproducible: the same folder gives the same bytes. A robot from outside the folder is included in `robot/`, and the packed
+/// `scenario.yaml` refers to it. The archive is test-opened before it is written, so an archive that depends on other files is
+/// never created.
 ///
 /// # Errors
-/// [`ScenarioError`] for a folder that does not open, also alone; [`ScenarioError::Content`] for a link in it.
+/// [`ScenarioError`] for a folder that does not open, also by itself; [`ScenarioError::Content`] for a link in it.
 pub fn pack(folder: &Path, archive: &Path, credits: &Credits) -> Result<Vec<String>, ScenarioError> {
     let path = folder.join(own::FILE);
     if !path.is_file() {
         return Err(ScenarioError::NoScenarioFile { folder: folder.to_owned() });
     }
-    // What is wrong with it anyway is said of the files that are there.
+    // Faults of the scenario itself are reported for the original files.
     own::open(folder, &OpenOptions::default())?;
     let file: ScenarioFile = yaml::read(&path)?;
     let id = scenario::id_of(folder);
@@ -75,7 +75,7 @@ pub fn pack(folder: &Path, archive: &Path, credits: &Credits) -> Result<Vec<Stri
     }
     unpacked::check_names(contents.keys().map(String::as_str)).map_err(|problem| fault(folder, problem))?;
     open_alone(&id, &contents).map_err(|reason| {
-        // That it could not be tried is no fault of the scenario.
+        // A failure to try it is not a fault of the scenario.
         if matches!(reason, ScenarioError::Unwritable { .. }) {
             reason
         } else {
@@ -94,25 +94,24 @@ pub fn pack(folder: &Path, archive: &Path, credits: &Credits) -> Result<Vec<Stri
         id,
     };
     let bytes = zipped(&manifest, &contents).map_err(|reason| fault(archive, reason.to_string()))?;
-    // What could not be unpacked again is not packed.
+    // An archive that could not be unpacked again is not written.
     let whole = contents.values().map(|content| content.len() as u64).sum();
     unpacked::check_size(whole, bytes.len() as u64).map_err(|problem| fault(archive, problem))?;
     write_whole_file(archive, &bytes)?;
     Ok(contents.into_keys().collect())
 }
 
-/// Unpacks an archive into `folder`, which must not be there or be empty, checksums verified.
+/// Unpacks an archive into `folder`, which must not exist or must be empty, and verifies the checksums.
 ///
 /// # Errors
-/// [`ScenarioError::Content`] for a broken archive, a path that leaves the folder, a wrong checksum;
-/// [`ScenarioError::Exists`].
+/// [`ScenarioError::Content`] for a broken archive, a path outside the folder, or a wrong checksum; [`ScenarioError::Exists`].
 pub fn unpack(archive: &Path, folder: &Path) -> Result<Vec<String>, ScenarioError> {
     let contents = read(archive, &bytes_of(archive)?)?;
     write_whole_folder(folder, |folder| write_all(folder, &contents))?;
     Ok(contents.into_keys().collect())
 }
 
-/// Whether the files make a scenario by themselves, in a folder of their own.
+/// Checks that the files form a complete scenario in a folder of their own.
 fn open_alone(id: &str, contents: &BTreeMap<String, Vec<u8>>) -> Result<(), ScenarioError> {
     let unwritable = |reason| ScenarioError::Unwritable { path: std::env::temp_dir(), reason };
     let root = tempfile::tempdir().map_err(unwritable)?;
@@ -121,7 +120,7 @@ fn open_alone(id: &str, contents: &BTreeMap<String, Vec<u8>>) -> Result<(), Scen
     Scenario::open(&folder.to_string_lossy(), &OpenOptions::default()).map(|_| ())
 }
 
-/// Puts the robot's files among those of the scenario, whose `scenario.yaml` then names them.
+/// Adds the files of the robot to those of the scenario, and makes `scenario.yaml` refer to them.
 fn bring_robot(
     file: &ScenarioFile,
     folder: &Path,
@@ -139,7 +138,7 @@ fn bring_robot(
     Ok(())
 }
 
-/// An archive in a folder of its own, which goes with it.
+/// Temporary folder with the content of an archive; it is removed on drop.
 pub(crate) struct Unpacked {
     root: tempfile::TempDir,
     id: String,
@@ -176,7 +175,7 @@ fn checksum(bytes: &[u8]) -> String {
     hexadecimal(&Sha256::digest(bytes))
 }
 
-/// Two digits for each byte.
+/// Returns two hexadecimal digits per byte.
 pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
     let mut text = String::new();
     for byte in bytes {
@@ -185,19 +184,19 @@ pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
     text
 }
 
-/// The files of a packed scenario by their path, checksums verified.
+/// Returns the files of a packed scenario by path, with verified checksums.
 pub(crate) fn contents_of_archive(archive: &Path) -> Result<BTreeMap<String, Vec<u8>>, ScenarioError> {
     read(archive, &bytes_of(archive)?)
 }
 
-/// The files of a folder by their path, as they would be packed.
+/// Returns the files of a folder by path, as they would be packed.
 pub(crate) fn contents_of_folder(folder: &Path) -> Result<BTreeMap<String, Vec<u8>>, ScenarioError> {
     let mut contents = BTreeMap::new();
     collect(folder, "", &mut contents)?;
     Ok(contents)
 }
 
-/// The files below `folder`, by their path with slashes.
+/// Collects the files below `folder` by path, with slashes.
 fn collect(
     folder: &Path,
     prefix: &str,
@@ -226,7 +225,7 @@ fn collect(
 }
 
 fn zipped(manifest: &Manifest, contents: &BTreeMap<String, Vec<u8>>) -> zip::result::ZipResult<Vec<u8>> {
-    // One time for all, or the same folder would not give the same bytes.
+    // All files have the same time stamp; otherwise the same folder would not give the same bytes.
     let options = SimpleFileOptions::default()
         .compression_method(CompressionMethod::Deflated)
         .last_modified_time(DateTime::default())
@@ -242,7 +241,7 @@ fn zipped(manifest: &Manifest, contents: &BTreeMap<String, Vec<u8>>) -> zip::res
     Ok(archive.finish()?.into_inner())
 }
 
-/// The files of an archive but its manifest, which they must agree with.
+/// Returns the files of an archive except the manifest, which they must agree with.
 fn read(path: &Path, bytes: &[u8]) -> Result<BTreeMap<String, Vec<u8>>, ScenarioError> {
     let mut contents = unpacked::contents(path, bytes)?;
     let Some(manifest) = contents.remove(MANIFEST) else {

@@ -1,4 +1,4 @@
-//! What a zip archive holds, read without trust: an archive may come from anywhere.
+//! Reading of untrusted zip archives.
 
 use std::collections::{BTreeMap, HashSet};
 use std::io::{Cursor, Read as _};
@@ -9,22 +9,21 @@ use zip::ZipArchive;
 
 use crate::ScenarioError;
 
-/// An archive that unpacks to more is refused: the largest scenario known to us has 20 MiB, most of it meshes.
+/// Maximum unpacked size of an archive, in bytes: the largest known scenario has 20 MiB, most of it meshes.
 const MOST_BYTES: u64 = 256 << 20;
 
-/// An archive that unpacks to this many times its size is refused: meshes and tables as text shrink to a fourth or
-/// a tenth, an attack to a thousandth.
+/// Maximum ratio of unpacked to packed size: meshes and tables as text shrink to a fourth or a tenth, an attack to a
+/// thousandth.
 const MOST_SHRUNK: u64 = 100;
 
-/// What is smaller than this hurts nobody, however it shrank.
+/// Unpacked size, in bytes, up to which any compression ratio is accepted.
 const SMALL_BYTES: u64 = 16 << 20;
 
-/// The files of an archive by their path. Refused are, before anything is unpacked: names that no scenario needs
-/// (see [`check_names`]), links, more than [`MOST_BYTES`] or [`MOST_SHRUNK`]; while it is unpacked, what is larger
-/// than it says.
+/// Returns the files of an archive by path. Before unpacking, it refuses names that no scenario needs (see [`check_names`]),
+/// links, and more than [`MOST_BYTES`] or [`MOST_SHRUNK`]; while unpacking, files larger than declared.
 pub(crate) fn contents(path: &Path, bytes: &[u8]) -> Result<BTreeMap<String, Vec<u8>>, ScenarioError> {
     let broken = |reason: &dyn std::fmt::Display| {
-        fault(path, format!("is no whole zip archive ({reason}); was it cut short on its way?"))
+        fault(path, format!("is not a complete zip archive ({reason}); was it cut short in transfer?"))
     };
     let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(|reason| broken(&reason))?;
     let directory = usize::try_from(archive.central_directory_start()).unwrap_or(usize::MAX);
@@ -56,14 +55,14 @@ pub(crate) fn contents(path: &Path, bytes: &[u8]) -> Result<BTreeMap<String, Vec
         let read = entry.by_ref().take(size.saturating_add(1)).read_to_end(&mut content);
         read.map_err(|reason| fault(path, format!("'{}' is broken: {reason}", excerpt(&name))))?;
         if content.len() as u64 != size {
-            return Err(fault(path, format!("'{}' is not of the size that it says", excerpt(&name))));
+            return Err(fault(path, format!("'{}' does not have its stated size", excerpt(&name))));
         }
         contents.insert(name, content);
     }
     Ok(contents)
 }
 
-/// Whether an archive of `packed` bytes may unpack to so many.
+/// Checks that an archive of `packed` bytes may unpack to `unpacked` bytes.
 pub(crate) fn check_size(unpacked: u64, packed: u64) -> Result<(), String> {
     if are_limits_lifted() || unpacked <= SMALL_BYTES {
         return Ok(());
@@ -85,8 +84,8 @@ pub(crate) fn check_size(unpacked: u64, packed: u64) -> Result<(), String> {
     Ok(())
 }
 
-/// Whether the files of an archive can be unpacked on any system, each to a place of its own in the folder; else
-/// what is wrong with the first that cannot. Hidden files are never packed, so none is unpacked.
+/// Checks that the files of an archive can be unpacked on any system, each to its own path in the folder; the error describes
+/// the first that cannot. Hidden files are never packed, so they are refused.
 pub(crate) fn check_names<'n>(names: impl Iterator<Item = &'n str>) -> Result<(), String> {
     let mut taken = HashSet::new();
     for name in names {
@@ -117,7 +116,7 @@ pub(crate) fn check_names<'n>(names: impl Iterator<Item = &'n str>) -> Result<()
     Ok(())
 }
 
-/// Names of devices under Windows, with any ending.
+/// Names of devices on Windows, with any extension.
 const DEVICES: [&str; 6] = ["con", "prn", "aux", "nul", "conin$", "conout$"];
 
 fn is_portable(part: &str) -> bool {

@@ -8,22 +8,22 @@ use crate::layout::own;
 use crate::layout::released;
 use crate::{ScenarioError, built_in, scenario};
 
-/// What tells a scenario from any other, wherever its files lie.
+/// Identity of a scenario, independent of the location of its files.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Identity {
-    /// The built-in id, or the name of the folder.
+    /// Built-in id, or name of the folder.
     pub id: String,
-    /// SHA-256 over names and contents of its files, in hexadecimal. A built-in scenario, its folder and its
-    /// packed folder have the same; hidden files and plans do not count.
+    /// SHA-256 of names and contents of its files, in hexadecimal. A built-in scenario, its folder and its packed folder have
+    /// the same value; hidden files and plans do not count.
     pub sha256: String,
 }
 
 impl Identity {
-    /// The identity of the scenario that `what` names, as [`Scenario::open`](crate::Scenario::open) takes it.
-    /// What its files refer to outside its folder (a robot, an object library) is not part of it.
+    /// Returns the identity of the scenario that `what` names, as accepted by [`Scenario::open`](crate::Scenario::open). Files
+    /// outside its folder (a robot, an object library) do not contribute.
     ///
     /// # Errors
-    /// [`ScenarioError`] for what is no scenario; that it can be opened is not looked at.
+    /// [`ScenarioError`] if `what` names no scenario; the scenario is not checked for faults.
     pub fn of(what: &str) -> Result<Self, ScenarioError> {
         let path = Path::new(what);
         if let Some(entry) = built_in().find(|entry| entry.id == what) {
@@ -39,13 +39,13 @@ impl Identity {
         if path.join(own::FILE).is_file() || path.join(released::FILE).is_file() {
             return Ok(Self { id: scenario::id_of(path), sha256: hash(&archive::contents_of_folder(path)?) });
         }
-        // What opening it would say.
+        // The error is the one that opening it would give.
         crate::Scenario::open(what, &crate::OpenOptions::default())
             .map(|scenario| Self { id: scenario.id, sha256: String::new() })
     }
 }
 
-/// Of every file its name, its length and its content, by name.
+/// Hashes name, length and content of every file, ordered by name.
 fn hash(contents: &BTreeMap<String, Vec<u8>>) -> String {
     let mut digest = Sha256::new();
     for (name, content) in contents {

@@ -1,4 +1,4 @@
-//! What is wrong with a scenario in Cranny's own layout, all of it at once.
+//! Complete fault reports of scenarios in Cranny's layout.
 
 use std::collections::HashSet;
 use std::path::Path;
@@ -16,12 +16,11 @@ use crate::layout::own::{FILE, GRASPS_FILE, IK_FILE, Layout, is_there};
 use crate::layout::own_file::ScenarioFile;
 use crate::{OpenOptions, Scenario, ScenarioError};
 
-/// Everything that is wrong with the scenario that `what` names, as [`Scenario::open`](crate::Scenario::open)
-/// takes it. Of folders in Cranny's own layout, packed or not, that is all of it at once (see
-/// [`check_folder`]), of others the first fault.
+/// Returns all faults of the scenario that `what` names, as accepted by [`Scenario::open`](crate::Scenario::open). For folders
+/// in Cranny's layout, packed or not, the report is complete (see [`check_folder`]); for others it has the first fault only.
 ///
 /// # Errors
-/// If `what` names no scenario, sound or not, or none that may be read.
+/// If `what` names no scenario, or one that is not readable.
 pub fn check(what: &str) -> Result<Vec<ScenarioError>, ScenarioError> {
     let folder = Path::new(what);
     let checked = if folder.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("zip")) {
@@ -43,14 +42,12 @@ pub fn check(what: &str) -> Result<Vec<ScenarioError>, ScenarioError> {
     }
 }
 
-/// Everything that keeps the folder from being a scenario, in the order of its files and their lines; nothing
-/// if it opens.
+/// Returns all faults of a scenario folder, in the order of its files and their lines; none if it opens.
 ///
-/// A part of `scenario.yaml` that cannot be read hides only itself: an entry of a list, or else a key of the
-/// file.
+/// An unreadable element of `scenario.yaml` hides only itself: an entry of a list, or else a top-level key.
 ///
 /// # Errors
-/// [`ScenarioError::NoScenarioFile`] or [`ScenarioError::Unreadable`] if there is nothing to look into.
+/// [`ScenarioError::NoScenarioFile`] or [`ScenarioError::Unreadable`] if there is nothing to read.
 pub fn check_folder(folder: &Path) -> Result<Vec<ScenarioError>, ScenarioError> {
     let path = folder.join(FILE);
     if !path.is_file() {
@@ -60,7 +57,7 @@ pub fn check_folder(folder: &Path) -> Result<Vec<ScenarioError>, ScenarioError> 
     let legible = Legible::of(&path, &yaml::text(cranny_file::TEXT, &path)?, &mut faults);
     let has_target = legible.as_ref().is_some_and(|legible| legible.file.target.is_some());
     let robot = legible.map(|legible| legible.check(&Layout { folder, path: &path }, &mut faults));
-    // Where there is something to grasp, the planner may make its own.
+    // The grasps file is optional if there is a target: the planner can compute grasps.
     let grasps = folder.join(GRASPS_FILE);
     if !has_target || is_there(&grasps)? {
         check_grasps(&grasps, &mut faults);
@@ -68,32 +65,32 @@ pub fn check_folder(folder: &Path) -> Result<Vec<ScenarioError>, ScenarioError> 
     let dof = robot.flatten().map(|robot| robot.dof());
     check_ik(&folder.join(IK_FILE), dof, &mut faults);
     if faults.is_empty() {
-        // What the parts do not show, such as poses too far away.
+        // Opening finds faults that the elements do not show, such as poses too far away.
         faults.extend(Scenario::open(&folder.to_string_lossy(), &OpenOptions::default()).err());
     }
     Ok(faults)
 }
 
-/// The part of a `scenario.yaml` that can be read.
+/// Readable content of a `scenario.yaml`.
 struct Legible {
     file: ScenarioFile,
-    /// The keys that were put there in place of missing or illegible ones.
+    /// Keys that were inserted in place of missing or unreadable ones.
     replaced: Vec<&'static str>,
 }
 
-/// How many lines are read again and again, some seconds' worth: of a long file with many faults only the first are
-/// told.
+/// Maximum number of lines that are read repeatedly, which takes some seconds: of a long file with many faults only the first
+/// are reported.
 const MOST_LINES_READ: usize = 1_000_000;
 
-/// The keys that must be there, each with something that can be read.
+/// Required keys, each with a readable stand-in.
 const NEEDED: [(&str, &str); 3] = [("robot", "panda_mobile"), ("start", "[]"), ("floor", "null")];
 
 impl Legible {
-    /// Reads the text; where that fails, leaves out the least part around the fault and tries again.
+    /// Reads the text; on failure, removes the smallest element around the fault and retries.
     fn of(path: &Path, text: &str, faults: &mut Vec<ScenarioError>) -> Option<Self> {
         let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
         let mut replaced = Vec::new();
-        // Each turn leaves out a line, or puts in a key, and reads the whole text again.
+        // Each turn removes an element or inserts a key, and reads the whole text again.
         let turns =
             (MOST_LINES_READ / lines.len().max(1)).clamp(NEEDED.len() + 1, lines.len() + NEEDED.len() + 1);
         for _ in 0..turns {
@@ -128,7 +125,7 @@ impl Legible {
         None
     }
 
-    /// Checks everything that can be read; returns the robot if there is one.
+    /// Checks all readable content; returns the robot if it can be built.
     fn check(&self, layout: &Layout, faults: &mut Vec<ScenarioError>) -> Option<std::sync::Arc<Robot>> {
         let file = &self.file;
         let was_there = |key: &str| !self.replaced.contains(&key);
@@ -174,7 +171,7 @@ impl Legible {
     }
 }
 
-/// Whether what was left out because of `earlier` gave `key`.
+/// Returns true if the element that was removed because of `earlier` contained `key`.
 fn hides(earlier: &ScenarioError, key: &str, text: &str) -> bool {
     let ScenarioError::Yaml { at, .. } = earlier else { return false };
     let lines: Vec<&str> = text.lines().collect();
@@ -192,15 +189,15 @@ fn indent(line: &str) -> usize {
     line.len() - line.trim_start().len()
 }
 
-/// Empties the entry of a list that `line` belongs to, or else the key of the file; lines keep their numbers.
-/// Returns whether anything was left to empty.
+/// Empties the list entry that contains `line`, or else the top-level key; lines keep their numbers. Returns true if there was
+/// anything to empty.
 fn leave_out(lines: &mut [String], line: usize) -> bool {
     let is_blank = |text: &str| text.trim().is_empty() || text.trim_start().starts_with('#');
     let Some(line) = (0..=line.min(lines.len().saturating_sub(1))).rev().find(|&l| !is_blank(&lines[l]))
     else {
         return false;
     };
-    // The key of the file, and under it the outermost entry of a list.
+    // The top-level key, and the outermost list entry below it.
     let key = (0..=line).rev().find(|&l| indent(&lines[l]) == 0 && !is_blank(&lines[l])).unwrap_or(0);
     let depth = (key + 1..=line)
         .filter(|&l| lines[l].trim_start().starts_with("- "))
@@ -221,7 +218,7 @@ fn leave_out(lines: &mut [String], line: usize) -> bool {
     for text in &mut lines[begin..end.max(line + 1)] {
         text.clear();
     }
-    // A list without entries is none at all.
+    // A list without entries is invalid, so its key is removed too.
     if begin != key
         && lines[key + 1..].iter().take_while(|l| is_blank(l) || indent(l) > 0).all(|l| is_blank(l))
     {

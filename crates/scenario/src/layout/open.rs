@@ -10,8 +10,8 @@ use crate::layout::released;
 use crate::scenario::{OpenOptions, Scenario};
 use crate::{ScenarioError, built_in, catalogue};
 
-/// Whether [`Scenario::open`] would look for a scenario there: a built-in id, an archive, or a folder with the
-/// file of a scenario. Nothing is read.
+/// Returns true if [`Scenario::open`] recognizes `what` as a scenario: a built-in id, an archive, or a folder with a scenario
+/// file. Reads nothing.
 pub fn is_scenario(what: &str) -> bool {
     let folder = Path::new(what);
     built_in().any(|entry| entry.id == what)
@@ -20,9 +20,9 @@ pub fn is_scenario(what: &str) -> bool {
 }
 
 impl Scenario {
-    /// Opens the scenario that `what` names: a built-in id (see [`catalogue`](crate::catalogue())), or a
-    /// folder in Cranny's layout (`scenario.yaml`), such a folder packed as one `.zip`, or a folder in the paper's (`scene.yaml`). An id goes before a folder
-    /// of the same name; `./021` is the folder.
+    /// Opens the scenario that `what` names: a built-in id (see [`catalogue`](crate::catalogue())), a folder in Cranny's layout
+    /// (`scenario.yaml`), such a folder packed as one `.zip`, or a folder in the paper's layout (`scene.yaml`). An id takes
+    /// precedence over a folder of the same name; `./021` is the folder.
     ///
     /// # Errors
     /// [`ScenarioError`], with file and line where there is one.
@@ -35,7 +35,7 @@ impl Scenario {
         }
     }
 
-    /// The scenario with the grasps that it comes with.
+    /// Opens the scenario with its own grasps.
     fn open_own(what: &str, options: &OpenOptions) -> Result<Self, ScenarioError> {
         let folder = Path::new(what);
         if let Some(scenario) = catalogue::open(what, options) {
@@ -52,7 +52,7 @@ impl Scenario {
         } else if own::is_there(folder)? {
             Err(ScenarioError::FileForFolder { path: folder.to_owned() })
         } else {
-            // Ids, and scenarios beside the place where it would be.
+            // Suggestions: ids, and scenarios near the given path.
             let ids = catalogue::near_ids(what).into_iter().map(str::to_owned);
             let near =
                 ids.chain(nearest_files(folder).into_iter().filter(|near| is_scenario(near))).collect();

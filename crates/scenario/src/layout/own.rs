@@ -21,21 +21,21 @@ use crate::{
     TargetPhysics, scenario,
 };
 
-/// The file that makes a folder a scenario of Cranny's own layout.
+/// File that identifies a folder as a scenario in Cranny's layout.
 pub(crate) const FILE: &str = "scenario.yaml";
 
-/// The texts of a scenario of Cranny's own layout, and the folder that its further files are in.
+/// Texts of a scenario in Cranny's layout, and the folder of its further files.
 pub(crate) struct Texts {
-    /// Also what errors name the files by.
+    /// Folder of the files, also used in error messages.
     pub folder: PathBuf,
     pub scenario: String,
-    /// `None`: no set of grasps is given, and planners make grasps of their own.
+    /// Grasps; `None`: no set of grasps is given, and planners compute their own.
     pub grasps: Option<String>,
     pub ik: Option<String>,
 }
 
 impl Texts {
-    /// Of a folder: `scenario.yaml` and, if they are there, `grasps.csv` and `ik.csv`.
+    /// Reads a folder: `scenario.yaml` and, if they exist, `grasps.csv` and `ik.csv`.
     fn read(folder: &Path) -> Result<Self, ScenarioError> {
         let scenario = yaml::text(TEXT, &folder.join(FILE))?;
         let grasps = folder.join(GRASPS_FILE);
@@ -46,7 +46,7 @@ impl Texts {
     }
 }
 
-/// Whether something is there; "no permission" is no "no".
+/// Returns true if the path exists; a missing permission is an error.
 pub(crate) fn is_there(path: &Path) -> Result<bool, ScenarioError> {
     cranny_file::is_there(path).map_err(|reason| ScenarioError::Unreadable { path: path.to_owned(), reason })
 }
@@ -59,12 +59,12 @@ pub(crate) const GRASPS_FILE: &str = "grasps.csv";
 
 pub(crate) const IK_FILE: &str = "ik.csv";
 
-/// Opens a folder of Cranny's own layout.
+/// Opens a folder in Cranny's layout.
 pub(crate) fn open(folder: &Path, options: &OpenOptions) -> Result<Scenario, ScenarioError> {
     open_texts(scenario::id_of(folder), &Texts::read(folder)?, options)
 }
 
-/// The same from texts.
+/// Opens a scenario from texts.
 pub(crate) fn open_texts(
     id: String,
     texts: &Texts,
@@ -108,10 +108,10 @@ pub(crate) fn open_texts(
     let stated = match &texts.grasps {
         Some(text) => parse_csv(&grasps_file, text)?,
         None if target.is_some() => GraspSet::default(),
-        // Without anything to grasp there is nothing to make grasps of.
+        // Without a target the grasps cannot be computed.
         None => parse_csv(&grasps_file, &grasps_text(&grasps_file)?)?,
     };
-    // Loads are those of the hand that the scenario names.
+    // Loads are valid only for the hand that the scenario names.
     let grasps = if options.robot.is_some() { stated.without_loads() } else { stated };
     Scenario {
         id,
@@ -146,10 +146,10 @@ pub(crate) fn open_texts(
 
 const FLOOR: &str = "floor";
 
-/// Makes a solid of the triangles of a file: of a target [`Solid::mesh`], of an obstacle [`Solid::mesh_with_small_holes`].
+/// Function that makes a solid of a mesh file: [`Solid::mesh`] for a target, [`Solid::mesh_with_small_holes`] for an obstacle.
 pub(crate) type SolidOfMesh = fn(&TriangleSoup) -> Result<Solid, ShapeError>;
 
-/// The folder that is read, and the file that errors name.
+/// Folder that is read, and file that errors name.
 pub(crate) struct Layout<'a> {
     pub folder: &'a Path,
     pub path: &'a Path,
@@ -160,7 +160,7 @@ impl Layout<'_> {
         yaml::at(self.path, location)
     }
 
-    /// That the name of a body is not the floor's, nor one of `taken`, to which it is added.
+    /// Checks that the name of a body is neither that of the floor nor in `taken`, and adds it to `taken`.
     pub fn check_name<'b>(
         &self,
         entry: &'b BodyEntry,
@@ -212,8 +212,8 @@ impl Layout<'_> {
         Ok((robot, source_of(RobotSource::Files(path))))
     }
 
-    /// Where a robot starts that is not the scenario's own, if its own files say so and the scenario does not name all of
-    /// its joints.
+    /// Returns the default start of another robot than the scenario's own, unless it has none or the scenario names all of its
+    /// joints.
     fn start_of_other(
         &self,
         start: &Spanned<StartEntry>,
@@ -225,7 +225,7 @@ impl Layout<'_> {
         robot.default_start().filter(|_| !is_named).map(<[f64]>::to_vec)
     }
 
-    /// The start that a scenario gives (m, rad): one per joint where it names the joints, else as many values as it
+    /// Returns the start of a scenario (m, rad): one value per joint if it names the joints, otherwise as many values as it
     /// lists.
     pub fn start(&self, start: &Spanned<StartEntry>, robot: &Robot) -> Result<Vec<f64>, ScenarioError> {
         let number = |value: &Spanned<f64>| yaml::finite(self.path, value.value, value.referenced);
@@ -248,13 +248,13 @@ impl Layout<'_> {
         joints.iter().map(value_of).collect()
     }
 
-    /// Greatest tilt of a body in the hand, in radians.
+    /// Returns the maximum tilt of a held body, in radians.
     fn upright(&self, degrees: &Spanned<f64>) -> Result<f64, ScenarioError> {
         let degrees = yaml::positive(self.path, "upright_deg", degrees.value, degrees.referenced)?;
         Ok(degrees.min(180.0).to_radians())
     }
 
-    /// The body, and the object that it is, where it is one alone. A target is closed, an obstacle may have small holes.
+    /// Returns the body, and its object if it is a single one. A target must be closed; an obstacle may have small holes.
     pub fn body(
         &self,
         entry: &BodyEntry,
@@ -278,7 +278,7 @@ impl Layout<'_> {
         Ok((Body { name: name.clone(), parts, tilt_rad }, source))
     }
 
-    /// Where the target can be put down.
+    /// Returns the place goals of the target.
     pub fn places(
         &self,
         file: &ScenarioFile,
@@ -288,7 +288,7 @@ impl Layout<'_> {
         file.places.iter().map(|entry| self.place(entry, file, planning_from_scene, &mut names)).collect()
     }
 
-    /// One of them; its name is added to `taken`.
+    /// Returns a place goal; adds its name to `taken`.
     pub fn place<'b>(
         &self,
         entry: &'b Spanned<PlaceEntry>,
@@ -304,7 +304,7 @@ impl Layout<'_> {
         let spot = match (on, size, pose, target_pose) {
             (None, None, None, Some(target_pose)) => {
                 let Some(target) = &file.target else {
-                    return Err(refuse("a place for a target that there is not".to_owned()));
+                    return Err(refuse("`target_pose` needs a target, but the scenario has none".to_owned()));
                 };
                 let body_from_first = target.shapes.first().map(|shape| self.pose(shape.value.pose.as_ref()));
                 let planning_from_body = planning_from_scene * self.pose(Some(target_pose))?;
@@ -317,15 +317,15 @@ impl Layout<'_> {
                     let floor = file.floor.as_ref().map(|_| FLOOR);
                     let known = known.by_ref().chain(floor).collect::<Vec<_>>().join(", ");
                     let meant = did_you_mean(on, known.split(", "));
-                    return Err(refuse(format!("there is no obstacle '{on}' (there are: {known}){meant}")));
+                    return Err(refuse(format!("unknown obstacle '{on}' (known: {known}){meant}")));
                 }
                 if !size_m.iter().all(|size_m| size_m.is_finite() && *size_m > 0.0) {
                     return Err(refuse(format!(
-                        "{size_m:?} is no size of a rectangle; both must be positive"
+                        "{size_m:?} is not a valid size of a rectangle: both numbers must be positive"
                     )));
                 }
                 let pose = planning_from_scene * self.pose(pose.as_ref())?;
-                // Up is the z axis of the scene, however the robot stands in it.
+                // Up is the z axis of the scene, independent of the robot's orientation.
                 let tilt = (pose.rotation * Vector::z() - planning_from_scene.rotation * Vector::z()).norm();
                 if tilt > EXACT_ROTATION_RAD {
                     return Err(refuse("the rectangle is not level: its z axis must point up".to_owned()));
@@ -342,7 +342,7 @@ impl Layout<'_> {
         Ok(PlaceGoal { name: name.value.clone(), spot })
     }
 
-    /// What an entry says of mass and friction.
+    /// Returns mass and friction of an entry.
     pub fn physics(
         &self,
         mass_kg: Option<&Spanned<f64>>,
@@ -355,17 +355,17 @@ impl Layout<'_> {
         Ok(TargetPhysics { mass_kg, friction, ..TargetPhysics::default() })
     }
 
-    /// Mass, friction and resistance to rolling of a body.
+    /// Returns mass, friction and rolling resistance of a body.
     pub fn physics_of(&self, entry: &BodyEntry) -> Result<TargetPhysics, ScenarioError> {
         let physics = self.physics(entry.mass_kg.as_ref(), entry.friction.as_ref())?;
-        // None at all is a resistance too.
+        // Zero is a valid rolling resistance.
         let given = entry.rolling_m.as_ref();
         let some = given.filter(|rolling_m| rolling_m.value != 0.0);
         some.map(|n| yaml::positive(self.path, "rolling_m", n.value, n.referenced)).transpose()?;
         Ok(TargetPhysics { rolling_m: given.map(|rolling_m| rolling_m.value), ..physics })
     }
 
-    /// Everything that is wrong with a body but its name.
+    /// Returns all faults of a body except those of its name.
     pub fn body_faults(&self, entry: &BodyEntry, mesh: SolidOfMesh) -> Vec<ScenarioError> {
         let mut faults: Vec<ScenarioError> = self.pose(entry.pose.as_ref()).err().into_iter().collect();
         for shape in &entry.shapes {
@@ -378,7 +378,7 @@ impl Layout<'_> {
         faults
     }
 
-    /// Pose of an entry: of a shape in the frame of its body, of anything else in that of the scene; the identity
+    /// Returns the pose of an entry: of a shape in the frame of its body, otherwise in the frame of the scene; the identity
     /// without an entry.
     pub fn pose(&self, entry: Option<&Spanned<PoseEntry>>) -> Result<Pose, ScenarioError> {
         let Some(Spanned { value: entry, referenced, .. }) = entry else { return Ok(Pose::identity()) };
@@ -398,7 +398,7 @@ impl Layout<'_> {
         Ok(Pose::from_parts(Vector::from(entry.position).into(), rotation))
     }
 
-    /// The solid of a shape, and the object that it is, if it is one.
+    /// Returns the solid of a shape, and its object if it is one.
     fn solid(
         &self,
         shape: &Spanned<ShapeEntry>,
@@ -430,7 +430,7 @@ impl Layout<'_> {
         }
     }
 
-    /// An object with a folder of its own, or else a built-in one.
+    /// Returns an object from a folder of its own, otherwise the built-in one.
     fn object(&self, name: &str) -> Result<ObjectSource, ScenarioError> {
         let folder = self.folder.join(name);
         if folder.join(OBJECT_FILE).is_file() {

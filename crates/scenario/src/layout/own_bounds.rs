@@ -16,7 +16,7 @@ use crate::layout::own_file::{ScenarioFile, SpeedEntry, ToolBoundEntry};
 use crate::stated_speed::{ALL, StatedSpeed};
 
 impl Layout<'_> {
-    /// The world with the bounds that a file states for the tool.
+    /// Returns the world with the tool bounds of a file.
     pub fn with_tool_bounds(
         &self,
         (world, robot): (World, &Robot),
@@ -61,7 +61,7 @@ impl Layout<'_> {
         Ok(world.with_tool_bounds(bounds)?)
     }
 
-    /// The region of a bound, in the scene.
+    /// Returns the region of a bound, in the scene.
     fn region(&self, entry: &Spanned<ToolBoundEntry>) -> Result<ToolRegion, ScenarioError> {
         let ToolBoundEntry { point, pose, size, radius, axis, toward, within_deg, .. } = &entry.value;
         let refuse = |problem: &str| {
@@ -98,7 +98,7 @@ impl Layout<'_> {
         }
     }
 
-    /// The speeds that a file states, those of all motions first.
+    /// Returns the speeds of a file; the entry for all motions comes first.
     pub fn speeds(&self, file: &ScenarioFile) -> Result<Vec<StatedSpeed>, ScenarioError> {
         let speed = |(key, entry): (&String, &Spanned<SpeedEntry>)| {
             let refuse = |problem| ScenarioError::Bound { at: self.at(entry.referenced), problem };
@@ -108,7 +108,7 @@ impl Layout<'_> {
             let stated = StatedSpeed { mode, velocity: speed, acceleration, tool_m_s, turn_deg_s };
             match stated.fault() {
                 Some((value, values)) => {
-                    Err(refuse(format!("'{value}' is no such limit; give a number {values}")))
+                    Err(refuse(format!("'{value}' is not a valid limit: expected a number {values}")))
                 }
                 None => Ok(stated),
             }
@@ -118,7 +118,7 @@ impl Layout<'_> {
         Ok(speeds)
     }
 
-    /// The robot with the joints that a file bounds.
+    /// Returns the robot with the joint bounds of a file.
     pub fn with_bounded_joints(
         &self,
         robot: Arc<Robot>,
@@ -136,8 +136,8 @@ impl Layout<'_> {
     }
 }
 
-/// The robot with joints that stay between two values (m, rad) each, besides their limits; each with the place that a fault
-/// names.
+/// Returns the robot with joints that stay between two values (m, rad) each, in addition to their limits; each bound has the
+/// location that an error reports.
 pub(crate) fn bounded<'a>(
     robot: Arc<Robot>,
     bounds: impl Iterator<Item = (&'a String, [f64; 2], &'a Location)>,

@@ -10,12 +10,13 @@ use crate::layout::own;
 use crate::{Recipe, Scenario, ScenarioError, write_whole_folder};
 
 impl Scenario {
-    /// Writes the scenario as a folder of Cranny's own layout, which is made: what [`Scenario::open`] reads back, with the
-    /// files of its robot unless it is built in.
+    /// Writes the scenario as a new folder in Cranny's layout, which [`Scenario::open`] reads back; it contains the files of
+    /// the robot unless that is built in.
     ///
     /// # Errors
-    /// [`ScenarioError::Exists`] if something is there already, [`ScenarioError::OtherRobot`] if the robot's
-    /// files do not say all of it, [`ScenarioError::OtherFloor`] unless the floor is where the robot stands on it, [`ScenarioError::Unwritable`], [`ScenarioError::ShapeFile`].
+    /// [`ScenarioError::Exists`] if the path exists already, [`ScenarioError::OtherRobot`] if the robot's files do not define
+    /// it completely, [`ScenarioError::OtherFloor`] unless the floor is at the ground of the robot,
+    /// [`ScenarioError::Unwritable`], [`ScenarioError::ShapeFile`].
     pub fn write_folder(&self, folder: &Path) -> Result<(), ScenarioError> {
         let recipe = Recipe::of_scenario(self)?;
         let is_floor = |body: &&Body| body.parts.iter().all(|part| part.solid.is_half_space());
@@ -38,5 +39,5 @@ impl Scenario {
     }
 }
 
-/// Two floors that differ by less are one, in metres: rounding.
+/// Maximum difference between the heights of equal floors, in metres: rounding.
 const SAME_FLOOR_M: f64 = 1e-9;

@@ -1,4 +1,4 @@
-//! What a `scenario.yaml` may say. See `own_layout` for what becomes of it.
+//! Schema of a `scenario.yaml`. See `own_layout` for its interpretation.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -11,28 +11,28 @@ use serde::de::{MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 use serde_saphyr::Spanned;
 
-/// The whole file. Poses and heights are in the scene frame; metres, and degrees where the key says so.
+/// Scenario file. Poses and heights are in the scene frame; metres, and degrees where the key contains `deg`.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct ScenarioFile {
-    /// A built-in robot such as `panda_mobile`, or the path of a robot's folder or a URDF, from the folder of this file.
+    /// Built-in robot such as `panda_mobile`, or path of a robot folder or a URDF, relative to the folder of this file.
     #[schemars(with = "String")]
     pub robot: Spanned<String>,
-    /// What it is about, who made it and how it may be used.
+    /// Title, author, licence and citation.
     pub about: Option<AboutEntry>,
-    /// The robot's SRDF: pairs of links that may touch. What stands beside the URDF needs no mention.
+    /// SRDF of the robot, with pairs of links that may touch. An SRDF beside the URDF is found without this key.
     pub srdf: Option<PathBuf>,
-    /// The group of the SRDF whose joints move; without it all from the root to the tip.
+    /// Group of the SRDF whose joints move. Default: all joints from the root to the tip.
     pub group: Option<String>,
-    /// Folders in which the `package://` names of the URDF are looked for.
+    /// Folders in which the `package://` names of the URDF are resolved.
     #[serde(default)]
     pub packages: Vec<PathBuf>,
-    /// The link whose frame is the gripper frame.
+    /// Link whose frame is the gripper frame.
     pub tip: Option<String>,
-    /// Joints outside the group, and where they stand (m, rad).
+    /// Positions (m, rad) of joints outside the group, by name.
     #[serde(default)]
     pub fixed: BTreeMap<String, f64>,
-    /// Pairs of links that may touch and are not checked against each other, beside those of the SRDF.
+    /// Pairs of links that may touch and are not checked against each other, in addition to those of the SRDF.
     #[serde(default)]
     pub unchecked_pairs: Vec<[String; 2]>,
     /// Pose of the robot's root in the scene.
@@ -40,33 +40,33 @@ pub(crate) struct ScenarioFile {
     pub frame: Option<Spanned<PoseEntry>>,
     #[schemars(with = "StartEntry")]
     pub start: Spanned<StartEntry>,
-    /// Height of the floor; `null`: there is none. Must be said.
+    /// Height of the floor; `null`: no floor. Required.
     #[serde(deserialize_with = "Option::deserialize")]
     #[schemars(with = "Height")]
     pub floor: Option<Spanned<f64>>,
     #[serde(default)]
     pub obstacles: Vec<BodyEntry>,
     pub target: Option<BodyEntry>,
-    /// Where the target can be put down.
+    /// Places where the target can be put down.
     #[serde(default)]
     #[schemars(with = "Vec<PlaceEntry>")]
     pub places: Vec<Spanned<PlaceEntry>>,
-    /// What is to be picked and put down, in order (`cranny plan --steps`).
+    /// Pick and place steps, in order (`cranny plan --steps`).
     #[serde(default)]
     #[schemars(with = "Vec<StepEntry>")]
     pub steps: Vec<Spanned<StepEntry>>,
     /// Tasks of several stages (`cranny plan --task NAME`).
     #[serde(default)]
     pub tasks: Vec<TaskEntry>,
-    /// Bounds that the tool keeps along every motion.
+    /// Bounds on the tool along every motion.
     #[serde(default)]
     #[schemars(with = "Vec<ToolBoundEntry>")]
     pub tool_bounds: Vec<Spanned<ToolBoundEntry>>,
-    /// Values (m, rad) between which a joint stays along every motion, besides its limits.
+    /// Bounds (m, rad) of a joint along every motion, in addition to its limits.
     #[serde(default)]
     #[schemars(with = "BTreeMap<String, [f64; 2]>")]
     pub joint_bounds: BTreeMap<String, Spanned<[f64; 2]>>,
-    /// Speeds of motions unless a plan is asked for others: under `all` or a mode (`reach`, `approach`, `lift-off`, `carry`,
+    /// Default speeds of motions, which a plan can override: under `all` or a mode (`reach`, `approach`, `lift-off`, `carry`,
     /// `set-down`, `retreat`, `return`).
     #[serde(default)]
     #[schemars(with = "BTreeMap<String, SpeedEntry>")]
@@ -75,7 +75,7 @@ pub(crate) struct ScenarioFile {
     pub criterion: Option<Criterion>,
 }
 
-/// A height that must be said, `null` for none.
+/// Required height; `null` for none.
 struct Height;
 
 impl JsonSchema for Height {
@@ -92,19 +92,19 @@ impl JsonSchema for Height {
     }
 }
 
-/// What others need to know before they use a scenario.
+/// Title, author, licence and citation of a scenario.
 #[derive(Clone, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct AboutEntry {
     pub title: Option<String>,
     pub author: Option<String>,
-    /// An SPDX expression, such as `CC-BY-4.0`.
+    /// SPDX expression, such as `CC-BY-4.0`.
     pub licence: Option<String>,
-    /// How it wants to be cited.
+    /// Requested citation.
     pub citation: Option<String>,
 }
 
-/// An obstacle or the target.
+/// Obstacle or target.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct BodyEntry {
@@ -114,80 +114,80 @@ pub(crate) struct BodyEntry {
     pub pose: Option<Spanned<PoseEntry>>,
     #[schemars(with = "Vec<ShapeEntry>")]
     pub shapes: Vec<Spanned<ShapeEntry>>,
-    /// Mass (kg), before that of its object; positive.
+    /// Mass (kg), which takes precedence over that of its object; positive.
     #[schemars(with = "Option<f64>")]
     pub mass_kg: Option<Spanned<f64>>,
-    /// Coefficient of friction between it and the pads of a gripper, before that of its object; positive.
+    /// Coefficient of friction between it and the pads of a gripper, which takes precedence over that of its object; positive.
     #[schemars(with = "Option<f64>")]
     pub friction: Option<Spanned<f64>>,
-    /// Resistance to rolling on what it stands on (m): the arm on which the normal force stops a turn; at least 0.
+    /// Rolling resistance on its support (m): the lever arm on which the normal force stops a rotation; at least 0.
     #[schemars(with = "Option<f64>")]
     pub rolling_m: Option<Spanned<f64>>,
-    /// Greatest tilt of it in the hand against how it stood when it was grasped, in degrees; above 0, at most 180.
+    /// Maximum tilt in the hand relative to its orientation when grasped, in degrees; above 0, at most 180.
     #[schemars(with = "Option<f64>")]
     pub upright_deg: Option<Spanned<f64>>,
 }
 
-/// A place where the target can be put down: a rectangle that lies on something, or a pose of the target.
+/// Place where the target can be put down: a rectangle on a support, or a pose of the target.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct PlaceEntry {
     #[schemars(with = "String")]
     pub name: Spanned<String>,
-    /// The obstacle that a rectangle lies on, or `floor`.
+    /// Obstacle on which the rectangle lies, or `floor`.
     pub on: Option<String>,
-    /// The middle of the rectangle, z upwards.
+    /// Pose of the centre of the rectangle, z upwards.
     #[schemars(with = "Option<PoseEntry>")]
     pub pose: Option<Spanned<PoseEntry>>,
-    /// How long the rectangle is along its x and y.
+    /// Lengths of the rectangle along its x and y.
     pub size: Option<[f64; 2]>,
-    /// Instead of a rectangle: the pose that the target is to have.
+    /// Target pose; alternative to a rectangle.
     #[schemars(with = "Option<PoseEntry>")]
     pub target_pose: Option<Spanned<PoseEntry>>,
 }
 
-/// Speeds of motions. What a mode leaves out is that of `all`, and what `all` leaves out that of the robot.
+/// Speeds of motions. Missing values of a mode are those of `all`, and missing values of `all` those of the robot.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct SpeedEntry {
-    /// Share of the limits of velocity, above 0 and at most 1.
+    /// Share of the velocity limits, above 0 and at most 1.
     pub speed: Option<f64>,
-    /// Share of the limits of acceleration, above 0 and at most 1.
+    /// Share of the acceleration limits, above 0 and at most 1.
     pub acceleration: Option<f64>,
-    /// Greatest speed of the gripper frame (m/s).
+    /// Maximum speed of the gripper frame (m/s).
     pub tool_speed_m_s: Option<f64>,
-    /// Greatest speed with which the hand, and what it holds, turns (°/s).
+    /// Maximum angular speed of the hand and the held object (°/s).
     pub turn_speed_deg_s: Option<f64>,
 }
 
-/// A bound on the tool: a box (`size`) or a ball (`radius`) in which a point of it stays, or a cone (`axis`, `toward`,
-/// `within_deg`) in which a direction of it does.
+/// Bound on the tool: a box (`size`) or a ball (`radius`) for a point, or a cone (`axis`, `toward`, `within_deg`) for a
+/// direction.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct ToolBoundEntry {
     #[schemars(with = "String")]
     pub name: Spanned<String>,
-    /// The link that is bounded; without it the gripper frame, whose z points out of the palm and y along the closing.
+    /// Bounded link. Default: the gripper frame, whose z axis points out of the palm and y axis along the closing direction.
     #[schemars(with = "Option<String>")]
     pub link: Option<Spanned<String>>,
-    /// The point (m), in the frame of the link; without it its origin.
+    /// Bounded point (m), in the frame of the link. Default: its origin.
     pub point: Option<[f64; 3]>,
-    /// Pose of the middle of the box or the ball in the scene; without it the scene's origin.
+    /// Pose of the centre of the box or the ball in the scene. Default: the origin of the scene.
     #[schemars(with = "Option<PoseEntry>")]
     pub pose: Option<Spanned<PoseEntry>>,
     /// Full lengths of the box along x, y, z (m).
     pub size: Option<[f64; 3]>,
     /// Radius of the ball (m).
     pub radius: Option<f64>,
-    /// The direction, in the frame of the link.
+    /// Bounded direction, in the frame of the link.
     pub axis: Option<[f64; 3]>,
-    /// The direction from which it differs by at most `within_deg`.
+    /// Axis of the cone, in the scene; the bounded direction differs from it by at most `within_deg`.
     pub toward: Option<[f64; 3]>,
-    /// Greatest angle between both, in degrees; above 0, at most 180.
+    /// Maximum angle between both directions, in degrees; above 0, at most 180.
     pub within_deg: Option<f64>,
 }
 
-/// A task: stages in order.
+/// Task: stages in order.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct TaskEntry {
@@ -197,27 +197,27 @@ pub(crate) struct TaskEntry {
     pub stages: Vec<Spanned<Stage>>,
 }
 
-/// A step: a pick and a place.
+/// Step: a pick and a place.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct StepEntry {
-    /// The target, or an obstacle.
+    /// Object to pick: the target or an obstacle.
     pub pick: String,
-    /// A place of this file.
+    /// Name of a place of this file.
     pub place: String,
-    /// Where the robot goes then: `home`, or nowhere, `stay`.
+    /// Motion after placing: `home`, or none with `stay`.
     #[serde(default)]
     #[schemars(with = "Option<ThenName>")]
     pub then: AfterPlacing,
-    /// Mass (kg) of an obstacle that is picked, before that of its own entry (`cranny simulate plan`).
+    /// Mass (kg) of a picked obstacle, which takes precedence over that of its own entry (`cranny simulate plan`).
     #[schemars(with = "Option<f64>")]
     pub mass_kg: Option<Spanned<f64>>,
-    /// The coefficient of friction between it and the pads of a gripper.
+    /// Coefficient of friction between it and the pads of a gripper.
     #[schemars(with = "Option<f64>")]
     pub friction: Option<Spanned<f64>>,
 }
 
-/// How files spell where a robot goes once it has put something down.
+/// Spelling of the motion after placing in files.
 #[derive(JsonSchema)]
 #[schemars(rename = "Then", rename_all = "kebab-case")]
 #[allow(dead_code, reason = "nobody makes one: its names are read as those of the other")]
@@ -226,7 +226,7 @@ pub(crate) enum ThenName {
     Stay,
 }
 
-/// A pose; what is left out is zero.
+/// Pose; missing values are zero.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct PoseEntry {
@@ -237,7 +237,7 @@ pub(crate) struct PoseEntry {
     pub quaternion_xyzw: Option<[f64; 4]>,
 }
 
-/// One shape, under its kind, with its pose in the body.
+/// Shape under the key of its kind, with its pose in the frame of the body.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct ShapeEntry {
@@ -250,7 +250,7 @@ pub(crate) struct ShapeEntry {
     pub capsule: Option<RoundEntry>,
     pub mesh: Option<MeshEntry>,
     pub hull: Option<MeshEntry>,
-    /// A built-in object (see `cranny object list`), or the folder of one.
+    /// Built-in object (see `cranny object list`), or folder of an object.
     pub object: Option<String>,
 }
 
@@ -267,7 +267,7 @@ pub(crate) struct SphereEntry {
     pub radius: f64,
 }
 
-/// Along z; the length of a capsule is that of its cylindrical part.
+/// Dimensions along z; the length of a capsule is that of its cylindrical section.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct RoundEntry {
@@ -282,7 +282,7 @@ pub(crate) struct MeshEntry {
     pub scale: Option<f64>,
 }
 
-/// How files spell a criterion.
+/// Spelling of a criterion in files.
 #[derive(JsonSchema)]
 #[schemars(rename = "Criterion", rename_all = "kebab-case")]
 #[allow(dead_code, reason = "nobody makes one: its names are read as those of the other")]
@@ -291,7 +291,7 @@ pub(crate) enum CriterionName {
     Paper,
 }
 
-/// The start: a list in the order of the joints, or a value for each joint by name.
+/// Start: a list in joint order, or a value per joint name.
 pub(crate) enum StartEntry {
     List(Vec<Spanned<f64>>),
     ByJoint(Vec<(String, Spanned<f64>)>),
@@ -319,7 +319,7 @@ impl JsonSchema for StartEntry {
     }
 }
 
-/// Written out, because an untagged enum would lose the lines of the values.
+/// Visitor of a start; an untagged enum would lose the lines of the values.
 struct StartVisitor;
 
 impl<'de> Visitor<'de> for StartVisitor {

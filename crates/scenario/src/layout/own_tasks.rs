@@ -11,7 +11,7 @@ use crate::named_task::STEPS;
 use crate::{NamedTask, ScenarioError, TargetPhysics};
 
 impl Layout<'_> {
-    /// The tasks of a file, its steps being one.
+    /// Returns the tasks of a file; its steps form one of them.
     pub fn tasks(
         &self,
         file: &ScenarioFile,
@@ -47,7 +47,7 @@ impl Layout<'_> {
         Ok(tasks)
     }
 
-    /// Checks that a stage names what there is.
+    /// Checks that the names in a stage exist.
     fn check_stage(
         &self,
         stage: &Stage,
@@ -69,11 +69,11 @@ impl Layout<'_> {
         }
         let meant = did_you_mean(name, known.iter().copied());
         let known = known.join(", ");
-        let problem = format!("there is no {what} '{name}' for this step (there are: {known}){meant}");
+        let problem = format!("unknown {what} '{name}' in this step (known: {known}){meant}");
         Err(ScenarioError::Place { at: self.at(at), problem })
     }
 
-    /// Mass and friction of bodies besides the target, as obstacles and steps give them.
+    /// Returns mass and friction of bodies other than the target, as obstacles and steps state them.
     pub fn physics_of_obstacles(
         &self,
         file: &ScenarioFile,
@@ -86,7 +86,7 @@ impl Layout<'_> {
             let physics = self.physics(mass_kg.as_ref(), friction.as_ref())?;
             let is_target = file.target.as_ref().is_some_and(|target| target.name.value == *pick);
             if is_target && physics != TargetPhysics::default() {
-                let problem = format!("mass_kg and friction of the target '{pick}' stand beneath target");
+                let problem = format!("mass_kg and friction of the target '{pick}' belong under `target`");
                 return Err(ScenarioError::Place { at: self.at(*referenced), problem });
             }
             let known = all.entry(pick.clone()).or_default();

@@ -13,27 +13,26 @@ use crate::{
     TargetPhysics,
 };
 
-/// A scenario in the making: what its files will say. Poses are in the scene, whose floor is z = 0; grasps are in the
-/// planning frame.
+/// Scenario before it is written to files. Poses are in the scene, whose floor is z = 0; grasps are in the planning frame.
 #[derive(Clone, Debug)]
 pub struct Recipe {
-    /// What the scenario is about, in a line.
+    /// Title of the scenario, in one line.
     pub title: String,
-    /// The robot, and where it stands.
+    /// Robot, and its pose in the scene.
     pub robot: RecipeRobot,
-    /// What stands in the way.
+    /// Obstacles.
     pub obstacles: Vec<RecipeBody>,
-    /// What is to be grasped.
+    /// Object to grasp.
     pub target: Option<RecipeBody>,
-    /// What is said of the target itself, which goes before what its object says.
+    /// Mass and friction that the scenario states for the target; they take precedence over those of its object.
     pub given_physics: TargetPhysics,
-    /// Where the robot starts (m, rad).
+    /// Start configuration (m, rad).
     pub start: Vec<f64>,
     /// Poses of the gripper in the planning frame.
     pub grasps: GraspSet,
-    /// Configurations that are known to reach a grasp.
+    /// Known configurations at grasps (m, rad).
     pub ik: Vec<Vec<f64>>,
-    /// Where the target can be put down, in the scene.
+    /// Place goals of the target, in the scene.
     pub places: Vec<PlaceGoal>,
     /// Tasks of several stages.
     pub tasks: Vec<NamedTask>,
@@ -50,41 +49,41 @@ pub struct Recipe {
 /// A body of a [`Recipe`].
 #[derive(Clone, Debug)]
 pub struct RecipeBody {
-    /// Its name, unique in the scenario.
+    /// Name, unique in the scenario.
     pub name: String,
-    /// Where it stands.
+    /// Pose of the body in the scene.
     pub scene_from_body: Pose,
-    /// What it is made of, each with its pose in the body.
+    /// Shapes of the body, each with its pose in the body.
     pub shapes: Vec<(Pose, RecipeShape)>,
     /// As [`Body::tilt_rad`].
     pub tilt_rad: Option<f64>,
 }
 
-/// A shape of a [`RecipeBody`]; sizes in metres.
+/// Shape of a [`RecipeBody`]; sizes in metres.
 #[derive(Clone, Debug)]
 pub enum RecipeShape {
-    /// Full lengths along x, y, z.
+    /// Box with full lengths along x, y, z.
     Cuboid(Vector),
-    /// Of this radius.
+    /// Sphere of this radius.
     Sphere(f64),
-    /// Radius, and length along z.
+    /// Cylinder: radius, and length along z.
     Cylinder(f64, f64),
-    /// Radius, and length of the cylindrical part along z.
+    /// Capsule: radius, and length of the cylindrical section along z.
     Capsule(f64, f64),
-    /// An object, with its mesh.
+    /// Object, with its mesh.
     Object(ObjectSource),
-    /// The volume of a closed mesh.
+    /// Volume of a closed mesh.
     Mesh(TriangleSoup),
-    /// The convex hull of a mesh.
+    /// Convex hull of a mesh.
     Hull(TriangleSoup),
 }
 
 impl Recipe {
-    /// The files of a scenario in Cranny's own layout are made from this: the same robot, bodies, start, grasps and
-    /// known configurations.
+    /// Returns a recipe for the files of a scenario in Cranny's layout: with its robot, bodies, start, grasps and known
+    /// configurations.
     ///
     /// # Errors
-    /// [`ScenarioError::OtherRobot`] if the files of the scenario's robot do not say all of it.
+    /// [`ScenarioError::OtherRobot`] if the files of the scenario's robot do not define it completely.
     pub fn of_scenario(scenario: &Scenario) -> Result<Self, ScenarioError> {
         let robot = RecipeRobot::of(&scenario.robot_source, scenario.robot.clone())?;
         let scene_from_planning = robot.scene_from_root;
@@ -127,10 +126,10 @@ impl Recipe {
         })
     }
 
-    /// The scenario that the files describe.
+    /// Returns the scenario that the files describe.
     ///
     /// # Errors
-    /// [`ScenarioError`] for a shape that is none, or another robot with other joints.
+    /// [`ScenarioError`] for an invalid shape, or another robot with other joints.
     pub fn scenario(&self, id: &str, options: &OpenOptions) -> Result<Scenario, ScenarioError> {
         if let Some(other) = &options.robot {
             let robot = RecipeRobot::load(other)?;
@@ -163,8 +162,8 @@ impl Recipe {
         .with_checked_start(id)
     }
 
-    /// The same for another robot, which starts where its own files state, if they do; the loads of grasps were those of the
-    /// hand before.
+    /// Returns the recipe for another robot, with the start of that robot's files if they give one; the loads of grasps are
+    /// dropped, since they belong to the previous hand.
     fn for_robot(&self, robot: RecipeRobot) -> Self {
         let moved = robot.planning_from_scene() * self.robot.scene_from_root;
         let start = robot.robot.default_start().map_or_else(|| self.start.clone(), <[f64]>::to_vec);
@@ -172,16 +171,16 @@ impl Recipe {
         Self { grasps, ik: Vec::new(), start, robot, ..self.clone() }
     }
 
-    /// How the target weighs and slides: as the recipe says, else as its object does.
+    /// Returns mass and friction of the target: those of the recipe, otherwise those of its object.
     pub fn target_physics(&self) -> TargetPhysics {
         let source = self.target.as_ref().and_then(RecipeBody::source);
         self.given_physics.or(source.map(ObjectSource::physics).unwrap_or_default())
     }
 
-    /// The world in the planning frame: obstacles, target, floor.
+    /// Returns the world in the planning frame: obstacles, target, floor.
     ///
     /// # Errors
-    /// [`ScenarioError::ShapeFile`] for a shape that is none.
+    /// [`ScenarioError::ShapeFile`] for an invalid shape.
     pub fn world(&self) -> Result<World, ScenarioError> {
         let planning_from_scene = self.robot.planning_from_scene();
         let bodies = self.obstacles.iter().chain(&self.target).map(|body| body.body(&planning_from_scene));
@@ -193,7 +192,7 @@ impl Recipe {
 }
 
 impl RecipeBody {
-    /// A body of one shape.
+    /// Returns a body of one shape.
     pub(crate) fn new(name: &str, scene_from_body: Pose, shape: RecipeShape) -> Self {
         Self {
             name: name.to_owned(),
@@ -203,7 +202,7 @@ impl RecipeBody {
         }
     }
 
-    /// The object that the body is, where it is one alone.
+    /// Returns the object that the body consists of, if it is a single one.
     fn source(&self) -> Option<&ObjectSource> {
         match &self.shapes[..] {
             [(_, RecipeShape::Object(source))] => Some(source),
@@ -211,7 +210,7 @@ impl RecipeBody {
         }
     }
 
-    /// The body, in the planning frame.
+    /// Returns the body, in the planning frame.
     pub(crate) fn body(&self, planning_from_scene: &Pose) -> Result<Body, ScenarioError> {
         let planning_from_body = planning_from_scene * self.scene_from_body;
         let part = |(body_from_shape, shape): &(Pose, RecipeShape)| -> Result<Part, ScenarioError> {
@@ -221,7 +220,7 @@ impl RecipeBody {
         Ok(Body { name: self.name.clone(), parts, tilt_rad: self.tilt_rad })
     }
 
-    /// A body of the planning frame. It stands where its only shape does, or at the middle of its shapes.
+    /// Converts a body of the planning frame. Its frame is that of its only shape, or lies at the mean position of its shapes.
     pub(crate) fn of(body: &Body, scene_from_planning: &Pose) -> Result<Self, ScenarioError> {
         let places: Vec<Pose> =
             body.parts.iter().map(|part| scene_from_planning * part.world_from_solid).collect();
@@ -269,7 +268,7 @@ impl RecipeShape {
                 if is_convex {
                     Self::Hull(TriangleSoup::convex_hull(&points)?)
                 } else {
-                    // Of a mesh these are the corners of its triangles.
+                    // The points of a mesh are the corners of its triangles.
                     Self::Mesh(TriangleSoup::from_corners(points)?)
                 }
             }

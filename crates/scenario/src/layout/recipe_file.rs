@@ -1,4 +1,4 @@
-//! Recipes as folders of Cranny's own layout.
+//! Recipes as folders in Cranny's layout.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -14,15 +14,15 @@ use crate::layout::recipe::{Recipe, RecipeBody, RecipeShape};
 use crate::robot::in_folder::{ROBOT, write_robot};
 use crate::{NamedTask, ScenarioError, StatedSpeed, TargetPhysics};
 
-/// The folder of a scenario's meshes.
+/// Folder of a scenario's meshes.
 const MESHES: &str = "meshes";
 
-/// The folder of a scenario's objects.
+/// Folder of a scenario's objects.
 const OBJECTS: &str = "objects";
 
 impl Recipe {
-    /// Writes the scenario as a folder, which is made if it is not there. `scenario.yaml` comes last, so that
-    /// a folder that has one is whole.
+    /// Writes the scenario as a folder, which is created if it does not exist. `scenario.yaml` is written last, so a folder
+    /// that contains it is complete.
     ///
     /// # Errors
     /// [`ScenarioError::Unwritable`], [`ScenarioError::ShapeFile`].
@@ -54,7 +54,7 @@ impl Recipe {
         write_into(folder, own::FILE, self.yaml())
     }
 
-    /// The text of its `scenario.yaml`.
+    /// Returns the text of its `scenario.yaml`.
     pub fn yaml(&self) -> String {
         let mut text = format!("# {}\n", self.title.replace('\n', " "));
         let Pose { translation, rotation } = self.robot.scene_from_root;
@@ -142,7 +142,7 @@ impl Recipe {
                 let _ = writeln!(text, "    size: {}", list(size_m));
             }
             PlaceSpot::Target(pose) => {
-                // As the target's own pose is: that of its body, not of its first shape.
+                // The pose is that of the target's body, as in the target entry, not of its first shape.
                 let first = self.target.as_ref().and_then(|target| target.shapes.first());
                 let body_from_first = first.map_or_else(Pose::identity, |(pose, _)| *pose);
                 let pose = pose_text(&(pose * body_from_first.inverse()));
@@ -152,7 +152,7 @@ impl Recipe {
     }
 }
 
-/// Configurations (one value per joint, m or rad), one a line.
+/// Returns the text of configurations (one value per joint, m or rad), one per line.
 pub fn configurations_text(configurations: &[Vec<f64>]) -> String {
     let line = |q: &Vec<f64>| q.iter().map(f64::to_string).collect::<Vec<_>>().join(",") + "\n";
     configurations.iter().map(line).collect()
@@ -202,7 +202,7 @@ impl RecipeBody {
     }
 }
 
-/// Shown only as far as it is not the identity.
+/// Returns the text of a pose without its identity components; `None` for the identity.
 fn pose_text(pose: &Pose) -> Option<String> {
     let mut keys = Vec::new();
     let position = list(pose.translation.vector.as_slice());
@@ -219,17 +219,17 @@ fn list(numbers: &[f64]) -> String {
     format!("[{}]", numbers.iter().map(|number| plain(*number).to_string()).collect::<Vec<_>>().join(", "))
 }
 
-/// Without the rounding errors that a change of frames leaves: a picometre means nothing, nor does a picoradian.
+/// Removes the rounding errors of frame changes: differences of a picometre or picoradian are insignificant.
 fn plain(number: f64) -> f64 {
     const STEPS: f64 = 1e12;
     // Adding zero turns −0 into 0.
     if number.abs() < 1e3 { (number * STEPS).round() / STEPS + 0.0 } else { number }
 }
 
-/// Less than this is rounding.
+/// Rotation below which a pose counts as unrotated, in radians: rounding.
 const LEAST_TURN_RAD: f64 = 1e-12;
 
-/// The name without what a file's name should not hold.
+/// Returns the name with characters replaced that are unsuitable for a file name.
 pub(crate) fn file_name(name: &str) -> String {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "_-.".contains(c);
     name.chars().map(|c| if is_plain(c) { c } else { '_' }).collect()

@@ -23,14 +23,15 @@ use crate::{
     TargetPhysics, panda_mobile, scenario,
 };
 
-/// The file that makes a folder a scenario of the paper's release.
+/// File that identifies a folder as a scenario of the paper's release.
 pub(crate) const FILE: &str = "scene.yaml";
 
 /// Opens a folder of the paper's released layout.
 ///
-/// 1. The robot: two folders up; the detailed one under `exact`, the one of boxes under `paper`. Where there
-///    is none, the built-in one.
-/// 2. Bodies: of the scene, or the exported mesh in their place.
+/// 1. The robot: two folders up; the detailed one under `exact`, the one of boxes under `paper`. If there is none, the built-in
+///    robot.
+/// 2. Bodies: of the scene, or the exported mesh instead.
+/// 3. Start, grasps and IK solutions: the exported ones, which are in the planning frame.
 /// 3. Start, grasps and IK solutions: the exported ones, which are in the planning frame.
 pub(crate) fn open(folder: &Path, options: &OpenOptions) -> Result<Scenario, ScenarioError> {
     let criterion = options.criterion.unwrap_or_default();
@@ -38,7 +39,7 @@ pub(crate) fn open(folder: &Path, options: &OpenOptions) -> Result<Scenario, Sce
     open_with(folder, options, robot)
 }
 
-/// The same with a given robot in place of the released one.
+/// Opens such a folder with a given robot instead of the released one.
 pub(crate) fn open_with(
     folder: &Path,
     options: &OpenOptions,
@@ -119,13 +120,13 @@ fn robot(
     Ok((file::load(&urdf, &RobotOptions::default())?, RobotSource::of(&urdf)))
 }
 
-/// The robot that stands in for the released one.
+/// Returns the robot that replaces the released one.
 fn built_in() -> Result<(Arc<Robot>, RobotSource), ScenarioError> {
     let BuiltinRobot { name, .. } = BUILTIN_ROBOTS[0];
     Ok((panda_mobile()?, RobotSource::Builtin(name)))
 }
 
-/// The exported grasps; where there are none, those of the scene.
+/// Returns the exported grasps; if there are none, those of the scene.
 fn grasps(folder: &Path) -> Result<GraspSet, ScenarioError> {
     let (exported, array) = (folder.join("export/grasps.csv"), folder.join(released_grasps::FILE));
     if !exported.is_file() && array.is_file() {
@@ -134,7 +135,7 @@ fn grasps(folder: &Path) -> Result<GraspSet, ScenarioError> {
     Ok(parse_csv(&exported, &yaml::text(TABLE, &exported)?)?)
 }
 
-/// The exported mesh: obstacles and target in one, in the planning frame.
+/// Exported mesh: obstacles and target in one, in the planning frame.
 struct Exported {
     path: PathBuf,
     soup: TriangleSoup,
@@ -148,14 +149,14 @@ impl Exported {
         Ok(Self { path: path.to_owned(), soup, surface })
     }
 
-    /// The volume that it encloses, as one obstacle; the target is part of it.
+    /// Returns the enclosed volume as one obstacle that includes the target.
     fn body(&self) -> Result<Body, ScenarioError> {
         let solid = Solid::mesh(&self.soup).map_err(|fault| fault.in_file(&self.path))?;
         Ok(Body::new("obstacles", Pose::identity(), solid))
     }
 }
 
-/// A `scene.yaml` as the BURG toolkit writes it.
+/// File `scene.yaml` as written by the BURG toolkit.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct SceneFile {
@@ -164,7 +165,7 @@ struct SceneFile {
     #[serde(default)]
     objects: Vec<PlacedObject>,
     object_library_fn: PathBuf,
-    // For printed markers on the ground below real scenes.
+    // Keys for printed markers on the ground below real scenes.
     #[serde(rename = "ground_area_x")]
     _ground_area_x: Option<IgnoredAny>,
     #[serde(rename = "ground_area_y")]
@@ -195,7 +196,7 @@ impl PlacedObject {
         Ok(planning_from_scene() * scene_from_object)
     }
 
-    /// The object's type; the second of a type is called `<type>-2`, and so on.
+    /// Returns the type of the object; the second object of a type is named `<type>-2`, and so on.
     fn name_after(&self, earlier: &[Self]) -> String {
         let name = &self.object_type.value;
         match earlier.iter().filter(|object| object.object_type.value == *name).count() {
@@ -217,7 +218,7 @@ impl PlacedObject {
     }
 }
 
-/// The obstacles of a scene, then its target, and how that weighs and slides.
+/// Returns the obstacles of a scene, then its target, and mass and friction of the target.
 fn scene_bodies(path: &Path) -> Result<(Vec<Body>, TargetPhysics), ScenarioError> {
     let scene: SceneFile = yaml::read(path)?;
     let folder = path.parent().unwrap_or(Path::new(""));
@@ -243,8 +244,8 @@ fn scene_bodies(path: &Path) -> Result<(Vec<Body>, TargetPhysics), ScenarioError
 }
 
 impl Recipe {
-    /// What a folder of the paper's released layout describes, for the built-in robot, which has the joints of
-    /// the released one: obstacles, target, start, grasps and known IK solutions.
+    /// Imports a folder in the paper's released layout for the built-in robot, which has the joints of the released one:
+    /// obstacles, target, start, grasps and known IK solutions.
     ///
     /// # Errors
     /// [`ScenarioError`], with file and line where there is one.

@@ -1,4 +1,4 @@
-//! Recipes as folders of the paper's released layout.
+//! Recipes as folders in the paper's released layout.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -15,17 +15,17 @@ use crate::layout::released_frame::planning_from_scene;
 use crate::layout::released_grasps;
 use crate::{PAPER_FRICTION, ScenarioError};
 
-/// The object library of the folder, relative to it.
+/// Object library of the folder, relative to it.
 const LIBRARY: &str = "object_library";
 
-/// What an object to be grasped weighs where nothing says it, in kilograms: as most in the released library.
+/// Default mass of an object to grasp, in kilograms: that of most objects in the released library.
 const OBJECT_MASS_KG: f64 = 0.2;
 
 impl Recipe {
-    /// Writes the scenario as a folder in the paper's released layout, with an object library of its own, so
-    /// that the released programs run on it: `scene.yaml`, `grasps.npy`, `object_library/` and `export/` with
-    /// grasps, start, IK solutions and `obstacles.obj`, which holds the true shapes, target first. Spheres,
-    /// cylinders and capsules become meshes with their vertices on the surface. `scene.yaml` comes last.
+    /// Writes the scenario as a folder in the paper's released layout, with its own object library, so that the released
+    /// programs run on it: `scene.yaml`, `grasps.npy`, `object_library/` and `export/` with grasps, start, IK solutions and
+    /// `obstacles.obj`. The latter contains the true shapes, target first. Spheres, cylinders and capsules become meshes with
+    /// their vertices on the surface. `scene.yaml` is written last.
     ///
     /// # Errors
     /// [`ScenarioError::Unwritable`], [`ScenarioError::ShapeFile`], and [`ScenarioError::TargetCount`] for a
@@ -35,7 +35,7 @@ impl Recipe {
             return Err(ScenarioError::TargetCount { path: folder.to_owned(), actual: 0 });
         };
         let write = |name: &str, text: &str| write_into(folder, name, text);
-        // The layout knows but one robot, and has everything in its frame.
+        // The layout supports one robot only, and everything is in its frame.
         let paper_from_scene = planning_from_scene();
         let is_elsewhere = self.robot.scene_from_root != paper_from_scene.inverse();
         let paper_from_planning = paper_from_scene * self.robot.scene_from_root;
@@ -45,7 +45,7 @@ impl Recipe {
         let physics = self.target_physics();
         let of_target =
             (physics.mass_kg.unwrap_or(OBJECT_MASS_KG), physics.friction.unwrap_or(PAPER_FRICTION));
-        // Without a mass, a simulator holds it where it is.
+        // A simulator fixes a body without mass in space.
         let of_obstacle = (0.0, PAPER_FRICTION);
         for (body, (mass_kg, friction)) in
             std::iter::once((target, of_target)).chain(self.obstacles.iter().map(|body| (body, of_obstacle)))
@@ -53,7 +53,7 @@ impl Recipe {
             let soup = body.soup()?;
             let name = file_name(&body.name);
             write(&format!("{LIBRARY}/meshes/{name}.obj"), &soup.obj_text(1))?;
-            // A simulator takes each group as the hull of its own.
+            // A simulator uses the convex hull of each group.
             write(&format!("{LIBRARY}/vhacd/{name}_vhacd.obj"), &body.grouped_obj()?)?;
             write(&format!("{LIBRARY}/urdf/{name}.urdf"), &urdf(&name, &soup, mass_kg, friction)?)?;
             library.push_str(&library_entry(&name, mass_kg, friction));
@@ -119,7 +119,7 @@ fn urdf(name: &str, soup: &TriangleSoup, mass_kg: f64, friction: f64) -> Result<
 }
 
 impl RecipeBody {
-    /// All shapes in one mesh, in the body's frame; cuboids have twelve faces each, one after the other.
+    /// Returns all shapes as one mesh, in the body's frame; each cuboid has twelve consecutive faces.
     fn soup(&self) -> Result<TriangleSoup, ScenarioError> {
         let mut soup = TriangleSoup::default();
         for (body_from_shape, shape) in &self.shapes {
@@ -128,14 +128,14 @@ impl RecipeBody {
         Ok(soup)
     }
 
-    /// The same where the body stands.
+    /// Returns that mesh in the scene.
     pub(crate) fn placed_soup(&self) -> Result<TriangleSoup, ScenarioError> {
         let mut soup = TriangleSoup::default();
         soup.append(&self.soup()?, &self.scene_from_body);
         Ok(soup)
     }
 
-    /// The same as an OBJ file with a group for each shape.
+    /// Returns that mesh as an OBJ file with a group per shape.
     fn grouped_obj(&self) -> Result<String, ScenarioError> {
         let mut text = String::new();
         let mut first = 1;
@@ -150,9 +150,9 @@ impl RecipeBody {
 }
 
 impl RecipeShape {
-    /// Its surface, closed, normals outwards; round shapes with their vertices on the surface.
+    /// Returns the surface of the shape: closed, normals outwards; round shapes have their vertices on the surface.
     pub(crate) fn soup(&self) -> Result<TriangleSoup, ScenarioError> {
-        /// 1280 triangles.
+        /// Number of subdivisions: 1280 triangles.
         const DIVISIONS: u32 = 3;
         Ok(match self {
             Self::Cuboid(size) => Surface::cuboid_soup(&(size * 0.5)),
@@ -184,5 +184,5 @@ impl RecipeShape {
     }
 }
 
-/// Around a cylinder: the mesh lies at most a thousandth of the radius inside it.
+/// Number of points around a cylinder: the mesh is at most a thousandth of the radius inside it.
 const RIM_POINTS: u32 = 64;

@@ -1,4 +1,4 @@
-//! `grasps.npy` of the released layout: grasps in the scene, in the axes of another toolkit.
+//! File `grasps.npy` of the released layout: grasps in the scene, in the axis convention of another toolkit.
 
 use std::fs::File;
 use std::io::BufWriter;
@@ -14,14 +14,14 @@ use crate::layout::released_frame::planning_from_scene;
 
 pub(crate) const FILE: &str = "grasps.npy";
 
-/// `array_from_gripper`: x and y change places, z turns round. It is its own inverse.
+/// Returns `array_from_gripper`: x and y are swapped, z is reversed. It is its own inverse.
 fn swap_axes() -> Pose {
     let axes = Matrix3::new(0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -1.0);
     let rotation = Rotation::from_rotation_matrix(&Rotation3::from_matrix_unchecked(axes));
     Pose::from_parts(Vector::zeros().into(), rotation)
 }
 
-/// Reads floats of shape (n, 4, 4): poses in the scene. Scores and widths are not in the file.
+/// Reads floats of shape (n, 4, 4): poses in the scene. The file contains no scores or widths.
 pub(crate) fn read(path: &Path) -> Result<GraspSet, ScenarioError> {
     let fault = |problem: String| ScenarioError::Npy { path: path.to_owned(), problem };
     let bytes = cranny_file::TABLE
@@ -30,7 +30,7 @@ pub(crate) fn read(path: &Path) -> Result<GraspSet, ScenarioError> {
     let array = NpyFile::new(&bytes[..]).map_err(|reason| fault(reason.to_string()))?;
     let shape = array.shape().to_vec();
     let [count, 4, 4] = shape[..] else { return Err(fault(format!("its shape is {shape:?}"))) };
-    /// More would be no set of grasps but a broken header.
+    /// Maximum number of grasps; a larger number indicates a broken header.
     const MOST: u64 = 10_000_000;
     if count == 0 || count > MOST || array.order() != npyz::Order::C {
         return Err(fault(format!("it holds {count} poses, or holds them column by column")));
@@ -54,7 +54,7 @@ pub(crate) fn read(path: &Path) -> Result<GraspSet, ScenarioError> {
     Ok(GraspSet::new(grasps)?)
 }
 
-/// Writes what [`read`] reads, in single precision like the released ones.
+/// Writes a file for [`read`], in single precision as in the release.
 pub(crate) fn write(path: &Path, grasps: &GraspSet) -> Result<(), ScenarioError> {
     let unwritable = |reason| ScenarioError::Unwritable { path: path.to_owned(), reason };
     let scene_from_planning = planning_from_scene().inverse();

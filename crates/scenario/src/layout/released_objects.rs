@@ -9,14 +9,14 @@ use serde_saphyr::Spanned;
 use crate::files::yaml;
 use crate::{ScenarioError, TargetPhysics};
 
-/// The released object library: where the meshes of each type of object are.
+/// Released object library: meshes of each object type.
 pub(crate) struct ObjectLibrary {
     path: PathBuf,
     folder: PathBuf,
     objects: Vec<ObjectEntry>,
 }
 
-/// What the library says of one type of object; stable poses are not read.
+/// Library entry of an object type; stable poses are not read.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct ObjectEntry {
@@ -33,7 +33,7 @@ pub(crate) struct ObjectEntry {
     _stable_poses: Option<IgnoredAny>,
     #[serde(rename = "thumbnail_fn")]
     _thumbnail: Option<IgnoredAny>,
-    // Made of the mesh and the convex parts, for simulators.
+    // The URDF is generated from the mesh and the convex parts, for simulators.
     #[serde(rename = "urdf_fn")]
     _urdf: Option<IgnoredAny>,
 }
@@ -67,13 +67,13 @@ impl ObjectLibrary {
         self.objects.iter().find(|object| object.identifier == identifier)
     }
 
-    /// All identifiers, for a message about an unknown one.
+    /// Returns all identifiers, for a message about an unknown one.
     pub fn known(&self) -> String {
         self.objects.iter().map(|object| object.identifier.as_str()).collect::<Vec<_>>().join(", ")
     }
 
-    /// The solids of an obstacle in its own frame: the cuboids that its mesh is made of, twelve faces each;
-    /// of any other mesh the volume that it encloses.
+    /// Returns the solids of an obstacle in its own frame: the cuboids of its mesh, twelve faces each; for any other mesh the
+    /// enclosed volume.
     pub fn obstacle(&self, object: &ObjectEntry) -> Result<Vec<(Pose, Solid)>, ShapeError> {
         let path = self.folder.join(&object.mesh_fn);
         let soup = TriangleSoup::load(&path, Vector::repeat(object.scale))?;
@@ -92,8 +92,8 @@ impl ObjectLibrary {
         }
     }
 
-    /// How an object to be grasped weighs and slides, as far as the library says it. A mass of 0, which tells a
-    /// simulator to hold the object where it is, says nothing.
+    /// Returns mass and friction of an object to grasp, if the library states them. A mass of 0, which fixes an object in a
+    /// simulator, counts as not stated.
     pub fn physics(&self, object: &ObjectEntry) -> Result<TargetPhysics, ScenarioError> {
         let positive = |what: &'static str, number: &Spanned<f64>| {
             yaml::positive(&self.path, what, number.value, number.referenced)
@@ -110,8 +110,8 @@ impl ObjectLibrary {
         })
     }
 
-    /// The solid of an object to be grasped, in its own frame: what its simplified mesh encloses. The scans
-    /// have holes; the simplified mesh is closed, but not convex, so it stands for itself, not for its hull.
+    /// Returns the solid of an object to grasp, in its own frame: the volume that its simplified mesh encloses. The scans have
+    /// holes. The simplified mesh is closed but not convex, so it is used directly and not through its hull.
     pub fn target(&self, object: &ObjectEntry) -> Result<Solid, ShapeError> {
         let path = self.folder.join(object.vhacd_fn.as_ref().unwrap_or(&object.mesh_fn));
         let soup = TriangleSoup::load(&path, Vector::repeat(object.scale))?;
@@ -121,5 +121,5 @@ impl ObjectLibrary {
 
 const FACES_OF_CUBOID: usize = 12;
 
-/// Mesh files are read in single precision, so that a coordinate of 2 m is off by at most 1.2e-7 m.
+/// Tolerance of corners, in metres. Mesh files are read in single precision, so a coordinate of 2 m is off by at most 1.2e-7 m.
 const CORNER_TOLERANCE_M: f64 = 1e-6;

@@ -9,28 +9,28 @@ use crate::robot::file;
 use crate::robot::in_folder::RobotInFolder;
 use crate::{BUILTIN_ROBOTS, RobotSource, ScenarioError, write_whole_folder};
 
-/// The robot of a new scenario, if it is not the built-in one.
+/// Robot of a new scenario, if it is not the built-in one.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct TemplateRobot {
-    /// Its URDF, a folder with a `robot.yaml`, or the name of a built-in one.
+    /// URDF, folder with a `robot.yaml`, or name of a built-in robot.
     pub robot: PathBuf,
-    /// Its SRDF. Default: the one beside the URDF, if there is one.
+    /// SRDF. Default: the one beside the URDF, if there is one.
     pub srdf: Option<PathBuf>,
-    /// The group of the SRDF whose joints move. Default: all from the root to the tip.
+    /// Group of the SRDF whose joints move. Default: all joints from the root to the tip.
     pub group: Option<String>,
-    /// The link that grasps are reached with. Default: see [`RobotOptions::tip`].
+    /// Link that reaches the grasps. Default: see [`RobotOptions::tip`].
     pub tip: Option<String>,
-    /// Folders in which `package://` names of the URDF are looked for.
+    /// Folders in which `package://` names of the URDF are resolved.
     pub packages: Vec<PathBuf>,
 }
 
-/// Begins a scenario of one's own: a folder with a commented `scenario.yaml` and a `grasps.csv`, which opens.
-/// With the built-in robot it can be planned as it is; another one's files are copied to `robot/`, and where
-/// things stand is then to be adapted to it.
+/// Creates a new scenario: a folder with a commented `scenario.yaml` and a `grasps.csv`, which opens. With the built-in robot
+/// it can be planned unchanged. The files of another robot are copied to `robot/`, and the poses of the bodies must then be
+/// adapted to it.
 ///
 /// # Errors
-/// [`ScenarioError::Exists`] if something is there already, [`ScenarioError::Unwritable`], and whatever is wrong
-/// with the robot, before anything is written.
+/// [`ScenarioError::Exists`] if the path exists already, [`ScenarioError::Unwritable`], and any fault of the robot, before
+/// anything is written.
 pub fn write_template(folder: &Path, robot: Option<&TemplateRobot>) -> Result<(), ScenarioError> {
     let mut files = vec![(own::GRASPS_FILE.to_owned(), GRASPS.as_bytes().to_vec())];
     let mut text = SCENARIO.to_owned();
@@ -71,12 +71,12 @@ impl TemplateRobot {
         }
     }
 
-    /// The template with this robot's group, tip, ground and joints: each stands where its files say, or else at 0 or at
-    /// the limit next to it.
+    /// Returns the template with this robot's group, tip, ground and joints: each joint at the value of its files, otherwise at
+    /// 0 or the limit nearest to it.
     fn named_in(&self, template: &str, model: &Robot) -> String {
         let mut text = String::new();
         let mut is_start = false;
-        // What its own files say needs no second place.
+        // Values of the robot's own files are not repeated.
         let says_tip = self.tip.is_none() && model.hand().is_some();
         for line in template.lines() {
             is_start &= line.starts_with(' ');

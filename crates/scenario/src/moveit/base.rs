@@ -6,11 +6,11 @@ use crate::moveit::frames::{bare, planning_frames};
 use crate::moveit::message_file::MessageFile;
 use crate::{MoveItDeviation, MoveItError, ScenarioError};
 
-/// The pose in the planning frame of the robot's root: that of the first state with a floating joint.
+/// Returns the pose of the robot's root in the planning frame: that of the first state with a floating joint.
 ///
 /// # Errors
-/// More than one joint, a joint of the URDF, one that is none of the SRDF's virtual joints, a pose in another frame, or
-/// one that a planar joint cannot take.
+/// More than one joint, a joint of the URDF, one that is not a virtual joint of the SRDF, a pose in another frame, or a pose
+/// outside the range of a planar joint.
 pub(crate) fn world_from_root(
     states: &[(&MessageFile<'_>, &StateEntry)],
     robot: &Robot,
@@ -66,7 +66,7 @@ pub(crate) fn world_from_root(
     Ok(Pose::identity())
 }
 
-/// Returns whether a pose leaves the x-y plane by more than rounding.
+/// Returns true if a pose leaves the x-y plane by more than rounding.
 fn leaves_plane(pose: &Pose) -> bool {
     let up = pose.rotation * cranny_spatial::Vector::z();
     pose.translation.z.abs() > 1e-6 || up.z < 1.0 - 1e-9

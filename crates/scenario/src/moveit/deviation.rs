@@ -3,108 +3,108 @@ use std::path::PathBuf;
 
 use cranny_file::distinct;
 
-/// Point at which a [`MoveItProblem`](crate::MoveItProblem) differs from its files, or covers them only in part.
+/// Difference between a [`MoveItProblem`](crate::MoveItProblem) and its files, or content that it covers only partly.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum MoveItDeviation {
-    /// A joint outside the group is asked to stand beyond its limits, and stands at the limit.
+    /// A joint outside the group has a value beyond its limits and is held at the limit.
     HeldAtLimit {
-        /// The joint.
+        /// Name of the joint.
         joint: String,
-        /// The value in the files, in metres or radians.
+        /// Value in the files, in metres or radians.
         requested: f64,
-        /// The value taken instead.
+        /// Value used instead, in metres or radians.
         held: f64,
     },
-    /// A joint that follows another, or is fixed in the URDF, does not stand where the files have it.
+    /// A joint that follows another, or is fixed in the URDF, differs from its value in the files.
     NotFree {
-        /// The joint.
+        /// Name of the joint.
         joint: String,
-        /// The value in the files, in metres or radians.
+        /// Value in the files, in metres or radians.
         requested: f64,
-        /// Its value, in metres or radians.
+        /// Actual value, in metres or radians.
         held: f64,
     },
-    /// Neither file gives a joint outside the group a value.
+    /// Neither file gives a value for a joint outside the group.
     NotGiven {
-        /// The joint.
+        /// Name of the joint.
         joint: String,
-        /// Its value, in metres or radians.
+        /// Actual value, in metres or radians.
         held: f64,
     },
-    /// A value is beyond a limit by no more than rounding, and the limit is taken instead.
+    /// A value exceeds a limit by no more than rounding, and the limit is used instead.
     Rounded {
         /// `start` or `goal`.
         what: &'static str,
-        /// The joint.
+        /// Name of the joint.
         joint: String,
-        /// The value in the files, in metres or radians.
+        /// Value in the files, in metres or radians.
         requested: f64,
-        /// The limit.
+        /// Limit, in metres or radians.
         limit: f64,
     },
-    /// A continuous joint is turned by whole turns, which leaves all links where they are.
+    /// A continuous joint is shifted by whole turns, which does not move any link.
     Turned {
         /// `start` or `goal`.
         what: &'static str,
-        /// The joint.
+        /// Name of the joint.
         joint: String,
-        /// The value in the files, in radians.
+        /// Value in the files, in radians.
         requested: f64,
-        /// The value taken instead.
+        /// Value used instead, in radians.
         taken: f64,
     },
-    /// The start moves, but a path begins at rest.
+    /// The start has a velocity, but a path begins at rest.
     Moves {
-        /// A joint.
+        /// Name of a joint.
         joint: String,
-        /// Its speed in the files (m/s, rad/s).
+        /// Velocity in the files (m/s, rad/s).
         velocity: f64,
     },
-    /// A joint that no motor drives, by the SRDF, is moved, because a goal asks for that.
+    /// A joint that is passive in the SRDF moves because a goal requires it.
     PassiveMoves {
-        /// The joint.
+        /// Name of the joint.
         joint: String,
     },
-    /// The group moves the robot as a whole, which stands still here.
+    /// The group moves the robot as a whole, which is stationary here.
     BaseStands {
-        /// The virtual joint.
+        /// Name of the virtual joint.
         joint: String,
     },
-    /// The robot stands where its state has it, although its SRDF has no virtual joint of that name that moves.
+    /// The robot has the base pose of its state, although its SRDF has no movable virtual joint of that name.
     BasePlaced {
-        /// The name in the state.
+        /// Name in the state.
         joint: String,
     },
-    /// The scene lets two things touch that the robot's SRDF does not name; they are checked all the same.
+    /// The scene allows a contact that the robot's SRDF does not; the pair is checked all the same.
     AllowedPairChecked {
-        /// A link.
+        /// Name of a link.
         first: String,
-        /// Another link, or an object.
+        /// Name of another link, or of an object.
         second: String,
     },
-    /// The scene or the SRDF lets a link or object touch anything; its pairs with objects are checked all the same.
+    /// The scene or the SRDF allows a link or object to touch anything; its pairs with objects are checked all the same.
     AllowedLinkChecked {
-        /// The link or object.
+        /// Name of the link or object.
         name: String,
     },
-    /// The scene is that of a robot of another name.
+    /// The scene is for a robot of another name.
     OtherRobot {
-        /// The name in the scene.
+        /// Name in the scene.
         scene: String,
-        /// The name in the URDF.
+        /// Name in the URDF.
         robot: String,
     },
-    /// An orientation constraint is kept as cones about axes of its link, which lie within its tolerances.
+    /// An orientation constraint is replaced by cones about axes of its link, which lie within its tolerances.
     Cones {
-        /// The link.
+        /// Name of the link.
         link: String,
     },
-    /// The scene holds no object.
+    /// The scene contains no object.
     EmptyWorld,
-    /// Limits of joints are those of a `joint_limits.yaml`.
+    /// Joint limits are taken from a `joint_limits.yaml`.
     JointLimits {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
     },
 }
@@ -129,14 +129,15 @@ impl fmt::Display for MoveItDeviation {
                 let [requested, limit] = distinct([*requested, *limit], 4);
                 write!(
                     formatter,
-                    "joint '{joint}' of the {what} is {requested}, taken for its limit {limit}, of which it is a \
-                     rounding"
+                    "joint '{joint}' of the {what} is {requested}, read as its limit {limit}, from which it \
+                     differs by rounding only"
                 )
             }
             Self::Turned { what, joint, requested, taken } => {
                 write!(
                     formatter,
-                    "joint '{joint}' of the {what} is {requested:.4}, whole turns from {taken:.4}, which is taken"
+                    "joint '{joint}' of the {what} is {requested:.4}, whole turns from {taken:.4}, which is \
+                     used instead"
                 )
             }
             Self::Moves { joint, velocity } => {
@@ -154,7 +155,8 @@ impl fmt::Display for MoveItDeviation {
             }
             Self::BasePlaced { joint } => write!(
                 formatter,
-                "the robot stands where its state has '{joint}', which is no virtual joint of its SRDF that moves"
+                "the base of the robot is at the pose of '{joint}' in its state, which is not a movable \
+                 virtual joint of its SRDF"
             ),
             Self::AllowedPairChecked { first, second } => {
                 write!(formatter, "'{first}' may touch '{second}' in the scene, but not here")
@@ -173,7 +175,7 @@ impl fmt::Display for MoveItDeviation {
                 formatter.write_str("the scene holds no object: nothing but the robot itself is in its way")
             }
             Self::JointLimits { path } => {
-                write!(formatter, "limits of joints are those of {}", path.display())
+                write!(formatter, "joint limits are taken from {}", path.display())
             }
         }
     }

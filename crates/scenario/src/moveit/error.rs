@@ -3,7 +3,8 @@ use std::path::PathBuf;
 use cranny_file::distinct;
 use cranny_robot::Location;
 
-/// What can be wrong with a `MoveIt` scene, a request, or the robot that they name. The message is complete in itself: file and line where there is one.
+/// Errors of a `MoveIt` scene, a request, or the robot that they name. Each message is self-contained and names file and line
+/// if there are any.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum MoveItError {
@@ -12,7 +13,7 @@ pub enum MoveItError {
     JointState {
         /// Location in the file.
         at: Location,
-        /// Number of joints that are named.
+        /// Number of joint names.
         names: usize,
         /// `positions` or `transforms`.
         kind: &'static str,
@@ -28,7 +29,7 @@ pub enum MoveItError {
         /// The scene file.
         path: PathBuf,
     },
-    /// A file does not hold one message.
+    /// A file does not contain exactly one message.
     #[error("{}: a list of {actual} messages, but one is read (give that alone)", path.display())]
     NotOneMessage {
         /// The file.
@@ -36,17 +37,17 @@ pub enum MoveItError {
         /// Number of messages in it.
         actual: usize,
     },
-    /// A `.scene` file is not in the form of one.
+    /// A `.scene` file is malformed.
     #[error("{at}: expected {expected}, not '{found}'")]
     SceneText {
         /// Location in the file.
         at: Location,
-        /// The expected content.
+        /// Expected content.
         expected: &'static str,
-        /// The content that was found.
+        /// Actual content.
         found: String,
     },
-    /// An `allowed_collision_matrix` is none.
+    /// An `allowed_collision_matrix` is malformed.
     #[error(
         "{at}: the matrix of allowed collisions must be symmetric, with {names} rows of {names} values for its {names} \
          names, and a value for each default"
@@ -57,25 +58,25 @@ pub enum MoveItError {
         /// Number of its names.
         names: usize,
     },
-    /// A fixed transform puts a frame elsewhere than it is known to be.
-    #[error("{at}: frame '{frame}' is known, and elsewhere (leave the transform out)")]
+    /// A fixed transform contradicts the known pose of a frame.
+    #[error("{at}: frame '{frame}' is already known, with another pose (leave the transform out)")]
     FrameTwice {
         /// Location in the file.
         at: Location,
-        /// The frame.
+        /// Name of the frame.
         frame: String,
     },
-    /// The pose of the robot's base is given for something else.
+    /// The pose of the robot's base is given for a joint that is not virtual.
     #[error("{at}: '{joint}' is no virtual joint of the robot's SRDF (it has: {known})")]
     NoVirtualJoint {
         /// Location in the file.
         at: Location,
-        /// The name.
+        /// Name of the joint.
         joint: String,
-        /// The virtual joints that there are.
+        /// Names of the virtual joints.
         known: String,
     },
-    /// A goal asks a joint that follows others, or is held, to be elsewhere.
+    /// A goal gives a value for a joint that follows others or is held, and that has another value.
     #[error(
         "{at}: the goal asks joint '{joint}' to be at {}, but it does not move freely, and is at {} there",
         distinct([*asked, *actual], 4)[0],
@@ -84,11 +85,11 @@ pub enum MoveItError {
     GoalElsewhere {
         /// Location in the file.
         at: Location,
-        /// The joint.
+        /// Name of the joint.
         joint: String,
-        /// The value in the goal, in metres or radians.
+        /// Value in the goal, in metres or radians.
         asked: f64,
-        /// The value that it has, in metres or radians.
+        /// Actual value, in metres or radians.
         actual: f64,
     },
     /// A scene does not name its robot, and none is given.
@@ -100,9 +101,9 @@ pub enum MoveItError {
     /// A joint has two values.
     #[error("{at}: joint '{joint}' has a value already")]
     JointTwice {
-        /// Where the second one stands.
+        /// Location of the second one.
         at: Location,
-        /// The joint.
+        /// Name of the joint.
         joint: String,
     },
     /// A `MoveIt` request has no goal.
@@ -111,12 +112,12 @@ pub enum MoveItError {
         /// The request file.
         path: PathBuf,
     },
-    /// The goal leaves a joint out.
+    /// The goal gives no value for a joint.
     #[error("{at}: the goal gives no value for joint '{joint}'")]
     GoalWithoutJoint {
-        /// Where the goal stands.
+        /// Location of the goal in the file.
         at: Location,
-        /// The joint.
+        /// Name of the joint.
         joint: String,
     },
     /// A `MoveIt` object has no shape.
@@ -124,31 +125,31 @@ pub enum MoveItError {
     NoShape {
         /// Location in the file.
         at: Location,
-        /// The object.
+        /// Name of the object.
         object: String,
     },
-    /// The shapes of a `MoveIt` object do not have one pose each.
+    /// The number of shapes of a `MoveIt` object differs from the number of their poses.
     #[error("{at}: object '{object}' has {actual} poses for {expected} shapes of kind {kind}")]
     PoseCount {
         /// Location in the file.
         at: Location,
-        /// The object.
+        /// Name of the object.
         object: String,
         /// `primitive` or `mesh`.
         kind: &'static str,
-        /// How many shapes there are.
+        /// Number of shapes.
         expected: usize,
-        /// How many poses.
+        /// Number of poses.
         actual: usize,
     },
-    /// A `MoveIt` primitive is of a kind that is not known.
+    /// A `MoveIt` primitive has an unknown kind.
     #[error("{at}: object '{object}': unknown primitive '{kind}' (known: box, sphere, cylinder)")]
     UnknownPrimitive {
         /// Location in the file.
         at: Location,
-        /// The object.
+        /// Name of the object.
         object: String,
-        /// The kind.
+        /// Kind of the primitive.
         kind: String,
     },
     /// A `MoveIt` primitive has the wrong number of dimensions.
@@ -156,23 +157,23 @@ pub enum MoveItError {
     Dimensions {
         /// Location in the file.
         at: Location,
-        /// The object.
+        /// Name of the object.
         object: String,
-        /// The kind of primitive.
+        /// Kind of the primitive.
         kind: String,
-        /// What its dimensions are.
+        /// Description of its dimensions.
         expected: &'static str,
-        /// How many there are.
+        /// Actual number of dimensions.
         actual: usize,
     },
-    /// A pose is given in a frame that is not known to stand still.
+    /// A pose refers to a frame that is unknown or not fixed.
     #[error("{at}: unknown frame '{frame}' (known: {known})")]
     UnknownFrame {
         /// Location in the file.
         at: Location,
-        /// The frame.
+        /// Name of the frame.
         frame: String,
-        /// The frames that there are.
+        /// Names of the known frames.
         known: String,
     },
     /// A `MoveIt` file names a joint or a group that the robot does not have.
@@ -180,15 +181,15 @@ pub enum MoveItError {
     NotOfRobot {
         /// Location in the file.
         at: Location,
-        /// What the robot says.
+        /// Error of the robot.
         reason: Box<cranny_robot::RobotError>,
     },
-    /// A `MoveIt` scene comes without a robot.
+    /// No robot is given or found for a `MoveIt` scene.
     #[error("{}: no URDF of the robot is given or found; looked for {}", path.display(), listed(tried))]
     NoRobot {
         /// The scene file.
         path: PathBuf,
-        /// The files that were looked for.
+        /// Files that were searched.
         tried: Vec<PathBuf>,
     },
 }

@@ -1,4 +1,4 @@
-//! Worlds as `MoveIt` planning scenes, written and read by themselves.
+//! Export and import of worlds as `MoveIt` planning scenes.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -14,15 +14,15 @@ use crate::moveit::message_file::MessageFile;
 use crate::moveit::world::bodies;
 use crate::{RecipeShape, ScenarioError, write_whole_file};
 
-/// A floor is written as a box this long and wide, in metres, with its upper side in the plane of the floor:
-/// `MoveIt`'s planes have no inside. Farther than any arm reaches from where its robot stands.
+/// Length and width of the box that represents a floor, in metres; its upper side is in the plane of the floor. `MoveIt`'s
+/// planes have no inside. No arm reaches that far from its base.
 const FLOOR_SIDE_M: f64 = 20.0;
 
-/// How thick that box is, in metres.
+/// Thickness of that box, in metres.
 const FLOOR_DEPTH_M: f64 = 1.0;
 
-/// The collision objects of the planning scene in `path`, in the root frame of `robot`, which also gives the
-/// frames that objects may stand in. The planning frame is the robot's root, unless the scene's robot state moves it.
+/// Reads the collision objects of the planning scene in `path`, in the root frame of `robot`. The robot also defines the frames
+/// of the objects. The planning frame is the robot's root, unless the scene's robot state moves it.
 ///
 /// # Errors
 /// As [`MoveItProblem::open`](crate::MoveItProblem::open) for the scene.
@@ -33,9 +33,9 @@ pub fn read_moveit_scene(path: &Path, robot: &Robot) -> Result<World, ScenarioEr
     Ok(World::new(bodies(path, &scene, robot, &world_from_root)?)?)
 }
 
-/// The text of a `PlanningScene`: `world` as collision objects in the frame of the robot's root, `start` (m, rad;
-/// one value per joint) as the robot's state. A capsule is written as a cylinder and two spheres, a hull or a mesh as
-/// triangles, a floor as a box of 20 m × 20 m × 1 m below it. [`read_moveit_scene`] reads it back.
+/// Returns the text of a `PlanningScene`: `world` as collision objects in the frame of the robot's root, `start` (m, rad; one
+/// value per joint) as the robot's state. A capsule is written as a cylinder and two spheres, a hull or a mesh as triangles, a
+/// floor as a box of 20 m × 20 m × 1 m below it. [`read_moveit_scene`] reads it back.
 ///
 /// # Errors
 /// [`ScenarioError::ShapeFile`] for a shape without triangles.
@@ -59,7 +59,7 @@ pub fn moveit_scene_text(
     Ok(text)
 }
 
-/// Writes [`moveit_scene_text`] of the robot at `start` (m, rad; one per joint) to a file, as a whole or not at all.
+/// Writes [`moveit_scene_text`] of the robot at `start` (m, rad; one per joint) to a file, atomically.
 ///
 /// # Errors
 /// As there, and [`ScenarioError::Unwritable`].
@@ -112,15 +112,15 @@ fn write_body(text: &mut String, body: &Body, frame: &str) -> Result<(), Scenari
     Ok(())
 }
 
-/// A shape that `MoveIt` has.
+/// Shape that `MoveIt` supports.
 struct Primitive {
     kind: &'static str,
     dimensions: Vec<f64>,
-    /// How far its middle lies above that of the part, in metres.
+    /// Offset of its centre from that of the part along z, in metres.
     shift_m: f64,
 }
 
-/// The part as such shapes; none where it has to be triangles. A capsule is a cylinder and two spheres.
+/// Returns the part as such shapes; none if it must be written as triangles. A capsule is a cylinder and two spheres.
 fn primitives_of(part: &Part) -> Result<Vec<Primitive>, ScenarioError> {
     let of = |kind, dimensions: &[f64], shift_m| Primitive { kind, dimensions: dimensions.to_vec(), shift_m };
     if part.solid.is_half_space() {
@@ -139,12 +139,12 @@ fn primitives_of(part: &Part) -> Result<Vec<Primitive>, ScenarioError> {
     })
 }
 
-/// A JSON string is a YAML string.
+/// Returns a YAML string; a JSON string is one.
 fn quoted(text: &str) -> String {
     serde_json::Value::from(text).to_string()
 }
 
-/// With a decimal point in every number, which some readers of messages insist on.
+/// Returns a list with a decimal point in every number, which some readers of messages require.
 fn list(numbers: &[f64]) -> String {
     format!("[{}]", numbers.iter().map(|number| format!("{number:?}")).collect::<Vec<_>>().join(", "))
 }

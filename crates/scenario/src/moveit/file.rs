@@ -1,8 +1,8 @@
-//! The messages of `MoveIt` scenes and requests, key by key. See `moveit` for what becomes of them.
+//! Messages of `MoveIt` scenes and requests, key by key. See `moveit` for their interpretation.
 //!
-//! Every message lists all keys that it has in any version of `MoveIt`, and refuses every other, so that a key
-//! that is misspelt or stands at the wrong place cannot pass for one that is not given. Keys of type [`Passed`]
-//! have no bearing on the problem; every other is honoured, or refused where it holds something that is not.
+//! Every message lists all keys that it has in any version of `MoveIt` and refuses all others, so a key that is misspelt or
+//! misplaced cannot count as missing. Keys of type [`Passed`] have no effect on the problem. All other keys are supported, or
+//! refused if their value is not supported.
 #![expect(dead_code, reason = "what has no bearing on the problem is listed, and not read")]
 
 use std::fmt;
@@ -13,10 +13,10 @@ use serde::de::{Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 use serde_saphyr::Spanned;
 
-/// A value that has no bearing on the problem.
+/// Value without effect on the problem.
 type Passed = IgnoredAny;
 
-/// A list that is refused unless it is empty.
+/// List that is refused unless it is empty.
 pub(crate) type Refused = Option<Spanned<Vec<IgnoredAny>>>;
 
 /// A `PlanningScene`.
@@ -36,7 +36,7 @@ pub(crate) struct SceneFile {
 }
 
 impl SceneFile {
-    /// A scene of nothing but a world.
+    /// Returns a scene that consists of a world only.
     pub fn of(world: WorldEntry) -> Self {
         Self { world: Some(world), ..Self::default() }
     }
@@ -117,7 +117,7 @@ pub(crate) struct MatrixEntry {
     pub default_entry_values: Vec<bool>,
 }
 
-/// A row of the matrix: a list, or a list under the key `enabled`.
+/// Row of the matrix: a list, or a list under the key `enabled`.
 #[derive(Deserialize)]
 #[serde(untagged, expecting = "expected a list of true and false")]
 pub(crate) enum RowEntry {
@@ -159,7 +159,7 @@ pub(crate) struct ObjectEntry {
     pub mesh_poses: Vec<Spanned<PoseEntry>>,
     pub planes: Refused,
     pub plane_poses: Refused,
-    // Frames on the object, to which nothing here refers.
+    // Frames on the object; no supported key refers to them.
     #[serde(default)]
     subframe_names: Passed,
     #[serde(default)]
@@ -167,7 +167,7 @@ pub(crate) struct ObjectEntry {
     pub operation: Option<Spanned<NameOrNumber>>,
 }
 
-/// The frame that a message is in; empty: the planning frame.
+/// Frame of a message; empty: the planning frame.
 #[derive(Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub(crate) struct HeaderEntry {
@@ -183,12 +183,12 @@ pub(crate) struct PrimitiveEntry {
     #[serde(rename = "type")]
     pub kind: NameOrNumber,
     pub dimensions: Vec<Spanned<f64>>,
-    // Of a prism, which is refused.
+    // Only for a prism, which is refused.
     #[serde(default)]
     polygon: Passed,
 }
 
-/// A value that the message definitions number, and files spell out.
+/// Value that the message definitions number and files may write as a name.
 #[derive(Deserialize)]
 #[serde(untagged, expecting = "expected a name, or the number that stands for it")]
 pub(crate) enum NameOrNumber {
@@ -197,8 +197,8 @@ pub(crate) enum NameOrNumber {
 }
 
 impl NameOrNumber {
-    /// Its lower-case name in `names`, the first of which has the number `first`. A byte may be written as a text of
-    /// one character, as Python does.
+    /// Returns its lower-case name in `names`, the first of which has the number `first`. A byte may be written as a text of
+    /// one character, as in Python.
     pub fn name(&self, names: &[&str], first: u8) -> String {
         let number = match self {
             Self::Number(number) => *number,
@@ -212,7 +212,7 @@ impl NameOrNumber {
     }
 }
 
-/// A mesh in the file itself, or the name of a mesh file.
+/// Mesh in the file itself, or name of a mesh file.
 #[derive(Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub(crate) struct MeshEntry {
@@ -244,7 +244,7 @@ impl TriangleEntry {
     }
 }
 
-/// A pose, or a transform, whose parts go by other names; what is left out is zero.
+/// Pose, or a transform, which has other key names; missing values are zero.
 #[derive(Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub(crate) struct PoseEntry {
@@ -271,7 +271,7 @@ pub(crate) struct RequestFile {
     #[serde(default)]
     pub max_acceleration_scaling_factor: Option<Spanned<f64>>,
     pub max_cartesian_speed: Option<Spanned<f64>>,
-    // Where, and how, MoveIt is to search.
+    // Workspace, planner and budget of a search by `MoveIt`.
     #[serde(default)]
     workspace_parameters: Passed,
     #[serde(default)]
@@ -282,12 +282,12 @@ pub(crate) struct RequestFile {
     num_planning_attempts: Passed,
     #[serde(default)]
     allowed_planning_time: Passed,
-    // A hint for planners that begin from a trajectory.
+    // Hint for planners that start from a trajectory.
     #[serde(default)]
     reference_trajectories: Passed,
-    /// The link whose speed `max_cartesian_speed` limits; empty: the tip of the group.
+    /// Link whose speed `max_cartesian_speed` limits; empty: the tip of the group.
     pub cartesian_speed_limited_link: Option<Spanned<String>>,
-    /// Its earlier name.
+    /// Earlier name of that key.
     pub cartesian_speed_end_effector_link: Option<Spanned<String>>,
 }
 
@@ -298,7 +298,7 @@ pub(crate) struct StateEntry {
     pub joint_state: Option<Spanned<JointStateEntry>>,
     pub multi_dof_joint_state: Option<Spanned<FloatingStateEntry>>,
     pub attached_collision_objects: Refused,
-    // Whatever it is: joints that the request leaves out stand as in the scene.
+    // Without effect: joints missing in the request always have their value in the scene.
     is_diff: Passed,
 }
 
@@ -306,7 +306,7 @@ pub(crate) struct StateEntry {
 #[derive(Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub(crate) struct JointStateEntry {
-    // Positions of joints are in no frame.
+    // Positions of joints have no frame.
     header: Passed,
     pub name: Vec<Spanned<String>>,
     pub position: Vec<Spanned<f64>>,
@@ -341,7 +341,7 @@ pub(crate) struct ConstraintsEntry {
 }
 
 impl ConstraintsEntry {
-    /// Returns whether it has constraints other than joint values.
+    /// Returns true if it has constraints other than joint values.
     pub fn has_others(&self) -> bool {
         !(self.positions.is_empty() && self.orientations.is_empty() && self.visibilities.is_empty())
     }
@@ -354,7 +354,7 @@ pub(crate) struct TrajectoryConstraintsEntry {
     pub constraints: Vec<IgnoredAny>,
 }
 
-/// A `JointConstraint`; a goal is reached as it stands, without its tolerances.
+/// A `JointConstraint`; a goal must be reached exactly, without its tolerances.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct JointConstraintEntry {
@@ -410,7 +410,7 @@ pub(crate) struct OrientationConstraintEntry {
     weight: Passed,
 }
 
-/// x, y, z and so on: a list, or a number under each letter.
+/// Components x, y, z and so on: a list, or a number per letter.
 #[derive(Clone, Copy)]
 pub(crate) struct Components<const N: usize>(pub [f64; N]);
 

@@ -10,15 +10,14 @@ use crate::moveit::file::{RequestFile, SceneFile, WorldEntry};
 use crate::moveit::scene_text;
 use crate::{MoveItError, ScenarioError};
 
-/// The planning scene of a file, in any of the forms that one is written in:
+/// Reads the planning scene of a file, in any of the forms in use:
 ///
 /// - a `PlanningScene`, bare, as the only entry of a list, or under the `scene` of a service or an action;
 /// - a `PlanningSceneWorld`; a `CollisionObject`, or a list of them;
 /// - the text of a `.scene` file.
 ///
 /// # Errors
-/// [`MoveItError::NoWorld`] for a scene that gives none; [`ScenarioError::Yaml`] for a key that the message does not
-/// have.
+/// [`MoveItError::NoWorld`] for a scene without a world; [`ScenarioError::Yaml`] for a key that the message does not have.
 pub(crate) fn read_scene(path: &Path) -> Result<SceneFile, ScenarioError> {
     /// `GetPlanningScene`, `ApplyPlanningScene`.
     #[derive(Deserialize)]
@@ -49,8 +48,8 @@ pub(crate) fn read_scene(path: &Path) -> Result<SceneFile, ScenarioError> {
     Ok(scene)
 }
 
-/// The request for a motion plan of a file: a `MotionPlanRequest`, bare, as the only entry of a list, or under the key
-/// of a service or an action.
+/// Reads the motion plan request of a file: a `MotionPlanRequest`, bare, as the only entry of a list, or under the key of a
+/// service or an action.
 ///
 /// # Errors
 /// [`ScenarioError::Yaml`] for a key that the message does not have.
@@ -70,11 +69,11 @@ pub(crate) fn read_request(path: &Path) -> Result<RequestFile, ScenarioError> {
     form.only(path, &text)
 }
 
-/// The outermost keys of a file of messages.
+/// Top-level keys of a message file.
 struct Form {
-    /// Those of the message, or of the first in a list.
+    /// Keys of the message, or of the first one in a list.
     keys: Vec<String>,
-    /// Number of messages in the list, if it is one.
+    /// Number of messages if the file is a list.
     messages: Option<usize>,
 }
 
@@ -83,7 +82,7 @@ impl Form {
         self.keys.iter().any(|known| known == key)
     }
 
-    /// The one message of the file.
+    /// Returns the only message of the file.
     fn only<T: DeserializeOwned>(&self, path: &Path, text: &str) -> Result<T, ScenarioError> {
         let messages = self.list(path, text)?;
         let actual = messages.len();
@@ -94,7 +93,7 @@ impl Form {
         }
     }
 
-    /// All messages of the file.
+    /// Returns all messages of the file.
     fn list<T: DeserializeOwned>(&self, path: &Path, text: &str) -> Result<Vec<T>, ScenarioError> {
         match self.messages {
             None => Ok(vec![yaml::parse(path, text)?]),

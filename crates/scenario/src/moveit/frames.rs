@@ -7,22 +7,22 @@ use crate::moveit::file::{HeaderEntry, SceneFile};
 use crate::moveit::message_file::MessageFile;
 use crate::{MoveItError, ScenarioError};
 
-/// The frames that poses can be given in: the planning frame, links that stand still, and what the scene fixes.
+/// Frames in which poses can be given: the planning frame, fixed links, and frames that the scene fixes.
 pub(crate) struct Frames {
     root_from_planning: Pose,
     root_from: BTreeMap<String, Pose>,
 }
 
-/// The planning frame of a robot without a virtual joint, unless the scene fixes another of that name.
+/// Planning frame of a robot without a virtual joint, unless the scene fixes another frame of that name.
 const WORLD: &str = "world";
 
-/// The virtual joint that the robot stands on, if its SRDF has one.
+/// Returns the virtual joint between world and robot, if the SRDF has one.
 pub(crate) fn base_joint(robot: &Robot) -> Option<&VirtualJoint> {
     let root = &robot.links()[robot.root()].name;
     robot.virtual_joints().iter().find(|joint| joint.child_link == *root)
 }
 
-/// The names of the planning frame: the frame that the virtual joint leads from, or else the root link, and `world`.
+/// Returns the names of the planning frame: the parent frame of the virtual joint, or else the root link and `world`.
 pub(crate) fn planning_frames(robot: &Robot) -> Vec<&str> {
     match base_joint(robot) {
         Some(joint) => vec![&joint.parent_frame],
@@ -32,8 +32,8 @@ pub(crate) fn planning_frames(robot: &Robot) -> Vec<&str> {
 
 impl Frames {
     /// # Errors
-    /// [`MoveItError::FrameTwice`] for a fixed transform that puts a known frame elsewhere, [`MoveItError::UnknownFrame`]
-    /// for one from a frame that is not known.
+    /// [`MoveItError::FrameTwice`] for a fixed transform that contradicts a known frame, [`MoveItError::UnknownFrame`] for one
+    /// from an unknown frame.
     pub fn new(
         file: &MessageFile<'_>,
         scene: &SceneFile,
@@ -58,7 +58,7 @@ impl Frames {
             let name = bare(&entry.child_frame_id.value);
             let known = frames.root_from.entry(name.to_owned()).or_insert(root_from_frame);
             let apart = known.inverse() * root_from_frame;
-            // More than rounding of printed poses, in metres and radians.
+            // The tolerance exceeds rounding of printed poses, in metres and radians.
             if apart.translation.vector.norm() > 1e-6 || apart.rotation.angle() > 1e-6 {
                 let (at, frame) = (file.at(entry.child_frame_id.referenced), name.to_owned());
                 return Err(MoveItError::FrameTwice { at, frame }.into());
@@ -71,12 +71,12 @@ impl Frames {
         self.root_from.insert(bare(planning_frame).to_owned(), self.root_from_planning);
     }
 
-    /// `root_from_planning`, of poses without a frame.
+    /// Returns `root_from_planning`, for poses without a frame.
     pub fn planning(&self) -> &Pose {
         &self.root_from_planning
     }
 
-    /// `root_from_frame`.
+    /// Returns `root_from_frame`.
     pub fn find(&self, file: &MessageFile<'_>, header: &HeaderEntry) -> Result<Pose, ScenarioError> {
         let Some(frame) = header.frame_id.as_ref().filter(|frame| !bare(&frame.value).is_empty()) else {
             return Ok(self.root_from_planning);
@@ -93,7 +93,7 @@ impl Frames {
     }
 }
 
-/// The name of a frame without the slash that stood before all of them once.
+/// Returns the name of a frame without the leading slash of older files.
 pub(crate) fn bare(frame: &str) -> &str {
     frame.trim_start_matches('/')
 }

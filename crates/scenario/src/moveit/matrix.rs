@@ -1,4 +1,4 @@
-//! The matrix of a scene that lets pairs touch, or not.
+//! Allowed collision matrix of a scene.
 
 use std::collections::HashSet;
 
@@ -8,16 +8,16 @@ use crate::moveit::file::{MatrixEntry, RowEntry};
 use crate::moveit::message_file::MessageFile;
 use crate::{MoveItDeviation, MoveItError, ScenarioError};
 
-/// Pairs of a matrix, by name, and whether each may touch.
+/// Pairs of a matrix by name, each with true if it may touch.
 pub(crate) struct Matrix<'a> {
     pairs: Vec<(&'a str, &'a str, bool)>,
-    /// Names of things that may touch anything.
+    /// Names of links and objects that may touch anything.
     free: Vec<&'a str>,
 }
 
 impl<'a> Matrix<'a> {
     /// # Errors
-    /// [`MoveItError::Matrix`] for a matrix that is not square and symmetric, or has not one default for each name.
+    /// [`MoveItError::Matrix`] for a matrix that is not square and symmetric, or without one default for each name.
     pub fn new(file: &MessageFile<'_>, entry: &'a MatrixEntry) -> Result<Self, ScenarioError> {
         let names = entry.entry_names.as_ref();
         let at = names.map_or_else(|| file.line(1), |names| file.at(names.referenced));
@@ -40,7 +40,7 @@ impl<'a> Matrix<'a> {
         Ok(Self { pairs, free: defaults.filter(|(_, may)| **may).map(|(name, _)| name.as_str()).collect() })
     }
 
-    /// The pairs of links that may not touch in the scene, but which the robot never checks.
+    /// Returns the pairs of links that may not touch in the scene but that the robot never checks.
     pub fn forbidden(&self, robot: &Robot) -> Vec<[String; 2]> {
         let forbidden = self.pairs.iter().filter(|(first, second, may)| {
             let links = (robot.link_index(first), robot.link_index(second));
@@ -49,7 +49,7 @@ impl<'a> Matrix<'a> {
         forbidden.map(|(first, second, _)| [(*first).to_owned(), (*second).to_owned()]).collect()
     }
 
-    /// The pairs and things that may touch in the scene, but are checked; of pairs a link first.
+    /// Returns the pairs and names that may touch in the scene but are checked; a link comes first in a pair.
     pub fn checked(&self, robot: &Robot, bodies: &HashSet<&str>) -> Vec<MoveItDeviation> {
         let mut deviations = Vec::new();
         for &(first, second, _) in self.pairs.iter().filter(|(_, _, may)| *may) {
@@ -73,9 +73,9 @@ impl<'a> Matrix<'a> {
     }
 }
 
-/// Returns whether the robot never checks that pair of links.
+/// Returns true if the robot never checks that pair of links.
 fn is_exempt(robot: &Robot, first: usize, second: usize) -> bool {
     let pair = (first.min(second), first.max(second));
-    // Both are sorted.
+    // Both lists are sorted.
     robot.disabled_pairs().binary_search(&pair).is_ok() || robot.adjacent_pairs().binary_search(&pair).is_ok()
 }

@@ -8,7 +8,7 @@ use crate::ScenarioError;
 use crate::files::yaml;
 use crate::moveit::file::{PoseEntry, Refused};
 
-/// A file of messages: what errors name, and what its entries mean.
+/// Message file, with the conversion of its entries and locations for errors.
 pub(crate) struct MessageFile<'a> {
     pub path: &'a Path,
 }
@@ -26,8 +26,8 @@ impl MessageFile<'_> {
         yaml::finite(self.path, number.value, number.referenced)
     }
 
-    /// Pose of an entry in the frame that its message defines for it. A quaternion of four zeros, the default of a
-    /// message, stands for the identity.
+    /// Returns the pose of an entry in the frame that its message defines for it. A quaternion of four zeros, the default of a
+    /// message, is the identity.
     pub fn pose(&self, entry: &Spanned<PoseEntry>) -> Result<Pose, ScenarioError> {
         let position = entry.value.position.map_or([0.0; 3], |position| position.0);
         let orientation = entry.value.orientation.map_or([0.0; 4], |orientation| orientation.0);
@@ -42,7 +42,7 @@ impl MessageFile<'_> {
         Ok(Pose::from_parts(Vector::from(position).into(), rotation))
     }
 
-    /// As [`Self::pose`], in the same frame; the identity without an entry.
+    /// Returns a pose as [`Self::pose`], in the same frame; the identity without an entry.
     pub fn optional_pose(&self, entry: Option<&Spanned<PoseEntry>>) -> Result<Pose, ScenarioError> {
         entry.map_or_else(|| Ok(Pose::identity()), |entry| self.pose(entry))
     }

@@ -1,4 +1,4 @@
-//! Constraints on positions and orientations along a motion, as bounds of the tool.
+//! Position and orientation constraints along a motion, as bounds of the tool.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -21,11 +21,11 @@ const PRIMITIVES: [&str; 2] = ["box", "sphere"];
 const PARAMETERIZATIONS: [&str; 2] = ["xyz_euler_angles", "rotation_vector"];
 
 impl Files<'_> {
-    /// The bounds of the tool, in the root frame, that the path constraints of the request demand: what keeps them keeps the
+    /// Returns the tool bounds, in the root frame, for the path constraints of the request: satisfying the bounds satisfies the
     /// constraints.
     ///
-    /// A position stays in its box or sphere. An orientation stays in cones about the z axis of the link and, unless it may turn
-    /// about that freely, its x axis, which lie within the tolerances ([`cones`]).
+    /// A position stays in its box or sphere. An orientation stays in cones about the z axis of the link and, unless rotation
+    /// about that axis is free, about its x axis; they lie within the tolerances ([`cones`]).
     pub fn tool_bounds(
         &self,
         robot: &Robot,
@@ -116,7 +116,7 @@ impl Files<'_> {
         let file = &self.request_file;
         let constraint = &entry.value;
         let tolerance = |given: &Spanned<f64>| {
-            // MoveIt takes absolute values.
+            // `MoveIt` takes absolute values.
             if given.value.abs() > 0.0 {
                 return Ok(given.value.abs().min(PI));
             }
@@ -148,7 +148,7 @@ impl Files<'_> {
         Ok(cones(tolerances, is_vector).into_iter().map(cone).collect())
     }
 
-    /// The name of a link that the robot has.
+    /// Returns the name of a link, which the robot must have.
     fn link(&self, name: &Spanned<String>, robot: &Robot) -> Result<Option<String>, ScenarioError> {
         if robot.link_index(&name.value).is_some() {
             return Ok(Some(name.value.clone()));
@@ -158,15 +158,15 @@ impl Files<'_> {
     }
 }
 
-/// Cones about the z axis and the x axis, by their half angles (rad), that lie within tolerances about x, y and z (rad, at most
-/// π): a rotation that keeps them is within each tolerance.
+/// Returns cones about the z axis and the x axis, by half angle (rad), that lie within tolerances about x, y and z (rad, at
+/// most π): a rotation within them is within each tolerance.
 ///
-/// - XYZ Euler angles a, b, c: the z axis is `(sin b, −sin a cos b, cos a cos b)`, so that a cone of
-///   β ≤ π/2 about z bounds a and b by β (b is at most π/2 anyway); the x component of the x axis is `cos b cos c`, so that one of ψ about x with `cos ψ = cos t_z`, or `cos t_z cos β`
-///   beyond a quarter turn, bounds c by `t_z`.
-/// - A rotation vector of length φ ≤ π with a share s across z: `sin(θ/2) = s sin(φ/2) ≥ s φ/π` for the tilt θ of the z axis, so
-///   that `θ ≤ 2 asin(t/π)` bounds both components across by t. Where z is bounded too, φ bounds its
-///   component, and `1 − cos φ` is at most the sum of `1 − cos` of the angles of two axes.
+/// - XYZ Euler angles a, b, c: the z axis is `(sin b, −sin a cos b, cos a cos b)`, so a cone of β ≤ π/2 about z bounds a and b
+///   by β (b is at most π/2 anyway). The x component of the x axis is `cos b cos c`, so a cone of ψ about x with
+///   `cos ψ = cos t_z`, or `cos t_z cos β` beyond a quarter turn, bounds c by `t_z`.
+/// - A rotation vector of length φ ≤ π with a share s across z: `sin(θ/2) = s sin(φ/2) ≥ s φ/π` for the tilt θ of the z axis,
+///   so `θ ≤ 2 asin(t/π)` bounds both components across z by t. If z is bounded too, φ bounds its component, and `1 − cos φ` is
+///   at most the sum of `1 − cos` of the angles of two axes.
 fn cones([x, y, z]: [f64; 3], is_vector: bool) -> Vec<(char, f64)> {
     let is_free_across = x >= PI && y >= FRAC_PI_2;
     let across = x.min(y);
@@ -194,7 +194,7 @@ mod tests {
 
     use super::*;
 
-    /// A rotation within the cones is within the tolerances, and not only few of those within are.
+    /// Rotations within the cones are within the tolerances, and the cones contain a fair share of the rotations within those.
     #[test]
     fn what_is_in_the_cones_is_within_the_tolerances() {
         let mut stream = Stream::new(7, 0);
@@ -240,7 +240,7 @@ mod tests {
                     kept += u32::from(is_kept);
                     within += u32::from(is_within);
                 }
-                // A rotation vector whose component about z is bounded more closely is bounded as a whole.
+                // A rotation vector with a tight bound about z is bounded as a whole.
                 let is_narrow = is_vector && tolerances[2] < tolerances[0];
                 assert!(
                     kept > 0 && (is_narrow || kept * 20 > within),

@@ -14,62 +14,61 @@ use crate::moveit::request::Files;
 use crate::moveit::world::bodies;
 use crate::{MoveItDeviation, ScenarioError};
 
-/// A problem in `MoveIt`'s YAML, as `MotionBenchMaker` publishes them: a `PlanningScene`, and a
+/// Planning problem in the YAML format of `MoveIt`, as published by `MotionBenchMaker`: a `PlanningScene`, and a
 /// `MotionPlanRequest` with goals in joint space.
 #[derive(Clone, Debug)]
 pub struct MoveItProblem {
-    /// The stem of the scene file's name.
+    /// Stem of the scene file's name.
     pub id: String,
-    /// The robot; its root frame is the planning frame.
+    /// Robot; its root frame is the planning frame.
     pub robot: Arc<Robot>,
-    /// The collision objects, in the planning frame.
+    /// Collision objects, in the planning frame.
     pub world: World,
-    /// The configuration to start from (m, rad).
+    /// Start configuration (m, rad).
     pub start: Vec<f64>,
-    /// The configurations to reach, any of them (m, rad).
+    /// Goal configurations (m, rad); any of them may be reached.
     pub goals: Vec<Vec<f64>>,
-    /// Where the problem is not what the files say.
+    /// Differences between the problem and its files.
     pub deviations: Vec<MoveItDeviation>,
-    /// Greatest speed of the gripper frame, in m/s, that the request demands.
+    /// Maximum speed of the gripper frame, in m/s, that the request specifies.
     pub tool_speed_m_s: Option<f64>,
 }
 
-/// What `MoveIt` files leave open.
+/// Options that complete `MoveIt` files.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct MoveItOptions {
-    /// The robot's URDF. Default: `<model>_spherized.urdf`, else `<model>.urdf`, in the scene's folder, else
-    /// in the folder above it, with the scene's `robot_model_name`.
+    /// URDF of the robot. Default: `<model>_spherized.urdf`, otherwise `<model>.urdf`, in the scene's folder or the folder
+    /// above it, where `<model>` is the scene's `robot_model_name`.
     pub robot: Option<PathBuf>,
-    /// The robot's SRDF. Default: beside the URDF, with its stem, else `<model>.srdf`; else that in the
-    /// scene's folder or the one above it.
+    /// SRDF of the robot. Default: beside the URDF, with its stem or as `<model>.srdf`; otherwise that in the scene's folder or
+    /// the folder above it.
     pub srdf: Option<PathBuf>,
 }
 
 impl MoveItProblem {
     /// Opens a scene and a request.
     ///
-    /// Every key of every message is known; what has a bearing on the problem is honoured, or refused where it holds
-    /// something that is not (docs/files.md lists all).
+    /// Every key of every message is known; keys that affect the problem are supported, or refused if their value is not
+    /// supported (docs/files.md lists all).
     ///
-    /// 1. The robot moves the joints of the SRDF group that the request names. A joint outside it has the value of
-    ///    the start state, within its limits; one that is fixed in the URDF, or follows another, has the value that
-    ///    the URDF gives. Limits of a `joint_limits.yaml` near the robot's files take precedence over those of the
-    ///    URDF. Joint constraints of `path_constraints` narrow them, for the whole motion; of a continuous joint held across
-    ///    a limit, the part on one side. Its constraints on positions and orientations are bounds of
-    ///    the tool. Pairs of links are left unchecked as in the SRDF; the scene's
-    ///    `allowed_collision_matrix` can add checks of pairs that the SRDF disables, but removes none (see
-    ///    [`MoveItDeviation`]).
-    /// 2. The world is the scene's collision objects, at (frame · object pose · shape pose). The planning frame
-    ///    is the root link's, moved by the inverse of the floating joint of the start state, or else of the scene's
-    ///    state, if there is one.
-    /// 3. Start: the request's start state, and for joints that it leaves out the scene's robot state.
-    /// 4. Goals: one configuration for each entry of `goal_constraints`. Tolerances are not used: it is
-    ///    reached as it stands.
+    /// 1. The robot moves the joints of the SRDF group that the request names. A joint outside it has the value of the start
+    ///    state, within its limits; a joint that is fixed in the URDF, or follows another, has the value that the URDF gives.
+    ///    Limits of a `joint_limits.yaml` near the robot's files take precedence over those of the URDF. Joint constraints of
+    ///    `path_constraints` narrow them for the whole motion; for a continuous joint whose range crosses a limit, only the
+    ///    range on one side is used. Position and orientation constraints become tool bounds. Pairs of links are unchecked as
+    ///    in the SRDF; the scene's `allowed_collision_matrix` can add checks of pairs that the SRDF disables, but removes none
+    ///    (see [`MoveItDeviation`]).
+    /// 2. The world consists of the scene's collision objects, at (frame · object pose · shape pose). The planning frame is
+    ///    that of the root link, moved by the inverse of the floating joint of the start state, or else of the scene's state,
+    ///    if there is one.
+    /// 3. Start: the request's start state, and for joints missing there the scene's robot state.
+    /// 4. Goals: one configuration for each entry of `goal_constraints`. Tolerances are not used: a goal must be reached
+    ///    exactly.
     ///
     /// # Errors
-    /// [`ScenarioError`], with file and line where there is one; among them [`ScenarioError::Unsupported`]
-    /// for what would change the problem but is not read (cones, planes, octomaps, attached objects,
-    /// padding, constraints other than joint goals).
+    /// [`ScenarioError`], with file and line if there are any; among them [`ScenarioError::Unsupported`] for content that would
+    /// change the problem but is not supported (cones, planes, octomaps, attached objects, padding, constraints other than
+    /// joint goals).
     pub fn open(scene: &Path, request: &Path, options: &MoveItOptions) -> Result<Self, ScenarioError> {
         let files = Files {
             scene_file: MessageFile { path: scene },
@@ -105,10 +104,10 @@ impl MoveItProblem {
         })
     }
 
-    /// The problem to plan for, under `exact`. There is no target, so that `margins` has one margin only.
+    /// Returns the planning problem, under `exact`. It has no target, so `margins` contains one margin only.
     ///
     /// # Errors
-    /// [`ScenarioError::Task`] for a margin that is none.
+    /// [`ScenarioError::Task`] for an invalid margin.
     pub fn problem(&self, margins: Margins) -> Result<Problem, ScenarioError> {
         let goal = Goal::Configurations(self.goals.clone());
         let (robot, world) = (self.robot.clone(), self.world.clone());

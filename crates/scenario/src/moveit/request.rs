@@ -10,7 +10,7 @@ use crate::ScenarioError;
 use crate::moveit::file::{ConstraintsEntry, JointStateEntry, RequestFile, SceneFile, StateEntry};
 use crate::moveit::message_file::MessageFile;
 
-/// Both files, and what errors call them.
+/// Scene and request, with their files for error messages.
 pub(crate) struct Files<'a> {
     pub scene_file: MessageFile<'a>,
     pub scene: SceneFile,
@@ -18,22 +18,22 @@ pub(crate) struct Files<'a> {
     pub request: RequestFile,
 }
 
-/// Values of joints (m, rad) by name, with the place each stands at.
+/// Values of joints (m, rad) by name, each with its location in a file.
 pub(crate) type State = BTreeMap<String, (f64, Location)>;
 
-/// A value this close to another is a rounding of it, in metres or radians: that of one printed with four decimals is.
+/// Maximum difference that counts as rounding, in metres or radians: that of values printed with four decimals.
 pub(crate) const ROUNDING: f64 = 1e-4;
 
-/// A speed below this is that of an encoder at rest, in m/s or rad/s.
+/// Speed below which a joint counts as at rest, in m/s or rad/s: noise of an encoder.
 const AT_REST: f64 = 1e-3;
 
 impl Files<'_> {
-    /// The states of both files, that of the request first.
+    /// Returns the states of both files, that of the request first.
     pub fn states(&self) -> [(&MessageFile<'_>, &StateEntry); 2] {
         [(&self.request_file, &self.request.start_state), (&self.scene_file, &self.scene.robot_state)]
     }
 
-    /// The start state of the request, and for joints that it leaves out, that of the scene.
+    /// Returns the start state of the request, and for joints missing there that of the scene.
     pub fn state(&self, deviations: &mut Vec<MoveItDeviation>) -> Result<State, ScenarioError> {
         let mut state = State::new();
         for (file, StateEntry { joint_state, .. }) in self.states() {
@@ -68,7 +68,7 @@ impl Files<'_> {
         Ok(state)
     }
 
-    /// Refuses what the request asks for beyond a start and configurations to reach.
+    /// Refuses content of the request other than a start and goal configurations.
     pub fn refuse_what_is_not_asked(&self) -> Result<(), ScenarioError> {
         let (file, request) = (&self.request_file, &self.request);
         let attached = &request.start_state.attached_collision_objects;
@@ -81,7 +81,7 @@ impl Files<'_> {
         Ok(())
     }
 
-    /// Greatest speed of the gripper frame, in m/s, that the request demands; 0 stands for one that is not given.
+    /// Returns the maximum speed of the gripper frame, in m/s, that the request specifies; 0 counts as not given.
     pub fn tool_speed_m_s(&self, robot: &Robot) -> Result<Option<f64>, ScenarioError> {
         let (file, request) = (&self.request_file, &self.request);
         let Some(speed) = request.max_cartesian_speed.as_ref().filter(|speed| speed.value != 0.0) else {
@@ -89,7 +89,7 @@ impl Files<'_> {
         };
         if !(speed.value > 0.0 && speed.value.is_finite()) {
             let hint = "give a positive one, in m/s";
-            return Err(file.unsupported(speed.referenced, "a limit of Cartesian speed that is none", hint));
+            return Err(file.unsupported(speed.referenced, "an invalid limit of Cartesian speed", hint));
         }
         let links = [&request.cartesian_speed_limited_link, &request.cartesian_speed_end_effector_link];
         let named = links.into_iter().flatten().find(|link| !link.value.is_empty());
@@ -104,7 +104,8 @@ impl Files<'_> {
         }
     }
 
-    /// The robot with the joints of the group held as the path constraints demand: within the tolerances, at every instant.
+    /// Returns the robot with the joint bounds of the path constraints: joints of the group stay within the tolerances at all
+    /// times.
     pub fn with_held_joints(&self, robot: Arc<Robot>) -> Result<Arc<Robot>, ScenarioError> {
         let file = &self.request_file;
         let Some(path) = self.request.path_constraints.as_ref().filter(|path| !path.value.joints.is_empty())
@@ -142,7 +143,8 @@ impl Files<'_> {
         Ok(Arc::new(held))
     }
 
-    /// Shares of the velocity and acceleration limits that the request uses; 0 stands for a factor that is not given.
+    /// Returns the shares of the velocity and acceleration limits that the request specifies; a factor of 0 counts as not
+    /// given.
     pub fn rate_scales(&self) -> Result<RateScales, ScenarioError> {
         let scale = |factor: Option<&Spanned<f64>>| match factor {
             Some(factor) if !(0.0..=1.0).contains(&factor.value) => {
@@ -159,7 +161,7 @@ impl Files<'_> {
         })
     }
 
-    /// The configuration to start from (m, rad; one per joint).
+    /// Returns the start configuration (m, rad; one per joint).
     pub fn start(
         &self,
         robot: &Robot,
@@ -189,7 +191,7 @@ impl Files<'_> {
         }
     }
 
-    /// The joints that goals name, with the values that they are to have (m, rad), one per constraint on the joint.
+    /// Returns the joints that goals name, with their goal values (m, rad), one per constraint on the joint.
     pub fn goal_values(&self) -> Result<BTreeMap<&str, Vec<f64>>, ScenarioError> {
         let mut values: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
         for constraint in self.goal_constraints()?.iter().flat_map(|goal| &goal.value.joints) {
@@ -198,8 +200,8 @@ impl Files<'_> {
         Ok(values)
     }
 
-    /// The configurations to reach (m, rad; one value per joint). A goal may name joints that do not move freely, if
-    /// they are where it has them.
+    /// Returns the goal configurations (m, rad; one value per joint). A goal may name joints that do not move freely if they
+    /// have the given value.
     pub fn goals(
         &self,
         robot: &Robot,
@@ -249,7 +251,7 @@ impl Files<'_> {
     }
 }
 
-/// Turns continuous joints into their limits, and takes a limit for its rounding.
+/// Shifts continuous joints into their limits, and rounds values close to a limit to it.
 fn take_into_limits(robot: &Robot, q: &mut [f64], what: &'static str, deviations: &mut Vec<MoveItDeviation>) {
     let given = q.to_vec();
     robot.turn_into_limits(q);

@@ -12,9 +12,9 @@ use crate::moveit::request::{Files, ROUNDING, State};
 use crate::{MoveItDeviation, MoveItError, MoveItOptions, ScenarioError};
 
 impl Files<'_> {
-    /// The robot of the request's group, in the given state. What the state says of joints of the group, of
-    /// fixed and of following ones is left out, and what is beyond a limit is put right, one at a time: each
-    /// is noticed before any mesh is read, so this costs next to nothing.
+    /// Builds the robot of the request's group, in the given state. State values of joints of the group, of fixed and of
+    /// following joints are dropped, and values beyond a limit are corrected, one at a time. Each is detected before any mesh
+    /// is read, so this costs little.
     pub fn robot(
         &self,
         options: &MoveItOptions,
@@ -29,7 +29,7 @@ impl Files<'_> {
         let limits = self.joint_limits([Some(urdf_path.as_path()), srdf_path.as_deref()]);
         deviations.extend(limits.iter().map(|path| MoveItDeviation::JointLimits { path: path.clone() }));
         let goals = self.goal_values()?;
-        // A passive joint that no goal moves stands where it is.
+        // A passive joint that no goal moves keeps its value.
         let is_moved = |joint: &str, value: f64| {
             goals.get(joint).is_some_and(|goals| {
                 let stays = goals.iter().all(|goal| (goal - value).abs() <= ROUNDING);
@@ -85,7 +85,7 @@ impl Files<'_> {
                 }
                 Err(reason) => return Err(reason.into()),
                 Ok(robot) => {
-                    // A goal may name joints outside the group, which stand where the state has them.
+                    // A goal may name joints outside the group, which have the values of the state.
                     let is_missing = |joint: &&String| {
                         !wished.fixed.contains_key(*joint)
                             && !left_out.contains(*joint)
@@ -104,7 +104,7 @@ impl Files<'_> {
         }
     }
 
-    /// Notes each point at which the robot differs from the files.
+    /// Records each difference between the robot and the files.
     fn note_robot(
         &self,
         robot: &Robot,
@@ -171,8 +171,8 @@ impl Files<'_> {
         options.srdf.clone().or_else(default)
     }
 
-    /// `MoveIt`'s limits of joints: beside one of the robot's files or the scene, or in a folder `config` beside it or
-    /// its folder.
+    /// Returns the path of `MoveIt`'s joint limits: beside a file of the robot or the scene, or in a folder `config` beside
+    /// that file or its folder.
     fn joint_limits(&self, of_robot: [Option<&Path>; 2]) -> Option<PathBuf> {
         let files = of_robot.into_iter().flatten().chain([self.scene_file.path]);
         let folders = files.map(|file| file.parent().unwrap_or(Path::new("")));
@@ -182,14 +182,14 @@ impl Files<'_> {
         tried.find(|file| file.is_file())
     }
 
-    /// Where a file of that name may be: in the folder of the scene, and in the one above it.
+    /// Returns the possible paths of a file of that name: in the folder of the scene, and in the one above it.
     fn near_scene(&self, name: &str) -> [PathBuf; 2] {
         let folder = self.scene_file.path.parent().unwrap_or(Path::new(""));
         [folder.join(name), folder.join("..").join(name)]
     }
 }
 
-/// An SRDF as it is parsed, and its text, from which the robot is built.
+/// Reads an SRDF; returns it parsed, and as the text from which the robot is built.
 fn read_srdf(path: &Path) -> Result<(Srdf, TextSource), ScenarioError> {
     let (name, text) = (path.display().to_string(), yaml::text(cranny_file::TEXT, path)?);
     Ok((Srdf::parse(&text, &name)?, TextSource::Text { name, text }))

@@ -1,9 +1,8 @@
 //! `.scene` files, as `MoveIt`'s panel in `RViz` exports the objects of a planning scene.
 //!
-//! The name of the scene, then for each object `* NAME`, its pose, the number of its shapes, for each shape its kind,
-//! dimensions, pose and colour, and the subframes; at last a `.`. Older files have neither the pose of the object nor
-//! subframes: the line below the first name holds the number of shapes alone (`PlanningScene::loadGeometryFromStream`
-//! of `MoveIt`).
+//! Format: the name of the scene, then for each object `* NAME`, its pose, the number of its shapes, for each shape its kind,
+//! dimensions, pose and colour, and the subframes; a final `.`. Older files have neither the pose of the object nor subframes:
+//! the line below the first name contains only the number of shapes (`PlanningScene::loadGeometryFromStream` of `MoveIt`).
 
 use std::path::Path;
 
@@ -15,16 +14,16 @@ use cranny_spatial::{Point, Pose, Vector};
 use crate::files::{sizes, yaml};
 use crate::{MoveItError, ScenarioError};
 
-/// Returns whether a text is that of a `.scene` file: the name of the scene is followed by an object, or by the end.
+/// Returns true if a text is a `.scene` file: the name of the scene is followed by an object, or by the end.
 pub(crate) fn is_scene_text(text: &str) -> bool {
     let mut lines = text.lines().skip(1).map(str::trim).filter(|line| !line.is_empty());
     lines.next().is_some_and(|line| line == "." || line.starts_with("* "))
 }
 
-/// The objects of the `.scene` file `path` that holds `text`, in the planning frame.
+/// Returns the objects of the `.scene` file `path` with content `text`, in the planning frame.
 ///
 /// # Errors
-/// [`MoveItError::SceneText`] for what is not in the form; what is wrong with a shape.
+/// [`MoveItError::SceneText`] for malformed content; errors of invalid shapes.
 pub(crate) fn parse(path: &Path, text: &str) -> Result<Vec<Body>, ScenarioError> {
     let lines: Vec<&str> = text.lines().collect();
     let first = lines.iter().position(|line| line.starts_with('*'));
@@ -45,13 +44,13 @@ pub(crate) fn parse(path: &Path, text: &str) -> Result<Vec<Body>, ScenarioError>
     }
 }
 
-/// The words of a text, and the line that the last of them stands in.
+/// Reader of the words of a text.
 struct Reader<'a> {
     path: &'a Path,
     lines: Vec<&'a str>,
-    /// Index of the line that is read.
+    /// Index of the current line.
     line: usize,
-    /// Bytes of it that have been read.
+    /// Number of bytes of that line that have been read.
     column: usize,
 }
 
@@ -103,7 +102,7 @@ impl<'a> Reader<'a> {
         word.parse().map_err(|_| self.unexpected(expected, word))
     }
 
-    /// A position, and a quaternion x, y, z, w.
+    /// Reads a pose: a position, and a quaternion x, y, z, w.
     fn pose(&mut self) -> Result<Pose, ScenarioError> {
         let position: [f64; 3] = self.numbers()?;
         let orientation: [f64; 4] = self.numbers()?;
@@ -111,7 +110,7 @@ impl<'a> Reader<'a> {
         Ok(Pose::from_parts(Vector::from(position).into(), rotation))
     }
 
-    /// An object, from its name on.
+    /// Reads an object, from its name on.
     fn object(&mut self, has_pose: bool) -> Result<Body, ScenarioError> {
         let name = self.lines[self.line][self.column..].trim().to_owned();
         let at = self.at();
@@ -156,7 +155,7 @@ impl<'a> Reader<'a> {
         solid.map_err(|reason| ScenarioError::Shape { at, body: object.to_owned(), reason })
     }
 
-    /// The numbers of vertices and triangles, and then both.
+    /// Reads a mesh: the numbers of vertices and triangles, then both.
     fn mesh(&mut self) -> Result<Result<Solid, ShapeError>, ScenarioError> {
         let vertices: u32 = self.count("the number of vertices")?;
         let triangles: u32 = self.count("the number of triangles")?;

@@ -15,7 +15,7 @@ use crate::moveit::file::{MeshEntry, ObjectEntry, OctreeData, PrimitiveEntry, Sc
 use crate::moveit::frames::Frames;
 use crate::moveit::message_file::MessageFile;
 
-/// The bodies of a scene, in the root frame of the robot; `world_from_root` is where the robot stands.
+/// Returns the bodies of a scene, in the root frame of the robot; `world_from_root` is the pose of the robot.
 pub(crate) fn bodies(
     path: &Path,
     scene: &SceneFile,
@@ -52,7 +52,7 @@ pub(crate) fn bodies(
 }
 
 impl MessageFile<'_> {
-    /// What would make the world another one than is read.
+    /// Refuses content that would change the world but is not supported.
     fn refuse_what_is_not_read(&self, scene: &SceneFile) -> Result<(), ScenarioError> {
         if let Some(is_diff) = scene.is_diff.as_ref().filter(|is_diff| is_diff.value) {
             let hint = "give the whole scene, with is_diff: false";
@@ -101,7 +101,7 @@ impl MessageFile<'_> {
             ("primitive", &object.primitive_poses, object.primitives.len()),
             ("mesh", &object.mesh_poses, object.meshes.len()),
         ] {
-            // Newer messages leave out the pose of a shape that is its object's.
+            // Newer messages omit the pose of a shape that coincides with that of its object.
             if poses.len() != count && !(poses.is_empty() && object.pose.is_some()) {
                 let (at, object) = (self.at(location), name.clone());
                 return Err(MoveItError::PoseCount {
@@ -129,7 +129,7 @@ impl MessageFile<'_> {
     }
 
     fn primitive(&self, object: &str, entry: &Spanned<PrimitiveEntry>) -> Result<Solid, ScenarioError> {
-        // Of `shape_msgs/SolidPrimitive`.
+        // Names of the kinds of `shape_msgs/SolidPrimitive`.
         let kind = entry.value.kind.name(&["box", "sphere", "cylinder", "cone", "prism"], 1);
         let mut numbers = Vec::new();
         for number in &entry.value.dimensions {
@@ -165,8 +165,8 @@ impl MessageFile<'_> {
         if let Some(resource) = resource {
             let tried = cranny_robot::mesh_candidates(resource, self.path.parent(), &[]);
             let Some(path) = tried.iter().find(|path| path.is_file()).or(tried.first()) else {
-                let hint = "name the mesh file relative to the scene, or in full";
-                return Err(self.unsupported(entry.referenced, "a mesh under another address", hint));
+                let hint = "give the path of the mesh file, relative to the scene or in full";
+                return Err(self.unsupported(entry.referenced, "a mesh URL of this kind", hint));
             };
             let scale = dimensions.map_or(Vector::repeat(1.0), |scale| Vector::from(scale.0));
             let soup = TriangleSoup::load(path, scale).map_err(fault)?;

@@ -1,5 +1,5 @@
-//! The built-in objects: generated from published dimensions of the YCB object set (Calli et al. 2015, "The YCB object
-//! and model set", whole), origin in the middle of their bounds.
+//! Built-in objects, generated from published dimensions of the YCB object set (Calli et al. 2015, "The YCB object and model
+//! set", whole); the origin is at the centre of their bounds.
 
 mod banana;
 mod object_shape;
@@ -14,7 +14,7 @@ use self::object_shape::ObjectShape;
 use crate::ObjectError;
 use crate::{ObjectSettings, ObjectType, ScenarioError};
 
-/// How a built-in object is made.
+/// Recipe of a built-in object.
 #[derive(Debug)]
 pub(crate) struct Recipe {
     pub name: &'static str,
@@ -30,20 +30,20 @@ static RECIPES: [Recipe; 4] = [
     Recipe { name: "banana", mass_kg: 0.066, shape: banana::shape },
 ];
 
-/// The names of the built-in objects.
+/// Returns the names of the built-in objects.
 pub fn builtin_object_names() -> Vec<&'static str> {
     RECIPES.iter().map(|recipe| recipe.name).collect()
 }
 
-/// The built-in object of that name: mesh, convex parts, mass, friction, stable poses.
+/// Returns the built-in object of that name: mesh, convex parts, mass, friction, stable poses.
 ///
 /// # Errors
-/// [`ObjectError::Unknown`], which lists the names that there are.
+/// [`ObjectError::Unknown`], which lists the names of the built-in objects.
 pub fn builtin_object(name: &str) -> Result<ObjectType, ScenarioError> {
     recipe(name)?.object()
 }
 
-/// The mesh of the built-in object of that name.
+/// Returns the mesh of the built-in object of that name.
 ///
 /// # Errors
 /// As [`builtin_object`].
@@ -51,7 +51,7 @@ pub(crate) fn mesh(name: &str) -> Result<TriangleSoup, ScenarioError> {
     recipe(name)?.mesh()
 }
 
-/// How the built-in object of that name is made.
+/// Returns the recipe of the built-in object of that name.
 ///
 /// # Errors
 /// As [`builtin_object`].
@@ -63,7 +63,7 @@ pub(crate) fn recipe(name: &str) -> Result<&'static Recipe, ScenarioError> {
 }
 
 impl Recipe {
-    /// The object, with convex parts and stable poses.
+    /// Returns the object, with convex parts and stable poses.
     pub fn object(&self) -> Result<ObjectType, ScenarioError> {
         let ObjectShape { mesh, parts, solid } = (self.shape)()?.centred();
         let parts = ConvexParts::measured(&mesh, parts)?;
@@ -72,14 +72,14 @@ impl Recipe {
         Ok(ObjectType { solids, ..object })
     }
 
-    /// Its mesh alone.
+    /// Returns the mesh only.
     pub fn mesh(&self) -> Result<TriangleSoup, ScenarioError> {
         Ok((self.shape)()?.centred().mesh)
     }
 }
 
 impl ObjectShape {
-    /// The same with the origin in the middle of the bounds.
+    /// Returns the shape with the origin at the centre of its bounds.
     fn centred(mut self) -> Self {
         let first = self.mesh.vertices[0];
         let (low, high) = self.mesh.vertices.iter().fold((first, first), |(l, h), p| (l.inf(p), h.sup(p)));

@@ -2,45 +2,46 @@ use std::path::PathBuf;
 
 use cranny_file::did_you_mean_here;
 
-/// What can be wrong with an object to be grasped. The message is complete in itself: file and line where there is one.
+/// Errors of objects to be grasped. Each message is self-contained and names file and line if there are any.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ObjectError {
-    /// Nothing says what the target weighs.
+    /// The mass of the target is not given.
     #[error(
-        "scenario '{id}' does not say what its target '{target}' weighs (write mass_kg beneath target in scenario.yaml)"
+        "scenario '{id}' does not state the mass of its target '{target}' (add mass_kg under target in \
+         scenario.yaml)"
     )]
     NoMass {
         /// The scenario.
         id: String,
-        /// The body to be grasped.
+        /// Body to grasp.
         target: String,
     },
-    /// A mesh is too large or too small for an object that a hand grasps.
+    /// A mesh is too large or too small for an object to grasp.
     #[error(
-        "{file}the object is {} long, so its mesh is hardly in metres (if it is in {unit}, scale it by {scale}: \
-         --scale {scale})",
+        "{file}the object is {} long, so its mesh is probably not in metres (if it is in {unit}, scale it by \
+         {scale}: --scale {scale})",
         length(*size_m)
     )]
     Size {
-        /// The mesh file and a colon, if it is from a file.
+        /// Mesh file and a colon, if the mesh is from a file.
         file: String,
-        /// Its greatest extent as read, in metres.
+        /// Maximum extent as read, in metres.
         size_m: f64,
-        /// The unit that the mesh may be in.
+        /// Unit that the mesh is likely in.
         unit: &'static str,
-        /// The scale that would then be right.
+        /// Scale that converts that unit to metres.
         scale: f64,
     },
-    /// A number that describes an object is none.
+    /// A number that describes an object is invalid.
     #[error("the {what} of an object must be a positive number, but is {value}")]
     Number {
-        /// Which number.
+        /// Description of the number.
         what: &'static str,
-        /// The offending value.
+        /// Invalid value.
         value: f64,
     },
-    /// A figure of an `object.yaml` is not that of the meshes.
+    /// A figure of an `object.yaml` disagrees with the meshes.
     #[error(
         "{}: {figures} (`cranny object add` with --mass writes the folder anew)",
         path.display()
@@ -48,7 +49,7 @@ pub enum ObjectError {
     Stated {
         /// The file.
         path: PathBuf,
-        /// The key, its value in the file, and the one that was measured or those that can be.
+        /// Key, its value in the file, and the measured or valid values.
         figures: String,
     },
     /// No built-in object has that name.
@@ -57,14 +58,14 @@ pub enum ObjectError {
         did_you_mean_here(name, known.split(", "))
     )]
     Unknown {
-        /// The name.
+        /// Requested name.
         name: String,
-        /// The names that there are.
+        /// Names of the built-in objects.
         known: String,
     },
 }
 
-/// A length as a person says it.
+/// Returns a length as text in a readable unit.
 fn length(metres: f64) -> String {
     if metres >= 1.0 { format!("{metres:.3} m") } else { format!("{:.4} mm", metres * 1000.0) }
 }

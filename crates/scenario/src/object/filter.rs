@@ -6,11 +6,11 @@ use cranny_task::HandFilter;
 
 use crate::ScenarioError;
 
-/// The filter of a hand against an object in its own frame, and `others` around it; an object whose mesh encloses
-/// nothing is only its surface.
+/// Returns the filter of a hand for an object in its own frame, surrounded by `others`; an object whose mesh encloses no volume
+/// is represented by its surface only.
 ///
 /// # Errors
-/// Those of [`World::new`] and [`HandFilter::new`].
+/// As [`World::new`] and [`HandFilter::new`].
 pub fn filter_around_object(
     hand: &Hand,
     mesh: &TriangleSoup,

@@ -1,4 +1,4 @@
-//! Objects on disk: a folder with `object.yaml`, the mesh and a mesh for each convex part.
+//! Objects on disk: a folder with `object.yaml`, the mesh, and a mesh for each convex part.
 
 use std::path::{Path, PathBuf};
 
@@ -12,26 +12,26 @@ use crate::files::yaml;
 use crate::object::object_type::check_numbers;
 use crate::{ObjectError, ObjectSettings, ObjectType, ScenarioError, write_whole_file};
 
-/// The file that makes a folder an object.
+/// File that identifies a folder as an object.
 pub const OBJECT_FILE: &str = "object.yaml";
 
 const MESH_FILE: &str = "mesh.obj";
 const PARTS_FOLDER: &str = "parts";
 
-/// What an `object.yaml` says: metres, kilograms; matrices row by row.
+/// Schema of an `object.yaml`: metres, kilograms; matrices row by row.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ObjectFile {
     name: String,
     mesh: PathBuf,
     convex_parts: Vec<PathBuf>,
-    /// Shares of the volume.
+    /// Errors of the convex parts, as shares of the volume.
     convex_parts_error: VolumeError,
     mass_kg: f64,
     friction: f64,
     volume_m3: f64,
     center_of_mass: [f64; 3],
-    /// About the centre of mass: xx, yy, zz, xy, xz, yz.
+    /// Inertia about the centre of mass: xx, yy, zz, xy, xz, yz.
     inertia_kg_m2: [f64; 6],
     stable_poses: Vec<RestingPose>,
 }
@@ -40,11 +40,11 @@ struct ObjectFile {
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RestingPose {
-    /// How likely it is.
+    /// Probability of the pose.
     pub probability: f64,
-    /// Where the object's origin is above the ground, in metres.
+    /// Position of the object's origin relative to the ground, in metres.
     pub position: [f64; 3],
-    /// How it is turned there.
+    /// Orientation as a quaternion.
     pub quaternion_xyzw: [f64; 4],
 }
 
@@ -81,11 +81,11 @@ impl ObjectType {
         write_whole_file(&path, text.as_bytes())
     }
 
-    /// Reads what [`Self::write_folder`] writes, and compares it with the meshes.
+    /// Reads the output of [`Self::write_folder`], and compares it with the meshes.
     ///
     /// # Errors
-    /// [`ScenarioError`] with file and line for what is no object, [`ScenarioError::ShapeFile`] for a mesh
-    /// that cannot be read or encloses no volume, [`ObjectError::Stated`] for a figure that is not that of the mesh.
+    /// [`ScenarioError`] with file and line for an invalid object, [`ScenarioError::ShapeFile`] for a mesh that cannot be read
+    /// or encloses no volume, [`ObjectError::Stated`] for a figure that disagrees with the mesh.
     pub fn read_folder(folder: &Path) -> Result<Self, ScenarioError> {
         let path = folder.join(OBJECT_FILE);
         let file: ObjectFile = yaml::read(&path)?;
@@ -114,20 +114,20 @@ impl ObjectType {
     }
 }
 
-/// Difference between a stated figure and the measured one that is rounding, as a share of the measured one.
+/// Maximum difference between a stated and a measured figure, as a share of the measured one: rounding.
 const ROUNDING: f64 = 1e-3;
-/// The same of shares of the volume, which is measured along lines.
+/// Maximum difference between shares of the volume, which is measured along lines.
 const SHARE_ROUNDING: f64 = 0.01;
 
-/// An inertia that is a smaller share of that of uniform density belongs to another mass.
+/// Minimum inertia as a share of that of uniform density; a smaller one belongs to another mass.
 const LEAST_SPREAD: f64 = 0.05;
 
 impl ObjectFile {
-    /// Compares what the file states with what the mesh has: the first key that differs, with what it states and what is
-    /// expected.
+    /// Compares the content of the file with that of the mesh; the error is the first key that differs, with its stated and its
+    /// expected value.
     ///
-    /// Centre of mass and inertia may be those of any density within the mesh's convex hull; stable poses are those of
-    /// that centre.
+    /// Centre of mass and inertia may be those of any density within the mesh's convex hull; stable poses are those for that
+    /// centre.
     fn check(&self, measured: &ObjectType) -> Result<(), (&'static str, String, String)> {
         let differs = |key, stated: &[f64], measured: &[f64], most: f64| {
             let is_near = |(a, b): (&f64, &f64)| (a - b).abs() <= most;
@@ -151,7 +151,7 @@ impl ObjectFile {
             let stated = format!("{:?}", self.center_of_mass);
             return Err(("center_of_mass", stated, "a point within the convex hull of the mesh".to_owned()));
         }
-        // Principal moments of any mass within reach of the centre, none greater than the sum of the others.
+        // Principal moments must be possible for a mass within reach of the centre; none exceeds the sum of the others.
         let [xx, yy, zz, xy, xz, yz] = self.inertia_kg_m2;
         let moments = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz).symmetric_eigenvalues();
         let reach_m2 = vertices.iter().map(|vertex| (vertex - center).norm_squared()).fold(0.0, f64::max);
@@ -174,7 +174,7 @@ impl ObjectFile {
             let stated = pose.pose();
             let is_alike = |known: &StablePose| {
                 let [a, b] = [&stated.ground_from_body, &known.ground_from_body];
-                // A turn about the vertical, and a place on the ground, make no other pose.
+                // A rotation about the vertical and a translation on the ground do not change a stable pose.
                 let up = |pose: &Pose| pose.rotation.inverse() * Vector::z();
                 (up(a) - up(b)).norm() <= ROUNDING
                     && (a.translation.z - b.translation.z).abs() <= ROUNDING * size_m
@@ -196,13 +196,13 @@ impl ObjectFile {
     }
 }
 
-/// xx, yy, zz, xy, xz, yz of a symmetric matrix.
+/// Returns xx, yy, zz, xy, xz, yz of a symmetric matrix.
 fn upper_triangle(matrix: &Matrix3<f64>) -> [f64; 6] {
     [matrix.m11, matrix.m22, matrix.m33, matrix.m12, matrix.m13, matrix.m23]
 }
 
 impl RestingPose {
-    /// What is written of a stable pose.
+    /// Converts a stable pose for the file.
     pub fn of(stable: &StablePose) -> Self {
         let pose = &stable.ground_from_body;
         Self {

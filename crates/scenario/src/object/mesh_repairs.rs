@@ -2,12 +2,12 @@ use cranny_collision::World;
 use cranny_robot::Robot;
 use cranny_shape::Solid;
 
-/// The repairs of meshes of links and bodies that made their inside well defined: a line for each mesh.
+/// Returns the mesh repairs of links and bodies that were needed to define their inside: a line for each mesh.
 pub fn mesh_repairs(robot: &Robot, world: &World) -> Vec<String> {
     [link_repairs(robot), body_repairs(world)].concat()
 }
 
-/// Those of links.
+/// Returns the mesh repairs of links.
 pub fn link_repairs(robot: &Robot) -> Vec<String> {
     let of_link = |link: &cranny_robot::Link| {
         let name = link.name.clone();
@@ -16,7 +16,7 @@ pub fn link_repairs(robot: &Robot) -> Vec<String> {
     robot.links().iter().flat_map(of_link).collect()
 }
 
-/// Those of bodies.
+/// Returns the mesh repairs of bodies.
 pub fn body_repairs(world: &World) -> Vec<String> {
     let parts = world.bodies().iter().flat_map(|body| body.parts.iter().map(move |part| (body, part)));
     parts.filter_map(|(body, part)| line("body", &body.name, &part.solid)).collect()

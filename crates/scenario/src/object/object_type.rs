@@ -10,55 +10,55 @@ use cranny_spatial::{Point, Pose};
 
 use crate::{ObjectError, ScenarioError};
 
-/// A type of object that can be grasped: its shape, and how it weighs, slides and rests. Everything is in the
-/// object's frame, the frame of its mesh; density is uniform.
+/// Type of graspable object: shape, mass, friction and stable poses. All quantities are in the object's frame, the frame of its
+/// mesh; the density is uniform.
 #[derive(Clone, Debug)]
 pub struct ObjectType {
-    /// What it is called.
+    /// Name of the object.
     pub name: String,
-    /// Its surface: closed, normals outwards, in metres.
+    /// Surface: closed, normals outwards, in metres.
     pub mesh: TriangleSoup,
-    /// Convex bodies that stand for it, and how well.
+    /// Convex bodies that approximate the mesh, with the error of the approximation.
     pub parts: ConvexParts,
-    /// Its shape, exactly, as far as it is one or several of boxes, balls, cylinders and capsules, each at its pose; else
-    /// empty. A ball that is a mesh rolls from facet to facet.
+    /// Exact shape if it consists of boxes, balls, cylinders and capsules, each at its pose; otherwise empty. A ball that is a
+    /// mesh would roll from facet to facet.
     pub solids: Vec<(Pose, Solid)>,
-    /// Its rotational symmetry.
+    /// Rotational symmetry.
     pub roundness: Roundness,
-    /// Its mass, in kilograms.
+    /// Mass, in kilograms.
     pub mass_kg: f64,
-    /// The coefficient of friction between it and the pads of a gripper.
+    /// Coefficient of friction between the object and the pads of a gripper.
     pub friction: f64,
-    /// Its volume, in cubic metres.
+    /// Volume, in cubic metres.
     pub volume_m3: f64,
-    /// Its centre of mass.
+    /// Centre of mass, in metres.
     pub center_of_mass: Point,
-    /// Its inertia about the centre of mass, along the axes of the object's frame, in kg m².
+    /// Inertia about the centre of mass, along the axes of the object's frame, in kg m².
     pub inertia_kg_m2: Matrix3<f64>,
-    /// How it comes to rest, the likeliest first; of poses that differ by a turn about the vertical and its own
-    /// symmetry one (see [`distinct_poses`]). What is missing to a sum of 1 are poses that are too
+    /// Stable poses, in order of decreasing probability; poses that differ by a rotation about the vertical and by the object's
+    /// symmetry count as one (see [`distinct_poses`]). If the probabilities sum to less than 1, the remaining poses are too
     /// unlikely to be listed.
     pub stable_poses: Vec<StablePose>,
 }
 
-/// What a mesh does not say of an object, and how it is worked up.
+/// Properties that a mesh does not define, and processing options.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObjectSettings {
-    /// What the object is called.
+    /// Name of the object.
     pub name: String,
-    /// Its mass, in kilograms; positive.
+    /// Mass, in kilograms; positive.
     pub mass_kg: f64,
-    /// The coefficient of friction; positive. Default [`DEFAULT_FRICTION`].
+    /// Coefficient of friction; positive. Default [`DEFAULT_FRICTION`].
     pub friction: f64,
-    /// How the mesh is cut into convex parts.
+    /// Settings for cutting the mesh into convex parts.
     pub decomposition: DecompositionSettings,
-    /// Stable poses less likely than this are not listed; the likeliest always is. Default 0.005: a polyhedron
-    /// with more than 200 equal faces is round.
+    /// Minimum probability of a listed stable pose; the most likely one is always listed. Default 0.005: a polyhedron with more
+    /// than 200 equal faces counts as round.
     pub least_probability: f64,
 }
 
 impl ObjectSettings {
-    /// The defaults, for an object of that name and mass (kg).
+    /// Returns the defaults for an object of that name and mass (kg).
     pub fn new(name: impl Into<String>, mass_kg: f64) -> Self {
         Self {
             name: name.into(),
@@ -70,25 +70,25 @@ impl ObjectSettings {
     }
 }
 
-/// The coefficient of friction of an object of which none is stated.
+/// Coefficient of friction of an object if none is stated.
 pub const DEFAULT_FRICTION: f64 = ASSUMED_FRICTION;
 
-/// The coefficient of friction that the paper's object library gives all its objects: it is what another tool assumes of
-/// the unknown, and stays what the paper's grasps are measured with.
+/// Coefficient of friction of all objects in the paper's object library. It is the value that another tool assumes for unknown
+/// objects, and is used to evaluate the paper's grasps.
 pub const PAPER_FRICTION: f64 = 0.24;
 
-/// Nothing that a hand grasps is longer, in metres.
+/// Maximum extent of a graspable object, in metres.
 const LONGEST_M: f64 = 3.0;
 
-/// Nothing that a hand grasps is shorter, in metres.
+/// Minimum extent of a graspable object, in metres.
 const SHORTEST_M: f64 = 0.003;
 
 impl ObjectType {
-    /// An object from its mesh, repaired where that is safe, cut into convex parts by V-HACD.
+    /// Creates an object from its mesh, which is repaired if that is safe, and cut into convex parts by V-HACD.
     ///
     /// # Errors
-    /// [`ObjectError::Size`] for a mesh in other units, [`ObjectError::Number`] for a mass or
-    /// friction that is none, [`ScenarioError::ShapeFile`] for a mesh that cannot be repaired.
+    /// [`ObjectError::Size`] for a mesh in other units, [`ObjectError::Number`] for an invalid mass or friction,
+    /// [`ScenarioError::ShapeFile`] for a mesh that cannot be repaired.
     pub fn from_mesh(
         soup: &TriangleSoup,
         settings: &ObjectSettings,
@@ -99,7 +99,7 @@ impl ObjectType {
         Ok((Self::of_parts(repaired.soup.clone(), parts, settings)?, repaired))
     }
 
-    /// An object from a sound mesh and its convex parts.
+    /// Creates an object from a sound mesh and its convex parts.
     ///
     /// # Errors
     /// As [`Self::from_mesh`].
@@ -128,7 +128,7 @@ impl ObjectType {
         })
     }
 
-    /// The same object of another mass (kg), with the same distribution of it, and another friction.
+    /// Returns the object with another mass (kg), distributed as before, and another friction.
     ///
     /// # Errors
     /// [`ObjectError::Number`] for a number that is not positive.
@@ -138,13 +138,13 @@ impl ObjectType {
         Ok(Self { mass_kg, friction, inertia_kg_m2, ..self })
     }
 
-    /// The object in its own frame, as a hand holds it ([`LoadMeasure`](cranny_grasp::LoadMeasure)); `None` for one without
-    /// a surface.
+    /// Returns the object in its own frame, as held by a hand ([`LoadMeasure`](cranny_grasp::LoadMeasure)); `None` for an
+    /// object without a surface.
     pub fn held(&self) -> Option<HeldObject> {
         HeldObject::new(&self.mesh, &self.mass_moments(), Some(self.mass_kg), self.friction).ok()
     }
 
-    /// Its moments in its own frame, as its file states them.
+    /// Returns the mass moments in the object's frame, as stated in its file.
     pub fn mass_moments(&self) -> VolumeMoments {
         VolumeMoments {
             volume_m3: self.volume_m3,
@@ -153,22 +153,22 @@ impl ObjectType {
         }
     }
 
-    /// The volume of its mesh, as a body of a world.
+    /// Returns the volume of the mesh, as a solid for a body.
     ///
     /// # Errors
-    /// None for an object that was made here.
+    /// None for an object that was created here.
     pub fn solid(&self) -> Result<Solid, ShapeError> {
         Solid::mesh(&self.mesh)
     }
 }
 
-/// That a mass (kg) and a coefficient of friction are positive.
+/// Checks that a mass (kg) and a coefficient of friction are positive.
 pub(crate) fn check_numbers(mass_kg: f64, friction: f64) -> Result<(), ScenarioError> {
     check_number("mass", mass_kg)?;
     check_number("friction", friction)
 }
 
-/// That a number of an object is positive.
+/// Checks that a number of an object is positive.
 pub(crate) fn check_number(what: &'static str, value: f64) -> Result<(), ScenarioError> {
     if value > 0.0 && value.is_finite() { Ok(()) } else { Err(ObjectError::Number { what, value }.into()) }
 }
@@ -187,7 +187,7 @@ fn check_size(soup: &TriangleSoup) -> Result<(), ScenarioError> {
 }
 
 impl ScenarioError {
-    /// The same fault, said of the mesh file that it was found in.
+    /// Returns the error with the mesh file in which it was found.
     #[must_use]
     pub fn in_mesh(self, path: &Path) -> Self {
         match self {

@@ -1,21 +1,20 @@
-/// How a target weighs and slides, as far as it is said.
+/// Mass and friction of a target, as far as they are stated.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TargetPhysics {
-    /// Its mass, in kilograms; positive.
+    /// Mass, in kilograms; positive.
     pub mass_kg: Option<f64>,
-    /// The coefficient of friction between it and the pads of a gripper; positive.
+    /// Coefficient of friction between the target and the pads of a gripper; positive.
     pub friction: Option<f64>,
-    /// Resistance to rolling on what it stands on: the arm of the normal force that has to be overcome, in metres; not
-    /// negative.
+    /// Rolling resistance on its support: the lever arm of the normal force that resists rolling, in metres; not negative.
     pub rolling_m: Option<f64>,
 }
 
-/// The resistance to rolling of the built-in objects, in metres: 0.3 mm. A tennis ball on a hard floor stops at an
-/// incline of 0.5° with it.
+/// Rolling resistance of the built-in objects, in metres: 0.3 mm. With it a tennis ball on a hard floor stops at an incline of
+/// 0.5°.
 pub(crate) const BUILTIN_ROLLING_M: f64 = 3e-4;
 
 impl TargetPhysics {
-    /// What this says; where it says nothing, what `other` does.
+    /// Returns these values, with missing ones taken from `other`.
     #[must_use]
     pub fn or(self, other: Self) -> Self {
         Self {

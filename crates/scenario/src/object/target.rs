@@ -11,18 +11,18 @@ use crate::{
     ScenarioError,
 };
 
-/// The target of a scenario, and where it stands.
+/// Target of a scenario, with its pose.
 #[derive(Clone, Debug)]
 pub struct TargetObject {
-    /// What it is.
+    /// Object type of the target.
     pub object: ObjectType,
-    /// The object's frame in the planning frame.
+    /// Pose of the object's frame in the planning frame.
     pub world_from_object: Pose,
 }
 
 impl Scenario {
-    /// The triangles of the target, in the planning frame, normals outwards; None where there is no target. Of
-    /// several shapes each has all its own, also where it lies within another.
+    /// Returns the triangles of the target, in the planning frame, normals outwards; `None` without a target. Each of several
+    /// shapes contributes all its triangles, also those inside another shape.
     ///
     /// # Errors
     /// [`ScenarioError::ShapeFile`] for a shape without triangles.
@@ -31,21 +31,21 @@ impl Scenario {
         body.map(|body| RecipeBody::of(body, &Pose::identity())?.placed_soup()).transpose()
     }
 
-    /// How the target weighs and slides: as the scenario says, else as its object does.
+    /// Returns mass and friction of the target: those of the scenario, otherwise those of its object.
     pub fn target_physics(&self) -> TargetPhysics {
         let of_object = self.placed_object().map(|(source, _)| source.physics());
         self.given_physics.or(of_object.unwrap_or_default())
     }
 
-    /// The firmness of grasps of the target by the robot's hand, by the mass and friction of [`Self::target_physics`]; `None`
-    /// where it cannot be computed ([`Firmness`]).
+    /// Returns the firmness of grasps of the target by the robot's hand, for the mass and friction of [`Self::target_physics`];
+    /// `None` if it cannot be computed ([`Firmness`]).
     pub fn firmness(&self) -> Option<Firmness> {
         self.robot.hand()?;
         let (friction, weight) = (self.target_physics().friction, self.target_weight()?);
         Firmness::by_hand(&self.world, self.target?, &robot_hand(&self.robot), (friction, weight))
     }
 
-    /// Mass and resistance to rolling of the target, and how its mass is spread where an object's file states it; `None`
+    /// Returns mass and rolling resistance of the target, and its mass distribution if the file of an object states it; `None`
     /// without a target.
     pub fn target_weight(&self) -> Option<Weight> {
         self.target?;
@@ -55,19 +55,17 @@ impl Scenario {
         Some(Weight { mass_kg, moments, rolling_m })
     }
 
-    /// The target as an object that can be weighed and dropped; None where there is no target. Mass and friction
-    /// are those of `instead`, else those of [`Self::target_physics`], else, for the friction,
-    /// [`DEFAULT_FRICTION`].
+    /// Returns the target as an object with mass and stable poses; `None` without a target. Mass and friction are those of
+    /// `instead`, otherwise those of [`Self::target_physics`]; the friction is [`DEFAULT_FRICTION`] if neither states it.
     ///
-    /// A target that is one object has that object's frame, convex parts and stable poses. Any other has the
-    /// mesh of [`Self::target_mesh`], each of its shapes cut into convex parts by itself, with uniform density;
-    /// where shapes overlap, what they share counts once. Its frame is that of its only shape; of several
-    /// shapes it has the axes of the planning frame and its origin in the middle of their bounds. This takes up
-    /// to seconds for a shape that is far from convex.
+    /// A target that is one object has that object's frame, convex parts and stable poses. Any other target has the mesh of
+    /// [`Self::target_mesh`], with each shape cut into convex parts separately, and uniform density; the volume that shapes
+    /// share counts once. Its frame is that of its only shape; for several shapes it has the axes of the planning frame and its
+    /// origin at the centre of their bounds. For a shape that is far from convex this takes up to several seconds.
     ///
     /// # Errors
-    /// [`ObjectError::NoMass`] if nothing says what the target weighs, [`ObjectError::Number`] for a
-    /// number of `instead` that is not positive, [`ScenarioError::ShapeFile`] for a mesh that encloses no volume.
+    /// [`ObjectError::NoMass`] if the mass of the target is not given, [`ObjectError::Number`] for a number of `instead` that
+    /// is not positive, [`ScenarioError::ShapeFile`] for a mesh that encloses no volume.
     pub fn target_object(&self, instead: &TargetPhysics) -> Result<Option<TargetObject>, ScenarioError> {
         let Some(target) = self.target else { return Ok(None) };
         let body = &self.world.bodies()[target];
@@ -84,13 +82,13 @@ impl Scenario {
         object_of_shapes(body, &settings).map(Some)
     }
 
-    /// The frame of the target, `world_from_object`, where the target is one object with a frame of its own: that of the
+    /// Returns the frame of the target, `world_from_object`, if the target is one object with its own frame: that of the
     /// object's mesh and of grasps on it.
     pub fn world_from_object(&self) -> Option<Pose> {
         self.placed_object().map(|(_, world_from_object)| world_from_object)
     }
 
-    /// The one object that the target is, if it is one, and its frame in the planning frame.
+    /// Returns the object that the target consists of, if it is a single one, and its frame in the planning frame.
     pub(crate) fn placed_object(&self) -> Option<(&ObjectSource, Pose)> {
         let [Part { world_from_solid, .. }] = &self.world.bodies()[self.target?].parts[..] else {
             return None;
@@ -99,7 +97,7 @@ impl Scenario {
     }
 }
 
-/// An object that is known by its shapes alone.
+/// Creates an object that is defined only by its shapes.
 fn object_of_shapes(body: &Body, settings: &ObjectSettings) -> Result<TargetObject, ScenarioError> {
     let placed = RecipeBody::of(body, &Pose::identity())?;
     let world_from_object = match &placed.shapes[..] {

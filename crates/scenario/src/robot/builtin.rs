@@ -11,24 +11,24 @@ use cranny_task::robot_hand;
 use crate::ScenarioError;
 use crate::files::atomic_file::write_into;
 
-/// A robot that comes with Cranny; it needs no file.
+/// Built-in robot; it needs no file.
 #[derive(Clone, Copy, Debug)]
 pub struct BuiltinRobot {
-    /// What flags and scenario files call it; `-` stands for `_` too.
+    /// Name in flags and scenario files; `-` is accepted for `_`.
     pub name: &'static str,
-    /// What it is, in a line.
+    /// Short description, in one line.
     pub about: &'static str,
     urdf: &'static str,
-    /// What it carries, one on the other: the link that each goes on, and its URDF.
+    /// Mounted components, one on top of the other: the link on which each is mounted, and its URDF.
     carries: &'static [(&'static str, &'static str)],
     srdf: &'static str,
     limits: &'static [&'static str],
     description: &'static str,
-    /// The hand, where the description leaves it out.
+    /// Hand, if the description does not contain it.
     hand: Option<&'static str>,
 }
 
-/// The text of a file of the built-in robots.
+/// Text of a file of the built-in robots.
 macro_rules! file {
     ($path:literal) => {
         include_str!(concat!("../../robots/", $path))
@@ -39,7 +39,7 @@ const GRIPPER: &str = file!("gripper_85/gripper_85.urdf");
 const GRIPPER_HAND: &str = file!("gripper_85/hand.yaml");
 const UR5E: &str = file!("ur5e/ur5e.urdf");
 
-/// All of them; the first is that of the built-in scenarios.
+/// All built-in robots; the first is that of the built-in scenarios.
 pub const BUILTIN_ROBOTS: &[BuiltinRobot] = &[
     BuiltinRobot {
         name: "panda_mobile",
@@ -93,22 +93,22 @@ pub const BUILTIN_ROBOTS: &[BuiltinRobot] = &[
     },
 ];
 
-/// A gripper that goes on an arm without one.
+/// Gripper to mount on an arm without one.
 #[derive(Clone, Debug)]
 pub struct MountedGripper {
-    /// Its URDF, whose root goes on the flange.
+    /// URDF, whose root is mounted on the flange.
     pub urdf: UrdfText,
-    /// How it closes.
+    /// Description of the hand.
     pub hand: HandDescription,
-    /// Pairs of its links that touch by design, though they are not adjacent.
+    /// Pairs of its links that touch by design, although they are not adjacent.
     pub touching: Vec<[String; 2]>,
 }
 
 impl MountedGripper {
-    /// The gripper of the built-in `ur5e`.
+    /// Returns the gripper of the built-in `ur5e`.
     ///
     /// # Errors
-    /// None on a sound build.
+    /// None unless the built-in files are broken.
     pub fn built_in() -> Result<Self, RobotError> {
         let linkage =
             |side: &str| [format!("gripper_{side}_inner_knuckle"), format!("gripper_{side}_finger")];
@@ -122,30 +122,30 @@ impl MountedGripper {
     }
 }
 
-/// A hand as part of a robot's description.
+/// Returns the text of a hand as an element of a robot description.
 fn hand_text(hand: &str) -> String {
     let indented = hand.lines().map(|line| format!("  {line}\n"));
     format!("hand:\n{}", indented.collect::<String>())
 }
 
 impl BuiltinRobot {
-    /// The one of that name.
+    /// Returns the built-in robot of that name.
     pub fn of_name(name: &str) -> Option<&'static Self> {
         BUILTIN_ROBOTS.iter().find(|robot| robot.name == name.replace('-', "_"))
     }
 
-    /// The names of all, for a message about an unknown one.
+    /// Returns the names of all built-in robots, for a message about an unknown one.
     pub(crate) fn known() -> String {
         BUILTIN_ROBOTS.iter().map(|robot| robot.name).collect::<Vec<_>>().join(", ")
     }
 
-    /// The one that a flag names, unless a robot's folder of that name is there.
+    /// Returns the built-in robot that a flag names, unless a robot folder of that name exists.
     pub(crate) fn of_path(what: &Path) -> Option<&'static Self> {
         let is_folder = what.join("robot.yaml").is_file();
         what.to_str().and_then(Self::of_name).filter(|_| !is_folder)
     }
 
-    /// The robot, with another tip or other values of the fingers if the options say so.
+    /// Returns the robot, with another tip or other finger values if the options specify them.
     ///
     /// # Errors
     /// [`RobotError`] for options that do not fit it.
@@ -159,8 +159,8 @@ impl BuiltinRobot {
         Robot::from_urdf_text(&self.urdf()?, &self.urdf_name(), None, &options).map(Arc::new)
     }
 
-    /// Writes its files into `folder`, for programs of others, and returns the path of the URDF; SRDF, limits and
-    /// description lie beside it.
+    /// Writes the robot's files into `folder`, for use by other programs, and returns the path of the URDF; SRDF, limits and
+    /// description are written beside it.
     ///
     /// # Errors
     /// [`ScenarioError::Unwritable`].
@@ -205,16 +205,15 @@ impl BuiltinRobot {
     }
 }
 
-/// The robot of the built-in scenarios: a Panda with its hand, fingers open, on a holonomic base; nine joints.
+/// Returns the robot of the built-in scenarios: a Panda with its hand, fingers open, on a holonomic base; nine joints.
 ///
 /// # Errors
-/// None on a sound build: [`RobotError`] would mean that the built-in files are broken, which a test
-/// excludes.
+/// [`RobotError`] only if the built-in files are broken, which a test excludes.
 pub fn panda_mobile() -> Result<Arc<Robot>, RobotError> {
     BUILTIN_ROBOTS[0].robot(&RobotOptions::default())
 }
 
-/// Its hand, with open fingers.
+/// Returns its hand, with open fingers.
 ///
 /// # Errors
 /// As [`panda_mobile`].
@@ -222,7 +221,7 @@ pub fn panda_hand() -> Result<Hand, RobotError> {
     Ok(robot_hand(panda_mobile()?.as_ref()))
 }
 
-/// The hands of the built-in robots, which are known by the names of their joints, whoever wrote the URDF.
+/// Returns the hands of the built-in robots, which are recognized by the names of their joints in any URDF.
 pub(crate) fn known_hands() -> Result<Vec<HandDescription>, RobotError> {
     let mut hands = Vec::new();
     for robot in BUILTIN_ROBOTS {

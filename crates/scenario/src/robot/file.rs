@@ -7,11 +7,11 @@ use cranny_robot::{Robot, RobotOptions, UrdfFile};
 use crate::ScenarioError;
 use crate::robot::builtin::{BuiltinRobot, known_hands};
 
-/// The robot that `what` names: a built-in one, a folder with a `robot.yaml`, or a URDF. A robot's folder
-/// goes before a built-in one of the same name.
+/// Loads the robot that `what` names: a built-in one, a folder with a `robot.yaml`, or a URDF. A robot folder takes precedence
+/// over a built-in robot of the same name.
 ///
-/// Its hand stands open, and its tip is the gripper frame, as `robot.yaml` beside the URDF says, or what is known of the
-/// hand, unless `options` say otherwise.
+/// Its hand is open and its tip is the gripper frame, as defined by `robot.yaml` beside the URDF or by the known hands, unless
+/// `options` specify others.
 pub(crate) fn load(what: &Path, options: &RobotOptions) -> Result<Arc<Robot>, ScenarioError> {
     if let Some(builtin) = BuiltinRobot::of_path(what) {
         return Ok(builtin.robot(options)?);

@@ -5,7 +5,7 @@ use cranny_grasp::{BoxHand, Hand};
 use crate::ScenarioError;
 use crate::files::yaml;
 
-/// A hand from a YAML file, which gives every field of [`BoxHand`] by its name.
+/// Reads a hand from a YAML file, which gives every field of [`BoxHand`] by its name.
 ///
 /// # Errors
 /// [`ScenarioError::Yaml`] with file and line, [`ScenarioError::Unreadable`], or

@@ -1,24 +1,24 @@
 use cranny_robot::{JointKind, Mover, Robot};
 use cranny_shape::{Solid, overlap};
 
-/// A hand that nothing fits into: the frame that reaches for grasps, which lies between the finger pads, lies inside
-/// the convex hull of a mesh that moves with it.
+/// Hand without space between its fingers: the gripper frame, whose origin is between the finger pads, lies inside the convex
+/// hull of a mesh that moves with it.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error(
     "the gripper frame {tip} lies inside {link}: a link's mesh stands for its convex hull, and this one fills the \
      space between the fingers, so that the hand collides at every grasp (give palm and fingers a mesh each)"
 )]
 pub struct FilledHand {
-    /// The link.
+    /// Name of the link with the mesh.
     pub link: String,
-    /// The link that reaches for grasps.
+    /// Name of the tip link.
     pub tip: String,
 }
 
 impl FilledHand {
-    /// Of a robot, if it has one.
+    /// Returns the fault of a robot's hand, if it has one.
     pub fn of(robot: &Robot) -> Option<Self> {
-        // A point, as far as there are any.
+        // A tiny sphere represents the point.
         let point = Solid::sphere(1e-6).ok()?;
         let mut frames = robot.frames();
         robot.forward_kinematics(&vec![0.0; robot.dof()], &mut frames);
@@ -36,8 +36,8 @@ impl FilledHand {
     }
 }
 
-/// The link frames whose origins the `paper` criterion keeps above its floor: those of the chain to the tip that at
-/// least two joints turn. Of the Panda these are the links from the second on, as released.
+/// Returns the link frames whose origins the `paper` criterion keeps above its floor: those in the chain to the tip that at
+/// least two joints rotate. For the Panda these are the links from the second on, as in the release.
 pub(crate) fn floor_links(robot: &Robot) -> Vec<usize> {
     let turns = |link: &usize| {
         let is_turn = |mover: &&Mover| mover.kind == JointKind::Revolute;
@@ -99,7 +99,7 @@ mod tests {
         assert_eq!(names(&robot, &floor_links(&robot)), ["b", "c", "tool"]);
     }
 
-    /// One mesh for palm and fingers made every grasp collide, and nothing said why.
+    /// One mesh for palm and fingers makes every grasp collide, which the message must explain.
     #[test]
     fn a_hand_that_fills_the_space_between_its_fingers_is_told() {
         let folder = tempfile::tempdir().unwrap();
@@ -112,7 +112,7 @@ mod tests {
         };
         let hand = |points: Vec<[f64; 3]>| {
             let vertices: Vec<_> = points.iter().map(|[x, y, z]| format!("v {x} {y} {z}\n")).collect();
-            // Any triangles will do for a hull.
+            // Any triangles define the hull.
             let faces: Vec<_> =
                 (1..=points.len() - 2).map(|i| format!("f {i} {} {}\n", i + 1, i + 2)).collect();
             std::fs::write(folder.path().join("hand.obj"), vertices.concat() + &faces.concat()).unwrap();

@@ -1,4 +1,4 @@
-//! A scenario's robot as files of its own folder.
+//! Robots of scenarios as files of the scenario folder.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -9,10 +9,10 @@ use crate::ScenarioError;
 use crate::files::atomic_file::write_into;
 use crate::layout::own_file::ScenarioFile;
 
-/// The folder of the robot's files in that of the scenario.
+/// Folder of the robot's files within that of the scenario.
 pub(crate) const ROBOT: &str = "robot";
 
-/// The files of a robot, and the keys of a `scenario.yaml` that name them.
+/// Files of a robot, with the keys of a `scenario.yaml` that refer to them.
 pub(crate) struct RobotInFolder {
     files: RobotFiles,
 }
@@ -22,24 +22,24 @@ impl RobotInFolder {
         Ok(Self { files: RobotFiles::gather(urdf, srdf, packages)? })
     }
 
-    /// The robot of a scenario.
+    /// Gathers the robot of a scenario.
     pub fn of_scenario(file: &ScenarioFile, folder: &Path) -> Result<Self, ScenarioError> {
         let packages: Vec<PathBuf> = file.packages.iter().map(|package| folder.join(package)).collect();
         let srdf = file.srdf.as_ref().map(|srdf| folder.join(srdf));
         Self::gather(&folder.join(&file.robot.value), srdf.as_deref(), &packages)
     }
 
-    /// Name and content of each file, from the scenario's folder.
+    /// Returns name and content of each file, relative to the scenario's folder.
     pub fn contents(&self) -> impl Iterator<Item = (String, &[u8])> {
         self.files.contents.iter().map(|(name, content)| (format!("{ROBOT}/{name}"), content.as_slice()))
     }
 
-    /// The path of the URDF, from the scenario's folder.
+    /// Returns the path of the URDF, relative to the scenario's folder.
     pub fn urdf(&self) -> String {
         format!("{ROBOT}/{}", self.files.urdf)
     }
 
-    /// The text of a `scenario.yaml` with these files for its robot; other lines stay as they are.
+    /// Returns the text of a `scenario.yaml` that refers to these files; other lines are unchanged.
     pub fn named_in(&self, text: &str) -> String {
         let mut named = String::new();
         let mut is_left_out = false;
@@ -64,12 +64,12 @@ impl RobotInFolder {
     }
 }
 
-/// The text as YAML reads it back, whatever is in it.
+/// Returns a quoted YAML string with the given content.
 pub(crate) fn quoted(text: &str) -> String {
     format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""))
 }
 
-/// Whether the robot's files are named by their place on this machine.
+/// Returns true if the robot's files are referenced by absolute paths.
 pub(crate) fn is_named_by_place(file: &ScenarioFile, folder: &Path) -> bool {
     let mut named =
         file.srdf.iter().chain(&file.packages).map(PathBuf::as_path).chain([Path::new(&file.robot.value)]);

@@ -2,16 +2,17 @@ use cranny_robot::Robot;
 use cranny_shape::{Solid, separation};
 use cranny_spatial::Pose;
 
-/// The opening of no hand is wider, in metres.
+/// Maximum opening of a hand, in metres.
 const WIDEST_M: f64 = 1.0;
 
-/// What is so near counts as touched, in metres: below what a picture or a drawing tells.
+/// Distance below which a point counts as touching, in metres: too small to matter in a picture or a drawing.
 const TOUCHED_M: f64 = 1e-5;
 
-/// How far the pads of a robot's open hand are apart on its collision geometry, in metres: along the y axis of the gripper
-/// frame, from its origin to either side. `None` where a side has nothing to meet, or the origin itself lies in a body.
+/// Returns the distance between the pads of a robot's open hand, measured on its collision geometry, in metres: along the y
+/// axis of the gripper frame, from its origin to either side. `None` if a side has no geometry, or the origin itself lies in a
+/// body.
 pub fn measured_opening_m(robot: &Robot) -> Option<f64> {
-    // A point, as far as there are any.
+    // A tiny sphere represents the point.
     let point = Solid::sphere(1e-6).ok()?;
     let mut frames = robot.frames();
     robot.forward_kinematics(&vec![0.0; robot.dof()], &mut frames);
@@ -29,7 +30,7 @@ pub fn measured_opening_m(robot: &Robot) -> Option<f64> {
         };
         bodies.iter().map(to).fold(f64::INFINITY, f64::min)
     };
-    // Nothing is nearer than the distance, so that a step of it passes nothing.
+    // The distance is a lower bound, so a step of that length passes through nothing.
     let to_side_m = |side: f64| {
         let mut gone_m = 0.0;
         while gone_m < WIDEST_M {

@@ -9,8 +9,8 @@ use crate::{Ball, CoarseHull, Solid, TriangleSoup};
 
 /// Balls whose union contains a solid, as a binary tree.
 ///
-/// The balls of the leaves contain the solid together; the ball of an inner node contains all of the solid
-/// that the leaves below it stand for. So whatever keeps off a node's ball keeps off that piece.
+/// The balls of the leaves together contain the solid. The ball of an inner node contains all of the solid that the
+/// leaves below it cover. So a body that is clear of a node's ball is clear of that piece.
 #[derive(Clone, Debug)]
 pub struct BallTree {
     nodes: Vec<BallNode>,
@@ -19,39 +19,39 @@ pub struct BallTree {
 /// A node of a [`BallTree`].
 #[derive(Clone, Copy, Debug)]
 pub struct BallNode {
-    /// Contains the node's piece of the solid; in the frame of the tree.
+    /// Ball that contains the node's piece of the solid, in the frame of the tree.
     pub ball: Ball,
-    /// The two halves of the piece, by index, both after this node; `None` for a leaf.
+    /// Indices of the two halves of the piece, both after this node; `None` for a leaf.
     pub children: Option<[usize; 2]>,
 }
 
-/// A piece cut off the solid is halved no more often than this.
+/// Maximum number of times that a piece of the solid is halved.
 const DEEPEST: usize = 14;
 
-/// Added to every radius, in metres: a hundred times what each cut of a piece may lose to rounding
+/// Slack added to every radius, in metres: a hundred times what each cut of a piece may lose to rounding
 /// ([`crate::hulls::cut`]), for at most [`DEEPEST`] cuts.
 const SLACK_M: f64 = 1e-7;
 
-/// Cutting a piece takes time with the square of its corners, so of a hull with more so many are chosen, and the
-/// balls grow by what the others stand out of their hull: some tenths of a millimetre.
+/// Maximum number of corners of a hull, because the time of a cut is quadratic in them. A larger hull keeps this many,
+/// and the balls grow by how far the others protrude from their hull: some tenths of a millimetre.
 const MOST_CORNERS: usize = 64;
 
 impl BallTree {
-    /// The tree around a solid, in the solid's frame. A piece is halved until its ball stands out of the
-    /// faces of the solid by at most `bulge_m` (metres). A mesh counts as its convex hull. `None` for a half-space.
+    /// The tree around a solid, in the solid's frame. Halves a piece until its ball protrudes from the faces of the solid
+    /// by at most `bulge_m` (metres). A mesh counts as its convex hull. `None` for a half-space.
     ///
-    /// Containment does not rest on a hull algorithm, whose faces may be wrong where a body is thin:
+    /// Containment does not depend on a hull algorithm, whose faces may be wrong where a body is thin:
     ///
-    /// 1. The corners of the solid's core, or some of them and a bound on how far the others stand out.
-    /// 2. Their convex hull is cut in half across the longest side of its box, again and again: exactly, from
+    /// 1. Takes the corners of the solid's core, or some of them and a bound on how far the others protrude.
+    /// 2. Cuts their convex hull in half across the longest side of its box, repeatedly. The cuts are exact and use
     ///    corners alone.
-    /// 3. Around the corners of each piece a small ball, grown by the radius that rounds the core. The faces of
-    ///    the hull only say which ball stands out least.
+    /// 3. Puts a small ball around the corners of each piece, grown by the radius that rounds the core. The faces of the
+    ///    hull only determine which ball protrudes least.
     pub fn around(solid: &Solid, bulge_m: f64) -> Option<Self> {
         if let Some(coarse) = CoarseHull::of(solid, MOST_CORNERS) {
             return Some(Self::around_coarse(solid, &coarse, bulge_m));
         }
-        // A mesh, or a hull whose corners cannot be told apart.
+        // A mesh, or a hull whose corners cannot be distinguished.
         let (points, radius_m) = solid.bounding_points()?;
         let whole = || Self { nodes: vec![BallNode { ball: enclosing(&points, radius_m), children: None }] };
         let tree = chosen(&points, MOST_CORNERS).and_then(|(corners, standing_out_m)| {
@@ -60,7 +60,7 @@ impl BallTree {
         Some(tree.unwrap_or_else(whole))
     }
 
-    /// [`Self::around`] a convex solid whose coarse hull is known.
+    /// [`Self::around`] for a convex solid whose coarse hull is known.
     pub fn around_coarse(solid: &Solid, coarse: &CoarseHull, bulge_m: f64) -> Self {
         let around = |corners: &[Point], rounding_m: f64| {
             Self::around_corners(corners, rounding_m, bulge_m).unwrap_or_else(|| {
@@ -71,7 +71,7 @@ impl BallTree {
         match solid.kind() {
             Kind::Convex(convex) => match convex.core {
                 Core::Segment { half_length } => Self::along_segment(half_length, convex.radius_m, bulge_m),
-                // The prism around it has fewer corners than the one in it.
+                // The prism around the cylinder has fewer corners than the one inside.
                 Core::Cylinder { .. } => around(&convex.bounding_points(), convex.radius_m),
                 _ => around(&coarse.corners, coarse.radius_m + coarse.bulge_m),
             },
@@ -79,7 +79,7 @@ impl BallTree {
         }
     }
 
-    /// Around the hull of some points, rounded; `None` if all lie in one plane, or are one.
+    /// Tree around the rounded hull of some points; `None` if all lie in one plane, or are one.
     fn around_corners(corners: &[Point], rounding_m: f64, bulge_m: f64) -> Option<Self> {
         let planes = TriangleSoup::convex_hull(corners).ok()?.planes();
         let mut tree = Self { nodes: Vec::new() };
@@ -87,10 +87,10 @@ impl BallTree {
         Some(tree)
     }
 
-    /// One tree over many, each placed by `target_from_tree`.
+    /// Joins many trees into one, each placed by `target_from_tree`.
     ///
     /// # Panics
-    /// If there is none.
+    /// If there are no trees.
     pub fn joined(trees: Vec<(Pose, Self)>) -> Self {
         let placed: Vec<Self> = trees.into_iter().map(|(pose, tree)| tree.transformed(&pose)).collect();
         let mut joined = Self { nodes: Vec::new() };
@@ -110,7 +110,7 @@ impl BallTree {
         self
     }
 
-    /// Steps 2 and 3 for the piece with these corners; returns its node.
+    /// Covers the piece with these corners by steps 2 and 3; returns its node.
     fn cover(
         &mut self,
         corners: &[Point],
@@ -134,7 +134,7 @@ impl BallTree {
         node
     }
 
-    /// A capsule: balls along its axis that overlap so far that their seams lie on it, and one at each end.
+    /// Tree around a capsule: balls along its axis whose seams lie on the capsule, and one ball at each end.
     fn along_segment(half_length: f64, radius_m: f64, bulge_m: f64) -> Self {
         let spacing = 2.0 * (2.0 * radius_m * bulge_m + bulge_m * bulge_m).sqrt();
         #[allow(
@@ -160,7 +160,7 @@ impl BallTree {
         tree
     }
 
-    /// Appends a node over `trees` and what is below it; returns its index.
+    /// Appends a node over `trees` with all nodes below it; returns its index.
     fn join(&mut self, mut trees: Vec<Self>) -> usize {
         let node = self.nodes.len();
         if trees.len() == 1 {
@@ -187,19 +187,19 @@ impl BallTree {
     }
 }
 
-/// The ball around the points that stands out least of the planes, about, and by how much (m). One that
-/// stands out by no more than `enough_m` will do.
+/// Approximate ball around the points that protrudes least from the planes, and by how much (m). The search stops at a
+/// ball that protrudes by at most `enough_m` (m).
 ///
-/// Both the radius that is needed and the height above the highest plane are convex in the centre, so it goes down
-/// their sum by subgradients with ever smaller steps (Shor 1985, "Minimization methods for non-differentiable
-/// functions", ch. 2).
+/// Both the radius that is needed and the height above the highest plane are convex in the centre. So the search descends
+/// their sum by subgradients with ever smaller steps (Shor 1985, "Minimization methods for non-differentiable functions",
+/// ch. 2).
 fn least_bulge(points: &[Point], planes: &[Plane], enough_m: f64) -> (Ball, f64) {
     const STEPS: usize = 16;
-    /// After so many steps a ball that stands out so many times as far as it may never gets there.
+    /// Number of steps after which the search gives up if the ball protrudes more than `HOPELESS` times `enough_m`.
     const HOPEFUL_STEPS: usize = 4;
     const HOPELESS: f64 = 3.0;
     let start = start_ball(points);
-    // A plane that is farther below than the search can rise never is the highest.
+    // A plane that is farther below than the search can rise is never the highest.
     let planes: Vec<&Plane> =
         planes.iter().filter(|p| p.height(&start.center) > -4.0 * start.radius_m).collect();
     let mut center = start.center;
@@ -211,7 +211,7 @@ fn least_bulge(points: &[Point], planes: &[Plane], enough_m: f64) -> (Ball, f64)
         };
         let highest = greatest(planes.iter().copied(), |plane| plane.height(&center));
         let radius_m = squared.sqrt();
-        // No point of a ball is farther from the piece in it than this, whatever the planes of a thin hull are worth.
+        // No point of a ball is farther than this from the piece in it, even if the planes of a thin hull are wrong.
         let across_m = 2.0 * radius_m;
         let stands_out_m = highest.map_or(across_m, |(height_m, _)| across_m.min(height_m + radius_m));
         if stands_out_m < best.1 {
@@ -220,7 +220,7 @@ fn least_bulge(points: &[Point], planes: &[Plane], enough_m: f64) -> (Ball, f64)
                 break;
             }
         }
-        // Another centre will not make this one ball; it is cut anyway.
+        // No other centre will make one ball enough; the piece is cut anyway.
         if step == HOPEFUL_STEPS && best.1 > HOPELESS * enough_m {
             break;
         }
@@ -231,29 +231,29 @@ fn least_bulge(points: &[Point], planes: &[Plane], enough_m: f64) -> (Ball, f64)
     best
 }
 
-/// What is greatest by a measure, with its measure; the last of equals.
+/// Returns the greatest element by a measure, with its measure; the last of equals.
 fn greatest<T: Copy>(all: impl Iterator<Item = T>, measure: impl Fn(T) -> f64) -> Option<(f64, T)> {
     all.map(|one| (measure(one), one)).reduce(|best, next| if next.0 >= best.0 { next } else { best })
 }
 
-/// The ball around the middle of the points' box.
+/// Ball around the points, centred in their box.
 fn start_ball(points: &[Point]) -> Ball {
     let aabb = crate::Aabb::around(points, 0.0);
     let radius_m = points.iter().map(|p| (p - aabb.center).norm_squared()).fold(0.0, f64::max).sqrt();
     Ball { center: aabb.center, radius_m }
 }
 
-/// A small ball around the points, grown by `rounding_m`.
+/// A small ball around the points, grown by `rounding_m` (m).
 fn enclosing(points: &[Point], rounding_m: f64) -> Ball {
     let balls: Vec<Ball> = points.iter().map(|&center| Ball { center, radius_m: 0.0 }).collect();
     let ball = around_balls(&balls);
     Ball { radius_m: ball.radius_m + rounding_m + SLACK_M, ..ball }
 }
 
-/// A small ball around balls: the centre moves towards whatever lies farthest, by ever smaller steps (Bădoiu & Clarkson
-/// 2003, "Smaller core-sets for balls", whole, for balls in place of points); the radius is then what is needed.
+/// A small ball around balls: the centre moves towards the farthest ball by ever smaller steps (Bădoiu & Clarkson 2003,
+/// "Smaller core-sets for balls", whole, for balls in place of points). The radius follows from the centre.
 fn around_balls(balls: &[Ball]) -> Ball {
-    /// Leaves the radius within 2 % of the least.
+    /// Number of steps; leaves the radius within 2 % of the least.
     const STEPS: usize = 50;
     let reach = |center: &Point, ball: &Ball| (ball.center - center).norm() + ball.radius_m;
     let farthest = |center: &Point| {
@@ -265,7 +265,7 @@ fn around_balls(balls: &[Ball]) -> Ball {
         let far = farthest(&center);
         let offset = far.center - center;
         if offset.norm() > 0.0 {
-            // Towards the far side of the far ball.
+            // The target is the far side of the farthest ball.
             let target = far.center + offset.normalize() * far.radius_m;
             center += (target - center) / (step + 1) as f64;
         }

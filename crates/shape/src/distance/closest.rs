@@ -5,14 +5,14 @@ use crate::distance::gjk::core_distance;
 use crate::solid::Kind;
 use crate::{Aabb, Range, Solid, distance::parry, separation};
 
-/// Triangles are looked at that are this much farther than the nearest seems, in metres: above the stalling of the
-/// iteration on curved faces.
+/// Margin beyond the distance found within which triangles are searched, in metres: above the error at which the
+/// iteration stalls on curved faces.
 const SLACK_M: f64 = 1e-5;
 
-/// A point of each of two solids placed in a common frame, as near to each other as any (to about what counts as
-/// contact), in the common frame; `None` where they touch.
+/// Closest points of two solids placed in a common frame, in that frame, accurate to about the contact tolerance; `None`
+/// if the solids touch.
 ///
-/// To be looked at: what must be certain asks [`separation`].
+/// For display only: use [`separation`] for certified distances.
 pub fn closest_points(
     a: &Solid,
     common_from_a: &Pose,
@@ -41,7 +41,7 @@ pub fn closest_points(
     }
 }
 
-/// The convex pieces of a solid that meet a box in its frame.
+/// Convex pieces of a solid that meet a box in its frame.
 fn pieces_near<'a>(solid: &'a Solid, region: &Aabb) -> Vec<&'a Convex> {
     match solid.kind() {
         Kind::Convex(convex) => vec![convex],
@@ -52,7 +52,7 @@ fn pieces_near<'a>(solid: &'a Solid, region: &Aabb) -> Vec<&'a Convex> {
     }
 }
 
-/// The closest points of two convex bodies, both in the frame of the first.
+/// Closest points of two convex bodies, both in the frame of the first.
 fn convex_points(a: &Convex, b: &Convex, a_from_b: &Pose) -> Option<[Point; 2]> {
     let found = core_distance(&a.core, &b.core, &parry::pose(a_from_b), Range::to(f64::MAX));
     let [on_a, on_b] = found.way.map(parry::to_vector);
@@ -60,7 +60,7 @@ fn convex_points(a: &Convex, b: &Convex, a_from_b: &Pose) -> Option<[Point; 2]> 
     Some([(on_a + direction * a.radius_m).into(), (on_b - direction * b.radius_m).into()])
 }
 
-/// The lowest point of a solid above a plane, and its foot on the plane.
+/// Lowest point of a solid above a plane, and its projection onto the plane, both in the common frame.
 fn above_plane(solid: &Solid, common_from_solid: &Pose, common_from_plane: &Pose) -> Option<[Point; 2]> {
     let plane_from_solid = common_from_plane.inv_mul(common_from_solid);
     let down_in_solid = plane_from_solid.rotation.inverse_transform_vector(&-Vector::z());

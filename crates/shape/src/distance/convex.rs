@@ -15,7 +15,7 @@ pub(crate) struct Convex {
     pub radius_m: f64,
 }
 
-/// What is rounded. Segments and cylinders lie along z, all are centred at the origin of their frame.
+/// Core of a convex body, before rounding. Segments and cylinders lie along z. All are centred at their origin.
 #[derive(Clone, Debug)]
 pub(crate) enum Core {
     Point,
@@ -31,8 +31,8 @@ impl Convex {
         Self { core, radius_m: 0.0 }
     }
 
-    /// Points whose convex hull, rounded by the radius, contains the body: exactly it, save for the
-    /// cylinder, which gets a prism of eight sides around it.
+    /// Points whose convex hull, rounded by the radius, contains the body: exactly, except for the cylinder, which gets
+    /// the eight-sided prism around it.
     pub fn bounding_points(&self) -> Vec<Point> {
         let signs = [-1.0, 1.0];
         match &self.core {
@@ -93,11 +93,11 @@ impl SupportMap for Core {
     }
 }
 
-/// Points of a hull that are compared at once.
+/// Number of hull points that are compared at once.
 const LANES: usize = 8;
 
-/// The corners of a convex hull, coordinate by coordinate, so that vector instructions can run through
-/// them; the last chunk is filled up with the first corner.
+/// Corners of a convex hull, stored coordinate by coordinate for vector instructions. The first corner fills up the last
+/// chunk.
 #[derive(Clone, Debug)]
 pub(crate) struct HullPoints {
     chunks: Vec<[[f64; LANES]; 3]>,
@@ -124,20 +124,19 @@ impl HullPoints {
         ParryVector::new(x[lane], y[lane], z[lane])
     }
 
-    /// The corner farthest along `direction`. Every instruction set adds in the same order, so all find
-    /// the same one.
+    /// Farthest corner along `direction`. Every instruction set adds in the same order, so all find the same corner.
     fn farthest(&self, direction: ParryVector) -> ParryVector {
         let (chunk, lane) = dispatch!(simd_level(), simd => farthest_corner(simd, &self.chunks, direction));
         self.corner(chunk, lane)
     }
 }
 
-/// Chunk and lane of the farthest corner; of equal ones the one in the first lane.
+/// Chunk and lane of the farthest corner; the first lane of equal ones.
 #[inline(always)]
 fn farthest_corner<S: Simd>(simd: S, chunks: &[[[f64; LANES]; 3]], direction: ParryVector) -> (usize, usize) {
     let [dx, dy, dz] = direction.to_array().map(|d| f64x8::splat(simd, d));
     let mut best = f64x8::splat(simd, f64::NEG_INFINITY);
-    // A chunk's number as f64 has the width of what it is chosen by.
+    // The chunk number is an f64, so that it has the width of the values that select it.
     let mut best_chunk = f64x8::splat(simd, 0.0);
     let mut number = 0.0;
     for [x, y, z] in chunks {

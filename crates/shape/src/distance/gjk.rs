@@ -1,6 +1,6 @@
-//! The distance of two convex cores by the algorithm of Gilbert, Johnson & Keerthi (1988, "A fast procedure for
-//! computing the distance between complex objects in three-dimensional space", whole), with both of its bounds
-//! certified: whatever rounding does to the search, neither of them can be wrong by more than rounding itself.
+//! Distance of two convex cores by the algorithm of Gilbert, Johnson & Keerthi (1988, "A fast procedure for computing the
+//! distance between complex objects in three-dimensional space", whole), with certified bounds: no error of the search
+//! can make either bound wrong by more than rounding itself.
 
 use parry3d_f64::math::{Pose as ParryPose, Vector as ParryVector};
 use parry3d_f64::shape::SupportMap;
@@ -8,15 +8,15 @@ use parry3d_f64::shape::SupportMap;
 use crate::Range;
 use crate::distance::convex::Core;
 
-/// The distance of two cores, from both sides: `lower_m ≤ distance ≤ upper_m`.
+/// Bounds of the distance of two cores: `lower_m ≤ distance ≤ upper_m`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CoreDistance {
-    /// Read off a plane between the two, in metres; 0 if there is none.
+    /// Lower bound from a plane between the two, in metres; 0 if there is none.
     pub lower_m: f64,
-    /// The length of a way from a point of one to a point of the other, in metres; infinite if the search ended
-    /// before it knew one.
+    /// Upper bound, the distance between a point of each core, in metres; infinite if the search ended before it found
+    /// two such points.
     pub upper_m: f64,
-    /// Where that way begins on the first core and ends on the second, in the frame of the first.
+    /// Those two points, on the first core and on the second, in the frame of the first.
     pub way: [ParryVector; 2],
 }
 
@@ -24,15 +24,15 @@ impl CoreDistance {
     const CONTACT: Self = Self { lower_m: 0.0, upper_m: 0.0, way: [ParryVector::ZERO; 2] };
 }
 
-/// Steps after which the search ends, whatever the bounds are by then. Polytopes take some ten; two curved rims
-/// that are nearly tangent take the most, some fifty.
+/// Maximum number of steps of the search. Polytopes take some ten; two curved rims that are nearly tangent take the most,
+/// some fifty.
 const MOST_STEPS: usize = 200;
 
-/// Bounds this close to each other are as good as one, in metres: a tenth of what a proof takes off a distance
+/// Difference of the bounds at which the search ends, in metres: a tenth of what a proof subtracts from a distance
 /// ([`cranny_spatial::ROUNDING_M`]).
 const ENOUGH_M: f64 = 1e-10;
 
-/// The distance of `a` and `b`, as far as it matters.
+/// Bounds of the distance of `a` and `b`, as exact as `range` requires.
 pub(crate) fn core_distance(a: &Core, b: &Core, a_from_b: &ParryPose, range: Range) -> CoreDistance {
     let Range { beyond_m, exact_below_m } = range;
     search(a, b, a_from_b, |lower_m, upper_m| {
@@ -40,22 +40,22 @@ pub(crate) fn core_distance(a: &Core, b: &Core, a_from_b: &ParryPose, range: Ran
     })
 }
 
-/// Whether the distance of `a` and `b` is certified to reach `distance_m`: what [`core_distance`] would say, but the
-/// search ends as soon as either is known.
+/// Returns true if the distance of `a` and `b` is certified to reach `distance_m` (m). Agrees with [`core_distance`], but
+/// the search ends as soon as the answer is known.
 pub(crate) fn core_reaches(a: &Core, b: &Core, a_from_b: &ParryPose, distance_m: f64) -> bool {
     let is_decided = |lower_m: f64, upper_m: f64| lower_m >= distance_m || upper_m < distance_m;
     search(a, b, a_from_b, is_decided).lower_m >= distance_m
 }
 
-/// The distance of `a` and `b`, up to where its bounds say enough.
+/// Bounds of the distance of `a` and `b`. The search ends when `is_decided` accepts them.
 ///
-/// It looks for the point closest to the origin in the set of differences `b − a`, in which the origin lies exactly
-/// if the two meet.
+/// Searches the set of differences `b − a` for the point closest to the origin. The set contains the origin exactly if
+/// the two cores meet.
 ///
-/// 1. From the closest point known: the difference that lies farthest towards the origin. The plane through it
-///    separates the two by its height, if that is positive: a lower bound.
-/// 2. That difference and those that the closest point was mixed from are the corners of a simplex; the point of
-///    it that is closest to the origin is the next. Its distance is an upper bound.
+/// 1. From the closest point known, takes the difference that lies farthest towards the origin. If the height of the
+///    plane through it is positive, the plane separates the two: a lower bound.
+/// 2. That difference and those that span the closest point are the corners of a simplex. Its point closest to the origin
+///    is the next closest point, whose distance is an upper bound.
 fn search(a: &Core, b: &Core, a_from_b: &ParryPose, is_decided: impl Fn(f64, f64) -> bool) -> CoreDistance {
     let b_from_a = a_from_b.rotation.inverse();
     let lowest_difference = |direction: ParryVector| {
@@ -65,7 +65,7 @@ fn search(a: &Core, b: &Core, a_from_b: &ParryPose, is_decided: impl Fn(f64, f64
     };
     let mut found = CoreDistance { upper_m: f64::INFINITY, ..CoreDistance::CONTACT };
     let mut simplex = Simplex { corners: [Corner::default(); 4], len: 0 };
-    // Only a guess: no point of the set.
+    // A guess, which need not be a point of the set.
     let mut closest = a_from_b.translation.try_normalize().unwrap_or(ParryVector::X);
     for _ in 0..MOST_STEPS {
         // 1.
@@ -80,7 +80,7 @@ fn search(a: &Core, b: &Core, a_from_b: &ParryPose, is_decided: impl Fn(f64, f64
         simplex.add(corner);
         let Some(next) = simplex.reduce() else { return CoreDistance::CONTACT };
         let length = next.difference.length();
-        // What comes no closer is rounding, and goes on being it.
+        // A step that comes no closer is rounding, and so are all steps after it.
         if length.is_nan() || length >= found.upper_m {
             break;
         }
@@ -94,14 +94,14 @@ fn search(a: &Core, b: &Core, a_from_b: &ParryPose, is_decided: impl Fn(f64, f64
     found
 }
 
-/// A difference of a point of each core, and the one of the first.
+/// Difference of a point of each core, with the point of the first core.
 #[derive(Clone, Copy, Debug, Default)]
 struct Corner {
     difference: ParryVector,
     on_a: ParryVector,
 }
 
-/// The corners that the closest point known is mixed from.
+/// Corners of which the closest point known is a convex combination.
 struct Simplex {
     corners: [Corner; 4],
     len: usize,
@@ -117,12 +117,10 @@ impl Simplex {
         self.len += 1;
     }
 
-    /// Keeps the face that the point closest to the origin lies on, and returns that point: mixed from the
-    /// corners with weights that are not negative, so that it is a point of the simplex in any case. `None` if the
-    /// origin lies in a tetrahedron.
+    /// Keeps the face that contains the point closest to the origin, and returns that point. Its weights are not
+    /// negative, so it is a point of the simplex in any case. `None` if the origin lies in a tetrahedron.
     ///
-    /// All faces that have the newest corner are asked, the best is taken: a wrong turn at one of them costs
-    /// nothing.
+    /// Evaluates all faces with the newest corner and takes the best, so that a wrong decision at one face does no harm.
     fn reduce(&mut self) -> Option<Corner> {
         if self.len == 4 && self.has_origin() {
             return None;
@@ -150,7 +148,7 @@ impl Simplex {
         self.corners[corner].difference
     }
 
-    /// The point of a face with these weights; corners beyond `len` have none.
+    /// Point of a face with these weights; corners beyond `len` have none.
     fn face(&self, corners: [usize; 3], len: usize, weights: [f64; 3]) -> Face {
         let [a, b, c] = corners.map(|corner| self.corners[corner]);
         let mix = |[a, b, c]: [ParryVector; 3]| a * weights[0] + b * weights[1] + c * weights[2];
@@ -159,7 +157,7 @@ impl Simplex {
         Face { corners, len, point, distance_squared: difference.length_squared() }
     }
 
-    /// The foot of the origin on an edge, if it lies between its ends.
+    /// Projection of the origin onto an edge, if it lies between its ends.
     fn on_edge(&self, first: usize, second: usize) -> Option<Face> {
         let (a, b) = (self.difference(first), self.difference(second));
         let along = b - a;
@@ -167,9 +165,9 @@ impl Simplex {
         (place > 0.0 && place < 1.0).then(|| self.face([first, second, 0], 2, [1.0 - place, place, 0.0]))
     }
 
-    /// The foot of the origin on a triangle, if it lies within.
+    /// Projection of the origin onto a triangle, if it lies within.
     fn on_triangle(&self, first: usize, second: usize, third: usize) -> Option<Face> {
-        /// In a narrower triangle, as the sine of an angle, the foot would be rounding; its edges are as good.
+        /// Sine of the narrowest angle. In a narrower triangle the projection would be rounding; its edges are as good.
         const NARROWEST: f64 = 1e-9;
         let corners = [first, second, third];
         let [a, b, c] = corners.map(|corner| self.difference(corner));
@@ -179,15 +177,15 @@ impl Simplex {
         if normal.length_squared() <= NARROWEST * NARROWEST * sides_squared {
             return None;
         }
-        // The areas of the triangles that the foot makes with each side.
+        // Areas of the triangles that the projection forms with each side.
         let areas = [b.cross(c).dot(normal), c.cross(a).dot(normal), a.cross(b).dot(normal)];
         let sum = areas[0] + areas[1] + areas[2];
         areas.iter().all(|area| *area > 0.0).then(|| self.face(corners, 3, areas.map(|area| area / sum)))
     }
 
-    /// Whether the origin lies in the tetrahedron, by more than rounding could make it seem.
+    /// Returns true if the origin lies in the tetrahedron by more than rounding.
     fn has_origin(&self) -> bool {
-        /// Rounding of a volume, relative to the lengths that it is the product of: some ten steps of 10⁻¹⁶.
+        /// Rounding of a volume, relative to the product of its lengths: some ten steps of 10⁻¹⁶.
         const ROUNDING: f64 = 1e-14;
         let [a, b, c, d] = self.corners.map(|corner| corner.difference);
         let volume = |p: ParryVector, q: ParryVector, r: ParryVector| {
@@ -195,7 +193,7 @@ impl Simplex {
             let is_certain = volume.abs() > ROUNDING * p.length() * q.length() * r.length();
             if is_certain { volume } else { 0.0 }
         };
-        // Each corner in turn replaced by the origin: all four tetrahedra are turned alike.
+        // The origin replaces each corner in turn. It lies inside if all four tetrahedra have the same orientation.
         let signs = [volume(b, c, d), -volume(a, c, d), volume(a, b, d), -volume(a, b, c)];
         signs.iter().all(|sign| *sign > 0.0) || signs.iter().all(|sign| *sign < 0.0)
     }

@@ -1,4 +1,4 @@
-//! The one place where `parry`'s types meet this project's.
+//! Conversions between the types of `parry` and those of this project.
 
 use cranny_spatial::{Point, Pose, Vector};
 use parry3d_f64::math::{Pose as ParryPose, Rotation as ParryRotation, Vector as ParryVector};

@@ -1,14 +1,14 @@
-/// Distances that matter.
+/// Range of distances that a query must resolve.
 #[derive(Clone, Copy, Debug)]
 pub struct Range {
-    /// The search may stop as soon as the distance is known to exceed this, in metres; then `upper_m` may be infinite.
+    /// Distance beyond which the search may stop, in metres; `upper_m` may then be infinite.
     pub beyond_m: f64,
-    /// Distances between this and `beyond_m`, in metres, need not be measured; infinite: all are.
+    /// Distance above which values up to `beyond_m`, in metres, need not be exact; infinite: all must be.
     pub exact_below_m: f64,
 }
 
 impl Range {
-    /// All distances up to `beyond_m`, in metres.
+    /// Range of all distances up to `beyond_m`, in metres.
     pub fn to(beyond_m: f64) -> Self {
         Self { beyond_m, exact_below_m: f64::INFINITY }
     }
@@ -19,7 +19,7 @@ impl Range {
         if upper_m < self.beyond_m { upper_m.min(self.exact_below_m) } else { self.beyond_m }
     }
 
-    /// The same for bodies whose distance is less by `by_m`, in metres.
+    /// Returns the range for the cores of bodies whose rounding shortens the distance by `by_m`, in metres.
     pub(crate) fn grown(self, by_m: f64) -> Self {
         Self { beyond_m: self.beyond_m + by_m, exact_below_m: self.exact_below_m + by_m }
     }

@@ -2,25 +2,24 @@ use cranny_spatial::{Point, Vector};
 
 use crate::Surface;
 
-/// Where a ray meets a surface.
+/// Intersection of a ray with a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RayHit {
-    /// How far along the ray, in metres.
+    /// Distance along the ray, in metres.
     pub distance_m: f64,
     /// Index of the triangle.
     pub triangle: u32,
-    /// The triangle's unit normal, outwards by the right hand: its product with the ray's direction is
-    /// negative where the ray enters and positive where it leaves.
+    /// Unit normal of the triangle, outwards by the right-hand rule: its product with the ray's direction is negative
+    /// where the ray enters and positive where it leaves.
     pub normal: Vector,
 }
 
 impl Surface {
-    /// Everything that the ray from `origin` along the unit vector `direction` meets within `reach_m`, by
-    /// distance, then by triangle. A ray through an edge meets each of its triangles; one that lies in a
-    /// triangle's plane does not meet it. The origin itself counts.
+    /// All intersections with the ray from `origin` along the unit vector `direction` within `reach_m` (m), by distance,
+    /// then by triangle. A ray through an edge meets each of its triangles; one that lies in a triangle's plane does not
+    /// meet it. The origin itself counts.
     ///
-    /// The test of a triangle is that of Möller & Trumbore 1997, "Fast, minimum storage ray/triangle intersection",
-    /// whole.
+    /// Tests a triangle by Möller & Trumbore 1997, "Fast, minimum storage ray/triangle intersection", whole.
     pub fn ray_hits(&self, origin: &Point, direction: &Vector, reach_m: f64) -> Vec<RayHit> {
         let mut hits = Vec::new();
         self.tree.along_ray(origin, direction, reach_m, |triangle| {
@@ -37,7 +36,7 @@ impl Surface {
     }
 }
 
-/// The unit normal of a triangle, outwards by the right hand; zero for a triangle without area.
+/// Unit normal of a triangle, outwards by the right-hand rule; zero for a triangle without area.
 pub(crate) fn triangle_normal(corners: &[Point; 3]) -> Vector {
     let [a, b, c] = corners;
     (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_else(Vector::zeros)

@@ -11,16 +11,16 @@ use crate::mesh::Mesh;
 use crate::solid::Kind;
 use crate::{Aabb, Ball, Range, Solid, distance::parry};
 
-/// The distance of two solids, from both sides: `lower_m ≤ distance ≤ upper_m`.
+/// Bounds of the distance of two solids: `lower_m ≤ distance ≤ upper_m`.
 ///
-/// The lower bound is certified by a plane between the two bodies, the upper one by a point of each, so both hold
-/// whatever the iteration that found them did. Unless the search stopped early they agree to better than 10⁻⁷ m
+/// A plane between the two bodies certifies the lower bound, a point of each the upper one. So both hold even if the
+/// iteration that found them failed. Unless the search stopped early they agree to better than 10⁻⁷ m
 /// (`both_bounds_meet_where_contact_is_decided`).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Separation {
-    /// Never above the true distance, in metres; 0 in contact.
+    /// Lower bound of the distance, in metres; 0 in contact.
     pub lower_m: f64,
-    /// Never below the true distance, in metres; infinite where the search stopped early.
+    /// Upper bound of the distance, in metres; infinite if the search stopped early.
     pub upper_m: f64,
 }
 
@@ -32,17 +32,17 @@ impl Separation {
     }
 }
 
-/// How deep two solids overlap.
+/// Overlap of two solids.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Overlap {
-    /// How far one must move to leave the other, in metres, ≥ 0. Exact for two convex bodies; for a mesh
-    /// the largest depth of any of its triangles.
+    /// Distance by which one must move to separate the two, in metres, ≥ 0. Exact for two convex bodies; for a mesh the
+    /// largest depth of any of its triangles.
     pub depth_m: f64,
     /// A point in the overlap, in the common frame.
     pub point: Point,
 }
 
-/// The distance of two solids placed in a common frame: [`separation_in`] all distances up to `beyond_m`, in metres.
+/// Distance of two solids placed in a common frame: [`separation_in`] all distances up to `beyond_m`, in metres.
 pub fn separation(
     a: &Solid,
     common_from_a: &Pose,
@@ -53,11 +53,11 @@ pub fn separation(
     separation_in(a, common_from_a, b, common_from_b, Range::to(beyond_m))
 }
 
-/// The distance of two solids placed in a common frame, as far as it matters.
+/// Distance of two solids placed in a common frame, as exact as `range` requires.
 ///
-/// With an infinite `exact_below_m`, `lower_m ≥ beyond_m` exactly if the distance is certified to reach `beyond_m`; else
-/// `lower_m ≥ exact_below_m` exactly if it is certified to reach the lesser of the two. Solids are full: one inside the other is
-/// in contact.
+/// With an infinite `exact_below_m`, `lower_m ≥ beyond_m` exactly if the distance is certified to reach `beyond_m`.
+/// Otherwise `lower_m ≥ exact_below_m` exactly if it is certified to reach the lesser of the two. Solids are full: one
+/// inside the other is in contact.
 pub fn separation_in(
     a: &Solid,
     common_from_a: &Pose,
@@ -84,8 +84,8 @@ pub fn separation_in(
     }
 }
 
-/// Whether the distance of two solids placed in a common frame is certified to reach `distance_m`, above 0: what
-/// [`separation`] says with `lower_m ≥ distance_m`, in less time where it does not.
+/// Returns true if the distance of two solids placed in a common frame is certified to reach `distance_m` (m, above 0).
+/// Agrees with `lower_m ≥ distance_m` of [`separation`], in less time if the distance is shorter.
 pub fn reaches(a: &Solid, common_from_a: &Pose, b: &Solid, common_from_b: &Pose, distance_m: f64) -> bool {
     match (a.kind(), b.kind()) {
         (Kind::Convex(one), Kind::Convex(other)) => {
@@ -96,8 +96,8 @@ pub fn reaches(a: &Solid, common_from_a: &Pose, b: &Solid, common_from_b: &Pose,
     }
 }
 
-/// A lower bound of the distance (m) from balls and boxes alone, at the price of a few multiplications;
-/// may be negative. Where the balls show that it exceeds `enough_m`, the boxes are not asked.
+/// Lower bound of the distance (m) from balls and boxes alone, for a few multiplications; may be negative. Skips the
+/// boxes if the balls show that the distance exceeds `enough_m`.
 pub fn quick_lower_bound(
     a: &Solid,
     common_from_a: &Pose,
@@ -114,7 +114,7 @@ pub fn quick_lower_bound(
     a.bounds().distance_bound(common_from_a, b.bounds(), common_from_b, enough_m)
 }
 
-/// How deep two solids overlap, and where; `None` if they do not.
+/// Depth and location of the overlap of two solids; `None` if they do not overlap.
 pub fn overlap(a: &Solid, common_from_a: &Pose, b: &Solid, common_from_b: &Pose) -> Option<Overlap> {
     match (a.kind(), b.kind()) {
         (Kind::HalfSpace, Kind::HalfSpace) => None,
@@ -171,11 +171,11 @@ fn mesh_convex_separation(
     if bound_m >= range.beyond_m.min(range.exact_below_m) {
         return Separation { lower_m: bound_m, upper_m: f64::INFINITY };
     }
-    // 2. What is wholly inside touches no triangle.
+    // 2. A body wholly inside touches no triangle.
     if bound_m <= 0.0 && mesh.contains(&(mesh_from_convex * some_point(convex))) {
         return Separation::CONTACT;
     }
-    // 3. The nearest triangle, looked for no farther than any that was measured.
+    // 3. The search for the nearest triangle ends at the least distance measured.
     let best = Cell::new(Separation { lower_m: range.beyond_m, upper_m: f64::INFINITY });
     let gap_m = |ball: &Ball| {
         convex_box.distance_to(&mesh_from_convex.inverse_transform_point(&ball.center)) - ball.radius_m
@@ -187,7 +187,7 @@ fn mesh_convex_separation(
         let upper_m = best.get().upper_m;
         if upper_m <= bound_m + ENOUGH_M { f64::MIN } else { range.reach_m(upper_m) }
     });
-    // What was not looked for is at least as far as the reach, or the hull.
+    // Triangles that were not visited are at least as far as the reach, or the hull.
     let Separation { lower_m, upper_m } = best.get();
     if upper_m <= 0.0 {
         return Separation::CONTACT;
@@ -196,7 +196,7 @@ fn mesh_convex_separation(
     Separation { lower_m: if upper_m <= bound_m + ENOUGH_M { bound_m.max(0.0) } else { lower_m }, upper_m }
 }
 
-/// Bounds this close to each other are as good as one, in metres.
+/// Difference of two bounds below which they count as equal, in metres.
 const ENOUGH_M: f64 = 1e-9;
 
 fn mesh_mesh_separation(a: &Mesh, b: &Mesh, a_from_b: &Pose, beyond_m: f64) -> Separation {
@@ -227,12 +227,12 @@ fn mesh_mesh_separation(a: &Mesh, b: &Mesh, a_from_b: &Pose, beyond_m: f64) -> S
 fn convex_overlap(a: &Convex, common_from_a: &Pose, b: &Convex, common_from_b: &Pose) -> Option<Overlap> {
     let radii = a.radius_m + b.radius_m;
     let relative = parry::pose(&common_from_a.inv_mul(common_from_b));
-    // What lies apart has no depth, whatever the search for the deepest point would say of it.
+    // Bodies that lie apart have no depth, even if the search for the deepest point returned one.
     if core_reaches(&a.core, &b.core, &relative, radii.next_up()) {
         return None;
     }
     let contact = contact_support_map_support_map(&relative, &a.core, &b.core, radii)?;
-    // No deeper than along the normal that was found, read off both bodies: moved so far, they are apart.
+    // The depth is at most that along the normal found, measured on both bodies: moved by this much, they are apart.
     let direction = contact.normal1;
     let far_on_a = a.core.local_support_point(direction);
     let near_on_b = relative.rotation * b.core.local_support_point(relative.rotation.inverse() * -direction)
@@ -263,7 +263,7 @@ fn mesh_overlap(
         }
         let point = mesh_from_parts * some_point(part);
         if deepest.is_none() && mesh.contains(&point) {
-            // Wholly inside: at least as deep as that point is.
+            // The body is wholly inside, and at least as deep as that point.
             let depth_m = mesh
                 .triangles()
                 .iter()

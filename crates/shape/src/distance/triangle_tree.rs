@@ -24,19 +24,19 @@ impl TriangleTree {
         self.tree.leaves(move |node| node.intersects(&region))
     }
 
-    /// Calls `visit` with triangles and the reach, in metres, that the calls before returned, at first `reach_m`: those in balls
-    /// that `gap_m` has nearer than that reach, near ones mostly first.
+    /// Calls `visit` with triangles and the current reach, in metres: at first `reach_m`, then the value that the last
+    /// call returned. Visits those in balls that `gap_m` puts within the reach, mostly the nearest first.
     pub fn nearest(&self, gap_m: impl Fn(&Ball) -> f64, reach_m: f64, visit: impl Fn(u32, f64) -> f64) {
         let of_node = |node: &BvhNode, _| {
             let center = Point::from(parry::to_vector(node.center()));
             let radius_m = 0.5 * (node.maxs() - node.mins()).length();
-            // What is not a number is not far.
+            // NaN does not count as far.
             gap_m(&Ball { center, radius_m }).max(f64::MIN)
         };
         self.tree.find_best(reach_m, of_node, |triangle, reach_m| Some(visit(triangle, reach_m)));
     }
 
-    /// The triangles whose boxes a segment meets, and perhaps some by whose boxes it passes within rounding.
+    /// Triangles whose boxes a segment meets, and possibly some whose boxes it passes within rounding.
     pub fn along_segment(&self, from: &Point, to: &Point) -> impl Iterator<Item = u32> {
         let ray = Ray::new(parry::point(from), parry::vector(&(to - from)));
         let rounding_m = 1e-12 * from.coords.amax().max(to.coords.amax());
@@ -44,8 +44,8 @@ impl TriangleTree {
         self.tree.leaves(move |node| grown(node).cast_local_ray(&ray, 1.0, true).is_some())
     }
 
-    /// A distance from the point beyond which there is no triangle, in metres; `None` if none is as near as the box
-    /// around all.
+    /// Distance from the point beyond which there is no triangle, in metres; `None` if the point lies outside the box
+    /// around all triangles.
     pub fn reach_from(&self, point: &Point) -> Option<f64> {
         let around = self.tree.root_aabb();
         let size_m = (around.maxs - around.mins).length();

@@ -6,25 +6,25 @@ use crate::distance::convex::Core;
 use crate::solid::Kind;
 use crate::{Separation, Solid, separation};
 
-/// A convex solid with few corners: their convex hull, rounded by `radius_m`, lies in the solid, and the solid
-/// stands out of it by at most `bulge_m`.
+/// Convex solid with few corners: their convex hull, rounded by `radius_m`, lies in the solid, and the solid protrudes
+/// from it by at most `bulge_m`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CoarseHull {
-    /// In the solid's frame, at least one.
+    /// Corners in the solid's frame, at least one.
     pub corners: Vec<Point>,
-    /// In metres.
+    /// Rounding radius, in metres.
     pub radius_m: f64,
-    /// In metres.
+    /// Bound on how far the solid protrudes from the rounded hull, in metres.
     pub bulge_m: f64,
 }
 
 impl CoarseHull {
-    /// The coarse hull of a convex solid with at most `most` corners, as near to it as greedy choice gets:
-    /// always the corner is added that stands out farthest. `None` for a mesh, a half-space, or a hull so
-    /// small or flat that its corners cannot be told apart.
+    /// Coarse hull of a convex solid with at most `most` corners, chosen greedily: each step adds the corner that
+    /// protrudes farthest. `None` for a mesh, a half-space, or a hull so small or flat that its corners cannot be
+    /// distinguished.
     ///
     /// # Panics
-    /// If `most` is less than 32, the corners of the prism in a cylinder.
+    /// If `most` is less than 32, the number of corners of the prism in a cylinder.
     pub fn of(solid: &Solid, most: usize) -> Option<Self> {
         assert!(most >= 2 * SIDES, "at least {} corners", 2 * SIDES);
         let Kind::Convex(convex) = solid.kind() else { return None };
@@ -43,7 +43,7 @@ impl CoarseHull {
                 let (corners, bulge_m) = chosen(&points.iter().collect::<Vec<_>>(), most)?;
                 Some(Self { corners, radius_m, bulge_m })
             }
-            // Their bounding points are their corners: they lie in the solid.
+            // The bounding points of these are their corners, which lie in the solid.
             Core::Point | Core::Segment { .. } | Core::Cuboid { .. } | Core::Triangle(_) => {
                 Some(Self { corners: convex.bounding_points(), radius_m, bulge_m: 0.0 })
             }
@@ -51,18 +51,18 @@ impl CoarseHull {
     }
 }
 
-/// Sides of the prism that stands for a cylinder.
+/// Sides of the prism that approximates a cylinder.
 const SIDES: usize = 16;
 
-/// More than rounding moves a corner by, in metres.
+/// Bound on the displacement of a corner by rounding, in metres.
 const ROUNDING_M: f64 = 1e-9;
 
-/// Some of the corners of a hull, and how far the others stand out of the hull of these, in metres.
+/// Chooses some corners of a hull, and returns how far the others protrude from the hull of these, in metres.
 pub(crate) fn chosen(corners: &[Point], most: usize) -> Option<(Vec<Point>, f64)> {
     if corners.len() <= most {
         return Some((corners.to_vec(), 0.0));
     }
-    // What no hull was measured against yet stands out without bound.
+    // A corner that has not been measured yet counts as infinitely far.
     let mut left: Vec<(f64, Point)> = corners.iter().map(|corner| (f64::INFINITY, *corner)).collect();
     let mut chosen = Vec::with_capacity(most);
     for axis in 0..3 {
@@ -73,9 +73,9 @@ pub(crate) fn chosen(corners: &[Point], most: usize) -> Option<(Vec<Point>, f64)
         }
     }
     let mut hull = Solid::hull(&chosen).ok()?;
-    // A corner stands out the less the more corners are chosen, so only the one that stood out farthest when
-    // it was last measured needs to be measured again. Of those equally far the last one counts; what is in the
-    // queue of a corner that has been measured again, or moved, is passed over.
+    // Added corners only reduce how far the others protrude, so only the corner that protruded farthest at its last
+    // measurement is measured again. Ties go to the last corner. Outdated queue entries, of corners that were measured
+    // again or moved, are skipped.
     let mut queue: BinaryHeap<(i64, usize)> =
         left.iter().enumerate().map(|(index, (far_m, _))| (rank(*far_m), index)).collect();
     let mut measured = vec![0; left.len()];
@@ -102,15 +102,15 @@ pub(crate) fn chosen(corners: &[Point], most: usize) -> Option<(Vec<Point>, f64)
     }
 }
 
-/// Ordered as [`f64::total_cmp`] orders.
+/// Integer with the order of [`f64::total_cmp`].
 fn rank(distance_m: f64) -> i64 {
     let bits = distance_m.to_bits().cast_signed();
     bits ^ ((bits >> 63).cast_unsigned() >> 1).cast_signed()
 }
 
-/// The distance of a point from a hull, in metres, never less than the truth.
+/// Upper bound of the distance of a point from a hull, in metres; never less than the true distance.
 fn standing_out_m(point: &Point, hull: &Solid) -> Option<f64> {
-    /// A ball of next to no size stands for the point.
+    /// Radius of the ball that stands in for the point, in metres.
     const SPECK_M: f64 = 1e-7;
     let speck = Solid::sphere(SPECK_M).ok()?;
     let place = Pose::from_parts(point.coords.into(), cranny_spatial::Rotation::identity());
@@ -125,7 +125,7 @@ mod tests {
 
     use super::*;
 
-    /// As [`chosen`], looking through all of them each time.
+    /// Reference for [`chosen`] that scans all corners in each step.
     fn chosen_one_by_one(corners: &[Point], most: usize) -> (Vec<Point>, f64) {
         let mut left: Vec<(f64, Point)> = corners.iter().map(|corner| (f64::INFINITY, *corner)).collect();
         let mut chosen = Vec::new();
@@ -158,7 +158,7 @@ mod tests {
     fn of_many_corners_the_same_are_chosen_whether_one_looks_at_all_or_at_the_next() {
         let mut random = Stream::new(5, 0);
         let scattered = (0..300).map(|_| Point::from(random.rotation() * Vector::x() * 0.1)).collect();
-        // Where many are equally far.
+        // Many corners are equally far.
         let grid =
             (0..343).map(|k| Point::new(f64::from(k % 7), f64::from(k / 7 % 7), f64::from(k / 49))).collect();
         let prism = (0..96).map(|k| {

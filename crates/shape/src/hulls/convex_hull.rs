@@ -5,14 +5,14 @@ use crate::hulls::hull::outer_points;
 use crate::hulls::quickhull::hull_faces;
 use crate::{ShapeError, TriangleSoup, distance::parry};
 
-/// A plane with a unit normal that points out of a hull.
+/// Plane whose unit normal points out of a hull.
 pub(crate) struct Plane {
     normal: Vector,
     offset: f64,
 }
 
 impl Plane {
-    /// How far a point is above it, in metres; negative below.
+    /// Height of a point above the plane, in metres; negative below.
     pub fn height(&self, point: &Point) -> f64 {
         self.normal.dot(&point.coords) - self.offset
     }
@@ -23,7 +23,7 @@ impl Plane {
 }
 
 impl TriangleSoup {
-    /// The planes of its faces, of those that are no mere lines.
+    /// Planes of the faces, except those without area.
     pub(crate) fn planes(&self) -> Vec<Plane> {
         let plane = |face: usize| {
             let [a, b, c] = self.corners(face);
@@ -49,8 +49,8 @@ impl TriangleSoup {
         if hull.signed_volume_m3() > 0.0 { Ok(hull) } else { Err(flat()) }
     }
 
-    /// The volume that the triangles enclose, in cubic metres: negative for normals inwards, meaningless for
-    /// a mesh with a hole.
+    /// Volume that the triangles enclose, in cubic metres: negative for normals inwards, meaningless for a mesh with a
+    /// hole.
     pub fn signed_volume_m3(&self) -> f64 {
         let Some(eye) = self.vertices.first() else { return 0.0 };
         let of_tetrahedron = |index: usize| {

@@ -5,15 +5,15 @@ use serde::{Deserialize, Serialize};
 use crate::inside::closed_mesh::{check_closed, check_indices};
 use crate::{ShapeError, Surface, TriangleSoup, distance::parry};
 
-/// How a mesh is cut into convex parts.
+/// Settings of the convex decomposition of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DecompositionSettings {
-    /// Cubes along the longest side of the mesh, 8 to 400. Default 64: 3 mm for a hand-sized object.
+    /// Number of voxels along the longest side of the mesh, 8 to 400. Default 64: 3 mm for a hand-sized object.
     pub resolution: u32,
-    /// How far a part may be from convex, as a share of the mesh's volume, in (0, 1). Default 0.005: a
-    /// banana gets about ten parts.
+    /// Maximum concavity of a part, as a share of the mesh's volume, in (0, 1). Default 0.005: a banana gets about ten
+    /// parts.
     pub concavity: f64,
-    /// At most so many parts. Default 32: more cost every collision check more than they add.
+    /// Maximum number of parts. Default 32: more parts cost more in every collision check than they gain.
     pub most_parts: u32,
 }
 
@@ -23,16 +23,16 @@ impl Default for DecompositionSettings {
     }
 }
 
-/// Convex bodies that together stand for a mesh.
+/// Convex bodies that together approximate a mesh.
 #[derive(Clone, Debug)]
 pub struct ConvexParts {
     /// The parts, each a closed convex mesh.
     pub parts: Vec<TriangleSoup>,
-    /// How well they do.
+    /// Error of the approximation.
     pub error: VolumeError,
 }
 
-/// What a union of convex parts and the volume of a mesh do not share, as shares of the mesh's volume.
+/// Difference between a union of convex parts and the volume of a mesh, as shares of the mesh's volume.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct VolumeError {
@@ -43,16 +43,16 @@ pub struct VolumeError {
 }
 
 impl ConvexParts {
-    /// Cuts the volume that `soup` encloses into convex parts (V-HACD as `parry` has it; Mamou 2016, "Volumetric
-    /// hierarchical approximate convex decomposition", whole) and measures the error.
+    /// Decomposes the volume that `soup` encloses into convex parts (V-HACD as `parry` implements it; Mamou 2016,
+    /// "Volumetric hierarchical approximate convex decomposition", whole) and measures the error.
     ///
     /// # Errors
-    /// [`ShapeError::Open`] and the like for a mesh that encloses no volume; [`ShapeError::NoVolume`] where
-    /// no part could be found.
+    /// [`ShapeError::Open`] and similar errors for a mesh that encloses no volume; [`ShapeError::NoVolume`] if no part is
+    /// found.
     pub fn of_mesh(soup: &TriangleSoup, settings: &DecompositionSettings) -> Result<Self, ShapeError> {
         check_indices(soup)?;
         check_closed(soup)?;
-        // The cubes of V-HACD would cut even a box.
+        // The voxels of V-HACD would cut even a box.
         let hull = TriangleSoup::convex_hull(&soup.vertices)?;
         let hollow = 1.0 - soup.signed_volume_m3() / hull.signed_volume_m3();
         if hollow <= settings.concavity {
@@ -77,7 +77,7 @@ impl ConvexParts {
         Self::measured(soup, parts)
     }
 
-    /// Given parts, with their error measured against the volume that `soup` encloses.
+    /// Takes given parts, and measures their error against the volume that `soup` encloses.
     ///
     /// # Errors
     /// [`ShapeError::NoVolume`] if there is no part, or the mesh encloses nothing.
@@ -87,12 +87,12 @@ impl ConvexParts {
     }
 }
 
-/// Lines along which volumes are compared: a share of the volume is then off by some 0.003.
+/// Number of lines along which volumes are compared; a share of the volume is then off by some 0.003.
 const LINES: u32 = 4096;
 
-/// Compares the volumes along vertical lines: what of the line lies in the mesh, and what in any part. The lines stand
-/// evenly but in no grid (R₂ of Roberts 2018, "The unreasonable effectiveness of quasirandom sequences", whole), so
-/// that none runs along the edges of a symmetric mesh.
+/// Compares the lengths of vertical lines inside the mesh and inside any part. The lines are spread evenly but not on a
+/// grid (R₂ of Roberts 2018, "The unreasonable effectiveness of quasirandom sequences", whole), so that none runs along
+/// the edges of a symmetric mesh.
 fn volume_error(soup: &TriangleSoup, parts: &[TriangleSoup]) -> Result<VolumeError, ShapeError> {
     let mesh = Surface::new(soup)?;
     let parts: Vec<Surface> = parts.iter().map(Surface::new).collect::<Result<_, _>>()?;
@@ -100,7 +100,7 @@ fn volume_error(soup: &TriangleSoup, parts: &[TriangleSoup]) -> Result<VolumeErr
     let high = parts.iter().map(|part| part.aabb().high()).fold(mesh.aabb().high(), |a, b| a.sup(&b));
     let height_m = high.z - low.z + 2.0 * ROOM_M;
     let (mut of_mesh, mut excess, mut missing) = (0.0, 0.0, 0.0);
-    // Powers of the root of x³ = x + 1.
+    // Powers of the inverse of the root of x³ = x + 1.
     const STEP: [f64; 2] = [0.754877666246693, 0.569840290998053];
     for line in 0..LINES {
         let share = STEP.map(|step| (0.5 + f64::from(line) * step).fract());
@@ -124,10 +124,10 @@ fn volume_error(soup: &TriangleSoup, parts: &[TriangleSoup]) -> Result<VolumeErr
     }
 }
 
-/// The lines begin so far below everything, in metres, that no rounding puts a face beneath them.
+/// Distance of the start of the lines below all bodies, in metres; no rounding moves a face below it.
 const ROOM_M: f64 = 1e-3;
 
-/// Where a vertical line is inside a closed surface: more enterings than leavings behind it.
+/// Intervals of a vertical line inside a closed surface: those with more entries than exits behind them.
 fn intervals(surface: &Surface, foot: &Point, height_m: f64) -> Vec<[f64; 2]> {
     let (mut depth, mut begin, mut found) = (0_i32, 0.0, Vec::new());
     for hit in surface.ray_hits(foot, &Vector::z(), height_m) {
@@ -142,7 +142,7 @@ fn intervals(surface: &Surface, foot: &Point, height_m: f64) -> Vec<[f64; 2]> {
     found
 }
 
-/// Sorted intervals with those that overlap made one.
+/// Merges those of the sorted intervals that overlap.
 fn united(sorted: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let mut united: Vec<[f64; 2]> = Vec::new();
     for &[begin, end] in sorted {

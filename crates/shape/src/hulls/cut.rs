@@ -1,20 +1,19 @@
-//! A convex polyhedron, given by its corners alone, cut in half.
+//! Halving of a convex polyhedron that is given by its corners alone.
 
 use cranny_spatial::Point;
 
-/// Both halves of the convex hull of some points, each as the points that it is the convex hull of.
+/// Both halves of the convex hull of some points, each as the points that span it.
 ///
-/// Law: together the halves contain the hull, save for rounding of 10⁻⁹ m
-/// (`no_point_of_a_hull_is_lost_between_its_halves`).
+/// Law: together the halves contain the hull, up to rounding of 10⁻⁹ m (`no_point_of_a_hull_is_lost_between_its_halves`).
 pub(crate) struct Cut {
-    /// What lies below the middle of the longest side of the box around the points.
+    /// Points that span the half below the middle of the longest side of the box around the points.
     pub low: Vec<Point>,
-    /// What lies above it.
+    /// Points that span the half above it.
     pub high: Vec<Point>,
 }
 
-/// Points of a cut that lie this far within the outline of the others are left out, in metres; those that lie
-/// outside of it by more than this are kept, whatever rounding did to the outline.
+/// Distance outside the outline of a cut beyond which points are kept, in metres, because rounding left them out of the
+/// outline. All other points off the outline are dropped.
 const ROUNDING_M: f64 = 1e-9;
 
 /// A point of the plane of a cut.
@@ -23,11 +22,11 @@ type PlanePoint = [f64; 2];
 impl Cut {
     /// Cuts the hull of `corners` across the longest side of the box around them; `None` if that side is too short.
     ///
-    /// The plane meets the hull in the hull of all points in which it meets a segment from a corner below to one
-    /// above; so no faces are needed, which are hard to tell where a hull is thin. Where rounding puts such a point
-    /// elsewhere on its segment nothing is lost, because both halves get the same one.
+    /// The plane meets the hull in the hull of its intersections with all segments from a corner below to one above. So
+    /// no faces are needed, which are hard to determine where a hull is thin. If rounding moves an intersection along its
+    /// segment, nothing is lost, because both halves get the same point.
     pub fn across(corners: &[Point]) -> Option<Self> {
-        /// A tenth of a millimetre: no bulge that is worth a ball is smaller.
+        /// Minimum length of the longest side, in metres: no bulge that is worth a ball is smaller.
         const SHORTEST_M: f64 = 1e-4;
         let (axis, low, high) = longest_side(corners);
         if high - low < SHORTEST_M {
@@ -53,7 +52,7 @@ impl Cut {
     }
 }
 
-/// The axis along which the points spread most, and where they begin and end along it.
+/// Axis along which the points extend farthest, with their least and greatest coordinate along it.
 pub(crate) fn longest_side(points: &[Point]) -> (usize, f64, f64) {
     let side = |axis: usize| {
         let range = |(low, high): (f64, f64), p: &Point| (low.min(p[axis]), high.max(p[axis]));
@@ -64,8 +63,7 @@ pub(crate) fn longest_side(points: &[Point]) -> (usize, f64, f64) {
     longer(longer(side(0), side(1)), side(2))
 }
 
-/// Those of the points in a plane across `axis` that are needed for their convex hull: its corners, and whatever
-/// lies outside of them.
+/// Points in a plane across `axis` that are needed for their convex hull: its corners, and all points outside it.
 fn outermost(points: &[Point], axis: usize) -> Vec<Point> {
     let flat = |point: &Point| [point[(axis + 1) % 3], point[(axis + 2) % 3]];
     let mut sorted: Vec<(PlanePoint, &Point)> = points.iter().map(|point| (flat(point), point)).collect();
@@ -81,8 +79,8 @@ fn outermost(points: &[Point], axis: usize) -> Vec<Point> {
     kept.map(|((_, point), _)| **point).collect()
 }
 
-/// The corners of the convex hull of points in order, by index, anticlockwise (Andrew 1979, "Another efficient
-/// algorithm for convex hulls in two dimensions", whole).
+/// Indices of the corners of the convex hull of sorted points, anticlockwise (Andrew 1979, "Another efficient algorithm
+/// for convex hulls in two dimensions", whole).
 fn outline(points: &[PlanePoint]) -> Vec<usize> {
     if points.len() < 3 {
         return (0..points.len()).collect();
@@ -99,7 +97,7 @@ fn outline(points: &[PlanePoint]) -> Vec<usize> {
             }
             corners.push(point);
         }
-        // Where the other half begins.
+        // The other half begins with this corner.
         corners.pop();
     };
     half(&mut corners, &mut (0..points.len()));
@@ -107,7 +105,7 @@ fn outline(points: &[PlanePoint]) -> Vec<usize> {
     corners
 }
 
-/// Whether a point lies outside a polygon, given anticlockwise, by more than [`ROUNDING_M`].
+/// Returns true if a point lies outside a polygon, given anticlockwise, by more than [`ROUNDING_M`].
 fn is_outside(point: &PlanePoint, corners: &[PlanePoint]) -> bool {
     corners.iter().enumerate().any(|(index, a)| {
         let b = &corners[(index + 1) % corners.len()];

@@ -25,7 +25,7 @@ impl TriangleSoup {
         soup
     }
 
-    /// The same surface with each triangle cut into four at the middles of its edges.
+    /// Returns this surface with each triangle divided into four at the midpoints of its edges.
     fn divided(&self) -> Self {
         let mut vertices = self.vertices.clone();
         let mut middles: HashMap<(u32, u32), u32> = HashMap::new();
@@ -34,7 +34,7 @@ impl TriangleSoup {
             let [ab, bc, ca] = [(a, b), (b, c), (c, a)].map(|(from, to)| {
                 *middles.entry((from.min(to), from.max(to))).or_insert_with(|| {
                     let ends = [from, to].map(|vertex| self.vertices[vertex as usize].coords);
-                    // On a sphere about the origin already, so that later divisions stay even.
+                    // The midpoint is put on the sphere at once, so that later divisions stay even.
                     let middle = (ends[0] + ends[1]).normalize() * ends[0].norm();
                     vertices.push(middle.into());
                     u32::try_from(vertices.len() - 1).unwrap_or(u32::MAX)

@@ -12,9 +12,9 @@ use crate::solid::Kind;
 use crate::{ShapeError, Solid, TriangleSoup, distance::parry, separation};
 
 impl Solid {
-    /// The convex hull of `points`. Of more than [`MOST_HULL_CORNERS`] corners, it is the hull of 2000 of them,
-    /// rounded by as much as the others stand out of it: some tenths of a millimetre for a sphere of 0.1 m.
-    /// In either case it contains every point.
+    /// The convex hull of `points`. With more than [`MOST_HULL_CORNERS`] corners, it is the hull of 2000 of them, rounded
+    /// by how far the others protrude: some tenths of a millimetre for a sphere of 0.1 m. It contains every point in
+    /// either case.
     ///
     /// # Errors
     /// [`ShapeError::NotFinite`] or [`ShapeError::FlatHull`].
@@ -34,13 +34,13 @@ impl Solid {
             .map(|f| f.map(|v| hull[v as usize] - hull[0]))
             .map(|[a, b, c]| a.dot(b.cross(c)) / 6.0)
             .sum();
-        /// A cube of 10 µm: what is smaller is a plane with rounding errors.
+        /// Volume of a cube of 10 µm; anything smaller is a plane with rounding errors.
         const LEAST_VOLUME_M3: f64 = 1e-15;
         if volume.is_nan() || volume.abs() < LEAST_VOLUME_M3 {
             return Err(flat);
         }
-        // The library may merge nearly equal points; to contain all of them the hull keeps every given
-        // point that its facets leave outside, and all points where the facets do not close it in.
+        // The library may merge nearly equal points. To contain all of them, the hull keeps every given point that its
+        // facets leave outside, and all points if the facets are not closed.
         let mut kept = hull.clone();
         let vertices = hull.iter().map(|p| parry::to_vector(*p).into()).collect();
         let is_closed = check_closed(&TriangleSoup { vertices, triangles: faces.clone() }).is_ok();
@@ -56,14 +56,14 @@ impl Solid {
         Ok(Self::convex(Convex::sharp(Core::Hull(Arc::new(HullPoints::new(&kept))))))
     }
 
-    /// What the solid sweeps over while it moves straight along `shift` (m), in its frame before the motion, as convex
-    /// solids; nothing for a half-space. Exact for cuboids, spheres and capsules, and for hulls of up to 150 corners;
-    /// else never too small: a cylinder counts as the prism of eight sides around it, a hull of more corners as one of
-    /// fewer, rounded (by 1 mm for a sphere of 0.1 m), the surface of a mesh as the hulls of its pieces. What stays inside
-    /// a mesh all the way is not swept over.
+    /// Volume swept by the solid in a straight motion along `shift` (m), as convex solids in its frame before the motion;
+    /// empty for a half-space. Exact for cuboids, spheres and capsules, and for hulls of up to 150 corners. Otherwise
+    /// never too small: a cylinder counts as the eight-sided prism around it, a larger hull as a rounded one of fewer
+    /// corners (by 1 mm for a sphere of 0.1 m), the surface of a mesh as the hulls of its pieces. Points inside a mesh
+    /// throughout the motion are not covered.
     #[must_use]
     pub fn swept(&self, shift: &Vector) -> Vec<Self> {
-        /// Every question to a hull asks all its corners.
+        /// Maximum number of corners of a swept hull; each query evaluates all of them.
         const MOST_CORNERS: u32 = 300;
         let over = |corners: &[Point], radius_m: f64| {
             let both_ends: Vec<_> =
@@ -84,14 +84,14 @@ impl Solid {
     }
 }
 
-/// A hull keeps up to so many corners as they are. Every distance to a hull runs through all its corners, and the
-/// search for them takes time by the square of their number: a second for these.
+/// Maximum number of corners that a hull keeps unchanged. Every distance query of a hull evaluates all its corners. The
+/// search for them takes quadratic time: a second for this many.
 pub const MOST_HULL_CORNERS: usize = 16_000;
 
-/// The points without those that lie clearly inside the hull of the farthest ones along many directions, if there
-/// are more than [`MOST_HULL_CORNERS`]; in their order.
+/// Points without those clearly inside the hull of the farthest ones along many directions, in their order. Returns all
+/// points if there are at most [`MOST_HULL_CORNERS`].
 pub(crate) fn outer_points(points: &[ParryVector]) -> Vec<ParryVector> {
-    /// A share of some hundred planes is all that a point inside is compared with.
+    /// Number of directions; each point is compared with the few hundred planes of their hull.
     const DIRECTIONS: u32 = 256;
     if points.len() <= MOST_HULL_CORNERS {
         return points.to_vec();
@@ -104,16 +104,16 @@ pub(crate) fn outer_points(points: &[ParryVector]) -> Vec<ParryVector> {
     };
     let planes: Option<Vec<_>> = faces.iter().map(plane).collect();
     let Some(planes) = planes else { return points.to_vec() };
-    /// Deeper inside than any rounding, in metres.
+    /// Depth inside that exceeds any rounding, in metres.
     const CLEARLY_M: f64 = 1e-7;
     let is_inside = |p: &ParryVector| planes.iter().all(|(normal, at)| normal.dot(*p) < at - CLEARLY_M);
     points.iter().filter(|p| !is_inside(p)).copied().collect()
 }
 
-/// The points that are farthest along as many directions, each once.
+/// Points that are farthest along the axes and along `directions` directions, each once.
 fn farthest(points: &[ParryVector], directions: u32) -> Vec<ParryVector> {
     let core = Core::Hull(Arc::new(HullPoints::new(points)));
-    // Evenly over the sphere (Fibonacci's lattice).
+    // Evenly spread over the sphere (Fibonacci lattice).
     let turn = std::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
     let direction = |index: u32| {
         let z = 1.0 - (2.0 * f64::from(index) + 1.0) / f64::from(directions);
@@ -132,10 +132,10 @@ fn farthest(points: &[ParryVector], directions: u32) -> Vec<ParryVector> {
     found
 }
 
-/// A sphere of 0.1 m is then rounded by 0.2 mm.
+/// Number of corners of a rounded hull; a sphere of 0.1 m is then rounded by 0.2 mm.
 const ROUNDED_CORNERS: u32 = 2000;
 
-/// The hull of about so many of the points, rounded so far that it contains all; `None` if they span no volume.
+/// Hull of about `corners` of the points, rounded so that it contains all; `None` if they span no volume.
 pub(crate) fn rounded_hull(points: &[ParryVector], corners: u32) -> Option<Solid> {
     let chosen: Vec<Point> =
         farthest(points, corners).into_iter().map(|p| parry::to_vector(p).into()).collect();
@@ -152,5 +152,5 @@ pub(crate) fn rounded_hull(points: &[ParryVector], corners: u32) -> Option<Solid
         .then(|| Solid::convex(Convex { core: convex.core.clone(), radius_m: radius_m + ROUNDING_M }))
 }
 
-/// More than rounding moves a corner by, in metres.
+/// Bound on the displacement of a corner by rounding, in metres.
 const ROUNDING_M: f64 = 1e-9;

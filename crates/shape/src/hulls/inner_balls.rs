@@ -5,18 +5,18 @@ use crate::inside::closed_mesh::check_closed;
 use crate::solid::Kind;
 use crate::{Ball, Solid, TriangleSoup};
 
-/// At most `count` balls inside a convex solid that fill much of it, the largest first, in the solid's frame.
-/// Empty for a mesh or a half-space.
+/// At most `count` balls inside a convex solid that fill much of it, the largest first, in the solid's frame. Empty for a
+/// mesh or a half-space.
 ///
-/// From a grid of points in the solid's box, each with the largest ball inside the solid around it, always
-/// the one is taken that stands out farthest from those that were taken before.
+/// The candidates are the largest inner balls around the points of a grid in the solid's box. Each step takes the
+/// candidate that protrudes farthest from those taken before.
 pub fn inner_balls(solid: &Solid, count: usize) -> Vec<Ball> {
     let Some(depth) = depth_below_surface(solid) else { return Vec::new() };
     let candidates: Vec<Ball> = grid(solid)
         .map(|center| Ball { center, radius_m: depth(&center) })
         .filter(|ball| ball.radius_m > 0.0)
         .collect();
-    /// Balls that add less than this, in metres, decide too little to be worth their time.
+    /// Minimum gain of a further ball, in metres; smaller gains are not worth the time of the ball.
     const LEAST_GAIN_M: f64 = 2e-3;
     let mut gains: Vec<f64> = candidates.iter().map(|ball| ball.radius_m).collect();
     let mut chosen: Vec<Ball> = Vec::new();
@@ -34,10 +34,10 @@ pub fn inner_balls(solid: &Solid, count: usize) -> Vec<Ball> {
     chosen
 }
 
-/// How far a point lies below a surface, in metres: never more than the truth; negative outside.
+/// Lower bound of the depth of a point below a surface, in metres; negative outside.
 type Depth<'a> = Box<dyn Fn(&Point) -> f64 + 'a>;
 
-/// The depth below the surface of the solid, if it is convex.
+/// Depth below the surface of the solid; `None` if it is not convex.
 fn depth_below_surface(solid: &Solid) -> Option<Depth<'_>> {
     let Kind::Convex(convex) = solid.kind() else { return None };
     let radius_m = convex.radius_m;
@@ -52,8 +52,8 @@ fn depth_below_surface(solid: &Solid) -> Option<Depth<'_>> {
             Box::new(move |p| (half_length - p.z.abs()).min(radius - (p.x * p.x + p.y * p.y).sqrt()))
         }
         Core::Hull(hull) => {
-            // What lies below all faces lies in the hull only if they close it in, which a hull algorithm may fail
-            // to make them where a body is thin.
+            // A point below all faces lies in the hull only if the faces are closed. A hull algorithm may fail to close
+            // them where a body is thin.
             let faces = TriangleSoup::convex_hull(&hull.iter().collect::<Vec<_>>()).ok()?;
             check_closed(&faces).ok()?;
             let planes = faces.planes();
@@ -63,9 +63,9 @@ fn depth_below_surface(solid: &Solid) -> Option<Depth<'_>> {
     })
 }
 
-/// Points of a grid in the box of the solid, its middle among them.
+/// Points of a grid in the box of the solid, including its centre.
 fn grid(solid: &Solid) -> impl Iterator<Item = Point> {
-    /// Points along each side, odd so that there is one in the middle.
+    /// Number of points along each side; odd, so that one is in the middle.
     const SIDE: i32 = 13;
     let aabb = *solid.aabb();
     let place = |index: i32| f64::from(2 * (index + 1) - SIDE - 1) / f64::from(SIDE + 1);

@@ -9,19 +9,19 @@ pub(crate) type HullFaces = (Vec<ParryVector>, Vec<[u32; 3]>);
 
 /// The convex hull of points; `None` if they lie in one plane.
 pub(crate) fn hull_faces(points: &[ParryVector]) -> Option<HullFaces> {
-    /// Greatest number of points for the library's hull. Memory and time that it takes are quadratic for points that
-    /// lie mostly in few planes (a disc, a flange).
+    /// Maximum number of points for the library's hull, whose memory and time are quadratic for points that lie mostly in
+    /// few planes (a disc, a flange).
     const MOST_FOR_LIBRARY: usize = 2000;
     if points.len() <= MOST_FOR_LIBRARY { try_convex_hull(points).ok() } else { Quickhull::of(points) }
 }
 
-/// The algorithm of Barber, Dobkin & Huhdanpaa 1996, "The Quickhull algorithm for convex hulls", whole, on exact
-/// predicates (Shewchuk 1997, §4, in the crate `robust`), in memory that grows with the number of points.
+/// Quickhull of Barber, Dobkin & Huhdanpaa 1996, "The Quickhull algorithm for convex hulls", whole, on exact predicates
+/// (Shewchuk 1997, §4, in the crate `robust`). Its memory is linear in the number of points.
 ///
-/// 1. A tetrahedron of extreme points. Each other point belongs to one face that it is above, or is inside.
-/// 2. The farthest point of a face takes the place of all faces that it is above. It counts as above the faces of a plane
-///    that it lies in where a new face would have no area else.
-/// 3. New faces join it to the rim of the gap; the points of the old faces go to new ones, or are inside.
+/// 1. Builds a tetrahedron of extreme points. Each other point is assigned to one face that it is above, or is inside.
+/// 2. The farthest point of a face replaces all faces that it is above. It also replaces the faces of a plane that
+///    contains it if a new face would otherwise have no area.
+/// 3. New faces join it to the rim of the gap. Points of the old faces are assigned to new ones, or are inside.
 struct Quickhull<'a> {
     points: &'a [ParryVector],
     faces: Vec<Face>,
@@ -29,13 +29,13 @@ struct Quickhull<'a> {
 
 struct Face {
     corners: [u32; 3],
-    /// Across the sides from each corner to the next.
+    /// Faces across the sides from each corner to the next.
     neighbours: [usize; 3],
     above: Vec<u32>,
     is_alive: bool,
 }
 
-/// A side of a gap: from a corner to a corner, the face beyond, and the number of the side there.
+/// Side of a gap: its two corners, the face beyond, and the index of the side there.
 type RimSide = (u32, u32, usize, usize);
 
 impl<'a> Quickhull<'a> {
@@ -64,7 +64,7 @@ impl<'a> Quickhull<'a> {
         self.points[point as usize]
     }
 
-    /// Positive for a point above the plane of three corners, which are counterclockwise from there; the sign is exact.
+    /// Positive for a point above the plane of three corners, which are counterclockwise from there. The sign is exact.
     fn height(&self, [a, b, c]: [u32; 3], point: u32) -> f64 {
         let [a, b, c, p] = [a, b, c, point].map(|index| {
             let ParryVector { x, y, z } = self.at(index);
@@ -81,7 +81,7 @@ impl<'a> Quickhull<'a> {
         })
     }
 
-    /// The corners of a tetrahedron, the first three counterclockwise from outside.
+    /// Corners of an initial tetrahedron, the first three counterclockwise from outside.
     fn tetrahedron(&self) -> Option<[u32; 4]> {
         let all = || 0..u32::try_from(self.points.len()).unwrap_or(u32::MAX);
         let farthest =
@@ -95,7 +95,7 @@ impl<'a> Quickhull<'a> {
         if height > 0.0 { Some([a, c, b, d]) } else { (height < 0.0).then_some([a, b, c, d]) }
     }
 
-    /// Gives each point to the first face, from one on, that it is above.
+    /// Assigns each point to the first face from `first` on that it is above.
     fn hand_out(&mut self, points: impl IntoIterator<Item = u32>, first: usize) {
         for point in points {
             let face =
@@ -134,7 +134,7 @@ impl<'a> Quickhull<'a> {
         self.hand_out(left, first);
     }
 
-    /// Removes the faces that a point takes the place of, and returns them with their rim.
+    /// Removes the faces that a point replaces, and returns them with their rim.
     fn gap(&mut self, face: usize, top: u32) -> (Vec<usize>, Vec<RimSide>) {
         let mut gap = vec![face];
         self.faces[face].is_alive = false;
@@ -152,7 +152,7 @@ impl<'a> Quickhull<'a> {
             let rim = self.rim(&gap);
             let flat = rim.iter().find(|(from, to, ..)| self.are_on_one_line([*from, *to, top]));
             let Some(&(_, _, outer, _)) = flat else { return (gap, rim) };
-            // All faces of that plane.
+            // The point replaces all faces of that plane.
             let mut plane = vec![outer];
             self.faces[outer].is_alive = false;
             while let Some(flat) = plane.pop() {

@@ -4,11 +4,11 @@ use crate::inside::self_crossing::SHALLOW_SHARE;
 use crate::inside::shell::Shell;
 use crate::{Aabb, TriangleSoup};
 
-/// A point that a body without walls inside winds around backwards, where it crosses itself by more than the
-/// noise of a scan: what it encloses there could cancel elsewhere.
+/// Point that a body without inner walls winds around backwards, where it crosses itself by more than the noise of a
+/// scan. The volume that it encloses there could cancel elsewhere.
 ///
-/// Along lines that stand evenly in the box around the body, in the direction of each axis, the surface must be
-/// entered before it is left.
+/// Along evenly spaced lines through the box around the body, in the direction of each axis, the surface must be entered
+/// before it is left.
 pub(crate) fn wound_backwards(soup: &TriangleSoup, shell: &Shell, around: &Aabb) -> Option<Point> {
     (0..3).find_map(|axis| Lines { axis, around }.first_backwards(soup, shell))
 }
@@ -19,13 +19,13 @@ struct Lines<'a> {
     around: &'a Aabb,
 }
 
-/// Lines in a row, and rows: what is wider than a sixteenth of the body is found.
+/// Number of lines in a row, and of rows: finds regions wider than a sixteenth of the body.
 const COUNT: usize = 16;
 
-/// Where in its column a line stands; no mesh has edges there by its making.
+/// Position of a line in its cell, as a share; no mesh has edges there by design.
 const OFFSET: f64 = 0.433_012_7;
 
-/// Where a line meets the surface (m), and whether it enters or leaves.
+/// Intersection of a line with the surface: coordinate on the line (m), and 1 to enter or −1 to leave.
 type Hit = (f64, i32);
 
 impl Lines<'_> {
@@ -37,7 +37,7 @@ impl Lines<'_> {
         let least_m = 2.0 * SHALLOW_SHARE * self.around.half_extents.max();
         hits.iter_mut().enumerate().find_map(|(line, hits)| {
             hits.sort_by(|a, b| a.0.total_cmp(&b.0));
-            // A line through an edge may miss both its faces; such a one says nothing.
+            // A line through an edge may miss both its faces; such a line is ignored.
             if hits.iter().map(|(_, step)| step).sum::<i32>() != 0 {
                 return None;
             }
@@ -50,7 +50,7 @@ impl Lines<'_> {
         })
     }
 
-    /// Adds where the lines meet a triangle.
+    /// Adds the intersections of the lines with a triangle.
     fn meet(&self, corners: &[Point; 3], is_inward: bool, hits: &mut [Vec<Hit>]) {
         let flat = corners.map(|corner| [0, 1].map(|side| corner[(self.axis + 1 + side) % 3]));
         let cross = |a: [f64; 2], b: [f64; 2], c: [f64; 2]| {
@@ -70,7 +70,7 @@ impl Lines<'_> {
                 let shares = [0, 1, 2].map(|i| cross(flat[(i + 1) % 3], flat[(i + 2) % 3], p) / area);
                 if shares.iter().all(|share| *share > 0.0) {
                     let at = (0..3).map(|i| shares[i] * corners[i][self.axis]).sum::<f64>();
-                    // A normal along the line leaves the body.
+                    // The line leaves the body if the normal points along it.
                     let step = if (area > 0.0) == is_inward { 1 } else { -1 };
                     hits[row * COUNT + column].push((at, step));
                 }
@@ -78,7 +78,7 @@ impl Lines<'_> {
         }
     }
 
-    /// A line's coordinate along the first or second axis after that of the lines, in metres.
+    /// Coordinate of a line along the first or second axis after that of the lines, in metres.
     fn place(&self, side: usize, line: usize) -> f64 {
         let along = (self.axis + 1 + side) % 3;
         let share = (line as f64 + OFFSET) / COUNT as f64;

@@ -18,7 +18,7 @@ pub(crate) fn check_indices(soup: &TriangleSoup) -> Result<(), ShapeError> {
     Ok(())
 }
 
-/// Every edge is run through as often in one direction as in the other.
+/// Checks that every edge is traversed as often in one direction as in the other.
 pub(crate) fn check_closed(soup: &TriangleSoup) -> Result<(), ShapeError> {
     let mut balance: HashMap<(u32, u32), i64> = HashMap::new();
     for &[a, b, c] in &soup.triangles {

@@ -1,5 +1,5 @@
-/// Sets of numbers below a count, each number at first a set of its own (union by the least number, with path
-/// halving).
+/// Disjoint sets of the numbers below a count, each number at first in a set of its own (union by the least number, with
+/// path halving).
 #[derive(Clone, Debug)]
 pub(crate) struct DisjointSets {
     parent: Vec<u32>,
@@ -7,7 +7,7 @@ pub(crate) struct DisjointSets {
 
 impl DisjointSets {
     /// # Panics
-    /// If the count does not fit into 32 bits; the readers of meshes refuse so large ones.
+    /// If the count does not fit into 32 bits; the readers of meshes reject such large ones.
     pub fn new(count: usize) -> Self {
         let count = u32::try_from(count).expect("a mesh has fewer than 2³² sides");
         Self { parent: (0..count).collect() }
@@ -17,7 +17,7 @@ impl DisjointSets {
         u32::try_from(self.parent.len()).unwrap_or(u32::MAX)
     }
 
-    /// The least number of the set of `number`.
+    /// Least number of the set of `number`.
     pub fn root(&mut self, mut number: u32) -> u32 {
         while self.parent[number as usize] != number {
             let above = self.parent[self.parent[number as usize] as usize];

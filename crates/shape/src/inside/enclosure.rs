@@ -10,31 +10,31 @@ use crate::inside::shell::{DEGENERATE, Facet, Shell, shells};
 use crate::inside::walls::Walls;
 use crate::{Aabb, MeshRepairs, ShapeError, Surface, TriangleSoup};
 
-/// A mesh whose inside is well defined, whatever its file said of it.
+/// Mesh with a well-defined inside, independent of the windings in its file.
 pub(crate) struct Enclosure {
-    /// The triangles, normals outwards; of a mesh that needed no repair those of the file, in their order.
+    /// Triangles with normals outwards; for a mesh that needed no repair those of the file, in their order.
     pub soup: TriangleSoup,
     pub inside: Inside,
     pub repairs: MeshRepairs,
 }
 
-/// What the triangles of a mesh enclose.
+/// Volume that the triangles of a mesh enclose.
 #[derive(Clone, Debug)]
 pub(crate) struct Inside {
     walls: Walls,
-    /// For each closed surface in which other it is the wall of a cavity.
+    /// For each closed surface, the body of which it is the wall of a cavity, if any.
     cavity_of: Vec<Option<u32>>,
 }
 
 impl Enclosure {
-    /// What a soup encloses, each of its shells by itself, so that shells that overlap are all full.
+    /// Determines the volume that a soup encloses. Each shell counts by itself, so overlapping shells are all solid.
     ///
-    /// 1. The shells of the mesh; where it has holes, those with vertices closer than
-    ///    [`SAME_PLACE_M`](crate::SAME_PLACE_M) taken for one; where bodies that share edges cross, those of the
-    ///    bodies one after the other.
-    /// 2. A shell is a cavity if all its faces look inwards, and another whose faces do not contains it without
-    ///    touching it. Any other is full.
-    /// 3. Faces of other shells are turned outwards, and doubled ones left out.
+    /// 1. Finds the shells of the mesh. If it has holes, merges vertices closer than
+    ///    [`SAME_PLACE_M`](crate::SAME_PLACE_M) first. If bodies that share edges cross, finds the shells of one body
+    ///    after the other.
+    /// 2. A shell is a cavity if all its faces point inwards, and a shell whose faces all point outwards contains it
+    ///    without touching it. Any other shell is solid.
+    /// 3. Turns the faces of other shells outwards, and leaves out duplicates.
     ///
     /// # Errors
     /// [`ShapeError::Empty`], [`ShapeError::VertexIndex`], [`ShapeError::Open`], [`ShapeError::OneSided`],
@@ -55,7 +55,7 @@ impl Enclosure {
         let cavities = cavities(soup, &found);
         // 3.
         for (shell, cavity_of) in found.iter().zip(&cavities) {
-            // The outside of bodies that share faces looks at them from without.
+            // The outside of bodies that share faces sees the faces from outside.
             let is_outside = shell.volume_m3 < 0.0;
             if cavity_of.is_none() && (shell.is_alone || is_outside) {
                 for facet in &shell.facets {
@@ -102,7 +102,7 @@ impl Enclosure {
 }
 
 impl Inside {
-    /// Whether a point is in one of the bodies, and in no cavity of it.
+    /// Returns true if a point is in one of the bodies, and in no cavity of that body.
     pub fn contains(&self, tree: &TriangleTree, corners: impl Fn(u32) -> [Point; 3], point: &Point) -> bool {
         let around = self.walls.around(tree, corners, point, None);
         let is_cavity_of =
@@ -111,7 +111,7 @@ impl Inside {
     }
 }
 
-/// The shells, the first copy of each triangle, and how many vertices had to be merged to find them.
+/// Returns the shells, the first copy of each triangle, and the number of vertices merged to find them.
 fn joined_shells(soup: &TriangleSoup) -> Result<(Vec<Shell>, Vec<u32>, usize), ShapeError> {
     let (found, first, merged_vertices) = match shells(soup) {
         Ok((found, first)) => (found, first, 0),
@@ -122,7 +122,7 @@ fn joined_shells(soup: &TriangleSoup) -> Result<(Vec<Shell>, Vec<u32>, usize), S
             let joined = TriangleSoup { triangles: triangles.collect(), vertices };
             match shells(&joined) {
                 Ok((found, first)) => (found, first, merged_vertices),
-                // The holes of the mesh as it was given.
+                // The error reports the holes of the mesh as it was given.
                 Err(ShapeError::Open { .. }) => return Err(ShapeError::Open { edges }),
                 Err(fault) => return Err(fault),
             }
@@ -135,12 +135,12 @@ fn joined_shells(soup: &TriangleSoup) -> Result<(Vec<Shell>, Vec<u32>, usize), S
     if found.is_empty() { Err(ShapeError::Empty) } else { Ok((found, first, merged_vertices)) }
 }
 
-/// The shells of bodies that stand one after the other in the file, each found without the others; `None` if
-/// that does not part it into closed bodies.
+/// Shells of bodies that follow each other in the file, each found without the others; `None` if this does not divide the
+/// file into closed bodies.
 fn shells_of_runs(soup: &TriangleSoup) -> Option<(Vec<Shell>, Vec<u32>)> {
     let mut found = Vec::new();
     let mut first_copies = Vec::with_capacity(soup.triangles.len());
-    // Edges with an odd number of faces, and the faces, of the body that is being looked at.
+    // Edges with an odd number of faces, and the faces, of the current body.
     let (mut odd, mut known) = (HashSet::new(), HashSet::new());
     let mut run = TriangleSoup { vertices: soup.vertices.clone(), triangles: Vec::new() };
     for &[a, b, c] in &soup.triangles {
@@ -157,7 +157,7 @@ fn shells_of_runs(soup: &TriangleSoup) -> Option<(Vec<Shell>, Vec<u32>)> {
         if odd.is_empty() {
             let begin = u32::try_from(first_copies.len()).ok()?;
             let (mut of_run, first_of_run) = shells(&run).ok()?;
-            // A flat piece in two ways is closed too: what it is a piece of would be taken for nothing.
+            // Two triangulations of one flat piece are closed too, but are only a part of some body.
             if of_run.iter().any(|shell| is_flat(&run, shell)) {
                 return None;
             }
@@ -174,7 +174,7 @@ fn shells_of_runs(soup: &TriangleSoup) -> Option<(Vec<Shell>, Vec<u32>)> {
     odd.is_empty().then_some((found, first_copies))
 }
 
-/// For each shell in which other it is a cavity, if in any.
+/// For each shell, the shell in which it is a cavity, if any.
 pub(crate) fn cavities(soup: &TriangleSoup, shells: &[Shell]) -> Vec<Option<u32>> {
     let all = |shell: &Shell, is_inward: bool| {
         shell.is_alone && shell.facets.iter().all(|facet| facet.is_inward == is_inward)
@@ -206,7 +206,7 @@ pub(crate) fn cavities(soup: &TriangleSoup, shells: &[Shell]) -> Vec<Option<u32>
     cavity_of
 }
 
-/// Closed surfaces, each of which may be around others.
+/// Closed surfaces that may be nested.
 pub(crate) struct Nest<'a> {
     soup: &'a TriangleSoup,
     shells: &'a [Shell],
@@ -221,7 +221,7 @@ impl<'a> Nest<'a> {
         Self { soup, shells, tree: TriangleTree::new(&corners), walls }
     }
 
-    /// The shells around a shell, by one of its corners.
+    /// Shells around a shell, tested at one of its corners.
     pub fn around(&self, shell: usize) -> Vec<u32> {
         let corners = |triangle: u32| self.soup.corners(triangle as usize);
         let witness = corners(self.shells[shell].facets[0].triangle)[0];
@@ -229,9 +229,9 @@ impl<'a> Nest<'a> {
     }
 }
 
-/// Whether a shell encloses no more than a sheet does.
+/// Returns true if a shell encloses no more than a sheet does.
 fn is_flat(soup: &TriangleSoup, shell: &Shell) -> bool {
-    /// A square with sides a thousand million times its thickness.
+    /// Volume of a sheet, as a share of its size cubed: sides of 10⁹ times its thickness.
     const SHEET: f64 = 1e-9;
     let size_m = 2.0 * box_around(soup, &shell.facets).half_extents.max();
     shell.volume_m3.abs() <= SHEET * size_m * size_m * size_m

@@ -1,20 +1,20 @@
-/// What was done to the triangles of a mesh so that its inside is well defined.
+/// Repairs to the triangles of a mesh that make its inside well defined.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct MeshRepairs {
-    /// How many triangles there were.
+    /// Number of triangles of the mesh.
     pub triangles: usize,
-    /// Vertices that were taken for one with another at the same place.
+    /// Number of vertices merged with another at the same position.
     pub merged_vertices: usize,
-    /// Triangles that were turned to face outwards.
+    /// Number of triangles turned to face outwards.
     pub flipped_triangles: usize,
-    /// Triangles that were left out because they stood there twice.
+    /// Number of duplicate triangles left out.
     pub doubled_triangles: usize,
-    /// Small holes that were closed.
+    /// Number of small holes closed.
     pub closed_holes: usize,
 }
 
 impl MeshRepairs {
-    /// Whether anything had to be done.
+    /// Returns true if any repair was needed.
     pub fn is_any(&self) -> bool {
         self.merged_vertices + self.flipped_triangles + self.doubled_triangles + self.closed_holes > 0
     }

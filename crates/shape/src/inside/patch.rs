@@ -9,16 +9,16 @@ use crate::inside::edge_use::{EdgeUse, join_around};
 use crate::surface::triangles_meet;
 use crate::{Aabb, TriangleSoup};
 
-/// Faces that hang together by edges of two faces. A patch is known by the lesser of its two sides.
+/// Patches: faces connected by edges of two faces. The lesser of its two sides identifies a patch.
 pub(crate) struct Patches {
-    /// What each side of a face belongs to: the one or the other side of a patch.
+    /// Side of a patch to which each side of a face belongs.
     side_of: Vec<u32>,
-    /// Whether the patch is closed by itself.
+    /// True for a patch that is closed by itself.
     is_closed: Vec<bool>,
 }
 
 impl Patches {
-    /// The patches whose sides are joined, with the edges of more than two faces.
+    /// Patches of the joined sides, with the edges of more than two faces.
     pub fn of(sides: &mut DisjointSets, crowded: &[&[EdgeUse]]) -> Self {
         let side_of: Vec<u32> = (0..sides.len()).map(|side| sides.root(side)).collect();
         let mut patches = Self { is_closed: vec![true; side_of.len()], side_of };
@@ -28,8 +28,7 @@ impl Patches {
         patches
     }
 
-    /// Makes the triangles of flat patches with the same rim copies of the first of them; returns whether there
-    /// were any.
+    /// Makes the triangles of flat patches with the same rim copies of the first of them; returns true if there were any.
     pub fn leave_out_equal(
         &self,
         soup: &TriangleSoup,
@@ -66,7 +65,7 @@ impl Patches {
             }
         }
         for triangle in 0..first_copies.len() {
-            // Copies of what is a copy now itself.
+            // The original of these copies has become a copy itself.
             if let Some(&first) = first_copies.get(first_copies[triangle] as usize) {
                 first_copies[triangle] = first;
             }
@@ -74,8 +73,8 @@ impl Patches {
         is_any
     }
 
-    /// Joins the sides at the edges of more than two faces; returns how many faces of patches that hang together
-    /// meet elsewhere, so that what is between them cannot be told.
+    /// Joins the sides at the edges of more than two faces. Returns the number of faces of connected patches that meet
+    /// elsewhere, which leaves the space between them undefined.
     pub fn join(
         &self,
         soup: &TriangleSoup,
@@ -106,12 +105,12 @@ impl Patches {
         crossing + self.crossing_faces(soup, first_copies, &mut complexes)
     }
 
-    /// The patch of a side.
+    /// Patch of a side.
     fn patch(&self, side: u32) -> u32 {
         self.side_of[side as usize].min(self.side_of[(side ^ 1) as usize])
     }
 
-    /// The patch, if it is closed; one group for all that are not.
+    /// Patch of a face at an edge, if the patch is closed; one group for all open patches.
     fn group(&self, at: EdgeUse) -> u32 {
         let patch = self.patch(at.ahead);
         if self.is_closed[patch as usize] { patch } else { OPEN }
@@ -123,7 +122,7 @@ impl Patches {
         open.map(|(triangle, _)| triangle).collect()
     }
 
-    /// Patches and edges at which they end.
+    /// Pairs of a patch and an edge at which it ends.
     fn rims(&self, crowded: &[&[EdgeUse]]) -> Vec<(u32, u64)> {
         let mut rims = Vec::new();
         for edge in crowded {
@@ -135,8 +134,7 @@ impl Patches {
         rims
     }
 
-    /// How many faces of patches that are not closed meet others of the same complex but at their corners and
-    /// edges.
+    /// Number of faces of open patches that meet others of the same complex, except at common corners and edges.
     fn crossing_faces(
         &self,
         soup: &TriangleSoup,
@@ -172,11 +170,11 @@ impl Patches {
     }
 }
 
-/// The group of the patches that are not closed.
+/// Group of all open patches.
 const OPEN: u32 = u32::MAX;
 
-/// Faces at one edge whose angles differ by less are in one plane, in radians: flat sides read from a file in
-/// single precision differ by 1e-5.
+/// Angle below which faces at one edge are in one plane, in radians. Flat sides read from a file in single precision
+/// differ by 1e-5.
 const ONE_PLANE_RAD: f64 = 1e-4;
 
 /// A triangle with one corner moved in by a thousandth of its height.
@@ -187,14 +185,14 @@ fn without_corner(corners: &[Point; 3], corner: usize) -> [Point; 3] {
     cut
 }
 
-/// How many of the faces around an edge, in their order, lie on the one before.
+/// Number of the faces around an edge, in their order, that lie on the face before them.
 fn faces_in_one_plane(by_angle: &[(f64, EdgeUse)]) -> usize {
     let before = |index: usize| by_angle[(index + by_angle.len() - 1) % by_angle.len()].0;
     let gap = |index: usize| (by_angle[index].0 - before(index)).rem_euclid(std::f64::consts::TAU);
     (0..by_angle.len()).filter(|index| gap(*index) < ONE_PLANE_RAD).count()
 }
 
-/// The angle of each face about the edge, from the first one, in radians.
+/// Angle of each face about the edge, from the first face, in radians.
 fn angles(soup: &TriangleSoup, group: &[EdgeUse]) -> Vec<(f64, EdgeUse)> {
     let vertex = |index: u64| -> Point { soup.vertices[usize::try_from(index).unwrap_or(usize::MAX)] };
     let (low, high) = (group[0].edge >> 32, group[0].edge & u64::from(u32::MAX));

@@ -9,31 +9,31 @@ use crate::inside::self_crossing::shallow_crossings;
 use crate::inside::shell::shells;
 use crate::{ShapeError, TriangleSoup};
 
-/// A mesh that encloses a volume, and what was done to make it so.
+/// Mesh that encloses a volume, and the repairs that it needed.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RepairedMesh {
-    /// The mesh: closed, normals outwards, no triangle deep through another.
+    /// Repaired mesh: closed, normals outwards, no triangle deep through another.
     #[serde(skip)]
     pub soup: TriangleSoup,
-    /// Vertices that were merged with one at the same place.
+    /// Number of vertices merged with one at the same position.
     pub merged_vertices: usize,
-    /// Triangles that were left out, because they had no area after that, stood there twice, or are inside what is full.
+    /// Number of triangles left out: without area after the merge, duplicates, or inside a solid region.
     pub dropped_triangles: usize,
-    /// Triangles that were turned round.
+    /// Number of triangles whose winding was reversed.
     pub flipped_triangles: usize,
-    /// Pairs of triangles that still pass through each other, by no more than the noise of a scan.
+    /// Number of pairs of triangles that still pass through each other, by no more than the noise of a scan.
     pub shallow_crossings: usize,
 }
 
 impl RepairedMesh {
-    /// Repairs what can be repaired without a guess.
+    /// Makes all repairs that need no guess.
     ///
-    /// 1. Vertices closer than [`SAME_PLACE_M`](crate::SAME_PLACE_M) become one.
-    /// 2. Triangles with two equal corners go; of equal triangles one stays.
-    /// 3. Triangles are turned so that neighbours agree, and each body so that it faces outwards, or inwards
-    ///    where it is the wall of a cavity ([`Solid::mesh`](crate::Solid::mesh) has the same cavities).
-    /// 4. What then has a hole, is one-sided, or passes through itself by more than a scan's noise is refused.
-    /// 5. Bodies wholly inside what is full go: they are no part of the surface, and would count twice.
+    /// 1. Merges vertices closer than [`SAME_PLACE_M`](crate::SAME_PLACE_M).
+    /// 2. Removes triangles with two equal corners, and duplicate triangles.
+    /// 3. Turns triangles so that neighbours agree, and each body so that it faces outwards, or inwards if it is the wall
+    ///    of a cavity ([`Solid::mesh`](crate::Solid::mesh) has the same cavities).
+    /// 4. Rejects a mesh that has a hole, is one-sided, or passes through itself by more than the noise of a scan.
+    /// 5. Removes bodies wholly inside a solid region: they are not on the surface, and would count twice.
     ///
     /// # Errors
     /// [`ShapeError::Empty`], [`ShapeError::VertexIndex`], [`ShapeError::Open`], [`ShapeError::OneSided`],
@@ -64,7 +64,7 @@ impl RepairedMesh {
     }
 }
 
-/// Turns the triangles outwards; returns how many were turned, and which are inside what is full.
+/// Turns the triangles outwards; returns the number of turned ones, and those inside a solid region.
 fn orient(soup: &mut TriangleSoup) -> Result<(usize, HashSet<u32>), ShapeError> {
     let (bodies, _) = shells(soup)?;
     let shared: usize = bodies.iter().filter(|body| !body.is_alone).map(|body| body.facets.len()).sum();

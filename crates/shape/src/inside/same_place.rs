@@ -2,11 +2,11 @@ use std::collections::HashMap;
 
 use cranny_spatial::Point;
 
-/// Vertices closer than this are one, in metres: well below the noise of any export, above the rounding of
-/// single precision at a metre.
+/// Distance below which vertices are merged, in metres: well below the noise of any export, above the rounding of single
+/// precision at a metre.
 pub const SAME_PLACE_M: f64 = 1e-6;
 
-/// The vertices without those that have one before them at the same place, and the new index of each.
+/// Vertices without those that coincide with an earlier one, and the new index of each.
 pub(crate) fn merged(vertices: &[Point]) -> (Vec<Point>, Vec<u32>) {
     let mut kept: Vec<Point> = Vec::new();
     let mut cells: HashMap<[i64; 3], Vec<u32>> = HashMap::new();

@@ -3,11 +3,11 @@ use cranny_spatial::Point;
 use crate::distance::triangle_tree::TriangleTree;
 use crate::{Aabb, ShapeError, TriangleSoup};
 
-/// How many pairs of triangles pass through each other by no more than the noise of a scan. Triangles that
-/// only touch, at a vertex, an edge or in one plane, do not count.
+/// Number of pairs of triangles that pass through each other by no more than the noise of a scan. Triangles that only
+/// touch, at a vertex, an edge or in one plane, do not count.
 ///
 /// # Errors
-/// [`ShapeError::SelfCrossing`] if a pair does so more deeply, or too many do.
+/// [`ShapeError::SelfCrossing`] if a pair crosses more deeply, or if there are too many pairs.
 pub(crate) fn shallow_crossings(soup: &TriangleSoup) -> Result<usize, ShapeError> {
     let corners: Vec<[Point; 3]> = (0..soup.triangles.len()).map(|t| soup.corners(t)).collect();
     let tree = TriangleTree::new(&corners);
@@ -36,20 +36,20 @@ pub(crate) fn shallow_crossings(soup: &TriangleSoup) -> Result<usize, ShapeError
     }
 }
 
-/// Folds no deeper than this share of the mesh's greatest extent are noise of a scan, if they are few: the
-/// scan of a sugar box of 0.175 m has 21 of up to 1.1 mm among its 20 000 triangles.
+/// Maximum depth of a fold that is noise of a scan, as a share of the mesh's greatest extent, if folds are few. The scan
+/// of a sugar box of 0.175 m has 21 of up to 1.1 mm among its 20 000 triangles.
 pub(crate) const SHALLOW_SHARE: f64 = 0.01;
 
-/// One shallow crossing for so many triangles is noise; more are two bodies in one mesh.
+/// Minimum number of triangles per shallow crossing; more crossings mean two bodies in one mesh.
 const SHALLOW_TRIANGLES: usize = 100;
 
-/// How deep an edge of one triangle goes through the inside of the other, in metres; 0 if none does.
+/// Depth of the edges of one triangle through the inside of the other, in metres; 0 if none passes.
 fn crossing_depth(soup: &TriangleSoup, corners: &[[Point; 3]], first: usize, second: usize) -> f64 {
     let depth_of = |one: usize, other: usize| {
         let (ends, face) = (soup.triangles[one], soup.triangles[other]);
         let edges = (0..3).map(|i| (i, (i + 1) % 3));
         edges
-            // An edge that ends at a corner of the face meets it there, and only there or in its plane.
+            // An edge that ends at a corner of the face meets it only there or in its plane.
             .filter(|&(from, to)| !face.contains(&ends[from]) && !face.contains(&ends[to]))
             .map(|(from, to)| depth_through(&corners[one][from], &corners[one][to], &corners[other]))
             .fold(0.0, f64::max)
@@ -57,12 +57,12 @@ fn crossing_depth(soup: &TriangleSoup, corners: &[[Point; 3]], first: usize, sec
     depth_of(first, second).max(depth_of(second, first))
 }
 
-/// How far the nearer end of the edge from `p` to `q` is behind a triangle through whose inside the edge
-/// goes, in metres; 0 if it does not. By the signs of tetrahedra.
+/// Distance of the nearer end of the edge from `p` to `q` behind a triangle whose inside the edge pierces, in metres; 0
+/// if it does not. Uses the signs of tetrahedra.
 fn depth_through(p: &Point, q: &Point, [a, b, c]: &[Point; 3]) -> f64 {
     let volume = |a: &Point, b: &Point, c: &Point, d: &Point| (b - a).cross(&(c - a)).dot(&(d - a));
     let (above, below) = (volume(a, b, c, p), volume(a, b, c, q));
-    // Six times the volume of a tetrahedron from rounding alone.
+    // Six times the volume of a tetrahedron that rounding alone can produce.
     let scale = (q - p).norm().max((b - a).norm()).max((c - a).norm());
     let least = FLAT * scale * scale * scale;
     if above.abs() <= least || below.abs() <= least || (above > 0.0) == (below > 0.0) {
@@ -76,6 +76,6 @@ fn depth_through(p: &Point, q: &Point, [a, b, c]: &[Point; 3]) -> f64 {
     }
 }
 
-/// A tetrahedron whose volume is this share of its longest edge cubed is flat: the vertices of mesh files
-/// are rounded to single precision, 6e-8 of their size.
+/// Volume of a flat tetrahedron, as a share of its longest edge cubed. The vertices of mesh files are rounded to single
+/// precision, 6e-8 of their size.
 const FLAT: f64 = 1e-6;

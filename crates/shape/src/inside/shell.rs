@@ -1,47 +1,46 @@
-//! The closed surfaces that a mesh is made of, however its faces are turned, doubled or glued together.
+//! Closed surfaces of a mesh, whichever way its faces are wound, doubled or glued together.
 
 use crate::inside::disjoint_sets::DisjointSets;
 use crate::inside::edge_use::{EdgeUse, join_around};
 use crate::inside::patch::Patches;
 use crate::{ShapeError, TriangleSoup};
 
-/// A closed surface: faces that hang together by their edges and part the space within from the space without.
+/// Closed surface: faces connected by their edges that separate the space inside from the space outside.
 #[derive(Clone, Debug)]
 pub(crate) struct Shell {
     /// Its faces, by triangle; of equal triangles the first.
     pub facets: Vec<Facet>,
-    /// What it encloses, in cubic metres; negative if it is the outside of bodies that share faces.
+    /// Enclosed volume, in cubic metres; negative for the outside of bodies that share faces.
     pub volume_m3: f64,
-    /// Whether its faces belong to it alone: a body without walls inside.
+    /// True if its faces belong to it alone: a body without inner walls.
     pub is_alone: bool,
 }
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Facet {
     pub triangle: u32,
-    /// Whether its normal points into what the shell encloses.
+    /// True if its normal points into the space that the shell encloses.
     pub is_inward: bool,
 }
 
-/// The shells of a soup whose indices are sound, in the order of their first triangles, and what
-/// [`first_copies`] says of its triangles, with equal pieces of planes counted as copies too.
+/// Shells of a soup with valid indices, in the order of their first triangles, and the [`first_copies`] of its triangles,
+/// with equal flat patches counted as copies too.
 ///
-/// Space is parted as Zhou et al. 2016 ("Mesh arrangements for solid geometry", §3.2) do it: each face has two
-/// sides, and two sides that meet at an edge without a face between them look into the same space. So the
-/// windings of the file say nothing, and nothing can cancel.
+/// Separates space as Zhou et al. 2016 ("Mesh arrangements for solid geometry", §3.2) do: each face has two sides, and
+/// two sides that meet at an edge without a face between them bound the same space. So the windings of the file do not
+/// matter, and nothing can cancel.
 ///
-/// 1. Of equal triangles one is a face; each edge knows its faces.
-/// 2. Across an edge of two faces the sides are joined. What hangs together so is a patch; of flat patches with
-///    the same rim one stays.
-/// 3. At an edge of more faces, a patch that is closed without the others is a body that touches them: its
-///    sides are joined among themselves. Those of the other patches are joined around the edge, by angle, and
-///    must not meet elsewhere.
-/// 4. Sides that were joined are a shell. The two shells of a body that shares no face are one surface, of
-///    which the one with positive volume is kept.
+/// 1. Keeps one of equal triangles as a face, and collects the faces of each edge.
+/// 2. Joins the sides across an edge of two faces. Faces connected so are a patch; of flat patches with the same rim one
+///    stays.
+/// 3. At an edge of more faces, a patch that is closed without the others is a body that touches them: joins its sides
+///    among themselves. Joins those of the other patches around the edge, by angle; these must not meet elsewhere.
+/// 4. Joined sides are a shell. The two shells of a body that shares no face are one surface; keeps the one with positive
+///    volume.
 ///
 /// # Errors
-/// [`ShapeError::Open`], or [`ShapeError::OneSided`] if both sides of a face look into the same space, or faces
-/// of patches that hang together cross.
+/// [`ShapeError::Open`], or [`ShapeError::OneSided`] if both sides of a face bound the same space, or faces of connected
+/// patches cross.
 pub(crate) fn shells(soup: &TriangleSoup) -> Result<(Vec<Shell>, Vec<u32>), ShapeError> {
     let mut first_copies = first_copies(&soup.triangles);
     loop {
@@ -110,8 +109,8 @@ fn shells_of_sides(
     Ok(shells)
 }
 
-/// For each triangle the first that has the same corners, whichever way round; for one with two equal corners
-/// [`DEGENERATE`].
+/// First triangle with the same corners, in either winding, for each triangle; [`DEGENERATE`] for one with two equal
+/// corners.
 fn first_copies(triangles: &[[u32; 3]]) -> Vec<u32> {
     let mut sorted: Vec<([u32; 3], u32)> = (0..)
         .zip(triangles)
@@ -138,7 +137,7 @@ pub(crate) const DEGENERATE: u32 = u32::MAX;
 
 impl Shell {
     fn of(soup: &TriangleSoup, mut facets: Vec<Facet>, is_alone: bool) -> Self {
-        // From a corner of it, so that the sum does not cancel where it lies far from the origin.
+        // The eye is a corner of the shell, so that the sum does not cancel far from the origin.
         let eye = soup.corners(facets[0].triangle as usize)[0];
         let signed = |facet: &Facet| {
             let [a, b, c] = soup.corners(facet.triangle as usize).map(|corner| corner - eye);

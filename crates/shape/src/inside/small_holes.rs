@@ -5,19 +5,19 @@ use cranny_spatial::Point;
 use crate::inside::same_place::merged;
 use crate::{Aabb, TriangleSoup};
 
-/// Greatest size of a hole that is closed, as a share of the mesh: the diagonals of their boxes. Larger ones are openings
-/// that something may be meant to pass.
+/// Maximum size of a hole that is closed, as a share of the mesh; sizes are the diagonals of boxes. Larger holes are
+/// openings that something may be meant to pass.
 const SMALL_SHARE: f64 = 0.1;
 
 /// A mesh whose holes are closed.
 pub(crate) struct Closed {
     pub soup: TriangleSoup,
-    /// Number of holes.
+    /// Number of holes closed.
     pub holes: usize,
 }
 
-/// Closes each hole of a mesh by a fan of triangles between its rim and the mean of the rim's corners; `None` where a rim is
-/// not a single loop, or larger than [`SMALL_SHARE`]. All triangles of the mesh stay, so nothing of its surface is lost.
+/// Closes each hole of a mesh by a fan of triangles between its rim and the mean of the rim's corners. `None` if a rim is
+/// not a single loop, or larger than [`SMALL_SHARE`]. Keeps all triangles of the mesh and thus all of its surface.
 pub(crate) fn closed(soup: &TriangleSoup) -> Option<Closed> {
     let (mut vertices, place) = merged(&soup.vertices);
     let mut triangles: Vec<[u32; 3]> =
@@ -30,7 +30,7 @@ pub(crate) fn closed(soup: &TriangleSoup) -> Option<Closed> {
         while let Some(vertex) = next.remove(&rim[rim.len() - 1]) {
             rim.push(vertex);
         }
-        // Back where it began, and not in the middle of itself.
+        // The rim must end at its first vertex, and pass through no vertex twice.
         if rim.pop() != Some(first) || rim.len() < 3 {
             return None;
         }
@@ -48,8 +48,8 @@ pub(crate) fn closed(soup: &TriangleSoup) -> Option<Closed> {
     Some(Closed { soup: TriangleSoup { vertices, triangles }, holes })
 }
 
-/// The edges that belong to one triangle, each from its vertex to the next against the direction of that triangle; `None`
-/// where three triangles or more meet at an edge, or two rims at a vertex.
+/// Edges that belong to one triangle, as a map from each vertex to the next, against the direction of that triangle.
+/// `None` if three or more triangles meet at an edge, or two rims at a vertex.
 fn rims(triangles: &[[u32; 3]]) -> Option<BTreeMap<u32, u32>> {
     let mut count: HashMap<[u32; 2], (u32, [u32; 2])> = HashMap::new();
     for &[a, b, c] in triangles.iter().filter(|[a, b, c]| a != b && b != c && c != a) {
@@ -74,7 +74,7 @@ mod tests {
     use super::*;
     use crate::{ShapeError, Solid, separation};
 
-    /// A ball of 1 m without the faces that have all corners above a height.
+    /// Ball of 1 m without the faces whose corners all lie above a height.
     fn open_above(height_m: f64) -> TriangleSoup {
         let mut soup = Solid::sphere(1.0).expect("a ball").tessellation().expect("it has an end");
         let is_high = |vertex: &u32| soup.vertices[*vertex as usize].z > height_m;

@@ -4,17 +4,17 @@ use robust::{Coord3D, orient3d};
 use crate::distance::triangle_tree::TriangleTree;
 use crate::inside::shell::Facet;
 
-/// Which closed surfaces each triangle of a mesh is a wall of.
+/// Closed surfaces of which each triangle of a mesh is a wall.
 #[derive(Clone, Debug)]
 pub(crate) struct Walls {
-    /// For each triangle the shell behind its face, and the one before it.
+    /// Shell behind the face of each triangle, and shell in front of it.
     sides: Vec<[Option<u32>; 2]>,
 }
 
-/// How a segment and a triangle meet.
+/// Intersection of a segment and a triangle.
 enum Crossing {
     Missed,
-    /// The segment leaves by the face, or enters.
+    /// The segment passes through; `leaves` is true from back to front.
     Through {
         leaves: bool,
     },
@@ -25,7 +25,7 @@ enum Crossing {
 }
 
 impl Walls {
-    /// Of a mesh of so many triangles, in shells of these facets.
+    /// Walls of a mesh of `triangles` triangles, in shells of these facets.
     pub fn new<'a>(triangles: usize, shells: impl IntoIterator<Item = &'a [Facet]>) -> Self {
         let mut sides = vec![[None; 2]; triangles];
         for (shell, facets) in (0..).zip(shells) {
@@ -36,12 +36,12 @@ impl Walls {
         Self { sides }
     }
 
-    /// The shells that wind around a point or pass through it, but for `except`.
+    /// Shells that wind around a point or pass through it, other than `except`.
     ///
-    /// A segment from the point to where no triangle is meets each shell as often from within as from without if the
-    /// point is outside (the winding number, counted). On which side of the segment an edge lies is decided exactly
-    /// (Shewchuk 1997, "Adaptive precision floating-point arithmetic and fast robust geometric predicates", §4); where
-    /// the segment meets an edge, another is taken.
+    /// A segment from the point to a region without triangles meets each shell as often from inside as from outside if
+    /// the point is outside (the winding number, counted). An exact predicate decides on which side of an edge the
+    /// segment passes (Shewchuk 1997, "Adaptive precision floating-point arithmetic and fast robust geometric
+    /// predicates", §4). If the segment meets an edge, another segment is tried.
     pub fn around(
         &self,
         tree: &TriangleTree,
@@ -90,10 +90,10 @@ impl Walls {
     }
 }
 
-/// More than one is tried only where a segment meets an edge within the last bit of its coordinates.
+/// Number of directions. A second is tried only if a segment meets an edge within the last bit of its coordinates.
 const DIRECTIONS: usize = 32;
 
-/// Directions that no mesh has by its making: even ones on the sphere, by the golden angle.
+/// Direction with which no mesh is aligned by design: evenly spread over the sphere by the golden angle.
 fn direction(index: usize) -> Vector {
     const GOLDEN_ANGLE_RAD: f64 = 2.399_963_229_728_653;
     let z = 1.0 - (2.0 * index as f64 + 0.866_025_4) / DIRECTIONS as f64;
@@ -133,7 +133,7 @@ mod tests {
         sphere.triangles.iter().map(|triangle| corners(*triangle)).collect()
     }
 
-    /// The solid angles of all faces summed are a winding number too (Jacobson et al. 2013, "Robust inside-outside
+    /// The summed solid angles of all faces are a winding number too (Jacobson et al. 2013, "Robust inside-outside
     /// segmentation using generalized winding numbers", whole).
     #[test]
     fn crossings_count_what_solid_angles_sum_to() {
@@ -155,7 +155,7 @@ mod tests {
         let tree = TriangleTree::new(&corners);
         let mut random = Stream::new(5, 0);
         let mut draw = |_| {
-            // Round numbers too: planes, edges and vertices of the mesh lie there.
+            // Some numbers are round, because planes, edges and vertices of the mesh lie there.
             let x = 3.6 * random.uniform() - 1.8;
             if random.uniform() < 0.3 { (x * 4.0).round() / 4.0 } else { x }
         };

@@ -1,9 +1,9 @@
-//! The triangles of a COLLADA file (`.dae`, version 1.4 or 1.5): what its scene shows, in metres.
+//! Triangles of a COLLADA file (`.dae`, version 1.4 or 1.5) as its scene shows them, in metres.
 //!
-//! Read are geometries of meshes (triangles, polylist, polygons, tristrips, trifans), the nodes that place them
-//! (matrix, translate, rotate, scale, lookat; library nodes), the unit, and the diffuse colours of materials. Passed over
-//! are the upward axis, as by other readers of robots, lines, cameras, lights and what is for physics. Anything else that
-//! would be shown is refused: skins and morphs, splines, skews, tags that are none.
+//! Reads geometries of meshes (triangles, polylist, polygons, tristrips, trifans), the nodes that place them (matrix,
+//! translate, rotate, scale, lookat; library nodes), the unit, and the diffuse colours of materials. Ignores the up axis,
+//! as other readers of robots do, lines, cameras, lights and physics. Rejects all other visible content: skins and
+//! morphs, splines, skews, unknown tags.
 
 mod element;
 mod motion;
@@ -20,26 +20,26 @@ use self::motion::motion;
 use self::primitive::{Inputs, Primitive};
 use crate::mesh_files::polygon::triangulate;
 
-/// The corners of the triangles, three at a time.
+/// Corners of the triangles, three at a time, in metres.
 ///
 /// # Errors
-/// In words, with the line.
+/// A message with the line.
 pub(crate) fn corners(text: &str) -> Result<Vec<Point>, String> {
     Ok(pieces(text)?.into_iter().flat_map(|piece| piece.corners).collect())
 }
 
 /// Triangles of one colour.
 pub(crate) struct Piece {
-    /// Red, green, blue, opacity, if a material says them.
+    /// Red, green, blue, opacity, if a material gives them.
     pub colour: Option<[f32; 4]>,
-    /// Three at a time.
+    /// Corners of the triangles, three at a time, in metres.
     pub corners: Vec<Point>,
 }
 
-/// The triangles, run by run of those with one colour, in the order of the file.
+/// Triangles in runs of one colour, in the order of the file.
 ///
 /// # Errors
-/// In words, with the line.
+/// A message with the line.
 pub(crate) fn pieces(text: &str) -> Result<Vec<Piece>, String> {
     let document = Document::parse(text).map_err(|reason| reason.to_string())?;
     let root = document.root_element();
@@ -83,7 +83,7 @@ fn unit(root: Node) -> Result<f64, String> {
     };
     let unit = child(root, "asset").and_then(|asset| child(asset, "unit"));
     let meters = unit.map_or(Ok(1.0), meter)?;
-    // Elements may have their own, which holds in them alone.
+    // Elements may have a unit of their own, which holds only inside them.
     let is_unit = |node: &Node| {
         node.has_tag_name_of("unit")
             && node.parent_element().is_some_and(|asset| asset.has_tag_name_of("asset"))
@@ -96,7 +96,7 @@ fn unit(root: Node) -> Result<f64, String> {
     Ok(meters)
 }
 
-/// The only scene of a file that names none to be shown.
+/// The only scene of a file that does not name the scene to show.
 fn only_scene<'a>(root: Node<'a, 'a>) -> Result<Option<Node<'a, 'a>>, String> {
     let mut scenes = root.descendants().filter(|node| node.has_tag_name_of("visual_scene"));
     let first = scenes.next();
@@ -108,13 +108,13 @@ fn only_scene<'a>(root: Node<'a, 'a>) -> Result<Option<Node<'a, 'a>>, String> {
     }
 }
 
-/// Deeper nodes are a circle of references.
+/// Maximum depth of nodes; deeper ones are a cycle of references.
 const MOST_DEPTH: usize = 64;
 
-/// More nodes are references that multiply each other; robots have some dozens.
+/// Maximum number of nodes; more are references that multiply each other. Robots have some dozens.
 const MOST_NODES: usize = 100_000;
 
-/// More corners than any mesh of a robot has: 600 megabytes of them.
+/// Maximum number of corners, more than any mesh of a robot has: 600 megabytes of them.
 const MOST_CORNERS: usize = 25_000_000;
 
 struct Reader<'a> {
@@ -125,8 +125,8 @@ struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
-    /// The element with one of some tags that another refers to by `url` or `source`. Some exporters give parts of
-    /// different geometries one id: meant is what is in the same geometry.
+    /// Element with one of some tags that another refers to by `url` or `source`. Some exporters repeat an id in several
+    /// geometries; the reference then means the element in the same geometry.
     fn target(&self, from: Node<'a, 'a>, tags: &[&str]) -> Result<Node<'a, 'a>, String> {
         let name = from.attribute("url").or(from.attribute("source")).unwrap_or_default();
         let all = self.by_id.get(name.strip_prefix('#').unwrap_or(name)).map_or(&[][..], Vec::as_slice);
@@ -149,7 +149,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// All that a scene shows.
+    /// Adds everything that a scene shows.
     fn add_scene(&mut self, scene: Node<'a, 'a>, placed: &Matrix4<f64>) -> Result<(), String> {
         for part in elements(scene) {
             match part.tag_name().name() {
@@ -195,7 +195,7 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// The colour of a primitive of a geometry that a node shows: its symbol leads to a material, that to an effect.
+    /// Colour of a primitive of a geometry that a node shows: its symbol refers to a material, which refers to an effect.
     fn colour(&self, instance: Option<Node<'a, 'a>>, primitive: Node<'a, 'a>) -> Option<[f32; 4]> {
         let symbol = primitive.attribute("material")?;
         let bound = |node: &Node<'a, 'a>| {
@@ -311,7 +311,7 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// The positions of a `<vertices>`.
+    /// Positions of a `<vertices>` element, in the unit of the file.
     fn positions(&self, vertices: Node<'a, 'a>) -> Result<Vec<Point>, String> {
         let is_position =
             |node: &Node| node.has_tag_name_of("input") && node.attribute("semantic") == Some("POSITION");
@@ -332,7 +332,7 @@ impl<'a> Reader<'a> {
             accessor.attribute(name).map_or(Ok(default), |text| index(accessor, text))
         };
         let (count, stride, offset) = (size("count", 0)?, size("stride", 1)?, size("offset", 0)?);
-        // x, y and z are the first three that have a name, or the first three.
+        // x, y and z are the first three parameters with a name, or the first three.
         let params = accessor.children().filter(|node| node.has_tag_name_of("param"));
         let named: Vec<usize> = params
             .enumerate()

@@ -1,15 +1,15 @@
 use robust::{Coord, orient2d};
 
-/// Corners of a polygon in a tree of boxes, in which those in a triangle are found without a look at all others.
+/// Tree of boxes over the corners of a polygon, which finds those in a triangle without a scan of all.
 ///
-/// Boxes are halved across their longer side, so that a tree of corners that crowd in one place is no deeper; corners are
-/// taken out one by one, and boxes that are empty are passed over.
+/// Boxes are halved by count across their longer side, so that crowded corners do not deepen the tree. Corners are
+/// removed one by one, and empty boxes are skipped.
 pub(crate) struct CornerTree {
-    /// Each followed by what is in it.
+    /// Boxes in depth-first order: each is followed by those inside it.
     boxes: Vec<CornerBox>,
-    /// Box by box of those that are not halved.
+    /// Corners of the undivided boxes, box by box.
     corners: Vec<usize>,
-    /// The box of each corner; none for one that is not in the tree.
+    /// Box of each corner; `None` for one that is not in the tree.
     boxes_of: Vec<Option<usize>>,
 }
 
@@ -19,18 +19,18 @@ struct CornerBox {
     parent: Option<usize>,
     /// Index of the first box outside it.
     behind: usize,
-    /// Its range of corners.
+    /// Range of its corners.
     corners: (usize, usize),
     is_halved: bool,
-    /// Number of corners that are left.
+    /// Number of corners left.
     left: usize,
 }
 
-/// As many are looked through faster than they are parted.
+/// Maximum number of corners of an undivided box: a scan of them is faster than a division.
 const MOST_IN_A_BOX: usize = 8;
 
 impl CornerTree {
-    /// The tree of some corners of a polygon.
+    /// Builds the tree of some corners of a polygon.
     pub(crate) fn new(places: &[Coord<f64>], corners: Vec<usize>) -> Self {
         let mut tree = Self { boxes: Vec::new(), corners, boxes_of: vec![None; places.len()] };
         tree.add((0, tree.corners.len()), None, places);
@@ -62,12 +62,12 @@ impl CornerTree {
         self.boxes[at].behind = self.boxes.len();
     }
 
-    /// Returns whether a corner is in the tree.
+    /// Returns true if a corner is in the tree.
     pub(crate) fn has(&self, corner: usize) -> bool {
         self.boxes_of[corner].is_some()
     }
 
-    /// Takes a corner out, if it is in.
+    /// Removes a corner if it is in the tree.
     pub(crate) fn remove(&mut self, corner: usize) {
         let mut above = self.boxes_of[corner].take();
         while let Some(at) = above {
@@ -76,7 +76,7 @@ impl CornerTree {
         }
     }
 
-    /// A corner of the tree for which `is_it` holds, which it may only where a counterclockwise triangle is.
+    /// Finds a corner of the tree for which `is_it` holds. It may hold only inside the counterclockwise triangle.
     pub(crate) fn find(
         &self,
         triangle: [Coord<f64>; 3],
@@ -101,8 +101,8 @@ impl CornerTree {
 }
 
 impl CornerBox {
-    /// Returns whether all of it is beyond one side of a triangle: then so is the corner of the box that is most inwards,
-    /// and which that is depends on signs alone.
+    /// Returns true if the whole box lies beyond one side of a triangle. It does if its innermost corner does, and signs
+    /// alone determine that corner.
     fn is_beside(&self, triangle: [Coord<f64>; 3]) -> bool {
         (0..3).any(|side| {
             let (from, to) = (triangle[side], triangle[(side + 1) % 3]);

@@ -8,25 +8,25 @@ use cranny_spatial::{Point, Pose, Vector};
 use crate::error::{check_scale, usable};
 use crate::{ShapeError, mesh_files::collada, mesh_files::obj, mesh_files::ply, mesh_files::stl};
 
-/// Triangles as a file gives them: no promise of a closed or connected surface.
+/// Triangles as in a file; their surface need not be closed or connected.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TriangleSoup {
     /// Corner points, in metres; no two are equal.
     pub vertices: Vec<Point>,
-    /// Three indices into `vertices` each, in the order of the file, normals outwards by the right hand.
+    /// Three indices into `vertices` each, in the order of the file, normals outwards by the right-hand rule.
     pub triangles: Vec<[u32; 3]>,
 }
 
 impl TriangleSoup {
-    /// The triangles of a mesh file (OBJ, STL, DAE, PLY), its coordinates multiplied by `scale`. Equal
-    /// vertices are merged, triangles keep the order of the file, polygons are cut into triangles that cover no more than
-    /// they do; a polygon that is not flat is cut as seen along the axis nearest to its normal. A scale that
-    /// mirrors turns the triangles round, so that they still face outwards.
+    /// Loads the triangles of a mesh file (OBJ, STL, DAE, PLY), with coordinates multiplied by `scale`. Merges equal
+    /// vertices and keeps the order of the triangles. Triangulates polygons exactly; one that is not flat is cut as
+    /// projected along the axis nearest to its normal. A mirroring scale reverses the triangles, so that they still face
+    /// outwards.
     ///
     /// # Errors
-    /// [`ShapeError`] with the file's path (and line, where the format has lines) if it cannot be read, is
-    /// no mesh, holds numbers that are not finite, a polygon that crosses itself or something of its format that is not
-    /// read, or has no triangles; [`ShapeError::Scale`] for a factor of zero or one that is not finite.
+    /// [`ShapeError`] with the file's path (and line, where the format has lines) if the file cannot be read, is no mesh,
+    /// contains numbers that are not finite, a polygon that crosses itself or an unsupported element of its format, or
+    /// has no triangles; [`ShapeError::Scale`] for a factor of zero or one that is not finite.
     pub fn load(path: &Path, scale: Vector) -> Result<Self, ShapeError> {
         check_scale(&scale).map_err(|fault| fault.in_file(path))?;
         let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
@@ -53,8 +53,8 @@ impl TriangleSoup {
         Ok(soup)
     }
 
-    /// The triangles as in an OBJ file, in metres, where the first vertex has the number `first`, 1 in a file of their
-    /// own; what is read back is rounded to single precision.
+    /// Text of the triangles in OBJ format, in metres. The first vertex has the number `first`, 1 in a file of its own.
+    /// Reading it back rounds to single precision.
     pub fn obj_text(&self, first: u32) -> String {
         let mut text = String::new();
         for v in &self.vertices {
@@ -66,14 +66,14 @@ impl TriangleSoup {
         text
     }
 
-    /// Adds the triangles of another mesh; equal vertices stay apart.
+    /// Appends the triangles of another mesh; does not merge equal vertices.
     pub fn append(&mut self, other: &Self, own_from_other: &Pose) {
         let first = u32::try_from(self.vertices.len()).unwrap_or(u32::MAX);
         self.vertices.extend(other.vertices.iter().map(|vertex| own_from_other * vertex));
         self.triangles.extend(other.triangles.iter().map(|triangle| triangle.map(|vertex| vertex + first)));
     }
 
-    /// Triangles from their corners, three at a time; equal corners are merged.
+    /// Builds triangles from their corners, three at a time; merges equal corners.
     ///
     /// # Errors
     /// [`ShapeError::NotFinite`] for a corner with a coordinate that is no finite number.
@@ -96,11 +96,11 @@ impl TriangleSoup {
         Ok(soup)
     }
 
-    /// The three corners of triangle `index`.
+    /// Corners of triangle `index`.
     pub fn corners(&self, index: usize) -> [Point; 3] {
         self.triangles[index].map(|v| self.vertices[v as usize])
     }
 }
 
-/// Each takes some 500 bytes as part of a solid: 4 GB for these.
+/// Maximum number of triangles. Each takes some 500 bytes in a solid: 4 GB for this many.
 const MOST_TRIANGLES: usize = 8_000_000;

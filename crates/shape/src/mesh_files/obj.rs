@@ -2,12 +2,12 @@ use cranny_spatial::Point;
 
 use crate::mesh_files::polygon::triangulate;
 
-/// The corners of the triangles of a Wavefront OBJ file (version 3.0), three at a time; rounded to single precision, as
-/// the format is written. Lines may begin with blanks, end in any way and be continued by a backslash.
+/// Corners of the triangles of a Wavefront OBJ file (version 3.0), three at a time, rounded to the single precision of
+/// the format. Lines may begin with blanks, have any line ending and be continued by a backslash.
 ///
 /// # Errors
-/// In words, with the line: a number or index that is none, a face of fewer than three corners or one that crosses
-/// itself, geometry of another kind than faces, a line that is none of the format's.
+/// A message with the line: an invalid number or index, a face of fewer than three corners or one that crosses itself,
+/// geometry other than faces, an unknown line.
 pub(crate) fn corners(bytes: &[u8]) -> Result<Vec<Point>, String> {
     let text = String::from_utf8_lossy(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes));
     let mut vertices = Vec::new();
@@ -35,7 +35,7 @@ pub(crate) fn corners(bytes: &[u8]) -> Result<Vec<Point>, String> {
     Ok(corners)
 }
 
-/// Normals, textures, groups, materials, display, and elements without area.
+/// Ignored keywords: normals, textures, groups, materials, display, and elements without area.
 const IGNORED: [&str; 21] = [
     "vt",
     "vn",
@@ -60,7 +60,7 @@ const IGNORED: [&str; 21] = [
     "deg",
 ];
 
-/// The lines with their numbers, from 1; those that end in a backslash together with the next.
+/// Lines with their numbers, from 1. A line that ends in a backslash includes the next.
 fn logical_lines(text: &str) -> Vec<(usize, std::borrow::Cow<'_, str>)> {
     let mut lines: Vec<(usize, std::borrow::Cow<'_, str>)> = Vec::new();
     let mut is_continued = false;
@@ -70,7 +70,7 @@ fn logical_lines(text: &str) -> Vec<(usize, std::borrow::Cow<'_, str>)> {
         let end = rest.find(['\n', '\r']).unwrap_or(rest.len());
         let (line, behind) = rest.split_at(end);
         rest = behind.strip_prefix("\r\n").or(behind.get(1..)).unwrap_or_default();
-        // In a comment the backslash has no meaning.
+        // A backslash has no meaning in a comment.
         let continues = line.trim_end().strip_suffix('\\').filter(|line| !line.trim_start().starts_with('#'));
         let content = continues.unwrap_or(line);
         match lines.last_mut() {
@@ -85,7 +85,7 @@ fn logical_lines(text: &str) -> Vec<(usize, std::borrow::Cow<'_, str>)> {
     lines
 }
 
-/// A vertex: three numbers, and a weight or a colour, which are for curves and for looks.
+/// Parses a vertex: three numbers, then an optional weight or colour, which is ignored.
 fn vertex<'a>(words: impl Iterator<Item = &'a str>) -> Result<Point, String> {
     let number = |word: &str| {
         word.parse::<f32>().map_err(|_| format!("'{}' is no number", cranny_file::excerpt(word)))
@@ -98,7 +98,7 @@ fn vertex<'a>(words: impl Iterator<Item = &'a str>) -> Result<Point, String> {
     }
 }
 
-/// The vertex that a corner of a face names, from 1 or backwards from the last; texture and normal stand behind slashes.
+/// Vertex of a corner of a face, counted from 1 or backwards from the last; texture and normal follow slashes.
 fn place(word: &str, vertices: &[Point]) -> Result<Point, String> {
     let index = word.split('/').next().unwrap_or_default();
     let index: i64 = index.parse().map_err(|_| format!("'{}' is no vertex", cranny_file::excerpt(word)))?;

@@ -6,10 +6,10 @@ use cranny_spatial::{Point, Vector};
 use crate::error::{check_scale, usable};
 use crate::{ShapeError, TriangleSoup, mesh_files::collada};
 
-/// A mesh as it looks: what a mesh file says of colours and normals. No solid; it may be open.
+/// Mesh for display, with the colours and normals of its file. It is no solid and may be open.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PaintedMesh {
-    /// The pieces, each of one material.
+    /// Pieces, each of one material.
     pub pieces: Vec<PaintedPiece>,
 }
 
@@ -18,20 +18,19 @@ pub struct PaintedMesh {
 pub struct PaintedPiece {
     /// Corner points, in metres.
     pub vertices: Vec<[f32; 3]>,
-    /// A unit vector for each vertex; empty if the file gives none.
+    /// Unit normal of each vertex; empty if the file gives none.
     pub normals: Vec<[f32; 3]>,
     /// Red, green, blue and opacity of each vertex, 0 to 1, sRGB; empty if the file gives none.
     pub vertex_colours: Vec<[f32; 4]>,
     /// Three indices into `vertices` each, counterclockwise from outside.
     pub triangles: Vec<[u32; 3]>,
-    /// Red, green, blue and opacity of the material, 0 to 1, sRGB; None if it has none.
+    /// Red, green, blue and opacity of the material, 0 to 1, sRGB; `None` if it has none.
     pub colour: Option<[f32; 4]>,
 }
 
 impl PaintedMesh {
-    /// Reads a mesh file (OBJ with its MTL, STL, DAE, PLY), its coordinates multiplied by `scale`; a scale that
-    /// mirrors turns the triangles round, so that they still face outwards. Diffuse colours are read, textures
-    /// are not.
+    /// Reads a mesh file (OBJ with its MTL, STL, DAE, PLY), with coordinates multiplied by `scale`. A mirroring scale
+    /// reverses the triangles, so that they still face outwards. Reads diffuse colours, but no textures.
     ///
     /// # Errors
     /// As [`TriangleSoup::load`].
@@ -86,7 +85,7 @@ impl PaintedMesh {
 }
 
 impl PaintedPiece {
-    /// Triangles without colours or normals.
+    /// Makes a piece of triangles without colours or normals.
     pub fn of_soup(soup: &TriangleSoup) -> Self {
         #[allow(clippy::cast_possible_truncation, reason = "the precision of graphics")]
         let vertices = soup.vertices.iter().map(|v| [v.x as f32, v.y as f32, v.z as f32]).collect();
@@ -115,7 +114,7 @@ fn piece(
         }
         triangles.push(if is_mirrored { [a, c, b] } else { [a, b, c] });
     }
-    // Normals are divided by what points are multiplied by.
+    // Normals scale by the inverse of the factors of points.
     let normal = |n: &[f32; 3]| {
         let n = [n[0] / factors[0], n[1] / factors[1], n[2] / factors[2]];
         let length = (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]).sqrt();
@@ -154,7 +153,7 @@ mod tests {
         let mesh = PaintedMesh::load(&path, Vector::new(2.0, 2.0, -2.0)).unwrap();
         let colours: Vec<_> = mesh.pieces.iter().map(|piece| piece.colour.map(|c| c[0])).collect();
         assert_eq!(colours, [Some(1.0), Some(0.25)]);
-        // Mirrored: the other way round, normals with it.
+        // The mirroring scale reverses the triangles and the normals.
         let first = &mesh.pieces[0];
         assert!(
             first.normals[0].iter().zip([0.0, 0.0, -1.0]).all(|(a, b): (&f32, f32)| (a - b).abs() < 1e-6)

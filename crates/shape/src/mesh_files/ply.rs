@@ -2,12 +2,12 @@ use cranny_spatial::Point;
 
 use crate::mesh_files::polygon::triangulate;
 
-/// The corners of the triangles of a PLY file (Turk 1994, "The PLY polygon file format", whole), three at a time. Text
-/// and both binary forms; elements other than `vertex`, `face` and `tristrips` are passed over.
+/// Corners of the triangles of a PLY file (Turk 1994, "The PLY polygon file format", whole), three at a time. Reads text
+/// and both binary forms; skips elements other than `vertex`, `face` and `tristrips`.
 ///
 /// # Errors
-/// A sentence, with the line of a header or a text: a type or a form that is none, a name that is given twice, a count
-/// for which the file is too short or too long, an index without a vertex, a face that crosses itself, no faces.
+/// A message, with the line of a header or a text: an unknown type or form, a repeated name, a count for which the file
+/// is too short or too long, an index without a vertex, a face that crosses itself, no faces.
 pub(crate) fn corners(bytes: &[u8]) -> Result<Vec<Point>, String> {
     let (header, body) = Header::read(bytes)?;
     let mut body = Body { form: header.form, rest: body, line: header.lines };
@@ -41,7 +41,7 @@ enum Form {
     BigEndian,
 }
 
-/// A type of number, with its bytes in the binary forms.
+/// Type of a number, with its size in bytes in the binary forms.
 #[derive(Clone, Copy, PartialEq)]
 enum Number {
     Signed(usize),
@@ -72,7 +72,7 @@ impl Number {
 
 struct Property {
     name: String,
-    /// Of a list the type of its length.
+    /// Type of the length of a list; `None` for a single number.
     length: Option<Number>,
     number: Number,
 }
@@ -85,10 +85,10 @@ struct Element {
 }
 
 impl Element {
-    /// Refuses a count for which the rest of the file is too short, before anything is made for it.
+    /// Rejects a count for which the rest of the file is too short, before any memory is allocated for it.
     fn check_count(&self, body: &Body) -> Result<(), String> {
         let least = |property: &Property| match body.form {
-            // A digit and what parts it from the next.
+            // A digit and a separator.
             Form::Text => 2,
             _ => property.length.unwrap_or(property.number).bytes() as u64,
         };
@@ -96,7 +96,7 @@ impl Element {
         if each == 0 && self.count > 0 {
             return Err(format!("line {}: the elements '{}' have no properties", self.line, self.name));
         }
-        // The last number of a text needs nothing behind it.
+        // The last number of a text needs no separator.
         let rest = body.rest.len() as u64 + u64::from(body.form == Form::Text);
         if self.count.checked_mul(each).is_none_or(|needed| needed > rest) {
             return Err(format!(
@@ -193,7 +193,7 @@ impl Header {
         if has_form { Ok((header, rest)) } else { Err("the header has no line 'format'".into()) }
     }
 
-    /// Names of the elements, in words.
+    /// Names of the elements, as a phrase for a message.
     fn names(&self) -> String {
         match &self.elements.iter().map(|element| format!("'{}'", element.name)).collect::<Vec<_>>()[..] {
             [] => "it has none".into(),
@@ -212,7 +212,7 @@ fn read_property(words: &[&str]) -> Option<Property> {
     is_count.then_some(Property { name: name.to_owned(), length, number: Number::named(number)? })
 }
 
-/// What follows the header, as far as it is not read yet.
+/// Unread rest of the file after the header.
 struct Body<'a> {
     form: Form,
     rest: &'a [u8],
@@ -224,14 +224,14 @@ impl Body<'_> {
         if self.form == Form::Text { self.word(kind) } else { self.binary(kind) }
     }
 
-    /// A number that counts something.
+    /// Reads a number that must be an index or a count.
     fn index(&mut self, kind: Number) -> Result<u32, String> {
         as_index(self.number(kind)?).map_err(|fault| {
             if self.form == Form::Text { format!("line {}: {fault}", self.line + 1) } else { fault }
         })
     }
 
-    /// Refuses what is left behind the last element, if it is more than zeros and blanks that fill the file up.
+    /// Rejects bytes after the last element, unless they are zeros and blanks that pad the file.
     fn check_end(&self) -> Result<(), String> {
         let is_text = self.form == Form::Text;
         let is_filling = |byte: &u8| byte.is_ascii_whitespace() || (!is_text && *byte == 0);
@@ -254,7 +254,7 @@ impl Body<'_> {
         let word = String::from_utf8_lossy(&rest[..end]);
         self.rest = &rest[end..];
         let number = match kind {
-            // Rounded once, to what the type can hold.
+            // A single rounding, to the precision of the type.
             Number::Float(4) => word.parse::<f32>().ok().map(f64::from),
             _ => word.parse().ok(),
         };
@@ -318,17 +318,17 @@ fn read_vertices(element: &Element, body: &mut Body) -> Result<Vec<Point>, Strin
     Ok(vertices)
 }
 
-/// Polygons as the file has them.
+/// Polygons as in the file.
 #[derive(Default)]
 struct Polygons {
-    /// The indices of all, one polygon after the other.
+    /// Vertex indices of all polygons, one polygon after the other.
     indices: Vec<f64>,
-    /// Where each polygon ends in them.
+    /// End of each polygon in `indices`.
     ends: Vec<usize>,
 }
 
 impl Polygons {
-    /// Gives `add` each list of indices of an element.
+    /// Passes each list of indices of an element to `add`.
     fn read(
         &mut self,
         element: &Element,
@@ -358,8 +358,8 @@ impl Polygons {
         self.ends.push(self.indices.len());
     }
 
-    /// Strips of triangles, each ended by −1. Every second triangle of a strip runs the other way round; those with a
-    /// corner twice only turn it.
+    /// Adds strips of triangles, each ended by −1. Every second triangle of a strip has the opposite winding. A triangle
+    /// with a repeated corner only changes the winding.
     fn add_strips(&mut self, indices: &[f64]) {
         for strip in indices.split(|index| index.total_cmp(&-1.0).is_eq()) {
             for (at, triangle) in strip.windows(3).enumerate() {

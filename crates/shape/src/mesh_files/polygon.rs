@@ -6,16 +6,16 @@ use robust::{Coord, orient2d};
 use crate::mesh_files::corner_tree::CornerTree;
 use crate::mesh_files::side_sweep::crosses_itself;
 
-/// Cuts a polygon into triangles, as indices into its corners, that cover it and nothing beside it.
+/// Triangulates a polygon, as indices into its corners. The triangles cover exactly the polygon.
 ///
-/// 1. The polygon is seen along the axis that its normal is nearest to (Newell's method), so that a polygon that is not
-///    quite flat is cut where its shadow is, as other readers do.
-/// 2. A fan from the first corner, if all of it lies in the polygon.
-/// 3. Else ears are cut off (Meisters 1975, "Polygons have ears", whole): corners whose triangle holds no other corner.
-///    Which side of a line a corner is on is decided exactly.
+/// 1. Projects the polygon along the axis nearest to its normal (Newell's method). So a polygon that is not quite flat is
+///    cut as its projection, as in other readers.
+/// 2. Uses a fan from the first corner, if all of it lies in the polygon.
+/// 3. Otherwise cuts off ears (Meisters 1975, "Polygons have ears", whole): corners whose triangle holds no other corner.
+///    Exact predicates decide on which side of a line a corner lies.
 ///
-/// Corners on one line, and bridges to holes that run there and back, are no fault. Returns `None` for a polygon that
-/// crosses itself: what it encloses is not defined.
+/// Collinear corners, and bridges to holes that run there and back, are valid. Returns `None` for a polygon that crosses
+/// itself, whose interior is undefined.
 pub(crate) fn triangulate(polygon: &[Point]) -> Option<Vec<[usize; 3]>> {
     let fan = || (2..polygon.len()).map(|corner| [0, corner - 1, corner]).collect();
     if polygon.len() <= 3 || is_sliver(polygon) {
@@ -31,9 +31,9 @@ pub(crate) fn triangulate(polygon: &[Point]) -> Option<Vec<[usize; 3]>> {
     if crosses_itself(&shadow.0) { None } else { shadow.ears() }
 }
 
-/// Returns whether all corners lie on one line, up to rounding, or one is not finite, which is reported elsewhere.
+/// Returns true if all corners are collinear, up to rounding, or one is not finite, which is reported elsewhere.
 fn is_sliver(polygon: &[Point]) -> bool {
-    /// Width by length: rounding in single precision.
+    /// Width relative to length: rounding in single precision.
     const WIDTH: f64 = 1e-7;
     let far = polygon.iter().map(|corner| corner - polygon[0]).max_by(|a, b| a.norm().total_cmp(&b.norm()));
     let far = far.unwrap_or_default();
@@ -43,11 +43,11 @@ fn is_sliver(polygon: &[Point]) -> bool {
     })
 }
 
-/// A polygon in a plane, counterclockwise.
+/// Projection of a polygon into a plane, counterclockwise.
 struct Shadow(Vec<Coord<f64>>);
 
 impl Shadow {
-    /// `None` for a polygon whose area is zero though its corners are not on one line.
+    /// Projects a polygon; `None` if its area is zero although its corners are not collinear.
     fn of(polygon: &[Point]) -> Option<Self> {
         let next = |index: usize| (index + 1) % polygon.len();
         let normal: Vector = (0..polygon.len())
@@ -67,7 +67,7 @@ impl Shadow {
         orient2d(self.0[a], self.0[b], self.0[c])
     }
 
-    /// Returns whether the first corner sees all others in their order within half a turn.
+    /// Returns true if the first corner sees all others in their order within half a turn.
     fn holds_its_fan(&self) -> bool {
         let last = self.0.len() - 1;
         (1..last).all(|corner| {
@@ -77,16 +77,16 @@ impl Shadow {
         })
     }
 
-    /// `None` if at some time there is no ear, which no polygon has that does not cross itself.
+    /// Triangulates by ears; `None` if a step finds no ear, which happens only if the polygon crosses itself.
     ///
-    /// The next ear is the first from where the last was cut, as if all corners were tried in turn. But a corner that was
-    /// tried is tried again only when its triangle has changed, or the corner that was found in it hinders no longer.
+    /// The next ear is the first one after the last cut, as if all corners were tried in turn. But a corner is tried
+    /// again only after its triangle has changed, or after the corner found in it no longer blocks it.
     fn ears(&self) -> Option<Vec<[usize; 3]>> {
         let mut cut = Cut::of(self);
         let mut triangles = Vec::with_capacity(self.0.len() - 2);
         let (mut at, mut left) = (0, self.0.len());
         while left > 3 {
-            // Corners on one line go last: without area they hide nothing.
+            // Collinear corners go last: without area they hide nothing.
             let ear = cut.next_ear(at).or_else(|| first_from(&cut.flat, cut.after[at]))?;
             triangles.push([cut.before[ear], ear, cut.after[ear]]);
             at = cut.after[ear];
@@ -97,7 +97,7 @@ impl Shadow {
         Some(triangles)
     }
 
-    /// Returns whether a corner is inside a triangle, or on its side opposite the second corner, but not at one of its
+    /// Returns true if a corner is inside a triangle, or on its side opposite the second corner, but not at one of its
     /// corners.
     fn hinders(&self, [a, b, c]: [usize; 3], corner: usize) -> bool {
         let place = self.0[corner];
@@ -108,21 +108,21 @@ impl Shadow {
     }
 }
 
-/// Remainder of a polygon from which ears are cut.
+/// Remaining polygon from which ears are cut.
 struct Cut<'a> {
     shadow: &'a Shadow,
-    /// The next remaining corner of each.
+    /// Next remaining corner of each corner.
     after: Vec<usize>,
-    /// The previous remaining corner of each.
+    /// Previous remaining corner of each corner.
     before: Vec<usize>,
     is_left: Vec<bool>,
-    /// Corners that an ear may hold: around others the polygon is convex.
+    /// Corners that an ear may contain; the polygon is convex at all others.
     inward: CornerTree,
-    /// Corners on one line with their neighbours.
+    /// Corners collinear with their neighbours.
     flat: BTreeSet<usize>,
-    /// Corners that may be ears.
+    /// Corners that may be ears and have not been tried.
     untried: BTreeSet<usize>,
-    /// Corners in whose triangles an inward one was found; some have changed since.
+    /// Candidates that each inward corner blocks; some have changed since.
     hindered: Vec<Vec<usize>>,
 }
 
@@ -140,7 +140,7 @@ impl<'a> Cut<'a> {
         cut
     }
 
-    /// Notes what a corner has become.
+    /// Updates the sets that a corner belongs to.
     fn sort_in(&mut self, corner: usize) {
         let turn = self.shadow.turn(self.before[corner], corner, self.after[corner]);
         let sort = |set: &mut BTreeSet<usize>, is_in: bool| {
@@ -166,7 +166,7 @@ impl<'a> Cut<'a> {
         }
     }
 
-    /// The first ear from a corner on.
+    /// First ear from a corner on.
     fn next_ear(&mut self, from: usize) -> Option<usize> {
         loop {
             let at = first_from(&self.untried, from)?;
@@ -192,7 +192,7 @@ impl<'a> Cut<'a> {
     }
 }
 
-/// The first of some corners from one on, round the polygon.
+/// First of some corners from a corner on, around the polygon.
 fn first_from(corners: &BTreeSet<usize>, from: usize) -> Option<usize> {
     corners.range(from..).next().or_else(|| corners.first()).copied()
 }
@@ -214,8 +214,8 @@ mod tests {
         corners.iter().map(|&(x, y)| Point::new(x, y, 0.3)).collect()
     }
 
-    /// Stars with random radii, turned anyhow and begun anywhere: the areas of the triangles add up to that of the
-    /// polygon, which they would exceed if one of them lay outside.
+    /// Tests stars with random radii, rotation and first corner. The areas of the triangles must sum to that of the
+    /// polygon; they would exceed it if one of them lay outside.
     #[test]
     fn triangles_cover_a_polygon_and_nothing_beside_it() {
         let mut random = Stream::new(5, 0);
@@ -243,7 +243,7 @@ mod tests {
         }
     }
 
-    /// As [`Shadow::ears`], but all corners are tried in turn against all others.
+    /// Reference for [`Shadow::ears`] that tries all corners in turn against all others.
     fn ears_tried_in_turn(shadow: &Shadow) -> Option<Vec<[usize; 3]>> {
         let count = shadow.0.len();
         let mut after: Vec<usize> = (0..count).map(|corner| (corner + 1) % count).collect();
@@ -273,8 +273,8 @@ mod tests {
         Some(triangles)
     }
 
-    /// Polygons on a coarse grid have corners on one line, at one place and on other sides; most cross themselves, for
-    /// which there may be no ear.
+    /// Polygons on a coarse grid have corners that are collinear, coincident or on other sides. Most cross themselves and
+    /// may have no ear.
     #[test]
     fn ears_are_those_of_all_corners_tried_in_turn() {
         let mut random = Stream::new(6, 0);
@@ -302,7 +302,7 @@ mod tests {
         assert!(found.iter().all(|count| *count > 500), "{found:?}");
     }
 
-    /// A hundred thousand corners were hours of work for both the search for ears and that for sides which cross.
+    /// Guards against quadratic time, which would be hours for the search of ears and for that of crossing sides.
     #[test]
     fn many_corners_take_little_time() {
         const CORNERS: u32 = 100_000;
@@ -316,17 +316,17 @@ mod tests {
         };
         let mut random = Stream::new(7, 0);
         let hedgehog = (0..CORNERS).map(|at| on_ring(turn(at), 0.1 + random.uniform())).collect();
-        // An arc that looks inwards, closed by three corners outside of it.
+        // An arc that faces inwards, closed by three corners outside it.
         let crescent: Vec<_> = [(3.0, 0.0), (0.0, 4.0), (-3.0, 0.0)]
             .into_iter()
             .chain((0..CORNERS).map(|at| on_ring(3.0 - 0.45 * turn(at), 1.0)))
             .collect();
-        // Ten turns outwards and back, beside each other.
+        // Ten turns outwards and back, side by side.
         let spiral: Vec<_> = (0..CORNERS / 2)
             .map(|at| on_ring(20.0 * turn(at), 1.0 + turn(at)))
             .chain((0..CORNERS / 2).rev().map(|at| on_ring(20.0 * turn(at), 1.05 + turn(at))))
             .collect();
-        // Slanting teeth, each beside all others in x and in y.
+        // Slanted teeth, each beside all others in x and in y.
         let comb: Vec<_> = (0..CORNERS)
             .map(|at| (f64::from(at), if at % 2 == 0 { 0.0 } else { 1e6 }))
             .chain([(2e5, 2e6), (-1e5, 2e6), (-1e5, -1e5)])

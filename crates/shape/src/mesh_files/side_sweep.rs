@@ -4,17 +4,17 @@ use std::ops::Bound::{Excluded, Unbounded};
 
 use robust::{Coord, orient2d};
 
-/// Returns whether two sides of a closed polygon cross at a point that is inside both (Shamos & Hoey 1976, "Geometric
+/// Returns true if two sides of a closed polygon cross at a point that is inside both (Shamos & Hoey 1976, "Geometric
 /// intersection problems", whole; the segment test of Cormen, Leiserson, Rivest & Stein 2009, "Introduction to
 /// algorithms", §33.2).
 ///
-/// 1. A line sweeps over the corners by x, by y where x is equal.
-/// 2. Sides that it meets stand in the order in which it meets them; that order stays until two of them cross, which are
-///    neighbours in it just before.
-/// 3. Sides that become neighbours are compared, exactly. Where sides end and begin at one corner, those that end go
-///    first, so that sides which cross there become neighbours.
+/// 1. Sweeps a line over the corners by x, by y where x is equal.
+/// 2. Keeps the sides that the line meets in their order on it. The order holds until two sides cross, which are
+///    neighbours just before.
+/// 3. Compares sides that become neighbours, exactly. Where sides end and begin at one corner, those that end are removed
+///    first, so that sides that cross there become neighbours.
 ///
-/// Sides that touch, or lie on each other, do not cross: they keep their order. n corners take n log n steps.
+/// Sides that touch or coincide do not cross: they keep their order. n corners take n log n steps.
 pub(crate) fn crosses_itself(corners: &[Coord<f64>]) -> bool {
     // 1.
     let mut events: Vec<(Coord<f64>, IsBegin, Side)> = Vec::with_capacity(2 * corners.len());
@@ -53,7 +53,7 @@ pub(crate) fn crosses_itself(corners: &[Coord<f64>]) -> bool {
     false
 }
 
-/// True for a side that begins where it is listed; else it ends there.
+/// True if a side begins at the event; false if it ends there.
 type IsBegin = bool;
 
 fn by_place(a: &Coord<f64>, b: &Coord<f64>) -> Ordering {
@@ -62,8 +62,8 @@ fn by_place(a: &Coord<f64>, b: &Coord<f64>) -> Ordering {
     order(a.x, b.x).then(order(a.y, b.y))
 }
 
-/// A side from its lesser corner to its greater one. Ordered by which is lower where the sweep meets both; of two on one
-/// line by index.
+/// Side from its lesser corner to its greater one. Sides are ordered by height where the sweep meets both, collinear ones
+/// by index.
 #[derive(Clone, Copy)]
 struct Side {
     begin: Coord<f64>,
@@ -72,7 +72,7 @@ struct Side {
 }
 
 impl Side {
-    /// Positive for what is to the left of the side, which is above it.
+    /// Positive for a point to the left of the side, which is above it.
     fn turn(&self, place: Coord<f64>) -> f64 {
         orient2d(self.begin, self.end, place)
     }
@@ -83,7 +83,7 @@ impl Side {
             && apart(other.turn(self.begin), other.turn(self.end))
     }
 
-    /// The order with a side that begins no earlier.
+    /// Order relative to a side that begins no earlier.
     fn with_later(&self, later: &Self) -> Ordering {
         let above = |turn: f64| turn.partial_cmp(&0.0).unwrap_or(Ordering::Equal);
         above(self.turn(later.begin)).then_with(|| above(self.turn(later.end))).reverse()
@@ -121,7 +121,7 @@ mod tests {
 
     use super::*;
 
-    /// The same by comparing all pairs.
+    /// Reference that compares all pairs.
     fn some_pair_crosses(corners: &[Coord<f64>]) -> bool {
         let side = |index: usize| {
             let end = corners[(index + 1) % corners.len()];
@@ -130,7 +130,7 @@ mod tests {
         (0..corners.len()).any(|one| (0..one).any(|other| side(one).crosses(&side(other))))
     }
 
-    /// On a coarse grid sides touch, lie on each other and have no length in most polygons.
+    /// On a coarse grid sides touch, coincide and have no length in most polygons.
     #[test]
     fn the_sweep_finds_what_a_comparison_of_all_pairs_finds() {
         let mut random = Stream::new(8, 0);
@@ -149,7 +149,7 @@ mod tests {
         assert!(crossed.iter().all(|count| *count > 2000), "{crossed:?}");
     }
 
-    /// Simple polygons, with one corner moved at times.
+    /// Tests simple polygons, some with one corner moved.
     #[test]
     fn the_sweep_finds_one_crossing_in_a_star() {
         let mut random = Stream::new(9, 0);

@@ -2,15 +2,15 @@ use cranny_spatial::Point;
 
 use crate::mesh_files::polygon::triangulate;
 
-/// The corners of the triangles of an STL file, three at a time.
+/// Corners of the triangles of an STL file, three at a time.
 ///
-/// Some programs leave the count of a binary file at zero, which then is read to its end; zeros and blanks that fill a
-/// file up are passed over. A text may have several solids, and letters of either case; only the name of a solid ends
-/// with its line.
+/// Some programs leave the count of a binary file at zero; the file is then read to its end. Zeros and blanks that pad a
+/// file are ignored. A text may have several solids, and letters of either case; only the name of a solid ends with its
+/// line.
 ///
 /// # Errors
-/// In words: a binary file that has fewer triangles than it counts, or something behind them; a text without an end, or
-/// with words that are none of the format's or not in their place.
+/// A message: a binary file with fewer triangles than its count, or with other bytes after them; a text without an end,
+/// or with words that are unknown or out of place.
 pub(crate) fn corners(bytes: &[u8]) -> Result<Vec<Point>, String> {
     if let Some((triangles, rest)) = counted_triangles(bytes) {
         if !rest.iter().all(|byte| *byte == 0 || byte.is_ascii_whitespace()) {
@@ -39,15 +39,15 @@ pub(crate) fn corners(bytes: &[u8]) -> Result<Vec<Point>, String> {
     text_corners(&String::from_utf8_lossy(bytes))
 }
 
-/// A comment of 80 bytes, and the count of the triangles.
+/// Size of the header: a comment of 80 bytes, and the count of the triangles.
 const HEADER_BYTES: usize = 84;
 
-/// A normal and three corners in single precision, and two bytes that mean nothing.
+/// Size of a triangle: a normal and three corners in single precision, and two unused bytes.
 const TRIANGLE_BYTES: usize = 50;
 
 const END: &[u8] = b"endsolid";
 
-/// The triangles of a binary file, and what follows them. No text is taken for one: its count would be that of half a
+/// Triangles of a binary file, and the bytes after them. No text is mistaken for one: its count would mean half a
 /// gigabyte of triangles.
 fn counted_triangles(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
     let (header, triangles) = bytes.split_at_checked(HEADER_BYTES)?;
@@ -81,12 +81,12 @@ fn text_corners(text: &str) -> Result<Vec<Point>, String> {
     Ok(solids.corners)
 }
 
-/// The solids of a text, as far as it is read.
+/// Solids of a text, as parsed up to the current line.
 #[derive(Default)]
 struct Solids {
     corners: Vec<Point>,
     is_open: bool,
-    /// The corners of a facet that has no end yet.
+    /// Corners of a facet that has no end yet.
     facet: Option<Vec<Point>>,
 }
 
@@ -108,7 +108,7 @@ impl Solids {
                         return Err("a facet begins, but the one before has no 'endfacet'".into());
                     }
                     self.is_open = true;
-                    // Its normal, which follows from its corners, and which some programs do not even make a number.
+                    // The normal follows from the corners, and some programs do not even write a number for it.
                     while words.next_if(|word| !is_one_of(word, &FACET_KEYWORDS)).is_some() {}
                 }
                 "outer" => {
@@ -147,7 +147,7 @@ fn is_one_of(word: &str, keywords: &[&str]) -> bool {
     keywords.iter().any(|keyword| word.eq_ignore_ascii_case(keyword))
 }
 
-/// Refuses a name in which corners stand: it takes all the rest of its line.
+/// Rejects a name that contains corners, because a name takes the rest of its line.
 fn check_name(keyword: &str, name: &[&str]) -> Result<(), String> {
     let is_corner = |words: &[&str]| {
         is_one_of(words[0], &["vertex"]) && words[1..].iter().all(|word| word.parse::<f32>().is_ok())

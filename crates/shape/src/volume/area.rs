@@ -6,19 +6,19 @@ use crate::distance::ray::triangle_normal;
 /// A point of a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfacePoint {
-    /// Where it is.
+    /// Position, in the frame of the surface.
     pub point: Point,
-    /// The triangle's unit normal, outwards by the right hand.
+    /// Unit normal of the triangle, outwards by the right-hand rule.
     pub normal: Vector,
     /// Index of the triangle.
     pub triangle: u32,
 }
 
-/// The points of a surface, each as likely as any other: what three uniform numbers choose from.
+/// Uniform distribution over the area of a surface, sampled with three uniform numbers.
 #[derive(Clone, Debug)]
 pub struct AreaDistribution<'a> {
     surface: &'a Surface,
-    /// Area of all triangles up to and with each, in square metres.
+    /// Cumulative area of the triangles, in square metres.
     area_up_to_m2: Vec<f64>,
 }
 
@@ -42,8 +42,8 @@ impl<'a> AreaDistribution<'a> {
         self.area_up_to_m2.last().copied().unwrap_or(0.0)
     }
 
-    /// The point that three numbers in [0, 1) choose: a triangle by its share of the area, then a point of
-    /// it (Osada et al. 2002, §4.2). Uniform numbers give uniform points.
+    /// Point for three numbers in [0, 1): selects a triangle by its share of the area, then a point of it (Osada et al.
+    /// 2002, §4.2). Uniform numbers give uniform points.
     pub fn point(&self, numbers: [f64; 3]) -> SurfacePoint {
         let [which, u, v] = numbers;
         let chosen_m2 = which * self.area_m2();

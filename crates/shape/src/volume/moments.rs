@@ -4,20 +4,19 @@ use cranny_spatial::{Point, Pose, Vector};
 use crate::inside::closed_mesh::{check_closed, check_indices};
 use crate::{ShapeError, TriangleSoup};
 
-/// How the volume that a closed mesh encloses is spread.
+/// Volume, centre of mass and inertia of the space that a closed mesh encloses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VolumeMoments {
-    /// The volume, in cubic metres; positive for normals outwards.
+    /// Volume, in cubic metres; positive for normals outwards.
     pub volume_m3: f64,
-    /// The centre of mass under uniform density.
+    /// Centre of mass under uniform density.
     pub center: Point,
-    /// The inertia about the centre, along the axes of the mesh, for a mass of 1 kg: in square metres, to be
-    /// multiplied by the mass.
+    /// Inertia about the centre, along the axes of the mesh, per unit of mass: in square metres; multiply it by the mass.
     pub inertia_per_mass_m2: Matrix3<f64>,
 }
 
 impl VolumeMoments {
-    /// The same moments in another frame.
+    /// Returns these moments in another frame.
     #[must_use]
     pub fn moved(&self, other_from_own: &Pose) -> Self {
         let turn = other_from_own.rotation.to_rotation_matrix();
@@ -28,9 +27,9 @@ impl VolumeMoments {
         }
     }
 
-    /// The moments of the volume that `soup` encloses: sums over the tetrahedra between each triangle and one point,
-    /// signed (Blow & Binstock 2004, "How to find the inertia tensor (or other mass properties) of a 3D solid body
-    /// represented by a triangle mesh", whole).
+    /// Moments of the volume that `soup` encloses: signed sums over the tetrahedra between each triangle and one point
+    /// (Blow & Binstock 2004, "How to find the inertia tensor (or other mass properties) of a 3D solid body represented
+    /// by a triangle mesh", whole).
     ///
     /// # Errors
     /// [`ShapeError::Empty`], [`ShapeError::VertexIndex`], [`ShapeError::Open`] for a mesh with a hole,
@@ -38,7 +37,7 @@ impl VolumeMoments {
     pub fn of_mesh(soup: &TriangleSoup) -> Result<Self, ShapeError> {
         check_indices(soup)?;
         check_closed(soup)?;
-        // Near the mesh, so that the sum does not cancel where the mesh lies far from the origin.
+        // The eye is near the mesh, so that the sum does not cancel far from the origin.
         let eye = soup.corners(0)[0];
         let (mut volume_m3, mut first, mut second) = (0.0, Vector::zeros(), Matrix3::zeros());
         for index in 0..soup.triangles.len() {

@@ -4,16 +4,15 @@ use cranny_spatial::{Point, Pose, Rotation, Vector};
 
 use crate::{Aabb, ShapeError, StablePose, Surface, TriangleSoup, VolumeMoments};
 
-/// The stable poses of a body without those that are equal to a likelier one, the likeliest first; the
-/// probabilities of equal ones are added. So a bottle of 48 sides lies in one way, not in 48, and a cuboid
-/// stands on three sides, not on six.
+/// Stable poses of a body without those equal to a likelier one, the likeliest first, with the probabilities of equal
+/// ones added. So a bottle of 48 sides has one lying pose, not 48, and a cuboid stands on three sides, not on six.
 ///
-/// Two poses are equal if a turn about the vertical takes the body from the one into the other: no vertex of the
-/// one is then farther from the surface of the other than 0.2 % of the greatest extent of the body. The turns
-/// that are tried are those of the principal axes of inertia, and those of the vertex farthest from the vertical
-/// through the centre of mass onto the vertices as far out and as high.
+/// Two poses are equal if a turn about the vertical maps the body from one to the other: no vertex of one is then farther
+/// from the surface of the other than 0.2 % of the greatest extent of the body. The turns tried align the principal axes
+/// of inertia, or the vertex farthest from the vertical through the centre of mass with vertices equally far out and
+/// equally high.
 ///
-/// Of more than 512 poses none are merged: the body is round in all directions.
+/// More than 512 poses are not merged: the body is round in all directions.
 ///
 /// # Errors
 /// Those of [`VolumeMoments::of_mesh`].
@@ -29,7 +28,7 @@ pub fn distinct_poses(poses: &[StablePose], mesh: &TriangleSoup) -> Result<Vec<S
     Ok(distinct.into_iter().map(|(_, pose)| pose).collect())
 }
 
-/// Of each of these poses the first that it is equal to, as [`distinct_poses`] has it; its own index if there is none.
+/// Index of the first pose equal to each pose, as in [`distinct_poses`]; its own index if there is none.
 ///
 /// # Errors
 /// Those of [`VolumeMoments::of_mesh`].
@@ -50,8 +49,8 @@ pub fn equal_poses(poses: &[StablePose], mesh: &TriangleSoup) -> Result<Vec<usiz
     Ok(first)
 }
 
-/// What two poses may differ by, as a share of the body's greatest extent: 0.4 mm for a bottle of 0.2 m, half
-/// the noise of a scan.
+/// Tolerance of equal poses, as a share of the body's greatest extent: 0.4 mm for a bottle of 0.2 m, half the noise of a
+/// scan.
 const TOLERANCE_SHARE: f64 = 0.002;
 
 struct Body<'a> {
@@ -76,7 +75,7 @@ impl Body<'_> {
             })
     }
 
-    /// Turns about the vertical that may take the body from the first pose into the second, in radians.
+    /// Turns about the vertical that may map the first pose to the second, in radians.
     fn turns(&self, poses: [&Pose; 2]) -> Vec<f64> {
         let [first, second] = poses.map(|pose| {
             let rotation = pose.rotation.to_rotation_matrix();
@@ -96,7 +95,7 @@ impl Body<'_> {
         turns
     }
 
-    /// Whether a motion takes the body onto itself.
+    /// Returns true if a motion maps the body onto itself.
     fn is_mapped_by(&self, motion: &Pose) -> bool {
         let back = motion.inverse();
         let stays = |v: &Point| self.is_near(&(motion * v)) && self.is_near(&(back * v));
@@ -111,7 +110,7 @@ impl Body<'_> {
     }
 }
 
-/// A point by its angle about the vertical, its distance from it and its height.
+/// Point in cylindrical coordinates: angle about the vertical, distance from it, and height.
 struct Polar {
     angle: f64,
     radius_m: f64,
@@ -124,8 +123,8 @@ impl Polar {
     }
 }
 
-/// The distance of a point from a triangle (m), by the region of the triangle in whose front it lies (Ericson
-/// 2005, §5.1.5).
+/// Distance of a point from a triangle (m), by the region of the triangle in front of which it lies (Ericson 2005,
+/// §5.1.5).
 pub(crate) fn distance_to_triangle(p: &Point, [a, b, c]: &[Point; 3]) -> f64 {
     let (ab, ac) = (b - a, c - a);
     let [from_a, from_b, from_c] = [a, b, c].map(|corner| p - corner);

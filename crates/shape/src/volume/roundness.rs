@@ -6,38 +6,38 @@ use cranny_spatial::{Point, Pose, Rotation, Vector};
 use crate::volume::pose_symmetry::distance_to_triangle;
 use crate::{Aabb, ShapeError, Surface, TriangleSoup, VolumeMoments};
 
-/// Rotational symmetry of a body: the turns that leave its surface where it is.
+/// Rotational symmetry of a body: the rotations that map its surface onto itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Roundness {
-    /// None: each turn is seen.
+    /// No symmetry: every rotation is visible.
     #[default]
     None,
-    /// Those about an axis, a unit vector in the frame of the body: a can.
+    /// Symmetry about an axis, a unit vector in the frame of the body: a can.
     About(Unit<Vector>),
-    /// All: a ball.
+    /// Symmetry under all rotations: a ball.
     Ball,
 }
 
-/// Share of the greatest distance from the axis, or the centre, by which a surface that is turned may miss itself: a tube of
-/// 24 sides is round.
+/// Tolerance of a rotated surface, as a share of the greatest distance from the axis, or the centre: a tube of 24 sides
+/// is round.
 const TOLERANCE_SHARE: f64 = 0.01;
-/// Share by which two principal moments of inertia may differ and count as equal.
+/// Relative difference below which two principal moments of inertia count as equal.
 const SAME_MOMENT_SHARE: f64 = 0.02;
-/// Turns about an axis that are tried, as shares of a whole one: none is a fraction of small numbers.
+/// Turns about an axis that are tried, as shares of a whole one; none is a simple fraction.
 const TURNS: [f64; 5] = [0.0813, 0.1931, 0.3187, 0.4463, 0.6229];
-/// Vertices that are turned at most.
+/// Maximum number of vertices that are rotated.
 const MOST_VERTICES: usize = 400;
 
 impl Roundness {
-    /// The roundness of the body that a mesh encloses, about its centre of mass: its surface, turned, misses itself by at
-    /// most 1 % of its greatest distance from the axis.
+    /// Roundness of the body that a mesh encloses, about its centre of mass: the rotated surface deviates from itself by
+    /// at most 1 % of its greatest distance from the axis.
     ///
     /// # Errors
     /// Those of [`VolumeMoments::of_mesh`].
     pub fn of_mesh(mesh: &TriangleSoup) -> Result<Self, ShapeError> {
         let (surface, moments) = (Surface::new(mesh)?, VolumeMoments::of_mesh(mesh)?);
         let center = moments.center;
-        // The corners of a cube are as far out as each other, the middles of its triangles are not.
+        // The corners of a cube are equally far out, the centres of its triangles are not.
         let middle = |[a, b, c]: &[Point; 3]| Point::from((a.coords + b.coords + c.coords) / 3.0);
         let points = || mesh.vertices.iter().copied().chain(surface.corners.iter().map(middle));
         let radii = || points().map(|point| (point - center).norm());
@@ -69,13 +69,13 @@ impl Roundness {
             let is_even = (a - b).abs() <= SAME_MOMENT_SHARE * a.max(b);
             is_even.then(|| Unit::new_normalize(principal.eigenvectors.column(index).into_owned()))
         };
-        // Where all three moments are equal, any direction is principal: those of the frame are tried too.
+        // If all three moments are equal, any direction is principal, so the axes of the frame are tried too.
         let of_frame = [Vector::x_axis(), Vector::y_axis(), Vector::z_axis()];
         let found = (0..3).filter_map(axis).chain(of_frame).find(is_round);
         Ok(found.map_or(Self::None, Self::About))
     }
 
-    /// Angle between two orientations of a body, without the turns that leave its surface where it is, in radians.
+    /// Angle between two orientations of a body up to its rotational symmetry, in radians.
     pub fn angle(&self, from: &Rotation, to: &Rotation) -> f64 {
         match self {
             Self::None => from.angle_to(to),
@@ -98,7 +98,7 @@ mod tests {
         for half_m in [0.1, 0.5] {
             assert_eq!(of(Solid::cuboid(Vector::new(0.005, 0.005, half_m)).unwrap()), Roundness::None);
         }
-        // The third has three equal moments of inertia: h = √3 r.
+        // The third cylinder has three equal moments of inertia: h = √3 r.
         for half_m in [0.01, 0.06, 0.02 * 3.0_f64.sqrt()] {
             let Roundness::About(axis) = of(Solid::cylinder(half_m, 0.04).unwrap()) else {
                 panic!("half {half_m}: not round")

@@ -7,30 +7,28 @@ use crate::distance::ray::triangle_normal;
 use crate::mesh::signed_solid_angle;
 use crate::{ShapeError, TriangleSoup};
 
-/// A way in which a body comes to rest on level ground.
+/// Pose of a body at rest on level ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StablePose {
-    /// Where the body then is: ground at z = 0, centre of mass above the origin. Its turn about z is free;
-    /// this is the pose reached by the shortest rotation.
+    /// Pose of the body: ground at z = 0, centre of mass above the origin. Its turn about z is free; this is the pose
+    /// reached by the shortest rotation.
     pub ground_from_body: Pose,
-    /// How likely it is that the body, dropped at a uniformly random rotation, ends on this face.
+    /// Probability that the body, dropped with a uniformly random rotation, ends on this face.
     pub probability: f64,
-    /// Least angle by which the body must be tilted to fall onto another face, in radians; `None`: not computed.
+    /// Minimum angle by which the body must be tilted to fall onto another face, in radians; `None`: not computed.
     pub tilt_rad: Option<f64>,
 }
 
-/// The stable poses of a body with these `points` and that centre of mass, the likeliest first. Their
-/// probabilities sum to 1.
+/// Stable poses of a body with these `points` and this centre of mass, the likeliest first. Their probabilities sum to 1.
 ///
-/// The quasi-static method (Goldberg et al. 1999, "Part pose statistics: estimators and experiments", whole; Boothroyd
-/// et al. 1972, "Statistical distributions of natural resting aspects of parts for automatic handling", whole): a
-/// dropped body first meets the ground with the face of its convex hull through which the vertical from its centre of
-/// mass runs, so with a probability of that face's solid angle over 4π.
-/// 1. The faces of the hull: facets in one plane are one face.
-/// 2. The solid angle of each, seen from the centre of mass.
-/// 3. A face whose plane meets the vertical from the centre of mass outside of it does not hold the body: it
-///    rolls over the edge that the vertical is farthest beyond, and lies lower than before, until a face
-///    holds.
+/// Quasi-static method (Goldberg et al. 1999, "Part pose statistics: estimators and experiments", whole; Boothroyd et al.
+/// 1972, "Statistical distributions of natural resting aspects of parts for automatic handling", whole): a dropped body
+/// first meets the ground with the face of its convex hull that the vertical through its centre of mass crosses. The
+/// probability of a face is its solid angle over 4π.
+/// 1. Finds the faces of the hull: coplanar facets are one face.
+/// 2. Computes the solid angle of each, seen from the centre of mass.
+/// 3. A face does not hold the body if the vertical from the centre of mass meets its plane outside the face. The body
+///    then rolls over the edge that the vertical is farthest beyond, and lies lower than before, until a face holds it.
 ///
 /// # Errors
 /// [`ShapeError::FlatHull`], [`ShapeError::NotFinite`], or [`ShapeError::CenterOutside`] for a centre of mass
@@ -53,7 +51,7 @@ pub fn stable_poses(points: &[Point], center: &Point) -> Result<Vec<StablePose>,
     let mut probability = vec![0.0; share.len()];
     for (first, share) in share.iter().enumerate() {
         let mut face = first;
-        // Each roll lowers the centre of mass, so none is done twice; rounding alone could go in a circle.
+        // Each roll lowers the centre of mass, so no face repeats; the limit guards against a cycle by rounding.
         for _ in 0..next.len() {
             match next[face] {
                 Some(lower) => face = lower,
@@ -78,15 +76,15 @@ pub fn stable_poses(points: &[Point], center: &Point) -> Result<Vec<StablePose>,
 /// The faces of a convex hull.
 struct Faces {
     of_triangle: Vec<usize>,
-    /// Unit normals, outwards, and how far each plane is from the origin along them, in metres.
+    /// Unit normals, outwards; `heights` are the distances of the planes from the origin along them, in metres.
     normals: Vec<Vector>,
     heights: Vec<f64>,
-    /// The edges of each face, by corner indices, counterclockwise from outside, with the face beyond.
+    /// Edges of each face, as corner indices counterclockwise from outside, with the face beyond.
     edges: Vec<Vec<([u32; 2], usize)>>,
 }
 
-/// Facets whose normals differ by less than this angle are one face, in radians: a flat side read from a file
-/// in single precision has facets that differ by 1e-5.
+/// Angle between normals below which facets are one face, in radians. The facets of a flat side read from a file in
+/// single precision differ by 1e-5.
 const ONE_PLANE_RAD: f64 = 1e-4;
 
 impl Faces {
@@ -103,7 +101,7 @@ impl Faces {
             let [a, b, c] = hull.corners(triangle);
             (b - a).cross(&(c - a)).norm()
         };
-        // From the largest facet down, so that the plane of a face is that of its best known facet.
+        // From the largest facet down, so that the plane of a face is that of its most accurate facet.
         let mut order: Vec<usize> = (0..count).collect();
         order.sort_by(|&a, &b| area(b).total_cmp(&area(a)).then(a.cmp(&b)));
         let mut faces =
@@ -148,19 +146,19 @@ impl Faces {
         faces
     }
 
-    /// The face onto which a body that stands on `face` rolls; `None` if it stays.
+    /// Face onto which a body that stands on `face` rolls; `None` if it stays.
     fn rolls_to(&self, hull: &TriangleSoup, face: usize, center: &Point) -> Option<usize> {
         (self.beyond(hull, face, center)).filter(|farthest| farthest.0 > 0.0).map(|farthest| farthest.1)
     }
 
-    /// Least angle, in radians, by which a body that stays on `face` must be tilted to roll over an edge of it.
+    /// Minimum angle, in radians, by which a body that stays on `face` must be tilted to roll over an edge of it.
     fn tilt_rad(&self, hull: &TriangleSoup, face: usize, center: &Point) -> f64 {
         let height_m = self.heights[face] - self.normals[face].dot(&center.coords);
         self.beyond(hull, face, center).map_or(0.0, |(beyond_m, _)| libm::atan2(-beyond_m, height_m))
     }
 
-    /// Distance (m) by which the vertical from the centre of mass is beyond the edge that it is farthest beyond, negative
-    /// within the face, and the face on the other side of that edge.
+    /// Distance (m) of the vertical from the centre of mass beyond the edge that it is farthest beyond, negative within
+    /// the face, and the face on the other side of that edge.
     fn beyond(&self, hull: &TriangleSoup, face: usize, center: &Point) -> Option<(f64, usize)> {
         let normal = self.normals[face];
         let beyond = |ends: &[u32; 2]| {

@@ -3,7 +3,7 @@ use cranny_spatial::{Rotation, Vector};
 
 use crate::{ShapeError, TriangleSoup, VolumeMoments};
 
-/// Spread of everything that closed surfaces enclose, however they overlap.
+/// Moments of the union of closed surfaces, which may overlap.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UnionMoments {
     /// Volume, centre of mass and inertia.
@@ -12,20 +12,20 @@ pub struct UnionMoments {
     pub error_m: f64,
 }
 
-/// Lines in each of two directions by which shared volume is measured.
+/// Number of lines in each of two directions that measure shared volume.
 const LINES: u32 = 256;
-/// Error of the centre by that, as a share of the greatest extent; a 20th of it was found
+/// Error of the centre from these lines, as a share of the greatest extent; the test found a 20th of it
 /// (`the_centre_of_overlapping_boxes_is_that_of_their_union`).
 const ERROR_SHARE: f64 = 5e-4;
-/// Directions of the lines: along no face that anybody models, so that lines are spread over each.
+/// Rotation of the lines, in radians: along no face of a usual model, so that lines spread over each face.
 const TURN_RAD: [f64; 3] = [0.611_8, 0.382_7, 0.916_3];
 
 impl UnionMoments {
-    /// Of surfaces with normals outwards, and inwards around cavities.
+    /// Moments of surfaces with normals outwards, and inwards around cavities.
     ///
-    /// The moments of [`VolumeMoments::of_mesh`], in which shared volume counts for each surface around it, less what counts
-    /// too much. That is integrated along parallel lines, exactly along each: a point counts so often as the surfaces wind
-    /// around it. Where no line meets shared volume the centre is exact.
+    /// Subtracts the surplus of shared volume from the moments of [`VolumeMoments::of_mesh`], in which it counts once per
+    /// surface around it. Integrates the surplus along parallel lines, exactly along each: a point counts as often as the
+    /// surfaces wind around it. The centre is exact if no line meets shared volume.
     ///
     /// # Errors
     /// Those of [`VolumeMoments::of_mesh`].
@@ -33,7 +33,7 @@ impl UnionMoments {
         let all = VolumeMoments::of_mesh(soup)?;
         let [roll, pitch, yaw] = TURN_RAD;
         let turn = Rotation::from_euler_angles(roll, pitch, yaw);
-        // About the centre, so that sums do not cancel where the mesh lies far from the origin.
+        // Coordinates are about the centre, so that sums do not cancel far from the origin.
         let points: Vec<Vector> = soup.vertices.iter().map(|vertex| turn * (vertex - all.center)).collect();
         let used = || soup.triangles.iter().flatten().map(|vertex| points[*vertex as usize]);
         let start = points[soup.triangles[0][0] as usize];
@@ -66,7 +66,7 @@ impl UnionMoments {
         if excess_m3 < NOTHING * all.volume_m3 {
             return Ok(Self { moments: all, error_m: 0.0 });
         }
-        // About the centre of all, along the turned axes.
+        // These sums are about the common centre, along the rotated axes.
         let to_own = turn.inverse().to_rotation_matrix();
         let volume_m3 = all.volume_m3 - excess_m3;
         let shift = to_own * (-first / volume_m3);
@@ -82,20 +82,20 @@ impl UnionMoments {
     }
 }
 
-/// Shared volume of a smaller share is none: rounding.
+/// Share of the volume below which shared volume is rounding.
 const NOTHING: f64 = 1e-9;
 
-/// Parallel lines along z through the middles of the cells of a grid.
+/// Parallel lines along z through the centres of the cells of a grid.
 struct Lines {
     low: Vector,
     step: Vector,
 }
 
-/// Where a line goes through a surface.
+/// Intersection of a line with a surface.
 struct Crossing {
     line: u32,
     z: f64,
-    /// 1 into what it encloses, -1 out of it.
+    /// 1 where the line enters the enclosed volume, −1 where it leaves.
     winding: i32,
 }
 
@@ -108,7 +108,7 @@ impl Lines {
         [self.coordinate(0, line % LINES), self.coordinate(1, line / LINES)]
     }
 
-    /// The lines whose coordinate along an axis may lie in a range.
+    /// Lines whose coordinate along an axis may lie in a range.
     fn range(&self, axis: usize, low: f64, high: f64) -> std::ops::Range<u32> {
         #[expect(
             clippy::cast_possible_truncation,
@@ -144,7 +144,7 @@ impl Lines {
     }
 }
 
-/// Whether a point lies left of an edge, seen along z: of the same edge the other way round, always the opposite.
+/// Returns true if a point lies left of an edge, seen along z. The reversed edge always gives the opposite.
 fn is_left(from: Vector, to: Vector, [x, y]: [f64; 2]) -> bool {
     let turn = |from: Vector, to: Vector| (to.x - from.x) * (y - from.y) - (to.y - from.y) * (x - from.x);
     if (from.x, from.y) < (to.x, to.y) { turn(from, to) >= 0.0 } else { turn(to, from) < 0.0 }
@@ -166,7 +166,7 @@ mod tests {
         soup
     }
 
-    /// Volume, centre and trace of the inertia for 1 kg, by the cells between all of their faces.
+    /// Volume, centre and trace of the inertia for 1 kg, summed over the cells between all faces.
     fn of_boxes(of: &[([f64; 3], [f64; 3])]) -> (f64, Vector, f64) {
         let cuts = [0, 1, 2].map(|axis| {
             let mut cuts: Vec<f64> =
@@ -222,7 +222,7 @@ mod tests {
         let beside = ([0.3, 0.0, 0.0], [0.1, 0.02, 0.015]);
         let apart = UnionMoments::of_mesh(&boxes(&[plate, beside])).unwrap();
         assert!((apart.moments.center.x - 0.15).abs() < 1e-12 && apart.error_m == 0.0, "{apart:?}");
-        // Face to face.
+        // The boxes touch face to face.
         let touching = ([0.2, 0.0, 0.0], [0.1, 0.02, 0.015]);
         let touching = UnionMoments::of_mesh(&boxes(&[plate, touching])).unwrap();
         assert!((touching.moments.center.x - 0.1).abs() < 1e-9 && touching.error_m == 0.0, "{touching:?}");

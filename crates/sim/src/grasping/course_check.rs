@@ -4,10 +4,10 @@ use cranny_grasp::Course;
 
 use crate::SimError;
 
-/// Checks that the figures of a course are in their ranges.
+/// Checks that the parameters of a course are within their ranges.
 ///
 /// # Errors
-/// [`SimError::Figure`] for one that is out of its range.
+/// [`SimError::Figure`] for a parameter that is out of range.
 pub(crate) fn check_course(course: &Course) -> Result<(), SimError> {
     for (figure, value, range, (least, greatest)) in [
         ("closing speed", course.closing_speed, "from 0.001 to 1 m/s", (0.001, 1.0)),

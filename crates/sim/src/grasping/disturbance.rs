@@ -1,21 +1,21 @@
 use cranny_spatial::{Pose, Rotation, Stream, Vector};
 
-/// By how much a grasp and what is grasped differ from what was thought.
+/// Deviation of a grasp and its object from their models.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disturbance {
-    /// Where the hand is, in the gripper frame of the grasp: an error in where the object is.
+    /// Pose of the hand in the gripper frame of the grasp: equivalent to an error of the object pose.
     pub grasp_from_hand: Pose,
-    /// Factors on the friction, the mass and the closing force.
+    /// Factor on the friction.
     pub friction: f64,
-    /// See above.
+    /// Factor on the mass.
     pub mass: f64,
-    /// See above.
+    /// Factor on the closing force.
     pub closing_force: f64,
 }
 
 impl Disturbance {
-    /// Errors under which a plan is executed, drawn from a seed: of the hand 2 mm along and 2° about each axis, of the
-    /// friction 30 %, of the mass 20 %, each uniform.
+    /// Draws the errors of an executed plan from a seed: of the hand 2 mm along and 2° about each axis, of the friction 30 %,
+    /// of the mass 20 %, each uniform.
     pub fn of_execution(seed: u64) -> Self {
         let wrong = Uncertainty {
             position_m: 0.002,
@@ -29,24 +29,24 @@ impl Disturbance {
 }
 
 impl Default for Disturbance {
-    /// None.
+    /// No disturbance.
     fn default() -> Self {
         Self { grasp_from_hand: Pose::identity(), friction: 1.0, mass: 1.0, closing_force: 1.0 }
     }
 }
 
-/// How much may be wrong: the half-widths of uniform distributions.
+/// Uncertainty of a grasp: half-widths of uniform distributions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Uncertainty {
-    /// Of the hand along each axis, in metres.
+    /// Translation of the hand along each axis, in metres.
     pub position_m: f64,
-    /// About each axis, in radians.
+    /// Rotation of the hand about each axis, in radians.
     pub rotation_rad: f64,
-    /// Of the friction, as a share of it, in [0, 1).
+    /// Relative error of the friction, in [0, 1).
     pub friction: f64,
-    /// Of the mass, as a share of it, in [0, 1).
+    /// Relative error of the mass, in [0, 1).
     pub mass: f64,
-    /// Of the closing force, as a share of it, in [0, 1).
+    /// Relative error of the closing force, in [0, 1).
     pub closing_force: f64,
 }
 
@@ -63,9 +63,9 @@ impl Default for Uncertainty {
 }
 
 impl Uncertainty {
-    /// `count` disturbances: a Latin hypercube (`McKay`, Beckman & Conover 1979, "A comparison of three methods for
-    /// selecting values of input variables in the analysis of output from a computer code", whole), which has one value
-    /// in each of `count` equal parts of every range. The same seed gives the same ones, for all grasps alike.
+    /// Draws `count` disturbances as a Latin hypercube (`McKay`, Beckman & Conover 1979, "A comparison of three methods for
+    /// selecting values of input variables in the analysis of output from a computer code", whole): one value in each of
+    /// `count` equal intervals of every range. They depend only on the seed, so all grasps get the same ones.
     pub fn design(&self, count: usize, seed: u64) -> Vec<Disturbance> {
         let mut random = Stream::new(seed, 0);
         let columns: Vec<Vec<f64>> = (0..9).map(|_| column(count, &mut random)).collect();
@@ -85,7 +85,7 @@ impl Uncertainty {
     }
 }
 
-/// One value in (−1, 1) from each of `count` equal parts, in random order.
+/// Draws one value in (−1, 1) from each of `count` equal intervals, in random order.
 fn column(count: usize, random: &mut Stream) -> Vec<f64> {
     let mut values: Vec<f64> =
         (0..count).map(|part| 2.0 * (part as f64 + random.uniform()) / count as f64 - 1.0).collect();

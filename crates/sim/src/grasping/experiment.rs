@@ -8,62 +8,62 @@ use crate::grasping::grasp_trial::{BLOCKED_M, CLOSED_SHARE, CLOSING_GRACE_S, LOS
 use crate::object_model::STILL_M_PER_S;
 use crate::{GraspTest, grasping::mjcf};
 
-/// A test and its grasps as one document: what another engine needs to repeat it (`cranny.mujoco_grasps` in Python
-/// does). Every figure that a run is judged by stands in it.
+/// Test with its grasps as one document, complete for another engine to repeat it (`cranny.mujoco_grasps` in Python does). It
+/// contains every parameter of the verdict.
 #[derive(Clone, Debug, Serialize)]
 pub struct Experiment {
-    /// What the object is called.
+    /// Name of the object.
     pub object: String,
-    /// The model, [`GraspTest::mjcf`].
+    /// MJCF model, [`GraspTest::mjcf`].
     pub mjcf: String,
-    /// A step of the drive of the fingers, in seconds.
+    /// Time step of the finger drive, in seconds.
     pub step_s: f64,
-    /// How many steps of the model make one of the drive.
+    /// Number of model steps per step of the drive.
     pub model_steps: usize,
-    /// Downwards, in m/s².
+    /// Gravitational acceleration, downwards, in m/s².
     pub gravity: f64,
-    /// Whether anything carries the object. Where nothing does, there is no gravity until the hand has closed.
+    /// True if anything supports the object. Otherwise there is no gravity until the hand has closed.
     pub is_carried: bool,
-    /// Where the object rests, in the planning frame.
+    /// Resting pose of the object, in the planning frame.
     pub world_from_object: ExperimentPose,
-    /// The object's centre of mass, in its frame, in metres.
+    /// Centre of mass in the frame of the object, in metres.
     pub center_in_object: [f64; 3],
-    /// Turns that leave the surface of the object where it is: they do not count.
+    /// Symmetry rotations of the object, which do not count as slip.
     pub unseen_turns: UnseenTurns,
-    /// What each finger presses with, in newtons.
+    /// Maximum force of each finger, in newtons.
     pub closing_force_n: f64,
-    /// With what the drive follows, in N/m.
+    /// Stiffness of the drive, in N/m.
     pub drive_stiffness: f64,
-    /// How far each finger closes, in metres.
+    /// Stroke of each finger, in metres.
     pub strokes_m: Vec<f64>,
-    /// What the hand does, and what counts as slipped.
+    /// Motion of the hand, and limits of slip.
     pub course: Course,
-    /// An open hand that is deeper than this in the object, or with a finger in what stands around, begins no grasp, in
-    /// metres.
+    /// Penetration depth above which an open hand, in the object or with a finger in the surroundings, does not begin a grasp,
+    /// in metres.
     pub blocked_m: f64,
-    /// What the fingers get beyond the time that their stroke takes, in seconds.
+    /// Additional time of the fingers beyond that of their stroke, in seconds.
     pub closing_grace_s: f64,
-    /// The share of its stroke before the end from which on a hand counts as closed on nothing.
+    /// Share of the stroke before its end from which a hand counts as closed on nothing.
     pub closed_share: f64,
-    /// What is slower is still, in m/s.
+    /// Speed below which a body counts as still, in m/s.
     pub still_speed: f64,
-    /// For how long, in seconds.
+    /// Duration for which it must be still, in seconds.
     pub still_s: f64,
-    /// An object this far from where it was in the hand is dropped, in metres.
+    /// Displacement in the hand above which an object is dropped, in metres.
     pub lost_m: f64,
-    /// The gripper at each grasp, in the planning frame.
+    /// Pose of the gripper at each grasp, in the planning frame.
     pub grasps: Vec<ExperimentPose>,
 }
 
-/// Turns that leave the surface of an object where it is.
+/// Symmetry rotations that map the surface of an object onto itself.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum UnseenTurns {
-    /// None.
+    /// No rotation.
     None,
-    /// Those about an axis, a unit vector in the frame of the object.
+    /// Rotations about an axis, a unit vector in the frame of the object.
     About([f64; 3]),
-    /// All.
+    /// All rotations.
     All,
 }
 
@@ -77,12 +77,12 @@ impl From<Roundness> for UnseenTurns {
     }
 }
 
-/// A pose in an [`Experiment`].
+/// Pose in an [`Experiment`].
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct ExperimentPose {
-    /// In metres.
+    /// Position, in metres.
     pub position: [f64; 3],
-    /// Of unit length.
+    /// Unit quaternion (x, y, z, w).
     pub quaternion_xyzw: [f64; 4],
 }
 
@@ -93,7 +93,7 @@ impl From<&Pose> for ExperimentPose {
 }
 
 impl GraspTest {
-    /// The test as a document for another engine, with these grasps: poses of the gripper in the planning frame.
+    /// Exports the test for another engine, with these grasps: poses of the gripper in the planning frame.
     pub fn experiment(&self, grasps: &[Pose]) -> Experiment {
         Experiment {
             object: self.object.name.clone(),

@@ -7,11 +7,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::{Disturbance, GraspOutcome, GraspRun, GraspTest, Physics, SimError, Uncertainty};
 
-/// What came of one of many grasps. The names of the fields are those of files and tables.
+/// Result of one grasp of a set. The field names are those of files and tables.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GraspRow {
-    /// Which grasp, from 0.
+    /// Index of the grasp, from 0.
     pub grasp: usize,
     /// See [`GraspRun`].
     pub outcome: GraspOutcome,
@@ -23,22 +23,22 @@ pub struct GraspRow {
     pub held_s: f64,
     /// See [`GraspRun`].
     pub contact_force_n: f64,
-    /// The geometric score, if the grasp has one.
+    /// Geometric score, if the grasp has one.
     pub score: Option<f64>,
-    /// Its load, as computed, where the hand has two flat pads.
+    /// Computed load, for a hand with two flat pads.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub load: Option<Load>,
-    /// How it does when everything is a little wrong, if that was tried.
+    /// Robust score under small disturbances, if computed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub robust: Option<RobustScore>,
 }
 
 impl GraspTest {
-    /// The target of a scenario, with everything around it or only what it stands on. Mass and friction as
-    /// [`Scenario::target_object`] has them.
+    /// Creates a test of the target of a scenario, with all surrounding bodies or only its supports. Mass and friction are
+    /// those of [`Scenario::target_object`].
     ///
     /// # Errors
-    /// [`SimError::NoTarget`], [`SimError::Scenario`] for a target that nobody has weighed, and those of [`Self::new`].
+    /// [`SimError::NoTarget`], [`SimError::Scenario`] for a target of unknown mass, and those of [`Self::new`].
     pub fn of_scenario(
         scenario: &Scenario,
         hand: &Hand,
@@ -61,7 +61,7 @@ impl GraspTest {
         Self::new(hand, &object, world_from_object, &around, physics, Course::default())
     }
 
-    /// An object in one of its stable poses on level ground at z = 0, or afloat in its own frame.
+    /// Creates a test of an object in one of its stable poses on level ground at z = 0, or floating in its own frame.
     ///
     /// # Errors
     /// [`SimError::NoPose`], and those of [`Self::new`].
@@ -80,17 +80,16 @@ impl GraspTest {
         Self::new(hand, object, world_from_object, &around, Physics::default(), Course::default())
     }
 
-    /// The load of a grasp whose gripper frame is at a pose in the planning frame; `None` for a hand without two flat
+    /// Returns the load of a grasp whose gripper frame is at a pose in the planning frame; `None` for a hand without two flat
     /// pads.
     pub fn load_of(&self, world_from_gripper: &Pose) -> Option<Load> {
         let object_from_gripper = self.world_from_object().inverse() * world_from_gripper;
         self.load.as_ref().map(|measure| measure.of(&object_from_gripper))
     }
 
-    /// Tries the `chosen` of these grasps, whose poses are in the planning frame: each as it is, and in `trials` more,
-    /// which are the same for all grasps, with everything a little wrong ([`Uncertainty::design`]). `on_done` hears of
-    /// each of the (1 + trials) · chosen runs; once `stop` says so, no more are begun, and grasps without all of their
-    /// runs have no row.
+    /// Runs the `chosen` of these grasps, whose poses are in the planning frame: each undisturbed, and in `trials` further runs
+    /// with small disturbances that are the same for all grasps ([`Uncertainty::design`]). `on_done` is called after each of
+    /// the (1 + trials) · chosen runs. Once `stop` returns true, no further run begins; incomplete grasps have no row.
     pub fn rows(
         &self,
         grasps: &[Grasp],

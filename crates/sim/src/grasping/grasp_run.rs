@@ -4,53 +4,52 @@ use strum::IntoStaticStr;
 
 use crate::Recording;
 
-/// How a grasp ended.
+/// Outcome of a grasp.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, IntoStaticStr)]
 #[serde(rename_all = "kebab-case")]
 #[strum(serialize_all = "kebab-case")]
 pub enum GraspOutcome {
-    /// At the end the object is in the hand where it was when the hand had closed.
+    /// The object stays in the hand at the pose of the closing.
     Held,
-    /// It is in the hand, but elsewhere in it.
+    /// The object is in the hand, but has slipped beyond the limits.
     Slipped,
-    /// No finger touches it any more.
+    /// No finger touches the object any more.
     Dropped,
-    /// The fingers found nothing to press on, and the object is where it was; or one stood in what is around from the
-    /// beginning.
+    /// The fingers closed on nothing and the object has not moved, or a finger was in the surroundings from the beginning.
     NeverClosed,
-    /// They found nothing, and have pushed the object away; or the open hand stood in it from the beginning.
+    /// The fingers closed on nothing and pushed the object away, or the open hand was in the object from the beginning.
     KnockedAway,
 }
 
 impl GraspOutcome {
-    /// What files call it.
+    /// Name in files.
     pub fn name(self) -> &'static str {
         self.into()
     }
 }
 
-/// What came of a grasp.
+/// Result of a grasp.
 #[derive(Clone, Debug)]
 pub struct GraspRun {
-    /// How it ended.
+    /// Outcome.
     pub outcome: GraspOutcome,
-    /// How far the object's centre of mass is from where it was in the hand when that had closed, in metres; where it
-    /// never closed, from where it was in the world.
+    /// Displacement of the object's centre of mass in the hand since the closing, in metres; if the hand never closed, its
+    /// displacement in the world.
     pub translation_error_m: f64,
-    /// How far it is turned against that, in radians.
+    /// Rotation of the object relative to the same reference, in radians.
     pub rotation_error_rad: f64,
-    /// From the closing to the first moment when the object was elsewhere in the hand; to the end if there is none.
+    /// Time from the closing to the first slip beyond the limits, or to the end, in seconds.
     pub held_s: f64,
-    /// With what a finger pressed when the hand had closed, in newtons: the mean of the fingers.
+    /// Mean force of the fingers on the object after the closing, in newtons.
     pub contact_force_n: f64,
-    /// Where the object ended, in the planning frame.
+    /// Final pose of the object, in the planning frame.
     pub world_from_object: Pose,
-    /// True if a finger touches it there.
+    /// True if a finger touches the object at the end.
     pub is_in_hand: bool,
     /// Pose of the object when the hand opened again to release it, in the planning frame; `None` if it did not.
     pub world_from_released: Option<Pose>,
-    /// What was simulated, in seconds.
+    /// Simulated time, in seconds.
     pub simulated_s: f64,
-    /// What moved where, if that was asked for.
+    /// Recorded motions, if requested.
     pub recording: Option<Recording>,
 }

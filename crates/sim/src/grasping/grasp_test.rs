@@ -9,35 +9,35 @@ use crate::gripper::HandModel;
 use crate::object_model::{ObjectModel, come_to_rest};
 use crate::{Disturbance, Physics, Piece, SimError, engine};
 
-/// A hand, an object and what stands around it: everything that the tests of its grasps have in common.
+/// Common setup of the tests of grasps: a hand, an object and its surroundings.
 ///
 /// A test has these steps:
-/// 1. The object comes to rest where it stands, without the hand; where nothing carries it, it floats until the hand has
-///    closed.
-/// 2. The open hand is at the grasp, more than 1 mm deep in nothing (a grasp without such a place ends here), and closes: with its closing force at most, until the fingers are still.
-/// 3. It takes its [`Course`] with the object, palm first: what stands around stops fingers and object, not the palm.
-/// 4. The outcome is what is then in the hand.
+/// 1. The object comes to rest without the hand; without a support, it floats until the hand has closed.
+/// 2. The open hand starts at the grasp, unless it would penetrate anything by more than 1 mm, which ends the test. It closes
+///    with at most its closing force, until the fingers are still.
+/// 3. The hand follows its [`Course`] with the object, driven at the palm. Surroundings stop fingers and object, not the palm.
+/// 4. The outcome depends on the object in the hand at the end.
 #[derive(Clone, Debug)]
 pub struct GraspTest {
     pub(crate) hand: HandModel,
     pub(crate) object: ObjectModel,
     bodies: Vec<Body>,
-    /// Those of the bodies.
+    /// Convex pieces of the bodies.
     pub(crate) surroundings: Vec<Piece>,
     surroundings_colliders: Vec<Collider>,
     world_from_object: Pose,
     pub(crate) physics: Physics,
     pub(crate) course: Course,
-    /// The measure of loads, in the frame of the object; none for a hand without two flat pads.
+    /// Load measure, in the frame of the object; `None` for a hand without two flat pads.
     pub(crate) load: Option<LoadMeasure>,
 }
 
 impl GraspTest {
-    /// The object at a pose in the planning frame, whose z points up, among `surroundings`; the object comes to rest.
+    /// Creates a test of an object at a pose in the planning frame, with z up, among `surroundings`; the object comes to rest.
     ///
     /// # Errors
     /// [`SimError::NoFingers`], [`SimError::NoStroke`] and [`SimError::ClosingForce`] for a hand that cannot close,
-    /// [`SimError::Shape`] for a shape without volume, [`SimError::Figure`] for constants out of their range.
+    /// [`SimError::Shape`] for a shape without volume, [`SimError::Figure`] for parameters out of range.
     pub fn new(
         hand: &Hand,
         object: &ObjectType,
@@ -81,22 +81,22 @@ impl GraspTest {
         Ok(test)
     }
 
-    /// Where the object rests, in the planning frame.
+    /// Resting pose of the object, in the planning frame.
     pub fn world_from_object(&self) -> &Pose {
         &self.world_from_object
     }
 
-    /// What stands around, in the planning frame.
+    /// Surrounding bodies, in the planning frame.
     pub fn surroundings(&self) -> &[Body] {
         &self.bodies
     }
 
-    /// Whether anything can carry the object.
+    /// Returns true if anything can support the object.
     pub(crate) fn is_carried(&self) -> bool {
         !self.surroundings.is_empty()
     }
 
-    /// A world with surroundings and object.
+    /// Creates a world with surroundings and object.
     pub(crate) fn world(&self, disturbance: &Disturbance) -> (PhysicsWorld, RigidBodyHandle) {
         let mut world = engine::world(&self.physics);
         for collider in &self.surroundings_colliders {
@@ -106,7 +106,7 @@ impl GraspTest {
         (world, object)
     }
 
-    /// Lets the object come to rest, if anything can carry it.
+    /// Lets the object come to rest if anything can support it.
     fn settle(&mut self) {
         if !self.is_carried() {
             return;
@@ -120,16 +120,16 @@ impl GraspTest {
     }
 }
 
-/// An object that lies is still within this time, in seconds.
+/// Time within which a supported object comes to rest, in seconds.
 const SETTLING_S: f64 = 2.0;
 
-/// Damping while an object settles, in 1/s, as if in oil: one that is put down a hair too high does not wander off.
+/// Damping while an object settles, in 1/s, as if in oil: an object placed slightly too high does not drift.
 const SETTLING_DAMPING: f64 = 20.0;
 
-/// What has not moved for so long is at rest, in seconds.
+/// Duration without motion after which a body is at rest, in seconds.
 pub(crate) const STILL_S: f64 = 0.04;
 
-/// Steps of a time, rounded.
+/// Returns the number of steps of a time, rounded.
 pub(crate) fn whole_steps(time_s: f64, step_s: f64) -> u32 {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most 60 s of 1 µs")]
     let steps = (time_s / step_s).round() as u32;

@@ -9,30 +9,29 @@ use crate::object_model::STILL_M_PER_S;
 use crate::rolling::Rolling;
 use crate::{Disturbance, GraspOutcome, GraspRun, GraspTest, Piece, RecordedBody, Recording, engine};
 
-/// What the fingers get beyond the time that their stroke takes, in seconds: to push a heavy object along.
+/// Additional time of the fingers beyond that of their stroke, in seconds: for pushing a heavy object.
 pub(crate) const CLOSING_GRACE_S: f64 = 0.5;
 
-/// The share of its stroke before the end from which on a hand counts as closed on nothing.
+/// Share of the stroke before its end from which a hand counts as closed on nothing.
 pub(crate) const CLOSED_SHARE: f64 = 1e-3;
 
-/// An object this far from where it was in the hand does not come back, in metres: fingers hold what they touch.
+/// Displacement in the hand from which an object cannot return, in metres: fingers hold only what they touch.
 pub(crate) const LOST_M: f64 = 0.15;
 
-/// An open hand that is deeper than this in the object, or with a finger in what stands around, is where none can be: no
-/// grasp begins there, in metres. What overlaps, engines drive apart, each in its own way.
+/// Penetration depth above which an open hand, in the object or with a finger in the surroundings, does not begin a grasp, in
+/// metres. Each engine would resolve the overlap differently.
 pub(crate) const BLOCKED_M: f64 = 0.001;
 
-/// Between two moments of a recording, in seconds.
+/// Interval of a recording, in seconds.
 const RECORDED_EVERY_S: f64 = 0.02;
 
-/// What is done with a hand for so long, in seconds; `advance` hears of each step before it is made, with the time at its
-/// end.
+/// Motion of a hand with its duration, in seconds. `advance` is called before each step, with the time at the end of the step.
 pub(crate) struct Move<'f, 'a> {
     pub duration_s: f64,
     pub advance: &'f mut dyn FnMut(&mut GraspTrial<'a>, f64),
 }
 
-/// A grasp under test.
+/// Simulation of one grasp.
 pub(crate) struct GraspTrial<'a> {
     pub test: &'a GraspTest,
     pub world: PhysicsWorld,
@@ -40,19 +39,19 @@ pub(crate) struct GraspTrial<'a> {
     pub object: RigidBodyHandle,
     rolling: Rolling,
     steps: u32,
-    /// Of these, before the hand began to close.
+    /// Number of these steps before the hand began to close.
     steps_open: u32,
-    /// Once the hand opens again: after which step, and how far its fingers had closed, in metres.
+    /// Step at which the hand begins to open again, and closing of its fingers at that step, in metres.
     opens_from: Option<(u32, f64)>,
-    /// Pose of the object at that time.
+    /// Pose of the object at that step, in the planning frame.
     world_from_released: Option<Pose>,
     recording: Option<Recording>,
-    /// What the recording has, besides object and hand.
+    /// Recorded bodies besides object and hand.
     recorded: Vec<RigidBodyHandle>,
 }
 
 impl<'a> GraspTrial<'a> {
-    /// The open hand at a grasp.
+    /// Creates a trial with the open hand at a grasp.
     pub fn new(
         test: &'a GraspTest,
         world_from_hand: &Pose,
@@ -66,7 +65,7 @@ impl<'a> GraspTrial<'a> {
         Self::with(test, world, gripper, (object, rolling), is_recorded.then(Vec::new))
     }
 
-    /// Of a hand and an object in a world. `recorded`: what else moves and is to be seen, if anything is recorded.
+    /// Creates a trial of a hand and an object in a world. `recorded`: further moving bodies, if the trial is recorded.
     pub fn with(
         test: &'a GraspTest,
         world: PhysicsWorld,
@@ -106,10 +105,10 @@ impl<'a> GraspTrial<'a> {
         trial
     }
 
-    /// Closes the hand and, if it holds anything, takes the course of the test.
+    /// Closes the hand and, if it holds the object, follows the course of the test.
     pub fn run(self, world_from_hand: &Pose) -> GraspRun {
         if world_from_hand.translation.vector.amax() > FARTHEST_M {
-            // Farther away than anything can be, and than the engine can count.
+            // Such a grasp is beyond any scene and beyond the number range of the engine.
             return self.ended(GraspOutcome::NeverClosed, (0.0, 0.0), 0.0, 0.0);
         }
         if let Some(outcome) = self.blocked() {
@@ -123,8 +122,8 @@ impl<'a> GraspTrial<'a> {
         self.grasp(Move { duration_s: course.duration_s(), advance: &mut advance }, None)
     }
 
-    /// How a grasp ends at which the open hand stands in something: it has pushed the object away on its way there, or
-    /// cannot close there.
+    /// Returns the outcome of a grasp whose open hand penetrates something: it has pushed the object away during the approach,
+    /// or cannot close there.
     fn blocked(&self) -> Option<GraspOutcome> {
         let world = &self.world;
         let of_body = |body: RigidBodyHandle| {
@@ -141,7 +140,7 @@ impl<'a> GraspTrial<'a> {
         fingers().any(|own| around().any(|other| is_in(own, other))).then_some(GraspOutcome::NeverClosed)
     }
 
-    /// Closes the hand and, if it holds anything, has it moved; if that is then in the hand yet, it may open and move on.
+    /// Closes the hand and, if it holds the object, moves it; if it still holds it then, the hand may open and move on.
     pub fn grasp(mut self, held: Move<'_, 'a>, released: Option<Move<'_, 'a>>) -> GraspRun {
         let gravity = self.world.gravity;
         if !self.test.is_carried() {
@@ -168,7 +167,7 @@ impl<'a> GraspTrial<'a> {
         f64::from(self.steps) * self.test.physics.step_s
     }
 
-    /// Since the hand began to close.
+    /// Time since the hand began to close, in seconds.
     fn closing_s(&self) -> f64 {
         f64::from(self.steps - self.steps_open) * self.test.physics.step_s
     }
@@ -181,7 +180,7 @@ impl<'a> GraspTrial<'a> {
         engine::to_pose(self.world.bodies[self.gripper.palm].position()).inverse() * self.world_from_object()
     }
 
-    /// One step with the hand open.
+    /// Advances by one step with the hand open.
     pub fn step_open(&mut self) {
         self.steps_open = self.steps;
         self.step();
@@ -204,8 +203,7 @@ impl<'a> GraspTrial<'a> {
         self.record();
     }
 
-    /// Closes the hand. With what the fingers press while they are still, in newtons, the mean; `None` if not all of them
-    /// touch the object.
+    /// Closes the hand. Returns the mean force of the fingers at rest, in newtons; `None` if not all of them touch the object.
     fn close(&mut self) -> Option<f64> {
         let test = self.test;
         let stroke_m = test.hand.fingers.iter().map(|finger| finger.stroke_m).fold(0.0, f64::max);
@@ -221,8 +219,8 @@ impl<'a> GraspTrial<'a> {
                 return None;
             }
             let pressures = self.gripper.pressures(&self.world, self.object);
-            // Full force, and no way any more. A contact that changes its corners from step to step makes the fingers
-            // tremble: faster than what is still, but within a few micrometres.
+            // The drive has full force and the fingers rest. A contact that changes its corners from step to step makes them
+            // vibrate: faster than the limit of rest, but within a few micrometres.
             let has_moved = ((share - still_share) * stroke_m).abs() > STILL_M_PER_S * STILL_S;
             let pressure_n: Option<f64> = pressures.iter().copied().sum();
             let Some(sum_n) = pressure_n.filter(|_| !has_moved && self.closing_s() > lead_s) else {
@@ -230,7 +228,7 @@ impl<'a> GraspTrial<'a> {
                 continue;
             };
             still_steps += 1;
-            // While its lead grows, the drive has not its whole force.
+            // The drive does not have its full force while its lead grows.
             if still_steps > lead_steps {
                 pressed_n += sum_n / pressures.len() as f64;
             }
@@ -241,7 +239,7 @@ impl<'a> GraspTrial<'a> {
         None
     }
 
-    /// Moves the hand with what it has closed on.
+    /// Moves the hand with the held object.
     fn carry(
         mut self,
         Move { duration_s, advance }: Move<'_, 'a>,
@@ -277,12 +275,12 @@ impl<'a> GraspTrial<'a> {
         self.ended(outcome, error, held_s, contact_force_n)
     }
 
-    /// Returns whether a finger touches the object.
+    /// Returns true if a finger touches the object.
     fn is_touched(&self) -> bool {
         self.gripper.pressures(&self.world, self.object).iter().any(Option::is_some)
     }
 
-    /// Opens the hand, and moves it on meanwhile.
+    /// Opens the hand and moves it on meanwhile.
     fn release(&mut self, Move { duration_s, advance }: Move<'_, 'a>) {
         let stroke_m = self.test.hand.fingers.iter().map(|finger| finger.stroke_m).fold(0.0, f64::max);
         self.world_from_released = Some(self.world_from_object());
@@ -293,7 +291,7 @@ impl<'a> GraspTrial<'a> {
         }
     }
 
-    /// Displacement of the centre of mass, in metres, and turn that can be seen, in radians, between two poses.
+    /// Returns the displacement of the centre of mass, in metres, and the visible rotation, in radians, between two poses.
     fn error(&self, expected: &Pose, actual: &Pose) -> (f64, f64) {
         let (center, roundness) = (self.test.object.center, self.test.object.roundness);
         let rotation_rad = roundness.angle(&expected.rotation, &actual.rotation);
@@ -334,8 +332,8 @@ impl<'a> GraspTrial<'a> {
 }
 
 impl GraspTest {
-    /// All of these grasps under their disturbances, each in a world of its own, on all cores; poses of the gripper in
-    /// the planning frame. `on_done` hears of each; once `stop` says so, no more are begun, and those are `None`.
+    /// Runs these grasps with their disturbances, each in its own world, on all cores; poses of the gripper in the planning
+    /// frame. `on_done` is called after each; once `stop` returns true, no further run begins, and the rest are `None`.
     pub fn run_all(
         &self,
         trials: &[(Pose, Disturbance)],
@@ -353,7 +351,7 @@ impl GraspTest {
         trials.par_iter().map(run).collect()
     }
 
-    /// One grasp; the pose of the gripper in the planning frame.
+    /// Runs one grasp, with the pose of the gripper in the planning frame.
     pub fn run(&self, world_from_grasp: &Pose, disturbance: &Disturbance, is_recorded: bool) -> GraspRun {
         let world_from_hand = world_from_grasp * disturbance.grasp_from_hand;
         GraspTrial::new(self, &world_from_hand, disturbance, is_recorded).run(&world_from_hand)

@@ -1,9 +1,8 @@
-//! The model of a test for MuJoCo: what stands in its XML, and why.
+//! MuJoCo model of a test: elements and parameters of its XML.
 //!
-//! The palm is a free body of great mass, whose pose and velocity the runner sets before every step. A mocap body will
-//! not do: it has no velocity, so that a contact with what hangs on it sees none either, and friction carries nothing
-//! (MuJoCo's manual, "Modeling", section "MoCap bodies"). A weld to one would add a spring between the hand and its
-//! course.
+//! The palm is a free body of large mass, whose pose and velocity the runner sets before every step. A mocap body is
+//! unsuitable: it has no velocity, so contacts with its children have none either, and friction carries nothing (MuJoCo's
+//! manual, "Modeling", section "MoCap bodies"). A weld to one would add a spring between the hand and its course.
 
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
@@ -14,20 +13,20 @@ use cranny_spatial::{Pose, Vector};
 use crate::gripper::FINGER_RADIUS_M;
 use crate::{GraspTest, Physics, Piece, PieceShape};
 
-/// Steps in one of [`Physics::step_s`]. The engine here solves the constraints of a step in as many smaller ones.
+/// Number of MuJoCo steps per [`Physics::step_s`]. The engine here solves the constraints of a step in as many substeps.
 pub(crate) fn mujoco_steps(physics: &Physics) -> usize {
     physics.solver_iterations
 }
 
 impl GraspTest {
-    /// The model of the test as MJCF, MuJoCo's XML; lengths in metres, masses in kilograms, angles in radians.
+    /// Exports the test as MJCF, MuJoCo's XML; lengths in metres, masses in kilograms, angles in radians.
     ///
-    /// Its bodies are `palm`, `finger 1`, … and `object`, each with a joint of that name: the first and the last free,
-    /// the others sliding from 0 (open) to the stroke. Each finger has a position actuator of its name, whose control is
-    /// where the finger shall be, in metres. The hand stands at the origin of the planning frame: whoever runs the model
-    /// puts it at the grasp, and moves the palm by pose and velocity before every step. The object is where it rests.
+    /// Its bodies are `palm`, `finger 1`, … and `object`, each with a joint of that name: the first and the last free, the
+    /// others sliding from 0 (open) to the stroke. Each finger has a position actuator of its name, whose control is the target
+    /// position of the finger, in metres. The hand is at the origin of the planning frame: the runner of the model places it at
+    /// the grasp, and moves the palm by pose and velocity before every step. The object is at its resting pose.
     ///
-    /// Of two friction coefficients that meet the greater counts, in MuJoCo as here.
+    /// The greater of two friction coefficients in contact applies, in MuJoCo as here.
     pub fn mjcf(&self) -> String {
         let mut mjcf = Mjcf::default();
         for piece in &self.surroundings {
@@ -39,7 +38,7 @@ impl GraspTest {
     }
 }
 
-/// The parts of the document, while they are written.
+/// Sections of the document under construction.
 #[derive(Default)]
 struct Mjcf {
     meshes: String,
@@ -99,7 +98,7 @@ impl Mjcf {
         let first_m = test.hand.fingers.first().map_or(1.0, |finger| finger.stroke_m);
         for (index, finger) in test.hand.fingers.iter().enumerate() {
             let (number, stroke_m) = (index + 1, finger.stroke_m);
-            // What the drive adds to the inertia counts along the joint alone, as it does in a gripper's gears.
+            // The inertia of the drive counts along the joint alone, as in the gears of a gripper.
             let armature_kg = finger_inertia_kg - FINGER_KG;
             self.line(6, format_args!("<body name=\"finger {number}\" gravcomp=\"1\">"));
             let inertia = [FINGER_KG * FINGER_RADIUS_M.powi(2); 3];
@@ -112,7 +111,7 @@ impl Mjcf {
                 self.geom(8, "finger", piece);
             }
             self.line(6, format_args!("</body>"));
-            // As shares of their strokes all fingers are equally far.
+            // All fingers move by equal shares of their strokes.
             if number > 1 {
                 let ratio = stroke_m / first_m;
                 let _ = writeln!(
@@ -148,7 +147,7 @@ impl Mjcf {
             PieceShape::Ball(radius_m) => ("sphere", &[*radius_m]),
             PieceShape::Capsule(half_m, radius_m) => ("capsule", &[*radius_m, *half_m]),
             PieceShape::Cylinder(half_m, radius_m) => ("cylinder", &[*radius_m, *half_m]),
-            // Endless in both directions; the third number is the spacing of a drawn grid.
+            // The plane is infinite; the third number is the spacing of a drawn grid.
             PieceShape::HalfSpace => ("plane", &[0.0, 0.0, 1.0]),
             PieceShape::Hull(hull) => {
                 self.mesh_count += 1;
@@ -176,20 +175,20 @@ impl Mjcf {
     }
 }
 
-/// How MuJoCo says spring and damper of a contact.
+/// MuJoCo parameters of the spring and damper of a contact.
 struct ContactReference {
-    /// `solref`: T, in seconds, and ζ.
+    /// Time constant T, in seconds, and damping ratio ζ of `solref`.
     time_constant_s: f64,
     damping_ratio: f64,
-    /// `solimp`: d, at any depth.
+    /// Impedance d of `solimp`, at any depth.
     impedance: f64,
 }
 
 impl ContactReference {
-    /// The spring and the damper of [`Physics`]: for a mass m they are m ω² and 2 m ζ' ω.
+    /// Converts the spring and the damper of [`Physics`]: for a mass m they are m ω² and 2 m ζ' ω.
     ///
-    /// MuJoCo's are m d/(1 − d) times k = 1/(d T² ζ²) and b = 2/(d T) (manual, "Computation", section "Parameters").
-    /// T cannot be less than two steps. With that, 1 − d = 1/(T ζ' ω) and ζ² = ζ'/(T ω) make both the same.
+    /// MuJoCo's are m d/(1 − d) times k = 1/(d T² ζ²) and b = 2/(d T) (manual, "Computation", section "Parameters"). T cannot
+    /// be less than two steps. With that, 1 − d = 1/(T ζ' ω) and ζ² = ζ'/(T ω) make both equal.
     fn new(physics: &Physics, timestep_s: f64) -> Self {
         let time_constant_s = 2.0 * timestep_s;
         let angular_frequency = TAU * physics.contact_frequency_hz;
@@ -202,7 +201,7 @@ impl ContactReference {
     }
 }
 
-/// What MuJoCo takes for an impedance.
+/// Range of impedances that MuJoCo accepts.
 const LEAST_IMPEDANCE: f64 = 0.0001;
 const GREATEST_IMPEDANCE: f64 = 0.9999;
 
@@ -228,19 +227,18 @@ fn numbers(numbers: &[f64]) -> String {
     numbers.iter().map(f64::to_string).collect::<Vec<_>>().join(" ")
 }
 
-/// How nearly ends of strokes and couplings are met (`solimp`): the share of the acceleration that would break them which
-/// their force takes away.
+/// Impedance of stroke limits and couplings (`solimp`): the share of a violating acceleration that their force removes.
 const IMPEDANCE: &str = "0.99 0.999 0.0001";
 
-/// How much harder friction is than the normal force. At 1, what is gripped creeps visibly below the limit of friction;
-/// with this it creeps by some micrometres a second.
+/// Ratio of the impedances of friction and normal force. At 1, a gripped object creeps visibly below the limit of friction;
+/// with this value it creeps by some micrometres per second.
 const IMPEDANCE_RATIO: f64 = 1000.0;
 
-/// Of a palm that nothing pushes away, in kilograms: what fingers press against moves it by less than 1 µm in a step.
+/// Mass of a palm that nothing pushes away, in kilograms: finger forces move it by less than 1 µm in a step.
 const PALM_KG: f64 = 1e4;
 
-/// Of its inertia, in metres.
+/// Radius of gyration of the palm, in metres.
 const PALM_RADIUS_M: f64 = 0.3;
 
-/// A finger has no mass but that of its drive, but a body needs some, in kilograms.
+/// Mass of a finger body, in kilograms: MuJoCo requires one, but a finger has only the inertia of its drive.
 const FINGER_KG: f64 = 1e-3;

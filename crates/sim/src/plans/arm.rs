@@ -6,26 +6,26 @@ use rapier3d_f64::prelude::{
 
 use crate::{Piece, SimError, engine};
 
-/// An arm whose links move as it is prescribed: each a rigid body that nothing pushes away. A real arm follows a timed path
-/// to within fractions of a millimetre; a servo without its feed-forward does not, and pushes what it meets.
+/// Arm with prescribed link motions: each link is a rigid body that nothing pushes away. A real arm follows a timed path to
+/// within fractions of a millimetre; a servo without feed-forward would not, and would push obstacles.
 #[derive(Clone, Debug)]
 pub(crate) struct ArmModel {
     bodies: Vec<ArmBody>,
 }
 
-/// All links that move as one.
+/// Links that move as one rigid body.
 #[derive(Clone, Debug)]
 struct ArmBody {
-    /// The link whose frame is that of the body.
+    /// Index of the link whose frame is that of the body.
     link: usize,
     name: String,
-    /// In the frame of the body, without those of the hand.
+    /// Pieces in the frame of the body, without those of the hand.
     pieces: Vec<Piece>,
     colliders: Vec<Collider>,
 }
 
 impl ArmModel {
-    /// Of a robot, without the geometry of its hand.
+    /// Creates the model of a robot, without the geometry of its hand.
     pub fn new(robot: &Robot) -> Result<Self, SimError> {
         let frames = robot.frames();
         let own = |link: usize| robot.ancestors(link).last().map_or(robot.root(), |mover| mover.child_link);
@@ -52,7 +52,7 @@ impl ArmModel {
         Ok(Self { bodies })
     }
 
-    /// The arm at a configuration (m, rad; one per joint).
+    /// Inserts the arm at a configuration (m, rad; one per joint).
     pub fn insert(&self, robot: &Robot, q: &[f64], world: &mut PhysicsWorld) -> Vec<RigidBodyHandle> {
         let frames = robot.frames_at(q);
         let insert = |body: &ArmBody| {
@@ -67,8 +67,8 @@ impl ArmModel {
         self.bodies.iter().map(insert).collect()
     }
 
-    /// Has the bodies of the arm be at a configuration (m, rad; one per joint) at the end of the next step; the pose of the
-    /// robot's tip there, in the planning frame (`world_from_tip`).
+    /// Sets the target of the next step: the bodies of the arm at a configuration (m, rad; one per joint). Returns the pose of
+    /// the robot's tip there, in the planning frame (`world_from_tip`).
     pub fn aim(
         &self,
         robot: &Robot,
@@ -83,13 +83,13 @@ impl ArmModel {
         *frames.link(robot.tip())
     }
 
-    /// Names and pieces of the bodies.
+    /// Returns names and pieces of the bodies.
     pub fn shapes(&self) -> impl Iterator<Item = (&str, &[Piece])> {
         self.bodies.iter().map(|body| (body.name.as_str(), &body.pieces[..]))
     }
 }
 
-/// Has the engine look for contacts of a prescribed body with what stands around too, which push neither.
+/// Also enables contacts of a prescribed body with the surroundings, which push neither of them.
 pub(crate) fn see_all_contacts(world: &mut PhysicsWorld, body: RigidBodyHandle) {
     for collider in world.bodies[body].colliders().to_vec() {
         let all = ActiveCollisionTypes::default() | ActiveCollisionTypes::KINEMATIC_FIXED;

@@ -2,17 +2,17 @@ use cranny_grasp::smooth_share;
 use cranny_robot::{IkSettings, IkSolver, Robot};
 use cranny_spatial::Pose;
 
-/// Configurations on the way straight up.
+/// Configurations of a straight vertical lift.
 pub(crate) struct Lift {
     rungs: Vec<Vec<f64>>,
     pub lift_m: f64,
 }
 
-/// Between two configurations of a lift, in metres.
+/// Distance between two configurations of a lift, in metres.
 const RUNG_M: f64 = 0.001;
 
 impl Lift {
-    /// From a configuration (m, rad; one per joint), as far as inverse kinematics go without a jump.
+    /// Computes a lift from a configuration (m, rad; one per joint), up to `lift_m` or to a jump of the inverse kinematics.
     pub fn new(robot: &Robot, from: &[f64], lift_m: f64) -> Self {
         let world_from_gripper = *robot.frames_at(from).link(robot.tip());
         let mut solver = IkSolver::new(robot, IkSettings::default());
@@ -28,7 +28,7 @@ impl Lift {
         Self { rungs, lift_m: lifted_m }
     }
 
-    /// The configuration (m, rad; one per joint) at a time of a lift that takes `lift_s` seconds.
+    /// Returns the configuration (m, rad; one per joint) at a time, in seconds, of a lift that takes `lift_s` seconds.
     pub fn at(&self, time_s: f64, lift_s: f64) -> Vec<f64> {
         let along = smooth_share(time_s / lift_s) * (self.rungs.len() - 1) as f64;
         #[expect(

@@ -9,51 +9,51 @@ use cranny_task::{Problem, Segment, picks_apart};
 
 use crate::{Disturbance, GraspTest, PlanExperiment, PlanRun, PlanTest, SimError};
 
-/// A plan in physics: each pick, with what follows it, where the one before has left things.
+/// Execution of a plan in physics: each pick, with the motions after it, begins where the previous one ended.
 #[derive(Clone, Debug)]
 pub struct PlanExecution<'a> {
-    /// The world in which the plan begins.
+    /// Scenario in which the plan begins.
     pub scenario: &'a Scenario,
-    /// The hand.
+    /// Hand of the robot.
     pub hand: Hand,
-    /// Mass and friction of every object that is picked, before those that the scenario gives.
+    /// Mass and friction of every picked object, which override those of the scenario.
     pub instead: TargetPhysics,
-    /// Distance by which an object is lifted straight up where the plan ends at its grasp, in metres.
+    /// Distance of the vertical lift if the plan ends at its grasp, in metres.
     pub lift_m: f64,
-    /// Errors of the hand, of mass, friction and closing force, the same in each pick.
+    /// Errors of hand, mass, friction and closing force, equal in each pick.
     pub disturbance: Disturbance,
-    /// Records what moves.
+    /// True if the motions are recorded.
     pub is_recorded: bool,
 }
 
-/// A pick that was executed.
+/// Executed pick.
 #[derive(Clone, Debug)]
 pub struct PickRun {
     /// Name of the object.
     pub object: String,
-    /// Its body in the scenario, by index.
+    /// Index of the body in the scenario.
     pub body: usize,
-    /// Pose of its frame before the pick.
+    /// Pose of the object frame before the pick, in the planning frame.
     pub world_from_object: Pose,
-    /// Bodies that stood around.
+    /// Surrounding bodies.
     pub surroundings: Vec<Body>,
-    /// Outcome.
+    /// Result of the execution.
     pub run: PlanRun,
 }
 
-/// The path of a pick, and of what follows up to the next.
+/// Path of a pick, and of the motions up to the next one.
 #[derive(Clone, Debug)]
 pub struct PickPath {
     /// Name of the object; `None`: the target.
     pub object: Option<String>,
-    /// The path in time.
+    /// Timed path.
     pub timed: TaskTrajectory,
-    /// Its last configuration (m, rad).
+    /// Last configuration (m, rad).
     pub end: Vec<f64>,
 }
 
 impl PickPath {
-    /// The paths of all picks of a plan in its problem.
+    /// Collects the paths of all picks of a plan in its problem.
     ///
     /// # Errors
     /// [`SimError::NoTimes`] for a robot without the limits for a trajectory, and those of [`PlanFile::states`].
@@ -75,7 +75,7 @@ impl PickPath {
 }
 
 impl PlanExecution<'_> {
-    /// The scenario in which a pick has its object as target.
+    /// Returns the scenario with the object of a pick as target.
     fn at_pick(now: &Scenario, pick: &PickPath) -> Result<Scenario, SimError> {
         Ok(match &pick.object {
             Some(object) => now.with_target(object)?,
@@ -83,10 +83,10 @@ impl PlanExecution<'_> {
         })
     }
 
-    /// The first object without a mass, if there is one, before anything takes its time.
+    /// Returns the first object without a mass, if there is one, before any expensive computation.
     ///
     /// # Errors
-    /// [`ScenarioError`](cranny_scenario::ScenarioError) for an object that the scenario does not have.
+    /// [`ScenarioError`](cranny_scenario::ScenarioError) for an object that the scenario does not contain.
     pub fn massless<'p>(&self, picks: &'p [PickPath]) -> Result<Option<&'p PickPath>, SimError> {
         for pick in picks {
             let physics = self.instead.or(Self::at_pick(self.scenario, pick)?.target_physics());
@@ -97,8 +97,8 @@ impl PlanExecution<'_> {
         Ok(None)
     }
 
-    /// A plan with one pick as a document for another engine; `None` for one with several, each of which begins where the
-    /// one before has left things.
+    /// Exports a plan with one pick for another engine; `None` for several picks, each of which begins at the result of the
+    /// previous one.
     ///
     /// # Errors
     /// Those of [`GraspTest::of_scenario`] and [`PlanExperiment::new`].
@@ -109,7 +109,7 @@ impl PlanExecution<'_> {
         PlanExperiment::new(&test, &of_pick.robot, &pick.timed, self.lift_m).map(Some)
     }
 
-    /// Executes picks up to the first whose object is not let go; `done` is called after each.
+    /// Executes picks up to the first whose object is not released; `done` is called after each.
     ///
     /// # Errors
     /// Those of [`GraspTest::of_scenario`] and [`PlanTest::run`].

@@ -7,30 +7,31 @@ use crate::grasping::grasp_test::whole_steps;
 use crate::plans::plan_motion::PlanMotion;
 use crate::{Experiment, ExperimentPose, GraspTest, PlacedError, SimError};
 
-/// A pick of a plan as a document for another engine, from where the hand closes (`cranny.mujoco_grasps.run_plan` in
-/// Python runs it). The arm has brought the hand there without touching anything.
+/// Pick of a plan as a document for another engine, from the closing of the hand on (`cranny.mujoco_grasps.run_plan` in Python
+/// runs it). The arm has moved the hand there without contact.
 #[derive(Clone, Debug, Serialize)]
 pub struct PlanExperiment {
     /// Hand, object and surroundings, with one grasp.
     #[serde(flatten)]
     pub experiment: Experiment,
-    /// Pose of the hand at the end of each step of the drive once it has closed.
+    /// Pose of the hand at the end of each step of the drive after the closing, in the planning frame.
     pub held: Vec<ExperimentPose>,
-    /// The same once it has begun to open; empty for a plan that releases nothing.
+    /// Pose of the hand at the end of each step after it begins to open; empty for a plan without a release.
     pub left: Vec<ExperimentPose>,
-    /// Pose at which the object is to be put down, if it is.
+    /// Planned set-down pose of the object, if there is one, in the planning frame.
     pub world_from_planned: Option<ExperimentPose>,
-    /// An object stands there within this distance, in metres, …
+    /// Tolerance of the position of a set-down object, in metres.
     pub placed_m: f64,
-    /// … and this angle, in radians.
+    /// Tolerance of its orientation, in radians.
     pub placed_rad: f64,
 }
 
 impl PlanExperiment {
-    /// Of a path in time of a robot with the hand of a test; one that ends at the grasp is followed by a lift.
+    /// Creates the document from the timed path of a robot with the hand of a test; a lift follows a path that ends at the
+    /// grasp.
     ///
     /// # Errors
-    /// [`SimError::Figure`] for a lift out of its range or a path that takes too long.
+    /// [`SimError::Figure`] for a lift out of range or a path that takes too long.
     pub fn new(
         test: &GraspTest,
         robot: &Robot,

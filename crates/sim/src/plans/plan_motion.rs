@@ -6,31 +6,31 @@ use cranny_spatial::Pose;
 use crate::plans::lift::Lift;
 use crate::{GraspTest, SimError};
 
-/// The motion of an arm that executes a plan: to the grasp, on with what is in the hand, and off it.
+/// Motion of an arm that executes a plan: to the grasp, on with the object, and off it.
 pub(crate) struct PlanMotion<'a> {
     pub reach: &'a Trajectory,
     onward: Option<&'a Trajectory>,
     pub lift: Lift,
-    /// Time of the motion with the object, in seconds.
+    /// Duration of the motion with the object, in seconds.
     moving_s: f64,
     off: Option<&'a Trajectory>,
-    /// Where it is put down, the hand opens for so long before it goes, in seconds.
+    /// Duration of the opening of the hand at the set-down before the retreat, in seconds.
     opening_s: f64,
-    /// Poses of the tip at the grasp, and where the object is put down, if it is.
+    /// Poses of the tip at the grasp and at the set-down, if there is one.
     world_from_grasp: Pose,
     world_from_down: Option<Pose>,
 }
 
-/// After the motion with the object the arm is still for so long, in seconds.
+/// Duration of the pause of the arm after the motion with the object, in seconds.
 const RESTING_S: f64 = 0.5;
-/// What was put down is watched for so long once the arm has stopped, in seconds.
+/// Duration of the observation of a set-down object after the arm has stopped, in seconds.
 const WATCHED_S: f64 = 2.0;
 
 impl<'a> PlanMotion<'a> {
-    /// Along a path in time; one that ends at the grasp is followed by a lift straight up, by `lift_m`.
+    /// Creates the motion along a timed path; a vertical lift by `lift_m` metres follows a path that ends at the grasp.
     ///
     /// # Errors
-    /// [`SimError::Figure`] for a lift out of its range or a path that takes too long.
+    /// [`SimError::Figure`] for a lift out of range or a path that takes too long.
     pub fn new(
         path: &'a TaskTrajectory,
         lift_m: f64,
@@ -60,12 +60,12 @@ impl<'a> PlanMotion<'a> {
         })
     }
 
-    /// Time with the object in the hand, in seconds.
+    /// Duration of holding the object, in seconds.
     pub fn held_s(&self) -> f64 {
         self.moving_s + RESTING_S
     }
 
-    /// The configuration (m, rad; one per joint) so long after the hand has closed.
+    /// Returns the configuration (m, rad; one per joint) at a time after the closing of the hand, in seconds.
     pub fn held(&self, time_s: f64) -> Vec<f64> {
         match self.onward {
             Some(onward) => onward.sample(time_s).position,
@@ -73,12 +73,12 @@ impl<'a> PlanMotion<'a> {
         }
     }
 
-    /// Time after the hand begins to open, in seconds; `None` for a plan that releases nothing.
+    /// Duration after the hand begins to open, in seconds; `None` for a plan without a release.
     pub fn left_s(&self) -> Option<f64> {
         self.off.map(|off| self.opening_s + off.duration_s() + WATCHED_S)
     }
 
-    /// The configuration (m, rad; one per joint) so long after the hand has begun to open.
+    /// Returns the configuration (m, rad; one per joint) at a time after the hand begins to open, in seconds.
     pub fn left(&self, time_s: f64) -> Vec<f64> {
         match self.off {
             Some(off) => off.sample((time_s - self.opening_s).max(0.0)).position,
@@ -86,7 +86,7 @@ impl<'a> PlanMotion<'a> {
         }
     }
 
-    /// Pose in the planning frame at which an object that rests at a pose is to be put down, if it is.
+    /// Returns the planned set-down pose, in the planning frame, of an object at a resting pose; `None` without a set-down.
     pub fn planned(&self, world_from_resting: &Pose) -> Option<Pose> {
         Some(self.world_from_down? * self.world_from_grasp.inverse() * world_from_resting)
     }

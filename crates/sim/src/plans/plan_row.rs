@@ -2,12 +2,12 @@ use serde::Serialize;
 
 use crate::{GraspOutcome, PickRun, PlacedError, PlanContact, PlanOutcome, PlanRun};
 
-/// What came of an executed plan, without what was recorded. The names of the fields are those of files.
+/// Result of an executed plan, without the recording. The field names are those of files.
 #[derive(Clone, Debug, Serialize)]
 pub struct PlanRow {
-    /// What became of the object.
+    /// Outcome for the object.
     pub outcome: PlanOutcome,
-    /// True if it was in the hand up to where the plan ends or releases it, and slipped no farther than the limit.
+    /// True if the object stayed in the hand within the slip limits up to the end of the plan or the release.
     pub is_kept: bool,
     /// See [`crate::GraspRun`].
     pub is_in_hand: bool,
@@ -27,60 +27,60 @@ pub struct PlanRow {
     /// See [`PlanRun`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub placed: Option<PlacedError>,
-    /// See [`crate::GraspRun`], as all that follows.
+    /// See [`crate::GraspRun`], also for the following fields.
     pub translation_error_m: f64,
-    /// How far the object is turned in the hand.
+    /// Rotation of the object in the hand, in radians.
     pub rotation_error_rad: f64,
-    /// How long it was where it should be.
+    /// Duration of the hold within the slip limits, in seconds.
     pub held_s: f64,
-    /// What a finger pressed with.
+    /// Mean force of a finger, in newtons.
     pub contact_force_n: f64,
-    /// Where the object ended, in the planning frame.
+    /// Final position of the object, in metres in the planning frame.
     pub position_m: [f64; 3],
-    /// How it lay there, of unit length.
+    /// Final orientation of the object, a unit quaternion.
     pub quaternion_xyzw: [f64; 4],
-    /// What was simulated, in seconds.
+    /// Simulated time, in seconds.
     pub simulated_s: f64,
 }
 
-/// What came of a plan: with one pick its row, with several one for each. The names of the fields are those of files.
+/// Result of a plan: its row for one pick, one row per pick for several. The field names are those of files.
 #[derive(Clone, Debug, Serialize)]
 #[serde(untagged)]
 pub enum ExecutedPlan {
-    /// A plan with one pick.
+    /// Plan with one pick.
     One {
         /// Id of the scenario.
         scenario: String,
-        /// What came of it.
+        /// Result of the pick.
         #[serde(flatten)]
         row: Box<PlanRow>,
     },
-    /// A plan with several.
+    /// Plan with several picks.
     Several {
         /// Id of the scenario.
         scenario: String,
-        /// True if all objects are where the plan has them.
+        /// True if all objects are at their planned poses.
         as_planned: bool,
-        /// Number of times that the rest was planned anew, if that was allowed.
+        /// Number of times the remaining task was replanned, if replanning was enabled.
         #[serde(skip_serializing_if = "Option::is_none")]
         new_plans: Option<usize>,
-        /// Up to the first pick whose object is not let go where another follows.
+        /// Results up to the first pick whose object is not released although another pick follows.
         steps: Vec<ExecutedPick>,
     },
 }
 
-/// What came of a pick of a plan with several.
+/// Result of one pick of a plan with several.
 #[derive(Clone, Debug, Serialize)]
 pub struct ExecutedPick {
     /// Name of the object.
     pub object: String,
-    /// What came of it.
+    /// Result of the pick.
     #[serde(flatten)]
     pub row: PlanRow,
 }
 
 impl ExecutedPlan {
-    /// What came of the runs of a plan with so many picks; `None` if it has one, of nothing.
+    /// Collects the result of the runs of a plan with `count` picks; `None` for at most one pick without a run.
     pub fn of(scenario: &str, count: usize, runs: &[PickRun]) -> Option<Self> {
         let scenario = scenario.to_owned();
         if let [pick] = runs
@@ -94,7 +94,7 @@ impl ExecutedPlan {
         (count > 1).then_some(Self::Several { scenario, as_planned, new_plans: None, steps })
     }
 
-    /// True if all objects are where the plan has them.
+    /// Returns true if all objects are at their planned poses.
     pub fn is_as_planned(&self) -> bool {
         match self {
             Self::One { row, .. } => row.is_as_planned(),
@@ -103,25 +103,25 @@ impl ExecutedPlan {
     }
 }
 
-/// Pose of the object in the planning frame when the hand let it go.
+/// Pose of the object in the planning frame at the release.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Released {
-    /// Its origin, in metres.
+    /// Origin of the object, in metres.
     pub position_m: [f64; 3],
-    /// Its orientation, of unit length.
+    /// Orientation of the object, a unit quaternion.
     pub quaternion_xyzw: [f64; 4],
-    /// Its error against the pose at which it was to be put down.
+    /// Error relative to the planned set-down pose.
     #[serde(flatten)]
     pub off: PlacedError,
 }
 
 impl PlanRow {
-    /// True if the object is held to the end, or stands where it was to be put down.
+    /// Returns true if the object is held to the end, or stands at its planned set-down pose.
     pub fn is_as_planned(&self) -> bool {
         matches!(self.outcome, PlanOutcome::Placed | PlanOutcome::Grasped(GraspOutcome::Held))
     }
 
-    /// That of a run.
+    /// Extracts the row of a run.
     pub fn of(run: &PlanRun) -> Self {
         let (grasp, ended) = (&run.grasp, &run.grasp.world_from_object);
         Self {

@@ -15,11 +15,11 @@ use crate::plans::plan_motion::PlanMotion;
 use crate::plans::plan_run::{PlacedError, PlanContact, PlanRun};
 use crate::{Disturbance, GraspTest, RecordedBody, SimError, engine};
 
-/// A robot that does what a plan states: its joints are where the timed path has them, the hand closes with its closing
-/// force, and the arm goes on with what is then in it.
+/// Robot that executes a plan: its joints follow the timed path, the hand closes with its closing force, and the arm moves on
+/// with the object.
 ///
-/// Arm and palm move as it is prescribed; fingers and object are pushed and pulled by what they touch. Links touch where
-/// their convex pieces do. The arm does not touch itself, and the object sleeps until it is touched.
+/// Arm and palm have prescribed motions; contacts push and pull fingers and object. Contacts of links are those of their convex
+/// pieces. The arm does not collide with itself, and the object sleeps until it is touched.
 #[derive(Clone, Debug)]
 pub struct PlanTest {
     test: GraspTest,
@@ -28,7 +28,7 @@ pub struct PlanTest {
 }
 
 impl PlanTest {
-    /// The robot with the hand of a test, in its surroundings.
+    /// Creates a test of the robot with the hand of a grasp test, in its surroundings.
     ///
     /// # Errors
     /// [`SimError::Shape`] for a link without volume.
@@ -37,15 +37,15 @@ impl PlanTest {
         Ok(Self { test, robot, arm })
     }
 
-    /// Follows a path to the grasp, closes the hand, follows it on, and opens the hand where it puts the object down; a path
-    /// that ends at the grasp is followed by a lift straight up, by `lift_m`. Then the object is watched: 0.5 s in the hand,
-    /// 2 s where it was put down.
+    /// Follows a path to the grasp, closes the hand, follows it on, and opens the hand at the set-down. After a path that ends
+    /// at the grasp it lifts straight up by `lift_m` metres. The object is then observed: 0.5 s in the hand, 2 s after a
+    /// set-down.
     ///
     /// # Errors
-    /// [`SimError::Figure`] for a lift out of its range or a path that takes too long.
+    /// [`SimError::Figure`] for a lift out of range or a path that takes too long.
     ///
     /// # Panics
-    /// If the path is not one of the robot's joints.
+    /// If the path does not have the joints of the robot.
     pub fn run(
         &self,
         path: &TaskTrajectory,
@@ -88,17 +88,17 @@ impl PlanTest {
     }
 }
 
-/// Before it moves, the arm stands for so long, in seconds.
+/// Duration of the pause of the arm before it moves, in seconds.
 const STANDING_S: f64 = 0.02;
 
-/// Arm and palm, which go where it is prescribed.
+/// Arm and palm with prescribed motions.
 struct Prescribed {
     arm: Vec<RigidBodyHandle>,
     tip_from_hand: Pose,
 }
 
 impl Prescribed {
-    /// Has arm and hand be at a configuration (m, rad; one per joint) at the end of the next step.
+    /// Sets the target of the next step: arm and hand at a configuration (m, rad; one per joint).
     fn aim(&self, plan: &PlanTest, q: &[f64], trial: &mut GraspTrial<'_>) {
         let palm = trial.gripper.palm;
         let world_from_hand = plan.arm.aim(&plan.robot, q, &self.arm, &mut trial.world) * self.tip_from_hand;
@@ -106,13 +106,13 @@ impl Prescribed {
     }
 }
 
-/// A plan under way.
+/// Plan under execution.
 struct Execution<'a> {
     test: &'a PlanTest,
     trial: GraspTrial<'a>,
     hand: Prescribed,
     contacts: Vec<PlanContact>,
-    /// How many steps were made before the plan began.
+    /// Number of steps before the plan began.
     began_steps: u32,
 }
 
@@ -136,13 +136,13 @@ impl<'a> Execution<'a> {
         for _ in 0..whole_steps(STANDING_S, test.physics.step_s) {
             trial.step_open();
         }
-        // It sleeps until it is touched: what rests for minutes is not to creep.
+        // The object sleeps until it is touched, so that it does not creep while it rests.
         trial.world.bodies[object].sleep();
         let began_steps = trial.steps();
         Self { test: plan, trial, hand, contacts: Vec::new(), began_steps }
     }
 
-    /// Follows a path.
+    /// Follows a trajectory.
     fn follow(&mut self, path: &Trajectory) {
         let steps = whole_steps(path.duration_s(), self.trial.test.physics.step_s).max(1);
         for step in 1..=steps {
@@ -154,7 +154,8 @@ impl<'a> Execution<'a> {
     }
 }
 
-/// Adds what arm and hand touch now: before the hand closes the object too, afterwards only what stands around.
+/// Adds the current contacts of arm and hand: before the closing with object and surroundings, afterwards only with
+/// surroundings.
 fn touched(
     plan: &PlanTest,
     trial: &GraspTrial<'_>,
@@ -174,7 +175,7 @@ fn touched(
                 let points = pair.manifolds().iter().flat_map(|manifold| &manifold.points);
                 let depth_m = -points.map(|point| point.dist).fold(f64::INFINITY, f64::min);
                 let is_object = world.colliders[other].parent() == Some(trial.object);
-                // What is pushed away need not overlap at the end of a step.
+                // A body that is pushed away need not overlap at the end of a step.
                 let is_touched = depth_m > 0.0 || engine::normal_impulse(pair).norm() > 0.0;
                 if !is_touched || (is_object && is_lifting) {
                     continue;

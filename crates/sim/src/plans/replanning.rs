@@ -8,19 +8,19 @@ use serde_json::Map;
 
 use crate::{ExecutedPick, ExecutedPlan, PickPath, PickRun, PlanExecution, PlanRow, SimError};
 
-/// A plan of several picks that was executed with measurements in between.
+/// Execution of a plan of several picks with measurements in between.
 #[derive(Clone, Debug)]
 pub struct Replanned {
-    /// All picks, in the order in which they were executed, those that were repeated too.
+    /// All picks in order of execution, including repeated ones.
     pub runs: Vec<PickRun>,
-    /// Number of times that it was planned anew.
+    /// Number of new plans.
     pub new_plans: usize,
-    /// True if each object is, in the end, where the plan has it.
+    /// True if each object ends at its planned pose.
     pub as_planned: bool,
 }
 
 impl Replanned {
-    /// What came of it, for the scenario of that id.
+    /// Collects the result for the scenario with this id.
     pub fn executed(&self, scenario: &str) -> ExecutedPlan {
         let pick = |pick: &PickRun| ExecutedPick { object: pick.object.clone(), row: PlanRow::of(&pick.run) };
         ExecutedPlan::Several {
@@ -32,22 +32,22 @@ impl Replanned {
     }
 }
 
-/// A pick is repeated so often at most.
+/// Maximum number of repetitions of a pick.
 const MOST_REPEATS: usize = 3;
 
-/// What is left of a task.
+/// Remaining task.
 struct Left {
     picks: Vec<PickPath>,
-    /// All of its stages; those of a pick begin with it.
+    /// All remaining stages; those of a pick begin with it.
     stages: Vec<Stage>,
-    /// How far an object may be from where the plan has it.
+    /// Tolerated error of the pose of an object.
     forgiven: Option<PoseRadius>,
 }
 
 impl PlanExecution<'_> {
-    /// Executes a plan of a problem with these margins and measures after each pick: where the object is off by more than
-    /// the plan forgives, the rest is planned anew in the measured world, and where it does not stand where it was to be, so
-    /// is the pick; `done` is called after each pick.
+    /// Executes a plan of a problem with these margins and measures after each pick. If the pose error of the object exceeds
+    /// the tolerance of the plan, the remaining task is replanned in the measured world; if the object is not at its set-down
+    /// pose, the pick is repeated in the new plan. `done` is called after each pick.
     ///
     /// # Errors
     /// Those of [`Self::run`], [`PickPath::all_of`] and [`solve`].
@@ -65,7 +65,7 @@ impl PlanExecution<'_> {
             budget: Budget::default(),
             timing: Some(Timing::default()),
             robustness: true,
-            // Each rest of the task has another first pick.
+            // Each remaining task has another first pick.
             planner: None,
             settings: Map::new(),
             ..plan.request()
@@ -105,7 +105,7 @@ impl PlanExecution<'_> {
             new_plans += 1;
             let next = match planned_anew(&now, margins, &request, observer) {
                 Ok(next) => next,
-                // An object that has fallen where no problem can have it is an end, and no fault.
+                // An object in an unreachable location ends the execution; this is not an error.
                 Err(SimError::Solve(_) | SimError::Plan(_) | SimError::Scenario(_)) => None,
                 Err(fault) => return Err(fault),
             };
@@ -125,14 +125,14 @@ impl Left {
         Ok(Self { picks, stages: plan.stages(problem), forgiven })
     }
 
-    /// The stages from the next pick on.
+    /// Returns the stages from the next pick on.
     fn after_pick(&self) -> Vec<Stage> {
         let picks = self.stages.iter().enumerate().filter(|(_, stage)| matches!(stage, Stage::Pick(_)));
         picks.map(|(index, _)| index).nth(1).map_or_else(Vec::new, |next| self.stages[next..].to_vec())
     }
 }
 
-/// A stage whose home is where the whole task began.
+/// Replaces the home of a stage by the start of the whole task (m, rad; one per joint).
 fn at_home(stage: &Stage, home: &[f64]) -> Stage {
     match stage {
         Stage::Move(Move::Home) => Stage::Move(Move::Configurations(vec![home.to_vec()])),
@@ -140,7 +140,7 @@ fn at_home(stage: &Stage, home: &[f64]) -> Stage {
     }
 }
 
-/// The rest of a task in a world as it was measured; `None` if no plan was found.
+/// Plans the remaining task in the measured world; `None` if no plan was found.
 fn planned_anew(
     now: &Scenario,
     margins: Margins,

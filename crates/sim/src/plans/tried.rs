@@ -6,21 +6,21 @@ use cranny_task::{Mode, Pick, Problem, Stage, robot_hand};
 
 use crate::{Disturbance, ExecutedPlan, PickPath, PickRun, PlanExecution, PlanRow, SimError};
 
-/// An answer whose plans were tried in physics.
+/// Answer whose plans were executed in physics.
 #[derive(Clone, Debug)]
 pub struct Tried {
-    /// The answer to the last try.
+    /// Answer of the last attempt.
     pub answer: Answer,
-    /// The tries, in order; empty where no path was found at all.
+    /// Attempts in order; empty if no path was found.
     pub tries: Vec<PlanTry>,
 }
 
-/// Distance by which an object is lifted in a try of a plan that ends at its grasp, in metres.
+/// Distance of the lift of a plan that ends at its grasp, in metres.
 const LIFT_M: f64 = 0.03;
 
-/// Solves the problem of a scenario and executes the plan in physics; if an object does not stay in the hand, or does not
-/// stand where it was put down, plans again from the next seed, without the grasp that did not hold, at most `most` times in
-/// all. The same request and number give the same answer. `tried` is called after each try.
+/// Solves the problem of a scenario and executes the plan in physics. If an object does not stay in the hand or at its set-down
+/// pose, plans again with the next seed and without the failed grasp, in at most `most` attempts. The result is deterministic
+/// for equal arguments. `tried` is called after each attempt.
 ///
 /// # Errors
 /// Those of [`solve`], [`PickPath::all_of`] and [`PlanExecution::run`].
@@ -53,7 +53,7 @@ pub fn solve_in_physics(
     Ok(last)
 }
 
-/// Checks that the mass of each object that is picked is known, before a search takes its time.
+/// Checks that the mass of each picked object is known, before an expensive search begins.
 fn check_masses(scenario: &Scenario, stages: &[Stage]) -> Result<(), SimError> {
     let own = [Stage::pick()];
     for stage in if stages.is_empty() { &own[..] } else { stages } {
@@ -68,7 +68,7 @@ fn check_masses(scenario: &Scenario, stages: &[Stage]) -> Result<(), SimError> {
     Ok(())
 }
 
-/// Executes an answer.
+/// Executes the plan of an answer.
 fn try_once(
     scenario: &Scenario,
     problem: &Problem,
@@ -91,7 +91,7 @@ fn try_once(
     let kept = rows.len() == picks.len() && rows.iter().all(|row| row.is_kept);
     let failed = rows.iter().position(|row| !row.is_as_planned());
     let shown = failed.or(rows.len().checked_sub(1));
-    // The grasp of the pick that did not hold: the last configuration before the hand closes.
+    // The failed grasp is the last configuration before the hand closes.
     let dropped = rows.iter().position(|row| !row.is_kept);
     let reaches = plan.segments.iter().enumerate().filter(|(index, segment)| {
         let next = plan.segments.get(index + 1);

@@ -8,11 +8,11 @@ use cranny_task::{FailureReason, Goal, Mode, Problem, Segment, State};
 use crate::stages::effort::Effort;
 use crate::stages::onward::{Piece, Towards, onward};
 
-/// Shares of the approach at which the hand alone is checked, before any configuration is looked for.
+/// Shares of the approach at which the hand alone is checked, before any IK.
 const CHECKED_AT: [f64; 3] = [1.0, 2.0 / 3.0, 1.0 / 3.0];
 
-/// What keeps the hand alone from coming to a pose of the gripper frame straight along its z axis, over `length_m` (m), as
-/// far as some poses show.
+/// Returns a check of the hand alone on its straight approach to a pose of the gripper frame in the planning frame, along its z
+/// axis over `length_m` (m), at some poses.
 pub(crate) fn blocked_approach(
     cell: &Arc<Cell>,
     length_m: f64,
@@ -35,8 +35,8 @@ pub(crate) struct Approach {
     pub led: Vec<Vec<f64>>,
 }
 
-/// A path of `picking` that leads to a grasp, as pieces of a stage, with a straight approach of `length_m` (m) if that is above 0:
-/// the line back from the grasp, and a path to where it begins, which joins the given one as early as it can.
+/// Returns a path of `picking` to a grasp as pieces of a stage, with a straight approach of `length_m` (m) if that is above 0:
+/// the line back from the grasp, and a path to its start, which joins the given one as early as it can.
 ///
 /// # Errors
 /// Reason why no such path was found.

@@ -17,22 +17,22 @@ use crate::stages::place_search::{PlaceSearch, PutDowns, Spoiled};
 use crate::stages::refusals::{Demanded, Refusals, add_failed};
 use crate::{Request, SolveError};
 
-/// Pieces through all stages from one on, or why there are none.
+/// Pieces through all remaining stages, or the reason why there are none.
 type Through = Result<Vec<Piece>, FailureReason>;
 
-/// Ends of a motion that are tried before the stage is given up.
+/// Number of ends of a motion that are tried before the stage is given up.
 const MOST_ENDS: usize = 4;
 
-/// The search for a way through the stages of a task: depth first, with backtracking over all stages.
+/// Search for a path through the stages of a task: depth first, with backtracking over all stages.
 ///
-/// 1. The planner searches for a way to the goal of the first stage, with the whole budget. Each path that it finds is a
+/// 1. The planner searches for a path to the goal of the first stage, with the whole budget. Each path that it finds is a
 ///    candidate.
-/// 2. From the end of a candidate each next stage is asked for one candidate after another: a grasp and the path to it; a path;
-///    a path to a place, down, and off the object. Searches after the first stage have short budgets that grow with the number
-///    of those that found nothing ([`Effort`]).
-/// 3. A candidate after which the next stage has none is rejected, and the next one is asked for. A placement after which a
-///    later pick failed is tried last from then on.
-/// 4. Where several objects are picked, the search begins anew from another seed while there is time.
+/// 2. From the end of a candidate each next stage yields one candidate after another: a grasp and the path to it; a path; a
+///    transfer to a placement, a set-down and a retreat. Searches after the first stage have short budgets that grow with the
+///    number of those that failed ([`Effort`]).
+/// 3. A candidate after which the next stage has none is rejected, and the next one is tried. A placement after which a later
+///    pick failed is tried last from then on.
+/// 4. If several objects are picked, the search restarts from another seed while time remains.
 pub(crate) struct Chain<'a> {
     problem: &'a Problem,
     stages: &'a [Stage],
@@ -41,9 +41,9 @@ pub(crate) struct Chain<'a> {
     effort: Effort,
     ahead: LookAhead,
     failures: Vec<GraspFailure>,
-    /// By stage.
+    /// Spoiled placements, by stage.
     spoiled: Vec<Spoiled>,
-    /// Searches that were begun for picks, by stage.
+    /// Number of searches started for picks, by stage.
     begun: Vec<u64>,
     outcome: Outcome,
     /// The carrier of the first object, if the first of several stages is a pick.
@@ -53,11 +53,11 @@ pub(crate) struct Chain<'a> {
 /// The object in the hand from the lift-off on.
 struct Held<'a> {
     carrier: &'a Arc<Carrier>,
-    /// Where it is put down, if it is.
+    /// Search for placements, if the object is put down.
     places: Option<Arc<PlaceSearch>>,
     /// The path that led to the grasp; empty if the arm has moved since.
     led: &'a [Vec<f64>],
-    /// How firmly the hand holds it, where that is demanded and can be computed.
+    /// Forces of the grip, if firmness is required and can be computed.
     grip: Option<&'a FirmGrip>,
 }
 
@@ -94,7 +94,7 @@ impl<'a> Chain<'a> {
         })
     }
 
-    /// The report of all searches together, and the pieces of a way, if there is one.
+    /// Runs the search; returns the report of all searches together, and the pieces of a path, if one was found.
     pub fn search(
         mut self,
         planner: &dyn Planner,
@@ -124,7 +124,7 @@ impl<'a> Chain<'a> {
         Ok((PlanReport { outcome, path, statistics, failures }, pieces))
     }
 
-    /// The first stage, and from there all others.
+    /// Searches the first stage, and from there all others.
     fn first(
         &mut self,
         planner: &dyn Planner,
@@ -140,7 +140,7 @@ impl<'a> Chain<'a> {
         Ok(through.ok())
     }
 
-    /// The stages from one on.
+    /// Searches the stages from `index` on.
     fn through(
         &mut self,
         index: usize,
@@ -166,7 +166,7 @@ impl<'a> Chain<'a> {
         }
     }
 
-    /// A pick, and from there all stages that follow.
+    /// Searches a pick, and from there all stages that follow.
     fn pick(
         &mut self,
         (index, pick): (usize, &Pick),
@@ -260,7 +260,7 @@ impl<'a> Chain<'a> {
         }
     }
 
-    /// Takes note of why no candidate of a pick led on, and returns the commonest reason.
+    /// Records why no candidate of a pick led to a solution, and returns the most frequent reason.
     fn not_picked(
         &mut self,
         index: usize,
@@ -280,7 +280,7 @@ impl<'a> Chain<'a> {
         last.or(commonest).unwrap_or(FailureReason::NotTried)
     }
 
-    /// The hand closed where it has reached a grasp, the object off what carries it, and all stages that follow.
+    /// Closes the hand at a reached grasp, lifts the object off its support, and searches all stages that follow.
     fn lift_off(
         &mut self,
         index: usize,
@@ -304,7 +304,7 @@ impl<'a> Chain<'a> {
         Ok(onward.map(|onward| [vec![lift_off], onward].concat()))
     }
 
-    /// A move as the first stage, and from there all others: by the planner.
+    /// Searches a move as the first stage with the planner, and from there all others.
     fn first_move(
         &mut self,
         goal: &Move,
@@ -339,7 +339,7 @@ impl<'a> Chain<'a> {
         }
     }
 
-    /// A move with what is in the hand, and all stages that follow.
+    /// Searches a move with the object in the hand, and all stages that follow.
     fn move_on(
         &mut self,
         (index, goal): (usize, &Move),
@@ -388,7 +388,7 @@ impl<'a> Chain<'a> {
         Ok(Err(reason))
     }
 
-    /// The object in the hand put down, and all stages that follow.
+    /// Puts the object in the hand down, and searches all stages that follow.
     fn place(
         &mut self,
         (index, place): (usize, &PlaceAt),
@@ -439,14 +439,14 @@ impl<'a> Chain<'a> {
         }
     }
 
-    /// True if the hand holds the object at rest in each attitude of a path (m, rad; one value per joint), as far as that is
-    /// demanded.
+    /// Returns true if the hand holds the object at rest in each orientation of a path (m, rad; one value per joint) by the
+    /// required factor.
     fn is_firm(&self, held: &Held<'_>, path: &[Vec<f64>]) -> bool {
         let demanded = self.request.hold.unwrap_or_default();
         held.grip.is_none_or(|grip| grip.at_rest(self.problem.robot(), path) >= demanded)
     }
 
-    /// The places of the stage that puts down what is picked in a stage, if one does.
+    /// Creates the placement search of the stage that puts down the object of a pick, if one does.
     fn places_after(
         &self,
         index: usize,
@@ -460,7 +460,7 @@ impl<'a> Chain<'a> {
         Ok(Some(Arc::new(places)))
     }
 
-    /// The filter of grasps with which the object cannot be where it is to go.
+    /// Returns the filter of grasps with which the object collides at the goal of the next stage.
     fn grasp_filter(
         &self,
         index: usize,
@@ -482,7 +482,7 @@ impl<'a> Chain<'a> {
         }
     }
 
-    /// The seed of the next search of a stage.
+    /// Returns the seed of the next search of a stage.
     fn next_seed(&mut self, index: usize) -> u64 {
         let number = self.begun[index];
         self.begun[index] += 1;

@@ -5,33 +5,33 @@ use cranny_plan::PlanError;
 use cranny_spatial::Pose;
 use cranny_task::{Carrier, LiftOffSettings, Pick, Placement, Placer, Problem, Stage, State};
 
-/// Draws of the place of each later object that are looked at.
+/// Number of sampled placements of each later object.
 const DRAWS: u32 = 64;
-/// Placements of later objects that are looked at for one placement.
+/// Maximum number of evaluated placements of later objects for one placement.
 const MOST_LOOKS: u32 = 400;
 
-/// Conditions under which the picks and places that are still to come may be possible: no configuration is looked for.
+/// Necessary conditions for the picks and places that follow, without inverse kinematics.
 pub(crate) struct LookAhead {
     problem: Problem,
-    /// In the order of the task, from the second pick on.
+    /// Later picks in the order of the task, from the second pick on.
     nexts: Vec<Next>,
 }
 
 /// A later pick.
 struct Next {
-    /// Its index among the stages.
+    /// Index of the pick among the stages.
     stage: usize,
     pick: Pick,
     body: usize,
     /// True if one of the given grasps has to be free.
     has_grasps: bool,
-    /// The object in the hand, as it is at the start, and where it is put down, if it is.
+    /// Carrier of the object as it stands at the start, and its placer if it is put down.
     carrier: Carrier,
     placer: Option<Placer>,
 }
 
 impl LookAhead {
-    /// The look-ahead over the stages of a task; what is the same in every world is made here.
+    /// Creates the look-ahead over the stages of a task; computes everything that does not depend on the world.
     ///
     /// # Errors
     /// Those of [`State::picking`] and [`Placer::new`].
@@ -57,13 +57,13 @@ impl LookAhead {
         Ok(Self { problem: problem.clone(), nexts })
     }
 
-    /// True if an object is picked after a stage.
+    /// Returns true if an object is picked after a stage.
     pub fn is_needed_after(&self, stage: usize) -> bool {
         self.nexts.last().is_some_and(|next| next.stage > stage)
     }
 
-    /// True unless the later picks, and the places of their objects, are found to be impossible once the object of a carrier
-    /// stands at a placement of a stage.
+    /// Returns false if the later picks, or placements of their objects, are found to be impossible once the object of a
+    /// carrier stands at a placement of a stage.
     pub fn is_hopeful(
         &self,
         (stage, carrier): (usize, &Carrier),
@@ -78,7 +78,7 @@ impl LookAhead {
         fits
     }
 
-    /// True if there are placements of all these objects after that of a carrier is let go at a pose of its first solid.
+    /// Returns true if all these objects have placements once that of a carrier is released at a pose of its first solid.
     fn fits(&self, nexts: &[Next], carrier: &Carrier, world_from_held: &Pose, looks: &mut u32) -> bool {
         let Some((next, later)) = nexts.split_first() else { return true };
         let start = self.problem.start();

@@ -8,20 +8,20 @@ use crate::stages::effort::Effort;
 
 /// Maximum number of random configurations that are drawn for some at which the hand is clear …
 const MOST_DRAWS: u32 = 2000;
-/// … and the number of them after which drawing stops.
+/// … and the number of clear ones after which drawing stops.
 const ENOUGH_CLEAR: usize = 8;
-/// Distance of each joint of the first draws from where it is (m, rad) …
+/// Distance of each joint of the first draws from the present configuration (m, rad) …
 const NEAREST_DRAW: f64 = 0.1;
 /// … and of the last.
 const FARTHEST_DRAW: f64 = 3.0;
-/// Step in joint space (m, rad) at which a path is tested for being clear.
+/// Step in joint space (m, rad) at which a path is checked for the required clearance.
 const LOOK_EVERY: f64 = 0.05;
 
-/// Random starts of inverse kinematics at a pose.
+/// Number of random starts of inverse kinematics at a pose.
 const ATTEMPTS: usize = 32;
 /// Maximum number of configurations that are tried at one pose.
 const CONFIGURATIONS: usize = 2;
-/// Poses of a region that are tried.
+/// Maximum number of poses of a region that are tried.
 const MOST_POSES: usize = 64;
 
 /// A path and the problem that it solves.
@@ -30,21 +30,21 @@ pub(crate) type Way = (Vec<Vec<f64>>, Problem);
 /// A segment, and the problem that it solves where it can be shortened.
 pub(crate) type Piece = (Segment, Option<Problem>);
 
-/// Goal of a motion on from a state.
+/// Goal of a motion from a state.
 pub(crate) enum Towards<'a> {
-    /// Any of these configurations.
+    /// Any of these configurations (m, rad; one value per joint).
     Ends(&'a [Vec<f64>]),
-    /// Anywhere what is in the hand is so far from everything, in metres.
+    /// Any configuration with this distance, in metres, between the object in the hand and everything else.
     Clear(f64),
-    /// To any pose of a region.
+    /// Any pose of a region.
     Region(&'a Region),
-    /// Where the path that led here began.
+    /// Start of the path that led here.
     Begin,
 }
 
 impl<'a> Towards<'a> {
-    /// The goal of a move, of whose `ends` (m, rad; one value per joint) these are left if they are counted; `None`
-    /// where none is left.
+    /// Returns the goal of a move, with its remaining `ends` (m, rad; one value per joint) if it has a finite set of them;
+    /// `None` if none is left.
     pub fn of(goal: &'a Move, ends: Option<&'a [Vec<f64>]>) -> Option<Self> {
         match (ends, goal) {
             (Some(ends), _) => (!ends.is_empty()).then_some(Self::Ends(ends)),
@@ -56,7 +56,7 @@ impl<'a> Towards<'a> {
 }
 
 impl Towards<'_> {
-    /// Configurations (m, rad; one value per joint) that are drawn for it, on from a state to which no path led.
+    /// Returns configurations (m, rad; one value per joint) that are sampled for the goal, from a state to which no path led.
     pub fn goals(&self, effort: &Effort, state: &State) -> Vec<Vec<f64>> {
         match self {
             Self::Ends(ends) => ends.to_vec(),
@@ -67,9 +67,9 @@ impl Towards<'_> {
     }
 }
 
-/// A path on from a state, with what is in the hand. It may join the path `led` that led to the grasp (empty if the arm has
-/// moved since) from wherever that is proven to be free with the object in the hand too: often what is left to find is the
-/// way out of the narrow.
+/// Searches for a path from a state with the object in the hand. It may join the path `led` to the grasp (empty if the arm has
+/// moved since) at any configuration up to which that is proven free with the object too: often only the path out of the narrow
+/// part remains.
 pub(crate) fn onward(
     effort: &mut Effort,
     state: &State,
@@ -105,7 +105,7 @@ pub(crate) fn onward(
     Ok((path, state.moving(ends).map_err(|_| failed.clone())?))
 }
 
-/// The path that led here, from where the hand is clear on it; where it nowhere is, random configurations at which it is.
+/// Returns the path that led here from the first clear configuration on; if it has none, random clear configurations.
 fn clear_goals(
     effort: &Effort,
     state: &State,
@@ -141,7 +141,7 @@ fn clear_goals(
     (Vec::new(), found)
 }
 
-/// Configurations at which what is to be moved is in a region.
+/// Returns configurations at which the moved frame is in a region.
 fn region_goals(effort: &Effort, state: &State, region: &Region) -> Vec<Vec<f64>> {
     let stream = |of: u64| Stream::new(effort.seed_of(of), u64::from(effort.exhausted()));
     let (cell, mut random) = (state.cell(), stream(1));
@@ -159,7 +159,7 @@ fn region_goals(effort: &Effort, state: &State, region: &Region) -> Vec<Vec<f64>
     found
 }
 
-/// Configurations at which the tip has a pose, and that are accepted: at most [`CONFIGURATIONS`], those from `starts` first.
+/// Searches for up to [`CONFIGURATIONS`] accepted configurations with the tip at a pose, those from `starts` first.
 pub(crate) fn ik_solutions<'a>(
     cell: &'a Cell,
     world_from_tip: &Pose,
@@ -181,7 +181,7 @@ pub(crate) fn ik_solutions<'a>(
     search
 }
 
-/// Ends a path where the hand is clear for the first time.
+/// Truncates a path at its first clear configuration.
 fn until_clear(state: &State, path: &mut Vec<Vec<f64>>, clear_m: f64) {
     let mut scratch = state.cell().scratch();
     for edge in 1..path.len() {

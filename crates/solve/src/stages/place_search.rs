@@ -11,18 +11,18 @@ use crate::stages::onward::{Towards, Way, ik_solutions, onward};
 
 /// Number of descents after which the transfer search starts.
 const ENOUGH_ENDS: usize = 4;
-/// Number of descents from which nothing led on after which the grasp is rejected.
+/// Number of descents without a continuation after which the grasp is rejected.
 const MOST_DEAD_ENDS: usize = 4;
-/// Maximum number of places that are looked at where another object is picked after the present one is put down …
+/// Maximum number of sampled placements if another object is picked after the present one is put down …
 const MOST_DRAWS_AHEAD: u32 = 2000;
-/// … the number of looks ahead from them …
+/// … the number of look-ahead checks from them …
 const MOST_LOOKS: u32 = 20_000;
-/// … and the number of them after which the task may go on that are enough.
+/// … and the number of promising ones after which the checks stop.
 const ENOUGH_HOPES: usize = 12;
-/// What tells the random starts from other draws of the same seed.
+/// Random stream of the IK starts, distinct from other streams of the same seed.
 const STARTS_STREAM: u64 = 0x91ac_e001;
 
-/// The places of an object in the hand that is to be put down, whichever grasp holds it.
+/// Placements of an object in the hand, for every grasp.
 pub(crate) struct PlaceSearch {
     carrier: Arc<Carrier>,
     placer: Placer,
@@ -32,29 +32,29 @@ pub(crate) struct PlaceSearch {
     seed: u64,
 }
 
-/// Numbers of placements after which a later stage failed, and how often.
+/// Numbers of placements after which a later stage failed, with their counts of failures.
 pub(crate) type Spoiled = BTreeMap<usize, u32>;
 
-/// A path down, from where it begins, at whose end the hand can open; and the number of its placement.
+/// A set-down path from its start, at whose end the hand can open, and the number of its placement.
 struct Descent {
     path: Vec<Vec<f64>>,
     placement: usize,
 }
 
-/// A way to put an object down.
+/// Paths that put an object down.
 pub(crate) struct PutDown {
-    /// To where it is set down from.
+    /// Path to the start of the set-down.
     pub transfer: Way,
     pub set_down: Vec<Vec<f64>>,
     pub retreat: Vec<Vec<f64>>,
-    /// The state at the end of the retreat.
+    /// State at the end of the retreat.
     pub after: State,
     /// Number of the placement.
     pub placement: usize,
 }
 
 impl PlaceSearch {
-    /// The places of the object of a carrier in a stage.
+    /// Creates the placement search for the object of a carrier in a stage.
     pub fn new(
         problem: &Problem,
         carrier: &Arc<Carrier>,
@@ -78,13 +78,13 @@ impl PlaceSearch {
         Ok(Self { carrier: carrier.clone(), placer, retreat_m: place.retreat_m, home, seed })
     }
 
-    /// Why an object that is gripped with the tip at a pose can be let go nowhere.
+    /// Returns the reason why an object gripped with the tip at a pose in the planning frame can be released nowhere.
     pub fn blocked_at(&self, world_from_tip: &Pose) -> Option<FailureReason> {
         self.placer.blocked_at(world_from_tip)
     }
 
-    /// Descents to placements where the arm can set the object down and open its hand: to the first that are `enough`, those
-    /// after which a later stage failed coming last.
+    /// Searches for descents to placements where the arm can set the object down and open its hand, until there are
+    /// [`ENOUGH_ENDS`]; placements after which a later stage failed come last.
     fn descents(
         &self,
         effort: &Effort,
@@ -154,7 +154,7 @@ impl PlaceSearch {
         if descents.is_empty() { Err(reason) } else { Ok(descents) }
     }
 
-    /// The hand opened where the object was set down, and off it.
+    /// Opens the hand after the set-down, and retreats from the object.
     fn leave(&self, state: &State, set_down: &[Vec<f64>]) -> Result<(Vec<Vec<f64>>, State), FailureReason> {
         let down = set_down.last().ok_or(FailureReason::NotBroughtThere)?;
         let open = state.at(down).opened()?;
@@ -164,10 +164,10 @@ impl PlaceSearch {
     }
 }
 
-/// Ways to put down the object that one grasp holds, one after the other.
+/// Iterator over put-downs of the object in one grasp.
 pub(crate) struct PutDowns<'a> {
     search: &'a PlaceSearch,
-    /// The object off what it rested on.
+    /// State with the object off its initial support.
     state: &'a State,
     led: &'a [Vec<f64>],
     descents: Vec<Descent>,
@@ -176,8 +176,7 @@ pub(crate) struct PutDowns<'a> {
 }
 
 impl<'a> PutDowns<'a> {
-    /// Ways from a state, to which the path `led` of way points (m, rad; one value per joint) led, as [`onward`] has
-    /// it.
+    /// Starts at a state to which the path `led` of way points (m, rad; one value per joint) led, as in [`onward`].
     pub fn new(search: &'a PlaceSearch, state: &'a State, led: &'a [Vec<f64>]) -> Self {
         Self {
             search,
@@ -189,12 +188,12 @@ impl<'a> PutDowns<'a> {
         }
     }
 
-    /// The next way.
+    /// Returns the next put-down.
     ///
-    /// 1. Placements where the arm can set the object down and open its hand.
-    /// 2. A path to where one of the descents begins: by where the robot started from, along the path that led to the grasp as
-    ///    far as it is free; where that fails, directly.
-    /// 3. A path off the object for the open hand.
+    /// 1. Search for placements where the arm can set the object down and open its hand.
+    /// 2. Search for a path to the start of one of the descents: through the start of the robot, along the path that led to the
+    ///    grasp as far as it is free; if that fails, directly.
+    /// 3. Search for a retreat of the open hand.
     pub fn next(
         &mut self,
         effort: &mut Effort,
@@ -225,8 +224,7 @@ impl<'a> PutDowns<'a> {
         Err(self.reason.clone())
     }
 
-    /// Takes note that nothing led on from a placement, for a reason; where that is a later stage's, other ways to the same
-    /// placement are left out.
+    /// Records that a placement has no continuation, for a reason; if a later stage failed, other descents to it are dropped.
     pub fn reject(&mut self, placement: usize, reason: FailureReason, is_spoiled: bool) {
         self.reason = reason;
         if is_spoiled {
@@ -235,7 +233,7 @@ impl<'a> PutDowns<'a> {
     }
 }
 
-/// A path to where one of the descents begins, and the problem that it solves.
+/// Returns a path to the start of one of the descents, and the problem that it solves.
 fn transfer(
     effort: &mut Effort,
     state: &State,
@@ -268,7 +266,7 @@ fn transfer(
     Ok((path, state.moving(end).map_err(|_| not_there.clone())?))
 }
 
-/// True if one reason is met later on the way than another.
+/// Returns true if `reason` occurs later in the sequence of motions than `than`.
 fn is_later(reason: &FailureReason, than: &FailureReason) -> bool {
     let stage = |reason: &FailureReason| match reason {
         FailureReason::NoPlace => 0,

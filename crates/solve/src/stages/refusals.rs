@@ -5,43 +5,43 @@ use cranny_grasp::GraspSet;
 use cranny_spatial::Pose;
 use cranny_task::{FailureReason, Firmness, GraspFailure, GraspFilter, Problem, gripper_poses};
 
-/// Number of grasps after whose refusal, one and all, a later object is given up: another placement before it may allow some.
+/// Number of refused grasps, without an accepted one, after which a later object is given up for another placement.
 const MOST_REFUSED: u32 = 24;
 
-/// Verdicts on the grasps of a pick, counted.
+/// Counts of the verdicts on the grasps of a pick.
 #[derive(Default)]
 pub(crate) struct Refusals {
     refused: AtomicU32,
     is_any_left: AtomicBool,
-    /// The firmness that is demanded, if any is.
+    /// Required firmness, if any.
     firm: OnceLock<Demanded>,
     /// Number of grasps of the planner's own that were refused as unsteady.
     unsteady: AtomicI32,
-    /// True if no grasp of the set is firm, once that was asked.
+    /// True if no grasp of the set is firm; computed on first use.
     is_each_weak: OnceLock<bool>,
 }
 
-/// The firmness that is demanded of a grasp.
+/// Required firmness of a grasp.
 #[derive(Clone)]
 pub(crate) struct Demanded {
     pub firmness: Arc<Firmness>,
-    /// Factor by which gravity may grow, at least.
+    /// Least factor by which gravity may grow.
     pub factor: f64,
     /// True if the object is put down again.
     pub is_put_down: bool,
-    /// True if the planner makes grasps of its own: of these it takes steady ones first, near the centre of mass, with which
-    /// the hand holds its object in any attitude.
+    /// True if the planner generates its own grasps. It then starts with steady ones, near the centre of mass, with which the
+    /// hand holds the object in any orientation.
     pub is_own: bool,
 }
 
-/// The factor in any attitude that is demanded of own grasps at first …
+/// Initial factor in any orientation that is required of own grasps …
 const STEADY: f64 = 1.0;
-/// … and of that, the share that is left after each refusal: where none is to be had, others do soon.
+/// … and the share of it that remains after each refusal: if no steady grasp exists, others soon pass.
 const LEFT_PER_REFUSAL: f64 = 0.98;
 
 impl Refusals {
-    /// A filter, whose verdicts are counted, of grasps that are left out, too weak, or of no use for what follows; each by
-    /// the pose of the tip in the planning frame (`world_from_tip`).
+    /// Creates a filter that counts its verdicts. It refuses grasps that are excluded, too weak, or useless for the next
+    /// stages, by the pose of the tip in the planning frame (`world_from_tip`).
     pub fn filter(
         self: &Arc<Self>,
         left_out: Option<impl Fn(&Pose) -> bool + Send + Sync + 'static>,
@@ -65,7 +65,7 @@ impl Refusals {
         })
     }
 
-    /// Refuses an own grasp that is not steady, of many each time fewer.
+    /// Refuses an own grasp that is not steady; the criterion relaxes with each refusal.
     fn unsteady(&self, own: &Demanded, world_from_tip: &Pose) -> Option<FailureReason> {
         let least = STEADY * LEFT_PER_REFUSAL.powi(self.unsteady.load(Ordering::Relaxed));
         let is_steady =
@@ -76,7 +76,7 @@ impl Refusals {
         })
     }
 
-    /// True if the set of grasps of a problem has none that is firm: no search finds what follows.
+    /// Returns true if no grasp in the set of a problem is firm: then no search finds a continuation.
     pub fn is_each_weak(&self, picking: &Problem) -> bool {
         *self.is_each_weak.get_or_init(|| {
             let set = picking.grasps().filter(|_| picking.grasp_measure().is_none());
@@ -97,14 +97,14 @@ impl Refusals {
         fault
     }
 
-    /// True if many were refused, and none was not.
+    /// Returns true if many grasps were refused, and none was accepted.
     pub fn are_all(&self) -> bool {
         self.refused.load(Ordering::Relaxed) >= MOST_REFUSED && !self.is_any_left.load(Ordering::Relaxed)
     }
 }
 
-/// Replaces what is known of grasps of a set by the reasons why nothing led on from the poses of the gripper at which they
-/// were reached.
+/// Replaces the reasons for grasps of a set by those why nothing followed from the poses of the gripper at which they were
+/// reached.
 pub(crate) fn add_failed(
     failures: &mut Vec<GraspFailure>,
     grasps: &GraspSet,

@@ -4,34 +4,34 @@ use cranny_spatial::Pose;
 
 use crate::{FailureReason, TaskError};
 
-/// The hand of a robot and the target of a problem, on which it closes.
+/// The hand of a robot and the target of a problem on which it closes.
 #[derive(Clone, Debug)]
 pub struct ClosingHand {
     target: usize,
     world_from_target: Pose,
-    /// The target in the open hand, anywhere in it.
+    /// Cell with the target attached to the open hand, at any pose.
     holding: Cell,
 }
 
 /// A hand that has closed.
 #[derive(Clone, Debug)]
 pub struct ClosedHand {
-    /// How it holds the target.
+    /// Pose of the target in the tip's frame and closing of the fingers.
     pub hold: Hold,
-    /// How far the fingers are apart, in metres.
+    /// Distance between the fingers, in metres.
     pub opening_m: f64,
-    /// How much farther the finger that touches last has to go than the first, in metres.
+    /// Excess of the travel of the finger that touches last over that of the first, in metres.
     pub uneven_m: f64,
-    /// Share of its travel, from 0, open, to 1, at which each finger touches.
+    /// Share of its travel at which each finger touches, from 0 (open) to 1.
     pub touching: Vec<f64>,
 }
 
 impl ClosingHand {
-    /// Of a cell, which is given back, and the body to close on; `lacking` says what the error is if it lacks something.
+    /// Creates the hand for a body to close on, and returns it with its cell; `lacking` makes the error for a missing item.
     ///
     /// # Errors
     /// That of `lacking` without a cell (under `paper`), without a target, or for a robot whose hand cannot close;
-    /// [`TaskError::Collision`] for a target that has no end.
+    /// [`TaskError::Collision`] for an unbounded target.
     pub fn new(
         cell: Option<&Cell>,
         target: Option<usize>,
@@ -47,24 +47,24 @@ impl ClosingHand {
         Ok((Self { target, world_from_target, holding: cell.holding(target, nowhere)? }, cell))
     }
 
-    /// The same hand and body, in the surroundings of another cell.
+    /// Returns this hand and target in the surroundings of another cell.
     #[must_use]
     pub fn amid(&self, cell: &Cell) -> Self {
         let holding = self.holding.amid(cell);
         Self { world_from_target: first_pose(cell, self.target), holding, ..*self }
     }
 
-    /// Which body of the world the target is.
+    /// Index of the target among the bodies of the world.
     pub fn target(&self) -> usize {
         self.target
     }
 
-    /// The target in the open hand, anywhere in it.
+    /// Cell with the target attached to the open hand, at any pose.
     pub fn holding(&self) -> &Cell {
         &self.holding
     }
 
-    /// Pose in the tip's frame of the target, which has not moved, at a configuration (m, rad; one per joint).
+    /// Returns the pose in the tip's frame of the target, which has not moved, at a configuration (m, rad; one per joint).
     ///
     /// # Panics
     /// If `q` has not one value per joint.
@@ -73,16 +73,16 @@ impl ClosingHand {
         robot.frames_at(q).link(robot.tip()).inverse() * self.world_from_target
     }
 
-    /// Where the target stands.
+    /// Pose of the target in the planning frame before it is grasped.
     pub fn world_from_target(&self) -> Pose {
         self.world_from_target
     }
 
-    /// Closes the fingers at a configuration (m, rad; one per joint), until the first touches the target, and proves
-    /// that they meet nothing else. `scratch` is that of [`Self::holding`].
+    /// Closes the fingers at a configuration (m, rad; one per joint) until the first touches the target, and proves that they
+    /// touch nothing else. `scratch` is that of [`Self::holding`].
     ///
     /// # Errors
-    /// Why the hand does not hold the target then: a finger touches nothing, or meets something else on its way.
+    /// The reason why the hand does not hold the target then: a finger touches nothing, or meets something else while closing.
     ///
     /// # Panics
     /// If `q` has not one value per joint.
@@ -90,8 +90,8 @@ impl ClosingHand {
         self.closed(q, |closed, _| closed.closing_contact(q, scratch))
     }
 
-    /// The same at `q` (m, rad; one per joint) with every finger until it touches the target itself, which stays
-    /// where it is, and a proof for each up to there.
+    /// Closes each finger at `q` (m, rad; one per joint) until it touches the target, which does not move, and proves the
+    /// motion of each finger up to its contact.
     ///
     /// # Errors
     /// As [`Self::close`].
@@ -102,7 +102,7 @@ impl ClosingHand {
         self.closed(q, |closed, touching| closed.closing_contact_each(q, touching, scratch))
     }
 
-    /// The hand closed until the first finger touches, unless `met` finds a contact.
+    /// Closes the hand until the first finger touches; fails if `met` finds a contact.
     fn closed(
         &self,
         q: &[f64],

@@ -9,23 +9,23 @@ use cranny_spatial::Pose;
 
 use crate::{FailureReason, robot_hand};
 
-/// Mass of a body, how it is spread, and its resistance to rolling, as far as that is stated.
+/// Mass, moments and rolling resistance of a body, where stated.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Weight {
-    /// In kilograms.
+    /// Mass, in kilograms.
     pub mass_kg: Option<f64>,
-    /// Centre of mass and inertia, in the frame of the first solid of the body; `None`: of even density.
+    /// Centre of mass and inertia, in the frame of the first solid of the body; `None`: uniform density.
     pub moments: Option<VolumeMoments>,
-    /// Arm of the normal force that a turn on what the body stands on has to overcome, in metres; `None`: not stated.
+    /// Coefficient of rolling resistance: resisting torque per normal force, in metres; `None`: not stated.
     pub rolling_m: Option<f64>,
 }
 
-/// Weights of the bodies of a world, and the pads that hold them: what is known of loads beside shapes and friction.
+/// Weights of the bodies of a world, and the pads of the robot's hand: the data on loads besides shapes and friction.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Weights {
-    /// By index of the body; beyond the end none is stated.
+    /// By index of the body; bodies beyond the end have no stated weight.
     of_bodies: Vec<Weight>,
-    /// Pads and closing force (N) of the robot's hand, once they are asked for.
+    /// Pads and closing force (N) of the robot's hand, computed on first use.
     pads: OnceLock<Option<(Pads, f64)>>,
 }
 
@@ -34,7 +34,7 @@ impl Weights {
         Self { of_bodies: of_bodies.to_vec(), pads: OnceLock::new() }
     }
 
-    /// The weight of a body, by index.
+    /// Returns the weight of a body, by index.
     pub fn of_body(&self, body: usize) -> Weight {
         self.of_bodies.get(body).copied().unwrap_or_default()
     }
@@ -66,15 +66,15 @@ impl fmt::Debug for Firmness {
 }
 
 impl Firmness {
-    /// Of a body of the world of a cell, with a friction that may not be known ([`ASSUMED_FRICTION`]). `None` for a hand
-    /// without two flat pads, or a body that encloses no volume.
+    /// Creates the measure for a body of the world of a cell; without a stated friction it assumes [`ASSUMED_FRICTION`]. `None`
+    /// for a hand without two flat pads, or a body that encloses no volume.
     pub(crate) fn new(cell: &Cell, body: usize, friction: Option<f64>, weights: &Weights) -> Option<Self> {
         Self::in_world(cell.world(), body, weights.pads(cell.robot())?, (friction, weights.of_body(body)))
     }
 
-    /// The firmness of grasps of a body of a world by a hand, with the friction ([`ASSUMED_FRICTION`] if it is not stated) and
-    /// the weight (if no mass is stated, that of [`ASSUMED_DENSITY`](cranny_grasp::ASSUMED_DENSITY)) of the body. `None` for a
-    /// hand without two flat pads, or a body that encloses no volume.
+    /// Creates the measure for grasps of a body of a world by a hand, with the friction and the weight of the body. Values that
+    /// are not stated are assumed: [`ASSUMED_FRICTION`] and, for the mass, [`ASSUMED_DENSITY`](cranny_grasp::ASSUMED_DENSITY).
+    /// `None` for a hand without two flat pads, or a body that encloses no volume.
     pub fn by_hand(
         world: &World,
         body: usize,
@@ -99,18 +99,18 @@ impl Firmness {
         Some(Self { measure, is_mass_assumed: weight.mass_kg.is_none() })
     }
 
-    /// The measure of the loads of grasps, whose poses are in the planning frame.
+    /// Load measure of the grasps, whose poses are in the planning frame.
     pub fn measure(&self) -> &LoadMeasure {
         &self.measure
     }
 
-    /// The forces of a grasp with the tip at a pose; `None` if no pad bears.
+    /// Computes the contact forces of a grasp with the tip at a pose in the planning frame; `None` if no pad bears.
     pub fn grip(&self, world_from_tip: &Pose) -> Option<GripForces> {
         self.measure.grip(world_from_tip)
     }
 
-    /// Reason for which a grasp does not do for what follows: it slips under less than `factor` times the weight, or, where
-    /// the object is put down again, it turns or shifts the object too far.
+    /// Returns the reason for rejecting a grasp: it slips under less than `factor` times the weight, or, if the object is put
+    /// down again, closing turns or shifts the object too far.
     pub fn fault_of(&self, world_from_tip: &Pose, factor: f64, is_put_down: bool) -> Option<FailureReason> {
         if !self.measure.is_firm(world_from_tip, factor) {
             return Some(FailureReason::Slips);
@@ -119,7 +119,7 @@ impl Firmness {
     }
 }
 
-/// The moments of a body in the planning frame, for a mass of 1 kg; `None` where none are stated and it encloses no volume.
+/// Returns the moments of a body of 1 kg in the planning frame; `None` if none are stated and it encloses no volume.
 pub(crate) fn moments_of(body: &Body, weight: &Weight) -> Option<VolumeMoments> {
     stated_moments(body, weight).or_else(|| even_moments(body, &soup_in_world(body)?))
 }
@@ -128,7 +128,7 @@ fn stated_moments(body: &Body, weight: &Weight) -> Option<VolumeMoments> {
     Some(weight.moments?.moved(&body.parts.first()?.world_from_solid))
 }
 
-/// The triangles of a body in the planning frame; `None` for one without an end.
+/// Returns the triangles of a body in the planning frame; `None` for an unbounded body.
 pub(crate) fn soup_in_world(body: &Body) -> Option<TriangleSoup> {
     let mut soup = TriangleSoup::default();
     for part in &body.parts {
@@ -137,7 +137,7 @@ pub(crate) fn soup_in_world(body: &Body) -> Option<TriangleSoup> {
     Some(soup)
 }
 
-/// The moments of the volume of a body of these triangles; `None` where it encloses none.
+/// Returns the moments of a body of uniform density with these triangles; `None` if it encloses no volume.
 fn even_moments(body: &Body, soup: &TriangleSoup) -> Option<VolumeMoments> {
     let is_simple = body.parts.len() == 1 && !matches!(body.parts[0].solid.outline(), Outline::Other);
     if is_simple {

@@ -4,20 +4,20 @@ use cranny_robot::Robot;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-/// Why one grasp was not reached by a search that found no path.
+/// Reason why a search without a solution did not reach a grasp.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Value")]
 pub struct GraspFailure {
     /// Index of the grasp.
     pub grasp: usize,
-    /// What stood in the way.
+    /// The reason.
     #[serde(flatten)]
     pub reason: FailureReason,
-    /// Attempts of inverse kinematics at it and its twin.
+    /// Number of IK attempts at the grasp and its twin.
     pub attempts: u64,
 }
 
-/// The row of a [`GraspFailure`] before its keys are checked: serde refuses no unknown key beside a flattened field.
+/// Row of a [`GraspFailure`] before its keys are checked: serde refuses no unknown key beside a flattened field.
 #[derive(Deserialize)]
 struct FailureRow {
     grasp: usize,
@@ -29,7 +29,7 @@ struct FailureRow {
 impl TryFrom<Value> for GraspFailure {
     type Error = String;
 
-    /// Reads a row, and refuses keys that it does not have.
+    /// Reads a row and refuses unknown keys.
     fn try_from(row: Value) -> Result<Self, String> {
         let FailureRow { grasp, reason, attempts } =
             FailureRow::deserialize(&row).map_err(|fault| fault.to_string())?;
@@ -42,13 +42,13 @@ impl TryFrom<Value> for GraspFailure {
 }
 
 impl GraspFailure {
-    /// The reason for which most grasps failed.
+    /// Returns the reason for which most grasps failed.
     pub fn commonest(failures: &[Self]) -> Option<&FailureReason> {
         let (sentence, _) = Self::counted(failures).into_iter().next()?;
         failures.iter().map(|failure| &failure.reason).find(|reason| reason.sentence() == sentence)
     }
 
-    /// How many grasps failed for each reason, the commonest first.
+    /// Returns the number of grasps that failed for each reason, most frequent first.
     pub fn counted(failures: &[Self]) -> Vec<(String, usize)> {
         let mut counts: Vec<(String, usize)> = Vec::new();
         for failure in failures {
@@ -63,195 +63,201 @@ impl GraspFailure {
     }
 }
 
-/// Obstacle between a robot and a grasp. Only the first three are certain: the others state what the search met, not
-/// that no path exists.
+/// Reason for the failure of a grasp. Only the first three are certain: the others state obstacles that the search met, which
+/// does not prove that no path exists.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", tag = "reason")]
 #[non_exhaustive]
 pub enum FailureReason {
-    /// The object is stated to be wider there than the hand opens.
+    /// The object is stated to be wider at the grasp than the hand opens.
     TooWide {
-        /// Its width, in metres.
+        /// Width of the object, in metres.
         width_m: f64,
-        /// Between the pads of the open hand, in metres.
+        /// Distance between the pads of the open hand, in metres.
         opening_m: f64,
     },
-    /// The grasp is farther away than the arm can ever reach, wherever its base stands.
+    /// The grasp is beyond the reach of the arm, for every position of its base.
     OutOfReach {
-        /// Least distance beyond, in metres.
+        /// Lower bound of the distance beyond reach, in metres.
         beyond_m: f64,
     },
-    /// The hand alone collides there and at the twin.
+    /// The hand alone collides at the grasp and at its twin.
     HandCollides {
-        /// Which link of the hand.
+        /// Name of the link of the hand.
         link: String,
-        /// Which body of the world.
+        /// Name of the body of the world.
         body: String,
     },
-    /// No attempt of inverse kinematics came to the pose.
+    /// No IK attempt converged to the pose.
     NoIk,
-    /// The arm came to the pose, but touched the world; seen last:
+    /// The arm reached the pose, but touched the world; last contact found:
     ArmCollides {
-        /// Which link.
+        /// Name of the link.
         link: String,
-        /// Which body of the world.
+        /// Name of the body of the world.
         body: String,
     },
-    /// The arm came to the pose, but touched itself; seen last:
+    /// The arm reached the pose, but touched itself; last contact found:
     SelfCollision {
-        /// One link.
+        /// First link.
         first: String,
-        /// The other.
+        /// Second link.
         second: String,
     },
-    /// The arm came to the pose, but the tool was out of a bound; seen last:
+    /// The arm reached the pose, but the tool was outside a bound; last bound found:
     OutOfBounds {
         /// Name of the bound.
         bound: String,
     },
-    /// Free configurations hold the grasp, but no path to any of them was found.
+    /// Free configurations exist at the grasp, but no path to any of them was found.
     NotConnected {
-        /// How many.
+        /// Number of these configurations.
         goals: u64,
     },
-    /// The open hand met something on the straight line to the grasp:
+    /// The open hand collided on the straight approach to the grasp:
     ApproachBlocked {
-        /// One thing.
+        /// First of the colliding pair.
         first: String,
-        /// The other.
+        /// Second of the colliding pair.
         second: String,
     },
-    /// The arm cannot move the hand along the straight line to the grasp.
+    /// The arm cannot move the hand along the straight approach to the grasp.
     ApproachOutOfReach,
-    /// No path was found to the begin of the straight line to the grasp.
+    /// No path to the start of the straight approach was found.
     ApproachNotReached,
-    /// The hand closed there, but not on the object: a finger touched nothing.
+    /// The hand closed at the grasp, but a finger did not touch the object.
     ClosesOnNothing,
-    /// It was left out, because it had failed before.
+    /// The grasp was skipped because it had failed before.
     LeftOut,
-    /// The pads would slip under less than the loads that were to be held.
+    /// The pads would slip under less than the required loads.
     Slips,
-    /// The hand holds the object there, but not in each attitude, and steadier grasps were tried first.
+    /// The hand holds the object at the grasp, but not in every orientation, and steadier grasps were tried first.
     Unsteady,
-    /// The hand turns or shifts the object too far while it closes for it to be put down where it is to stand.
+    /// Closing the hand turns or shifts the object too far for it to be put down at the goal.
     TurnsInHand,
-    /// The fingers met something on their way to the object:
+    /// The fingers collided while they closed on the object:
     ClosingCollides {
-        /// One thing.
+        /// First of the colliding pair.
         first: String,
-        /// The other.
+        /// Second of the colliding pair.
         second: String,
     },
-    /// The object, or what carries it, met something before it was off what it rested on:
+    /// The object or the hand and arm that carry it collided during the lift-off:
     LiftOffBlocked {
-        /// One thing.
+        /// First of the colliding pair.
         first: String,
-        /// The other.
+        /// Second of the colliding pair.
         second: String,
     },
-    /// The arm cannot go on to where the object is off what it rested on.
+    /// The arm cannot reach the end of the lift-off.
     LiftOffOutOfReach,
-    /// The object was lifted off, but no way was found to where it is to be carried.
+    /// The object was lifted off, but no transfer path to the goal was found.
     NotCarried,
-    /// Held like that the object cannot be where it is to be carried:
+    /// The object in this grasp collides at the goal of the transfer:
     EndBlocked {
-        /// One thing.
+        /// First of the colliding pair.
         first: String,
-        /// The other.
+        /// Second of the colliding pair.
         second: String,
     },
-    /// The object can be nowhere where it is to be put down, as it is held or at all.
+    /// No placement of the object at the goal is feasible, in this grasp or in any.
     NoPlace,
-    /// The open hand, where it would let the object go, met something; seen first:
+    /// The open hand collides at the placement; first contact found:
     PlaceBlocked {
-        /// One thing.
+        /// First of the colliding pair.
         first: String,
-        /// The other.
+        /// Second of the colliding pair.
         second: String,
     },
-    /// The arm came to no place where it could let the object go.
+    /// The arm reached no placement of the object.
     PlaceOutOfReach,
-    /// The object, or what carries it, met something on the way down to where it is to be put:
+    /// The object or the hand and arm that carry it collided during the set-down:
     SetDownBlocked {
-        /// One thing.
+        /// First of the colliding pair.
         first: String,
-        /// The other.
+        /// Second of the colliding pair.
         second: String,
     },
-    /// The arm cannot move the object down to where it is to be put.
+    /// The arm cannot follow the set-down to the placement.
     SetDownOutOfReach,
-    /// The fingers met something when they let the object go:
+    /// The fingers collided while they released the object:
     OpeningCollides {
-        /// One thing.
+        /// First of the colliding pair.
         first: String,
-        /// The other.
+        /// Second of the colliding pair.
         second: String,
     },
-    /// The open hand met something on its way off the object:
+    /// The open hand collided during the retreat from the object:
     RetreatBlocked {
-        /// One thing.
+        /// First of the colliding pair.
         first: String,
-        /// The other.
+        /// Second of the colliding pair.
         second: String,
     },
-    /// The arm cannot move the hand off the object.
+    /// The arm cannot follow the retreat from the object.
     RetreatOutOfReach,
-    /// The object can be put down, but no way was found from where it is lifted off.
+    /// Placements are feasible, but no transfer path from the lift-off was found.
     NotBroughtThere,
-    /// The object was put down, but no way back was found for the empty hand.
+    /// The object was put down, but no return path of the empty hand was found.
     NotReturned,
-    /// The arm found no way to where it was to move next.
+    /// No path of the arm to the next goal was found.
     NotMoved,
-    /// A later stage of the task could not be done after this:
+    /// A later stage of the task failed after this one:
     Later {
         /// Index of the stage.
         stage: usize,
-        /// Why.
+        /// Reason for the failure of that stage.
         because: Box<FailureReason>,
     },
-    /// The search ended before it came to this grasp.
+    /// The search ended before it tried this grasp.
     NotTried,
 }
 
-/// Two widths that differ by less are equal, in metres: files round.
+/// Widths that differ by less are equal, in metres: files round.
 const WIDTH_TOLERANCE_M: f64 = 1e-9;
 
 impl FailureReason {
-    /// [`Self::TooWide`] for a grasp whose stated width is beyond the opening of the robot's hand.
+    /// Returns [`Self::TooWide`] for a grasp whose stated width exceeds the opening of the robot's hand.
     pub fn of_width(robot: &Robot, grasp: &Grasp) -> Option<Self> {
         let opening_m = robot.hand()?.description.opening_m;
         let width_m = grasp.width_m.filter(|width_m| *width_m > opening_m + WIDTH_TOLERANCE_M)?;
         (opening_m > 0.0).then_some(Self::TooWide { width_m, opening_m })
     }
 
-    /// The reason in words, without the grasp.
+    /// Describes the reason in words, without the grasp.
     pub fn sentence(&self) -> String {
         match self {
             Self::TooWide { width_m, opening_m } => {
                 let [width, opening] = distinct([width_m * 1e3, opening_m * 1e3], 1);
                 format!("the object is {width} mm wide there, and the hand opens {opening} mm")
             }
-            // One sentence for all of them, which are counted by it.
+            // All distances share one sentence, because failures are counted by it.
             Self::OutOfReach { .. } => "beyond reach from anywhere the base can stand".to_owned(),
             Self::HandCollides { link, body } => format!("the hand alone collides: {link} against {body}"),
-            Self::NoIk => "no attempt of inverse kinematics came there".to_owned(),
-            Self::ArmCollides { link, body } => format!("the arm came there, but {link} touched {body}"),
+            Self::NoIk => "inverse kinematics found no solution".to_owned(),
+            Self::ArmCollides { link, body } => {
+                format!("inverse kinematics found solutions, but {link} touched {body}")
+            }
             Self::SelfCollision { first, second } => {
-                format!("the arm came there, but touched itself: {first} against {second}")
+                format!("inverse kinematics found solutions with self-collision: {first} against {second}")
             }
-            Self::OutOfBounds { bound } => format!("the arm came there, but exceeded the bound '{bound}'"),
-            Self::NotConnected { .. } => "held by free configurations, but not connected".to_owned(),
+            Self::OutOfBounds { bound } => {
+                format!("inverse kinematics found solutions, but they exceeded the bound '{bound}'")
+            }
+            Self::NotConnected { .. } => {
+                "inverse kinematics found free solutions, but no path to them was found".to_owned()
+            }
             Self::ApproachBlocked { first, second } => {
-                format!("the hand cannot come there straight: {first} against {second}")
+                format!("the straight approach of the hand collides: {first} against {second}")
             }
-            Self::ApproachOutOfReach => "the arm cannot move the hand there straight".to_owned(),
+            Self::ApproachOutOfReach => "the arm cannot follow the straight approach".to_owned(),
             Self::ApproachNotReached => {
-                "reached, but no way was found to where the straight approach begins".to_owned()
+                "reached, but no path to the start of the straight approach was found".to_owned()
             }
             Self::ClosesOnNothing => "the hand closes on nothing there".to_owned(),
             Self::LeftOut => "left out: it failed in physics".to_owned(),
             Self::Slips => {
-                "the hand holds the object too weakly there to carry it (`hold` demands less)".to_owned()
+                "the hand holds the object too weakly there to carry it (a lower `hold` helps)".to_owned()
             }
             Self::Unsteady => {
                 "the hand does not hold the object there in each attitude, and steadier grasps were tried first"
@@ -268,17 +274,17 @@ impl FailureReason {
                 format!("reached, but the object cannot be lifted off: {first} against {second}")
             }
             Self::LiftOffOutOfReach => "reached, but the arm cannot lift the object off".to_owned(),
-            Self::NotCarried => "lifted off, but no way out was found".to_owned(),
+            Self::NotCarried => "lifted off, but no path out was found".to_owned(),
             Self::EndBlocked { first, second } => {
-                format!("held like that the object cannot be where it is to go: {first} against {second}")
+                format!("with this grasp the object collides at its goal: {first} against {second}")
             }
-            Self::NoPlace => "held like that the object has no place where it is to be put down".to_owned(),
+            Self::NoPlace => "with this grasp no placement of the object is feasible".to_owned(),
             Self::PlaceBlocked { first, second } => {
                 format!(
                     "the open hand cannot be where the object is to be put down: {first} against {second}"
                 )
             }
-            Self::PlaceOutOfReach => "lifted off, but the arm comes to no place to put it down".to_owned(),
+            Self::PlaceOutOfReach => "lifted off, but the arm reaches no placement".to_owned(),
             Self::SetDownBlocked { first, second } => {
                 format!("lifted off, but the object cannot be set down: {first} against {second}")
             }
@@ -291,12 +297,12 @@ impl FailureReason {
             }
             Self::RetreatOutOfReach => "set down, but the arm cannot retreat".to_owned(),
             Self::NotBroughtThere => {
-                "lifted off, but no way was found to where it is to be put down".to_owned()
+                "lifted off, but no path to the placement was found".to_owned()
             }
-            Self::NotReturned => "set down, but no way back was found".to_owned(),
-            Self::NotMoved => "no way was found to where the arm was to move".to_owned(),
+            Self::NotReturned => "set down, but no path back was found".to_owned(),
+            Self::NotMoved => "no path to the goal of the move was found".to_owned(),
             Self::Later { stage, because } => {
-                format!("stage {} failed after it: {}", stage + 1, because.sentence())
+                format!("the later stage {} failed: {}", stage + 1, because.sentence())
             }
             Self::NotTried => "not tried".to_owned(),
         }

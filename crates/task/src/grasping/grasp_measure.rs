@@ -8,8 +8,8 @@ use crate::grasping::closing_hand::ClosingHand;
 use crate::grasping::firmness::soup_in_world;
 use crate::grasping::pad_contact::PadSurfaces;
 
-/// What grasps are measured by where no set of them is given: the surface of the target, how it slides, and the hand that
-/// closes on it. It belongs to a problem, as the tree of an obstacle's mesh does, and not to a search.
+/// Measure of grasps for a problem without a set of them: surface and friction of the target, and the hand that closes on it.
+/// It belongs to the problem, as the tree of an obstacle's mesh does, and not to a search.
 #[derive(Clone, Debug)]
 pub struct GraspMeasure {
     hand: ClosingHand,
@@ -20,14 +20,14 @@ pub struct GraspMeasure {
 }
 
 impl GraspMeasure {
-    /// A grasp of a lower score is none, in [0, 1]: with four fifths of the friction it would still hold, so that pads may
-    /// stand a little otherwise.
+    /// Least score of a grasp, in [0, 1]: such a grasp still holds with four fifths of the friction, which allows for small
+    /// errors in the pose of the pads.
     pub const LEAST_SCORE: f64 = 0.2;
 
-    /// The measure for the target of a problem in its cell, `friction` being the coefficient between pads and target.
+    /// Creates the measure for the target of a problem in its cell; `friction` is the coefficient between pads and target.
     ///
     /// # Errors
-    /// [`TaskError::NoGraspMeasure`] for a problem under `paper`, without a target or one that has no end, of a robot whose
+    /// [`TaskError::NoGraspMeasure`] for a problem under `paper`, without a target or with an unbounded one, of a robot whose
     /// hand cannot close, or for a friction that is not positive.
     pub fn new(cell: Option<&Cell>, target: Option<usize>, friction: f64) -> Result<Self, TaskError> {
         let lacking = |needs| TaskError::NoGraspMeasure { needs };
@@ -45,28 +45,28 @@ impl GraspMeasure {
         Ok(Self { hand, surface_in_world, friction, opening_m, pads })
     }
 
-    /// The hand that closes.
+    /// The hand that closes on the target.
     pub fn hand(&self) -> &ClosingHand {
         &self.hand
     }
 
-    /// The triangles of the target, normals outwards.
+    /// Triangles of the target in the planning frame, with outward normals.
     pub fn surface_in_world(&self) -> &Surface {
         &self.surface_in_world
     }
 
-    /// The coefficient of friction between pads and target.
+    /// Coefficient of friction between pads and target.
     pub fn friction(&self) -> f64 {
         self.friction
     }
 
-    /// Between the pads of the open hand, in metres.
+    /// Distance between the pads of the open hand, in metres.
     pub fn opening_m(&self) -> f64 {
         self.opening_m
     }
 
-    /// The two points where the middles of the pads, which close along y of the gripper frame through its origin, meet the
-    /// surface first; `None` if they pass it by. The first is that of the pad on the side of −y.
+    /// Returns the two points where the middles of the pads first meet the surface when they close along y of the gripper frame
+    /// through its origin; `None` if they miss it. The first is that of the pad on the −y side.
     pub fn contacts_in_world(&self, world_from_gripper: &Pose) -> Option<[Contact; 2]> {
         let origin = world_from_gripper * cranny_spatial::Point::origin();
         let y = world_from_gripper.rotation * Vector::y();
@@ -79,10 +79,10 @@ impl GraspMeasure {
         Some([contact(-1.0)?, contact(1.0)?])
     }
 
-    /// Score of the grasp of a hand that has closed, in [0, 1], by the contacts of its pads where they touch; 0 where
-    /// these are in no force closure ([`friction_needed`], [`friction_score`]). `None` where fewer than two fingers
-    /// touch the target. `world_from_gripper` is in the planning frame; `touching` is the share of its travel that each
-    /// finger has closed, one per finger, from 0 to 1.
+    /// Returns the score of the grasp of a closed hand, in [0, 1], from the contacts of its pads; 0 if these are not in force
+    /// closure ([`friction_needed`], [`friction_score`]). `None` if fewer than two fingers touch the target.
+    /// `world_from_gripper` is in the planning frame; `touching` is the share of its travel that each finger has closed, one
+    /// per finger, from 0 to 1.
     pub fn pad_score(&self, world_from_gripper: &Pose, touching: &[f64]) -> Option<f64> {
         let holding = self.hand.holding();
         let target = &holding.world().bodies()[self.hand.target()];
@@ -91,16 +91,16 @@ impl GraspMeasure {
         Some(friction_score(needed, self.friction))
     }
 
-    /// Estimated score of the grasp at a pose, by a single line between the middles of the pads: a filter for drawn
-    /// grasps, which does not consider where the pads touch. In [0, 1], 0 where its contacts are in no force closure
-    /// ([`friction_needed`], [`friction_score`]); `None` where there are no contacts.
+    /// Estimates the score of the grasp at a pose from a single line between the middles of the pads: a filter for sampled
+    /// grasps that ignores the true contact positions. In [0, 1]; 0 if the contacts are not in force closure
+    /// ([`friction_needed`], [`friction_score`]), `None` without contacts.
     pub fn score(&self, world_from_gripper: &Pose) -> Option<f64> {
         let [a, b] = self.contacts_in_world(world_from_gripper)?;
         Some(friction_score(friction_needed(&a, &b), self.friction))
     }
 }
 
-/// The triangles of a body; `None` for one without any, or without an end.
+/// Returns the triangles of a body in the planning frame; `None` for one without triangles, or an unbounded one.
 fn surface_in_world(body: &Body) -> Option<Surface> {
     let surface = Surface::new(&soup_in_world(body)?).ok()?;
     AreaDistribution::new(&surface).is_some().then_some(surface)

@@ -4,13 +4,13 @@ use cranny_spatial::Pose;
 
 use crate::FailureReason;
 
-/// The two poses of the gripper frame of a grasp in the planning frame: it and its twin with the fingers swapped. An arm may reach only one of
-/// them, within its joint limits.
+/// Returns the two poses of the gripper frame of a grasp in the planning frame: the grasp and its twin with the fingers
+/// swapped. Within its joint limits an arm may reach only one of them.
 pub fn gripper_poses(grasp: &Grasp) -> [Pose; 2] {
     [grasp.world_from_gripper, grasp.twin().world_from_gripper]
 }
 
-/// The poses of a grasp that the hand alone can take; if it can take neither, what it touches at the first.
+/// Returns the poses of a grasp at which the hand alone is free; if neither is, its contact at the first.
 pub(crate) fn open_poses(cell: &Cell, grasp: &Grasp, scratch: &mut Scratch) -> Result<Vec<Pose>, Contact> {
     let mut blocked = None;
     let mut open = Vec::new();
@@ -26,7 +26,7 @@ pub(crate) fn open_poses(cell: &Cell, grasp: &Grasp, scratch: &mut Scratch) -> R
     }
 }
 
-/// All poses of the gripper frame, in the planning frame, that the hand alone can take, with the index of their grasp, from the highest score down.
+/// Returns all free poses of the hand alone (gripper frame in the planning frame) with their grasps, by descending score.
 pub fn open_gripper_poses(cell: &Cell, grasps: &GraspSet, scratch: &mut Scratch) -> Vec<(usize, Pose)> {
     let mut all = Vec::new();
     let fits = |index: &usize| FailureReason::of_width(cell.robot(), &grasps.grasps()[*index]).is_none();

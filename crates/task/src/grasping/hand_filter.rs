@@ -6,8 +6,8 @@ use cranny_spatial::{CONTACT_M, Point, Pose, Vector};
 
 use crate::grasping::grasp_poses;
 
-/// The hand of a robot: the links that move as one with its tip. Fingers stand where the robot has them outside its
-/// group of joints: open. What nobody describes of it ([`Robot::hand`]) is 0, and it has no fingers.
+/// Returns the hand of a robot: the links that move rigidly with its tip. Fingers are open, as the robot has them outside its
+/// group of joints. Without a description of the hand ([`Robot::hand`]), its figures are 0 and it has no fingers.
 pub fn robot_hand(robot: &Robot) -> Hand {
     // Any configuration gives the rigid transforms between the links of the hand and the tip.
     let frames = robot.frames();
@@ -54,10 +54,10 @@ pub fn robot_hand(robot: &Robot) -> Hand {
     hand
 }
 
-/// How far a link goes in the gripper frame while the hand closes from open, if it only shifts, in metres; 0 for one that
+/// Returns the translation of a link in the gripper frame while the hand closes from fully open, in metres; 0 for a link that
 /// turns, such as a knuckle of a parallel linkage.
 fn straight_stroke_m(robot: &Robot, link: usize) -> Vector {
-    /// A pad that turns by less stays parallel, in radians.
+    /// A pad that turns by less counts as parallel, in radians.
     const PARALLEL_RAD: f64 = 0.02;
     let holding = robot.holding("");
     let mut frames = holding.frames();
@@ -74,12 +74,11 @@ fn straight_stroke_m(robot: &Robot, link: usize) -> Vector {
     closed.translation.vector - open.translation.vector
 }
 
-/// Whether a hand can take a grasp in a world: with open fingers, at the grasp and along the last of a
-/// straight approach to it.
+/// Collision filter for a hand in a world: checks a grasp, and the last part of a straight approach to it, with open fingers.
 ///
-/// The hand is checked as the solids that its parts sweep over, so the whole approach is decided at once and
-/// exactly; only a cylinder counts as a prism around it, and the surface of a mesh as the hulls of its pieces. Contact
-/// is contact below [`CONTACT_M`], as everywhere.
+/// The hand is checked as the solids that its parts sweep, which decides the whole approach at once and exactly; but a cylinder
+/// counts as a prism around it, and the surface of a mesh as the hulls of its pieces. A distance below [`CONTACT_M`] is
+/// contact, as everywhere.
 #[derive(Clone, Debug)]
 pub struct HandFilter {
     world: World,
@@ -88,23 +87,22 @@ pub struct HandFilter {
     swept_surfaces: Vec<(Pose, Surface)>,
 }
 
-/// How much of the approach is straight, in metres, unless said otherwise: the depth of the Panda's fingers
-/// before its palm.
+/// Default length of the straight approach, in metres: the depth of the Panda's fingers in front of its palm.
 pub const APPROACH_M: f64 = 0.05;
 
-/// The corners of octahedra in balls about points.
+/// Returns the corners of octahedra inscribed in balls about points.
 fn with_rounding(points: &[Point], radius_m: f64) -> Vec<Point> {
     let axes = [Vector::x(), Vector::y(), Vector::z()].into_iter().flat_map(|axis| [axis, -axis]);
     points.iter().flat_map(|point| axes.clone().map(move |axis| point + axis * radius_m)).collect()
 }
 
 impl HandFilter {
-    /// The filter for `hand` in `world` (object, obstacles, floor), with `approach_m` of straight approach
-    /// along the gripper's z.
+    /// Creates the filter for `hand` in `world` (object, obstacles, floor), with a straight approach of length `approach_m` (m)
+    /// along the gripper's z axis.
     ///
     /// # Errors
-    /// [`ShapeError::FlatHull`] for a part of the hand without extent, [`ShapeError::Size`] for a negative
-    /// approach or one that is no number.
+    /// [`ShapeError::FlatHull`] for a part of the hand without extent, [`ShapeError::Size`] for an approach that is negative or
+    /// not a number.
     pub fn new(hand: &Hand, world: World, approach_m: f64) -> Result<Self, ShapeError> {
         if !(0.0..=cranny_spatial::FARTHEST_M).contains(&approach_m) {
             return Err(ShapeError::Size { what: "the length of an approach", value: approach_m });
@@ -113,11 +111,11 @@ impl HandFilter {
         let mut swept_surfaces = Vec::new();
         for (gripper_from_part, solid) in &hand.parts {
             let back_in_part = gripper_from_part.rotation.inverse() * Vector::z() * -approach_m;
-            // A half-space sweeps over everything, and belongs to no hand.
+            // A half-space would sweep over everything, and no hand contains one.
             for solid in solid.swept(&back_in_part) {
                 if let Some((points, radius_m)) = solid.bounding_points() {
                     let points = if radius_m > 0.0 { with_rounding(&points, radius_m) } else { points };
-                    // A piece of a mesh may be flat.
+                    // A part of a mesh may be flat.
                     let hull = TriangleSoup::convex_hull(&points)
                         .or_else(|_| TriangleSoup::convex_hull(&with_rounding(&points, CONTACT_M)))?;
                     swept_surfaces.push((*gripper_from_part, Surface::new(&hull)?));
@@ -128,26 +126,26 @@ impl HandFilter {
         Ok(Self { world, swept, open_surfaces: Vec::new(), swept_surfaces })
     }
 
-    /// The same filter with one more thing in the way, which is only a surface: the scan of an object that has
-    /// holes. Of the rounding of parts of the hand (spheres, capsules) an octahedron in each ball is checked against it.
+    /// Returns this filter with one more obstacle that is only a surface: the scan of an object that has holes. For rounded
+    /// parts of the hand (spheres, capsules) an octahedron in each ball is checked against it.
     #[must_use]
     pub fn with_surface(mut self, world_from_surface: Pose, surface: Surface) -> Self {
         self.open_surfaces.push((world_from_surface, surface));
         self
     }
 
-    /// Whether the hand can take the grasp, or its twin.
+    /// Returns true if the hand is free at the grasp or at its twin.
     pub fn is_free(&self, grasp: &Grasp) -> bool {
         grasp_poses::gripper_poses(grasp).iter().any(|pose| self.pose_is_free(pose))
     }
 
-    /// Whether the hand is free on its way to `world_from_gripper` and there.
+    /// Returns true if the hand is free at `world_from_gripper` and along the approach to it.
     pub fn pose_is_free(&self, world_from_gripper: &Pose) -> bool {
         self.blocking_body(world_from_gripper).is_none() && !self.meets_surface(world_from_gripper)
     }
 
-    /// The first body of the world, by index, that the hand touches on its way to `world_from_gripper` or
-    /// there.
+    /// Returns the first body of the world, by index, that the hand touches at `world_from_gripper` or along the approach to
+    /// it.
     pub fn blocking_body(&self, world_from_gripper: &Pose) -> Option<usize> {
         let touches = |pose: &Pose, hand: &Solid, other_pose: &Pose, other: &Solid| {
             quick_lower_bound(hand, pose, other, other_pose, CONTACT_M) < CONTACT_M

@@ -2,24 +2,24 @@ use cranny_grasp::pose_of_rows;
 use cranny_spatial::{Pose, PoseDifference};
 use serde::{Deserialize, Serialize};
 
-/// A grasp that a path ends at where no set of grasps is given: as it is measured, or as somebody says that it is.
+/// Grasp at the end of a path for a problem without a set of grasps, as measured or as stated.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct OwnGrasp {
-    /// Pose of the gripper frame in the planning frame, as a homogeneous matrix, row by row (m): as files have it, so that
-    /// it is read back bit by bit. What somebody says need not be a pose.
+    /// Pose of the gripper frame in the planning frame, as a homogeneous matrix, row by row (m), as in files, so that it is
+    /// read back bit by bit. A stated matrix need not be a pose.
     pub world_from_gripper: [[f64; 4]; 4],
-    /// How far the fingers are apart once they have closed on the target, in metres.
+    /// Distance between the fingers once they have closed on the target, in metres.
     pub opening_m: f64,
-    /// How good it is, in [0, 1]: how little friction its contacts need ([`friction_score`](cranny_grasp::friction_score)).
+    /// Score in [0, 1] from the friction that its contacts need ([`friction_score`](cranny_grasp::friction_score)).
     pub score: f64,
-    /// Excess of the travel of the finger that touches last over that of the first, in metres; `None` in files that are older than
-    /// this key.
+    /// Excess of the travel of the finger that touches last over that of the first, in metres; `None` in files older than this
+    /// key.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub uneven_m: Option<f64>,
 }
 
-/// What is said of a grasp is right to within these: a pose and an opening, in metres and radians, and a score.
+/// Tolerances of a stated grasp: pose (metres and radians), finger opening (metres) and score.
 const SAID_TRANSLATION_M: f64 = 1e-4;
 const SAID_ROTATION_RAD: f64 = 1e-3;
 const SAID_OPENING_M: f64 = 1e-4;
@@ -31,33 +31,33 @@ impl OwnGrasp {
         pose_of_rows(&std::array::from_fn(|index| rows[index / 4][index % 4])).ok()
     }
 
-    /// How far the gripper is from where it is said to be; `None` where that is no pose.
+    /// Returns the difference between the measured and the stated pose; `None` if the stated matrix is not a pose.
     pub(crate) fn off(&self, said: &Self) -> Option<PoseDifference> {
         Some(PoseDifference::between(&self.pose()?, &said.pose()?))
     }
 
-    /// Comparison of the measured grasp with a stated one, in words.
+    /// Compares the measured grasp with a stated one, in words.
     pub fn against(&self, said: &Self) -> String {
         let pose = self.off(said).map_or_else(
-            || "what is said to be the grasp there is no pose".to_owned(),
+            || "the stated grasp is not a pose".to_owned(),
             |PoseDifference { translation_m, rotation_rad, .. }| {
                 let (off, turned) = (translation_m * 1e3, rotation_rad.to_degrees());
-                format!("the grasp there is {off:.2} mm and {turned:.2}° from the one that is said")
+                format!("the grasp is {off:.2} mm and {turned:.2}° from the stated one")
             },
         );
         let [(opening, score), (said_opening, said_score)] =
             [self, said].map(|grasp| (grasp.opening_m * 1e3, grasp.score));
         let uneven = self.uneven_m.zip(said.uneven_m).map_or_else(String::new, |(measured_m, said_m)| {
             let (measured, said) = (measured_m * 1e3, said_m * 1e3);
-            format!(", one meets it {measured:.2} mm before the other and not {said:.2}")
+            format!("; one touches {measured:.2} mm before the other, stated {said:.2}")
         });
         format!(
-            "{pose}, of score {score:.3} and not {said_score:.3}, the fingers {opening:.2} mm apart and not \
+            "{pose}; score {score:.3}, stated {said_score:.3}; fingers {opening:.2} mm apart, stated \
              {said_opening:.2}{uneven}"
         )
     }
 
-    /// Whether what is said is so, as far as it is measured; what is no number never is.
+    /// Returns true if the stated grasp agrees with the measured one within tolerance; false for a value that is not a number.
     pub fn is_as_said(&self, said: &Self) -> bool {
         let Some(off) = self.off(said) else { return false };
         let opening_off_m = (self.opening_m - said.opening_m).abs();

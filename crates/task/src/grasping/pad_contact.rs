@@ -3,46 +3,45 @@ use cranny_grasp::{Contact, friction_needed};
 use cranny_shape::{Aabb, Surface, TriangleSoup, closest_points};
 use cranny_spatial::{Point, Pose, Vector};
 
-/// The surfaces of the links of a hand's fingers, which touch the target where they really are.
+/// Surfaces of the finger links of a hand, for contacts with the target at their true positions.
 ///
-/// 1. Each finger, closed until it touches, touches the target at a nearest point.
-/// 2. Of a grid of lines along the direction of closing, across these points and the origin of the gripper frame, each that
+/// 1. Close each finger until it touches the target, and take the nearest point.
+/// 2. Lay a grid of lines along the closing direction, across these points and the origin of the gripper frame. A line that
 ///    leads from one finger to the other through the target is a pair of contacts if the target's face there is pressed on: its
-///    plane passes through the nearest point to within [`PRESSED_M`], and the finger lies beyond it. A pad turned a little
-///    against a face touches an edge of it at first, and comes to lie on the face as it presses; what is recessed it never
-///    touches.
+///    plane passes within [`PRESSED_M`] of the nearest point, and the finger lies beyond it. A pad turned slightly against a
+///    face first touches an edge of it, and then settles on the face under pressure; it never touches recessed faces.
 ///
-/// A grasp needs as much friction as the best of these pairs; infinitely much if no line meets both fingers, as where each
-/// pad meets a rib of its own.
+/// A grasp needs as much friction as the best of these pairs, or infinite friction if no line meets both fingers, for example
+/// if each pad meets a rib of its own.
 #[derive(Clone, Debug)]
 pub(crate) struct PadSurfaces {
-    /// By the index of the link, in its frame.
+    /// By index of the link, in its frame.
     of_links: Vec<(usize, Surface)>,
 }
 
-/// Pads give way by so much, in metres.
+/// Compliance of the pads, in metres.
 const PRESSED_M: f64 = 1e-4;
 
-/// Distance before contact at which the nearest points are computed, in metres: enough to define a direction.
+/// Distance before contact at which the nearest points are computed, in metres: large enough to define a direction.
 const APPROACH_M: f64 = 5e-4;
 
-/// Greatest tangent of the angle between a pad and a face: no friction holds beyond.
+/// Greatest tangent of the angle between a pad and a face: beyond it no friction holds.
 const STEEPEST: f64 = 0.6;
 
-/// Slack of the plane through a corner against that through a hit, in metres.
+/// Slack between the plane through a corner and that through a hit, in metres.
 const ROUNDING_M: f64 = 1e-9;
 
-/// Lines that are so near are one, in metres.
+/// Lines closer than this are the same, in metres.
 const SAME_LINE_M: f64 = 1e-9;
 
-/// Lines of the grid along each of its sides.
+/// Number of lines along each side of the grid.
 const LINES: u32 = 15;
 
-/// Distance that the grid extends beyond the nearest points, in metres: about half of a small pad.
+/// Extent of the grid beyond the nearest points, in metres: about half of a small pad.
 const BEYOND_M: f64 = 5e-3;
 
 impl PadSurfaces {
-    /// Pad surfaces of a cell in which the hand holds something; links without a surface are left out.
+    /// Collects the pad surfaces of a cell in which the hand holds something; links without a surface are left out.
     pub fn of(holding: &Cell) -> Self {
         let robot = holding.robot();
         let of_link = |link: usize| {
@@ -56,9 +55,9 @@ impl PadSurfaces {
         Self { of_links: links.filter_map(of_link).collect() }
     }
 
-    /// Friction coefficient that a grasp needs, with the tip at a pose and each finger closed by the share of its
-    /// travel at which it touches (`touching`, one per finger, from 0 to 1): infinite if no friction holds the
-    /// target, `None` if fewer than two fingers touch it.
+    /// Returns the friction coefficient that a grasp needs, with the tip at a pose in the planning frame and each finger closed
+    /// by the share of its travel at which it touches (`touching`, one per finger, from 0 to 1): infinite if no friction holds
+    /// the target, `None` if fewer than two fingers touch it.
     pub fn friction_needed(
         &self,
         holding: &Cell,
@@ -103,7 +102,7 @@ impl PadSurfaces {
         let fingers = [0, 1].map(|finger| {
             let tip_from_links = holding.finger_at(finger, touching[finger]);
             let nearest = nearest[finger];
-            // The side from which the finger comes.
+            // Side from which the finger comes.
             let side = (tip_from_world * nearest.normal_in_object).y.signum();
             let outwards = world_from_tip.rotation * (Vector::y() * side);
             let faces = surface.filtered(|corner, normal| {
@@ -145,18 +144,18 @@ struct Pressing<'a> {
     pads: &'a PadSurfaces,
     tip_from_links: Vec<(usize, Pose)>,
     nearest: Contact,
-    /// Along the direction of closing, away from the target.
+    /// Closing direction, away from the target.
     outwards: Vector,
-    /// The triangles of the target on which the finger may press: their planes pass the nearest point.
+    /// Triangles of the target on which the finger may press: their planes pass the nearest point.
     faces: Option<Surface>,
-    /// Around these, in the frame of the tip.
+    /// Bounds of these triangles, in the frame of the tip.
     window: Option<Aabb>,
-    /// The nearest point, in the frame of the tip.
+    /// Nearest point, in the frame of the tip.
     touched_in_tip: Point,
 }
 
 impl Pressing<'_> {
-    /// Returns false for a line along y of the frame of the tip on which there is no contact.
+    /// Returns false for a line along y of the frame of the tip without any contact.
     fn may_meet(&self, x: f64, z: f64) -> bool {
         let is_in = |window: &Aabb| {
             let (low, high) = (window.low(), window.high());
@@ -166,7 +165,7 @@ impl Pressing<'_> {
         self.window.as_ref().is_some_and(is_in) || off_m.iter().all(|off| off.abs() <= ROUNDING_M)
     }
 
-    /// The contacts on a line along the direction of closing through a point.
+    /// Returns the contacts on a line along the closing direction through a point.
     fn on_line(&self, surface: &Surface, world_from_tip: &Pose, middle: &Point) -> Vec<Contact> {
         let (outwards, touched) = (self.outwards, self.nearest.point_in_object);
         let all = surface.aabb();
@@ -176,7 +175,7 @@ impl Pressing<'_> {
             .faces
             .as_ref()
             .map_or_else(Vec::new, |faces| faces.ray_hits(&begin, &outwards, 2.0 * reach_m));
-        // A finger may come from between two parts of the target: each place where the line leaves it counts.
+        // A finger may come from between two parts of the target: each exit point of the line counts.
         let leaves = hits.iter().filter(|hit| hit.normal.dot(&outwards) > 0.0);
         let faces = leaves.map(|hit| Contact {
             point_in_object: middle + outwards * (hit.distance_m - reach_m),
@@ -195,7 +194,7 @@ impl Pressing<'_> {
         contacts
     }
 
-    /// Returns whether the finger lies beyond a point at the distance `off_m` from where it touches, in metres.
+    /// Returns true if the finger lies beyond a point at distance `off_m` from its nearest point, in metres.
     fn is_beyond(&self, world_from_tip: &Pose, point: &Point, off_m: f64) -> bool {
         let begin = point - self.outwards * PRESSED_M;
         let reach_m = 2.0 * PRESSED_M + STEEPEST * off_m;

@@ -7,20 +7,20 @@ use cranny_spatial::{Pose, Rotation, Vector};
 use crate::grasping::closing_hand::{ClosedHand, ClosingHand};
 use crate::{FailureReason, Firmness, Problem, TaskError};
 
-/// How an object leaves what it rests on.
+/// Settings of the lift-off of an object from its support.
 ///
-/// To each face that carries it ([`Resting`]) it stays, until the end of the lift-off, no nearer than at rest, but for
-/// `slack_m`, and no deeper in it than [`CONTACT_ALLOWANCE_M`](cranny_collision::CONTACT_ALLOWANCE_M); there it is `clear_m`
-/// off all of them, and from there on they are obstacles like any other. Everything else, what is beside the object and what
-/// is higher on the same body too, is an obstacle all the time.
+/// Until the end of the lift-off, the object comes no nearer to each face that carries it ([`Resting`]) than at rest, up to
+/// `slack_m`, and penetrates it no deeper than [`CONTACT_ALLOWANCE_M`](cranny_collision::CONTACT_ALLOWANCE_M). At the end it
+/// has a distance of `clear_m` from all of them; from then on they are ordinary obstacles. All other geometry, including bodies
+/// beside the object and higher faces of the same support, is an obstacle throughout.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LiftOffSettings {
-    /// How far the object goes at most, in metres.
+    /// Maximum travel of the object, in metres.
     pub most_m: f64,
-    /// How far it is off what it rested on in the end, at least, in metres; more where the margin is.
+    /// Least distance of the object from its support at the end, in metres; larger if the margin is.
     pub clear_m: f64,
-    /// How much nearer than at rest it may come to what it touches, in metres: joint values are rounded, and straight
-    /// lines in joint space are none in space.
+    /// Tolerance by which the object may come nearer to its support than at rest, in metres: joint values are rounded, and
+    /// straight lines in joint space are not straight in task space.
     pub slack_m: f64,
 }
 
@@ -30,48 +30,48 @@ impl Default for LiftOffSettings {
     }
 }
 
-/// Between two configurations of a lift-off, in metres.
+/// Distance between two configurations of a lift-off, in metres.
 const RUNG_M: f64 = 0.005;
-/// Pieces of an edge whose lengths together are that of its way in space.
+/// Number of pieces of an edge whose lengths are summed to its length in task space.
 const SAMPLES_ALONG: u32 = 8;
 
-/// What follows a grasp: the target of a problem in the hand that has closed on it, in the same world.
+/// The target of a problem and the hand that closes on it and carries it, in the same world.
 #[derive(Clone, Debug)]
 pub struct Carrier {
-    /// The open and empty hand, and the object where it stands.
+    /// The open and empty hand, with the object where it stands.
     cell: Arc<Cell>,
     settings: LiftOffSettings,
     hand: ClosingHand,
     resting: Resting,
-    /// The object in the hand while it is lifted off.
+    /// The object in the hand during the lift-off.
     lifting: Cell,
 }
 
-/// An object in the hand that has closed on it.
+/// An object in the closed hand.
 #[derive(Clone, Debug)]
 pub struct Grip {
-    /// How the hand holds it.
+    /// Pose of the object in the tip's frame and closing of the fingers.
     pub hold: Hold,
-    /// How far the fingers are apart, in metres.
+    /// Distance between the fingers, in metres.
     pub opening_m: f64,
-    /// How much farther the finger that touches last has to go than the first, in metres.
+    /// Excess of the travel of the finger that touches last over that of the first, in metres.
     pub uneven_m: f64,
-    /// Robot, object and world while the object is lifted off, and from then on.
+    /// Robot, object and world during the lift-off, and after it.
     lifting: Arc<Cell>,
     carrying: Arc<Cell>,
 }
 
 impl Carrier {
-    /// Of a problem under `exact` whose target is to be carried.
+    /// Creates the carrier for a problem under `exact` whose target is carried.
     ///
     /// # Errors
-    /// [`TaskError::NothingToCarry`] for a problem without a target, without proofs, or of a robot whose hand cannot
-    /// close; [`TaskError::Collision`] for a target that has no end, or touches what does not carry it.
+    /// [`TaskError::NothingToCarry`] for a problem without a target, without proofs, or of a robot whose hand cannot close;
+    /// [`TaskError::Collision`] for an unbounded target, or one that touches a body other than its support.
     pub fn new(problem: &Problem, settings: LiftOffSettings) -> Result<Self, TaskError> {
         Self::in_cell(problem.cell(), problem.target(), settings)
     }
 
-    /// The same of a body of the world of a cell.
+    /// Creates the carrier for a body of the world of a cell.
     ///
     /// # Errors
     /// As [`Self::new`].
@@ -94,12 +94,12 @@ impl Carrier {
         })
     }
 
-    /// The firmness of grasps of the object, where it stands; `None` where it cannot be computed ([`Firmness`]).
+    /// Returns the firmness of grasps of the object where it stands; `None` if it cannot be computed ([`Firmness`]).
     pub fn firmness(&self, problem: &Problem) -> Option<Firmness> {
         problem.firmness(&self.cell, self.hand.target())
     }
 
-    /// The same object in the surroundings of another cell, which is to grasp it: far less work than from the start.
+    /// Returns this carrier in the surroundings of another cell, in which it grasps: far less work than [`Self::new`].
     ///
     /// # Errors
     /// As [`Self::new`].
@@ -116,16 +116,16 @@ impl Carrier {
         })
     }
 
-    /// What the object is called.
+    /// Name of the object.
     pub fn object(&self) -> &str {
         &self.lifting.world().bodies()[self.hand.target()].name
     }
 
-    /// Closes the hand at a configuration (m, rad; one per joint): the fingers, until the first touches the object as
-    /// it then stands in the hand.
+    /// Closes the fingers at a configuration (m, rad; one per joint) until the first touches the object at its pose in the
+    /// hand.
     ///
     /// # Errors
-    /// Why it does not hold the object then: a finger touches nothing, or meets something else on its way.
+    /// The reason why the hand does not hold the object then: a finger touches nothing, or meets something else while closing.
     ///
     /// # Panics
     /// If `q` has not one value per joint.
@@ -138,8 +138,8 @@ impl Carrier {
         Ok(Grip { hold, opening_m, uneven_m, lifting, carrying })
     }
 
-    /// The contact that keeps the object, gripped with the tip at a pose, from being at every one of these configurations
-    /// (m, rad; one value per joint); `None` if it can be at one of them, as far as collisions go.
+    /// Returns the contact of the object, gripped with the tip at a pose in the planning frame, at the first of these
+    /// configurations (m, rad; one value per joint) if all of them collide; `None` if one is free.
     ///
     /// # Panics
     /// If a configuration has not one value per joint.
@@ -152,7 +152,7 @@ impl Carrier {
             let first = contacts.next()??;
             contacts.all(|contact| contact.is_some()).then(|| (first.names(&cell), cell))
         };
-        // Most are free with the hand open too, which it need not be closed for.
+        // Most grips are free with the hand open too, which avoids closing it.
         let (names, open) = blocked(0.0)?;
         open.close_on_held().map_or(Some(names), |Closing { closing, .. }| Some(blocked(closing)?.0))
     }
@@ -162,7 +162,7 @@ impl Carrier {
         self.hand.world_from_target()
     }
 
-    /// Pose of the gripper in the planning frame at a configuration (m, rad; one per joint).
+    /// Returns the pose of the gripper in the planning frame at a configuration (m, rad; one per joint).
     ///
     /// # Panics
     /// If `q` has not one value per joint.
@@ -170,16 +170,16 @@ impl Carrier {
         *self.cell.robot().frames_at(q).link(self.cell.robot().tip())
     }
 
-    /// How the object leaves what it rests on.
+    /// Settings of the lift-off.
     pub fn settings(&self) -> LiftOffSettings {
         self.settings
     }
 
-    /// The way of a held object off what it rests on, from `q` (m, rad; one per joint), where the hand closed on it:
-    /// up, or up and away from what it touches, in straight pieces that are proven each.
+    /// Computes the lift-off path of a held object from `q` (m, rad; one per joint), where the hand closed on it: up, or up and
+    /// away from its contacts, in straight edges, each of them proven.
     ///
     /// # Errors
-    /// What is in the way.
+    /// The obstacle that blocks the lift-off, or the reach of the arm.
     ///
     /// # Panics
     /// If `q` has not one value per joint.
@@ -190,8 +190,8 @@ impl Carrier {
         })
     }
 
-    /// The way of a held object off what it rests on, in straight pieces that are proven each; else what stops it, if that
-    /// is known, and not the reach of the arm.
+    /// Computes the path of a held object off its support, in straight edges, each of them proven; fails with the blocking pair
+    /// if it is known, or with `None` for the reach of the arm.
     pub(crate) fn way_off(
         &self,
         grip: &Grip,
@@ -212,7 +212,7 @@ impl Carrier {
         Err(reason)
     }
 
-    /// The way off in one direction, as short as it can be; what stops it, if that is known.
+    /// Computes the shortest path off the support in one direction; fails with the blocking pair if it is known.
     fn lifted(
         &self,
         grip: &Grip,
@@ -223,7 +223,7 @@ impl Carrier {
     ) -> Result<Vec<Vec<f64>>, Option<[String; 2]>> {
         let robot = self.cell.robot();
         let world_from_tip = *robot.frames_at(q).link(robot.tip());
-        // What is left of the tolerance of an answer is for the straight lines between.
+        // The rest of the tolerance of a solution is reserved for the straight edges between.
         let settings = IkSettings {
             translation_tolerance_m: 1e-6,
             rotation_tolerance_rad: 1e-5,
@@ -260,14 +260,14 @@ impl Carrier {
         }
     }
 
-    /// Whether the object is as far off what it rested on as it must be at the end of a lift-off. `q` (m, rad; one per
+    /// Returns true if the object has the required distance from its support at the end of a lift-off. `q` (m, rad; one per
     /// joint).
     pub fn is_off(&self, grip: &Grip, resting: &Resting, q: &[f64], scratch: &mut Scratch) -> bool {
         grip.carrying.lifted_m(resting, q, scratch) >= self.settings.clear_m
     }
 
-    /// Where an edge of a motion near what carries the object brings it nearer to that, or may, and to which body: in the
-    /// cell along that motion. Ends `a` and `b` (m, rad; one per joint).
+    /// Returns the parameter in [0, 1] on an edge from `a` to `b` (m, rad; one per joint) at which the object may come nearer
+    /// to its support, and the index of that body; `None` if it is proven not to. `cell` is the one along that motion.
     pub fn stays_off(
         &self,
         cell: &Cell,
@@ -278,22 +278,22 @@ impl Carrier {
         cell.stays_off(resting, self.settings.slack_m, a, b, scratch)
     }
 
-    /// How the object rests before it is lifted off.
+    /// Supports of the object before the lift-off.
     pub(crate) fn resting(&self) -> &Resting {
         &self.resting
     }
 
-    /// The hand that closes on it.
+    /// The hand that closes on the object.
     pub(crate) fn hand(&self) -> &ClosingHand {
         &self.hand
     }
 
-    /// The open and empty hand, and the object where it stands.
+    /// The open and empty hand, with the object where it stands.
     pub fn cell(&self) -> &Arc<Cell> {
         &self.cell
     }
 
-    /// Length of the way of the object along a path (m, rad; one value per joint), in metres.
+    /// Length of the path of the object in task space along a path (m, rad; one value per joint), in metres.
     pub fn length_m(&self, grip: &Grip, path: &[Vec<f64>]) -> f64 {
         let robot = self.cell.robot();
         let place = |q: Vec<f64>| {
@@ -309,24 +309,24 @@ impl Carrier {
         path.windows(2).map(of_edge).sum()
     }
 
-    /// Name of a body of the world, by its index.
+    /// Returns the name of a body of the world, by index.
     pub fn body_name(&self, body: usize) -> String {
         self.lifting.world().bodies()[body].name.clone()
     }
 }
 
 impl Grip {
-    /// The cell in which the object is taken off what it rests on, and the one in which it is carried on from there.
+    /// The cell in which the object is lifted off its support, and the one in which it is carried from there.
     pub fn cells(&self) -> [&Arc<Cell>; 2] {
         [&self.lifting, &self.carrying]
     }
 
-    /// The same with the object near what it is put down on, in this cell.
+    /// Returns this grip with the object near its new support, in this cell.
     pub(crate) fn near(&self, cell: &Cell) -> Result<Self, CollisionError> {
         Ok(Self { lifting: Arc::new(cell.with_hold(self.hold)?), ..self.clone() })
     }
 
-    /// Scratch for the hand with the object in it.
+    /// Creates scratch for the hand with the object in it.
     pub fn carrying_scratch(&self) -> Scratch {
         self.carrying.scratch()
     }

@@ -10,31 +10,31 @@ use crate::placing::placement::Placement;
 use crate::placing::rests::{rests, stable_rests};
 use crate::{Carrier, FailureReason, Grip, PlaceGoal, PlaceSpot, TaskError};
 
-/// Height above its support at which an object is let go, in metres: below 0.1 mm, and far more than the errors of inverse
+/// Height above its support at which an object is released, in metres: below 0.1 mm, and far more than the errors of inverse
 /// kinematics.
 const GAP_M: f64 = 8e-5;
-/// Distance of a place beside a body from it, in metres.
+/// Distance of a placement beside a body from that body, in metres.
 const BESIDE_M: f64 = 3e-4;
-/// How far above it may be at most, in metres.
+/// Maximum height above the support at release, in metres.
 const MOST_ABOVE_M: f64 = 1e-3;
-/// An object at a given pose is within this of a stable one, as the chord of an angle (20°): one that is round rolls a little
-/// (the banana of the gate lies 12° off), on an edge it lies farther off.
+/// Greatest tilt of an object at a given pose from a stable one, as the chord of an angle (20°): a round object rolls a little
+/// (the banana of the gate lies 12° off), an object on an edge lies farther off.
 const MOST_TILT_RAD: f64 = 0.35;
-/// How far an object may reach over the edge of a surface, in metres: rounding.
+/// Tolerance for an object beyond the edge of a surface, in metres: rounding.
 const OVERHANG_M: f64 = 1e-6;
-/// Places that are looked at for some where the object can be, and how many of these are enough.
+/// Maximum number of sampled placements, and of feasible ones after which sampling stops.
 const MOST_DRAWS: u32 = 2000;
 const ENOUGH_PLACES: usize = 96;
-/// Ways to draw a place along the sides of a surface.
+/// Number of patterns of draws along the sides of a surface.
 const PATTERNS: usize = 9;
-/// Share of the way between the edges of a surface that is at an end of it, but for rounding.
+/// Share of the range between the edges of a surface that a draw at an end has: above 0 because of rounding.
 const END: f64 = 1e-3;
-/// A hand that can be at none of so many places is not tried at others: what it touches is mostly what carries the object.
+/// Number of placements after which a hand that fits none is rejected: mostly it touches the support itself.
 const ENOUGH_TO_REFUSE: usize = 16;
-/// The normal of a floor is no farther from the vertical, as a chord: rounding.
+/// Greatest deviation of a floor's normal from the vertical, as a chord: rounding.
 const LEVEL: f64 = 1e-9;
 
-/// Puts down what a [`Carrier`] carries.
+/// Sampler of placements for the object of a [`Carrier`].
 #[derive(Clone, Debug)]
 pub struct Placer {
     carrier: Carrier,
@@ -42,20 +42,20 @@ pub struct Placer {
     /// Distance of the hand from the object at the end of its retreat, in metres.
     clear_m: f64,
     extent: Extent,
-    /// In which rotations it can rest, and the first solid with it, turns about the vertical aside, from a frame whose z axis
-    /// is up; none where it can in any.
+    /// Stable rotations of the object: first solid from a frame with z upwards, up to turns about the vertical; empty if every
+    /// rotation is stable.
     rests: Vec<Rotation>,
     draws: Vec<Draw>,
     /// Bounds of the parts of bodies on the surface along both of its sides, in metres, where draws need them.
     neighbours: Vec<[[f64; 2]; 2]>,
 }
 
-/// Place of a draw along a side of a surface.
+/// Position of a draw along a side of a surface.
 #[derive(Clone, Copy, Debug)]
 enum At {
-    /// By its share of the way between the ends, in [0, 1].
+    /// Share of the range between the ends, in [0, 1].
     Share(f64),
-    /// Beside a body on the surface, if there is any; else by a share.
+    /// Beside a body on the surface, if there is one; otherwise a share.
     Beside(f64),
 }
 
@@ -70,25 +70,25 @@ impl At {
     }
 }
 
-/// A place that may be looked at.
+/// A sampled placement, evaluated on demand.
 #[derive(Clone, Debug)]
 struct Draw {
     number: usize,
-    /// Which way to rest.
+    /// Index of the stable rotation.
     rest: usize,
-    /// The turn about the vertical, in radians.
+    /// Turn about the vertical, in radians.
     turn_rad: f64,
-    /// Along both sides of the surface.
+    /// Position along both sides of the surface.
     at: [At; 2],
-    /// What was found there, once it was looked at.
+    /// Result of the evaluation, once done.
     placement: OnceLock<Option<Placement>>,
 }
 
 impl Placer {
-    /// Of a carrier's object, with no placements yet.
+    /// Creates the placer of a carrier's object, without draws.
     ///
     /// # Errors
-    /// [`TaskError::Place`] for a goal that is none, [`TaskError::Collision`] for an object without bounds.
+    /// [`TaskError::Place`] for an invalid goal, [`TaskError::Collision`] for an object without bounds.
     pub fn new(carrier: &Carrier, goal: &PlaceGoal, clear_m: f64) -> Result<Self, TaskError> {
         let target = carrier.hand().target();
         let body = &carrier.hand().holding().world().bodies()[target];
@@ -113,7 +113,7 @@ impl Placer {
         Ok(placer)
     }
 
-    /// The same with places where the object may be, the same ones for the same seed.
+    /// Returns this placer with draws of placements; equal seeds give equal draws.
     #[must_use]
     pub fn with_placements(self, seed: u64) -> Self {
         self.with_draws(seed, MOST_DRAWS)
@@ -127,7 +127,7 @@ impl Placer {
         };
         let draw = |draw: u32| Draw {
             number: draw as usize,
-            // Every other time as it can rest best.
+            // Every other draw uses the best stable rotation.
             rest: if draw.is_multiple_of(2) { 0 } else { random.index(self.rests.len().max(1)) },
             turn_rad: random.uniform_between(-PI, PI),
             at: [At::Share(random.uniform()), At::Share(random.uniform())],
@@ -136,8 +136,8 @@ impl Placer {
         Self { draws: (0..count).map(draw).collect(), ..self }
     }
 
-    /// The same with at most `most` places, most of which have the object along the sides of the surface, at an end of it, or
-    /// beside a body that stands on it, so that other objects fit beside it.
+    /// Returns this placer with at most `most` draws. Most of them align the object with the sides of the surface, at an end of
+    /// it or beside a body that stands on it, which leaves space for other objects.
     #[must_use]
     pub fn with_aligned_draws(self, seed: u64, most: u32) -> Self {
         let mut placer = self.with_draws(seed, most).with_neighbours();
@@ -163,7 +163,7 @@ impl Placer {
         placer
     }
 
-    /// The same with the bodies that stand on the surface in the carrier's world.
+    /// Returns this placer with the bounds of the bodies that stand on the surface in the carrier's world.
     fn with_neighbours(self) -> Self {
         let PlaceSpot::Surface { on, pose, size_m } = &self.goal.spot else { return self };
         let surface_from_world = pose.inverse();
@@ -184,7 +184,7 @@ impl Placer {
         Self { neighbours: neighbours.collect(), ..self }
     }
 
-    /// The same with those draws first, in their order, that `is_hopeful` approves of: at most `most`.
+    /// Returns this placer with up to `most` draws that `is_hopeful` accepts moved to the front, in their order.
     #[must_use]
     pub fn with_first(self, most: usize, mut is_hopeful: impl FnMut(&Placement) -> bool) -> Self {
         let mut count = 0;
@@ -201,7 +201,7 @@ impl Placer {
         Self { draws: of(true).chain(of(false)).collect(), ..self }
     }
 
-    /// The same places of the same object in the surroundings of another carrier, none of them looked at yet.
+    /// Returns the same draws of the same object in the surroundings of another carrier, none of them evaluated yet.
     #[must_use]
     pub fn amid(&self, carrier: &Carrier) -> Self {
         let draws = self.draws.iter().map(|draw| Draw { placement: OnceLock::new(), ..*draw });
@@ -223,11 +223,13 @@ impl Placer {
         let Self { goal, clear_m, .. } = self;
         let name = &goal.name;
         if !(0.0..=MOST_RETREAT_M).contains(clear_m) {
-            return refuse(format!("{clear_m} m is no clearance of the hand; give 0 to {MOST_RETREAT_M} m"));
+            return refuse(format!(
+                "{clear_m} m is not a valid clearance of the hand: expected 0 to {MOST_RETREAT_M} m"
+            ));
         }
         let PlaceSpot::Surface { on, pose, size_m } = &goal.spot else { return Ok(()) };
         if self.carrier.hand().holding().world().body_index(on)? == self.target() {
-            return refuse(format!("place '{name}' lies on what is to be put down there"));
+            return refuse(format!("place '{name}' lies on the object that is to be put down there"));
         }
         if !size_m.iter().all(|size_m| size_m.is_finite() && *size_m > 0.0) {
             return refuse(format!("place '{name}' has no size"));
@@ -246,7 +248,7 @@ impl Placer {
         self.carrier.hand().holding().world().up()
     }
 
-    /// Where the object is by a draw.
+    /// Returns the pose of the object at a draw.
     fn pose_of(&self, draw: &Draw) -> Pose {
         let (world_from_surface, size_m) = match &self.goal.spot {
             PlaceSpot::Target(pose) => return *pose,
@@ -277,13 +279,13 @@ impl Placer {
         Pose::from_parts(place.coords.into(), turned.rotation)
     }
 
-    /// Where the object can be put down, as far as it alone is concerned, each with the number of its draw: of a place that
-    /// is a pose that one, if it can.
+    /// Returns the placements that are feasible for the object alone, each with the number of its draw: for a goal pose only
+    /// that pose, if feasible.
     pub fn placements(&self) -> impl Iterator<Item = (usize, &Placement)> {
         self.draws.iter().filter_map(|draw| Some((draw.number, self.look_at(draw)?))).take(ENOUGH_PLACES)
     }
 
-    /// Where the object is by a draw, if it can be there.
+    /// Returns the placement at a draw if it is feasible; evaluates it on first use.
     fn look_at<'a>(&self, draw: &'a Draw) -> Option<&'a Placement> {
         let look = || {
             let pose = self.pose_of(draw);
@@ -298,19 +300,19 @@ impl Placer {
         draw.placement.get_or_init(look).as_ref()
     }
 
-    /// The object at a pose, and its supports there. The cell is that of a draw that was evaluated before, if it
-    /// applies to this pose too.
+    /// Returns the placement of the object at a pose, with its supports. It shares the cell of an evaluated draw that applies
+    /// to this pose too, if there is one.
     fn placement(&self, world_from_held: &Pose) -> Placement {
         let known = self.draws.iter().filter_map(|draw| draw.placement.get()?.as_ref());
         self.carrier.placement_among(known, world_from_held)
     }
 
-    /// A fault, in words, of the object let go with its first solid at a pose; `None` if it is where it is to be.
+    /// Returns the fault, in words, of a release with the first solid at a pose in the planning frame; `None` at the goal.
     pub fn fault_at(&self, world_from_held: &Pose) -> Option<String> {
         self.fault_of(&self.placement(world_from_held))
     }
 
-    /// What is wrong with an object that is let go at a pose, in words; `None` if it is where it is to be.
+    /// Returns the fault, in words, of an object released at a placement; `None` if it is at the goal.
     pub(crate) fn fault_of(&self, Placement { world_from_held, resting, .. }: &Placement) -> Option<String> {
         let name = &self.goal.name;
         let up_in_held = world_from_held.rotation.inverse() * self.up();
@@ -318,14 +320,14 @@ impl Placer {
         let tilt_rad = self.rests.iter().map(tilt).reduce(f64::min).unwrap_or(0.0);
         let tilted = |most_rad: f64, among: &str| {
             (tilt_rad.is_nan() || tilt_rad > most_rad)
-                .then(|| format!("it is {:.2}° from any way to rest{among}", tilt_rad.to_degrees()))
+                .then(|| format!("it is {:.2}° from any resting pose{among}", tilt_rad.to_degrees()))
         };
         let (on, world_from_surface, size_m) = match &self.goal.spot {
             PlaceSpot::Target(pose) => {
                 let off = PoseDifference::between(pose, world_from_held);
                 if !off.is_exact() {
                     let (mm, degrees) = (off.translation_m * 1e3, off.rotation_rad.to_degrees());
-                    return Some(format!("it is {mm:.2} mm and {degrees:.2}° from where it is to be"));
+                    return Some(format!("it is {mm:.2} mm and {degrees:.2}° from its goal pose"));
                 }
                 return self.fault_of_rest(resting, None).or_else(|| tilted(MOST_TILT_RAD, ""));
             }
@@ -337,7 +339,7 @@ impl Placer {
         if !(-CONTACT_ALLOWANCE_M..=MOST_ABOVE_M).contains(&above_m) {
             return Some(format!("it is {:.2} mm above '{name}'", above_m * 1e3));
         }
-        if let Some(fault) = tilted(EXACT_ROTATION_RAD, " that is likely and stays in a tilt of 5°") {
+        if let Some(fault) = tilted(EXACT_ROTATION_RAD, " that is likely and stable under a tilt of 5°") {
             return Some(fault);
         }
         let over_m = self.over_edge_m(world_from_surface, size_m, world_from_held);
@@ -347,7 +349,7 @@ impl Placer {
         self.fault_of_rest(resting, Some(on))
     }
 
-    /// Distance by which the object reaches over the edges of a rectangle, in metres; negative within them.
+    /// Returns the distance by which the object extends beyond the edges of a rectangle, in metres; negative within them.
     fn over_edge_m(&self, world_from_surface: &Pose, size_m: &[f64; 2], world_from_held: &Pose) -> f64 {
         let middle = world_from_surface.translation.vector;
         let over_m = [0, 1].into_iter().flat_map(|axis| {
@@ -359,8 +361,8 @@ impl Placer {
         over_m.fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// Fault of a resting pose, if any: too near to or inside another body, on nothing, on a slope, above its support,
-    /// or on a body other than its support.
+    /// Returns the fault of a resting pose, if any: too near to or inside another body, on nothing, on a slope, above its
+    /// support, or on a body other than its support.
     fn fault_of_rest(&self, resting: &Resting, on: Option<&str>) -> Option<String> {
         let body_name = |body: usize| self.carrier.body_name(body);
         let deepest = resting.beside().max_by(|a, b| a.2.total_cmp(&b.2).then(b.1.total_cmp(&a.1)));
@@ -370,7 +372,7 @@ impl Placer {
             }
             (_, Some(off_m)) => {
                 let mm = off_m * 1e3;
-                return Some(format!("its centre of mass is {mm:.2} mm beside what is below it"));
+                return Some(format!("its centre of mass is {mm:.2} mm outside its support"));
             }
             (Some((other, gap_m, _)), None) => {
                 return Some(format!("it is too near to {}, at {:.2} mm", body_name(other), gap_m * 1e3));
@@ -399,9 +401,9 @@ impl Placer {
         self.clear_m
     }
 
-    /// What keeps a hand that holds the object, its tip at a pose now, from letting it go at the first placements: what it
-    /// touched at the first of all. `None` if it can at one, as far as the hand alone is concerned. Where the hand is in the
-    /// floor, other placements in which the object rests in the same way are passed over.
+    /// Checks whether the open hand can release the object, with its tip now at a pose in the planning frame, at one of the
+    /// first placements as far as the hand alone is concerned. Returns the first contact found if all are blocked, else `None`.
+    /// If the hand is in the floor, other placements with the same stable rotation are skipped.
     pub fn blocked_at(&self, world_from_tip: &Pose) -> Option<FailureReason> {
         let tip_from_held = world_from_tip.inverse() * self.carrier.hand().world_from_target();
         let mut first = None;
@@ -438,11 +440,11 @@ impl Placer {
         Some(first.unwrap_or(FailureReason::NoPlace))
     }
 
-    /// The pose `world_from_tip` of the tip at which a grip has the object at a placement, if the open hand can be
+    /// Returns the pose `world_from_tip` of the tip at which a grip has the object at a placement, if the open hand is free
     /// there.
     ///
     /// # Errors
-    /// What it touches there.
+    /// The first contact of the hand there.
     pub fn tip_at(&self, grip: &Grip, placement: &Placement) -> Result<Pose, FailureReason> {
         let tip_from_held = grip.hold.tip_from_held;
         match placement.hand_contact(tip_from_held) {
@@ -456,5 +458,5 @@ impl Placer {
     }
 }
 
-/// What tells the draws of places from other draws of the same seed.
+/// Random stream of placements, distinct from other streams of the same seed.
 const PLACES_STREAM: u64 = 0x91ac_e000;

@@ -4,37 +4,37 @@ use cranny_spatial::Pose;
 
 use crate::grasping::firmness::soup_in_world;
 
-/// Where an object can be put down.
+/// Goal for putting an object down.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlaceGoal {
-    /// What it is called.
+    /// Name of the goal.
     pub name: String,
-    /// Where it is.
+    /// Region or pose of the goal.
     pub spot: PlaceSpot,
 }
 
-/// Where an object can be put down.
+/// Region or pose at which an object can be put down.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PlaceSpot {
-    /// Wholly on a level rectangle, anywhere, as it rests on level ground, turned about the vertical as it likes.
+    /// Wholly on a level rectangle, at any position, in a stable pose on level ground with any turn about the vertical.
     Surface {
-        /// The body of the world that the rectangle lies on.
+        /// Name of the body of the world that the rectangle lies on.
         on: String,
-        /// Its middle, z upwards.
+        /// Pose of its centre in the planning frame, z upwards.
         pose: Pose,
-        /// How long it is along its x and y, in metres.
+        /// Lengths along its x and y axes, in metres.
         size_m: [f64; 2],
     },
-    /// Where its first solid has this pose, within 1 mm and 1°.
+    /// First solid of the object at this pose, within 1 mm and 1°.
     Target(Pose),
 }
 
-/// Cosine of the least angle between the vertical and the axis of a round body that lies on its side: 5° from level.
+/// Sine of the greatest angle between the horizontal and the axis of a lying round body: 5°.
 const LYING: f64 = 0.0872;
 
 impl PlaceGoal {
-    /// The reason, in words, for which a body of a world, with this resistance to rolling (m), rolls away from here: it is a ball,
-    /// or lies on its round side, and no resistance is stated.
+    /// Returns the reason, in words, why a body of a world, with this resistance to rolling (m), rolls away from here: it is a
+    /// ball, or lies on its round side, and no resistance is stated.
     pub(crate) fn rolls_away(&self, world: &World, body: usize, rolling_m: Option<f64>) -> Option<String> {
         if rolling_m.is_some_and(|rolling_m| rolling_m > 0.0) {
             return None;
@@ -58,7 +58,7 @@ impl PlaceGoal {
         })
     }
 
-    /// The same in a frame in which the one that it is in has this pose.
+    /// Returns this goal in a new frame; `new_from_old` is the pose of the present frame in it.
     #[must_use]
     pub fn seen_from(&self, new_from_old: &Pose) -> Self {
         let spot = match &self.spot {

@@ -7,26 +7,26 @@ use cranny_spatial::{Pose, Rotation, Vector};
 use crate::FailureReason;
 use crate::stages::straight::{FarEnd, straight_path};
 
-/// Between two configurations of a retreat, in metres, and how far it goes at most.
+/// Distance between two configurations of a retreat, and its greatest length, in metres.
 const RUNG_M: f64 = 0.01;
 pub(crate) const MOST_RETREAT_M: f64 = 0.5;
 
-/// An object that was put down, and the world as it is then.
+/// An object that was put down, and the world after that.
 #[derive(Clone, Debug)]
 pub struct Placed {
-    /// Pose of the first solid of the object.
+    /// Pose of the first solid of the object in the planning frame.
     pub world_from_held: Pose,
     pub(crate) target: usize,
     pub(crate) after: Arc<Cell>,
 }
 
 impl Placed {
-    /// A body, by index, that was put down in a cell at a pose of its first solid.
+    /// Creates the result for body `target`, put down in a cell with its first solid at a pose in the planning frame.
     pub fn of(after: &Arc<Cell>, target: usize, world_from_held: Pose) -> Self {
         Self { world_from_held, target, after: after.clone() }
     }
 
-    /// Distance of the hand from the object at `q` (m, rad; one per joint), in metres, certified from below; at most
+    /// Certified lower bound of the distance of the hand from the object at `q` (m, rad; one per joint), in metres, up to
     /// `beyond_m`.
     ///
     /// # Panics
@@ -35,14 +35,14 @@ impl Placed {
         self.after.hand_clearance(q, self.target, beyond_m, scratch)
     }
 
-    /// Scratch for the empty hand.
+    /// Creates scratch for the empty hand.
     pub fn scratch(&self) -> Scratch {
         self.after.scratch()
     }
 
-    /// Path of way points (m, rad; one value per joint) on which the empty hand retreats from the object, from `q`
-    /// on, until it is clear of it by `clear_m` (m): backwards along its approach, up, or between the two, in
-    /// straight edges, each of them proven; backwards alone, over at least `straight_m` (m), if that is above 0.
+    /// Computes a path of way points (m, rad; one value per joint) on which the empty hand retreats from the object, from `q`
+    /// on, until its distance is `clear_m` (m): back along its approach, up, or in a direction between, in straight edges, each
+    /// of them proven. If `straight_m` (m) is above 0, only back along the approach, and at least over that length.
     ///
     /// # Errors
     /// Reason why no such path was found.

@@ -10,20 +10,20 @@ use crate::{Carrier, FailureReason, Grip, TaskError};
 /// An object at rest at a pose.
 #[derive(Clone, Debug)]
 pub struct Placement {
-    /// Pose of the first solid of the object.
+    /// Pose of the first solid of the object in the planning frame.
     pub world_from_held: Pose,
     pub(crate) resting: Resting,
-    /// In which the object may touch what it then rests on, anywhere in the hand.
+    /// Cell in which the object may touch its support, at any pose in the hand.
     near: Arc<Cell>,
 }
 
 impl Carrier {
-    /// The object at a pose of its first solid, and its supports there.
+    /// Creates the placement of the object with its first solid at a pose in the planning frame, with its supports there.
     pub(crate) fn placement(&self, world_from_held: &Pose) -> Placement {
         self.placement_among(std::iter::empty(), world_from_held)
     }
 
-    /// The same, with the cell of a known placement that has the same supports, if there is one.
+    /// Creates a placement that shares the cell of a known one with the same supports, if there is one.
     pub(crate) fn placement_among<'a>(
         &self,
         mut known: impl Iterator<Item = &'a Placement>,
@@ -38,16 +38,16 @@ impl Carrier {
         Placement { world_from_held: *world_from_held, resting, near }
     }
 
-    /// Pose of the first solid of the object in the planning frame, with the arm at `q` (m, rad; one per joint).
+    /// Returns the pose of the first solid of the object in the planning frame, with the arm at `q` (m, rad; one per joint).
     pub fn held_at(&self, grip: &Grip, q: &[f64]) -> Pose {
         self.gripper(q) * grip.hold.tip_from_held
     }
 
-    /// The path of way points (m, rad; one value per joint) down to a placement, from where the object is off what it
-    /// is put down on, to where the arm stands at `q`: the mirror of a lift-off.
+    /// Computes the set-down path of way points (m, rad; one value per joint): from a configuration with the object off its
+    /// support down to the arm at `q`, the mirror of a lift-off.
     ///
     /// # Errors
-    /// What is in the way.
+    /// The obstacle that blocks the set-down, or the reach of the arm.
     ///
     /// # Panics
     /// If `q` has not one value per joint.
@@ -65,10 +65,10 @@ impl Carrier {
         Ok(way.into_iter().rev().collect())
     }
 
-    /// Checks that the hand can open there, the arm at `q` (m, rad; one per joint), but for what it then leaves.
+    /// Checks that the hand can open at `q` (m, rad; one per joint), apart from contacts with the object that it releases.
     ///
     /// # Errors
-    /// What the fingers meet.
+    /// The contact of the fingers.
     ///
     /// # Panics
     /// If `q` has not one value per joint.
@@ -84,7 +84,7 @@ impl Carrier {
     /// Opens the hand at `q` (m, rad; one per joint), where it has put the object down.
     ///
     /// # Errors
-    /// What the fingers meet.
+    /// The contact of the fingers.
     ///
     /// # Panics
     /// If `q` has not one value per joint.
@@ -97,22 +97,22 @@ impl Carrier {
 }
 
 impl Placement {
-    /// What the open hand touches that has the object there, held so, in the cell in which it does.
+    /// Returns the first contact of the open hand around the object at this placement, and the cell of the contact.
     pub(crate) fn hand_contact(&self, tip_from_held: Pose) -> Result<Option<(Contact, Cell)>, TaskError> {
         let cell = self.near.with_hold(Hold { tip_from_held, closing: 0.0 })?;
         let contact = cell.hand_contact(&self.world_from_tip(&tip_from_held), &mut cell.scratch());
         Ok(contact.map(|contact| (contact, cell)))
     }
 
-    /// Where the tip is then.
+    /// Returns the pose of the tip in the planning frame at this placement.
     pub(crate) fn world_from_tip(&self, tip_from_held: &Pose) -> Pose {
         self.world_from_held * tip_from_held.inverse()
     }
 
-    /// A grip with the object near what it rests on there.
+    /// Returns a grip with the object near its support at this placement.
     ///
     /// # Errors
-    /// [`TaskError::Collision`] for a hold that is none.
+    /// [`TaskError::Collision`] for an invalid hold.
     pub fn grip_near(&self, grip: &Grip) -> Result<Grip, TaskError> {
         Ok(grip.near(&self.near)?)
     }

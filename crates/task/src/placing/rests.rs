@@ -2,17 +2,16 @@ use cranny_collision::{Body, Extent};
 use cranny_shape::{Outline, TriangleSoup, stable_poses};
 use cranny_spatial::{Rotation, Vector};
 
-/// Ways to rest that are less likely when the object is dropped are not asked for.
+/// Least probability of a stable pose, for a dropped object, that is used.
 const LEAST_PROBABILITY: f64 = 0.05;
-/// Least tilt in which a way to rest other than the present one must stay, in radians (5°).
+/// Least tilt, in radians (5°), that a stable pose other than the present one must withstand.
 const LEAST_TILT_RAD: f64 = 0.0873;
-/// At rest, an object is within this of a stable pose, as the chord of an angle (rad): such a one is tried first.
+/// Chord of an angle (rad) between an object at rest and its stable pose, at most: such a pose is tried first.
 const AS_IT_RESTS_RAD: f64 = 0.1;
 
-/// The rotations of a body's first solid in which it rests on level ground, turns about the vertical aside, from a frame
-/// whose z axis is up: those that are likely ([`stable_rests`]) and stay in a tilt of 5°, first the one in which it is now.
-/// A sphere rests in any, and so does, for want of better, what has no volume or stays in no such tilt: of these the
-/// present one.
+/// Returns the rotations of a body's first solid, up to turns about the vertical, in which it rests on level ground, from a
+/// frame with z upwards: those that are likely ([`stable_rests`]) and withstand a tilt of 5°, the present one first. For a
+/// sphere, a body without volume, and one that withstands no such tilt, it returns only the present rotation.
 pub(crate) fn rests(body: &Body, extent: &Extent, level_from_world: &Rotation) -> Vec<Rotation> {
     let stable = stable_rests(body, extent, level_from_world, [LEAST_PROBABILITY, LEAST_TILT_RAD]);
     stable.filter(|rests| !rests.is_empty()).unwrap_or_else(|| {
@@ -24,9 +23,9 @@ pub(crate) fn rests(body: &Body, extent: &Extent, level_from_world: &Rotation) -
     })
 }
 
-/// The rotations of all stable poses of a body ([`stable_poses`]) of at least this probability and tilt (rad), with the
-/// centre of mass that its extent gives, first the one in which it is now, which is among them in any case;
-/// `None` for a sphere and for what has no volume.
+/// Returns the rotations of all stable poses of a body ([`stable_poses`]) of at least this probability and tilt (rad), with the
+/// centre of mass from its extent. The present one comes first and is always included; `None` for a sphere and for a body
+/// without volume.
 pub(crate) fn stable_rests(
     body: &Body,
     extent: &Extent,
@@ -78,7 +77,7 @@ mod tests {
             (rests(0.0), rests(LEAST_TILT_RAD))
         };
         let on_edge = Rotation::from_axis_angle(&Vector::x_axis(), std::f64::consts::FRAC_PI_2);
-        // Edges of 8 mm stay in a tilt of 4.6°, those of 10 mm in one of 5.7°.
+        // Edges of 8 mm withstand a tilt of 4.6°, those of 10 mm one of 5.7°.
         assert_eq!(count(0.008, Rotation::identity()), (6, 2));
         assert_eq!(count(0.008, on_edge), (6, 3));
         assert_eq!(count(0.010, Rotation::identity()), (6, 6));

@@ -3,22 +3,22 @@ use serde::{Deserialize, Serialize};
 /// A rounded corner of a path: a curve that leaves one edge before a way point and joins the next one after it.
 ///
 /// The curve is a Bézier curve of degree 4 with control points `P_0 … P_4`: `P_2` is the way point, `P_0` lies on the edge
-/// before it, `P_4` on the edge after it, `P_1` and `P_3` half way. Its slope goes over from `u = 2(P_2 − P_0)` to
+/// before it, `P_4` on the edge after it, `P_1` and `P_3` halfway. Its slope changes from `u = 2(P_2 − P_0)` to
 /// `v = 2(P_4 − P_2)` as `u + h(τ)·(v − u)`, `h(τ) = τ²(3 − 2τ)`: first and second derivative are continuous.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RoundedCorner {
-    /// Index of the way point in its segment, but for the last; 0: where the segment before it ends.
+    /// Index of the way point in its segment, never the last; 0: the end of the previous segment.
     pub waypoint: usize,
     /// Control points: one value per joint each (m, rad).
     pub control_points: [Vec<f64>; 5],
 }
 
-/// Control points that differ by less are the same (m, rad): what rounds in numbers of some metres.
+/// Control points that differ by less are equal (m, rad): the rounding of numbers of some metres.
 const SAME: f64 = 1e-9;
 
 impl RoundedCorner {
-    /// The corner at a way point between two points of its edges (m, rad; one value per joint each).
+    /// Creates the corner at a way point between two points of its edges (m, rad; one value per joint each).
     pub fn new(waypoint: usize, [before, corner, after]: [&[f64]; 3]) -> Self {
         let middle = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| 0.5 * (a + b)).collect();
         let control_points =
@@ -26,7 +26,7 @@ impl RoundedCorner {
         Self { waypoint, control_points }
     }
 
-    /// Whether the control points are those of a corner between the edges of these three way points (m, rad; one value per
+    /// Returns true if the control points form a corner between the edges of these three way points (m, rad; one value per
     /// joint each).
     pub fn rounds(&self, [from, corner, to]: [&[f64]; 3]) -> bool {
         let joints = corner.len();
@@ -45,18 +45,18 @@ impl RoundedCorner {
             })
     }
 
-    /// Share of the edge from the way point before it that is cut off; way points in m and rad, one value per joint.
+    /// Share of the edge from the previous way point that the corner cuts off; way points in m and rad, one value per joint.
     pub fn share_before(&self, from: &[f64], corner: &[f64]) -> f64 {
         share_on(corner, from, &self.control_points[0])
     }
 
-    /// Share of the edge to the way point after it that is cut off; way points in m and rad, one value per joint.
+    /// Share of the edge to the next way point that the corner cuts off; way points in m and rad, one value per joint.
     pub fn share_after(&self, corner: &[f64], to: &[f64]) -> f64 {
         share_on(corner, to, &self.control_points[4])
     }
 }
 
-/// Share of the way from `corner` to `end` at which the point on it nearest to `point` lies.
+/// Returns the share of the line from `corner` to `end` at which its point nearest to `point` lies.
 fn share_on(corner: &[f64], end: &[f64], point: &[f64]) -> f64 {
     let products =
         corner.iter().zip(end).zip(point).map(|((c, e), p)| ((e - c) * (p - c), (e - c) * (e - c)));

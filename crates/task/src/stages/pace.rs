@@ -1,6 +1,6 @@
 use serde::{Deserialize, Serialize};
 
-/// Limits asked of a motion besides those of the robot's joints.
+/// Limits of a motion besides those of the robot's joints.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Pace {
@@ -11,7 +11,7 @@ pub struct Pace {
     /// Greatest speed of the origin of the gripper frame, in m/s; `None`: no limit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tool_m_s: Option<f64>,
-    /// Greatest speed with which the hand, and what it holds, turns, in rad/s; `None`: no limit.
+    /// Greatest angular speed of the hand, and of the object in it, in rad/s; `None`: no limit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub turn_rad_s: Option<f64>,
 }
@@ -23,12 +23,12 @@ impl Default for Pace {
 }
 
 impl Pace {
-    /// Whether it limits nothing.
+    /// Returns true if it limits nothing.
     pub fn is_full(&self) -> bool {
         *self == Self::default()
     }
 
-    /// The first value that is no limit, with its name and the values that are.
+    /// Returns the first invalid value, with its name and its valid range.
     pub fn fault(&self) -> Option<(&'static str, f64, &'static str)> {
         let is_share = |share: f64| share > 0.0 && share <= 1.0;
         const SHARES: &str = "above 0 and at most 1";

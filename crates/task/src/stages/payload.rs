@@ -3,11 +3,11 @@ use cranny_shape::VolumeMoments;
 use cranny_spatial::nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
-/// Mass of what is in the hand, and how it is spread.
+/// Mass, centre of mass and inertia of the object in the hand.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Payload {
-    /// In kilograms.
+    /// Mass, in kilograms.
     pub mass_kg: f64,
     /// Centre of mass in the gripper frame, in metres.
     pub center_m: [f64; 3],
@@ -19,7 +19,7 @@ pub struct Payload {
 }
 
 impl Payload {
-    /// Of a mass (kg) with the moments of its shape in the gripper frame.
+    /// Creates the payload of a mass (kg) with the moments of its shape in the gripper frame.
     pub(crate) fn new(mass_kg: f64, moments: &VolumeMoments, mass_assumed: bool) -> Self {
         let inertia = moments.inertia_per_mass_m2 * mass_kg;
         let at = |row, column| 0.5 * (inertia[(row, column)] + inertia[(column, row)]);
@@ -31,7 +31,7 @@ impl Payload {
         }
     }
 
-    /// The same as a body in the gripper frame.
+    /// Returns the payload as a body in the gripper frame.
     pub fn inertial(&self) -> Inertial {
         let [xx, xy, xz, yy, yz, zz] = self.inertia_kg_m2;
         Inertial {

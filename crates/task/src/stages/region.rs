@@ -6,16 +6,16 @@ use cranny_spatial::{
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Poses that a motion may bring the hand, or the object in it, to.
+/// Goal region for the poses of the hand, or of the object in it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Region {
-    /// The thing that is brought there.
+    /// The frame that is moved into the region.
     pub moved: Moved,
-    /// The middle, in the planning frame.
+    /// Central pose, in the planning frame.
     pub pose: Pose,
-    /// Greatest distances from the middle along the axes of its pose, in metres.
+    /// Greatest distances from the centre along the axes of its pose, in metres.
     pub within_m: [f64; 3],
-    /// Greatest angle from the rotation of the middle, in degrees.
+    /// Greatest angle from the rotation of the centre, in degrees.
     pub within_deg: f64,
 }
 
@@ -29,20 +29,20 @@ pub enum Moved {
 }
 
 impl Region {
-    /// True if another one is of the same poses, but for rounding.
+    /// Returns true if another region contains the same poses, up to rounding.
     pub(crate) fn is_like(&self, other: &Self) -> bool {
         let [a, b] = [self, other].map(|region| (region.moved, region.within_m, region.within_deg.to_bits()));
         let between = self.pose.inverse() * other.pose;
         a == b && between.translation.vector.norm() < 1e-9 && between.rotation.angle() < 1e-9
     }
 
-    /// The same in a frame in which the one that it is in has this pose.
+    /// Returns this region in a new frame; `new_from_old` is the pose of the present frame in it.
     #[must_use]
     pub fn seen_from(&self, new_from_old: &Pose) -> Self {
         Self { pose: new_from_old * self.pose, ..self.clone() }
     }
 
-    /// Difference, in words, of a pose in the planning frame that is farther off than 1 mm or 1°.
+    /// Returns the difference, in words, of a pose in the planning frame that is more than 1 mm or 1° outside the region.
     pub fn fault_at(&self, pose: &Pose) -> Option<String> {
         let off = self.pose.inverse() * pose;
         let beyond = std::iter::zip(&off.translation.vector, self.within_m);
@@ -53,11 +53,11 @@ impl Region {
             return None;
         }
         let (moved, mm, degrees) = (self.moved, off_m * 1e3, off_rad.to_degrees());
-        Some(format!("{moved} is {mm:.2} mm and {degrees:.2}° from where it is to be"))
+        Some(format!("{moved} is {mm:.2} mm and {degrees:.2}° from its goal region"))
     }
 
-    /// The middle first, then random poses, all of them of what is moved in the planning frame: places even, and
-    /// angles about even axes even.
+    /// Returns the centre first, then random poses of the moved frame in the planning frame: positions are uniform, rotations
+    /// have uniform axes and uniform angles.
     pub fn draws(&self, mut random: Stream) -> impl Iterator<Item = Pose> {
         let drawn = std::iter::repeat_with(move || {
             let place = Vector::from_fn(|axis, _| self.within_m[axis] * random.uniform_between(-1.0, 1.0));
@@ -67,7 +67,7 @@ impl Region {
         std::iter::once(self.pose).chain(drawn)
     }
 
-    /// The fault of figures that no region has, in words.
+    /// Returns the fault, in words, of invalid figures.
     pub(crate) fn fault(&self) -> Option<&'static str> {
         let has_sides = self.within_m.iter().all(|side_m| side_m.is_finite() && *side_m >= 0.0);
         if !has_sides {
@@ -99,7 +99,7 @@ impl fmt::Display for Region {
     }
 }
 
-/// A region as files have it.
+/// A region in the format of files.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct RegionRow {
@@ -133,7 +133,7 @@ impl PoseRow {
     fn pose(&self) -> Result<Pose, String> {
         let given = self.rotation_rpy_deg.iter().flatten().chain(&self.position);
         if let Some(value) = given.copied().find(|value| !value.is_finite()) {
-            return Err(format!("{value} is no number of a pose"));
+            return Err(format!("'{value}' in a pose is not a finite number"));
         }
         let rotation = match (self.rotation_rpy_deg, self.quaternion_xyzw) {
             (None, None) => Rotation::identity(),
@@ -141,8 +141,9 @@ impl PoseRow {
                 let [roll, pitch, yaw] = rpy_deg.map(f64::to_radians);
                 Rotation::from_euler_angles(roll, pitch, yaw)
             }
-            (None, Some(quaternion)) => rotation_from_xyzw(quaternion)
-                .map_err(|norm| format!("{quaternion:?} is no rotation: its length is {norm}, not 1"))?,
+            (None, Some(quaternion)) => rotation_from_xyzw(quaternion).map_err(|norm| {
+                format!("quaternion {quaternion:?} is not a rotation: its length is {norm}, not 1")
+            })?,
             (Some(_), Some(_)) => {
                 return Err("a pose has either `rotation_rpy_deg` or `quaternion_xyzw`".to_owned());
             }

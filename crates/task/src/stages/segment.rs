@@ -5,9 +5,9 @@ use crate::stages::corner::RoundedCorner;
 use crate::stages::pace::Pace;
 use crate::stages::payload::Payload;
 
-/// Properties of a motion during which the hand does nothing (a mode: Hauser & Latombe 2010, §3).
+/// Properties of a motion during which the fingers do not move (a mode: Hauser & Latombe 2010, §3).
 ///
-/// All code asks for these properties; the name is for files and people.
+/// Code decides by these properties alone; the name is for files and people.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(into = "String")]
 pub struct Mode {
@@ -15,9 +15,9 @@ pub struct Mode {
     pub name: &'static str,
     /// True if an object is in the closed hand.
     pub holds: bool,
-    /// The end of the motion at which the held object may touch what carries it.
+    /// End of the motion at which the held object may touch its support.
     pub rests_at: Option<MotionEnd>,
-    /// True if the hand has let an object go before.
+    /// True if the hand has released an object before.
     pub leaves: bool,
 }
 
@@ -31,21 +31,21 @@ pub enum MotionEnd {
 }
 
 impl Mode {
-    /// To a grasp or another goal, the hand open and empty.
+    /// Path to a grasp or another goal, the hand open and empty.
     pub const REACH: Self = Self { name: "reach", holds: false, rests_at: None, leaves: false };
-    /// Straight to a grasp along the z axis of the gripper frame, the hand open and empty.
+    /// Straight approach to a grasp along the z axis of the gripper frame, the hand open and empty.
     pub const APPROACH: Self = Self { name: "approach", holds: false, rests_at: None, leaves: false };
-    /// The object, in the closed hand, off what carries it.
+    /// Lift-off of the object, in the closed hand, from its support.
     pub const LIFT_OFF: Self =
         Self { name: "lift-off", holds: true, rests_at: Some(MotionEnd::First), leaves: false };
-    /// On from there with the object.
+    /// Transfer of the object from the lift-off on.
     pub const CARRY: Self = Self { name: "carry", holds: true, rests_at: None, leaves: false };
-    /// The object down to where it then rests.
+    /// Set-down of the object on its new support.
     pub const SET_DOWN: Self =
         Self { name: "set-down", holds: true, rests_at: Some(MotionEnd::Last), leaves: false };
-    /// The open hand off the object.
+    /// Retreat of the open hand from the object.
     pub const RETREAT: Self = Self { name: "retreat", holds: false, rests_at: None, leaves: true };
-    /// The empty hand on from there.
+    /// Path of the empty hand after the retreat.
     pub const RETURN: Self = Self { name: "return", holds: false, rests_at: None, leaves: true };
 
     /// All modes.
@@ -59,14 +59,14 @@ impl Mode {
         Self::RETURN,
     ];
 
-    /// The mode of a name.
+    /// Returns the mode with this name.
     ///
     /// # Errors
     /// A sentence that lists the names.
     pub fn of_name(name: &str) -> Result<Self, String> {
         Self::ALL.into_iter().find(|mode| mode.name == name).ok_or_else(|| {
             let known = Self::ALL.map(|mode| mode.name).join(", ");
-            format!("'{name}' is no mode of a motion ({known})")
+            format!("'{name}' is not a motion mode (known: {known})")
         })
     }
 }
@@ -89,7 +89,7 @@ impl From<Mode> for String {
     }
 }
 
-/// A piece of a path along which the hand does nothing: straight lines between way points.
+/// A segment of a path, without finger motion: straight lines between way points.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Segment {
@@ -105,27 +105,27 @@ pub struct Segment {
     pub attached: Option<String>,
     /// Distance between the fingers, in metres; `None`: fully open.
     pub opening_m: Option<f64>,
-    /// Excess of the travel of the finger that touches last over that of the first, in metres: the object, or the hand,
-    /// is pushed by it. `None` while nothing is held.
+    /// Excess of the travel of the finger that touches last over that of the first, in metres; it pushes the object or the
+    /// hand. `None` while nothing is held.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub uneven_m: Option<f64>,
-    /// Mass of the object in the hand, where limits of torque count it.
+    /// Mass and inertia of the object in the hand, if torque limits include it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub payload: Option<Payload>,
-    /// Share of the limits of velocity with which it is run through, above 0 and below 1, so that the hand holds what is
-    /// in it; accelerations have the square of it, jerks the cube. `None`: all of them.
+    /// Share of the velocity limits for this segment, above 0 and below 1, that keeps the hold firm; accelerations scale with
+    /// its square, jerks with its cube. `None`: the full limits.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub speed: Option<f64>,
-    /// Limits that were asked for, besides those of the robot.
+    /// Requested limits, besides those of the robot.
     #[serde(default, skip_serializing_if = "Pace::is_full")]
     pub pace: Pace,
     /// Way points: one value per joint each (m, rad).
     #[serde(default)]
     pub waypoints: Vec<Vec<f64>>,
-    /// Corners that the motion rounds instead of stopping there, in the order of its way points.
+    /// Corners that the motion rounds instead of stopping, in the order of their way points.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub corners: Vec<RoundedCorner>,
-    /// Least distance along each edge, in metres, proven; `None` where nothing is near, empty without a proof. Where a
+    /// Proven lower bound of the distance along each edge, in metres; `None` if nothing is near, empty without a proof. If a
     /// corner between two edges is rounded, that of its curve counts for both.
     #[serde(default)]
     pub clearances_m: Vec<Option<f64>>,
@@ -157,7 +157,7 @@ impl From<SegmentKind> for String {
 }
 
 impl Segment {
-    /// A segment of a stage through way points (m, rad; one value per joint) along which the hand is open and empty.
+    /// Creates a segment of a stage through way points (m, rad; one value per joint) with the hand open and empty.
     pub fn empty(stage: usize, mode: Mode, waypoints: Vec<Vec<f64>>) -> Self {
         Self {
             kind: SegmentKind::Polyline,
@@ -175,7 +175,7 @@ impl Segment {
         }
     }
 
-    /// The path of way points (m, rad; one value per joint) to a goal, the only segment of its task.
+    /// Creates the path of way points (m, rad; one value per joint) to a goal as the only segment of its task.
     pub fn reach(waypoints: Vec<Vec<f64>>, clearances_m: Vec<Option<f64>>) -> Self {
         Self { clearances_m, ..Self::empty(0, Mode::REACH, waypoints) }
     }
@@ -186,7 +186,7 @@ impl Segment {
     }
 }
 
-/// The way points (m, rad; one value per joint) of segments that follow each other: where two meet, one.
+/// Joins the way points (m, rad; one value per joint) of consecutive segments; shared way points appear once.
 pub fn joined(segments: &[Segment]) -> Vec<Vec<f64>> {
     let mut joined: Vec<Vec<f64>> = Vec::new();
     for segment in segments {
@@ -196,7 +196,7 @@ pub fn joined(segments: &[Segment]) -> Vec<Vec<f64>> {
     joined
 }
 
-/// The rounded corners of segments that follow each other, by the way points of [`joined`].
+/// Returns the rounded corners of consecutive segments, indexed by the way points of [`joined`].
 pub fn joined_corners(segments: &[Segment]) -> Vec<RoundedCorner> {
     let mut corners = Vec::new();
     let mut before = 0;
@@ -210,7 +210,7 @@ pub fn joined_corners(segments: &[Segment]) -> Vec<RoundedCorner> {
     corners
 }
 
-/// Gives each segment the clearances of its edges, those of all edges in metres.
+/// Sets the clearances of each segment from those of all edges, in metres.
 pub fn give_clearances(segments: &mut [Segment], clearances_per_edge_m: &[Option<f64>]) {
     let mut clearances_m = clearances_per_edge_m.iter();
     for segment in segments {
@@ -218,7 +218,7 @@ pub fn give_clearances(segments: &mut [Segment], clearances_per_edge_m: &[Option
     }
 }
 
-/// Segments in rows between which the hand closes or opens.
+/// Splits segments into legs, between which the hand closes or opens.
 pub fn legs(segments: &[Segment]) -> impl Iterator<Item = &[Segment]> {
     segments.chunk_by(|a, b| a.mode.holds == b.mode.holds)
 }

@@ -10,53 +10,53 @@ use strum::{EnumString, IntoStaticStr};
 use crate::stages::region::RegionRow;
 use crate::{Goal, Moved, Problem, Region, TaskError};
 
-/// A stage of a task, in the user's terms. A task is a list of them, each from where the one before ends: to reach for an
-/// object is `[Pick]`, to carry it off `[Pick, Move]`, to put it down `[Pick, Place, Move]`.
+/// A stage of a task, in the user's terms. A task is a list of stages, each starting at the end of the previous one: `[Pick]`
+/// grasps an object, `[Pick, Move]` carries it away, `[Pick, Place, Move]` puts it down.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "StageRow", into = "StageRow")]
 pub enum Stage {
-    /// An object is grasped, and lifted off what carries it where a stage follows.
+    /// Grasps an object, and lifts it off its support if a stage follows.
     Pick(Pick),
-    /// The arm moves, with what is in the hand.
+    /// Moves the arm, with the object in the hand if there is one.
     Move(Move),
-    /// What is in the hand is put down, and the hand leaves it.
+    /// Puts the object in the hand down, and retreats from it.
     Place(PlaceAt),
 }
 
-/// Object that is grasped.
+/// Object of a pick, and the approach to it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Pick {
     /// Name of a body; `None`: the target of the problem.
     pub object: Option<String>,
-    /// Clearance that is demanded about the object, in metres; `None`: that of the problem's margins.
+    /// Required clearance of the object, in metres; `None`: that of the problem's margins.
     pub object_margin_m: Option<f64>,
     /// Least length of the straight approach, along the z axis of the gripper frame, in metres; 0: the path may come to the
-    /// grasp from anywhere.
+    /// grasp from any direction.
     pub approach_m: f64,
 }
 
 /// Goal of a motion of the arm.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Move {
-    /// The configuration that the task starts from.
+    /// The start configuration of the task.
     #[default]
     Home,
     /// Any of these configurations (m, rad; one value per joint each).
     Configurations(Vec<Vec<f64>>),
-    /// Any configuration at which all bodies but floors are so far, in metres, from what is in the hand, or from the hand
-    /// where it is empty.
+    /// Any configuration at which the object in the hand, or the hand if it is empty, has this distance, in metres, from all
+    /// bodies but floors.
     Clear {
-        /// The distance.
+        /// Required distance, in metres.
         clear_m: f64,
     },
     /// Any configuration at which the hand, or the object in it, has one of these poses, within 1 mm and 1°.
     Region(Region),
 }
 
-/// Place where the object in the hand is put down.
+/// Placement goal of the object in the hand, and the retreat from it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlaceAt {
-    /// Name of a place of the problem.
+    /// Name of a placement goal of the problem.
     pub place: String,
     /// Distance between the hand and the object at the end of the retreat, in metres.
     pub clear_m: f64,
@@ -70,10 +70,10 @@ pub struct PlaceAt {
 #[serde(rename_all = "kebab-case")]
 #[strum(serialize_all = "kebab-case")]
 pub enum AfterPlacing {
-    /// It goes to the configuration that it started from.
+    /// Returns to the start configuration.
     #[default]
     Home,
-    /// It stays.
+    /// Stays where it is.
     Stay,
 }
 
@@ -84,38 +84,38 @@ impl AfterPlacing {
     }
 }
 
-/// Distance of an object in the hand from everything else that counts as clear, unless another is given, in metres.
+/// Default distance of an object in the hand from everything else that counts as clear, in metres.
 pub const CLEAR_M: f64 = 0.05;
 
-/// Greatest distance that can be demanded, in metres.
+/// Greatest distance that can be required, in metres.
 pub const FARTHEST_CLEAR_M: f64 = 1.0;
 
 /// Greatest length of a straight approach or retreat, in metres.
 pub(crate) const MOST_STRAIGHT_M: f64 = 0.5;
 
 impl Stage {
-    /// The target of the problem is grasped.
+    /// Creates a stage that grasps the target of the problem.
     pub fn pick() -> Self {
         Self::Pick(Pick::default())
     }
 
-    /// The arm moves home.
+    /// Creates a stage that moves the arm home.
     pub fn home() -> Self {
         Self::Move(Move::Home)
     }
 
-    /// The object in the hand is put down at a named place of the problem, and the hand leaves it by [`CLEAR_M`].
+    /// Creates a stage that puts the object down at a named placement goal of the problem and retreats by [`CLEAR_M`].
     pub fn place(place: &str) -> Self {
         Self::Place(PlaceAt::named(place))
     }
 
-    /// The target is picked and put down at a place, after which the robot goes home or stays.
+    /// Creates the stages that pick the target and put it down, after which the robot goes home or stays.
     pub fn put_down(place: PlaceAt, then: AfterPlacing) -> Vec<Self> {
         let home = (then == AfterPlacing::Home).then(Self::home);
         [Self::pick(), Self::Place(place)].into_iter().chain(home).collect()
     }
 
-    /// The goal of a problem as the only stage of its task.
+    /// Returns the goal of a problem as the only stage of its task.
     pub fn of_goal(problem: &Problem) -> Vec<Self> {
         match problem.goal() {
             Goal::Grasps(_) => vec![Self::pick()],
@@ -123,8 +123,8 @@ impl Stage {
         }
     }
 
-    /// True if another stage picks the same object, goes to the same end or puts down at the same place, whatever distances
-    /// the two demand.
+    /// Returns true if another stage picks the same object, moves to the same goal or puts down at the same placement goal,
+    /// whether or not the required distances agree.
     pub fn is_like(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Pick(a), Self::Pick(b)) => a.object == b.object,
@@ -135,7 +135,7 @@ impl Stage {
         }
     }
 
-    /// The same in a frame in which the one that it is in has this pose.
+    /// Returns this stage in a new frame; `new_from_old` is the pose of the present frame in it.
     #[must_use]
     pub fn seen_from(&self, new_from_old: &Pose) -> Self {
         match self {
@@ -144,10 +144,10 @@ impl Stage {
         }
     }
 
-    /// Checks stages against a problem: they follow each other, and each can be asked.
+    /// Checks stages against a problem: their order is valid, and each is possible.
     ///
     /// # Errors
-    /// [`TaskError::Stage`] names the first that cannot follow, or that names what there is not; those of
+    /// [`TaskError::Stage`] names the first stage that cannot follow or that names something unknown; those of
     /// [`Problem::with_goal`] for configurations that do not fit the robot.
     pub fn check_all(stages: &[Self], problem: &Problem) -> Result<(), TaskError> {
         let mut held = None;
@@ -161,7 +161,9 @@ impl Stage {
                     held = Some(pick.body(problem)?);
                     if pick.object_margin_m.is_some_and(|margin_m| !(margin_m.is_finite() && margin_m >= 0.0))
                     {
-                        return refuse("the clearance demanded about the object is none".to_owned());
+                        return refuse(
+                            "object_margin_m must be a finite number of metres, at least 0".to_owned(),
+                        );
                     }
                     straight_fault("an approach", pick.approach_m).map_or(Ok(()), refuse)?;
                 }
@@ -193,7 +195,11 @@ impl fmt::Display for Stage {
         match self {
             Self::Pick(Pick { object, approach_m, .. }) => {
                 write!(f, "pick '{}'", object.as_deref().unwrap_or(TARGET))?;
-                if *approach_m > 0.0 { write!(f, " after {} mm straight", mm(approach_m)) } else { Ok(()) }
+                if *approach_m > 0.0 {
+                    write!(f, " after a straight approach of {} mm", mm(approach_m))
+                } else {
+                    Ok(())
+                }
             }
             Self::Move(Move::Home) => f.write_str("move home"),
             Self::Move(Move::Configurations(ends)) => {
@@ -203,24 +209,28 @@ impl fmt::Display for Stage {
             Self::Move(Move::Clear { clear_m }) => write!(f, "move until {} mm clear", mm(clear_m)),
             Self::Place(PlaceAt { place, clear_m, retreat_m }) => {
                 write!(f, "put down in '{place}', the hand {} mm off it", mm(clear_m))?;
-                if *retreat_m > 0.0 { write!(f, " after {} mm straight", mm(retreat_m)) } else { Ok(()) }
+                if *retreat_m > 0.0 {
+                    write!(f, " after a straight retreat of {} mm", mm(retreat_m))
+                } else {
+                    Ok(())
+                }
             }
         }
     }
 }
 
 impl PlaceAt {
-    /// A place of that name, with a retreat in any direction until the hand is clear of the object by [`CLEAR_M`].
+    /// Creates a goal at a named placement goal, with a retreat in any direction by [`CLEAR_M`].
     pub fn named(place: &str) -> Self {
         Self { place: place.to_owned(), clear_m: CLEAR_M, retreat_m: 0.0 }
     }
 }
 
 impl Pick {
-    /// The body to be grasped, by index.
+    /// Returns the index of the body that is grasped.
     ///
     /// # Errors
-    /// [`TaskError::Collision`] for the name of nothing; [`TaskError::NothingToCarry`] without a target.
+    /// [`TaskError::Collision`] for an unknown name; [`TaskError::NothingToCarry`] without a target.
     pub fn body(&self, problem: &Problem) -> Result<usize, TaskError> {
         let none = || TaskError::NothingToCarry { needs: "a target" };
         match (&self.object, problem.cell()) {
@@ -238,14 +248,14 @@ impl Move {
             Self::Region(region) => region.fault().map_or(Ok(()), |fault| refuse(fault.to_owned())),
             Self::Clear { clear_m } if (0.0..=FARTHEST_CLEAR_M).contains(clear_m) => Ok(()),
             Self::Clear { clear_m } => {
-                refuse(format!("{clear_m} m is no clearance; give 0 to {FARTHEST_CLEAR_M} m"))
+                refuse(format!("{clear_m} m is not a valid clearance: expected 0 to {FARTHEST_CLEAR_M} m"))
             }
             Self::Configurations(ends) => {
                 problem.with_goal(Goal::Configurations(ends.clone()))?;
                 let robot = problem.robot();
                 let mut beyond = ends.iter().map(|end| robot.first_limit_violation(end));
                 let Some(first) = beyond.next() else {
-                    return refuse("there is no configuration".to_owned());
+                    return refuse("'move' lists no configuration".to_owned());
                 };
                 match first.filter(|_| beyond.all(|violation| violation.is_some())) {
                     None => Ok(()),
@@ -261,8 +271,8 @@ impl Move {
         }
     }
 
-    /// The configurations that the motion may end at (m, rad; one value per joint); `None` where they are not
-    /// counted.
+    /// Returns the configurations at which the motion may end (m, rad; one value per joint); `None` if the goal is not a finite
+    /// set of them.
     pub fn ends(&self, problem: &Problem) -> Option<Vec<Vec<f64>>> {
         match self {
             Self::Home => Some(vec![problem.start().to_vec()]),
@@ -275,7 +285,7 @@ impl Move {
 /// Name of the target of a problem in files of stages.
 const TARGET: &str = "target";
 
-/// A stage as files have it: one of `pick`, `move` and `place`, with what belongs to it.
+/// A stage in the format of files: one of `pick`, `move` and `place`, with its options.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct StageRow {
@@ -285,14 +295,14 @@ pub(crate) struct StageRow {
     /// Goal of a motion: `home`, `clear`, configurations (m, rad), or a region of poses.
     #[serde(default, rename = "move", skip_serializing_if = "Option::is_none")]
     move_to: Option<MoveRow>,
-    /// Place where the object in the hand is put down.
+    /// Placement goal of the object in the hand.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     place: Option<String>,
-    /// Distance, in metres: with `move: clear`, of what is in the hand from everything; with `place`, of the hand from the
+    /// Distance, in metres: with `move: clear`, of the object in the hand from everything; with `place`, of the hand from the
     /// object at the end.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     clear_m: Option<f64>,
-    /// Clearance that is demanded about the object of a `pick`, in metres.
+    /// Required clearance of the object of a `pick`, in metres.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     object_margin_m: Option<f64>,
     /// Least length of the straight approach of a `pick`, in metres, at most 0.5.
@@ -303,10 +313,11 @@ pub(crate) struct StageRow {
     retreat_m: Option<f64>,
 }
 
-/// The fault of a length of a straight motion (m), in words.
+/// Returns the fault, in words, of a length of a straight motion (m).
 fn straight_fault(motion: &str, length_m: f64) -> Option<String> {
     let is_length = (0.0..=MOST_STRAIGHT_M).contains(&length_m);
-    (!is_length).then(|| format!("{length_m} m is no length of {motion}; give 0 to {MOST_STRAIGHT_M} m"))
+    (!is_length)
+        .then(|| format!("{length_m} m is not a valid length of {motion}: expected 0 to {MOST_STRAIGHT_M} m"))
 }
 
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]

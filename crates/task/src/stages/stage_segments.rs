@@ -1,9 +1,9 @@
 use crate::stages::segment::{Mode, MotionEnd, Segment};
 use crate::stages::stage::Stage;
 
-/// Checks that segments are of stages: in their order; the hand closes in a pick that a stage follows, opens in a place, and
-/// nowhere else; and only an object that has just been grasped, or is let go next, may touch what carries it. Whether they
-/// come to the end of the last stage is for [`are_complete`].
+/// Checks that segments match stages: they are in order; the hand closes in a pick that a stage follows, opens in a place, and
+/// nowhere else; and only an object that has just been grasped, or is released next, may touch its support. [`are_complete`]
+/// checks that they reach the end of the last stage.
 ///
 /// # Errors
 /// A sentence that names the first segment that cannot follow.
@@ -18,8 +18,8 @@ pub fn check_segments(stages: &[Stage], segments: &[Segment]) -> Result<(), Stri
     Ok(())
 }
 
-/// Numbers the stages of segments that name none: a pick is over once its object is lifted off, a place once the hand has left
-/// the object, a move with its only segment.
+/// Sets the stages of segments that state none: a pick ends with the lift-off of its object, a place with the retreat from the
+/// object, a move with its only segment.
 pub fn number_stages(stages: &[Stage], segments: &mut [Segment]) {
     let mut stage = 0;
     for index in 0..segments.len() {
@@ -35,7 +35,7 @@ pub fn number_stages(stages: &[Stage], segments: &mut [Segment]) {
     }
 }
 
-/// Segments in rows, each with one pick: what comes before the first belongs to that.
+/// Splits segments into groups with one pick each; segments before the first pick belong to it.
 pub fn picks_apart<'a>(stages: &[Stage], segments: &'a [Segment]) -> Vec<&'a [Segment]> {
     let is_pick = |segment: &Segment| matches!(stages.get(segment.stage), Some(Stage::Pick(_)));
     let first = segments.iter().position(is_pick).map_or(0, |first| segments[first].stage);
@@ -43,14 +43,14 @@ pub fn picks_apart<'a>(stages: &[Stage], segments: &'a [Segment]) -> Vec<&'a [Se
     segments.chunk_by(|a, b| !begins(a, b)).collect()
 }
 
-/// True if segments come to the end of the last stage.
+/// Returns true if segments reach the end of the last stage.
 pub fn are_complete(stages: &[Stage], segments: &[Segment]) -> bool {
     segments.last().is_some_and(|last| {
         last.stage + 1 == stages.len() && last.mode.holds == holds_after(stages, last.stage)
     })
 }
 
-/// True if the hand holds an object at the end of a stage.
+/// Returns true if the hand holds an object at the end of a stage.
 fn holds_after(stages: &[Stage], stage: usize) -> bool {
     let of_stage = stages[..=stage].iter().enumerate().rev().find_map(|(index, stage)| match stage {
         Stage::Pick(_) => Some(index + 1 < stages.len()),
@@ -75,17 +75,19 @@ fn fault_of(
     let begins_stage = before.is_none_or(|before| before.stage + 1 == segment.stage);
     let continues_stage = before.is_some_and(|before| before.stage == segment.stage);
     if !(continues_stage || begins_stage && (before.is_some() || segment.stage == 0)) {
-        return Some("is neither of the stage of the segment before it nor of the next");
+        return Some("belongs neither to the stage of the segment before it nor to the next stage");
     }
     if segment.speed.is_some_and(|speed| !(speed > 0.0 && speed < 1.0)) {
-        return Some("has a speed that is no share of the limits");
+        return Some("has an invalid speed: it must be a share of the limits, above 0 and below 1");
     }
     let is_one_motion = |before: &Segment| before.mode.holds == segment.mode.holds;
     if before.filter(|before| is_one_motion(before)).is_some_and(|before| before.speed != segment.speed) {
         return Some("has another speed than the segment before it, with which it is one motion");
     }
     if segment.pace.fault().is_some() {
-        return Some("has a pace that is no share of the limits");
+        return Some(
+            "has an invalid pace: shares of the limits must be above 0 and at most 1, speeds above 0",
+        );
     }
     if let Some(fault) = corner_fault(before, segment) {
         return Some(fault);
@@ -94,7 +96,7 @@ fn fault_of(
         && !(matches!(stage, Stage::Pick(_))
             && next.is_none_or(|next| next.stage != segment.stage || next.mode.holds))
     {
-        return Some("approaches nothing that is grasped after it");
+        return Some("is an approach, but no grasp follows it");
     }
     let holds = segment.mode.holds;
     let was_held = before.is_some_and(|before| before.mode.holds);
@@ -108,7 +110,7 @@ fn fault_of(
         return Some("lets an object go where none is put down");
     }
     if is_in_hand && !holds {
-        return Some("states what is in the hand, which is open and empty");
+        return Some("states what is in the hand, but the hand is open and empty");
     }
     let ends_stage = next.is_some_and(|next| next.stage != segment.stage);
     if ends_stage && holds != holds_after(stages, segment.stage) {
@@ -119,12 +121,14 @@ fn fault_of(
         Some(MotionEnd::First) => closes,
         Some(MotionEnd::Last) => next.is_some_and(|next| !next.mode.holds),
     };
-    (!may_rest).then_some("may not touch what carries the object")
+    (!may_rest).then_some(
+        "allows contact of the object with its support, but neither follows a grasp nor precedes a release",
+    )
 }
 
-/// Returns the fault of the rounded corners of a segment: those of its way points in order, in the form of a corner of these
-/// edges, none where an object may touch what carries it, and where the segment before it ends only if the two are one motion
-/// of a stage, or the first of them lifts an object off.
+/// Returns the fault of the rounded corners of a segment. Corners must be in the order of its way points and fit their edges.
+/// None is allowed where an object may touch its support. One at the end of the previous segment is allowed only if both
+/// segments are one motion of a stage, or the previous one is a lift-off.
 fn corner_fault(before: Option<&Segment>, segment: &Segment) -> Option<&'static str> {
     /// Rounding of the shares of an edge that two corners cut off.
     const OVERLAP: f64 = 1e-9;
@@ -138,7 +142,7 @@ fn corner_fault(before: Option<&Segment>, segment: &Segment) -> Option<&'static 
         if index < next {
             return Some("has rounded corners out of order");
         }
-        // The corner before it ends on the same edge.
+        // The previous corner ends on the same edge.
         let taken = last.filter(|_| index == next).unwrap_or(0.0);
         next = index + 1;
         let from = match index {
@@ -150,10 +154,10 @@ fn corner_fault(before: Option<&Segment>, segment: &Segment) -> Option<&'static 
         };
         let ends = from.zip(segment.waypoints.get(index)).zip(segment.waypoints.get(index + 1));
         let Some(((from, corner_at), to)) = ends.filter(|_| segment.mode.rests_at.is_none()) else {
-            return Some("rounds a corner where none may be");
+            return Some("rounds a corner where this is not allowed");
         };
         if !corner.rounds([from, corner_at, to]) {
-            return Some("has a rounded corner that is none of its edges");
+            return Some("has a rounded corner that does not fit its edges");
         }
         if taken + corner.share_before(from, corner_at) > 1.0 + OVERLAP {
             return Some("has two rounded corners that overlap");
@@ -163,7 +167,7 @@ fn corner_fault(before: Option<&Segment>, segment: &Segment) -> Option<&'static 
     None
 }
 
-/// Whether a motion may go on from a segment to the next without a stop. It stops where a straight approach begins.
+/// Returns true if a motion may continue from a segment to the next without a stop. It stops before a straight approach.
 pub fn are_joined(before: &Segment, next: &Segment) -> bool {
     let lifts = before.mode.rests_at == Some(MotionEnd::First);
     before.mode.holds == next.mode.holds

@@ -12,22 +12,22 @@ use crate::stages::segment::{Mode, MotionEnd, Segment};
 use crate::stages::straight::{FarEnd, straight_line, straight_path};
 use crate::{Carrier, FailureReason, Goal, Grip, LiftOffSettings, Moved, Pick, Problem, Stage, TaskError};
 
-/// Between two configurations on the way back, in the metric of the joints (m, rad).
+/// Distance between two configurations on the path back, in the metric of the joints (m, rad).
 const PIECE: f64 = 0.25;
-/// Robot, hand and world at an instant of a task: the configuration, the pose of each body, and the object in the hand.
-/// [`State::along`] is the only place where a world changes.
+/// Robot, hand and world at an instant of a task: the configuration, the pose of each body, and the object in the hand. Only
+/// [`State::along`] changes the world.
 #[derive(Clone, Debug)]
 pub struct State {
     /// Configuration (m, rad; one value per joint).
     pub q: Vec<f64>,
-    /// The open and empty hand; what is held stands where it was grasped.
+    /// The open and empty hand; a held object stands where it was grasped.
     empty: Arc<Cell>,
     held: Option<Held>,
-    /// The body that the hand let go last, by index, and the pose of its first solid.
+    /// Body that the hand released last, by index, and the pose of its first solid in the planning frame.
     let_go: Option<(usize, Pose)>,
-    /// What carries the held object along the present segment.
+    /// Support of the held object along the present segment.
     rest: Option<Rest>,
-    /// The cell in which the hand keeps to a straight line along the present segment.
+    /// Cell in which the hand keeps to a straight line along the present segment.
     line: Option<Arc<Cell>>,
 }
 
@@ -38,7 +38,7 @@ struct Held {
     grip: Grip,
 }
 
-/// What carries a held object at an end of a segment, and the cell in which the two may touch.
+/// Support of a held object at an end of a segment, and the cell in which the two may touch.
 #[derive(Clone, Debug)]
 struct Rest {
     resting: Resting,
@@ -46,17 +46,17 @@ struct Rest {
 }
 
 impl State {
-    /// The state that a problem begins in; `None` under `paper`, which has no world.
+    /// Returns the start state of a problem; `None` under `paper`, which has no world.
     pub fn start(problem: &Problem) -> Option<Self> {
         let empty = problem.cell()?.clone();
         Some(Self { q: problem.start().to_vec(), empty, held: None, let_go: None, rest: None, line: None })
     }
 
-    /// The state after the object of a carrier was let go at a pose of its first solid, the arm at a configuration
-    /// (m, rad; one per joint).
+    /// Creates the state after the object of a carrier was released with its first solid at a pose in the planning frame, the
+    /// arm at a configuration (m, rad; one per joint).
     ///
     /// # Errors
-    /// [`TaskError::Collision`] for a pose that is none.
+    /// [`TaskError::Collision`] for an invalid pose.
     pub fn after_letting_go(carrier: &Carrier, world_from_held: &Pose, q: &[f64]) -> Result<Self, TaskError> {
         let body = carrier.hand().target();
         let after = carrier.cell().with_body_at(body, world_from_held)?;
@@ -74,34 +74,34 @@ impl State {
         }
     }
 
-    /// The open and empty hand among all bodies, with what is in the hand where it was grasped.
+    /// The open and empty hand among all bodies, with a held object where it was grasped.
     pub fn empty_cell(&self) -> &Arc<Cell> {
         &self.empty
     }
 
-    /// The object in the hand and how the hand holds it.
+    /// The object in the hand and its grip.
     pub fn held(&self) -> Option<(&Arc<Carrier>, &Grip)> {
         self.held.as_ref().map(|held| (&held.carrier, &held.grip))
     }
 
-    /// What carries the held object at an end of the present segment.
+    /// Support of the held object at an end of the present segment.
     pub fn resting(&self) -> Option<&Resting> {
         self.rest.as_ref().map(|rest| &rest.resting)
     }
 
-    /// The body that the hand let go last, by index, and the pose of its first solid in the planning frame.
+    /// Body that the hand released last, by index, and the pose of its first solid in the planning frame.
     pub fn let_go(&self) -> Option<(usize, &Pose)> {
         self.let_go.as_ref().map(|(body, pose)| (*body, pose))
     }
 
-    /// The same state at another configuration (m, rad; one per joint).
+    /// Returns this state at another configuration (m, rad; one per joint).
     #[must_use]
     pub fn at(&self, q: &[f64]) -> Self {
         Self { q: q.to_vec(), rest: None, line: None, ..self.clone() }
     }
 
-    /// Distance between what is in the hand, or the hand where it is empty, and all bodies but floors with the arm at
-    /// `q` (m, rad; one per joint), in metres, certified from below; at most `beyond_m`.
+    /// Certified lower bound of the distance between the object in the hand, or the hand if it is empty, and all bodies but
+    /// floors, with the arm at `q` (m, rad; one per joint), in metres, up to `beyond_m`.
     ///
     /// # Panics
     /// If `q` has not one value per joint.
@@ -116,7 +116,7 @@ impl State {
             .fold(beyond_m, |least_m, (body, _)| cell.hand_clearance(q, body, least_m, scratch).min(least_m))
     }
 
-    /// Pose of the gripper frame, or of the first solid of the object in the hand, in the planning frame, with the
+    /// Returns the pose of the gripper frame, or of the first solid of the object in the hand, in the planning frame, with the
     /// arm at `q` (m, rad; one per joint); `None` for the object of an empty hand.
     ///
     /// # Panics
@@ -127,8 +127,8 @@ impl State {
         Some(world_from_tip * self.tip_from(moved)?)
     }
 
-    /// Pose of the gripper frame at which it, or the first solid of the object in the hand, has a pose; `None` for the object
-    /// of an empty hand.
+    /// Returns the pose of the gripper frame in the planning frame at which it, or the first solid of the object in the hand,
+    /// has a pose in that frame; `None` for the object of an empty hand.
     pub fn world_from_tip(&self, moved: Moved, world_from_moved: &Pose) -> Option<Pose> {
         Some(world_from_moved * self.tip_from(moved)?.inverse())
     }
@@ -140,11 +140,11 @@ impl State {
         }
     }
 
-    /// The problem of grasping an object from here, in the world as it is now: with the grasps of `problem` if it is its
-    /// target, else with grasps of the planner's own.
+    /// Returns the problem of grasping an object from this state: with the grasps of `problem` for its target, otherwise with
+    /// grasps of the planner's own.
     ///
     /// # Errors
-    /// As [`Pick::body`], and [`TaskError::NoGraspMeasure`] for what has no grasp to measure.
+    /// As [`Pick::body`], and [`TaskError::NoGraspMeasure`] for an object whose grasps cannot be measured.
     pub fn picking(&self, problem: &Problem, pick: &Pick) -> Result<Problem, TaskError> {
         if pick.object.is_none() && problem.target().is_none() {
             return problem.with_start(&self.q);
@@ -156,14 +156,14 @@ impl State {
         problem.picking(cell.map_or_else(|| self.empty.clone(), Arc::new), body, &self.q)
     }
 
-    /// The same state before an object is grasped, whose problem is `picking`.
+    /// Returns this state in the cell of `picking`, the problem of the next grasp.
     #[must_use]
     pub fn before_picking(&self, picking: &Problem) -> Self {
         Self { empty: picking.cell().unwrap_or(&self.empty).clone(), ..self.clone() }
     }
 
-    /// Mass of the object in the hand in the world of a problem, and how it is spread; `None` for an empty hand, or an object
-    /// whose moments are neither stated nor follow from a volume that it encloses.
+    /// Returns mass and inertia of the object in the hand in the world of a problem; `None` for an empty hand, or an object
+    /// without stated moments that encloses no volume.
     pub fn payload(&self, problem: &Problem) -> Option<Payload> {
         let Held { carrier, grip } = self.held.as_ref()?;
         let target = carrier.hand().target();
@@ -174,7 +174,7 @@ impl State {
         Some(Payload::new(mass_kg, &moments, weight.mass_kg.is_none()))
     }
 
-    /// A segment of a stage through way points (m, rad; one value per joint) with what is in the hand.
+    /// Creates a segment of a stage through way points (m, rad; one value per joint) with the object in the hand.
     pub fn segment(&self, stage: usize, mode: Mode, waypoints: Vec<Vec<f64>>) -> Segment {
         let segment = Segment::empty(stage, mode, waypoints);
         match self.held() {
@@ -188,8 +188,8 @@ impl State {
         }
     }
 
-    /// Configurations (m, rad; one value per joint) along a path of such way points, from its begin on, as far as the
-    /// path is proven with what is in the hand: no two farther apart than a search grows in a step.
+    /// Returns configurations (m, rad; one value per joint) along the first part of a path of way points that is proven with
+    /// the object in the hand, no two farther apart than one step of a tree search.
     pub fn free_along(&self, path: &[Vec<f64>]) -> Vec<Vec<f64>> {
         let mut scratch = self.cell().scratch();
         let mut along: Vec<Vec<f64>> = path.first().cloned().into_iter().collect();
@@ -217,28 +217,28 @@ impl State {
         along
     }
 
-    /// The problem of moving on from here, with what is in the hand, to any of these configurations
-    /// (m, rad; one value per joint).
+    /// Returns the problem of moving from here, with the object in the hand, to any of these configurations (m, rad; one value
+    /// per joint).
     ///
     /// # Errors
-    /// [`TaskError::JointCount`] or [`TaskError::NotFinite`] for what is no configuration of the robot.
+    /// [`TaskError::JointCount`] or [`TaskError::NotFinite`] for an invalid configuration.
     pub fn moving(&self, to: Vec<Vec<f64>>) -> Result<Problem, TaskError> {
         Problem::in_cell(self.cell().clone(), self.q.clone(), Goal::Configurations(to))
     }
 
-    /// The state after the hand has closed on what a carrier carries.
+    /// Returns the state after the hand has closed on the object of a carrier.
     ///
     /// # Errors
-    /// Why it does not hold the object then.
+    /// The reason why the hand does not hold the object then.
     pub fn closed_on(&self, carrier: &Arc<Carrier>) -> Result<Self, FailureReason> {
         let grip = carrier.close(&self.q)?;
         Ok(Self { held: Some(Held { carrier: carrier.clone(), grip }), ..self.clone() })
     }
 
-    /// The state after the hand has let the object go.
+    /// Returns the state after the hand has released the object.
     ///
     /// # Errors
-    /// What the fingers meet.
+    /// The contact of the fingers.
     pub fn opened(&self) -> Result<Self, FailureReason> {
         let Some(Held { carrier, grip }) = &self.held else { return Ok(self.clone()) };
         let placed = carrier.open(grip, &self.q)?;
@@ -246,9 +246,9 @@ impl State {
         Ok(Self { empty: placed.after, held: None, let_go, ..self.clone() })
     }
 
-    /// Path of way points (m, rad; one value per joint) on which the open hand retreats from what it has let go until
-    /// it is clear of it by `clear_m` (m), in straight edges, each of them proven; at least `straight_m` (m) of it on a
-    /// straight line against the z axis of the gripper frame, if that is above 0.
+    /// Computes a path of way points (m, rad; one value per joint) on which the open hand retreats from the released object
+    /// until its distance is `clear_m` (m), in straight edges, each of them proven; if `straight_m` (m) is above 0, at least
+    /// that length of it on a straight line against the z axis of the gripper frame.
     ///
     /// # Errors
     /// Reason why no such path was found.
@@ -257,8 +257,8 @@ impl State {
         Placed::of(&self.empty, body, pose).retreat(&self.q, clear_m, straight_m)
     }
 
-    /// Path of way points (m, rad; one value per joint) on which the open hand comes here straight along the z axis of the
-    /// gripper frame, over `length_m` (m), in straight edges, each of them proven.
+    /// Computes a path of way points (m, rad; one value per joint) on which the open hand arrives here straight along the z
+    /// axis of the gripper frame, over `length_m` (m), in straight edges, each of them proven.
     ///
     /// # Errors
     /// Reason why no such path was found.
@@ -270,12 +270,12 @@ impl State {
         })
     }
 
-    /// The state along a segment that begins here: the hand closed or opened as its mode demands, on the body to be
-    /// grasped, and the object free to touch what carries it where it may. A carrier that is at hand is used if it is of this
-    /// state's cell: making one takes most of the time.
+    /// Returns the state along a segment that begins here: the hand closes on the object or opens as its mode requires, and the
+    /// object may touch its support where the mode allows it. It uses the carrier `known` if that is of this state's cell,
+    /// because creating one is the costliest step.
     ///
     /// # Errors
-    /// Why the hand cannot close or open here.
+    /// The reason why the hand cannot close or open here.
     pub fn along(&self, segment: &Segment, known: Option<&Arc<Carrier>>) -> Result<Self, FailureReason> {
         let state = match (&self.held, segment.mode.holds) {
             (None, true) => {
@@ -295,14 +295,14 @@ impl State {
         Ok(Self { rest, ..state })
     }
 
-    /// The same state along a segment of a stage, on which the hand keeps to a straight line if that is demanded.
+    /// Returns this state along a segment of a stage on which the hand keeps to a straight line if required.
     fn keeping_straight(self, stage: Option<&Stage>, segment: &Segment) -> Result<Self, TaskError> {
         let line = straight_line(self.empty.robot(), stage, segment);
         let line = line.map(|line| line.keeping(&self.empty)).transpose()?;
         Ok(Self { line: line.map(Arc::new), ..self })
     }
 
-    /// The state at the end of a segment, along which this is the state.
+    /// Returns the state at the end of a segment along which this state holds.
     #[must_use]
     pub fn after(&self, segment: &Segment) -> Self {
         segment.waypoints.last().map_or_else(|| self.clone(), |last| self.at(last))
@@ -310,7 +310,7 @@ impl State {
 }
 
 impl Held {
-    /// What carries the object at an end of a segment.
+    /// Returns the support of the object at an end of a segment.
     fn rest(&self, end: MotionEnd, segment: &Segment) -> Option<Rest> {
         let Self { carrier, grip } = self;
         match end {
@@ -326,30 +326,29 @@ impl Held {
     }
 }
 
-/// The states along segments that follow each other in a problem, as far as the hand can do what they demand.
+/// States along consecutive segments of a problem, up to the first impossible closing or opening of the hand.
 #[derive(Clone, Debug)]
 pub struct StatesAlong {
-    /// The state along each segment, up to the first that cannot be.
+    /// State along each segment, up to the first impossible one.
     pub states: Vec<State>,
-    /// The problem of each pick, in order.
+    /// Problem of each pick, in order.
     pub picks: Vec<Problem>,
-    /// The state at the end of the last of these segments.
+    /// State at the end of the last of these segments.
     pub end: State,
-    /// Why the hand cannot do what the next segment demands, if there is one.
+    /// Reason why the hand cannot close or open for the next segment, if it cannot.
     pub stopped: Option<FailureReason>,
 }
 
 impl StatesAlong {
-    /// The states along segments of stages; `None` under `paper`, which has no world.
+    /// Computes the states along segments of stages; `None` under `paper`, which has no world.
     ///
     /// # Errors
-    /// [`TaskError::JointCount`] or [`TaskError::NotFinite`] for a way point that is no configuration of the robot, and those
-    /// of [`State::picking`].
+    /// [`TaskError::JointCount`] or [`TaskError::NotFinite`] for an invalid way point, and those of [`State::picking`].
     pub fn of(problem: &Problem, stages: &[Stage], segments: &[Segment]) -> Result<Option<Self>, TaskError> {
         Self::with_carrier(problem, stages, segments, None)
     }
 
-    /// [`Self::of`] where the carrier of the first object is at hand ([`State::along`]).
+    /// Computes [`Self::of`] with a known carrier of the first object ([`State::along`]).
     ///
     /// # Errors
     /// As [`Self::of`].

@@ -7,37 +7,37 @@ use cranny_spatial::{EXACT_ROTATION_RAD, EXACT_TRANSLATION_M, Point, Pose, Vecto
 use crate::stages::segment::{Mode, Segment};
 use crate::stages::stage::{MOST_STRAIGHT_M, PlaceAt, Stage};
 
-/// Distance between two configurations of a straight motion that are found one after the other, in metres.
+/// Distance between two consecutive configurations of a straight motion, in metres.
 const RUNG_M: f64 = 0.01;
 
-/// Length beyond the demanded one, in metres: more than errors of inverse kinematics.
+/// Length beyond the required one, in metres: more than errors of inverse kinematics.
 const BEYOND_M: f64 = 1e-5;
 
-/// A straight line on which the gripper frame stays within 1 mm, turned by less than 1°: from a pose against its own z axis.
+/// A straight line from a pose against its own z axis, on which the gripper frame stays within 1 mm and 1°.
 pub struct StraightLine {
     world_from_end: Pose,
     length_m: f64,
 }
 
 impl StraightLine {
-    /// The line from the pose of the gripper frame at `end`, as far as `far` (m, rad; one value per joint each).
+    /// Creates the line from the pose of the gripper frame at `end`, as far as `far` (m, rad; one value per joint each).
     pub fn between(robot: &Robot, end: &[f64], far: &[f64]) -> Self {
         let [world_from_end, world_from_far] = [end, far].map(|q| *robot.frames_at(q).link(robot.tip()));
         let length_m = (-(world_from_end.inverse() * world_from_far).translation.z).max(0.0);
         Self { world_from_end, length_m }
     }
 
-    /// Its length, in metres.
+    /// Length of the line, in metres.
     pub fn length_m(&self) -> f64 {
         self.length_m
     }
 
-    /// A cell in which the gripper frame keeps to the line along every motion.
+    /// Returns a cell in which the gripper frame keeps to the line along every motion.
     ///
     /// # Errors
-    /// [`CollisionError::ToolBound`] for a pose that is none.
+    /// [`CollisionError::ToolBound`] for an invalid pose.
     pub fn keeping(&self, cell: &Cell) -> Result<Cell, CollisionError> {
-        /// Half the edges of a box whose corners are 1 mm from its middle line, and beyond the ends.
+        /// Half edge of a box whose corners are 1 mm from its middle line, and its extent beyond the ends.
         const ACROSS_M: f64 = EXACT_TRANSLATION_M * std::f64::consts::FRAC_1_SQRT_2;
         let half_m = Vector::new(ACROSS_M, ACROSS_M, 0.5 * self.length_m + ACROSS_M);
         let world_from_box = self.world_from_end * Pose::translation(0.0, 0.0, -0.5 * self.length_m);
@@ -54,7 +54,7 @@ impl StraightLine {
     }
 }
 
-/// The line that the hand keeps to along a segment of a stage: of each approach, and of a retreat of which that is demanded.
+/// Returns the line that the hand keeps to along a segment of a stage: an approach, or a retreat that must be straight.
 pub fn straight_line(robot: &Robot, stage: Option<&Stage>, segment: &Segment) -> Option<StraightLine> {
     let (first, last) = (segment.waypoints.first()?, segment.waypoints.last()?);
     let is_straight = |place: &PlaceAt| place.retreat_m > 0.0;
@@ -76,11 +76,11 @@ pub(crate) enum FarEnd {
     Last,
 }
 
-/// Path of way points (m, rad; one value per joint) on a [`StraightLine`] from `q`, at least `least_m` (m) long and until
-/// `is_far` holds there, in straight edges of joint space, each of them proven in the direction of travel.
+/// Computes a path of way points (m, rad; one value per joint) on a [`StraightLine`] from `q`, at least `least_m` (m) long and
+/// until `is_far` holds there, in straight edges of joint space, each of them proven in the direction of travel.
 ///
 /// # Errors
-/// The two things that stop it; `None` where the arm, a bound or [`MOST_STRAIGHT_M`] does.
+/// The pair that blocks it; `None` if the arm, a bound or [`MOST_STRAIGHT_M`] does.
 pub(crate) fn straight_path(
     cell: &Cell,
     q: &[f64],
@@ -89,7 +89,7 @@ pub(crate) fn straight_path(
 ) -> Result<Vec<Vec<f64>>, Option<[String; 2]>> {
     let robot = cell.robot();
     let world_from_tip = *robot.frames_at(q).link(robot.tip());
-    // What is left of the tolerance is for the straight edges between.
+    // The rest of the tolerance is reserved for the straight edges between.
     let settings =
         IkSettings { translation_tolerance_m: 1e-6, rotation_tolerance_rad: 1e-5, ..IkSettings::default() };
     let mut solver = IkSolver::new(robot, settings);
@@ -111,7 +111,7 @@ pub(crate) fn straight_path(
     in_long_edges(&keeping, &rungs)
 }
 
-/// A path through few of these way points (m, rad; one value per joint), proven in a cell.
+/// Returns a path through few of these way points (m, rad; one value per joint), proven in a cell.
 fn in_long_edges(cell: &Cell, rungs: &[Vec<f64>]) -> Result<Vec<Vec<f64>>, Option<[String; 2]>> {
     let mut scratch = cell.scratch();
     let (mut path, mut at) = (rungs[..1].to_vec(), 0);

@@ -9,30 +9,30 @@ use serde::Serialize;
 
 use crate::{ShownCarry, ShownPath, viewer::number_row};
 
-/// How far the robot is from everything along a path, and which pair is the closest.
+/// Clearance of the robot along a path, with the closest pair at each instant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ClearanceProfile {
-    /// The instants, in seconds.
+    /// Instants, in seconds.
     pub times_s: Vec<f64>,
-    /// The closest pair at each of them, its distance negative for how deep it overlaps.
+    /// Closest pair at each instant; a negative distance is the depth of the overlap.
     pub closest: Vec<Closest>,
-    /// Least distances at each of them between the robot, with what it holds, and the world, and between its own links, in
-    /// metres ([`Cell::clearances`]).
+    /// Clearances at each instant, in metres ([`Cell::clearances`]): of the robot with its held object to the world, and
+    /// between its own links.
     pub apart_m: Vec<[f64; 2]>,
-    /// The names of the pairs that occur, each once.
+    /// Names of the pairs that occur, each once.
     names: Vec<(String, String)>,
-    /// Per instant which of them.
+    /// Index into `names`, one per instant.
     name_indices: Vec<u32>,
 }
 
 impl ClearanceProfile {
-    /// At `most` instants of the path at most, evenly over its samples, the first and the last among them; by the
-    /// exact check of single configurations, so that nothing is said of what lies between. `None` where there is
-    /// nothing to touch.
+    /// Computes the profile at up to `most` instants, spread evenly over the samples of the path and including the first and
+    /// the last. It uses the exact check of single configurations, so nothing is known between the instants. `None` if there
+    /// are no pairs to check.
     ///
-    /// From when the hand begins to close on an object, that counts as part of the robot, in the `states` along the segments;
-    /// nothing is stated of the path after the last of these. What carries an object counts from the end of the lift-off on, and
-    /// until it is set down.
+    /// From the start of the closing on, the object counts as part of the robot, in the `states` along the segments. The
+    /// profile ends with the last of these. The support of an object counts from the end of the lift-off on, and until the
+    /// set-down.
     pub fn along(path: &ShownPath, cell: &Cell, states: &[State], most: usize) -> Option<Self> {
         let mut modes = path.carries.iter().flat_map(|carry| &carry.modes);
         let unknown = modes.find(|shown| shown.mode.holds && shown.segment >= states.len());
@@ -42,7 +42,7 @@ impl ClearanceProfile {
         });
         let last = shown.checked_sub(1)?;
         let count = shown.min(most.max(2));
-        // The same place twice only where there is but one.
+        // Removes the duplicate that arises if there is only one instant.
         let mut places: Vec<usize> = (0..count).map(|k| k * last / (count - 1).max(1)).collect();
         places.dedup();
         let (mut closest, mut names, mut name_indices) = (Vec::new(), Vec::new(), Vec::new());
@@ -75,7 +75,7 @@ impl ClearanceProfile {
     pub(crate) fn rows(&self) -> ClearanceRows {
         let pair =
             |(first, second): &(String, String)| PairNames { first: first.clone(), second: second.clone() };
-        // Without a place where they touch, no line is drawn.
+        // Not a number where the contact points are unknown: the page then draws no line.
         let nowhere = [Point::from(Vector::repeat(f64::NAN)); 2];
         let points = self.closest.iter().flat_map(|closest| closest.points.unwrap_or(nowhere));
         let points = points.flat_map(|p| [p.x, p.y, p.z].map(number_row::single));
@@ -91,19 +91,19 @@ impl ClearanceProfile {
     }
 }
 
-/// Instants of a path, and what is checked there.
+/// Instants of a path and the cell that checks them.
 struct Stretch<'a, 'b> {
     cell: Cow<'a, Cell>,
     places: &'b [usize],
 }
 
-/// The instant at which the motion before a segment ends, in seconds.
+/// Returns the end of the motion before a segment, in seconds.
 fn modes_before(path: &ShownPath, segment: usize) -> f64 {
     let modes = path.carries.iter().flat_map(|carry| &carry.modes);
     modes.take_while(|shown| shown.segment < segment).last().map_or(0.0, |before| before.until_s)
 }
 
-/// Each segment in its cell; while the hand closes or opens, at each instant another cell.
+/// Assigns each instant its cell: one per segment, and one per instant while the hand closes or opens.
 fn stretches<'a, 'b>(
     path: &'a ShownPath,
     empty: &'a Cell,
@@ -122,7 +122,7 @@ fn stretches<'a, 'b>(
     for (index, (now, carry, state)) in modes.iter().enumerate() {
         let next = modes.get(index + 1);
         let moves_hand = next.filter(|(next, ..)| next.mode.holds != now.mode.holds);
-        // Where the hand moves, the mode ends with its last instant; else the next begins with it.
+        // If the hand moves, the mode ends with its last instant; otherwise the next mode begins with its first.
         let end = match (next, moves_hand) {
             (None, _) => until(begin, &|_| true),
             (Some((next, ..)), None) => until(begin, &|time_s| time_s < next.from_s),
@@ -135,7 +135,7 @@ fn stretches<'a, 'b>(
         let held = if next.mode.holds { next_state } else { state };
         for place in places[begin..goes_on].chunks(1) {
             let closing = carry.closing_at(path.times_s[place[0]]);
-            // A hand that is less closed holds as well what the closed one holds.
+            // A partly closed hand holds the same object as the closed one.
             let held_so = held.held().map(|(_, grip)| Hold { closing, ..grip.hold });
             let cell = held_so.and_then(|hold| held.cell().with_hold(hold).ok());
             stretches
@@ -143,12 +143,12 @@ fn stretches<'a, 'b>(
         }
         begin = goes_on;
     }
-    // Of a path that carries nothing all, of another the way to what nobody knows how it is held.
+    // This is the whole path if it carries nothing, otherwise the remainder whose hold is unknown.
     stretches.push(Stretch { cell: Cow::Borrowed(empty), places: &places[begin..] });
     stretches
 }
 
-/// The same as a page reads it.
+/// Clearance profile in the encoding of the page.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct ClearanceRows {
     times_s: String,
@@ -160,7 +160,7 @@ pub(crate) struct ClearanceRows {
     points: String,
 }
 
-/// Two things that touch or are close.
+/// Names of two bodies that touch or are close.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub(crate) struct PairNames {
     pub first: String,

@@ -6,34 +6,34 @@ use crate::look::paint::painted;
 use crate::scene::{Node, Role, SceneMotion, Track};
 use crate::{Colour, Material, MeshPiece, Scene};
 
-/// Rigid bodies and where they go, whatever moved them: a recording, complete in itself.
+/// Self-contained recording of rigid bodies and their motions.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BodyRecording {
-    /// What it is of.
+    /// Name of the recording.
     pub name: String,
-    /// When, in seconds, ascending from 0.
+    /// Instants in seconds, ascending from 0.
     pub times_s: Vec<f64>,
-    /// The floor: the plane z = 0 of this frame.
+    /// Frame whose plane z = 0 is the floor.
     pub world_from_floor: Option<Pose>,
-    /// All that is seen; names may recur.
+    /// All visible bodies; names may repeat.
     pub bodies: Vec<MovingBody>,
 }
 
-/// A rigid body and where it goes.
+/// Rigid body with its motion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MovingBody {
-    /// What it is called.
+    /// Name of the body.
     pub name: String,
-    /// Its surface in its own frame.
+    /// Surface in the frame of the body.
     pub surface: TriangleSoup,
-    /// Whether it is what is grasped.
+    /// True if this is the grasped object.
     pub is_grasped: bool,
-    /// Its pose in the planning frame at each instant, or the only one of a body that stands still.
+    /// Pose in the planning frame at each instant, or a single pose for a static body.
     pub world_from_body: Vec<Pose>,
 }
 
 impl BodyRecording {
-    /// Adds bodies that stand still, one for each of their parts; of those without an end the last is the floor.
+    /// Adds static bodies, one per component. The last unbounded one becomes the floor.
     pub fn add_still(&mut self, bodies: &[Body]) {
         for (body, part) in bodies.iter().flat_map(|body| body.parts.iter().map(move |part| (body, part))) {
             match part.solid.tessellation() {
@@ -48,10 +48,10 @@ impl BodyRecording {
         }
     }
 
-    /// The same with at most so many instants a second, from the first on.
+    /// Returns the recording reduced to at most `rate_hz` instants per second, beginning with the first.
     #[must_use]
     pub fn thinned(&self, rate_hz: f64) -> Self {
-        /// Times are sums of steps.
+        /// Tolerance for rounding: times are sums of steps.
         const ROUNDED_S: f64 = 1e-9;
         let mut kept: Vec<usize> = Vec::new();
         for (instant, time_s) in self.times_s.iter().enumerate() {
@@ -76,8 +76,8 @@ impl BodyRecording {
 }
 
 impl Scene {
-    /// Bodies that move among others that stand still; each that moves has a pose for every instant. The first of those
-    /// that is not grasped counts as the gripper.
+    /// Creates a scene of moving and static bodies; each moving body has a pose for every instant. The first moving body that
+    /// is not grasped counts as the gripper.
     pub fn of_moving_bodies(recording: &BodyRecording) -> Self {
         let BodyRecording { name, times_s, world_from_floor, bodies } = recording;
         let mut scene = Self { name: name.clone(), world_from_floor: *world_from_floor, ..Self::default() };
@@ -122,5 +122,5 @@ impl Scene {
     }
 }
 
-/// The parts of a hand, in turns: white and dark grey, as hands are.
+/// Alternating colours of the components of a hand: white and dark grey, as is common for hands.
 const HAND: [u32; 2] = [0x00e6_e8ea, 0x0050_565c];

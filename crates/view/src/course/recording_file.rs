@@ -8,14 +8,14 @@ use serde::{Deserialize, Serialize};
 
 use crate::{BodyRecording, MovingBody, ViewError};
 
-/// What a file of a recording holds.
+/// Contents of a recording file.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct RecordingFile {
     format: String,
     name: String,
     times_s: Vec<f64>,
-    /// The floor: the plane z = 0 of this frame.
+    /// Frame whose plane z = 0 is the floor.
     #[serde(default)]
     world_from_floor: Option<PoseEntry>,
     bodies: Vec<BodyEntry>,
@@ -30,36 +30,36 @@ struct BodyEntry {
     name: String,
     #[serde(default)]
     is_grasped: bool,
-    /// One, or one for each of the times.
+    /// One pose, or one per instant.
     world_from_body: Vec<PoseEntry>,
-    /// In the frame of the body, in metres.
+    /// Vertices in the frame of the body, in metres.
     vertices: Vec<[f64; 3]>,
-    /// Three vertices each, from 0, counter-clockwise from outside.
+    /// Three vertex indices per triangle, from 0, counter-clockwise seen from outside.
     triangles: Vec<[u32; 3]>,
 }
 
-/// What is read of a file before the rest.
-// Other keys are read by the reader of the format.
+/// Beginning of a file, read before the rest.
+// The parser of the format reads the other keys.
 #[derive(Deserialize)]
 struct Head {
     #[serde(default)]
     format: Option<String>,
 }
 
-/// Nothing is farther away, in metres: single precision draws it still.
+/// Maximum coordinate, in metres: single precision can still draw it.
 const FARTHEST_M: f64 = 1e6;
 
-/// How far the length of a quaternion may be from 1.
+/// Tolerance on the norm of a quaternion.
 const UNIT_TOLERANCE: f64 = 1e-6;
 
 impl BodyRecording {
-    /// The format of the files that [`Self::read`] reads.
+    /// Format identifier of the files that [`Self::read`] accepts.
     pub const FORMAT: &'static str = "cranny-recording/1";
 
-    /// The recording as the text of a file, which [`Self::read`] reads; bodies without a surface are left out.
+    /// Serializes the recording for [`Self::read`]; bodies without a surface are left out.
     ///
     /// # Errors
-    /// [`ViewError::PageData`] for what JSON cannot hold.
+    /// [`ViewError::PageData`] for values that JSON cannot represent.
     pub fn json(&self) -> Result<String, ViewError> {
         let body = |body: &MovingBody| BodyEntry {
             name: body.name.clone(),
@@ -79,11 +79,11 @@ impl BodyRecording {
         Ok(text + "\n")
     }
 
-    /// Reads a recording.
+    /// Reads a recording from a file.
     ///
     /// # Errors
-    /// [`ViewError::Scenario`] for a file that cannot be read or is no JSON of this form, [`ViewError::Recording`] for one
-    /// of another format, or in which something cannot be.
+    /// [`ViewError::Scenario`] for a file that cannot be read or is not JSON of this form, [`ViewError::Recording`] for another
+    /// format or an invalid value.
     pub fn read(path: &Path) -> Result<Self, ViewError> {
         let text = cranny_file::TABLE
             .argument()
@@ -161,7 +161,7 @@ fn entry_of(pose: &Pose) -> PoseEntry {
     [at.x, at.y, at.z, q.x, q.y, q.z, q.w]
 }
 
-/// Nothing for what is no pose.
+/// Converts an entry to a pose; `None` if it is invalid.
 fn pose_of(&[x, y, z, i, j, k, w]: &PoseEntry) -> Option<Pose> {
     let quaternion = Quaternion::new(w, i, j, k);
     let is_unit = (quaternion.norm() - 1.0).abs() <= UNIT_TOLERANCE;

@@ -1,40 +1,40 @@
 use cranny_robot::Robot;
 use cranny_task::{Mode, Segment, legs};
 
-/// What becomes of an object along a path on which it is carried away: it stands, the hand closes on it, and from then on
-/// it goes with the hand, until that opens again where it is put down, if it is.
+/// Motion of one object that a path carries: it rests, the hand closes on it, it moves with the hand, and it stays where the
+/// hand opens again, if it does.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ShownCarry {
-    /// What it is called.
+    /// Name of the object.
     pub object: String,
     /// The configuration at which the hand closes (m, rad).
     pub grasp: Vec<f64>,
-    /// How far the fingers have closed then, from 0, open, to 1.
+    /// Closing of the fingers at the grasp, from 0 (open) to 1.
     pub closing: f64,
-    /// The configuration at which the hand opens again, if it does.
+    /// Configuration at which the hand opens again, if it does (m, rad).
     pub placed: Option<Vec<f64>>,
-    /// One after the other; where the object comes into the hand or leaves it the robot stands, and the hand moves.
+    /// Modes in order of time. Between two modes of which only one holds the object, the robot stands still and the hand moves.
     pub modes: Vec<ShownMode>,
 }
 
-/// What a robot does from when to when.
+/// Mode of the robot over a time interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShownMode {
-    /// What it does.
+    /// Mode of the motion.
     pub mode: Mode,
     /// Index of the segment.
     pub segment: usize,
-    /// In seconds.
+    /// Start, in seconds.
     pub from_s: f64,
-    /// In seconds.
+    /// End, in seconds.
     pub until_s: f64,
 }
 
-/// When a leg of a path is at its way points, in seconds.
+/// Times of the way points of a leg, in seconds.
 pub(crate) type LegTimes = Vec<f64>;
 
 impl ShownCarry {
-    /// What each object of segments undergoes, one after the other; `times_s` are those of all way points of each leg.
+    /// Returns the carries of all objects in order; `times_s` holds the way point times of each leg, in seconds.
     pub(crate) fn all_of(robot: &Robot, segments: &[Segment], times_s: &[LegTimes]) -> Vec<Self> {
         let mut modes: Vec<ShownMode> = Vec::new();
         let mut first = 0;
@@ -48,7 +48,7 @@ impl ShownCarry {
                 first += 1;
             }
         }
-        // Once an object is let go, the next motion that does not leave it is towards another.
+        // After a release, the next motion that does not leave the object approaches another one.
         let of_objects = modes.chunk_by(|a, b| b.mode.leaves || !a.mode.leaves);
         of_objects.filter_map(|modes| Self::of_modes(robot, segments, modes)).collect()
     }
@@ -69,12 +69,12 @@ impl ShownCarry {
         })
     }
 
-    /// From when to when the hand closes, in seconds.
+    /// Returns the start and the end of the closing of the hand, in seconds.
     pub fn closes_s(&self) -> [f64; 2] {
         self.hand_moves_s(false).unwrap_or_default()
     }
 
-    /// From when to when it opens again, in seconds, if it does.
+    /// Returns the start and the end of the opening of the hand, in seconds, if it opens again.
     pub fn opens_s(&self) -> Option<[f64; 2]> {
         self.hand_moves_s(true)
     }
@@ -85,19 +85,20 @@ impl ShownCarry {
         Some([change[0].until_s, change[1].from_s])
     }
 
-    /// How far the fingers have closed at an instant, from 0, open, to 1: evenly while the robot stands.
+    /// Returns the closing of the fingers at an instant, from 0 (open) to 1. It changes at constant speed while the robot
+    /// stands.
     pub fn closing_at(&self, time_s: f64) -> f64 {
         let share = |[from_s, until_s]: [f64; 2]| ((time_s - from_s) / (until_s - from_s)).clamp(0.0, 1.0);
         let opened = self.opens_s().map_or(0.0, share);
         self.closing * share(self.closes_s()) * (1.0 - opened)
     }
 
-    /// Whether the hand has closed at an instant, so that the object goes with it.
+    /// Returns true if the hand has closed at an instant, so that the object moves with it.
     pub fn is_held_at(&self, time_s: f64) -> bool {
         time_s >= self.closes_s()[1] && !self.is_placed_at(time_s)
     }
 
-    /// Whether the hand has begun to open again, so that the object stands where it is.
+    /// Returns true if the hand has begun to open again at an instant, so that the object stays in its location.
     pub fn is_placed_at(&self, time_s: f64) -> bool {
         self.opens_s().is_some_and(|[opens_s, _]| time_s >= opens_s)
     }

@@ -6,38 +6,37 @@ use cranny_task::{joined, legs};
 
 use crate::{ShownCarry, ViewError};
 
-/// A path that is shown with a scene: where the robot is at each of a row of instants.
+/// Path shown in a scene: the configuration of the robot at each of a sequence of instants.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ShownPath {
-    /// The instants, in seconds, ascending from 0.
+    /// Instants in seconds, ascending from 0.
     pub times_s: Vec<f64>,
-    /// The configuration at each (m, rad).
+    /// Configuration at each instant (m, rad).
     pub configurations: Vec<Vec<f64>>,
-    /// When each way point is passed, in seconds.
+    /// Time at each way point, in seconds.
     pub waypoint_times_s: Vec<f64>,
-    /// The grasp of the scenario that it ends at, if it is known.
+    /// Index of the grasp in the scenario at which the path ends, if known.
     pub grasp: Option<usize>,
-    /// Whether the limits of the robot give it its time; else it has none, and is shown at an even pace: a length
-    /// of 1 (metres and radians alike) in a second.
+    /// True if the path is timed within the limits of the robot; otherwise it is shown at constant speed: a length of 1 (metres
+    /// and radians alike) per second.
     pub is_timed: bool,
-    /// What becomes of each object that is carried away, one after the other.
+    /// Carried objects in order.
     pub carries: Vec<ShownCarry>,
 }
 
-/// How fast a path without timing is shown, in the plain norm of `q` (m and rad alike) per second: a robot at
-/// half its greatest velocity. At 1, how much is gone is how long it is.
+/// Speed of a path without timing, in the Euclidean norm of `q` (m and rad alike) per second: about half the maximum velocity
+/// of a robot. At 1, the elapsed time equals the length passed.
 const UNTIMED_SPEED: f64 = 1.0;
 
-/// Of a path so long that its rate would make more, instants are farther apart: an hour at 25 a second.
+/// Maximum number of instants, an hour at 25 per second; a longer path gets a lower rate.
 const MOST_INSTANTS: f64 = 1e5;
 
 impl ShownPath {
-    /// A row of way points (m, rad; one value per joint) at `rate_hz` samples a second, in the time of its
-    /// trajectory, or at an even pace where it has none. `None` for no way point.
+    /// Samples a sequence of way points (m, rad; one value per joint) at `rate_hz` samples per second, in the time of its
+    /// trajectory, or at constant speed without one. `None` if there are no way points.
     ///
     /// # Errors
-    /// [`ViewError::Waypoint`] for a way point without one value per joint, [`ViewError::Path`] for a rate that is
-    /// none.
+    /// [`ViewError::Waypoint`] for a way point without one value per joint, [`ViewError::Path`] for an invalid rate.
     pub fn of(
         robot: &Robot,
         waypoints: &[Vec<f64>],
@@ -55,19 +54,18 @@ impl ShownPath {
         }
     }
 
-    /// The path of a plan in the same way: in the times of [`PlanFile::trajectory`], if it has any. Where the object is
-    /// carried away, the robot stands while its hand closes, or opens: as [`TaskTrajectory::hand_times_s`] has it, without times
-    /// for [`CLOSING_S`].
+    /// Samples the path of a plan likewise, in the times of [`PlanFile::trajectory`] if it has any. The robot stands still
+    /// while its hand closes or opens, for [`TaskTrajectory::hand_times_s`], or [`CLOSING_S`] without timing.
     ///
     /// # Errors
-    /// As [`Self::of`].
+    /// See [`Self::of`].
     pub fn of_plan(
         robot: &Robot,
         plan: &PlanFile,
         timed: Option<&TaskTrajectory>,
         rate_hz: f64,
     ) -> Result<Option<Self>, ViewError> {
-        // Before the first leg the hand does nothing.
+        // The hand does not move before the first leg.
         let mut stops_s =
             [0.0].into_iter().chain(timed.map(TaskTrajectory::hand_times_s).unwrap_or_default());
         let mut timed = timed.map(TaskTrajectory::legs).unwrap_or_default().iter();
@@ -87,7 +85,7 @@ impl ShownPath {
         Ok(shown.map(|shown| Self { grasp: plan.grasp, carries, ..shown }))
     }
 
-    /// The path, a stop of `hand_s` seconds in which the hand moves, and the leg that follows.
+    /// Appends a stop of `hand_s` seconds in which the hand moves, then the next leg.
     fn then(mut self, leg: Self, hand_s: f64, rate_hz: f64) -> Self {
         let stops_s = self.ends_s();
         let goes_on_s = stops_s + hand_s;
@@ -107,7 +105,7 @@ impl ShownPath {
         self
     }
 
-    /// When it ends, in seconds.
+    /// Returns the end time, in seconds.
     pub fn ends_s(&self) -> f64 {
         self.times_s.last().copied().unwrap_or_default()
     }
@@ -127,7 +125,7 @@ impl ShownPath {
         })
     }
 
-    /// At an even pace, each edge in a whole number of steps.
+    /// Samples the path at constant speed, each edge in a whole number of steps.
     fn even(waypoints: &[Vec<f64>], rate_hz: f64) -> Self {
         let mut path = Self {
             times_s: vec![0.0],
@@ -155,7 +153,7 @@ impl ShownPath {
     }
 }
 
-/// The rate, or a lower one that makes no more instants than can be held. One that is refused stays what it is.
+/// Returns the rate, lowered if it would exceed the maximum number of instants. An invalid rate stays unchanged.
 fn within(rate_hz: f64, duration_s: f64) -> f64 {
     let is_too_many = rate_hz <= MAX_SAMPLE_RATE_HZ && rate_hz * duration_s > MOST_INSTANTS;
     if is_too_many { MOST_INSTANTS / duration_s } else { rate_hz }

@@ -5,7 +5,7 @@ use cranny_spatial::{Point, Pose};
 
 use crate::ShownCarry;
 
-/// A robot along a path, and with it what it carries away.
+/// Robot along a path with the objects it carries.
 pub(crate) struct Stance<'a> {
     robot: Cow<'a, Robot>,
     frames: LinkFrames,
@@ -14,20 +14,20 @@ pub(crate) struct Stance<'a> {
 
 struct Carrying<'a> {
     shown: &'a ShownCarry,
-    /// What is held is all of the planning frame, as it lies in the hand that closes: where it is later is by how much the
-    /// object has moved.
+    /// Pose of the planning frame in the tip frame at the grasp. The held link carries this frame, so its later pose equals the
+    /// displacement of the object.
     tip_from_held: Pose,
-    /// By how much the object has moved once it is put down.
+    /// Displacement of the object after the set-down.
     placed: Option<Pose>,
 }
 
-/// Where it is at an instant.
+/// Poses of robot and objects at an instant.
 pub(crate) struct Placed {
-    /// Each link, by link: `parent_from_link`.
+    /// `parent_from_link` of each link, in order of the links.
     pub local: Vec<Pose>,
-    /// The origin of the gripper frame.
+    /// Origin of the gripper frame.
     pub tip: Point,
-    /// By how much each thing that is carried has moved, in the planning frame.
+    /// Displacement of each carried object, in the planning frame.
     pub carried: Vec<Pose>,
 }
 
@@ -44,10 +44,10 @@ impl<'a> Stance<'a> {
         Self { frames: robot.frames(), robot, carries: all }
     }
 
-    /// At a configuration (m, rad; one per joint) and an instant in seconds.
+    /// Computes the poses at a configuration (m, rad; one per joint) and an instant in seconds.
     pub fn at(&mut self, q: &[f64], time_s: f64) -> Placed {
         let Self { robot, frames, carries } = self;
-        // One thing at a time is held.
+        // Only one object is held at a time.
         let at_hand = carries.iter().rfind(|carrying| time_s >= carrying.shown.closes_s()[0]);
         if let Some(Carrying { shown, tip_from_held, .. }) = at_hand.or(carries.first()) {
             let hold = Hold { tip_from_held: *tip_from_held, closing: shown.closing_at(time_s) };
@@ -69,7 +69,7 @@ impl<'a> Stance<'a> {
             tip: frames.link(robot.tip()).translation.vector.into(),
             carried: {
                 let mut carried: Vec<Pose> = carries.iter().map(moved).collect();
-                // What is carried again begins where it was put down.
+                // An object that is carried again begins where it was set down before.
                 for later in 1..carries.len() {
                     let object = &carries[later].shown.object;
                     let before = carries[..later].iter().rposition(|carry| carry.shown.object == *object);
@@ -81,7 +81,7 @@ impl<'a> Stance<'a> {
         }
     }
 
-    /// The links that move while the hand closes.
+    /// Returns the links that move while the hand closes.
     pub fn fingers(&self) -> impl Iterator<Item = usize> {
         let held = self.robot.held_link();
         self.robot.loose_links().filter(move |link| Some(*link) != held)

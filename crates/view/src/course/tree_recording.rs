@@ -6,11 +6,10 @@ use serde::Serialize;
 
 use crate::viewer::number_row;
 
-/// Watches a search and keeps where the gripper frame is at each node of its trees, in the order in which they
-/// were added.
+/// Observer that records the position of the gripper frame at each node of the search trees, in the order of insertion.
 ///
-/// A second root of the tree from the start begins all trees anew: planners that take one goal after the other
-/// number the nodes of each attempt from 0.
+/// A second root of the start tree clears all trees: planners that try one goal after another number the nodes of each attempt
+/// from 0.
 #[derive(Clone, Debug)]
 pub struct TreeRecording {
     robot: Arc<Robot>,
@@ -18,17 +17,17 @@ pub struct TreeRecording {
     positions: Vec<[f32; 3]>,
     parents: Vec<u32>,
     trees: Vec<u32>,
-    /// Per tree the place of each of its nodes in the rows.
+    /// Row index of each node, per tree.
     places: Vec<Vec<u32>>,
     most: usize,
     left_out: usize,
 }
 
 impl TreeRecording {
-    /// So many nodes are kept at most, the first: what graphics draw in one go, and a page can hold.
+    /// Default maximum number of nodes kept, the first ones: the limit of one draw call and of the memory of a page.
     pub const MOST_NODES: usize = 200_000;
 
-    /// Of searches with this robot; `most` nodes are kept.
+    /// Creates a recorder for searches with this robot that keeps at most `most` nodes.
     pub fn new(robot: Arc<Robot>, most: usize) -> Self {
         Self {
             frames: robot.frames(),
@@ -42,17 +41,17 @@ impl TreeRecording {
         }
     }
 
-    /// How many nodes are kept.
+    /// Number of nodes kept.
     pub fn len(&self) -> usize {
         self.positions.len()
     }
 
-    /// Whether none is.
+    /// Returns true if no node is kept.
     pub fn is_empty(&self) -> bool {
         self.positions.is_empty()
     }
 
-    /// How many nodes were added after the last that is kept.
+    /// Number of nodes that were added after the last one kept.
     pub fn left_out(&self) -> usize {
         self.left_out
     }
@@ -61,7 +60,7 @@ impl TreeRecording {
         self.rows_after(0)
     }
 
-    /// Those of the nodes after so many.
+    /// Returns the rows of all nodes but the first `nodes`.
     pub(crate) fn rows_after(&self, nodes: usize) -> SearchTreeRows {
         let nodes = nodes.min(self.len());
         SearchTreeRows {
@@ -95,7 +94,7 @@ impl Observer for TreeRecording {
     }
 }
 
-/// The same as a page reads it.
+/// Search trees in the encoding of the page.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct SearchTreeRows {
     positions: String,

@@ -1,41 +1,40 @@
 use cranny_spatial::{Point, Vector, sin_cos};
 use strum::{EnumString, IntoStaticStr, VariantArray};
 
-/// From where a scene is looked at, by a lens without distortion.
+/// Pinhole camera without distortion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
-    /// Where the eye is, in the planning frame.
+    /// Position of the eye, in the planning frame.
     pub eye: Point,
-    /// To the right of the picture, a unit vector.
+    /// Unit vector to the right of the picture.
     pub right: Vector,
-    /// To the top of the picture, a unit vector.
+    /// Unit vector to the top of the picture.
     pub up: Vector,
-    /// The angle between the lower and the upper edge, in radians; above 0, below π.
+    /// Vertical field of view, in radians; above 0, below π.
     pub height_rad: f64,
 }
 
-/// The four directions from which every scenario can be looked at. The robot reaches along x of the planning
-/// frame.
+/// The four standard directions of view of a scenario. The robot reaches along x of the planning frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, EnumString, IntoStaticStr, VariantArray)]
 #[strum(serialize_all = "kebab-case")]
 pub enum StandardView {
-    /// From the right, somewhat ahead and above: the view that shows most.
+    /// From the right, slightly ahead and above: the most informative view.
     ThreeQuarter,
-    /// From behind the robot: what it sees.
+    /// From behind the robot, in its direction of view.
     Front,
-    /// From the right of the robot, level.
+    /// From the right of the robot, nearly level.
     Side,
-    /// From above; ahead is up.
+    /// From above, with the direction ahead at the top.
     Top,
 }
 
 impl StandardView {
-    /// What flags and file names call it.
+    /// Name in flags and file names.
     pub fn name(self) -> &'static str {
         self.into()
     }
 
-    /// Where the eye is as seen from what it looks at, in degrees: turned about z from x, and above the ground.
+    /// Direction from the target point to the eye, in degrees: azimuth about z from x, and elevation above the ground.
     pub fn direction_deg(self) -> (f64, f64) {
         match self {
             Self::ThreeQuarter => (-75.0, 22.0),
@@ -46,32 +45,32 @@ impl StandardView {
     }
 }
 
-/// The height of the picture in angle: that of a lens of 85 mm on film of 24 mm and somewhat more, a portrait
-/// that neither bulges nor flattens.
+/// Vertical field of view: slightly more than that of an 85 mm lens on 24 mm film, a portrait lens with little perspective
+/// distortion.
 const HEIGHT_RAD: f64 = 0.42;
 
-/// How much of the picture's half width or height things may fill.
+/// Share of the half width or height of the picture that the scene may fill.
 const FILLED: f64 = 0.93;
 
 impl Camera {
-    /// A camera that looks from a direction (degrees: turned about z from x, and above the ground) and stands
-    /// just so far away that all `points` are in the picture, `aspect` = width / height.
+    /// Creates a camera in a direction (degrees: azimuth about z from x, and elevation above the ground) at the smallest
+    /// distance at which all `points` are in the picture; `aspect` = width / height.
     ///
-    /// The eye in the frame of the camera follows from the four planes of its pyramid, each of which one of the
-    /// points touches; the narrower pair decides the distance.
+    /// Each of the four planes of the view pyramid touches one of the points, which determines the eye in the camera frame; the
+    /// narrower pair of planes determines the distance.
     pub fn framing(direction_deg: (f64, f64), points: &[Point], aspect: f64) -> Self {
         let (turn_deg, rise_deg) = direction_deg;
         let (sin_turn, cos_turn) = sin_cos(turn_deg.to_radians());
         let (sin_rise, cos_rise) = sin_cos(rise_deg.to_radians());
         let back = Vector::new(cos_rise * cos_turn, cos_rise * sin_turn, sin_rise);
-        // Also straight from above, where the vertical says nothing.
+        // This also holds straight from above, where the vertical gives no direction.
         let right = Vector::new(-sin_turn, cos_turn, 0.0);
         let up = back.cross(&right);
         let half_height = libm::tan(0.5 * HEIGHT_RAD) * FILLED;
         let half_width = half_height * aspect;
         let farthest =
             |along: &dyn Fn(&Point) -> f64| points.iter().map(along).fold(f64::NEG_INFINITY, f64::max);
-        // How far the planes on both sides of an axis push the eye, and where it then is on the axis.
+        // Distance that the two planes of an axis require, and the resulting coordinate of the eye on that axis.
         let between = |axis: &Vector, slope: f64| {
             let one = farthest(&|p| p.coords.dot(axis) + slope * p.coords.dot(&back));
             let other = farthest(&|p| -p.coords.dot(axis) + slope * p.coords.dot(&back));
@@ -84,7 +83,7 @@ impl Camera {
         Self { eye: eye.into(), right, up, height_rad: HEIGHT_RAD }
     }
 
-    /// Out of the picture towards the eye, a unit vector.
+    /// Unit vector out of the picture, towards the eye.
     pub fn back(&self) -> Vector {
         self.right.cross(&self.up)
     }

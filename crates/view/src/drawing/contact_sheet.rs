@@ -1,17 +1,17 @@
 use crate::Picture;
 
-/// Points between the pictures of a sheet and around them.
+/// Gap between the pictures of a sheet and around them, in pixels.
 const GAP: usize = 10;
 
-/// The paper of a sheet.
+/// Background colour of a sheet.
 const PAPER: [u8; 3] = [255, 255, 255];
 
-/// The ink of its numbers.
+/// Colour of the numbers.
 const INK: [u8; 3] = [64, 72, 82];
 
 impl Picture {
-    /// Pictures of one size in rows of `columns`, each with its number in the lower left corner, where the floor
-    /// is; of the text only digits are shown. Of no picture a small blank one.
+    /// Arranges pictures of one size in rows of `columns`, each with its number in the lower left corner, on the floor. Only
+    /// the digits of the text are drawn. Returns a small blank picture if there are none.
     pub fn sheet(pictures: &[(String, Self)], columns: usize) -> Self {
         let columns = columns.clamp(1, pictures.len().max(1));
         let rows = pictures.len().div_ceil(columns);
@@ -28,12 +28,12 @@ impl Picture {
         sheet
     }
 
-    /// Writes digits of a height in points, like those of a clock with seven strokes each.
+    /// Draws seven-segment digits of a height in pixels.
     fn write_digits(&mut self, text: &str, left: usize, top: usize, height: f32) {
         let thickness = 0.075 * height;
         let mut begin = left as f32;
         for digit in text.chars().filter_map(|c| c.to_digit(10)) {
-            // The strokes of a 1 are those on the right, and nothing is on their left.
+            // The segments of a 1 are on the right; the empty space on their left is skipped.
             begin -= if digit == 1 { 0.34 * height } else { 0.0 };
             #[allow(
                 clippy::cast_possible_truncation,
@@ -70,13 +70,13 @@ impl Picture {
     }
 }
 
-/// Which of the seven strokes a digit has: top, upper right, lower right, bottom, lower left, upper left, middle.
+/// Segments of each digit, one bit each: top, upper right, lower right, bottom, lower left, upper left, middle.
 const STROKES: [u8; 10] = [
     0b011_1111, 0b000_0110, 0b101_1011, 0b100_1111, 0b110_0110, 0b110_1101, 0b111_1101, 0b000_0111, 0x7f,
     0b110_1111,
 ];
 
-/// Ends of the strokes, in heights of a digit from its upper left corner.
+/// End points of the segments from the upper left corner, in heights of a digit.
 const ENDS: [[f32; 4]; 7] = [
     [0.0, 0.0, 0.46, 0.0],
     [0.46, 0.0, 0.46, 0.5],

@@ -5,11 +5,11 @@ use cranny_spatial::nalgebra::{Point3, Vector3};
 
 use crate::{Camera, Colour, Material, Mesh};
 
-/// Single precision, in metres in the planning frame.
+/// Single-precision point, in metres in the planning frame.
 pub(crate) type DrawPoint = Point3<f32>;
 pub(crate) type DrawVector = Vector3<f32>;
 
-/// Triangles in the planning frame, ready to be drawn.
+/// Triangles in the planning frame, ready for drawing.
 #[derive(Default)]
 pub(crate) struct DrawList {
     pub positions: Vec<DrawPoint>,
@@ -22,24 +22,24 @@ pub(crate) struct DrawList {
 #[derive(Clone, Copy)]
 pub(crate) struct DrawTriangle {
     pub corners: [u32; 3],
-    /// What it belongs to.
+    /// Index of its surface.
     pub surface: u32,
-    /// Triangles of a surface with the same value look alike within a point of the picture.
+    /// Quantized normal: triangles of a surface with equal values have equal shading within a pixel.
     pub facing: u16,
 }
 
-/// Things from this number on are lines: without outline and shadow.
+/// First `thing` number of lines, which have neither outline nor shadow.
 pub(crate) const UNLINED: u32 = 3_000_000;
 
-/// A piece of a mesh at one place.
+/// Instance of a mesh piece.
 pub(crate) struct Surface {
     pub material: Material,
-    /// Which thing it is of; outlines are drawn between things.
+    /// Number of the thing it belongs to; outlines are drawn between things.
     pub thing: u32,
 }
 
 impl DrawList {
-    /// Adds a mesh at a place. Its materials are those of `materials`, changed by `look`.
+    /// Adds a mesh at a pose, with its materials from `materials` modified by `look`.
     pub fn add(
         &mut self,
         mesh: &Mesh,
@@ -72,7 +72,7 @@ impl DrawList {
         self.triangles[triangle].corners.map(|corner| &self.positions[corner as usize])
     }
 
-    /// The direction in which a triangle faces, in steps of about 20°.
+    /// Quantizes the normal of a triangle in steps of about 20°.
     fn facing(&self, corners: &[u32; 3]) -> u16 {
         let [a, b, c] = corners.map(|corner| self.positions[corner as usize]);
         let normal = (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_else(DrawVector::z);
@@ -81,9 +81,9 @@ impl DrawList {
         step(normal.x) * 49 + step(normal.y) * 7 + step(normal.z)
     }
 
-    /// The same with all corners in one cube of a grid taken for one (Rossignac & Borrel 1993, "Multi-resolution 3D
-    /// approximations for rendering complex scenes", whole): fewer triangles that cover the same, with neither colours
-    /// nor surfaces.
+    /// Returns a simplified list that merges all corners in a cube of a grid (Rossignac & Borrel 1993, "Multi-resolution 3D
+    /// approximations for rendering complex scenes", whole): fewer triangles that cover the same area, without colours and
+    /// surfaces.
     pub fn coarse(&self, cell_m: f32) -> Self {
         #[allow(
             clippy::cast_possible_truncation,
@@ -112,13 +112,13 @@ impl DrawList {
         coarse
     }
 
-    /// The triangles that throw shadows: those of lines, which are not there in earnest, do not.
+    /// Returns the triangles that cast shadows. Lines are annotations and cast none.
     pub fn casters(&self) -> impl Iterator<Item = &DrawTriangle> {
         let is_line = |surface: u32| self.surfaces.get(surface as usize).is_some_and(|s| s.thing >= UNLINED);
         self.triangles.iter().filter(move |triangle| !is_line(triangle.surface))
     }
 
-    /// A ball around all corners; None if there is none.
+    /// Returns a ball around all corners, as centre and radius in metres; `None` if there are no corners.
     pub fn ball(&self) -> Option<(DrawPoint, f32)> {
         let first = *self.positions.first()?;
         let (low, high) =
@@ -129,18 +129,18 @@ impl DrawList {
     }
 }
 
-/// A camera that knows the size of its picture.
+/// Camera with the size of its picture.
 pub(crate) struct Lens {
     pub eye: DrawPoint,
     pub right: DrawVector,
     pub up: DrawVector,
     pub ahead: DrawVector,
-    /// Points of the picture per unit of slope.
+    /// Focal length: pixels of the picture per unit of slope.
     pub focal: f32,
     pub middle: [f32; 2],
 }
 
-/// Nothing nearer to the eye than this is drawn, in metres.
+/// Near plane: minimum distance ahead of the eye at which anything is drawn, in metres.
 pub(crate) const NEAR_M: f32 = 0.02;
 
 impl Lens {
@@ -158,20 +158,20 @@ impl Lens {
         }
     }
 
-    /// A point in the frame of the camera: right, up, ahead.
+    /// Transforms a point to the camera frame: right, up, ahead.
     pub fn seen(&self, point: &DrawPoint) -> DrawVector {
         let from_eye = point - self.eye;
         DrawVector::new(from_eye.dot(&self.right), from_eye.dot(&self.up), from_eye.dot(&self.ahead))
     }
 
-    /// Where it is on the picture, with the reciprocal of how far ahead it is, which is linear there.
+    /// Projects a point to the picture: pixel coordinates, then the reciprocal of the depth, which is linear there.
     pub fn on_screen(&self, seen: &DrawVector) -> [f32; 3] {
         let nearness = 1.0 / seen.z;
         let [x, y] = self.middle;
         [x + self.focal * seen.x * nearness, y - self.focal * seen.y * nearness, nearness]
     }
 
-    /// The ray through a place of the picture, one unit ahead.
+    /// Returns the ray through a position of the picture, one unit ahead.
     pub fn ray(&self, x: f32, y: f32) -> DrawVector {
         self.ahead
             + self.right * ((x - self.middle[0]) / self.focal)

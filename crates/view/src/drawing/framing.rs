@@ -6,23 +6,23 @@ use crate::scene::{Node, Role};
 use crate::{Camera, Mesh, Scene, StandardView};
 
 impl Scene {
-    /// The camera of a standard view: it sees every thing, and the robot at all instants of its motion.
+    /// Returns the camera of a standard view, with all things and the robot at all instants of its motion in the picture.
     /// `aspect` = width / height.
     pub fn camera(&self, view: StandardView, aspect: f64) -> Camera {
         self.camera_from(view.direction_deg(), aspect)
     }
 
-    /// The same from any direction, in degrees: turned about z from x, and above the ground.
+    /// Returns the camera for any direction, in degrees: azimuth about z from x, and elevation above the ground.
     pub fn camera_from(&self, direction_deg: (f64, f64), aspect: f64) -> Camera {
         Camera::framing(direction_deg, &self.focus(), aspect)
     }
 
-    /// The same, farther away: all of every obstacle is seen too.
+    /// Returns the camera for any direction, farther away so that every obstacle is entirely in the picture.
     pub fn whole_camera_from(&self, direction_deg: (f64, f64), aspect: f64) -> Camera {
         Camera::framing(direction_deg, &self.outline(|_| true), aspect)
     }
 
-    /// Corners of boxes around robot and target, wherever they move, and around what of the obstacles is near.
+    /// Returns corners of boxes around robot and target over the whole motion, and around the nearby obstacles.
     fn focus(&self) -> Vec<Point> {
         let matters = |role| !matches!(role, Role::Obstacle(_));
         let mut points = self.outline(matters);
@@ -48,7 +48,7 @@ impl Scene {
         points
     }
 
-    /// Corners of boxes around everything of some roles, wherever it moves, eight for each.
+    /// Returns corners of boxes around everything of some roles over the whole motion, eight for each.
     fn outline(&self, counts: impl Fn(Role) -> bool) -> Vec<Point> {
         let last = self.last_frame();
         let instants =
@@ -72,7 +72,7 @@ impl Scene {
         points
     }
 
-    /// The middle of everything on the ground, and how far it reaches from there, in metres.
+    /// Returns the centre of the scene on the ground and its radius, in metres.
     pub(crate) fn middle(&self) -> (DrawPoint, f32) {
         let points = self.outline(|_| true);
         if points.is_empty() {
@@ -85,7 +85,8 @@ impl Scene {
         (low.cast(), (reach_m as f32).max(0.01))
     }
 
-    /// The nodes of obstacles that lie between the eye and the target, the robot or its gripper on its way.
+    /// Returns the nodes of obstacles between the eye and the target, or between the eye and the robot or the path of its
+    /// gripper.
     pub(crate) fn hiding(&self, camera: &Camera) -> Vec<usize> {
         let poses = self.world_from_nodes(None);
         let mut wanted: Vec<Point> = Vec::new();
@@ -93,7 +94,7 @@ impl Scene {
             if node.role == Role::Target
                 && let Some(around) = node.mesh.and_then(|mesh| mesh_box(&self.meshes[mesh]))
             {
-                // Its upper half: what it lies on does not hide it.
+                // Only the upper half counts: the support of the target does not hide it.
                 let around = around.transformed(pose);
                 let (low, high) = (around.low(), around.high());
                 wanted.push(around.center);
@@ -102,7 +103,7 @@ impl Scene {
                 }));
             }
         }
-        // The robot where it begins and where it ends.
+        // These are the robot at its start and at its end.
         for instant in [None, self.last_frame()] {
             let is_seen = |node: &Node| matches!(node.role, Role::Link(_)) && node.mesh.is_some();
             let links = self.nodes.iter().zip(self.world_from_nodes(instant));
@@ -111,7 +112,7 @@ impl Scene {
             );
         }
         if let Some(motion) = &self.motion {
-            // All of it, at every instant: things do not turn to glass while one looks.
+            // The whole path counts at every instant, so that obstacles do not turn translucent during the motion.
             let stride = (motion.gripper_path.len() / PATH_POINTS).max(1);
             wanted.extend(motion.gripper_path.iter().rev().step_by(stride));
         }
@@ -124,11 +125,11 @@ impl Scene {
         self.nodes.iter().enumerate().filter(hides).map(|(index, _)| index).collect()
     }
 
-    /// Instants at which a translucent robot shows the way to `frame`: equally far apart along the way of the
-    /// gripper, from the start on; where something is carried then, from where the hand has closed on it.
+    /// Returns the instants of the translucent robots that show the motion up to `frame`, equally spaced along the path of the
+    /// gripper, from the start on, or from the closing of the hand if an object is then carried.
     pub(crate) fn ghost_frames(&self, frame: Option<usize>, count: usize) -> Vec<usize> {
         let (Some(motion), Some(frame)) = (&self.motion, frame) else { return Vec::new() };
-        // Bodies that move without a hand have no such way.
+        // Bodies that move without a hand have no gripper path.
         let Some(way) = motion.gripper_path.get(..=frame) else { return Vec::new() };
         let steps = way.windows(2).map(|pair| (pair[1] - pair[0]).norm());
         let mut travelled = vec![0.0];
@@ -149,28 +150,27 @@ impl Scene {
         frames
     }
 
-    /// How much of what is behind it a mesh hides: the least of its materials.
+    /// Returns the opacity of a mesh, the minimum over its materials.
     pub(crate) fn opacity(&self, mesh: &Mesh) -> f32 {
         mesh.pieces.iter().map(|piece| self.materials[piece.material].opacity).fold(1.0, f32::min)
     }
 }
 
-/// Of obstacles that reach farther away from robot and target than this, in metres, the rest may lie outside
-/// the picture.
+/// Margin around robot and target, in metres, beyond which obstacles may lie outside the picture.
 const NEAR_M: f64 = 0.3;
 
-/// Points of the gripper's way that should be seen.
+/// Number of sampled points of the gripper path that should be visible.
 const PATH_POINTS: usize = 12;
 
-/// None for a mesh without corners.
+/// Returns the bounding box of a mesh; `None` for a mesh without corners.
 fn mesh_box(mesh: &Mesh) -> Option<Aabb> {
     let points = || mesh.pieces.iter().flat_map(|piece| &piece.positions);
     let points: Vec<Point> = points().map(|p| p.map(f64::from).into()).collect();
     (!points.is_empty()).then(|| Aabb::around(&points, 0.0))
 }
 
-/// Whether the straight line between two points, given in the frame of the box, crosses the box (slab method: Kay &
-/// Kajiya 1986, "Ray tracing complex scenes", whole; Ericson 2005, §5.3.3).
+/// Returns true if the segment between two points in the frame of the box crosses the box (slab method: Kay & Kajiya 1986, "Ray
+/// tracing complex scenes", whole; Ericson 2005, §5.3.3).
 fn is_crossed(around: &Aabb, from: &Point, to: &Point) -> bool {
     let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
     for axis in 0..3 {
@@ -203,7 +203,7 @@ mod tests {
         Scene::of_task(&scenario, None, &SceneSettings::default()).expect("a scene")
     }
 
-    /// On the sheet of all scenarios the robots behind the gates could not be seen.
+    /// Regression test: the gates hid the robots on the sheet of all scenarios.
     #[test]
     fn an_obstacle_before_the_robot_can_be_seen_through() {
         for id in ["041", "045", "031"] {
@@ -219,7 +219,7 @@ mod tests {
         }
     }
 
-    /// The table of 021, 2 m wide, reached out of its picture.
+    /// Regression test: the table of 021, 2 m wide, extended beyond its picture.
     #[test]
     fn all_of_a_built_in_scenario_is_in_its_picture_on_a_sheet() {
         for entry in cranny_scenario::catalogue() {

@@ -4,17 +4,17 @@ use crate::Colour;
 use crate::drawing::draw_list::{DrawPoint, DrawVector, Lens};
 use crate::drawing::light::{Light, SkyShare};
 
-/// The floor and what is behind everything: a light page with a grid that fades into it, on which shadows fall.
+/// Floor and background: a light page with a grid that fades into it and receives shadows.
 pub(crate) struct Ground {
-    /// None where there is no floor.
+    /// `None` if there is no floor.
     plane: Option<Plane>,
     page: DrawVector,
     line: DrawVector,
-    /// The grid is clear up to here from the middle of things, and gone at twice as far, in metres.
+    /// Radius around the centre of the scene within which the grid is clear, in metres; it vanishes at twice this radius.
     reach_m: f32,
     middle: DrawPoint,
     spacing_m: f32,
-    /// The sun on an open place of the floor.
+    /// Direct sunlight on an unshadowed location of the floor.
     open_sun: f32,
 }
 
@@ -24,21 +24,20 @@ struct Plane {
     origin: DrawPoint,
 }
 
-/// The page, and the lines of the grid on it.
+/// Colours of the page and of its grid lines.
 const PAGE: u32 = 0x00fb_fcfd;
 const LINE: u32 = 0x00a3_aebb;
 
-/// How far lines of the grid are apart around things of a room, of a table top and of a hand, in metres; every
-/// fourth is stronger.
+/// Candidate spacings of the grid for large scenes, a table top and a hand, in metres; every fourth line is stronger.
 const SPACINGS_M: [f32; 3] = [0.25, 0.05, 0.01];
 
-/// At least so many lines lie between the middle of things and their end.
+/// Minimum number of grid lines between the centre of the scene and its border.
 const FEWEST_LINES: f32 = 2.0;
 
-/// How much of the floor's light is the sky's.
+/// Weight of the sky in the light of the floor.
 const SKY_WEIGHT: f32 = 0.62;
 
-/// How wide they are drawn, in points of the picture.
+/// Width of the grid lines, in pixels.
 const LINE_POINTS: f32 = 1.0;
 
 impl Ground {
@@ -60,8 +59,8 @@ impl Ground {
         Self { plane, page: color(PAGE), line: color(LINE), spacing_m, reach_m, middle, open_sun }
     }
 
-    /// How near the floor is at places of the picture, the reciprocal of how far ahead: at the first place, and
-    /// per point to the right and down. It is negative where no floor is seen.
+    /// Returns the reciprocal of the depth of the floor: at the first pixel, and its increments per pixel to the right and
+    /// down. It is negative where no floor is visible.
     pub fn nearness(&self, lens: &Lens) -> Option<[f32; 3]> {
         let plane = self.plane.as_ref()?;
         let height_m = (lens.eye - plane.origin).dot(&plane.normal);
@@ -70,7 +69,8 @@ impl Ground {
         (height_m > 0.0).then(|| [first, down(lens.ray(1.0, 0.0)) - first, down(lens.ray(0.0, 1.0)) - first])
     }
 
-    /// Where the floor is seen at a place of the picture, and its normal; None where it is not, or has faded.
+    /// Returns the point of the floor at a position of the picture and its normal; `None` where the floor is absent or has
+    /// faded.
     pub fn place(&self, lens: &Lens, x: f32, y: f32) -> Option<(DrawPoint, DrawVector)> {
         let (plane, place) = self.meet(lens, x, y)?;
         (self.fade(&place) > 0.0).then_some((place, plane.normal))
@@ -80,12 +80,12 @@ impl Ground {
         smooth_step((2.0 * self.reach_m - (place - self.middle).norm()) / self.reach_m)
     }
 
-    /// What is seen where nothing is.
+    /// Colour of the empty background.
     pub fn page(&self) -> DrawVector {
         self.page
     }
 
-    /// What is seen of the floor.
+    /// Returns the colour of the floor at a position of the picture.
     pub fn colour(&self, lens: &Lens, x: f32, y: f32, light: &Light, share: SkyShare) -> DrawVector {
         let Some((plane, place)) = self.meet(lens, x, y) else { return self.page };
         let fade = self.fade(&place);
@@ -113,7 +113,7 @@ impl Ground {
     }
 }
 
-/// How much of a point of the picture a line of the grid covers; lines that come closer than a few points fade.
+/// Returns the share of a pixel that a grid line covers. Lines fade where their spacing is below a few pixels.
 fn line_cover(at_m: f32, spacing_m: f32, point_m: f32) -> f32 {
     let from_line_m = (at_m / spacing_m - (at_m / spacing_m).round()).abs() * spacing_m;
     let cover = (0.5 + 0.5 * LINE_POINTS - from_line_m / point_m.max(1e-9)).clamp(0.0, 1.0);

@@ -4,73 +4,73 @@ use crate::Material;
 use crate::drawing::draw_list::{DrawList, DrawPoint, DrawVector};
 use crate::drawing::scan::{SampleGrid, ceiling, spans};
 
-/// The light of a scene: a sun that throws shadows, and a sky whose light comes from all sides as far as things
-/// leave it way. Both are seen from where they shine, as maps of depth.
+/// Lighting of a scene: a sun that casts shadows, and a sky whose light arrives from all unoccluded directions. Both use depth
+/// maps rendered from the direction of their light.
 pub(crate) struct Light {
     sun: DepthMap,
-    /// One for each of evenly spread directions.
+    /// One map for each of the evenly spread directions.
     sky: Vec<DepthMap>,
-    /// What an open sky gives, by how far up a surface faces: from −1 to 1.
+    /// Light of an open sky, tabulated over the vertical component of the normal, from −1 to 1.
     open: Vec<DrawVector>,
 }
 
-/// How much of the sky reaches a place.
+/// Visibility of the sky from a point of a surface.
 #[derive(Clone, Copy)]
 pub(crate) struct SkyShare {
-    /// Of the light that an open sky would give a surface that faces as this one, the share that arrives.
+    /// Light that arrives, as a share of what the open sky gives a surface with this normal.
     pub arriving: f32,
-    /// The share of the sky that is seen from there at all.
+    /// Visible share of the sky directions that face the surface.
     pub openness: f32,
 }
 
 impl SkyShare {
-    /// Where nothing is in the way.
+    /// Unoccluded sky.
     pub const OPEN: Self = Self { arriving: 1.0, openness: 1.0 };
 }
 
-/// A place of a surface that is seen.
+/// Visible point of a surface.
 pub(crate) struct Seen {
-    /// A unit vector.
+    /// Surface normal, a unit vector.
     pub normal: DrawVector,
-    /// A unit vector.
+    /// Direction to the eye, a unit vector.
     pub to_eye: DrawVector,
-    /// The share of the sun that arrives, times the cosine at which it falls in.
+    /// Share of the sun that arrives, times the cosine of its angle of incidence.
     pub sun: f32,
 }
 
-/// Where the sun stands: turned about z from x, and above the ground, in degrees. From behind the robot on the
-/// right, so that shadows fall ahead and what faces the standard views is lit.
+/// Direction of the sun in degrees: azimuth about z from x, and elevation above the ground. It stands behind the robot on the
+/// right, so that shadows fall ahead and surfaces that face the standard views are lit.
 const SUN_DEG: (f64, f64) = (-152.0, 52.0);
 
-/// Warm, and for a surface that faces it about as strong as the whole sky.
+/// Colour of the sun: warm, and on a surface that faces it about as strong as the whole sky.
 const SUN: [f32; 3] = [0.80, 0.75, 0.67];
 
-/// Of the sky overhead and at the horizon.
+/// Colours of the sky overhead and at the horizon.
 const ZENITH: [f32; 3] = [0.80, 0.84, 0.90];
 const HORIZON: [f32; 3] = [0.60, 0.60, 0.61];
 
-/// What the ground throws back onto what faces it.
+/// Light that the ground reflects upwards.
 const GROUND: [f32; 3] = [0.33, 0.32, 0.31];
 
-/// Directions to the sky, and points along a side of their maps: steps between shadows that are too faint to see.
+/// Number of sky directions, and texels along a side of their maps: the steps between shadows are too faint to see.
 const SKY_PATCHES: u32 = 48;
 const SKY_SIDE: usize = 160;
 const SUN_SIDE: usize = 2048;
 
-/// Things are simplified for the sky to this share of their whole size: a third of a texel of its maps.
+/// Cell size of the simplified scene for the sky, as a share of the radius of the scene: a third of a texel of its maps.
 const COARSE_SHARE: f32 = 0.004;
 
-/// Steps of the table of the open sky, over the height that a surface faces.
+/// Number of entries of the open-sky table over the vertical component of the normal.
 const TABLE_STEPS: usize = 64;
 
-/// How far from its surface a place is asked about, in texels: a surface does not shadow itself.
+/// Offset of a query point from its surface, in texels, so that a surface does not shadow itself.
 const LIFT_TEXELS: f32 = 1.6;
 
-/// Half the width over which the edge of the sun's shadow fades, in texels.
+/// Half the width of the soft edge of the sun's shadow, in texels.
 const SUN_BLUR: f32 = 3.0;
 
 impl Light {
-    /// The light on what `casters` throw shadows, which may be nothing.
+    /// Creates the lighting for the shadows of `casters`, which may be empty.
     pub fn new(casters: &DrawList) -> Self {
         let (center, radius_m) = casters.ball().unwrap_or((DrawPoint::origin(), 1.0));
         let map = |direction: DrawVector, side: usize, casters: &DrawList| {
@@ -84,12 +84,12 @@ impl Light {
         Self { sun: map(direction(SUN_DEG), SUN_SIDE, casters), sky: sky.collect(), open: open.collect() }
     }
 
-    /// How much of the sky reaches a surface. It changes slowly across one.
+    /// Returns the visibility of the sky from a surface point. It varies slowly across a surface.
     pub fn sky_share(&self, place: &DrawPoint, normal: &DrawVector) -> SkyShare {
         let (mut arriving, mut full, mut open, mut faced) = (0.0, 0.0, 0.0, 0.0);
         for patch in &self.sky {
             let cosine = normal.dot(&patch.towards);
-            // What lies behind the surface counts for neither.
+            // Directions behind the surface count for neither.
             if cosine > 0.0 {
                 let is_open = patch.is_open(place, normal);
                 open += is_open;
@@ -99,25 +99,25 @@ impl Light {
             }
         }
         if faced == 0.0 {
-            // Seen from below: what light there is comes from the ground.
+            // The surface faces down: its only light comes from the ground.
             let up = place + DrawVector::z() * (2.0 / self.sun.texels_per_m);
             return SkyShare { arriving: 0.0, openness: 0.5 * self.sky[0].is_open(&up, normal) };
         }
         SkyShare { arriving: arriving / full, openness: open / faced }
     }
 
-    /// The share of the sun that reaches a surface, times the cosine at which it falls in.
+    /// Returns the share of the sun that reaches a surface, times the cosine of its angle of incidence.
     pub fn sun_share(&self, place: &DrawPoint, normal: &DrawVector) -> f32 {
         let cosine = normal.dot(&self.sun.towards).max(0.0);
         if cosine > 0.0 { cosine * self.sun.share_open(place, normal) } else { 0.0 }
     }
 
-    /// The same where nothing throws a shadow.
+    /// Returns the cosine of the angle of incidence of the sun, without shadows.
     pub fn open_sun(&self, normal: &DrawVector) -> f32 {
         normal.dot(&self.sun.towards).max(0.0)
     }
 
-    /// What an open sky gives a surface: only how far up it faces counts.
+    /// Returns the light of an open sky on a surface, which depends only on the vertical component of its normal.
     fn open_sky(&self, normal: &DrawVector) -> DrawVector {
         let step = (normal.z.clamp(-1.0, 1.0) + 1.0) * 0.5 * (TABLE_STEPS - 1) as f32;
         #[allow(
@@ -129,7 +129,7 @@ impl Light {
         self.open[below].lerp(&self.open[below + 1], step - below as f32)
     }
 
-    /// The light that a surface sends to the eye.
+    /// Computes the light that a surface sends to the eye.
     pub fn shade(
         &self,
         seen: &Seen,
@@ -165,8 +165,8 @@ impl Light {
     }
 }
 
-/// `base` to the power of `exponent`, by squaring: whole powers of two are enough for a highlight, and the same
-/// everywhere.
+/// Returns `base` to the power of `exponent` by repeated squaring. Powers of two are enough for a highlight, and give the same
+/// result on every machine.
 fn raised(base: f32, exponent: f32) -> f32 {
     let (mut power, mut reached) = (base, 1.0);
     while reached < exponent {
@@ -182,7 +182,7 @@ fn direction((turn_deg, rise_deg): (f64, f64)) -> DrawVector {
     cranny_spatial::Vector::new(cos_rise * cos_turn, cos_rise * sin_turn, sin_rise).cast()
 }
 
-/// Directions spread evenly over the upper half of the sphere (spherical Fibonacci points; Keinert et al. 2015,
+/// Returns one of the directions spread evenly over the upper hemisphere (spherical Fibonacci points; Keinert et al. 2015,
 /// "Spherical Fibonacci mapping", whole).
 fn sky_direction(index: u32) -> DrawVector {
     const GOLDEN_TURN_DEG: f64 = 137.507_764;
@@ -192,8 +192,8 @@ fn sky_direction(index: u32) -> DrawVector {
     cranny_spatial::Vector::new(across * cosine, across * sine, height).cast()
 }
 
-/// What the whole sky gives a surface whose normal points so far up: the sum over evenly spread directions, of
-/// which the cosine's mean over half a sphere is ½.
+/// Computes the light of the whole sky on a surface with this vertical component of its normal: the sum over evenly spread
+/// directions. The mean of the cosine over a hemisphere is ½.
 fn open_sky(height: f32) -> DrawVector {
     let normal = DrawVector::new((1.0 - height * height).max(0.0).sqrt(), 0.0, height);
     let light = |index: u32| {
@@ -204,17 +204,17 @@ fn open_sky(height: f32) -> DrawVector {
     (0..SKY_PATCHES).map(light).sum::<DrawVector>() * (2.0 / SKY_PATCHES as f32)
 }
 
-/// How far things are from a light that shines in parallel, seen from it.
+/// Depth map of the scene, seen from a directional light.
 struct DepthMap {
-    /// To the light, a unit vector.
+    /// Unit vector to the light.
     towards: DrawVector,
     right: DrawVector,
     up: DrawVector,
-    /// Of the middle of the map.
+    /// Centre of the map.
     center: DrawPoint,
     texels_per_m: f32,
     side: usize,
-    /// Along `towards` from the centre, in metres: of what is nearest to the light.
+    /// Height of the surface nearest to the light, along `towards` from the centre, in metres.
     height_m: Vec<f32>,
 }
 
@@ -241,8 +241,8 @@ impl DepthMap {
     fn draw(&mut self, casters: &DrawList) {
         let texels: Vec<[f32; 3]> = casters.positions.iter().map(|place| self.texel(place)).collect();
         let grid = SampleGrid { width: self.side, rows: self.side, offsets: &[0.5] };
-        // The first sample right of and below each corner. A triangle whose corners all lie between the same rows of samples,
-        // or the same columns, covers none: for the sky, seen from all around, those are most.
+        // First sample to the right of and below each corner. A triangle whose corners all lie between the same rows or columns
+        // of samples covers none. For the sky, with its many directions, this holds for most triangles.
         let below = |[x, y, _]: &[f32; 3]| [ceiling(x - 0.5, self.side), ceiling(y - 0.5, self.side)];
         let samples: Vec<[usize; 2]> = texels.iter().map(below).collect();
         for triangle in casters.casters() {
@@ -263,8 +263,8 @@ impl DepthMap {
         }
     }
 
-    /// A place lifted off its surface, so that the surface does not shadow it: by how many texels, the more the
-    /// flatter the light falls in.
+    /// Offsets a point from its surface, so that the surface does not shadow it: by a number of texels that grows with the
+    /// angle of incidence.
     fn lifted(&self, place: &DrawPoint, normal: &DrawVector, texels: f32) -> [f32; 3] {
         let cosine = normal.dot(&self.towards).abs();
         let lift_m = texels * (1.2 - cosine) / self.texels_per_m;
@@ -272,7 +272,7 @@ impl DepthMap {
         [x, y, height + 0.6 * texels / self.texels_per_m]
     }
 
-    /// 1 if nothing lies between a place and the light, else 0; between four texels something between.
+    /// Returns 1 if nothing lies between a point and the light, else 0, interpolated between four texels.
     fn is_open(&self, place: &DrawPoint, normal: &DrawVector) -> f32 {
         let [x, y, height] = self.lifted(place, normal, LIFT_TEXELS);
         let (x, y) = (x - 0.5, y - 0.5);
@@ -290,7 +290,7 @@ impl DepthMap {
         upper * (1.0 - down) + lower * down
     }
 
-    /// The share of a square of texels around a place that is open: a soft edge of the shadow.
+    /// Returns the unoccluded share of a square of texels around a point, which gives the shadow a soft edge.
     fn share_open(&self, place: &DrawPoint, normal: &DrawVector) -> f32 {
         let [x, y, height] = self.lifted(place, normal, SUN_BLUR);
         let (x, y) = (x - 0.5, y - 0.5);
@@ -298,7 +298,7 @@ impl DepthMap {
         if !(x >= low && y >= low && x <= high && y <= high) {
             return 1.0;
         }
-        // Mostly all is open, or nothing.
+        // Usually all texels are open or none is.
         let corners = [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0), (0.0, 0.0)];
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the map")]
         let probe = |(a, b): (f32, f32)| {

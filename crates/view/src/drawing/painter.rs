@@ -3,38 +3,39 @@ use crate::drawing::ground::Ground;
 use crate::drawing::light::{Light, Seen, SkyShare};
 use crate::drawing::sample_buffer::{NOTHING, Region, SampleBuffer, weights};
 
-/// Turns samples into light.
+/// Computes the light of each pixel from its samples.
 pub(crate) struct Painter<'a> {
     pub lens: &'a Lens,
     pub light: &'a Light,
     pub ground: &'a Ground,
 }
 
-/// How something is seen through.
+/// Translucency of a thing.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Translucency {
-    /// How much of the light behind it it keeps away where it is seen from the front.
+    /// Share of the light behind it that it blocks where seen head-on.
     pub opacity: f32,
-    /// How much more it does where it is seen from the side, so that its form can be told.
+    /// Increase of the opacity where seen at a grazing angle, so that the shape is visible.
     pub rim: f32,
     /// True if its edges are drawn too: a flat body could otherwise not be distinguished from its background.
     pub has_edges: bool,
 }
 
-/// Faces whose normals have a smaller cosine meet at an edge: 30°, more than between the triangles of a round body.
+/// Cosine of the angle between normals above which two faces form an edge: 30°, more than between the triangles of a round
+/// body.
 const SMOOTH: f32 = 0.866;
 
-/// How much darker the line around a thing is.
+/// Share by which the outline of a thing is darker.
 const OUTLINE: f32 = 0.5;
 
 /// Opacity of the edges of a translucent thing, and the factor by which they are darker than it: on a bright floor its
 /// faces are hardly visible.
 const EDGE: [f32; 2] = [0.95, 0.75];
 
-/// Greatest number of surfaces that are distinguished in a point: that of its samples.
+/// Maximum number of surfaces distinguished in a pixel: the number of its samples.
 const MOST_SURFACES: usize = 8;
 
-/// What some samples of a point show.
+/// Samples of a pixel that show the same surface.
 #[derive(Clone, Copy)]
 struct Share {
     key: u64,
@@ -44,7 +45,7 @@ struct Share {
 }
 
 impl Painter<'_> {
-    /// Paints every point of the canvas.
+    /// Paints every pixel of the canvas.
     pub fn paint_solid(&self, list: &DrawList, buffer: &SampleBuffer, canvas: &mut [DrawVector]) {
         let things = Things { list, buffer, has_edges: false };
         let per_point = buffer.offsets.len();
@@ -69,7 +70,7 @@ impl Painter<'_> {
         }
     }
 
-    /// Lays something that can be seen through over the canvas.
+    /// Blends a translucent thing over the canvas.
     pub fn paint_translucent(
         &self,
         list: &DrawList,
@@ -107,15 +108,15 @@ impl Painter<'_> {
         }
     }
 
-    /// The light from the floor at a place of the picture, or from what is behind everything.
+    /// Returns the light from the floor at a position of the picture, or from the background.
     fn floor(&self, x: f32, y: f32, sky: &mut SkyBlock) -> DrawVector {
         let Some((place, normal)) = self.ground.place(self.lens, x, y) else { return self.ground.page() };
         let share = sky.share(u64::MAX, || self.light.sky_share(&place, &normal));
         self.ground.colour(self.lens, x, y, self.light, share)
     }
 
-    /// The light from a triangle at a place of the picture, and the cosine at which it is seen. Without a memory
-    /// of the sky nothing throws shadows on it.
+    /// Returns the light from a triangle at a position of the picture, and the cosine between its normal and the ray. Without
+    /// `sky`, nothing casts shadows on it.
     fn surface(
         &self,
         list: &DrawList,
@@ -137,8 +138,8 @@ impl Painter<'_> {
         }
         let to_eye = -ray.normalize();
         let mut normal = normal.try_normalize(0.0).unwrap_or(to_eye);
-        // Faces of a file may be the wrong way round; what is seen faces the eye. The face decides: a smooth normal
-        // may lean a little away at the edge of a round body.
+        // Faces of a file may be wound in the wrong order; a visible face points to the eye. The face decides, because a smooth
+        // normal may point slightly away at the silhouette of a round body.
         let [a, b, c] = list.corners(triangle);
         let face = (b - a).cross(&(c - a));
         if (normal.dot(&face) < 0.0) != (face.dot(&to_eye) < 0.0) {
@@ -159,7 +160,7 @@ impl Painter<'_> {
     }
 }
 
-/// How much of the sky reaches the surfaces in a block of points: it changes so slowly that it is asked once.
+/// Visibility of the sky for the surfaces in a block of pixels: it varies so slowly that one query per surface is enough.
 #[derive(Clone, Default)]
 struct SkyBlock {
     known: Vec<(u64, SkyShare)>,
@@ -176,14 +177,14 @@ impl SkyBlock {
     }
 }
 
-/// The blocks of the rows that are being painted.
+/// Cached blocks of the current rows.
 struct SkyMemory {
     blocks: Vec<SkyBlock>,
-    /// Which row of blocks they are of.
+    /// Row of blocks that is cached.
     row: usize,
 }
 
-/// Points along a side of a block.
+/// Pixels along a side of a block.
 const BLOCK: usize = 2;
 
 impl SkyMemory {
@@ -200,7 +201,7 @@ impl SkyMemory {
     }
 }
 
-/// What the samples of a buffer belong to.
+/// Assignment of the samples of a buffer to things.
 struct Things<'a> {
     list: &'a DrawList,
     buffer: &'a SampleBuffer,
@@ -209,7 +210,7 @@ struct Things<'a> {
 }
 
 impl Things<'_> {
-    /// The different surfaces in a point, each with the number of its samples; unused ones have none.
+    /// Returns the different surfaces in a pixel, each with the number of its samples; unused entries have none.
     fn shares(&self, row: usize, column: usize) -> [Share; MOST_SURFACES] {
         let mut shares = [Share { key: 0, samples: 0, triangle: 0, row: 0 }; MOST_SURFACES];
         for sample in 0..self.buffer.offsets.len() {
@@ -234,7 +235,7 @@ impl Things<'_> {
         shares
     }
 
-    /// How much of a point lies at the edge between two things.
+    /// Returns the share of a pixel at the edge between two things.
     fn edge(&self, row: usize, column: usize) -> f32 {
         let samples = self.buffer.offsets.len();
         let (right, below) = ((column + 1).min(self.buffer.width - 1), (row + 1).min(self.buffer.height - 1));
@@ -260,7 +261,7 @@ impl Things<'_> {
         self.buffer.triangle[(row * self.buffer.offsets.len() + sample) * self.buffer.width + column]
     }
 
-    /// Returns whether two triangles, if both are triangles of a thing, meet at an edge.
+    /// Returns true if two triangles of the same thing meet at an edge.
     fn is_edge(&self, one: u32, other: u32) -> bool {
         let normal = |triangle: u32| {
             let [a, b, c] = self.list.corners(triangle as usize);

@@ -11,7 +11,7 @@ use crate::look::colour::ScreenTable;
 use crate::scene::Role;
 use crate::{Camera, Colour, Material, Scene, StandardView, ViewError};
 
-/// A picture: screen values (sRGB), row by row from the upper left.
+/// Picture of screen values (sRGB), row by row from the upper left.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Picture {
     width: usize,
@@ -19,32 +19,32 @@ pub struct Picture {
     pixels: Vec<[u8; 3]>,
 }
 
-/// How a picture is made.
+/// Settings of a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PictureSettings {
-    /// Points from left to right.
+    /// Width in pixels.
     pub width: usize,
-    /// Points from top to bottom.
+    /// Height in pixels.
     pub height: usize,
-    /// Samples a point against jagged edges: 1, 4 or 8. Default 4.
+    /// Samples per pixel for anti-aliasing: 1, 4 or 8. Default 4.
     pub samples: usize,
-    /// Which instant of the motion is shown. Default: the last, or the start of a scene without motion.
+    /// Index of the instant of the motion to show. Default: the last, or the start of a scene without motion.
     pub frame: Option<usize>,
-    /// How many translucent poses show the way to that instant. Default 3.
+    /// Number of translucent poses that show the motion up to that instant. Default 3.
     pub ghosts: usize,
-    /// Where the eye is, instead of the standard view that was asked for.
+    /// Camera that replaces the standard view.
     pub camera: Option<Camera>,
-    /// Whether obstacles between the eye and the robot or the target can be seen through. Default: yes.
+    /// Obstacles shown translucent. Default: those between the eye and the robot or the target.
     pub see_through: SeeThrough,
 }
 
-/// Whether obstacles that hide what matters can be seen through.
+/// Selection of the obstacles that are shown translucent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum SeeThrough {
-    /// Those between the eye and the robot, its gripper's way or the target.
+    /// Obstacles between the eye and the robot, the path of its gripper or the target.
     #[default]
     WhatHides,
-    /// None: things as they are.
+    /// No obstacle.
     Nothing,
 }
 
@@ -62,26 +62,26 @@ impl Default for PictureSettings {
     }
 }
 
-/// Ghosts: a robot of light blue glass.
+/// Colour of ghosts: a robot of light blue glass.
 const GHOST: u32 = 0x0046_8ad0;
 const GHOST_OPACITY: f32 = 0.44;
 
-/// How much denser a ghost is at its edges, which show its form.
+/// Increase of the opacity of a ghost at grazing angles, which shows its shape.
 const GHOST_RIM: f32 = 0.9;
 
-/// Opacity of translucent things: glass in their own colour, with edges.
+/// Opacity of translucent obstacles: glass in their own colour, with edges.
 const GLASS_OPACITY: f32 = 0.45;
 const GLASS_RIM: f32 = 0.35;
 
-/// Links are things by the number of their node; bodies, as wholes, by theirs after all nodes.
+/// First `thing` numbers of obstacles and of the target. A link has the number of its node, a body one for the whole.
 const FIRST_BODY: usize = 1_000_000;
 const TARGET: usize = 2_000_000;
 
 impl Picture {
-    /// How long a side can be, in points: beyond it memory runs out before patience does.
+    /// Valid side lengths, in pixels: beyond them memory and drawing time become impractical.
     pub const SIDES: RangeInclusive<usize> = 16..=8192;
 
-    /// Draws a scene from a standard view.
+    /// Renders a scene from a standard view.
     ///
     /// # Errors
     /// [`ViewError::Size`].
@@ -95,14 +95,14 @@ impl Picture {
         }
         let camera = settings.camera.unwrap_or_else(|| scene.camera(view, width as f64 / height as f64));
         let frame = settings.frame.or(scene.last_frame());
-        // 1. What can and what cannot be seen through.
+        // 1. Sort solid and translucent things.
         let stage = Stage::of(scene, frame, &camera, settings);
-        // 2. Light, floor.
+        // 2. Create light and floor.
         let light = Light::new(&stage.solid);
         let lens = Lens::new(&camera, width, height);
         let (middle, reach_m) = scene.middle();
         let ground = Ground::new(scene.world_from_floor.as_ref(), middle, reach_m, &light);
-        // 3. Solid things before the floor.
+        // 3. Draw solid things in front of the floor.
         let mut buffer = SampleBuffer::new(width, height, settings.samples);
         if let Some(nearness) = ground.nearness(&lens) {
             buffer.draw_floor(nearness);
@@ -111,52 +111,52 @@ impl Picture {
         let painter = Painter { lens: &lens, light: &light, ground: &ground };
         let mut canvas = vec![DrawVector::zeros(); width * height];
         painter.paint_solid(&stage.solid, &buffer, &mut canvas);
-        // 4. What can be seen through, from the farthest on; each thing once, however often a ray meets it.
+        // 4. Blend translucent things from the farthest on, each at most once per ray.
         let depth = buffer.nearness.clone();
         for (list, translucency) in &stage.translucent {
             buffer.restart(&depth);
             let region = buffer.draw(list, &lens);
             painter.paint_translucent(list, &buffer, &region, *translucency, &mut canvas);
         }
-        // 5. As a screen shows it.
+        // 5. Convert light to screen values.
         let table = ScreenTable::new();
         let pixels = canvas.iter().map(|light| [0, 1, 2].map(|i| table.screen(toned(light[i])))).collect();
         Ok(Self { width, height, pixels })
     }
 
-    /// Of one colour.
+    /// Creates a picture of a single colour.
     pub fn blank(width: usize, height: usize, pixel: [u8; 3]) -> Self {
         Self { width, height, pixels: vec![pixel; width * height] }
     }
 
-    /// Points from left to right.
+    /// Width in pixels.
     pub fn width(&self) -> usize {
         self.width
     }
 
-    /// Points from top to bottom.
+    /// Height in pixels.
     pub fn height(&self) -> usize {
         self.height
     }
 
-    /// Row by row from the upper left: red, green, blue.
+    /// Pixels row by row from the upper left: red, green, blue.
     pub fn pixels(&self) -> &[[u8; 3]] {
         &self.pixels
     }
 
-    /// One row.
+    /// Returns one row of pixels.
     pub(crate) fn row_mut(&mut self, row: usize) -> &mut [[u8; 3]] {
         &mut self.pixels[row * self.width..(row + 1) * self.width]
     }
 
-    /// Red, green, blue of all points in a row.
+    /// Returns red, green and blue of all pixels in sequence.
     pub(crate) fn bytes(&self) -> Vec<u8> {
         self.pixels.concat()
     }
 }
 
 impl Scene {
-    /// Names of the obstacles that [`Picture::of`] shows as glass from any of these views.
+    /// Returns the names of the obstacles that [`Picture::of`] shows translucent in any of these views.
     pub fn seen_through(&self, views: &[StandardView], settings: &PictureSettings) -> Vec<String> {
         if settings.see_through == SeeThrough::Nothing {
             return Vec::new();
@@ -171,8 +171,8 @@ impl Scene {
     }
 }
 
-/// Light as a screen shows it: as it is up to this, then ever more slowly towards white, so that highlights keep
-/// their form.
+/// Upper end of the linear range of tone mapping. Above it, light approaches white ever more slowly, so that highlights keep
+/// their shape.
 const LINEAR_UP_TO: f32 = 0.72;
 
 fn toned(light: f32) -> f32 {
@@ -184,7 +184,7 @@ fn toned(light: f32) -> f32 {
     LINEAR_UP_TO + room * beyond / (1.0 + beyond)
 }
 
-/// What is drawn, in the order in which it is drawn.
+/// Lists to draw, in order of drawing.
 struct Stage {
     solid: DrawList,
     translucent: Vec<(DrawList, Translucency)>,
@@ -230,7 +230,7 @@ impl Stage {
                 ..material.clone()
             };
             for (node, pose) in scene.nodes.iter().zip(&poses) {
-                // An object that stands is no ghost.
+                // An object that does not move has no ghost.
                 let is_moved = match node.role {
                     Role::Link(_) => true,
                     Role::Target => *pose != node.parent_from_node,
@@ -241,7 +241,7 @@ impl Stage {
                     far = distance(pose);
                 }
             }
-            // Later ones are denser.
+            // Later ghosts are denser.
             let opacity = GHOST_OPACITY * (0.6 + 0.4 * (index + 1) as f32 / ghosts.len() as f32);
             let translucency = Translucency { opacity, rim: GHOST_RIM, has_edges: false };
             translucent.push((far, list, translucency));
@@ -252,7 +252,7 @@ impl Stage {
     }
 }
 
-/// Outlines are drawn between links, and around bodies as wholes.
+/// Number of the thing that a node belongs to: outlines are drawn between links, and around whole bodies.
 fn thing_of(node: usize, role: Role) -> u32 {
     let whole = match role {
         Role::Obstacle(body) => FIRST_BODY + body,

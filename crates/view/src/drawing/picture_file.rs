@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use crate::{Picture, PictureSettings, Scene, StandardView, ViewError};
 
 impl Picture {
-    /// Writes the picture as a PNG file; what stood there before is replaced as a whole or not at all.
+    /// Writes the picture as a PNG file. An existing file is replaced as a whole or not at all.
     ///
     /// # Errors
     /// [`ViewError::Unwritable`].
@@ -15,7 +15,7 @@ impl Picture {
         write_whole(path, &self.png(path)?)
     }
 
-    /// The bytes of a PNG file, named `path` in errors.
+    /// Encodes the picture as a PNG file; `path` names it in errors.
     ///
     /// # Errors
     /// [`ViewError::Encoding`].
@@ -31,23 +31,23 @@ impl Picture {
     }
 }
 
-/// Pictures one after the other, as one file or many.
+/// Sequence of pictures for an animated file or for many files.
 pub struct Animation {
-    /// The pictures, all of one size.
+    /// Pictures, all of one size.
     pub pictures: Vec<Picture>,
-    /// How many are shown in a second; at most 50, which players of GIF still obey.
+    /// Frame rate, in pictures per second; at most 50, the limit of common GIF players.
     pub rate_hz: u16,
 }
 
 impl Animation {
-    /// Draws instants of a scene's motion, on all cores; `each` gets every picture with its place in `frames`, in no
-    /// certain order.
+    /// Renders instants of the motion of a scene on all cores. `each` receives every picture with its index in `frames`, in no
+    /// particular order.
     ///
     /// # Errors
-    /// As [`Picture::of`], and those of `each`.
+    /// Those of [`Picture::of`] and of `each`.
     ///
     /// # Panics
-    /// As [`Picture::of`].
+    /// See [`Picture::of`].
     pub fn draw<T: Send>(
         scene: &Scene,
         view: StandardView,
@@ -63,11 +63,11 @@ impl Animation {
     }
 }
 
-/// How long the last picture stands before it begins anew, in pictures.
+/// Duration of the last picture before the animation repeats, in pictures.
 const LAST_STANDS: u16 = 20;
 
 impl Animation {
-    /// Writes an animated PNG, which browsers show like a picture.
+    /// Writes an animated PNG, which browsers show as a picture.
     ///
     /// # Errors
     /// [`ViewError::Encoding`], [`ViewError::Unwritable`].
@@ -92,10 +92,10 @@ impl Animation {
         write_whole(path, &bytes)
     }
 
-    /// Writes a GIF: 256 colours a picture, for where nothing else moves.
+    /// Writes a GIF, with 256 colours per picture, for viewers without support for animated PNG.
     ///
     /// # Errors
-    /// [`ViewError::Encoding`] also for sides above 65535, [`ViewError::Unwritable`].
+    /// [`ViewError::Encoding`], also for sides above 65535 pixels; [`ViewError::Unwritable`].
     pub fn write_gif(&self, path: &Path) -> Result<(), ViewError> {
         let Some(first) = self.pictures.first() else { return Ok(()) };
         let side = |side: usize| u16::try_from(side).map_err(|reason| encoding(path, &reason));
@@ -105,11 +105,11 @@ impl Animation {
             let mut encoder = gif::Encoder::new(BufWriter::new(&mut bytes), width, height, &[])?;
             encoder.set_repeat(gif::Repeat::Infinite)?;
             for (index, picture) in self.pictures.iter().enumerate() {
-                // The quickest setting of the quantiser that shows no bands on the floor.
+                // This is the fastest setting of the quantiser without visible bands on the floor.
                 const SPEED: i32 = 10;
                 let mut frame = gif::Frame::from_rgb_speed(width, height, &picture.bytes(), SPEED);
                 let is_last = index + 1 == self.pictures.len();
-                // In hundredths of a second.
+                // The delay is in hundredths of a second.
                 frame.delay = (100 / self.rate_hz.max(1)) * if is_last { LAST_STANDS } else { 1 };
                 encoder.write_frame(&frame)?;
             }

@@ -1,28 +1,28 @@
 use crate::drawing::draw_list::{DrawList, DrawPoint, DrawVector, Lens, NEAR_M};
 use crate::drawing::scan::{SampleGrid, ScreenCorner, spans};
 
-/// What is nearest to the eye at each sample of a picture.
+/// Depth buffer: the triangle nearest to the eye at each sample of a picture.
 pub(crate) struct SampleBuffer {
     pub width: usize,
     pub height: usize,
-    /// Where the sample lies in each row of a point.
+    /// Horizontal offset of the sample in each row of a pixel.
     pub offsets: &'static [f32],
-    /// One over how far ahead; 0 for nothing.
+    /// Reciprocal of the depth; 0 if the sample is empty.
     pub nearness: Vec<f32>,
     /// Index of the triangle, or [`NOTHING`].
     pub triangle: Vec<u32>,
 }
 
-/// No triangle: the floor or what is behind it.
+/// Marks a sample without a triangle: the floor or the background.
 pub(crate) const NOTHING: u32 = u32::MAX;
 
-/// Offsets for one, four and eight samples a point, each in a column of its own.
+/// Offsets for one, four and eight samples per pixel, each sample in its own column.
 const ONE: [f32; 1] = [0.5];
 const FOUR: [f32; 4] = [0.375, 0.875, 0.125, 0.625];
 const EIGHT: [f32; 8] = [0.0625, 0.5625, 0.3125, 0.8125, 0.1875, 0.6875, 0.4375, 0.9375];
 
 impl SampleBuffer {
-    /// Nothing anywhere. Samples a point: 1, 4 or 8, or the next that there is.
+    /// Creates an empty buffer with 1, 4 or 8 samples per pixel; other numbers are rounded up.
     pub fn new(width: usize, height: usize, samples: usize) -> Self {
         let offsets: &[f32] = match samples {
             0 | 1 => &ONE,
@@ -33,10 +33,10 @@ impl SampleBuffer {
         Self { width, height, offsets, nearness: vec![0.0; count], triangle: vec![NOTHING; count] }
     }
 
-    /// Takes over how near things are from elsewhere, and forgets which they are. They count as a little nearer,
-    /// so that what is drawn in the same place as one of them stays hidden.
+    /// Copies the depths of another buffer without its triangles. The depths are slightly reduced, so that coincident things
+    /// stay hidden.
     pub fn restart(&mut self, nearness: &[f32]) {
-        /// 3 mm at 3 m.
+        /// Factor of the reciprocal depth: 3 mm at 3 m.
         const NEARER: f32 = 1.001;
         for (own, given) in self.nearness.iter_mut().zip(nearness) {
             *own = given * NEARER;
@@ -44,7 +44,7 @@ impl SampleBuffer {
         self.triangle.fill(NOTHING);
     }
 
-    /// Puts the floor there: `nearness` at the upper left corner, and its steps to the right and down.
+    /// Draws the floor from its reciprocal depth at the upper left corner and its increments to the right and down.
     pub fn draw_floor(&mut self, [first, right, down]: [f32; 3]) {
         let samples = self.offsets.len();
         for (row, values) in self.nearness.chunks_exact_mut(self.width).enumerate() {
@@ -56,7 +56,7 @@ impl SampleBuffer {
         }
     }
 
-    /// Draws what is nearer than what is there. Returns the rows and columns of points that it touches.
+    /// Draws the samples that are nearer than those present. Returns the rows and columns of the affected pixels.
     pub fn draw(&mut self, list: &DrawList, lens: &Lens) -> Region {
         let seen: Vec<DrawVector> = list.positions.iter().map(|place| lens.seen(place)).collect();
         let screen: Vec<ScreenCorner> = seen.iter().map(|seen| lens.on_screen(seen)).collect();
@@ -97,7 +97,7 @@ impl SampleBuffer {
     }
 }
 
-/// Rows and columns of points.
+/// Range of rows and columns of pixels.
 #[derive(Clone, Debug)]
 pub(crate) struct Region {
     pub rows: std::ops::Range<usize>,
@@ -115,8 +115,7 @@ impl Region {
     }
 }
 
-/// The part of a triangle that lies before the eye (Sutherland & Hodgman 1974, "Reentrant polygon clipping", whole, for
-/// one plane).
+/// Clips a triangle at the near plane (Sutherland & Hodgman 1974, "Reentrant polygon clipping", whole, for one plane).
 fn before_eye(corners: &[DrawVector; 3]) -> Vec<DrawVector> {
     let mut kept = Vec::with_capacity(4);
     for (index, here) in corners.iter().enumerate() {
@@ -131,9 +130,9 @@ fn before_eye(corners: &[DrawVector; 3]) -> Vec<DrawVector> {
     kept
 }
 
-/// The point at which a ray meets a triangle, as weights of its corners (Möller & Trumbore 1997, "Fast, minimum storage ray/triangle
-/// intersection", whole): the nearest place of the triangle where it passes by, as a sample at the very edge may, and
-/// its middle if it is seen from the edge.
+/// Intersects a ray with a triangle and returns the weights of the corners (Möller & Trumbore 1997, "Fast, minimum storage
+/// ray/triangle intersection", whole). If the ray misses, as a sample on the edge may, returns the weights clamped to the
+/// triangle; if it is parallel to the triangle, those of its centroid.
 pub(crate) fn weights(eye: &DrawPoint, ray: &DrawVector, [a, b, c]: [&DrawPoint; 3]) -> [f32; 3] {
     let (e1, e2) = (b - a, c - a);
     let p = ray.cross(&e2);

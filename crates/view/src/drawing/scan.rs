@@ -1,21 +1,20 @@
-//! Which samples of a picture a triangle covers: one span of each row of samples.
+//! Rasterization of triangles: one span for each row of samples.
 
-/// A corner on the screen: right and down in points of the picture, and a depth that is linear across the screen.
+/// Corner on the screen: right and down in pixels, then a depth that is linear across the screen.
 pub(crate) type ScreenCorner = [f32; 3];
 
-/// Where samples lie: each point of the picture has as many rows of samples as there are offsets, with one sample
-/// a row, so far right of the point's left edge. Offsets that all differ tell upright edges as finely apart as
-/// level ones.
+/// Positions of the samples: each pixel has as many rows of samples as there are offsets, with one sample per row at this
+/// offset from the left edge of the pixel. Offsets that all differ resolve vertical edges as finely as horizontal ones.
 #[derive(Clone, Copy)]
 pub(crate) struct SampleGrid<'a> {
-    /// In points.
+    /// Width in pixels.
     pub width: usize,
-    /// Rows of samples.
+    /// Number of rows of samples.
     pub rows: usize,
     pub offsets: &'a [f32],
 }
 
-/// Samples of a span: in which row, from which column, how many; the depth at the first and its step.
+/// Span of samples: row, range of columns, depth at the first sample and its increment.
 pub(crate) struct Span {
     pub row: usize,
     pub columns: std::ops::Range<usize>,
@@ -23,13 +22,13 @@ pub(crate) struct Span {
     pub step: f32,
 }
 
-/// Calls `visit` with each span of a triangle. A sample on an edge between two triangles belongs to exactly one.
+/// Calls `visit` with each span of a triangle. A sample on an edge between two triangles belongs to exactly one of them.
 pub(crate) fn spans(corners: &[ScreenCorner; 3], grid: &SampleGrid<'_>, mut visit: impl FnMut(Span)) {
     let per_point = grid.offsets.len() as f32;
     let row_below = |y: f32| ceiling(y * per_point - 0.5, grid.rows);
     let [a, b, c] = corners.map(|corner| corner[1]);
     let (first, beyond) = (row_below(a.min(b).min(c)), row_below(a.max(b).max(c)));
-    // Of many small triangles most lie between two rows: they are done with here.
+    // Most of many small triangles lie between two rows; they end here.
     if first >= beyond {
         return;
     }
@@ -58,8 +57,8 @@ pub(crate) fn spans(corners: &[ScreenCorner; 3], grid: &SampleGrid<'_>, mut visi
     }
 }
 
-/// The least whole number not below `value`, between 0 and `most`. By conversion: without instructions for it that not
-/// every machine has, rounding is a call for each row of each triangle.
+/// Returns the least integer not below `value`, clamped to 0 and `most`, by conversion: on machines without the instruction,
+/// rounding would be a function call for each row of each triangle.
 #[allow(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -71,11 +70,11 @@ pub(crate) fn ceiling(value: f32, most: usize) -> usize {
     below + usize::from((below as f32) < inside)
 }
 
-/// An edge of a triangle, from its upper end to the lower, so that both triangles at it get the same bits.
+/// Edge of a triangle from its upper to its lower end, so that both adjacent triangles get identical bits.
 struct Edge {
     x: f32,
     y: f32,
-    /// To the right, by one down.
+    /// Increment to the right per unit down.
     slope: f32,
 }
 
@@ -85,7 +84,7 @@ impl Edge {
         Self { x: upper[0], y: upper[1], slope }
     }
 
-    /// Where it is at height `y`.
+    /// Horizontal position of the edge at height `y`.
     fn at(&self, y: f32) -> f32 {
         self.x + (y - self.y) * self.slope
     }
@@ -115,7 +114,7 @@ mod tests {
             });
         }
         assert!(hits.iter().all(|&count| count <= 1));
-        // The area of the polygon by the shoelace formula.
+        // Area of the polygon by the shoelace formula.
         let area: f32 = (0..around.len())
             .map(|i| (around[i], around[(i + 1) % around.len()]))
             .map(|(a, b)| 0.5 * (a[0] * b[1] - a[1] * b[0]))

@@ -1,4 +1,4 @@
-/// A colour as amounts of linear light, 0 to 1 for what reflects: red, green, blue.
+/// Colour in linear light: red, green, blue, 0 to 1 for reflecting surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Colour(pub [f32; 3]);
 
@@ -6,46 +6,46 @@ impl Colour {
     /// White.
     pub const WHITE: Self = Self([1.0; 3]);
 
-    /// From the usual screen values (sRGB, IEC 61966-2-1), as in `#rrggbb`.
+    /// Converts screen values (sRGB, IEC 61966-2-1), as in `#rrggbb`.
     pub fn hex(rgb: u32) -> Self {
         let channel = |shift: u32| f64::from((rgb >> shift) & 0xff) / 255.0;
         Self::srgb([channel(16), channel(8), channel(0)])
     }
 
-    /// From screen values 0 to 1 (sRGB).
+    /// Converts screen values from 0 to 1 (sRGB).
     pub fn srgb(channels: [f64; 3]) -> Self {
         #[allow(clippy::cast_possible_truncation, reason = "the precision of graphics")]
         Self(channels.map(|value| linear(value.clamp(0.0, 1.0)) as f32))
     }
 
-    /// Its screen values, 0 to 1 (sRGB): `srgb(c.to_srgb()) = c`.
+    /// Returns the screen values from 0 to 1 (sRGB): `srgb(c.to_srgb()) = c`.
     pub fn to_srgb(self) -> [f64; 3] {
         self.0.map(|light| screen(f64::from(light.clamp(0.0, 1.0))))
     }
 
-    /// The same towards `other`: `mix(other, 0) = self`, `mix(other, 1) = other`.
+    /// Interpolates towards `other`: `mix(other, 0) = self`, `mix(other, 1) = other`.
     #[must_use]
     pub fn mix(self, other: Self, share: f32) -> Self {
         Self([0, 1, 2].map(|i| self.0[i] + (other.0[i] - self.0[i]) * share))
     }
 }
 
-/// Linear light of a screen value.
+/// Returns the linear light of a screen value.
 fn linear(value: f64) -> f64 {
     if value <= 0.04045 { value / 12.92 } else { libm::pow((value + 0.055) / 1.055, 2.4) }
 }
 
-/// The screen value of linear light, both 0 to 1.
+/// Returns the screen value of linear light, both 0 to 1.
 fn screen(light: f64) -> f64 {
     if light <= 0.0031308 { 12.92 * light } else { 1.055 * libm::pow(light, 1.0 / 2.4) - 0.055 }
 }
 
-/// Turns linear light into screen values, 0 to 255, by a table: the same on every machine, and fast.
+/// Table that converts linear light to screen values, 0 to 255: fast, and equal on every machine.
 pub(crate) struct ScreenTable {
     values: Vec<u8>,
 }
 
-/// Fine enough that neighbouring dark entries differ by at most one screen value.
+/// Number of entries: neighbouring dark entries differ by at most one screen value.
 const TABLE_STEPS: usize = 1 << 14;
 
 impl ScreenTable {
@@ -58,7 +58,7 @@ impl ScreenTable {
         Self { values: (0..TABLE_STEPS).map(value).collect() }
     }
 
-    /// The screen value of an amount of light; what is brighter than 1 is white.
+    /// Returns the screen value of linear light; values above 1 are white.
     pub fn screen(&self, light: f32) -> u8 {
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to the table")]
         let step = (light.clamp(0.0, 1.0) * (TABLE_STEPS - 1) as f32 + 0.5) as usize;
@@ -66,9 +66,9 @@ impl ScreenTable {
     }
 }
 
-/// A score between 0 and 1 as a colour from violet over green to yellow, which colour-blind people can tell apart and
-/// grey print keeps in order, after viridis (Smith & van der Walt 2015, "A better default colormap for Matplotlib",
-/// whole) but lighter at its low end. Grey for no score.
+/// Returns the colour of a score between 0 and 1, from violet over green to yellow. Colour-blind readers can distinguish the
+/// colours, and grey print keeps their order, after viridis (Smith & van der Walt 2015, "A better default colormap for
+/// Matplotlib", whole) but lighter at the low end. Grey without a score.
 pub(crate) fn of_score(score: Option<f64>) -> Colour {
     const STOPS: [u32; 6] = [0x004b_3ca8, 0x003a_6fd0, 0x002f_a1c4, 0x003c_c88f, 0x00a6_e04a, 0x00ff_e52b];
     let Some(score) = score else { return Colour::hex(0x9a_9a9a) };

@@ -1,10 +1,10 @@
-//! Primitives melted into one smooth body.
+//! Primitives blended into one smooth body.
 //!
 //! 1. Each primitive is a signed distance; a polynomial smooth minimum joins them with fillets.
-//! 2. The distance is sampled on a grid, and each cell that the surface crosses gets a vertex (surface nets: Gibson
-//!    1998, "Constrained elastic surface nets", whole).
-//! 3. The vertices are moved onto the surface along its gradient, which is also their normal, so that a coarse
-//!    grid looks smooth.
+//! 2. The distance is sampled on a grid, and each cell that the surface crosses gets a vertex (surface nets: Gibson 1998,
+//!    "Constrained elastic surface nets", whole).
+//! 3. The vertices are moved onto the surface along the gradient, which is also their normal, so that a coarse grid appears
+//!    smooth.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -14,7 +14,7 @@ use cranny_spatial::{Point, Pose, Vector};
 
 use crate::MeshPiece;
 
-/// A primitive of a body.
+/// Primitive of a body.
 #[derive(Clone, PartialEq)]
 pub(crate) struct Primitive {
     body_from_here: Pose,
@@ -23,7 +23,7 @@ pub(crate) struct Primitive {
     blend_m: f64,
 }
 
-/// Sizes in metres; `rounding_m` is how far edges are rounded inwards.
+/// Shape with sizes in metres; `rounding_m` is the inward rounding radius of the edges.
 #[derive(Clone, PartialEq)]
 enum Form {
     Cuboid { half_extents: Vector, rounding_m: f64 },
@@ -32,7 +32,7 @@ enum Form {
 }
 
 impl Primitive {
-    /// None for a mesh.
+    /// Converts a visual; `None` for a mesh.
     pub fn of(visual: &LinkVisual) -> Option<Self> {
         let rounding_m = visual.rounding_m;
         let form = match visual.form {
@@ -73,7 +73,7 @@ impl Primitive {
         Aabb { center: Point::origin(), half_extents }.transformed(&self.body_from_here)
     }
 
-    /// Distance from its surface, in metres; negative inside.
+    /// Signed distance from the surface, in metres; negative inside.
     fn distance(&self, point_in_body: &Point) -> f64 {
         let p = self.here_from_body * point_in_body;
         match self.form {
@@ -96,7 +96,7 @@ impl Primitive {
     }
 }
 
-/// The distance from the melted body, in metres, negative inside; never above that from any primitive.
+/// Signed distance from the blended body, in metres, negative inside; at most that from any primitive.
 fn distance(primitives: &[Primitive], point: &Point) -> f64 {
     let mut nearest = f64::INFINITY;
     for primitive in primitives {
@@ -112,7 +112,7 @@ fn distance(primitives: &[Primitive], point: &Point) -> f64 {
 }
 
 fn gradient(primitives: &[Primitive], point: &Point) -> Vector {
-    /// A hundredth of a cell: fine against any fillet, coarse against rounding.
+    /// Finite-difference step, a hundredth of a cell: small against any fillet, large against rounding.
     const STEP_M: f64 = 5e-5;
     let along = |axis: Vector| {
         distance(primitives, &(point + axis * STEP_M)) - distance(primitives, &(point - axis * STEP_M))
@@ -121,22 +121,22 @@ fn gradient(primitives: &[Primitive], point: &Point) -> Vector {
     slopes.try_normalize(0.0).unwrap_or_else(Vector::z)
 }
 
-/// Cells on the box around a body, at least and at most: fine enough for what is seen across a room, few enough
-/// for the web.
+/// Minimum and maximum number of cells on the bounding box of a body: fine enough from a few metres away, few enough for a web
+/// page.
 const FEWEST_CELLS: f64 = 1700.0;
 const MOST_CELLS: f64 = 3200.0;
 
-/// Cells across a fillet, as far as the bounds above allow.
+/// Cells across a fillet, within the bounds above.
 const CELLS_ACROSS: f64 = 2.0;
 
-/// Bodies that were melted in this process, with their primitives: the same robot stands in many scenes, and to melt it
-/// takes longer than to draw it.
+/// Cache of the blended bodies of this process by their primitives. The same robot appears in many scenes, and blending takes
+/// longer than drawing.
 static KNOWN: Mutex<Vec<(Vec<Primitive>, MeshPiece)>> = Mutex::new(Vec::new());
 
-/// So many are kept: the links of a few robots.
+/// Capacity of the cache: the links of a few robots.
 const MOST_KNOWN: usize = 128;
 
-/// The melted body of some primitives; nothing for none.
+/// Returns the blended body of primitives; empty for none.
 pub(crate) fn melted(primitives: &[Primitive], material: usize) -> MeshPiece {
     if primitives.is_empty() {
         return MeshPiece::default();
@@ -155,7 +155,7 @@ pub(crate) fn melted(primitives: &[Primitive], material: usize) -> MeshPiece {
     MeshPiece { material, ..piece }
 }
 
-/// `primitives` is not empty; the material is the first.
+/// Computes the blended body of `primitives`, which are not empty, with material 0.
 fn melt(primitives: &[Primitive]) -> MeshPiece {
     let corners: Vec<Point> =
         primitives.iter().map(Primitive::bounds).flat_map(|bounds| [bounds.low(), bounds.high()]).collect();
@@ -167,18 +167,18 @@ fn melt(primitives: &[Primitive]) -> MeshPiece {
     Net::over(primitives, &whole, cell_m).mesh(primitives, 0)
 }
 
-/// A grid of samples of the distance.
+/// Signed distance sampled on a grid.
 struct Net {
     low: Point,
     cell_m: f64,
-    /// Samples along each axis.
+    /// Number of samples along each axis.
     counts: [usize; 3],
     samples: Vec<f64>,
 }
 
 impl Net {
     fn over(primitives: &[Primitive], around: &Aabb, cell_m: f64) -> Self {
-        // Fillets lie within the hull, which lies within the bounds; two cells more keep the surface inside.
+        // Fillets lie within the hull, which lies within the bounds. Two additional cells keep the surface inside.
         let whole = around.grown(2.0 * cell_m);
         #[allow(
             clippy::cast_possible_truncation,
@@ -206,7 +206,7 @@ impl Net {
         self.low + Vector::new(x, y, z) * self.cell_m
     }
 
-    /// The middle of where the surface crosses the edges of a cell; None if it does not.
+    /// Returns the mean of the points at which the surface crosses the edges of a cell; `None` if there are none.
     fn crossing(&self, cell: [usize; 3]) -> Option<Point> {
         let corner = |bits: usize| [cell[0] + (bits & 1), cell[1] + (bits >> 1 & 1), cell[2] + (bits >> 2)];
         let value = |bits: usize| self.samples[self.index(corner(bits))];
@@ -247,7 +247,7 @@ impl Net {
         piece
     }
 
-    /// Two triangles across the edge that leads from `place` along `axis`, if the surface crosses it.
+    /// Returns two triangles across the edge from `place` along `axis`, if the surface crosses it.
     fn faces(&self, place: [usize; 3], axis: usize, vertices: &[Option<u32>]) -> Vec<[u32; 3]> {
         let (second, third) = ((axis + 1) % 3, (axis + 2) % 3);
         let mut end = place;
@@ -259,7 +259,7 @@ impl Net {
         if is_inside == (self.samples[self.index(end)] < 0.0) {
             return Vec::new();
         }
-        // The four cells around the edge, counterclockwise seen from its end.
+        // Four cells around the edge, counterclockwise seen from its end.
         let cell = |back_second: usize, back_third: usize| {
             let mut cell = place;
             cell[second] -= back_second;
@@ -272,7 +272,7 @@ impl Net {
         if is_inside { vec![[a, b, c], [a, c, d]] } else { vec![[a, c, b], [a, d, c]] }
     }
 
-    /// The point moved onto the surface, at most a cell away, and the normal there.
+    /// Moves a point onto the surface, by at most a cell per step, and returns it with the normal there.
     fn onto_surface(&self, primitives: &[Primitive], start: Point) -> (Point, Vector) {
         let mut point = start;
         let mut normal = gradient(primitives, &point);
@@ -295,7 +295,7 @@ mod tests {
         LinkVisual { link_from_visual, form, colour: None, rounding_m: 0.01, blend_m: 0.02 }
     }
 
-    /// Closed, facing outwards, and near the volume that is known.
+    /// Returns the volume after checking that the surface is closed and faces outwards.
     fn volume_m3(primitives: &[Primitive]) -> f64 {
         let piece = melted(primitives, 0);
         let point = |corner: &u32| Point::from(piece.positions[*corner as usize].map(f64::from));

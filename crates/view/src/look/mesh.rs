@@ -6,12 +6,12 @@ use cranny_spatial::{Point, Vector};
 
 use crate::Colour;
 
-/// What something is drawn as: triangles in pieces of one material each. Not a solid; it may be open.
+/// Mesh for display: triangles in pieces of one material each. It need not be closed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
-    /// What it is called.
+    /// Name of the mesh.
     pub name: String,
-    /// The pieces.
+    /// Pieces of one material each.
     pub pieces: Vec<MeshPiece>,
 }
 
@@ -20,9 +20,9 @@ pub struct Mesh {
 pub struct MeshPiece {
     /// Corner points, in metres, in the frame of the node that shows the mesh.
     pub positions: Vec<[f32; 3]>,
-    /// A unit vector for each of them.
+    /// Unit normal of each corner point.
     pub normals: Vec<[f32; 3]>,
-    /// What the material's colour is multiplied by at each of them; empty for white.
+    /// Factor of the material colour at each corner point; empty for white.
     pub colours: Vec<Colour>,
     /// Three indices each, counterclockwise from outside.
     pub triangles: Vec<[u32; 3]>,
@@ -30,17 +30,17 @@ pub struct MeshPiece {
     pub material: usize,
 }
 
-/// Faces that meet at less than this are one smooth surface: more than the 9° between the faces of a round
-/// body here, less than any edge that one would call one. As a cosine: 35°.
+/// Cosine of the crease angle, 35°: faces that meet at a smaller angle form one smooth surface. It exceeds the 9° between faces
+/// of a round body here and is below any visible edge.
 const CREASE_COSINE: f32 = 0.819;
 
 impl MeshPiece {
-    /// Triangles with normals that are smooth over flat angles and break at edges.
+    /// Creates a piece with normals that are smooth over flat angles and break at edges.
     pub fn of_soup(soup: &TriangleSoup, material: usize) -> Self {
         Self::of_painted(&PaintedPiece::of_soup(soup), material)
     }
 
-    /// What a mesh file gives; where it gives no normals, those of [`Self::of_soup`].
+    /// Creates a piece from a mesh file; without normals in the file, they are those of [`Self::of_soup`].
     pub fn of_painted(piece: &PaintedPiece, material: usize) -> Self {
         let colour = |c: &[f32; 4]| Colour::srgb([c[0].into(), c[1].into(), c[2].into()]);
         let colours: Vec<Colour> = piece.vertex_colours.iter().map(colour).collect();
@@ -56,7 +56,7 @@ impl MeshPiece {
         smoothed(&piece.vertices, &colours, &piece.triangles, material)
     }
 
-    /// The same without corners that no triangle uses.
+    /// Returns the piece without unused corners.
     #[must_use]
     pub(crate) fn compacted(&self) -> Self {
         let mut piece = Self { material: self.material, ..Self::default() };
@@ -82,14 +82,14 @@ impl MeshPiece {
         index
     }
 
-    /// The same of double precision and without a colour.
+    /// Adds a corner of double precision without a colour and returns its index.
     pub(crate) fn push_point(&mut self, position: &Point, normal: &Vector) -> u32 {
         #[allow(clippy::cast_possible_truncation, reason = "single precision is what is meant")]
         let single = |v: &Vector| [v.x as f32, v.y as f32, v.z as f32];
         self.push(single(&position.coords), single(normal), None)
     }
 
-    /// Adds the triangles of another piece, whatever their material.
+    /// Appends the triangles of another piece, regardless of its material.
     pub(crate) fn append(&mut self, other: &Self) {
         let offset = u32::try_from(self.positions.len()).unwrap_or(u32::MAX);
         self.positions.extend_from_slice(&other.positions);
@@ -99,8 +99,8 @@ impl MeshPiece {
     }
 }
 
-/// Normals by averaging the faces around a point, weighted by their area, as far as they lie within the crease
-/// angle of the face that asks; corners with equal normals are shared.
+/// Computes normals as the mean of the faces around a point within the crease angle of each face, weighted by their area.
+/// Corners with equal normals are shared.
 fn smoothed(
     vertices: &[[f32; 3]],
     vertex_colours: &[Colour],
@@ -110,7 +110,7 @@ fn smoothed(
     let point = |vertex: u32| Vector3::from(vertices[vertex as usize]);
     let area_normals: Vec<Vector3<f32>> =
         triangles.iter().map(|&[a, b, c]| (point(b) - point(a)).cross(&(point(c) - point(a)))).collect();
-    // Vertices at one place count as one, so that a soup of loose triangles is smooth too.
+    // Coincident vertices count as one, so that a soup of separate triangles is smooth too.
     let mut places: HashMap<[u32; 3], Vec<usize>> = HashMap::new();
     let place = |vertex: u32| vertices[vertex as usize].map(|x| (x + 0.0).to_bits());
     for (triangle, corners) in triangles.iter().enumerate() {

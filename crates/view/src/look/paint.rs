@@ -3,24 +3,24 @@ use cranny_spatial::{Point, Vector};
 
 use crate::{Colour, Material, MeshPiece, Scene};
 
-/// What a thing looks like whose name says what it is.
+/// Appearance of a class of objects, recognized by name.
 struct Look {
-    /// Any of these in its name.
+    /// Words, any of which identifies the class in a name.
     words: &'static [&'static str],
     colour: u32,
-    /// Colours parts of its mesh otherwise.
+    /// Region of the mesh in another colour.
     detail: Detail,
 }
 
-/// Which triangles have another colour.
+/// Selection of the triangles with another colour.
 #[derive(Clone, Copy)]
 enum Detail {
     None,
-    /// What is farther than the handle along the longest axis and thin: bare steel.
+    /// Thin triangles beyond the handle along the longest axis: bare steel.
     Shaft,
-    /// Both ends of the longest way.
+    /// Both ends of the longest axis.
     DarkEnds,
-    /// A band around the middle of a box.
+    /// Band around the middle of a box.
     Band,
 }
 
@@ -31,24 +31,24 @@ const LOOKS: [Look; 4] = [
     Look { words: &["sugar", "box"], colour: 0x00f4_d35e, detail: Detail::Band },
 ];
 
-/// An object of another name: orange, which nothing else in a scene is.
+/// Colour of all other objects: orange, unique in a scene.
 const OTHER: u32 = 0x00ee_7f1b;
 
 const STEEL: u32 = 0x00b9_bec4;
 const BROWN: u32 = 0x005a_4321;
 const BLUE: u32 = 0x0026_5fb0;
 
-/// How far from the middle a band reaches, and ends begin, as shares of the whole length.
+/// Half the width of a band, and start of the ends from the middle, as shares of the whole length.
 const BAND_SHARE: f64 = 0.2;
 const END_SHARE: f64 = 0.475;
 
-/// A shaft is thinner than this share of the whole.
+/// Maximum thickness of a shaft, as a share of the whole thickness.
 const SHAFT_SHARE: f64 = 0.55;
 
-/// Where the handle ends, from the middle, as a share of the whole length: a little before the shaft begins.
+/// End of the handle from the middle, as a share of the whole length: slightly before the start of the shaft.
 const HANDLE_END: f64 = -0.03;
 
-/// The mesh of an object, coloured by what its name says it is.
+/// Returns the mesh of an object, coloured by its name.
 pub(crate) fn painted(name: &str, soup: &TriangleSoup, scene: &mut Scene) -> Vec<MeshPiece> {
     let lower = name.to_lowercase();
     let look = LOOKS.iter().find(|look| look.words.iter().any(|word| lower.contains(word)));
@@ -104,7 +104,7 @@ pub(crate) fn painted(name: &str, soup: &TriangleSoup, scene: &mut Scene) -> Vec
     parts.into_iter().filter(|part| !part.triangles.is_empty()).map(|part| part.compacted()).collect()
 }
 
-/// The half of a screwdriver that is thin: near its axis, and not within the handle's length.
+/// Returns true if a point is on the shaft of a screwdriver: near its axis and beyond the handle.
 fn is_shaft(from_middle: &Vector, size: &Vector) -> bool {
     let long = size.imax();
     let (one, other) = ((long + 1) % 3, (long + 2) % 3);
@@ -113,7 +113,7 @@ fn is_shaft(from_middle: &Vector, size: &Vector) -> bool {
     across < 0.5 * thickness * SHAFT_SHARE && from_middle[long] > HANDLE_END * size[long]
 }
 
-/// The triangles cut at two heights along an axis, so that a band between them has straight edges.
+/// Cuts the triangles at two heights along an axis, so that a band between them has straight edges.
 fn banded(soup: &TriangleSoup, axis: usize, middle: f64, half_width: f64) -> TriangleSoup {
     let mut corners: Vec<Vec<Point>> = (0..soup.triangles.len()).map(|t| soup.corners(t).to_vec()).collect();
     for height in [middle - half_width, middle + half_width] {
@@ -125,7 +125,7 @@ fn banded(soup: &TriangleSoup, axis: usize, middle: f64, half_width: f64) -> Tri
     TriangleSoup::from_corners(fans).unwrap_or_default()
 }
 
-/// The parts of a convex polygon below and above a height.
+/// Splits a convex polygon into the polygons below and above a height.
 fn cut(polygon: &[Point], axis: usize, height: f64) -> Vec<Vec<Point>> {
     let mut sides = [Vec::new(), Vec::new()];
     for (index, here) in polygon.iter().enumerate() {

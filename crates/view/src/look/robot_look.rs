@@ -9,11 +9,11 @@ use cranny_spatial::nalgebra::Vector3;
 use crate::look::melted_body::{Primitive, melted};
 use crate::{Colour, Material, MeshPiece, Scene, ViewError, look::rounded};
 
-/// What a link without a colour looks like.
+/// Colour of a link without a colour of its own.
 const BARE: u32 = 0x00b8_bec6;
 
-/// The meshes of a robot's links, by link; None for a bare frame. A link without visuals is drawn as its
-/// collision geometry.
+/// Creates the meshes of the links of a robot, by link; `None` for a link without geometry. A link without visuals is drawn as
+/// its collision geometry.
 ///
 /// # Errors
 /// [`ViewError::VisualNotFound`], [`ViewError::Shape`].
@@ -38,7 +38,7 @@ fn link_mesh(
         .visuals
         .iter()
         .partition(|visual| visual.blend_m > 0.0 && !matches!(visual.form, LinkForm::Mesh { .. }));
-    // One body for each colour, in the order in which the colours come.
+    // There is one body for each colour, in order of appearance.
     let mut colours: Vec<Option<[f64; 4]>> = melting.iter().map(|visual| visual.colour).collect();
     colours.dedup();
     for (index, colour) in colours.iter().enumerate() {
@@ -81,7 +81,7 @@ fn visual_pieces(
             let pieces = mesh.pieces.iter().map(|piece| {
                 let colour = piece.colour.map(|colour| colour.map(f64::from));
                 let material = match (colour, own) {
-                    // What the file says of its materials is finer than the one colour of a URDF.
+                    // Materials in the file are more detailed than the single colour of a URDF.
                     (Some(colour), _) => scene.material(plastic(colour, false)),
                     _ => material,
                 };
@@ -113,7 +113,7 @@ fn of_solid(solid: &Solid, material: usize) -> MeshPiece {
     MeshPiece::of_soup(&solid.tessellation().unwrap_or_default(), material)
 }
 
-/// The material of a robot's colour: white and grey parts are lacquered, dark ones rather rubber.
+/// Returns the material for a colour of a robot: white and grey components are lacquered, dark ones closer to rubber.
 fn plastic([red, green, blue, opacity]: [f64; 4], is_bare: bool) -> Material {
     if is_bare {
         return Material { roughness: 0.45, ..Material::matt("robot", Colour::hex(BARE)) };
@@ -125,7 +125,7 @@ fn plastic([red, green, blue, opacity]: [f64; 4], is_bare: bool) -> Material {
     Material { opacity, roughness, ..Material::matt(name, Colour::srgb([red, green, blue])) }
 }
 
-/// The piece moved by a pose.
+/// Transforms a piece by a pose.
 pub(crate) fn placed(mut piece: MeshPiece, target_from_piece: &Pose) -> MeshPiece {
     let pose = target_from_piece.cast::<f32>();
     for position in &mut piece.positions {
@@ -137,7 +137,7 @@ pub(crate) fn placed(mut piece: MeshPiece, target_from_piece: &Pose) -> MeshPiec
     piece
 }
 
-/// One piece for each material, without empty ones.
+/// Merges pieces of one material and drops empty ones.
 pub(crate) fn by_material(pieces: Vec<MeshPiece>) -> Vec<MeshPiece> {
     let mut merged: Vec<MeshPiece> = Vec::new();
     for piece in pieces.into_iter().filter(|piece| !piece.triangles.is_empty()) {

@@ -1,4 +1,4 @@
-//! Cuboids and cylinders whose edges are rounded inwards, by their formulas.
+//! Closed-form meshes of cuboids and cylinders with edges rounded inwards.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
 
@@ -9,13 +9,13 @@ use crate::MeshPiece;
 /// Steps of the rounding of an edge.
 const STEPS: u32 = 2;
 
-/// Corners of a full circle.
+/// Number of corners of a full circle.
 const CIRCLE_POINTS: u32 = 32;
 
-/// A cylinder along z about the origin; the rounding is at most its radius and half its length.
+/// Returns a cylinder along z about the origin, with a rounding of at most its radius and half its length.
 pub(crate) fn cylinder(half_length_m: f64, radius_m: f64, rounding_m: f64, material: usize) -> MeshPiece {
     let rounding_m = rounding_m.min(half_length_m).min(radius_m);
-    // Radius, height and the direction outwards, from the middle of the bottom to the middle of the top.
+    // Radius, height and elevation of the normal, from the middle of the bottom to the middle of the top.
     let mut profile = vec![(0.0, -half_length_m, -FRAC_PI_2)];
     for (sign, from) in [(-1.0, -FRAC_PI_2), (1.0, 0.0)] {
         for step in 0..=STEPS {
@@ -51,11 +51,11 @@ pub(crate) fn cylinder(half_length_m: f64, radius_m: f64, rounding_m: f64, mater
     piece
 }
 
-/// A cuboid about the origin; the rounding is at most its least half extent.
+/// Returns a cuboid about the origin, with a rounding of at most its least half extent.
 pub(crate) fn cuboid(half_extents: &Vector, rounding_m: f64, material: usize) -> MeshPiece {
     let rounding_m = rounding_m.min(half_extents.min());
     let inner = half_extents.add_scalar(-rounding_m);
-    // Across a face: at which end of it, and the slope of the normal there.
+    // End of the face across which a corner lies, and the slope of the normal there.
     let slope = |step: u32| libm::tan(FRAC_PI_4 * f64::from(step) / f64::from(STEPS));
     let lower = (0..=STEPS).rev().map(|step| (-1.0, -slope(step)));
     let line: Vec<(f64, f64)> = lower.chain((0..=STEPS).map(|step| (1.0, slope(step)))).collect();
@@ -98,7 +98,7 @@ mod tests {
     use super::*;
     use cranny_shape::TriangleSoup;
 
-    /// The volume, of a surface that faces outwards; its normals face as its triangles do.
+    /// Returns the volume after checking that the normals agree with the triangles.
     fn volume_m3(piece: &MeshPiece) -> f64 {
         let at = |corner: u32| Point::from(piece.positions[corner as usize].map(f64::from));
         for &[a, b, c] in &piece.triangles {

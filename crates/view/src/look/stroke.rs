@@ -1,4 +1,4 @@
-//! Lines as bodies: thin tubes with round joints, which cast shadows and are seen from all sides.
+//! Lines as bodies: thin tubes with round joints, which cast shadows and are visible from all sides.
 
 use std::f64::consts::TAU;
 
@@ -6,10 +6,10 @@ use cranny_spatial::{Point, Vector, sin_cos};
 
 use crate::MeshPiece;
 
-/// Corners of a tube's cross-section.
+/// Number of corners of the cross-section of a tube.
 const SIDES: u32 = 8;
 
-/// A tube of `radius_m` along a row of points; nothing for fewer than two that differ.
+/// Returns a tube of `radius_m` along a polyline; empty for fewer than two distinct points.
 pub(crate) fn tube(points: &[Point], radius_m: f64, material: usize) -> MeshPiece {
     let mut piece = MeshPiece { material, ..MeshPiece::default() };
     let mut row: Vec<Point> = points.to_vec();
@@ -23,7 +23,7 @@ pub(crate) fn tube(points: &[Point], radius_m: f64, material: usize) -> MeshPiec
         let before = directions[index.saturating_sub(1)];
         let after = directions[index.min(directions.len() - 1)];
         let along = (before + after).try_normalize(1e-6).unwrap_or(after);
-        // Carried along the row, so that the tube does not twist.
+        // The direction is transported along the line, so that the tube does not twist.
         across = (across - along * across.dot(&along)).try_normalize(1e-6).unwrap_or(perpendicular(&along));
         let side = along.cross(&across);
         for corner in 0..SIDES {
@@ -61,10 +61,10 @@ fn perpendicular(direction: &Vector) -> Vector {
     direction.cross(&axis).normalize()
 }
 
-/// A grasp as a small gripper in the gripper frame: two fingers that reach to the origin, the bar that holds
-/// them and a stem. `scale` = 1 is the real opening of `opening_m`.
+/// Returns the symbol of a grasp in the gripper frame: two fingers that reach to the origin, the bar that holds them and a
+/// stem. `scale` = 1 is the real opening of `opening_m`.
 pub(crate) fn small_gripper(opening_m: f64, radius_m: f64, material: usize) -> MeshPiece {
-    /// How far the fingers reach ahead of the gripper frame's origin, and back to the bar, in metres.
+    /// Reach of the fingers ahead of the origin of the gripper frame, and distance back to the bar, in metres.
     const AHEAD_M: f64 = 0.008;
     const BACK_M: f64 = 0.038;
     const STEM_M: f64 = 0.03;

@@ -10,7 +10,7 @@ use crate::viewer::page_robot::{FloorArea, PageRobot};
 use crate::viewer::page_scene::PageScene;
 use crate::{BodyRecording, PagePlan, Scene, SceneSettings, ViewError, viewer::number_row};
 
-/// A task and its plans for a page: the one JSON document that `web/src/data/page_data.ts` describes.
+/// Task and plans of a page, as the JSON document that `web/src/data/page_data.ts` describes.
 #[derive(Clone, Debug, Serialize)]
 pub struct PageData {
     format: &'static str,
@@ -31,11 +31,11 @@ pub struct PageData {
     feed: Option<u64>,
 }
 
-/// Where something can be put down, as a page reads it.
+/// Goal of a placement in the encoding of the page.
 #[derive(Clone, Debug, Serialize)]
 struct PagePlace {
     name: String,
-    /// Of the middle of a rectangle; else of the target's first part.
+    /// Pose of the middle of the rectangle, or of the first component of the target.
     world_from_place: [f64; 7],
     #[serde(skip_serializing_if = "Option::is_none")]
     size_m: Option<[f64; 2]>,
@@ -51,11 +51,11 @@ impl PagePlace {
     }
 }
 
-/// How much a page is told.
+/// Settings of the data of a page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PageSettings {
-    /// Instants of each path at which the closest pair is measured, at least 2. Default 240: more than a plot has
-    /// pixels between two of its dips, and some tens of milliseconds.
+    /// Number of instants of each path at which the closest pair is computed, at least 2. Default 240: finer than the pixels of
+    /// the plot, in some tens of milliseconds.
     pub clearance_instants: usize,
 }
 
@@ -66,11 +66,11 @@ impl Default for PageSettings {
 }
 
 impl PageData {
-    /// Everything that a page shows; clearances are measured in `cell`, and `statuses` say of each grasp what is known
-    /// of inverse kinematics there.
+    /// Collects the data of a page. Clearances are computed in `cell`; `statuses` holds the known result of inverse kinematics
+    /// of each grasp.
     ///
     /// # Errors
-    /// As [`Scene::of_task`].
+    /// See [`Scene::of_task`].
     pub fn of(
         scenario: &Scenario,
         plans: &[PagePlan],
@@ -101,7 +101,7 @@ impl PageData {
         })
     }
 
-    /// What moved where, whatever moved it: the page has no robot then, no grasps and no plans.
+    /// Collects the data of a recording: a page without robot, grasps and plans.
     pub fn of_recording(recording: &BodyRecording) -> Self {
         let duration_s = recording.times_s.last().copied().unwrap_or_default();
         let scene = Scene::of_moving_bodies(&recording.thinned(rate_hz(duration_s)));
@@ -122,16 +122,16 @@ impl PageData {
         }
     }
 
-    /// The document, of a page that nobody serves.
+    /// Serializes the document of a page without a server.
     ///
     /// # Errors
-    /// [`ViewError::PageData`] for a number that JSON cannot hold.
+    /// [`ViewError::PageData`] for a number that JSON cannot represent.
     pub fn to_json(&self) -> Result<Vec<u8>, ViewError> {
         self.served(false, None)
     }
 
-    /// The document as a server gives it: whether it answers questions, and the number of the page where others may follow
-    /// it.
+    /// Serializes the document of a served page. `is_live` is true if the server answers verdict requests; `feed` is the number
+    /// of the page if others may follow.
     pub(crate) fn served(&self, is_live: bool, feed: Option<u64>) -> Result<Vec<u8>, ViewError> {
         let page = Self { is_live, feed, ..self.clone() };
         serde_json::to_vec(&page).map_err(|reason| ViewError::PageData { reason })

@@ -12,24 +12,23 @@ use crate::viewer::page_feed::PageFeed;
 use crate::viewer::page_token::PageToken;
 use crate::{PageCells, PageLimits, viewer::page_bundle, viewer::verdict};
 
-/// What all answers of a server share.
+/// State shared by all responses of a server.
 pub(crate) struct Served {
     pub feed: PageFeed,
-    /// None of a page on which nothing can be asked.
+    /// Cells for verdicts; `None` for a page without verdicts.
     pub cells: Option<PageCells>,
     pub token: PageToken,
     pub limits: PageLimits,
-    /// The names by which this server can be meant. A page of another origin that has its name resolved to this
-    /// machine sends another one.
+    /// Host names of this server. A page of another origin whose name resolves to this machine sends another one.
     pub hosts: Vec<String>,
 }
 
 type Answer = Response<Full<Bytes>>;
 
-/// A question holds some dozens of numbers.
+/// Maximum size of a request body in bytes; a question holds some dozens of numbers.
 const MOST_BODY_BYTES: usize = 64 * 1024;
 
-/// Everything comes from this server, and nothing leaves to another. Styles are set by scripts too.
+/// Content security policy: everything comes from this server, and nothing goes to another. Scripts also set styles.
 const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; \
      img-src 'self' data: blob:; font-src 'self' data:; connect-src 'self'; worker-src 'self' blob:; \
      base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
@@ -44,15 +43,14 @@ const HEADERS: [(HeaderName, &str); 4] = [
 const JSON: &str = "application/json";
 const TEXT: &str = "text/plain; charset=utf-8";
 
-/// What a malformed question is told.
+/// Response to a malformed question.
 #[derive(Serialize)]
 struct Refusal {
     error: String,
 }
 
 impl Served {
-    /// Turns away whoever means another host, comes from another origin or does not know the token; answers the
-    /// others.
+    /// Answers a request. Rejects requests to other hosts, from other origins or without the token.
     pub async fn answer(&self, request: Request<Incoming>) -> Answer {
         let mut answer = if !self.is_meant(request.headers()) {
             told(StatusCode::FORBIDDEN, TEXT, format!("this server is only {}", self.hosts.join(" or ")))
@@ -78,7 +76,7 @@ impl Served {
         is_own(&host) && origin.as_ref().is_none_or(is_own_origin)
     }
 
-    /// The path below the token; None where that is another.
+    /// Returns the path below the token; `None` for another token.
     fn inside<'a>(&self, path: &'a str) -> Option<&'a str> {
         let path = path.strip_prefix('/')?;
         let (token, inside) = path.split_at(path.find('/').unwrap_or(path.len()));
@@ -91,7 +89,7 @@ impl Served {
                 Some(cells) => self.judge(cells, request.into_body()).await,
                 None => told(StatusCode::NOT_FOUND, TEXT, "this page has no robot to judge"),
             },
-            // Addresses in the page are relative to the folder that it is in.
+            // Addresses in the page are relative to its folder.
             (&Method::GET | &Method::HEAD, "") => {
                 let mut answer = told(StatusCode::PERMANENT_REDIRECT, TEXT, "");
                 if let Ok(folder) = HeaderValue::try_from(format!("/{}/", self.token.text())) {
@@ -142,7 +140,7 @@ impl Served {
     }
 }
 
-/// `search=S&after=N`.
+/// Parses `search=S&after=N`.
 fn search_and_nodes(query: &str) -> Option<(u64, usize)> {
     let (search, after) = query.split_once('&')?;
     Some((search.strip_prefix("search=")?.parse().ok()?, after.strip_prefix("after=")?.parse().ok()?))

@@ -4,26 +4,26 @@ use rust_embed::RustEmbed;
 
 use crate::ViewError;
 
-/// The page as `build.rs` found or built it; empty where it could do neither.
+/// Page that `build.rs` found or built; empty if it could do neither.
 #[derive(RustEmbed)]
 #[folder = "$OUT_DIR/page"]
 struct Files;
 
-/// The page that is served.
+/// Name of the served page.
 const INDEX: &str = "index.html";
 
-/// The page that is one file, with a place for its data.
+/// Name of the single-file page, with a placeholder for its data.
 const SINGLE: &str = "single.html";
 
-/// A file of the page.
+/// File of the page.
 pub(crate) struct PageAsset {
     pub bytes: Cow<'static, [u8]>,
-    /// Its media type.
+    /// Media type.
     pub kind: &'static str,
 }
 
-/// The file at a path of the page, `/` being the page itself; `None` if there is none. Nothing outside the program
-/// is looked at.
+/// Returns the file at a path of the page, `/` being the page itself; `None` if there is none. Only files embedded in the
+/// program are served.
 pub(crate) fn asset(path: &str) -> Option<PageAsset> {
     let name = path.strip_prefix('/')?;
     let name = if name.is_empty() { INDEX } else { name };
@@ -43,15 +43,15 @@ pub(crate) fn asset(path: &str) -> Option<PageAsset> {
     Files::get(name).map(|file| PageAsset { bytes: file.data, kind })
 }
 
-/// Whether there is a page in this program.
+/// Checks that the program contains a page.
 ///
 /// # Errors
-/// [`ViewError::NoPage`], which says what to install.
+/// [`ViewError::NoPage`], which names what to install.
 pub(crate) fn check() -> Result<(), ViewError> {
     single().map(|_| ())
 }
 
-/// The page that is one file.
+/// Returns the single-file page.
 ///
 /// # Errors
 /// [`ViewError::NoPage`].

@@ -8,11 +8,10 @@ use tokio::time::timeout;
 use crate::viewer::watched_tree::{NewNodes, WatchedTree};
 use crate::{PageData, TreeRecording, ViewError};
 
-/// So long a page waits for news in one question; less than a connection may last.
+/// Maximum waiting time of one request for news; less than the limit of a connection.
 const HOLD: Duration = Duration::from_secs(20);
 
-/// What a served page shows, and how to change that while it is served: another page, another posture of the robot, the
-/// trees of a search that is going on.
+/// Content of a served page that can change: another page, another configuration of the robot, the growing trees of a search.
 #[derive(Clone, Debug)]
 pub struct PageFeed {
     told: watch::Sender<Told>,
@@ -22,35 +21,35 @@ pub struct PageFeed {
 struct Told {
     page: Bytes,
     news: News,
-    /// How many searches were watched so far, and the last, until another page is shown.
+    /// Number of searches watched up to now, and the tree of the last one, until another page is shown.
     searches: u64,
     tree: Option<WatchedTree>,
 }
 
-/// What a page hears.
+/// State that is sent to a page.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct News {
-    /// Everything that was told so far is counted.
+    /// Number of all changes up to now.
     changes: u64,
-    /// How many pages were there before this one; who shows another loads this one.
+    /// Number of earlier pages; a client that shows another page loads this one.
     page: u64,
-    /// How often the robot was told how to stand, on this page.
+    /// Number of configurations set on this page.
     poses: u64,
-    /// How it stands (m, rad); `None`: as the page has it.
+    /// Configuration of the robot (m, rad); `None`: that of the page.
     q: Option<Vec<f64>>,
-    /// How far the search is that is watched, if one is.
+    /// Progress of the watched search, if there is one.
     tree: Option<TreeNews>,
 }
 
 #[derive(Clone, Copy, Debug, Serialize)]
 struct TreeNews {
-    /// Which search: each begins with no node.
+    /// Number of the search; each begins without nodes.
     search: u64,
     nodes: usize,
 }
 
 impl PageFeed {
-    /// A page that can be changed. `has_verdicts`: whether its server judges postures.
+    /// Creates a page that can be changed. `has_verdicts`: true if its server checks configurations.
     ///
     /// # Errors
     /// [`ViewError::PageData`].
@@ -58,7 +57,7 @@ impl PageFeed {
         Ok(Self::of(page.served(has_verdicts, Some(0))?))
     }
 
-    /// A page that stays as it is.
+    /// Creates a page that does not change.
     pub(crate) fn still(page: &PageData, has_verdicts: bool) -> Result<Self, ViewError> {
         Ok(Self::of(page.served(has_verdicts, None)?))
     }
@@ -68,10 +67,10 @@ impl PageFeed {
         Self { told: watch::Sender::new(Told { page: page.into(), news, searches: 0, tree: None }) }
     }
 
-    /// Shows another page, the robot as that has it.
+    /// Shows another page, with the robot in the configuration of that page.
     ///
     /// # Errors
-    /// [`ViewError::PageData`]; what was shown stays.
+    /// [`ViewError::PageData`]; the previous page stays.
     pub fn show(&self, page: &PageData, has_verdicts: bool) -> Result<(), ViewError> {
         let number = self.told.borrow().news.page + 1;
         let page = page.served(has_verdicts, Some(number))?;
@@ -83,7 +82,7 @@ impl PageFeed {
         Ok(())
     }
 
-    /// Shows the robot at a configuration (m, rad; one per joint); `None`: as the page has it.
+    /// Shows the robot at a configuration (m, rad; one per joint); `None` restores that of the page.
     pub fn pose(&self, q: Option<Vec<f64>>) {
         self.told.send_modify(|told| {
             told.news.changes += 1;
@@ -92,7 +91,7 @@ impl PageFeed {
         });
     }
 
-    /// Begins a search that is watched; `recording` has no node yet.
+    /// Begins a watched search; `recording` has no nodes yet.
     pub(crate) fn begin_search(&self, recording: TreeRecording) -> WatchedTree {
         let search = self.told.borrow().searches + 1;
         let tree = WatchedTree::new(search, recording);
@@ -106,7 +105,7 @@ impl PageFeed {
         tree
     }
 
-    /// Says how many nodes a search has, if it is still the one that is watched.
+    /// Publishes the number of nodes of a search if it is still the watched one.
     pub(crate) fn tell_nodes(&self, search: u64, nodes: usize) {
         self.told.send_if_modified(|told| {
             let is_watched = told.news.tree.is_some_and(|tree| tree.search == search && tree.nodes < nodes);
@@ -118,21 +117,21 @@ impl PageFeed {
         });
     }
 
-    /// The nodes of a search after so many; nothing of one that is not watched any more.
+    /// Returns the nodes of a search from index `after` on; `None` if it is no longer watched.
     pub(crate) fn nodes(&self, search: u64, after: usize) -> Option<NewNodes> {
         let tree = self.told.borrow().tree.clone().filter(|tree| tree.search == search)?;
         Some(tree.after(after))
     }
 
-    /// What is shown now.
+    /// Returns the current page.
     pub(crate) fn page(&self) -> Bytes {
         self.told.borrow().page.clone()
     }
 
-    /// What is new after so many changes, or after a while that nothing is.
+    /// Waits for more than `after` changes, or for a timeout, and returns the current state.
     pub(crate) async fn news(&self, after: u64) -> News {
         let mut told = self.told.subscribe();
-        // Nobody is left to tell anything only where the server ends, and with it this.
+        // The wait fails only if all senders are gone: the server ends then, and with it this request.
         let _ = timeout(HOLD, told.wait_for(|told| told.news.changes > after)).await;
         told.borrow().news.clone()
     }

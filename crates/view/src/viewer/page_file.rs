@@ -9,20 +9,20 @@ use flate2::write::GzEncoder;
 use crate::drawing::picture_file::write_whole;
 use crate::{PageData, ViewError, viewer::page_bundle};
 
-/// Where the data of a page that is one file goes.
+/// Placeholder for the data of a single-file page.
 const PLACE: &str = "<script type=\"application/json\" id=\"page-data\">";
 
-/// After this the browser is told what the page may do.
+/// Marker after which the content security policy is inserted.
 const HEAD: &str = "<head>";
 
-/// Everything is in the file: nothing is loaded from anywhere, and nothing is sent.
+/// Content security policy: everything is in the file, nothing is loaded and nothing is sent.
 const POLICY: &str = "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; \
      script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; font-src data:; \
      base-uri 'none'; form-action 'none'\">";
 
 impl PageData {
-    /// The page as one HTML document that opens from a disk: scripts and styles in it, and the data as base64
-    /// of gzip (RFC 1952), which the page unpacks. The same data give the same bytes.
+    /// Returns the page as one HTML document that opens from a disk. It contains scripts and styles, and the data as base64 of
+    /// gzip (RFC 1952), which the page unpacks. Equal data give equal bytes.
     ///
     /// # Errors
     /// [`ViewError::NoPage`] if the program was built without a page, [`ViewError::PageData`].
@@ -37,7 +37,7 @@ impl PageData {
     /// Writes [`Self::html`] to a file.
     ///
     /// # Errors
-    /// As [`Self::html`], and [`ViewError::Unwritable`].
+    /// Those of [`Self::html`], and [`ViewError::Unwritable`].
     pub fn write_html(&self, path: &Path) -> Result<(), ViewError> {
         write_whole(path, self.html()?.as_bytes())
     }

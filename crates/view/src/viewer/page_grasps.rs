@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::{PagePlan, viewer::number_row};
 
-/// A grasp of a page, and what is known of inverse kinematics there.
+/// Grasp of a page with the known result of its inverse kinematics.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct PageGrasp {
     index: usize,
@@ -15,8 +15,8 @@ pub(crate) struct PageGrasp {
     ik: &'static str,
 }
 
-/// All grasps, with the name of what is known of each; "solved" too where a valid plan ends, or a failed search has a
-/// free configuration that holds it.
+/// Returns all grasps with the names of their statuses. A grasp also counts as "solved" if a valid plan ends there, or a failed
+/// search found a free configuration that holds it.
 pub(crate) fn all(grasps: &GraspSet, statuses: &[IkStatus], plans: &[PagePlan]) -> Vec<PageGrasp> {
     let mut names: Vec<&'static str> = statuses.iter().map(IkStatus::name).collect();
     for plan in plans {

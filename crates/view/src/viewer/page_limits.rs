@@ -1,13 +1,13 @@
 use std::time::Duration;
 
-/// What connections to a page may ask of its server. Each carries one request.
+/// Limits of the connections to a page server. Each connection carries one request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PageLimits {
-    /// Connections at the same time, at least 1; others wait. Default 64: ten times what a browser opens.
+    /// Maximum number of simultaneous connections, at least 1; others wait. Default 64: ten times what a browser opens.
     pub connections: usize,
-    /// Within which the head of a request has to come, and then its body. Default 10 s: they come at once.
+    /// Timeout of the head of a request, and then of its body. Default 10 s: they normally arrive at once.
     pub request: Duration,
-    /// After which a connection is cut whatever it does. Default 2 min: a large page over a forwarded port.
+    /// Maximum duration of a connection. Default 2 min: enough for a large page over a forwarded port.
     pub connection: Duration,
 }
 

@@ -14,44 +14,44 @@ use crate::{
     ClearanceProfile, ShownCarry, ShownMode, ShownPath, TreeRecording, ViewError, viewer::number_row,
 };
 
-/// A plan as a page shows it: the path in time, what `verify` says of it, or why there is none.
+/// Plan on a page: the timed path with the verdict of `verify`, or the reason why there is none.
 #[derive(Clone, Debug)]
 pub struct PagePlan {
-    /// What it is called: the name of its file.
+    /// Name of the plan: that of its file.
     pub name: String,
-    /// The planner; empty for bare way points.
+    /// Name of the planner; empty for bare way points.
     pub planner: String,
-    /// How the search ended; None for bare way points.
+    /// Outcome of the search; `None` for bare way points.
     pub outcome: Option<Outcome>,
-    /// Length of its path by [`cranny_path::path_length`].
+    /// Length of the path by [`cranny_path::path_length`].
     pub path_length: f64,
-    /// The path in time; `None` for a plan without a path.
+    /// Timed path; `None` for a plan without a path.
     pub path: Option<ShownPath>,
     /// Verdict of `verify`; `None` for a plan without a path.
     pub verification: Option<Audit>,
-    /// The states along the segments of a plan with several.
+    /// States along the segments of a plan with several segments.
     pub states: Vec<State>,
-    /// What stood between the robot and each grasp.
+    /// Failure of each grasp without a path.
     pub failures: Vec<GraspFailure>,
-    /// The trees of the search, if they were recorded.
+    /// Trees of the search, if they were recorded.
     pub search_tree: Option<TreeRecording>,
 }
 
-/// A page draws so many instants a second, screens most of which show 60, and of a long path so many in all.
+/// Sample rate of a path in Hz, that of most screens, and maximum number of samples of a long path.
 const RATE_HZ: f64 = 60.0;
 const MOST_SAMPLES: f64 = 2400.0;
 
-/// Of a motion that lasts so long.
+/// Returns the sample rate of a motion of this duration, in Hz.
 pub(crate) fn rate_hz(duration_s: f64) -> f64 {
     RATE_HZ.min(MOST_SAMPLES / duration_s.max(f64::MIN_POSITIVE))
 }
 
 impl PagePlan {
-    /// The plan of a file, with the times of [`PlanFile::trajectory`], the verdict of `verify` and the states along its
+    /// Creates the plan of a file, with the times of [`PlanFile::trajectory`], the verdict of `verify` and the states along its
     /// segments ([`PlanFile::states`]).
     ///
     /// # Errors
-    /// As [`ShownPath::of`].
+    /// See [`ShownPath::of`].
     pub fn of_file(
         name: impl Into<String>,
         plan: &PlanFile,
@@ -75,11 +75,10 @@ impl PagePlan {
         })
     }
 
-    /// Way points (m, rad; one value per joint), from whoever planned them, with their time and the verdict of `verify` on
-    /// them.
+    /// Creates a plan of way points of any origin (m, rad; one value per joint), with their times and the verdict of `verify`.
     ///
     /// # Errors
-    /// As [`ShownPath::of`].
+    /// See [`ShownPath::of`].
     pub fn of_waypoints(
         name: impl Into<String>,
         waypoints: &[Vec<f64>],
@@ -102,18 +101,18 @@ impl PagePlan {
         })
     }
 
-    /// True if `verify` finds nothing wrong with it.
+    /// Returns true if `verify` finds no violation.
     pub fn is_valid(&self) -> bool {
         self.verification.as_ref().is_some_and(|verification| verification.valid)
     }
 
-    /// The grasp that the path ends at: what `verify` finds, not what the file states. `None` for several picks.
+    /// Grasp at which the path ends, as found by `verify`, not as stated in the file. `None` for several picks.
     pub fn grasp(&self) -> Option<usize> {
         let one = self.verification.as_ref().filter(|audit| audit.valid && audit.picks.len() < 2)?;
         one.goal.map(|goal| goal.grasp)
     }
 
-    /// One line: the verdict of `verify`.
+    /// Returns the verdict of `verify` in one line.
     pub fn verdict(&self) -> String {
         let Some(audit) = &self.verification else {
             return format!("no path: {}", self.outcome.map_or("no way points", Outcome::sentence));
@@ -165,7 +164,7 @@ impl PagePlan {
     }
 }
 
-/// A plan as a page reads it.
+/// Plan in the encoding of the page.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct PlanEntry {
     name: String,
@@ -186,7 +185,7 @@ pub(crate) struct PlanEntry {
     search_tree: Option<SearchTreeRows>,
 }
 
-/// What becomes of an object, as a page reads it.
+/// Carried object in the encoding of the page.
 #[derive(Clone, Debug, Serialize)]
 struct CarryEntry {
     object: String,

@@ -2,7 +2,7 @@ use serde::Serialize;
 
 use crate::{SceneMotion, Track, viewer::number_row};
 
-/// Where bodies are when, as a page reads it.
+/// Motions of bodies in the encoding of the page.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct RecordingRows {
     times_s: String,

@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use crate::viewer::number_row;
 
-/// The robot of a page: enough to compute where every link is.
+/// Kinematics of the robot of a page, sufficient for forward kinematics of all links.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct PageRobot {
     links: Vec<PageLink>,
@@ -36,7 +36,7 @@ struct PageJoint {
     stroke: Option<f64>,
 }
 
-/// A rectangle of the plane, in metres.
+/// Rectangle in the plane, in metres.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(crate) struct FloorArea {
     low: [f64; 2],
@@ -44,7 +44,7 @@ pub(crate) struct FloorArea {
 }
 
 impl PageRobot {
-    /// Of a page without a robot.
+    /// Returns an empty robot, for a page without one.
     pub fn none() -> Self {
         Self { links: Vec::new(), joints: Vec::new(), tip: 0, start: Vec::new() }
     }
@@ -62,8 +62,8 @@ impl PageRobot {
 }
 
 impl PageJoint {
-    /// How a link hangs on its parent; `None` for the root. What a joint that mimics another adds by itself is
-    /// part of the pose at 0, so that every offset is 0.
+    /// Returns the joint between a link and its parent; `None` for the root. The constant offset of a mimic joint is included
+    /// in the pose at 0, so that every offset is 0.
     fn above(robot: &Robot, child: usize) -> Option<Self> {
         let parent = robot.links()[child].parent?;
         let at_zero = robot.frames();
@@ -116,8 +116,8 @@ fn kind_name(kind: JointKind) -> &'static str {
 }
 
 impl FloorArea {
-    /// Where the base can go: the way of the link that two prismatic joints move over the plane, between their
-    /// limits; `None` for a robot that does not begin with two such joints.
+    /// Computes the area that the base can reach: the motion of the link that two prismatic joints move over the plane, between
+    /// their limits. `None` for a robot that does not begin with two such joints.
     pub fn of(robot: &Robot) -> Option<Self> {
         let base = robot.links().iter().enumerate().position(|(link, _)| {
             let movers = robot.ancestors(link);
@@ -146,5 +146,5 @@ impl FloorArea {
     }
 }
 
-/// A base that rises by more than this on its way, in metres, does not stand on a floor: far below any step.
+/// Maximum height change of a base on a floor, in metres: far below any step.
 const LEVEL_M: f64 = 1e-6;

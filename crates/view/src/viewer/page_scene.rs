@@ -5,7 +5,7 @@ use crate::look::robot_look::{by_material, placed};
 use crate::scene::{Node, Role};
 use crate::{Colour, Material, Mesh, MeshPiece, Scene, viewer::number_row};
 
-/// What a page shows of a scene as surfaces.
+/// Surfaces of a scene on a page.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct PageScene {
     materials: Vec<PageMaterial>,
@@ -48,12 +48,12 @@ struct PageNode {
     role: &'static str,
 }
 
-/// What the robot's collision shapes look like: nothing else in a scene is of this colour.
+/// Colour of the collision geometry of the robot, unique in a scene.
 const COLLISION: u32 = 0x007a_5cc8;
 
 impl PageScene {
-    /// The links, obstacles and target of a scene, and what of them is checked for collision. Bodies are drawn as
-    /// what they are checked as; of links the collision geometry is added to the scene.
+    /// Collects links, obstacles and target of a scene with their collision geometry. Bodies are drawn as they are checked; for
+    /// links, the collision geometry is added to the scene.
     pub fn of(mut scene: Scene, robot: &Robot) -> Self {
         let bodies = |node: &&Node| matches!(node.role, Role::Obstacle(_) | Role::Target);
         let mut collision_shapes: Vec<PageNode> = link_shapes(&mut scene, robot);
@@ -61,7 +61,7 @@ impl PageScene {
         Self { collision_shapes, ..Self::of_bodies(&scene) }
     }
 
-    /// What is seen alone, of a scene in which nothing is checked for collision.
+    /// Collects the visible surfaces of a scene without collision geometry.
     pub fn of_bodies(scene: &Scene) -> Self {
         Self {
             nodes: scene.nodes.iter().filter_map(PageNode::of).collect(),
@@ -72,7 +72,7 @@ impl PageScene {
     }
 }
 
-/// One node for each link with collision geometry, hung on the node of the link.
+/// Returns one node for each link with collision geometry, below the node of the link.
 fn link_shapes(scene: &mut Scene, robot: &Robot) -> Vec<PageNode> {
     let material = scene.material(Material::matt("collision shape", Colour::hex(COLLISION)));
     let mut nodes = Vec::new();
@@ -97,7 +97,7 @@ fn link_shapes(scene: &mut Scene, robot: &Robot) -> Vec<PageNode> {
 }
 
 impl PageNode {
-    /// `None` for what a page draws itself: grasps and the gripper's way.
+    /// Converts a node; `None` for grasps and the gripper path, which the page draws itself.
     fn of(node: &Node) -> Option<Self> {
         let role = match node.role {
             Role::Link(_) => "link",

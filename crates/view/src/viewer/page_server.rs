@@ -16,8 +16,8 @@ use crate::viewer::page_limits::PageLimits;
 use crate::viewer::page_token::PageToken;
 use crate::{PageCells, PageData, PageFeed, ViewError, viewer::page_bundle};
 
-/// Serves one page to this machine alone, and there to who knows its address: the page's own files, which are part
-/// of the program, its data, and verdicts on configurations.
+/// Server of one page on the loopback interface, for clients that know its address: the files of the page, which are embedded
+/// in the program, its data, and verdicts on configurations.
 #[derive(Debug)]
 pub struct PageServer {
     listener: TcpListener,
@@ -26,26 +26,26 @@ pub struct PageServer {
     limits: PageLimits,
 }
 
-/// How long answers that are under way may take once the server is to stop.
+/// Maximum duration of pending responses after the stop of the server.
 const GRACE: Duration = Duration::from_secs(1);
 
-/// Until another connection is looked for where the system could not give one.
+/// Delay after a failed accept.
 const PAUSE: Duration = Duration::from_millis(50);
 
 impl PageServer {
-    /// Whether this program has a page to serve.
+    /// Checks that this program has a page to serve.
     ///
     /// # Errors
-    /// [`ViewError::NoPage`], which says what to install.
+    /// [`ViewError::NoPage`], which names what to install.
     pub fn check_page() -> Result<(), ViewError> {
         page_bundle::check()
     }
 
-    /// Takes a port of the loopback address 127.0.0.1: this one, or a free one for 0.
+    /// Binds a port of the loopback address 127.0.0.1; 0 selects a free one.
     ///
     /// # Errors
-    /// [`ViewError::Port`] if it is taken or not allowed, [`ViewError::Server`] if the system has no random numbers
-    /// for the address.
+    /// [`ViewError::Port`] if the port is taken or not allowed, [`ViewError::Server`] if the system has no random numbers for
+    /// the address.
     pub fn bind(port: u16, limits: PageLimits) -> Result<Self, ViewError> {
         let fault = |reason| ViewError::Port { port, reason };
         let token = PageToken::random().map_err(|reason| ViewError::Server { reason: reason.into() })?;
@@ -55,16 +55,16 @@ impl PageServer {
         Ok(Self { listener, address, token, limits })
     }
 
-    /// Where the page is: whoever knows this can read it.
+    /// Returns the address of the page. Anyone who knows it can read the page.
     pub fn url(&self) -> String {
         format!("http://{}/{}/", self.address, self.token.text())
     }
 
-    /// Answers until `stop` is done, questions as well where there are cells to judge in; answers that are under way
-    /// then get a second more. `ready` is called once the first request can come.
+    /// Serves until `stop` completes, with verdicts if there are cells to check in. Pending responses then get one more second.
+    /// `ready` is called once requests can arrive.
     ///
     /// # Errors
-    /// [`ViewError::Server`] if the system gives no means to listen, [`ViewError::PageData`].
+    /// [`ViewError::Server`] if the system cannot listen, [`ViewError::PageData`].
     pub fn serve(
         self,
         page: &PageData,
@@ -76,7 +76,7 @@ impl PageServer {
         self.serve_feed(feed, cells, stop, ready)
     }
 
-    /// [`Self::serve`] of a page that can be changed meanwhile.
+    /// Serves like [`Self::serve`] a page that can change meanwhile.
     ///
     /// # Errors
     /// [`ViewError::Server`].
@@ -101,7 +101,7 @@ impl PageServer {
             let _ = stop.await;
             accepting.abort();
             let _ = accepting.await;
-            // Whoever has not got an answer by then gets none.
+            // Pending responses after this time are dropped.
             if let Some(under_way) = Arc::into_inner(under_way) {
                 let _ = timeout(GRACE, under_way.shutdown()).await;
             }
@@ -110,11 +110,11 @@ impl PageServer {
     }
 }
 
-/// Takes connections as far as the limits let them in.
+/// Accepts connections within the limits.
 async fn accept(listener: tokio::net::TcpListener, served: Arc<Served>, under_way: Arc<GracefulShutdown>) {
     let limits = served.limits;
     let places = Arc::new(Semaphore::new(limits.connections.max(1)));
-    // One request each: whatever is slow is then slow by itself, and cut by itself.
+    // Each connection carries one request, so that a slow one delays only itself, and only it is cut.
     let mut protocol = http1::Builder::new();
     protocol.timer(TokioTimer::new()).header_read_timeout(limits.request).keep_alive(false);
     while let Ok(place) = places.clone().acquire_owned().await {
@@ -135,10 +135,10 @@ async fn accept(listener: tokio::net::TcpListener, served: Arc<Served>, under_wa
     }
 }
 
-/// The names of this server on a port.
+/// Returns the host names of this server on a port.
 fn hosts(port: u16) -> Vec<String> {
     let names = ["127.0.0.1", "localhost"];
-    // Browsers leave out the usual port.
+    // Browsers omit the default port.
     let bare = names.iter().filter(|_| port == 80).map(|name| (*name).to_owned());
     names.iter().map(|name| format!("{name}:{port}")).chain(bare).collect()
 }

@@ -1,17 +1,17 @@
 use std::fmt;
 use std::hint::black_box;
 
-/// What only the user of a page knows: 128 random bits of the operating system, as hexadecimal digits. They stand
-/// in the page's address, for every user of a machine can open its ports.
+/// Secret of the user of a page: 128 random bits of the operating system, as hexadecimal digits. It is included in the address
+/// of the page, because every user of a machine can open its ports.
 #[derive(Clone)]
 pub(crate) struct PageToken(String);
 
-/// As many as cannot be guessed.
+/// Size in bytes: enough that the token cannot be guessed.
 const BYTES: usize = 16;
 
 impl PageToken {
     /// # Errors
-    /// If the system has no random numbers to give.
+    /// Returns an error if the system has no random numbers.
     pub fn random() -> Result<Self, getrandom::Error> {
         let mut bytes = [0; BYTES];
         getrandom::fill(&mut bytes)?;
@@ -28,7 +28,7 @@ impl PageToken {
         &self.0
     }
 
-    /// Whether `other` is this token. How long the answer takes does not tell how much of it is right.
+    /// Returns true if `other` is this token. The comparison takes constant time for equal lengths.
     pub fn is(&self, other: &str) -> bool {
         let pairs = self.0.bytes().zip(other.bytes());
         let difference = pairs.fold(0, |sum: u8, (a, b)| black_box(sum | (a ^ b)));
@@ -36,7 +36,7 @@ impl PageToken {
     }
 }
 
-/// Without the token itself, which would else stand in whatever is logged.
+/// Omits the token itself, which would otherwise appear in logs.
 impl fmt::Debug for PageToken {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str("PageToken")

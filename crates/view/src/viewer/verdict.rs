@@ -5,28 +5,28 @@ use serde::{Deserialize, Serialize};
 use crate::course::clearance_profile::PairNames;
 use crate::{PageCells, viewer::number_row};
 
-/// What a page asks: is this configuration free?
+/// Request of a page for the check of a configuration.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct VerdictQuestion {
-    /// One value per joint (m, rad).
+    /// Configuration, one value per joint (m, rad).
     pub q: Vec<f64>,
-    /// Left out as long as nothing has moved, and where the robot was posed by hand.
+    /// Segment of a plan; absent before any motion and for a manually set configuration.
     #[serde(default)]
     pub during: Option<DuringQuestion>,
 }
 
-/// What a plan does: what is in the hand and where everything else stands is as it is then.
+/// Segment of a plan whose state (held object and other bodies) applies.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct DuringQuestion {
-    /// By index.
+    /// Index of the plan.
     pub plan: usize,
-    /// By index.
+    /// Index of the segment.
     pub segment: usize,
 }
 
-/// The answer, by the exact check.
+/// Result of the exact check.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(crate) struct Verdict {
     is_free: bool,
@@ -35,7 +35,7 @@ pub(crate) struct Verdict {
     world_from_gripper: [f64; 7],
 }
 
-/// Why a question has no answer.
+/// Errors of a request.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum QuestionError {
     #[error("the question is no JSON of the form {{\"q\": [numbers]}}: {0}")]
@@ -48,7 +48,7 @@ pub(crate) enum QuestionError {
     NotDone { plan: usize, segment: usize },
 }
 
-/// Answers the question in the body of a request.
+/// Answers the request in the body.
 pub(crate) fn answer(cells: &PageCells, body: &[u8]) -> Result<Verdict, QuestionError> {
     let VerdictQuestion { q, during } = serde_json::from_slice(body)?;
     let cell = match during {

@@ -8,10 +8,10 @@ use crate::TreeRecording;
 use crate::viewer::page_feed::PageFeed;
 use crate::viewer::watched_tree::WatchedTree;
 
-/// Pages hear of new nodes no more often: as often as a person sees a tree grow.
+/// Minimum interval between two updates of a page: a tree then grows smoothly for the eye.
 const TELL_EVERY: Duration = Duration::from_millis(50);
 
-/// Watches a search whose trees are seen in a browser while they grow ([`PageFeed::watch`]).
+/// Observer of a search whose trees a browser shows while they grow ([`PageFeed::watch`]).
 #[derive(Debug)]
 pub struct WatchedSearch {
     feed: PageFeed,
@@ -20,8 +20,8 @@ pub struct WatchedSearch {
 }
 
 impl PageFeed {
-    /// Watches a search of the robot that the page shows: until another page is shown, its trees are seen as they grow, in
-    /// place of those of any search before. Of more than [`TreeRecording::MOST_NODES`] nodes the first are.
+    /// Watches a search of the robot of the page. Until another page is shown, its trees replace those of earlier searches as
+    /// they grow. Only the first [`TreeRecording::MOST_NODES`] nodes are shown.
     pub fn watch(&self, robot: Arc<Robot>) -> WatchedSearch {
         let recording = TreeRecording::new(robot, TreeRecording::MOST_NODES);
         WatchedSearch { feed: self.clone(), tree: self.begin_search(recording), told: Instant::now() }
@@ -29,7 +29,7 @@ impl PageFeed {
 }
 
 impl WatchedSearch {
-    /// What was recorded, for the page of the plan that came of it.
+    /// Returns the recording, for the page of the resulting plan.
     pub fn end(self) -> TreeRecording {
         self.tree.with(|recording| recording.clone())
     }

@@ -5,15 +5,15 @@ use serde::Serialize;
 use crate::course::tree_recording::SearchTreeRows;
 use crate::{TreeRecording, viewer::number_row};
 
-/// The trees of a search that has not ended yet, shared by the search and a server.
+/// Trees of a running search, shared by the search and a server.
 #[derive(Clone, Debug)]
 pub(crate) struct WatchedTree {
-    /// Which search of its feed, from 1.
+    /// Number of the search in its feed, from 1.
     pub search: u64,
     nodes: Arc<Mutex<TreeRecording>>,
 }
 
-/// Nodes that a page has not got yet (`tree?search=S&after=N`), numbered on from those that it has.
+/// Nodes that a page does not have yet (`tree?search=S&after=N`), numbered from the first of them.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct NewNodes {
     search: u64,
@@ -31,7 +31,7 @@ impl WatchedTree {
         look(&mut self.nodes.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
-    /// The nodes after so many.
+    /// Returns all nodes but the first `nodes`.
     pub fn after(&self, nodes: usize) -> NewNodes {
         let rows = self.with(|recording| recording.rows_after(nodes));
         NewNodes { search: self.search, from: number_row::index(nodes), rows }

@@ -2,19 +2,18 @@ use std::collections::HashMap;
 
 use crate::MeshPiece;
 
-/// Corners are put on a grid of this, in metres (61 µm): below what a page shows, and a number with few digits
-/// packs well.
+/// Grid of the corners, in metres (61 µm): below what a page can show, and numbers with few digits compress well.
 const POSITION_GRID_M: f32 = 1.0 / 16384.0;
 
-/// Normals are put on a grid of this: half a degree.
+/// Grid of the components of normals: half a degree.
 const NORMAL_GRID: f32 = 1.0 / 128.0;
 
-/// Corners in one place are one if their normals are less than 8° apart: less than those of neighbouring faces of
-/// a cylinder of 40, which stay apart. As a cosine.
+/// Cosine of 8°: coincident corners merge if their normals differ by less. Neighbouring faces of a cylinder of 40 faces differ
+/// by more and stay separate.
 const SAME_COSINE: f32 = 0.99;
 
 impl MeshPiece {
-    /// The same surface with few corners and few digits, to be sent: many mesh files repeat each corner for each
+    /// Returns the surface with few corners and few digits, for transmission: many mesh files repeat each corner for each
     /// triangle. Triangles that vanish on the grid are left out.
     #[must_use]
     pub(crate) fn welded(&self) -> Self {
@@ -49,7 +48,7 @@ impl MeshPiece {
     }
 }
 
-/// Which step of a grid is nearest.
+/// Returns the index of the nearest step of a grid.
 #[allow(clippy::cast_possible_truncation, reason = "what is drawn is far smaller than the range")]
 fn steps(value: f32, grid: f32) -> i64 {
     (value / grid).round() as i64
@@ -64,7 +63,7 @@ mod tests {
     #[test]
     fn a_surface_keeps_its_shape_and_its_edges() {
         let ball = MeshPiece::of_soup(&TriangleSoup::geodesic_sphere(0.3, 3), 4);
-        // As many files have it: three corners of its own for each triangle.
+        // Many files have this form: three separate corners for each triangle.
         let corners: Vec<usize> = ball.triangles.iter().flatten().map(|&corner| corner as usize).collect();
         let loose = MeshPiece {
             positions: corners.iter().map(|&corner| ball.positions[corner]).collect(),

@@ -1,13 +1,13 @@
-/// How values are spread along an axis.
+/// Scale of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scale {
-    /// Equal differences are equally long.
+    /// Equal differences have equal lengths.
     Linear,
-    /// Equal ratios are.
+    /// Equal ratios have equal lengths.
     Logarithmic,
 }
 
-/// One axis: its range, which lies between finite numbers, and what stands at its ticks.
+/// Axis with its finite range and its labelled ticks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
     pub label: String,
@@ -15,21 +15,21 @@ pub struct Axis {
     pub high: f64,
     pub scale: Scale,
     pub ticks: Vec<(f64, String)>,
-    /// Values of ticks without a number.
+    /// Values of ticks without labels.
     pub minor_ticks: Vec<f64>,
 }
 
-/// Where the greatest value is more than so many times the least, equal ratios are shown equally long.
+/// Ratio of the greatest to the least value above which the scale is logarithmic.
 const WIDE: f64 = 30.0;
 
-/// So many decades have ticks between them.
+/// Maximum number of decades with minor ticks.
 const MOST_DIVIDED: f64 = 8.0;
 
 /// Share of an axis that stays free at its high end.
 const ROOM: f64 = 0.03;
 
 impl Axis {
-    /// From 0 to 100 %, with room for curves at both ends.
+    /// Creates an axis from 0 to 100 %, with space for curves at both ends.
     pub fn share(label: &str) -> Self {
         let ticks = (0..=5).map(|fifth| (f64::from(fifth) * 0.2, format!("{}", fifth * 20))).collect();
         Self {
@@ -42,22 +42,22 @@ impl Axis {
         }
     }
 
-    /// Logarithmic, from the power of ten at or below `least` to `greatest`; both are positive. Where nothing is known to
-    /// be shown, the decade below `greatest`.
+    /// Creates a logarithmic axis from the power of ten at or below `least` to `greatest`; both are positive. Without
+    /// `least`, it shows the decade below `greatest`.
     pub fn decades(label: &str, least: Option<f64>, greatest: f64) -> Self {
         let greatest = if greatest > 0.0 { greatest } else { 1.0 };
         Self::logarithmic(label, least.unwrap_or(greatest).min(0.5 * greatest), greatest)
     }
 
-    /// One place for each name, from 0 on.
+    /// Creates an axis with one unit interval for each name, from 0 on.
     pub fn names(names: &[&str]) -> Self {
         let ticks = names.iter().enumerate().map(|(i, name)| (i as f64 + 0.5, (*name).to_owned())).collect();
         let high = names.len() as f64;
         Self { label: String::new(), low: 0.0, high, scale: Scale::Linear, ticks, minor_ticks: Vec::new() }
     }
 
-    /// One for amounts that are not negative: `values` are shown, and all up to `high` in any case. Linear
-    /// from zero, or logarithmic where the values are far apart.
+    /// Creates an axis for non-negative amounts that covers `values` and `high`: linear from zero, or logarithmic if the
+    /// values are far apart.
     pub fn amounts(label: &str, values: impl Iterator<Item = f64> + Clone, high: f64) -> Self {
         let greatest = values.clone().fold(high, f64::max);
         let least = values.filter(|&value| value > 0.0).fold(f64::INFINITY, f64::min);
@@ -68,7 +68,7 @@ impl Axis {
         }
     }
 
-    /// One that shows what lies between `low` and `high`, with ticks at round numbers.
+    /// Creates a linear axis from `low` to `high`, with ticks at round numbers.
     pub fn linear(label: &str, low: f64, high: f64) -> Self {
         let step = round_step((high - low) / 5.0);
         let count = (((high - low) / step) + 1e-9).floor();
@@ -83,7 +83,7 @@ impl Axis {
         Self { label: label.to_owned(), low, high, scale: Scale::Linear, ticks, minor_ticks: Vec::new() }
     }
 
-    /// Both positive; the axis begins at a power of ten.
+    /// Creates a logarithmic axis that begins at a power of ten; both values are positive.
     fn logarithmic(label: &str, least: f64, greatest: f64) -> Self {
         let low = 10.0_f64.powf(least.log10().floor());
         let decades = (greatest / low).log10();
@@ -96,7 +96,7 @@ impl Axis {
         }
         let mut minor_ticks = Vec::new();
         let mut decade = low;
-        // Of many decades the ticks between would be a grey bar.
+        // With many decades the minor ticks would merge to a grey bar.
         while decade < greatest && decades <= MOST_DIVIDED {
             let between = (2..10).map(|times| f64::from(times) * decade);
             minor_ticks.extend(between.filter(|value| *value <= greatest));
@@ -105,7 +105,7 @@ impl Axis {
         Self { label: label.to_owned(), low, high: greatest, scale: Scale::Logarithmic, ticks, minor_ticks }
     }
 
-    /// The same with a number at its high end, where that is far enough from the last.
+    /// Returns the axis with a label at its high end, if that is far enough from the last tick.
     pub fn with_tick_at_end(mut self) -> Self {
         let last = self.ticks.last().map_or(0.0, |(value, _)| self.share_of(*value));
         if last < 0.9 {
@@ -114,7 +114,7 @@ impl Axis {
         self
     }
 
-    /// The same with room above the greatest value, so that what is drawn there stands clear of the edge.
+    /// Returns the axis with free space above the greatest value, so that its marks do not touch the edge.
     pub fn with_room(mut self) -> Self {
         self.high = match self.scale {
             Scale::Linear => self.high + ROOM * (self.high - self.low),
@@ -123,7 +123,7 @@ impl Axis {
         self
     }
 
-    /// Where a value lies, 0 at the low end and 1 at the high end; values outside lie at the ends.
+    /// Returns the relative position of a value: 0 at the low end, 1 at the high end, clamped outside.
     pub fn share_of(&self, value: f64) -> f64 {
         let share = match self.scale {
             Scale::Linear => (value - self.low) / (self.high - self.low),
@@ -134,14 +134,14 @@ impl Axis {
     }
 }
 
-/// 1, 2 or 5 times a power of ten, not below `step`.
+/// Returns 1, 2 or 5 times a power of ten, not below `step`.
 fn round_step(step: f64) -> f64 {
     let power = 10.0_f64.powf(step.log10().floor());
     let times = [1.0, 2.0, 5.0, 10.0].into_iter().find(|times| times * power >= step * (1.0 - 1e-9));
     times.unwrap_or(10.0) * power
 }
 
-/// With as many decimals as the step has.
+/// Formats a value with the number of decimals of the step.
 #[allow(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,

@@ -1,4 +1,4 @@
-//! Quartiles of times, path lengths and clearances, and the most memory, by scenario and planner.
+//! Box plots of times, path lengths and clearances, and peak memory, by scenario and planner.
 
 use crate::report::drawn::axis::Axis;
 use crate::report::drawn::drawing::{Dash, Ink, Mark, Point};
@@ -8,7 +8,7 @@ use crate::report::drawn::success_curve::MOST_CURVES;
 use crate::report::row::Row;
 use crate::statistics::Spread;
 
-/// What is shown, and from which part of a row.
+/// Quantity of a plot, with its source in a row.
 struct Quantity {
     word: &'static str,
     label: &'static str,
@@ -35,7 +35,7 @@ const QUANTITIES: [Quantity; 4] = [
     Quantity { word: "memory", label: "memory, MB", title: "most memory of a search", of: most_memory },
 ];
 
-/// What a box shows. What so many runs did not reach lies at infinity.
+/// Values of a box; infinite if the corresponding share of runs was not solved.
 struct Quartiles {
     least: f64,
     lower: f64,
@@ -62,7 +62,7 @@ impl Quartiles {
     }
 }
 
-/// Those of the Kaplan–Meier estimate, so that the median is that of the tables.
+/// Returns the quartiles of the Kaplan–Meier estimate, so that the median is that of the tables.
 fn times(row: &Row) -> Option<Quartiles> {
     let beyond = |quantile: Option<f64>| quantile.unwrap_or(f64::INFINITY);
     Some(Quartiles {
@@ -74,7 +74,7 @@ fn times(row: &Row) -> Option<Quartiles> {
     })
 }
 
-/// The greatest alone: of most searches of built-in planners less is seen than they take.
+/// Returns the maximum alone: for most searches of built-in planners, less memory is recorded than they take.
 fn most_memory(row: &Row) -> Option<Quartiles> {
     let most = 1e-6 * row.memory_bytes?.greatest;
     Some(Quartiles { least: most, lower: most, median: most, upper: most, greatest: most })
@@ -104,7 +104,7 @@ fn plot(scope: Scope, quantity: &Quantity) -> Option<Plot> {
         planners.iter().map(|&(series, name)| Entry { name: name.to_owned(), series }).collect();
     let title = format!("{}: {}", scope.name(), quantity.title);
     let mut frame = Frame::new(&title, Axis::names(&scenarios), y, &legend);
-    // Boxes of one scenario stand beside each other in the middle three quarters of its place.
+    // Boxes of one scenario stand beside each other in the middle three quarters of its slot.
     let width = 0.75 / planners.len() as f64;
     for row in scope.rows() {
         let slot = scenarios.iter().position(|name| *name == row.scenario_name);
@@ -117,11 +117,11 @@ fn plot(scope: Scope, quantity: &Quantity) -> Option<Plot> {
     Some(scope.plot(title, &[quantity.word], frame.finish()))
 }
 
-/// Of what is within a box: the grid is seen through it.
+/// Opacity of the fill of a box; the grid remains visible.
 const FILL_OPACITY: f64 = 0.15;
 
-/// A box from quartile to quartile with the median across, whiskers to the least and the greatest value. What lies at
-/// infinity is left out: the box, or its upper whisker, goes to the end of the axis and is open there.
+/// Draws a box between the quartiles with the median across, and whiskers to the least and greatest values. Infinite values
+/// are omitted: the box, or its upper whisker, then extends to the end of the axis and is open there.
 fn draw_box(frame: &mut Frame, quartiles: &Quartiles, middle: f64, half: f64, series: usize) {
     let ink = Ink::Series(series);
     let Quartiles { least, lower, median, upper, greatest } = *quartiles;

@@ -1,4 +1,4 @@
-//! How success and time change with the dial of an environment.
+//! Success and time over the difficulty dial of an environment.
 
 use crate::report::drawn::axis::Axis;
 use crate::report::drawn::drawing::{Dash, Ink, Mark};
@@ -6,7 +6,7 @@ use crate::report::drawn::frame::{Entry, Frame};
 use crate::report::drawn::plot::{Plot, Scope};
 use crate::report::row::Row;
 
-/// A value and its interval.
+/// Value with its interval.
 struct Reading {
     low: f64,
     value: f64,
@@ -30,7 +30,7 @@ pub fn plots(scope: Scope) -> Vec<Plot> {
             high: row.median_high_s.unwrap_or(row.time_limit_s),
         })
     };
-    // Room for the discs at both ends.
+    // This margin keeps the discs at both ends within the axes.
     let room = 0.04 * (high - low);
     let dial = scope.rows().find_map(|row| row.dial).unwrap_or("dial");
     let x = || Axis::linear(&format!("{dial}, m"), low - room, high + room);
@@ -65,7 +65,7 @@ fn drawing(
             of_planner.filter_map(|row| Some((row.dial_m?, reading(row)))).collect();
         readings.sort_by(|a, b| a.0.total_cmp(&b.0));
         let ink = Ink::Series(series);
-        // The line is broken where a value is missing.
+        // The line is broken at missing values.
         for piece in readings.split(|(_, reading)| reading.is_none()) {
             let mut places = Vec::new();
             for (dial_m, reading) in

@@ -1,44 +1,44 @@
-//! A drawing in a few kinds of marks, its colours named by what they mean.
+//! Drawing made of a few kinds of marks, with colours named by their meaning.
 
-/// What a mark is drawn with; a page in the dark has other colours for it than a sheet of paper.
+/// Colour role of a mark; a dark page maps it to other colours than a sheet of paper.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ink {
-    /// Letters, and what must be read.
+    /// Main text.
     Text,
-    /// Axes, and letters that step back.
+    /// Axes and secondary text.
     Quiet,
-    /// Lines of the grid.
+    /// Grid lines.
     Grid,
-    /// What belongs to the series of that index.
+    /// Marks of the series with this index.
     Series(usize),
 }
 
-/// Side of a place that its text lies on.
+/// Alignment of a text with its position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Anchor {
     /// The text begins there.
     Start,
-    /// Its middle is there.
+    /// The text is centred there.
     Middle,
-    /// It ends there.
+    /// The text ends there.
     End,
 }
 
-/// A place in pixels, from the upper left corner.
+/// Position in pixels, from the upper left corner.
 pub type Point = (f64, f64);
 
-/// One thing in a drawing.
+/// Element of a drawing.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Mark {
-    /// A line through points.
+    /// Line through points.
     Line { points: Vec<Point>, ink: Ink, width: f64, dash: Dash },
-    /// A translucent area within points.
+    /// Translucent polygon.
     Area { points: Vec<Point>, ink: Ink, opacity: f64 },
-    /// A disc.
+    /// Filled disc.
     Disc { center: Point, radius: f64, ink: Ink },
-    /// A word or more, on its baseline.
+    /// Text on its baseline.
     Text { at: Point, text: String, size: u32, anchor: Anchor, ink: Ink, emphasis: Emphasis },
-    /// A word or more that is read from below upwards.
+    /// Text that reads from bottom to top.
     Upward { at: Point, text: String, size: u32, ink: Ink },
 }
 
@@ -51,10 +51,10 @@ pub enum Emphasis {
     Strong,
 }
 
-/// How a line is broken, so that curves can be told apart without their colours.
+/// Dash pattern of a line, which distinguishes curves without their colours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dash {
-    /// Not at all.
+    /// No gaps.
     Solid,
     /// Long strokes.
     Long,
@@ -67,12 +67,12 @@ pub enum Dash {
 }
 
 impl Dash {
-    /// That of the series of that index.
+    /// Returns the pattern of the series with this index.
     pub fn of_series(index: usize) -> Self {
         [Self::Solid, Self::Long, Self::Short, Self::Mixed, Self::Dotted][index % 5]
     }
 
-    /// Lengths of strokes and gaps in turn, in pixels, as many strokes as gaps; none if it is solid.
+    /// Returns the lengths of strokes and gaps in turn, in pixels, as many strokes as gaps; empty if solid.
     pub fn lengths(self) -> &'static [f64] {
         match self {
             Self::Solid => &[],
@@ -84,26 +84,26 @@ impl Dash {
     }
 }
 
-/// A drawing.
+/// Drawing with its marks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drawing {
-    /// In pixels.
+    /// Width, in pixels.
     pub width: f64,
-    /// In pixels.
+    /// Height, in pixels.
     pub height: f64,
-    /// Marks in the order in which they cover each other.
+    /// Marks in drawing order; later ones cover earlier ones.
     pub marks: Vec<Mark>,
 }
 
-/// Letters of ticks and legends, in pixels.
+/// Font size of ticks and legends, in pixels.
 pub const SMALL: u32 = 12;
 
-/// Width of text, for leaving room: a letter is about 0.56 of its height wide, in the mean of words.
+/// Estimates the width of a text in pixels: a letter is on average 0.56 of its height wide.
 pub fn text_width(text: &str, size: u32) -> f64 {
     text.chars().count() as f64 * f64::from(size) * 0.56
 }
 
-/// Text that is at most so wide: its middle gives way to "…".
+/// Shortens a text to a width in pixels by replacing its middle with "…".
 pub fn shortened(text: &str, size: u32, width: f64) -> String {
     let letters: Vec<char> = text.chars().collect();
     if text_width(text, size) <= width {
@@ -114,19 +114,19 @@ pub fn shortened(text: &str, size: u32, width: f64) -> String {
     letters[..head].iter().chain(&['…']).chain(&letters[letters.len() - tail..]).collect()
 }
 
-/// Greatest number of letters that fit into a width, of a font size.
+/// Returns the maximum number of letters that fit into a width in pixels, for a font size.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small count, not negative")]
 pub fn letters_within(width: f64, size: u32) -> usize {
     (width / text_width("m", size)).max(0.0) as usize
 }
 
 impl Drawing {
-    /// A line of a pixel, unbroken.
+    /// Adds a solid line one pixel wide.
     pub fn rule(&mut self, from: Point, to: Point, ink: Ink) {
         self.marks.push(Mark::Line { points: vec![from, to], ink, width: 1.0, dash: Dash::Solid });
     }
 
-    /// Small text.
+    /// Adds small text.
     pub fn label(&mut self, at: Point, text: impl Into<String>, anchor: Anchor, ink: Ink) {
         let (text, emphasis) = (text.into(), Emphasis::Plain);
         self.marks.push(Mark::Text { at, text, size: SMALL, anchor, ink, emphasis });

@@ -3,37 +3,37 @@ use crate::report::drawn::drawing::{
     Anchor, Dash, Drawing, Emphasis, Ink, Mark, Point, SMALL, letters_within, shortened, text_width,
 };
 
-/// Two axes with a grid, a title above and a legend below, where it hides nothing.
+/// Plot frame: two axes with a grid, a title above and a legend below the plot.
 pub struct Frame {
     x: Axis,
     y: Axis,
     drawing: Drawing,
 }
 
-/// One entry of a legend.
+/// Entry of a legend.
 pub struct Entry {
     pub name: String,
     /// Index of its series.
     pub series: usize,
 }
 
-/// Width of every plot in pixels: two stand beside each other on a page, one on a phone.
+/// Width of every plot in pixels: a page shows two beside each other, a phone shows one.
 const WIDTH: f64 = 480.0;
 const LEFT: f64 = 64.0;
 const RIGHT: f64 = 14.0;
 const TOP: f64 = 36.0;
-/// Height within the axes.
+/// Height within the axes, in pixels.
 const HEIGHT: f64 = 230.0;
-/// Ticks and label of the horizontal axis.
+/// Height of the ticks and the label of the horizontal axis, in pixels.
 const BELOW: f64 = 46.0;
 const LEGEND_LINE: f64 = 19.0;
-/// Length of a tick without a number.
+/// Length of a minor tick, in pixels.
 const MINOR_TICK: f64 = 4.0;
-/// Length of the piece of line in a legend.
+/// Length of the line sample in a legend, in pixels.
 const SAMPLE: f64 = 26.0;
 
 impl Frame {
-    /// A frame with nothing in it yet.
+    /// Creates an empty frame.
     pub fn new(title: &str, x: Axis, y: Axis, legend: &[Entry]) -> Self {
         let lines = legend_lines(legend);
         let height = TOP + HEIGHT + BELOW + LEGEND_LINE * lines.len() as f64 + 4.0;
@@ -44,7 +44,7 @@ impl Frame {
         frame
     }
 
-    /// Where a pair of values lies.
+    /// Returns the position of a pair of values.
     pub fn place(&self, x: f64, y: f64) -> Point {
         (LEFT + self.x.share_of(x) * (WIDTH - LEFT - RIGHT), TOP + (1.0 - self.y.share_of(y)) * HEIGHT)
     }
@@ -53,7 +53,7 @@ impl Frame {
         self.drawing.marks.push(mark);
     }
 
-    /// The drawing, with the axes above everything else.
+    /// Returns the drawing, with the axes above everything else.
     pub fn finish(mut self) -> Drawing {
         let (left, right, bottom) = (LEFT, WIDTH - RIGHT, TOP + HEIGHT);
         self.drawing.rule((left, bottom), (right, bottom), Ink::Quiet);
@@ -62,7 +62,7 @@ impl Frame {
     }
 
     fn draw_title(&mut self, title: &str) {
-        // A long title is set smaller rather than cut, as far as it can be read.
+        // A long title gets a smaller font down to the limit of legibility, and is shortened only then.
         let size = (10..=14).rev().find(|&size| text_width(title, size) < WIDTH - 12.0).unwrap_or(10);
         self.draw(Mark::Text {
             at: (8.0, 20.0),
@@ -80,7 +80,7 @@ impl Frame {
         for (value, text) in self.x.ticks.clone() {
             let (x, _) = self.place(value, self.y.low);
             self.drawing.rule((x, TOP), (x, bottom), Ink::Grid);
-            // Numbers are short, names of scenarios may be paths.
+            // Numbers are short, but names of scenarios may be paths.
             let is_name = text.chars().any(char::is_alphabetic);
             let text = if is_name { shortened(&text, SMALL, spacing - 4.0) } else { text };
             self.drawing.label((x, bottom + 16.0), text, Anchor::Middle, Ink::Quiet);
@@ -119,15 +119,15 @@ impl Frame {
     }
 }
 
-/// A text of a legend at its place, below or beside others.
+/// Text of a legend with its horizontal position.
 struct LegendText {
     x: f64,
     text: String,
-    /// The series that it names; none where it goes on from the line above.
+    /// Series of the text; `None` if it continues the line above.
     series: Option<usize>,
 }
 
-/// Entries in columns of one width, as many as fit; names too long for a line go on in the next.
+/// Arranges the entries in columns of one width, as many as fit; names too long for a line continue on the next.
 fn legend_lines(legend: &[Entry]) -> Vec<Vec<LegendText>> {
     let widest = legend.iter().map(|entry| text_width(&entry.name, SMALL)).fold(0.0, f64::max);
     let column = SAMPLE + 6.0 + widest + 14.0;
@@ -145,7 +145,7 @@ fn legend_lines(legend: &[Entry]) -> Vec<Vec<LegendText>> {
             text.map(|(text, series)| LegendText { x, text, series }).collect::<Vec<_>>()
         };
         let texts = entries.iter().enumerate().map(of_entry);
-        // Beside others stand only names of one line.
+        // In several columns every name fits on one line.
         if columns > 1 {
             lines.push(texts.flatten().collect());
         } else {

@@ -1,4 +1,4 @@
-//! The one place that knows the plotting library: drawings as SVG, PNG and PDF.
+//! Export of drawings as SVG, PNG and PDF; the only module that uses the plotting library.
 
 use kuva::backend::pdf::PdfBackend;
 use kuva::backend::png::PngBackend;
@@ -8,25 +8,25 @@ use kuva::render::render::{PathData, Primitive, Scene, TextAnchor};
 
 use crate::report::drawn::drawing::{Anchor, Dash, Drawing, Emphasis, Ink, Mark, Point};
 
-/// Where a drawing is shown.
+/// Target of a drawing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Surface {
-    /// In a page, whose style sheet names the colours.
+    /// Page whose style sheet defines the colours.
     Page,
-    /// By itself, on white.
+    /// File with a white background.
     Sheet,
 }
 
-/// Told apart also by those who do not see all colours: Okabe & Ito 2008, "Color universal design", whole, without the
-/// yellow and the black, which are too light and too strong for a line on white; the purple is a darker one, and grey
-/// is added.
+/// Colours of the series, distinguishable also with colour blindness: Okabe & Ito 2008, "Color universal design", whole,
+/// without the yellow and the black, which are too light and too strong for a line on white; the purple is a darker one,
+/// and grey is added.
 pub const SERIES: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#aa4499", "#e69f00", "#56b4e9", "#5f5f5f"];
 
-/// Pixels of a PNG for each pixel of a drawing: 960 wide, sharp in print at a column's width.
+/// Pixels of a PNG for each pixel of a drawing: 960 wide, sharp in print at the width of a column.
 const PNG_SCALE: f32 = 2.0;
 
-/// What stands within `<svg>`, with the colours of the page (`--text`, `--quiet`, `--grid`, `--series-1` …)
-/// and a description for those who cannot see it.
+/// Returns an `<svg>` element with the colours of the page (`--text`, `--quiet`, `--grid`, `--series-1` …) and a
+/// description for screen readers.
 pub fn page_svg(drawing: &Drawing, description: &str) -> String {
     let (w, h) = (drawing.width, drawing.height);
     let label = description.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;");
@@ -36,7 +36,7 @@ pub fn page_svg(drawing: &Drawing, description: &str) -> String {
     )
 }
 
-/// An SVG file.
+/// Returns an SVG file.
 pub fn svg(drawing: &Drawing) -> String {
     let (w, h) = (drawing.width, drawing.height);
     format!(
@@ -46,30 +46,29 @@ pub fn svg(drawing: &Drawing) -> String {
     )
 }
 
-/// A PNG file. Its letters are those of the font that comes with the library, so it needs none of the
-/// machine's.
+/// Renders a PNG file with the font that comes with the library, so that no system font is needed.
 ///
 /// # Errors
-/// What the library says, if it cannot.
+/// Message of the library.
 pub fn png(drawing: &Drawing) -> Result<Vec<u8>, String> {
     let mut broken = drawing.clone();
     broken.marks = drawing.marks.iter().flat_map(strokes).collect();
     PngBackend::new().with_scale(PNG_SCALE).render_scene(&scene(&broken, Surface::Sheet))
 }
 
-/// A PDF file, of one page as large as the drawing in points. Letters are those of the font that comes with the library,
-/// which the file holds as far as it needs it.
+/// Renders a PDF file, of one page as large as the drawing in points. It embeds the required letters of the font that comes
+/// with the library.
 ///
 /// # Errors
-/// What the library says, if it cannot.
+/// Message of the library.
 pub fn pdf(drawing: &Drawing) -> Result<Vec<u8>, String> {
     let mut scene = scene(drawing, Surface::Sheet);
-    // That font; of any other the machine decides, or there are no letters at all.
+    // Any other font depends on the machine, and its letters may be missing.
     scene.font_family = Some("DejaVu Sans".to_owned());
     PdfBackend::new().render_scene(&scene)
 }
 
-/// Everything after the opening tag, which the library writes without a view box.
+/// Returns the content after the opening tag, which the library writes without a view box.
 fn body(drawing: &Drawing, surface: Surface) -> String {
     let text = SvgBackend::new().render_scene(&scene(drawing, surface));
     text.split_once('>').map_or_else(String::new, |(_, body)| body.to_owned())
@@ -88,7 +87,7 @@ fn primitive(mark: &Mark, surface: Surface) -> Primitive {
     let text = |at: Point, text: &str, size, ink| Primitive::Text {
         x: at.0,
         y: at.1,
-        // The library reads text between dollars as a formula.
+        // The library parses text between dollars as a formula.
         content: text.replace('$', "\\$"),
         size,
         anchor: TextAnchor::Middle,
@@ -165,8 +164,8 @@ fn color(ink: Ink, surface: Surface) -> Color {
     }
 }
 
-/// A broken line as its strokes: the library's pixels begin the pattern anew at every point, which makes a
-/// curve of many points look solid. Other marks as they are.
+/// Splits a dashed line into its strokes; the PNG renderer restarts the pattern at every point, which makes a curve of many
+/// points appear solid. Other marks remain unchanged.
 fn strokes(mark: &Mark) -> Vec<Mark> {
     let Mark::Line { points, ink, width, dash } = mark else { return vec![mark.clone()] };
     let lengths = dash.lengths();

@@ -4,38 +4,38 @@ use crate::report::drawn::drawing::Drawing;
 use crate::report::drawn::picture;
 use crate::report::{Measure, Row, Summary};
 
-/// A picture of a report.
+/// Plot of a report.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plot {
-    /// What stands above it.
+    /// Title above the plot.
     pub title: String,
-    /// Name of its files, without ending: small letters, digits and hyphens.
+    /// Name of its files, without extension: small letters, digits and hyphens.
     pub name: String,
-    /// What it is about, which the page sorts by.
+    /// Criterion of its runs, by which the page sorts.
     pub criterion: String,
-    /// The environment of its scenarios; none where it is about all scenarios.
+    /// Environment of its scenarios; `None` if it covers all scenarios.
     pub environment: Option<String>,
-    /// The one scenario that it is about, as in [`Row::scenario_name`].
+    /// The only scenario of the plot, as in [`Row::scenario_name`].
     pub scenario_name: Option<String>,
     drawing: Drawing,
 }
 
-/// What a plot may be about.
+/// Selection of the rows that a plot covers.
 #[derive(Clone, Copy)]
 pub struct Scope<'a> {
     pub summary: &'a Summary,
     pub criterion: &'a str,
-    /// None: all scenarios.
+    /// Environment; `None` selects all scenarios.
     pub environment: Option<&'a str>,
 }
 
 impl<'a> Scope<'a> {
-    /// What a title calls it.
+    /// Returns the name in titles.
     pub fn name(self) -> &'a str {
         self.environment.unwrap_or("all scenarios")
     }
 
-    /// The rows of one environment, or of all, under one criterion.
+    /// Returns the rows of one environment, or of all, under one criterion.
     pub fn rows(self) -> impl Iterator<Item = &'a Row> + Clone {
         let is_here = move |row: &&Row| {
             row.criterion == self.criterion && self.environment.is_none_or(|name| row.environment == name)
@@ -43,8 +43,8 @@ impl<'a> Scope<'a> {
         self.summary.rows.iter().filter(is_here)
     }
 
-    /// The axis of times, the same in all plots of a report, so that they can be compared by eye: logarithmic, from the
-    /// power of ten below the shortest time to the longest limit.
+    /// Returns the axis of times, identical in all plots of a report for visual comparison: logarithmic, from the power of
+    /// ten below the shortest time to the longest limit.
     pub fn time_axis(self, label: &str) -> Axis {
         let rows = &self.summary.rows;
         let times_s = rows.iter().filter_map(|row| row.least_s).filter(|time_s| *time_s > 0.0);
@@ -52,7 +52,7 @@ impl<'a> Scope<'a> {
         Axis::decades(label, times_s.min_by(f64::total_cmp), limit_s).with_tick_at_end()
     }
 
-    /// The axis of iterations, the same in all plots of a report.
+    /// Returns the axis of iterations, identical in all plots of a report.
     pub fn iteration_axis(self, label: &str) -> Axis {
         let curves = || self.summary.curves.iter().filter(|curve| curve.over == Measure::Iterations);
         let least = curves().filter_map(|curve| curve.at.first().copied()).filter(|count| *count > 0.0);
@@ -63,14 +63,14 @@ impl<'a> Scope<'a> {
         )
     }
 
-    /// The names of those rows' planners, in order, each with the index of its colour, which is the same in
+    /// Returns the names of the planners of these rows, in order, each with the index of its colour, which is the same in
     /// all plots.
     pub fn planners(self) -> Vec<(usize, &'a str)> {
         let names = self.summary.planner_names().into_iter().enumerate();
         names.filter(|(_, name)| self.rows().any(|row| row.planner_name == *name)).collect()
     }
 
-    /// The names of the scenarios, in order.
+    /// Returns the names of the scenarios, in order.
     pub fn scenarios(self) -> Vec<&'a str> {
         let mut names: Vec<&str> = self.rows().map(|row| row.scenario_name.as_str()).collect();
         names.sort_unstable();
@@ -78,7 +78,7 @@ impl<'a> Scope<'a> {
         names
     }
 
-    /// A plot about it; `subject` are the words that tell it from the other plots.
+    /// Creates a plot of this scope; the words of `subject` distinguish it from other plots.
     pub fn plot(self, title: String, subject: &[&str], drawing: Drawing) -> Plot {
         let mut words = vec![self.name()];
         words.extend_from_slice(subject);
@@ -95,22 +95,22 @@ impl<'a> Scope<'a> {
 }
 
 impl Plot {
-    /// The same plot, said to be about one scenario alone.
+    /// Returns the plot assigned to one scenario.
     pub(crate) fn of_scenario(self, scenario_name: &str) -> Self {
         Self { scenario_name: Some(scenario_name.to_owned()), ..self }
     }
 
-    /// The picture within a page, whose style sheet gives the colours.
+    /// Returns the plot as SVG within a page, whose style sheet defines the colours.
     pub(crate) fn page_svg(&self) -> String {
         picture::page_svg(&self.drawing, &self.title)
     }
 
-    /// The picture as an SVG file.
+    /// Returns the plot as an SVG file.
     pub fn svg(&self) -> String {
         picture::svg(&self.drawing)
     }
 
-    /// The picture as a PDF file: lines and letters, in a font that it holds.
+    /// Returns the plot as a PDF file: lines and letters, with an embedded font.
     ///
     /// # Errors
     /// [`BenchError::Picture`].
@@ -119,7 +119,7 @@ impl Plot {
             .map_err(|problem| BenchError::Picture { plot: self.name.clone(), problem })
     }
 
-    /// The picture as a PNG file, 960 pixels wide.
+    /// Returns the plot as a PNG file, 960 pixels wide.
     ///
     /// # Errors
     /// [`BenchError::Picture`].

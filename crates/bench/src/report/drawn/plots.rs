@@ -2,7 +2,7 @@ use crate::report::drawn::plot::{Plot, Scope};
 use crate::report::drawn::{box_plot, difficulty_plot, profile_plot, success_plot};
 use crate::report::summary::Summary;
 
-/// All plots of a summary, in the order of the page: by criterion, then over all scenarios, then by environment.
+/// Returns all plots of a summary, in the order of the page: by criterion, then over all scenarios, then by environment.
 pub fn plots(summary: &Summary) -> Vec<Plot> {
     let mut plots = Vec::new();
     for criterion in summary.criteria() {
@@ -18,7 +18,7 @@ pub fn plots(summary: &Summary) -> Vec<Plot> {
     }
     let mut taken = std::collections::BTreeMap::<String, usize>::new();
     for plot in &mut plots {
-        // Two planners may differ in characters that a file name does not have.
+        // Names of planners may differ only in characters that are removed from file names.
         let count = taken.entry(plot.name.clone()).or_default();
         *count += 1;
         if *count > 1 {

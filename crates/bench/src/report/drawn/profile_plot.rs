@@ -7,7 +7,7 @@ use crate::report::drawn::plot::{Plot, Scope};
 use crate::report::number_text::percent;
 use crate::report::{Overall, Summary};
 
-/// The profiles of all planners of a criterion; none of a single one, which is always the fastest.
+/// Draws the profiles of all planners of a criterion; `None` for a single one, which is always the fastest.
 pub fn plot(scope: Scope) -> Option<Plot> {
     let profiles = profiles(scope.summary, scope.criterion);
     let count = profiles.first()?.scenarios;
@@ -23,7 +23,7 @@ pub fn plot(scope: Scope) -> Option<Plot> {
     let legend: Vec<Entry> = profiles.iter().map(entry).collect();
     let greatest =
         profiles.iter().filter_map(|profile| profile.profile_at.last()).copied().fold(1.0, f64::max);
-    // Beyond the greatest ratio nothing changes, which must be seen.
+    // The axis extends past the greatest ratio to show the constant end of the profiles.
     let x =
         Axis::decades("median time over that of the fastest planner", Some(1.0), (2.0 * greatest).max(10.0));
     let title = format!("Performance profile over {count} scenarios");
@@ -40,7 +40,7 @@ fn profiles<'a>(summary: &'a Summary, criterion: &str) -> Vec<&'a Overall> {
     summary.overall.iter().filter(|overall| overall.criterion == criterion).collect()
 }
 
-/// The corners of a profile, from the ratio 1 to the end of the axis.
+/// Returns the corners of a profile, from the ratio 1 to the end of the axis.
 fn staircase(frame: &Frame, profile: &Overall) -> Vec<Point> {
     let mut share = 0.0;
     let mut points = Vec::new();

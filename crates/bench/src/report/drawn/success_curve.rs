@@ -6,7 +6,7 @@ use crate::report::overall::Pool;
 use crate::report::row::{Group, Row};
 use crate::statistics::{Followed, KaplanMeier};
 
-/// What a search is measured in.
+/// Measure of search effort.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Measure {
@@ -16,27 +16,27 @@ pub enum Measure {
     Iterations,
 }
 
-/// Which share of runs is solved at each time or iteration: one minus the Kaplan–Meier estimate, with its
-/// Greenwood band. A step function: each share holds from its place on, before the first it is 0.
+/// Share of solved runs at each time or iteration: one minus the Kaplan–Meier estimate, with its Greenwood band. This is a
+/// step function: each share holds from its step on, and before the first step it is 0.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SuccessCurve {
-    /// Environment of the scenarios; none where the curve is about all scenarios that the planners share.
+    /// Environment of the scenarios; `None` if the curve covers all scenarios that the planners share.
     pub environment: Option<String>,
-    /// The scenario, as in [`Row::scenario_name`](crate::report::Row); none where the curve is about several together.
+    /// The scenario, as in [`Row::scenario_name`](crate::report::Row); `None` if the curve covers several together.
     pub scenario_name: Option<String>,
     /// The planner, as in [`Row::planner_name`](crate::report::Row).
     pub planner_name: String,
-    /// What counts as solved.
+    /// Criterion for a solved trial.
     pub criterion: String,
-    /// What `at` and `until` count.
+    /// Measure of `at` and `until`.
     pub over: Measure,
-    /// How many runs.
+    /// Number of runs.
     pub runs: usize,
-    /// How far the longest run was followed.
+    /// End of the follow-up of the longest run.
     pub until: f64,
-    /// Where the share rises.
+    /// Times or iterations of the steps.
     pub at: Vec<f64>,
-    /// The share from there on.
+    /// Share of solved runs from each step on.
     pub success: Vec<f64>,
     /// Lower end of its band.
     pub low: Vec<f64>,
@@ -44,11 +44,10 @@ pub struct SuccessCurve {
     pub high: Vec<f64>,
 }
 
-/// More curves than these in one plot cannot be told apart; a larger environment is shown as one curve a
-/// planner.
+/// Maximum number of distinguishable curves in one plot; a larger environment is shown as one curve for each planner.
 pub const MOST_CURVES: usize = 8;
 
-/// The curves of all groups, by criterion and environment, then those of the pools.
+/// Returns the curves of all groups, by criterion and environment, then those of the pools.
 pub fn success_curves(groups: &[Group], pools: &[Pool]) -> Vec<SuccessCurve> {
     let mut environments: BTreeMap<(&str, &str), Vec<&Group>> = BTreeMap::new();
     for group in groups {
@@ -62,7 +61,7 @@ pub fn success_curves(groups: &[Group], pools: &[Pool]) -> Vec<SuccessCurve> {
     environments.into_values().flat_map(|groups| of_environment(&groups)).chain(overall).collect()
 }
 
-/// What a curve is about: `row` names planner and criterion.
+/// Subject of a curve; `row` names planner and criterion.
 #[derive(Clone, Copy)]
 struct Subject<'a> {
     environment: Option<&'a str>,
@@ -83,7 +82,7 @@ fn of_environment(groups: &[&Group]) -> Vec<SuccessCurve> {
         };
         return groups.iter().flat_map(of_group).flatten().collect();
     }
-    // Beyond the shortest limit the runs with longer ones would speak for the others.
+    // Beyond the shortest limit the curve would depend only on the runs with longer ones.
     let limit_s = groups.iter().map(|group| group.row.time_limit_s).fold(f64::INFINITY, f64::min);
     let mut planners: BTreeMap<&str, Vec<&Group>> = BTreeMap::new();
     for group in groups {
@@ -102,7 +101,7 @@ fn of_environment(groups: &[&Group]) -> Vec<SuccessCurve> {
     planners.into_values().flat_map(pooled).flatten().collect()
 }
 
-/// How many distinct scenarios.
+/// Returns the number of distinct scenarios.
 pub fn scenario_count<'a>(names: impl Iterator<Item = &'a str>) -> usize {
     names.collect::<std::collections::BTreeSet<_>>().len()
 }

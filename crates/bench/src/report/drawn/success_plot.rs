@@ -1,5 +1,5 @@
-//! Which share of runs is solved when: as in the paper's figures, one plot an environment and a planner, one
-//! curve a scenario; the planners beside each other on each scenario, and on all together.
+//! Share of solved runs over time or iterations: as in the paper's figures, one plot for each environment and planner with
+//! one curve for each scenario; the planners compared on each scenario, and on all together.
 
 use crate::report::drawn::axis::Axis;
 use crate::report::drawn::drawing::{Dash, Ink, Mark};
@@ -8,13 +8,13 @@ use crate::report::drawn::plot::{Plot, Scope};
 use crate::report::drawn::success_curve::{Measure, SuccessCurve};
 use crate::report::number_text::percent;
 
-/// Bands of so many curves may lie on each other and still be told apart.
+/// Maximum number of curves whose overlapping bands are distinguishable.
 const FEW: usize = 3;
 const BAND_OPACITY: f64 = 0.14;
-/// Bands of more curves only hint at their width, so that the curves stay in front.
+/// Opacity of the bands of more curves, reduced so that the curves stay visible.
 const CROWDED_OPACITY: f64 = 0.06;
 
-/// A curve with the index of its colour and its name in the legend.
+/// Curve with the index of its colour and its name in the legend.
 struct Shown<'a> {
     curve: &'a SuccessCurve,
     series: usize,
@@ -59,7 +59,7 @@ pub fn plots(scope: Scope) -> Vec<Plot> {
     plots
 }
 
-/// The planners beside each other, their runs on all shared scenarios pooled.
+/// Compares the planners, with their runs on all shared scenarios pooled.
 pub fn overall(scope: Scope) -> Option<Plot> {
     let of = |(series, name)| {
         curves(scope).find(|curve| curve.planner_name == name).map(|curve| Shown { curve, series, name })
@@ -101,7 +101,7 @@ fn plot(scope: Scope, title: &str, subject: &[&str], over: Measure, shown: &[Sho
     };
     let entry = |shown: &Shown| {
         let end = percent(*shown.curve.success.last().unwrap_or(&0.0));
-        // Over iterations the end is no rate of success: a slow machine makes fewer before time is up.
+        // Over iterations the end is no success rate: a slow machine makes fewer iterations within the limit.
         let end = if over == Measure::Time { format!(" ({end} %)") } else { String::new() };
         Entry { name: format!("{}{end}", shown.name), series: shown.series }
     };
@@ -131,18 +131,18 @@ fn draw_band(frame: &mut Frame, shown: &Shown, opacity: f64) {
     let Some(&first) = curve.high.first() else { return };
     let mut points = staircase(frame, curve, &curve.high, first);
     let low = staircase(frame, curve, &curve.low, 0.0);
-    // Before the first step nobody knows how broad the band is.
+    // The width of the band is undefined before the first step.
     let start = frame.place(curve.at[0], 0.0).0;
     points.retain(|point| point.0 >= start);
     points.extend(low.into_iter().rev().filter(|point| point.0 >= start));
     frame.draw(Mark::Area { points, ink: Ink::Series(shown.series), opacity });
 }
 
-/// Steps that are closer than this many pixels are drawn as one.
+/// Distance in pixels below which steps are drawn as one.
 const FINEST: f64 = 0.3;
 
-/// The corners of a step function that begins at `before` and holds each value until the next, up to the end
-/// of the longest run; for good where all runs are solved.
+/// Returns the corners of a step function that begins at `before` and holds each value until the next, up to the end of the
+/// longest run, or to the end of the axis if all runs are solved.
 fn staircase(frame: &Frame, curve: &SuccessCurve, values: &[f64], before: f64) -> Vec<(f64, f64)> {
     let mut level = frame.place(0.0, before);
     let mut points = vec![level];

@@ -9,10 +9,10 @@ use crate::report::{Enclosure, Summary};
 
 const STYLE: &str = include_str!("page.css");
 
-/// What the figures mean, for whoever reads the page.
+/// Explanation of the figures for the reader.
 const MEANING: &str = include_str!("page_meaning.html");
 
-/// Opens every fold for the printer, in browsers whose style sheets cannot.
+/// Script that opens every fold for printing, in browsers whose style sheets cannot.
 const SCRIPT: &str = "for (const [name, open] of [['beforeprint', true], ['afterprint', false]]) {
   addEventListener(name, () => {
     for (const fold of document.querySelectorAll(open ? 'details:not([open])' : 'details[data-printed]')) {
@@ -23,9 +23,9 @@ const SCRIPT: &str = "for (const [name, open] of [['beforeprint', true], ['after
 }";
 
 impl Summary {
-    /// A page that holds everything, pictures and style included: it opens from a file without a network.
-    /// Each figure stands in a `<data>` element with its exact value and its place in the JSON document,
-    /// which the page holds too, as `<script type="application/json" id="summary">`.
+    /// Returns a self-contained page, with pictures and style: it opens from a file without a network. Each figure is in a
+    /// `<data>` element with its exact value and its path in the JSON document, which the page contains too, as
+    /// `<script type="application/json" id="summary">`.
     pub fn html(&self, enclosure: &Enclosure) -> String {
         let plots = plots(self);
         let mut page = Markup::new(self);
@@ -73,7 +73,7 @@ fn head(page: &mut Markup) {
     for criterion in summary.criteria() {
         let _ = writeln!(page.text, "<li><a href=\"#{criterion}\">Criterion {criterion}</a></li>");
         for environment in summary.environments(criterion) {
-            // The short name of an environment of the paper: `02x: ball under a table`.
+            // This is the short name of an environment of the paper: `02x: ball under a table`.
             let short = environment.split_once(": ").map_or(environment, |(short, _)| short);
             let place = anchor(&[criterion, environment]);
             let _ = writeln!(page.text, "<li><a href=\"#{place}\">{}</a></li>", escape(short));

@@ -5,54 +5,53 @@ use serde_json::Value;
 use crate::report::Summary;
 use crate::report::number_text::{percent, plain, table_seconds};
 
-/// A page as it grows. Figures are looked up in the JSON document by their path, so that the page cannot say
-/// anything else than the document.
+/// Builder of a page. Figures are read from the JSON document by their path, so that the page always agrees with it.
 pub struct Markup<'a> {
     pub summary: &'a Summary,
     pub text: String,
-    /// The document, as text.
+    /// The JSON document, as text.
     pub json: String,
     document: Value,
-    /// How many tables it has.
+    /// Number of tables until now.
     tables: usize,
 }
 
-/// How a figure is shown.
+/// Format of a figure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shown {
-    /// As it is.
+    /// Unchanged.
     Plain,
-    /// A count, which may stand as a number with a point.
+    /// Count, possibly stored as a floating-point number.
     Count,
     /// Seconds as in the paper's table.
     TableSeconds,
-    /// In percent.
+    /// Share in percent.
     Percent,
-    /// Memory in bytes, in megabytes.
+    /// Memory in megabytes, stored in bytes.
     Megabytes,
-    /// A length in metres, in millimetres.
+    /// Length in millimetres, stored in metres.
     Millimetres,
-    /// A probability, which is no more than "small" below a thousandth.
+    /// Probability, shown as "< 0.001" below a thousandth.
     Probability,
 }
 
-/// What stands where there is no figure.
+/// Text for a missing figure.
 const NONE: &str = "–";
 
 impl<'a> Markup<'a> {
     pub fn new(summary: &'a Summary) -> Self {
-        // A summary holds nothing that JSON has not: its figures are finite, its maps have text for keys.
+        // Serialization cannot fail: the figures of a summary are finite, and the keys of its maps are text.
         let json = serde_json::to_string(summary).unwrap_or_default();
         let document = serde_json::from_str(&json).unwrap_or_default();
         Self { summary, text: String::new(), json, document, tables: 0 }
     }
 
-    /// The figure at `path` (`rows.3.mean_s`), as it is.
+    /// Returns the figure at `path` (`rows.3.mean_s`), unchanged.
     pub fn figure(&self, path: &str) -> String {
         self.figure_as(path, Shown::Plain)
     }
 
-    /// The figure at `path`.
+    /// Returns the figure at `path` in a format.
     pub fn figure_as(&self, path: &str, shown: Shown) -> String {
         let pointer = format!("/{}", path.replace('.', "/"));
         let Some(number) = self.document.pointer(&pointer).and_then(Value::as_number) else {
@@ -60,7 +59,7 @@ impl<'a> Markup<'a> {
         };
         let value = number.as_f64().unwrap_or(f64::NAN);
         let text = match shown {
-            // A count has all its digits.
+            // A count is shown with all its digits.
             Shown::Plain if !number.is_f64() => number.to_string(),
             Shown::Plain => plain(value),
             Shown::Count => format!("{value:.0}"),
@@ -80,7 +79,7 @@ impl<'a> Markup<'a> {
         format!("<data value=\"{number}\" data-path=\"{path}\"{scale}>{text}</data>")
     }
 
-    /// Two figures as the ends of an interval.
+    /// Returns two figures as the ends of an interval.
     pub fn interval(&self, low: &str, high: &str, shown: Shown) -> String {
         format!(
             "<span class=\"interval\">[{}, {}]</span>",
@@ -89,8 +88,8 @@ impl<'a> Markup<'a> {
         )
     }
 
-    /// Opens a table with a caption, which stays in sight where the table is scrolled, and column heads;
-    /// those that begin with `<` hold words, the others numbers.
+    /// Opens a table with column heads and a caption that stays visible while the table scrolls; heads that begin with `<`
+    /// mark columns of words, the others of numbers.
     pub fn open_table(&mut self, caption: &str, heads: &[&str]) {
         self.tables += 1;
         let number = self.tables;
@@ -108,8 +107,8 @@ impl<'a> Markup<'a> {
         self.text.push_str("</tr></thead>\n<tbody>\n");
     }
 
-    /// A line of a table: its head, escaped here, and cells that are markup already; those that begin with
-    /// `<td` bring their own tag.
+    /// Adds a line of a table: its head, escaped here, and cells that are markup already; those that begin with `<td` have
+    /// their own tag.
     pub fn table_line(&mut self, head: &str, cells: &[String]) {
         let _ = write!(self.text, "<tr><th scope=\"row\">{}</th>", escape(head));
         for cell in cells {
@@ -122,7 +121,7 @@ impl<'a> Markup<'a> {
         self.text.push_str("</tr>\n");
     }
 
-    /// Opens what stands behind a line, which is markup; `id` leads to it from elsewhere.
+    /// Opens a collapsible section with a title line, which is markup; `id` is its link target.
     pub fn open_fold(&mut self, id: &str, line: &str) {
         let _ = writeln!(self.text, "<details id=\"{id}\"><summary>{line}</summary>\n<div class=\"fold\">");
     }
@@ -136,18 +135,18 @@ impl<'a> Markup<'a> {
     }
 }
 
-/// A cell of words.
+/// Returns a cell of words.
 pub fn words(text: &str) -> String {
     format!("<td class=\"words\">{}</td>", escape(text))
 }
 
-/// Words as the name of a place in the page.
+/// Converts words to the name of an anchor in the page.
 pub fn anchor(words: &[&str]) -> String {
     let letter = |c: char| if c.is_ascii_alphanumeric() || c == '.' { c } else { '-' };
     words.join("-").chars().map(letter).collect()
 }
 
-/// Text as HTML.
+/// Escapes text for HTML.
 pub fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

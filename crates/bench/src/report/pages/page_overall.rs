@@ -1,4 +1,4 @@
-//! What the page says over all scenarios of a criterion.
+//! Section of the page on all scenarios of a criterion.
 
 use std::fmt::Write as _;
 
@@ -6,7 +6,7 @@ use crate::report::drawn::plot::Plot;
 use crate::report::pages::page_figures::{Markup, Shown};
 use crate::report::pages::page_tables::estimate;
 
-/// Each planner in a line, with the pooled curves and the performance profile.
+/// Adds a table with one line for each planner, the pooled curves and the performance profile.
 pub fn overall(page: &mut Markup, criterion: &str, plots: &[&Plot]) {
     let summary = page.summary;
     let of_criterion = || summary.overall.iter().enumerate().filter(|(_, own)| own.criterion == criterion);
@@ -15,7 +15,8 @@ pub fn overall(page: &mut Markup, criterion: &str, plots: &[&Plot]) {
         let names: std::collections::BTreeSet<_> = rows.map(|row| &row.scenario_name).collect();
         if names.len() > 1 {
             page.text.push_str(
-                "<p>The planners share fewer than two scenarios: nothing is said over all of them.</p>\n",
+                "<p>The planners share fewer than two scenarios: there are no figures over all \
+                 scenarios.</p>\n",
             );
         }
         return;
@@ -49,7 +50,7 @@ pub fn overall(page: &mut Markup, criterion: &str, plots: &[&Plot]) {
     figures(page, plots);
 }
 
-/// Plots beside each other, as many as there is room for.
+/// Adds plots beside each other, as many as fit.
 pub fn figures(page: &mut Markup, plots: &[&Plot]) {
     if plots.is_empty() {
         return;

@@ -1,4 +1,4 @@
-//! Environments and their scenarios, each behind a line that opens it.
+//! Environments and their scenarios, in collapsible sections.
 
 use std::fmt::Write as _;
 
@@ -13,8 +13,8 @@ use crate::report::pages::page_overall::figures;
 use crate::report::pages::page_tables::{self, Rows};
 use cranny_file::counted;
 
-/// One environment: its plots behind a line, then each scenario behind another. Of a large one the tables of all
-/// scenarios stand together.
+/// Adds one environment: its plots in one section, then each scenario in another. A large environment has joint tables for
+/// all scenarios.
 pub fn environment(page: &mut Markup, criterion: &str, name: &str, plots: &[&Plot], enclosure: &Enclosure) {
     let summary = page.summary;
     let is_here = |row: &crate::report::Row| row.criterion == criterion && row.environment == name;
@@ -61,7 +61,7 @@ pub fn environment(page: &mut Markup, criterion: &str, name: &str, plots: &[&Plo
     }
 }
 
-/// What stands on the line that opens a scenario: its name and who solved how much of it.
+/// Returns the title line of a scenario: its name and the success rate of each planner.
 fn summary_line(page: &Markup, scenario: &str, rows: &Rows) -> String {
     let rate = |(index, row): &(usize, &crate::report::Row)| {
         let rate = page.figure_as(&format!("rows.{index}.success_rate"), Shown::Percent);
@@ -71,7 +71,7 @@ fn summary_line(page: &Markup, scenario: &str, rows: &Rows) -> String {
     format!("<b>{}</b> {}", escape(scenario), rates.join(" "))
 }
 
-/// The pictures of many scenarios, small; of how many there is none is said once.
+/// Adds the pictures of many scenarios, small, and one note about missing ones.
 fn gallery(page: &mut Markup, scenarios: &[&str], enclosure: &Enclosure) {
     let pictures = || scenarios.iter().filter_map(|name| Some((*name, enclosure.pictures.get(*name)?)));
     let missing: Vec<&str> =

@@ -1,4 +1,4 @@
-//! The tables of the page.
+//! Tables of the page.
 
 use std::fmt::Write as _;
 
@@ -8,10 +8,10 @@ use crate::report::paper_table::{PaperTable, shown};
 use crate::report::{Enclosure, Row};
 use cranny_file::counted;
 
-/// Rows with their places in the summary.
+/// Rows with their indices in the summary.
 pub type Rows<'a> = Vec<(usize, &'a Row)>;
 
-/// The layout of the paper's Table I.
+/// Adds a table in the layout of the paper's Table I.
 pub fn paper(page: &mut Markup, table: &PaperTable) {
     page.text.push_str("<h3>The paper's table</h3>\n");
     let mut heads = vec!["<scenario"];
@@ -42,7 +42,7 @@ pub fn paper(page: &mut Markup, table: &PaperTable) {
     page.close_table();
 }
 
-/// Rates with their intervals, times as censored data.
+/// Adds rates with their intervals, and times as censored data.
 pub fn rates_and_times(page: &mut Markup, rows: &Rows) {
     page.text.push_str("<h4>Success and time</h4>\n");
     open_table_of_rows(
@@ -86,7 +86,7 @@ pub fn rates_and_times(page: &mut Markup, rows: &Rows) {
     page.close_table();
 }
 
-/// A table with a line a row: of one scenario its name stands above, of several on each line.
+/// Opens a table with a line for each row; lines name the scenario only if there are several.
 fn open_table_of_rows(page: &mut Markup, rows: &Rows, caption: &str, heads: &[&str]) {
     let subject: &[&str] = if are_of_one(rows) { &["<planner"] } else { &["<scenario", "<planner"] };
     page.open_table(caption, &[subject, heads].concat());
@@ -104,7 +104,7 @@ fn are_of_one(rows: &Rows) -> bool {
     rows.windows(2).all(|pair| pair[0].1.scenario_name == pair[1].1.scenario_name)
 }
 
-/// How many runs ended in which way, the solved ones left out; what the other criterion says of the paths.
+/// Returns the number of runs by outcome without the solved ones, and the verdicts under the other criterion.
 fn failures(row: &Row) -> String {
     let failed = row.outcomes.iter().filter(|(outcome, _)| **outcome != "solved");
     let mut parts: Vec<String> = failed.map(|(outcome, count)| format!("{outcome} {count}")).collect();
@@ -114,7 +114,7 @@ fn failures(row: &Row) -> String {
     parts.join(", ")
 }
 
-/// What the search cost and what its paths are like.
+/// Adds the search effort and the properties of the paths.
 pub fn paths(page: &mut Markup, rows: &Rows) {
     page.text.push_str("<h4>Search and paths</h4>\n");
     open_table_of_rows(
@@ -146,7 +146,7 @@ pub fn paths(page: &mut Markup, rows: &Rows) {
     page.close_table();
 }
 
-/// Pairs of planners.
+/// Adds the comparisons of pairs of planners.
 pub fn comparisons(page: &mut Markup, criterion: &str) {
     let summary = page.summary;
     let of_criterion = || summary.comparisons.iter().enumerate().filter(|(_, c)| c.criterion == criterion);
@@ -210,7 +210,7 @@ pub fn comparisons(page: &mut Markup, criterion: &str) {
     page.close_fold();
 }
 
-/// Every goal of planners that aim at one.
+/// Adds every goal of planners that aim at one.
 pub fn goals(page: &mut Markup, criterion: &str) {
     let summary = page.summary;
     let of_criterion = || summary.goals.iter().enumerate().filter(|(_, goal)| goal.criterion == criterion);
@@ -249,7 +249,7 @@ pub fn goals(page: &mut Markup, criterion: &str) {
     page.close_fold();
 }
 
-/// The trials to look at first.
+/// Adds the trials to inspect first.
 pub fn worst(page: &mut Markup, enclosure: &Enclosure) {
     let summary = page.summary;
     page.text.push_str("<section id=\"worst\">\n<h2>Worst trials</h2>\n");
@@ -259,13 +259,13 @@ pub fn worst(page: &mut Markup, enclosure: &Enclosure) {
         &format!("<b>{}</b> <span>what failed, and what took longest</span>", counted(count, "trial")),
     );
     let hint = if enclosure.paths.is_empty() {
-        " <code>cranny bench report --paths</code> puts pages that show their paths beside this one."
+        " <code>cranny bench report --paths</code> writes pages that show their paths beside this one."
     } else {
-        " “path” leads to a page that shows it; most of what failed has none."
+        " “path” links to a page that shows it; most failed trials have none."
     };
     let caption = format!(
-        "What should never happen first, then what was not solved, then what was solved last; of a planner on a scenario at most two \
-         and one. The command runs a trial again.{hint}"
+        "Unexpected failures first, then unsolved trials, then the slowest solved ones; of a planner on a \
+         scenario at most two failures and one solved trial. The command runs a trial again.{hint}"
     );
     page.open_table(
         &caption,
@@ -306,7 +306,7 @@ pub fn worst(page: &mut Markup, enclosure: &Enclosure) {
     page.text.push_str("</section>\n");
 }
 
-/// Where the times were taken.
+/// Adds the machines on which the times were measured.
 pub fn machines(page: &mut Markup) {
     let summary = page.summary;
     page.text.push_str("<section id=\"machines\">\n<h2>Machines</h2>\n");
@@ -346,10 +346,10 @@ pub fn machines(page: &mut Markup) {
     page.text.push_str("</section>\n");
 }
 
-/// So many commands of one machine are seen at once.
+/// Maximum number of commands of one machine that are visible without opening the fold.
 const MOST_COMMANDS: usize = 3;
 
-/// A figure with its interval, or why it has none; "–" alone where there is no figure.
+/// Returns a figure with its interval, or the reason for a missing one; "–" if there is no figure.
 pub fn estimate(page: &Markup, value: &str, low: &str, high: &str, shown: Shown) -> String {
     let text = page.figure_as(value, shown);
     if text == "–" {
@@ -364,7 +364,7 @@ pub fn estimate(page: &Markup, value: &str, low: &str, high: &str, shown: Shown)
 /// Text in place of tests for which there are too few runs.
 const TOO_FEW_RUNS: &str = "too few runs";
 
-/// Rows that pool what should not be pooled, by what it is.
+/// Adds the rows that pool different conditions, split by condition.
 fn split_rows(page: &mut Markup) {
     let summary = page.summary;
     if summary.split_rows.is_empty() {

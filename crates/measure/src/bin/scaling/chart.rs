@@ -7,7 +7,7 @@ use kuva::render::plots::Plot;
 /// Curves over the number of boxes, both axes logarithmic.
 pub struct Panel {
     pub title: &'static str,
-    /// Of all values.
+    /// Unit of the y axis.
     pub unit: &'static str,
     pub series: Vec<Series>,
 }
@@ -17,10 +17,10 @@ pub struct Series {
     pub points: Vec<(f64, f64)>,
 }
 
-/// Told apart also by those who do not see all colours (Okabe & Ito 2008, "Color universal design", whole).
+/// Colours that colour-blind readers can distinguish (Okabe & Ito 2008, "Color universal design", whole).
 const COLORS: [&str; 4] = ["#0072B2", "#D55E00", "#009E73", "#CC79A7"];
 
-/// The panels side by side.
+/// Draws the panels side by side.
 pub fn svg(panels: &[Panel]) -> String {
     let plots: Vec<Vec<Plot>> = panels.iter().map(curves).collect();
     let layout = |(panel, plots): (&Panel, &Vec<Plot>)| {

@@ -8,8 +8,8 @@ use cranny_shape::{Solid, separation};
 use cranny_spatial::{Pose, Stream, Vector};
 use cranny_task::{Goal, Problem};
 
-/// The built-in robot among random boxes that keep off its start and off some configurations with the poses
-/// to be reached. Fewer boxes are the first of the many.
+/// Built-in robot among random boxes that keep clear of its start and of some configurations that reach the goal poses.
+/// A smaller number of boxes uses the first ones.
 pub struct Clutter {
     robot: Arc<Robot>,
     start: Vec<f64>,
@@ -18,19 +18,19 @@ pub struct Clutter {
     grasps: Vec<Grasp>,
 }
 
-/// Poses to be reached.
+/// Number of goal poses.
 const GRASPS: usize = 10;
 
-/// Half the edges of the boxes, in metres: from a cup to a crate.
+/// Range of the half edges of the boxes, in metres: from a cup to a crate.
 const HALF_EDGES_M: [f64; 2] = [0.02, 0.08];
 
-/// Boxes stand anywhere within this of the planning frame's origin, as far as the arm reaches …
+/// Maximum absolute x and y of the boxes in the planning frame, in metres: about the reach of the arm.
 const AROUND_M: f64 = 2.2;
 
-/// … and from the floor up to here.
+/// Maximum height of the boxes above the floor, in metres.
 const HEIGHT_M: f64 = 1.9;
 
-/// So far, at least, boxes keep off start and goals, in metres.
+/// Minimum distance of the boxes from the robot at start and goals, in metres.
 const KEPT_FREE_M: f64 = 0.02;
 
 impl Clutter {
@@ -72,7 +72,7 @@ impl Clutter {
         clutter
     }
 
-    /// To reach any of the poses from the start, among the first so many boxes.
+    /// Returns the problem to reach any of the poses from the start, among the first `boxes` boxes.
     pub fn problem(&self, boxes: usize) -> Problem {
         let bodies = self.boxes[..boxes].iter().chain([&self.floor]).cloned().collect();
         let world = World::new(bodies).expect("finite poses");

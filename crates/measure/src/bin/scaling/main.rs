@@ -1,5 +1,5 @@
-//! Time per check, per proof and per plan against the number of obstacles, as a table on the standard output
-//! and as a plot; one thread.
+//! Time per check, per proof and per plan against the number of obstacles, as a table on standard output and as a plot;
+//! one thread.
 //!
 //! `cargo run --release -p cranny-measure --bin scaling -- PLOT.svg [BOXES…]`
 
@@ -19,22 +19,22 @@ use cranny_task::Problem;
 use crate::chart::{Panel, Series};
 use crate::clutter::Clutter;
 
-/// Numbers of boxes that are measured unless others are given.
+/// Default numbers of boxes.
 const BOXES: [usize; 5] = [10, 32, 100, 316, 1000];
 
-/// Worlds for each number of boxes.
+/// Number of worlds for each number of boxes.
 const WORLDS: u64 = 5;
 
-/// Plans in each world, each with a seed of its own.
+/// Number of plans in each world, each with its own seed.
 const SEEDS: u64 = 10;
 
-/// Uniform random configurations that are checked in each world.
+/// Number of uniform random configurations checked in each world.
 const CONFIGURATIONS: usize = 8000;
 
-/// Each time of checks and proofs is the best of so many rounds: other programs can only make it longer.
+/// Number of rounds, of which the fastest counts: other programs can only slow them down.
 const ROUNDS: usize = 5;
 
-/// The edges that are proven take this part of the way from a free configuration to a random one.
+/// Length of the proven edges, as a share of the edge from a free configuration to a random one.
 const EDGE: f64 = 0.05;
 
 fn main() {
@@ -77,7 +77,7 @@ fn main() {
     std::fs::write(&plot, chart::svg(&[checks, plans])).expect("a file that can be written");
 }
 
-/// What was measured for one number of boxes: medians over worlds and plans.
+/// Measurements for one number of boxes: medians over worlds and plans.
 struct Row {
     boxes: usize,
     single_us: f64,
@@ -153,7 +153,7 @@ fn one_at_a_time(cell: &Cell, configurations: &[f64], scratch: &mut Scratch) {
     }
 }
 
-/// Microseconds per proof of an edge both of whose ends are free; `None` without any.
+/// Returns the microseconds per proof of an edge with free ends; `None` if there are no such edges.
 fn proof_us(cell: &Cell, free: &[f64], scratch: &mut Scratch) -> Option<f64> {
     let dof = cell.robot().dof();
     let towards = random_configurations(cell, CONFIGURATIONS);
@@ -172,7 +172,7 @@ fn proof_us(cell: &Cell, free: &[f64], scratch: &mut Scratch) -> Option<f64> {
     (!edges.is_empty()).then(|| best_us(edges.len(), prove_all))
 }
 
-/// The time of one plan (ms), and whether it is verified if there is one.
+/// Returns the planning time (ms), and true if the plan is verified, `None` if there is no plan.
 fn planned(problem: &Problem, seed: u64) -> (f64, Option<bool>) {
     let planner = cranny_plan::default_planner(problem);
     let budget = Budget { time: Duration::from_secs(10), ..Budget::default() };
@@ -190,7 +190,7 @@ fn best_us(count: usize, mut action: impl FnMut()) -> f64 {
     times.fold(f64::INFINITY, f64::min) / count as f64 * 1e6
 }
 
-/// The nearest-rank quantile; NaN of nothing.
+/// Returns the nearest-rank quantile; NaN for no values.
 #[allow(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,

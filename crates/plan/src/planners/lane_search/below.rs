@@ -1,4 +1,4 @@
-//! Searches for paths that cost less than a known one.
+//! Search for paths that cost less than a known one.
 
 use cranny_robot::between;
 
@@ -9,7 +9,7 @@ use crate::search::goal_pool::GoalPool;
 use crate::{Observer, Outcome};
 
 impl LaneSearch<'_> {
-    /// Takes the trees away, but for the start and the goals that are known.
+    /// Clears both sides, except for the start and the known goals.
     fn begin_anew(&mut self, observer: &mut dyn Observer) {
         self.sides.iter_mut().for_each(Forest::clear);
         self.domains = [Vec::new(), Vec::new()];
@@ -21,17 +21,17 @@ impl LaneSearch<'_> {
         }
     }
 
-    /// Iterations so far.
+    /// Returns the number of iterations done.
     pub fn iterations(&self) -> u64 {
         self.statistics.iterations
     }
 
-    /// Sets the costs of paths beside their length, one per grasp that they lead to, in the unit of the cost.
+    /// Sets the costs of paths in addition to their length, one per grasp at their end, in the unit of the cost.
     pub fn set_grasp_costs(&mut self, costs: Vec<f64>) {
         self.grasp_costs = costs;
     }
 
-    /// Makes the goal configurations of the problem known that are free.
+    /// Adds the free goal configurations of the problem to the known goals.
     pub fn know_goals(&mut self) {
         let goals = self.problem.goal_configurations();
         self.known.extend(
@@ -42,8 +42,8 @@ impl LaneSearch<'_> {
         );
     }
 
-    /// Draws goals of one more batch, about a known path of way points (m, rad; one value per joint), for the next
-    /// search: those to which a path may cost less than `bound`.
+    /// Draws goals of one more batch, about a known path of way points (m, rad; one value per joint), for the next search:
+    /// those to which a path may cost less than `bound`.
     pub fn draw_goals(&mut self, pool: &mut GoalPool, path: &[Vec<f64>], bound: f64) {
         let Self { random, scratch, statistics, .. } = self;
         let found = pool.draw_batch(path, random, scratch, statistics);
@@ -53,9 +53,9 @@ impl LaneSearch<'_> {
         self.drawn.retain(|(goal, cost)| least(goal) + cost < bound);
     }
 
-    /// Looks anew for a path, one that shortened may cost less than `bound`, in a limited number of iterations. Goals to
-    /// which the straight line costs more are forgotten. The tree from the start begins with the way points of
-    /// `along` (m, rad; one value per joint), if any, but for its goal: what is found leaves that path somewhere.
+    /// Searches anew for a path that may cost less than `bound` once shortened, in a limited number of iterations. Goals to
+    /// which the straight line costs more are dropped. The tree from the start begins with the way points of `along` (m, rad;
+    /// one value per joint), if any, except for its goal, so that a new path departs from it.
     pub fn run_below(
         &mut self,
         bound: f64,
@@ -75,7 +75,7 @@ impl LaneSearch<'_> {
         self.search(observer)
     }
 
-    /// Adds a path that begins at the start to its tree, with nodes as far apart as a growth sets them.
+    /// Adds a path from the start to its tree, with nodes as far apart as in a growth.
     fn add_path(&mut self, path: &[Vec<f64>], observer: &mut dyn Observer) {
         let mut node = 0;
         for edge in path.windows(2) {

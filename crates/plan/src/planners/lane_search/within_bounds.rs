@@ -3,17 +3,17 @@ use cranny_robot::between;
 use crate::Observer;
 use crate::planners::lane_search::{Growth, LaneSearch, Way};
 
-/// Steps of one growth at most.
+/// Maximum number of steps per growth.
 const MOST_STEPS: usize = 16;
 
-/// A step is none unless the target comes nearer by this share of it: what slides along the bound without coming nearer goes
-/// on for ever.
+/// Minimum progress of a step towards the target, as a share of the step: sliding along a bound without progress would never
+/// end.
 const LEAST_PROGRESS: f64 = 0.05;
 
 impl LaneSearch<'_> {
-    /// [`Self::grow`] where the tool is bounded: in single steps, each moved to where the bounds hold (the
-    /// constrained extension of Berenson, Srinivasa & Kuffner 2011, "Task Space Regions", §5), to the first that is not free,
-    /// or that comes no nearer to the target.
+    /// Variant of [`Self::grow`] for a bounded tool: single steps, each projected to where the bounds hold (the constrained
+    /// extension of Berenson, Srinivasa & Kuffner 2011, "Task Space Regions", §5), up to the first that is not free or makes no
+    /// progress.
     pub(super) fn grow_within_bounds(
         &mut self,
         side: usize,

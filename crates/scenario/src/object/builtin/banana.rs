@@ -5,31 +5,31 @@ use cranny_spatial::{Point, sin_cos};
 
 use super::object_shape::ObjectShape;
 
-/// The published length along the bend, in metres.
+/// Published length along the bend, in metres.
 const LENGTH_M: f64 = 0.19;
 
-/// Half the published thickness of 36 mm, and as much more as the ridges take off across the bend.
+/// Radius, in metres: half the published thickness of 36 mm, plus the amount that the ridges remove across the bend.
 const RADIUS_M: f64 = 0.01835;
 
-/// How far it is bent from end to end, in radians, as pictures of the object show.
+/// Bend angle from end to end, in radians, as in pictures of the object.
 const BEND_RAD: f64 = 1.6;
 
-/// Share of the length from the tip, and of the radius there: a blunt tip, and a stem.
+/// Pairs of position, as a share of the length from the tip, and radius, as a share of the maximum: a blunt tip, and a stem.
 const TAPER: [(f64, f64); 8] =
     [(0.0, 0.25), (0.04, 0.5), (0.14, 0.85), (0.35, 1.0), (0.6, 1.0), (0.8, 0.85), (0.91, 0.4), (1.0, 0.3)];
 
-/// Five soft ridges, which lower the radius by this share between them.
+/// Number of soft ridges, and share of the radius that is removed between them.
 const RIDGES: f64 = 5.0;
 const RIDGE_SHARE: f64 = 0.05;
 
-/// Rings along the bend, and points of each.
+/// Number of rings along the bend, and of points per ring.
 const RINGS: u32 = 49;
 const RING_POINTS: u32 = 40;
 
-/// Convex parts: each then bends by a tenth of a radian or so.
+/// Number of convex parts: each bends by about a tenth of a radian.
 const PARTS: usize = 12;
 
-/// Bent in the plane z = 0.
+/// Returns the shape, bent in the plane z = 0.
 pub fn shape() -> Result<ObjectShape, ShapeError> {
     let bend_radius_m = LENGTH_M / BEND_RAD;
     let ring = |index: u32| {
@@ -43,7 +43,7 @@ pub fn shape() -> Result<ObjectShape, ShapeError> {
             let reach_m = bend_radius_m + radius_m * out;
             Point::new(reach_m * cosine, reach_m * sine, radius_m * up)
         };
-        // Backwards, because the row leads towards +y, from where z then x is counterclockwise.
+        // The order is reversed because the row leads towards +y, from where z then x is counterclockwise.
         (0..RING_POINTS).rev().map(point).collect()
     };
     let loft = Loft::new((0..RINGS).map(ring).collect())?;
@@ -51,7 +51,7 @@ pub fn shape() -> Result<ObjectShape, ShapeError> {
     Ok(ObjectShape { mesh: loft.mesh()?, parts: loft.convex_pieces(&cuts)?, solid: None })
 }
 
-/// The radius as a share of the greatest, eased between the entries of [`TAPER`].
+/// Returns the radius as a share of the maximum, smoothly interpolated between the entries of [`TAPER`].
 fn radius_share(share: f64) -> f64 {
     let next = TAPER.partition_point(|(at, _)| *at <= share).clamp(1, TAPER.len() - 1);
     let ((from, low), (to, high)) = (TAPER[next - 1], TAPER[next]);

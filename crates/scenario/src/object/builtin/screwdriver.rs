@@ -5,33 +5,33 @@ use cranny_spatial::{Point, sin_cos};
 
 use super::object_shape::ObjectShape;
 
-/// The published length, in metres.
+/// Published length, in metres.
 const LENGTH_M: f64 = 0.215;
 
-/// Half the published diameter of the handle, 31 mm.
+/// Half the published diameter of the handle, 31 mm, in metres.
 const HANDLE_RADIUS_M: f64 = 0.0155;
 
-/// Where the handle ends, from its butt, in metres; proportions as in pictures of the object.
+/// Length of the handle from its butt, in metres; proportions as in pictures of the object.
 const HANDLE_LENGTH_M: f64 = 0.1;
 
-/// Of the steel shaft, in metres.
+/// Radius of the steel shaft, in metres.
 const SHAFT_RADIUS_M: f64 = 0.003;
 
-/// Flutes around the handle, and how deep they are, in metres.
+/// Number of flutes around the handle, and their depth, in metres.
 const FLUTES: f64 = 6.0;
 const FLUTE_DEPTH_M: f64 = 0.0012;
 
-/// The blade: how long its taper is, how wide and thick its tip, in metres.
+/// Blade: length of its taper, width and thickness of its tip, in metres.
 const BLADE_LENGTH_M: f64 = 0.012;
 const BLADE_WIDTH_M: f64 = 0.008;
 const BLADE_THICKNESS_M: f64 = 0.001;
 
-/// Points of a ring: eight for each flute.
+/// Number of points per ring: eight for each flute.
 const RING_POINTS: u32 = 48;
 
-/// Along x from the butt of the handle to the tip of the blade, which is flat across z.
+/// Returns the shape, along x from the butt of the handle to the tip of the blade, which is flat across z.
 pub fn shape() -> Result<ObjectShape, ShapeError> {
-    // Place along x, radius, depth of the flutes, in metres.
+    // Position along x, radius, depth of the flutes, in metres.
     let neck_m = HANDLE_LENGTH_M - 0.02;
     let handle = [
         (0.0, 0.0105, 0.0),
@@ -46,7 +46,7 @@ pub fn shape() -> Result<ObjectShape, ShapeError> {
     ];
     let mut rings: Vec<Vec<Point>> = handle.iter().map(|&(x, r, depth)| fluted(x, r, depth)).collect();
     let shaft_begin = rings.len();
-    // The shaft begins inside the plane of the handle's end, which closes like a collar.
+    // The shaft begins inside the end plane of the handle, which closes like a collar.
     rings.push(fluted(HANDLE_LENGTH_M + 0.0005, SHAFT_RADIUS_M, 0.0));
     let blade_begin = rings.len();
     rings.push(fluted(LENGTH_M - BLADE_LENGTH_M, SHAFT_RADIUS_M, 0.0));
@@ -62,10 +62,10 @@ pub fn shape() -> Result<ObjectShape, ShapeError> {
     Ok(ObjectShape { mesh: loft.mesh()?, parts: loft.convex_pieces(&cuts)?, solid: None })
 }
 
-/// Rings of the blade's taper.
+/// Number of rings of the blade's taper.
 const BLADE_STEPS: u32 = 4;
 
-/// The handle is cut into convex parts where it begins to narrow, and where its neck begins.
+/// Rings at which the handle is cut into convex parts: at the start of the taper, and at the start of the neck.
 const NECK_RING: usize = 4;
 const COLLAR_RING: usize = 6;
 
@@ -80,7 +80,7 @@ fn ring(x: f64, across: impl Fn(f64, f64, f64) -> (f64, f64)) -> Vec<Point> {
         .collect()
 }
 
-/// A circle with flutes.
+/// Returns a circle with flutes.
 fn fluted(x: f64, radius_m: f64, depth_m: f64) -> Vec<Point> {
     ring(x, |angle, sine, cosine| {
         let radius_m = radius_m - depth_m * 0.5 * (1.0 - sin_cos(FLUTES * angle).1);
@@ -88,7 +88,7 @@ fn fluted(x: f64, radius_m: f64, depth_m: f64) -> Vec<Point> {
     })
 }
 
-/// Something between an ellipse and a rectangle, wide along y.
+/// Returns a curve between an ellipse and a rectangle, wide along y.
 fn flat(x: f64, half_width_m: f64, half_thickness_m: f64) -> Vec<Point> {
     ring(x, |_, sine, cosine| (half_width_m * cosine, half_thickness_m * sine))
 }

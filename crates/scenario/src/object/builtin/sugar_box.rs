@@ -3,10 +3,10 @@ use cranny_spatial::Vector;
 
 use super::object_shape::ObjectShape;
 
-/// The published size, x to z, in metres.
+/// Published size, x to z, in metres.
 const SIZE_M: [f64; 3] = [0.038, 0.089, 0.175];
 
-/// A cuboid, upright along z.
+/// Returns a cuboid, upright along z.
 pub fn shape() -> ObjectShape {
     let half = Vector::from(SIZE_M) * 0.5;
     let mesh = Surface::cuboid_soup(&half);

@@ -2,7 +2,7 @@ use std::borrow::Cow;
 
 use roxmltree::Node;
 
-/// Tags are compared without their namespace, which differs between versions.
+/// Comparison of tags without their namespace, which differs between versions.
 pub(super) trait HasTag {
     fn has_tag_name_of(&self, tag: &str) -> bool;
 }
@@ -21,21 +21,21 @@ pub(super) fn child<'a>(node: Node<'a, 'a>, tag: &str) -> Option<Node<'a, 'a>> {
     node.children().find(|child| child.has_tag_name_of(tag))
 }
 
-/// The elements directly inside one.
+/// Elements directly inside one.
 pub(super) fn elements<'a>(node: Node<'a, 'a>) -> impl Iterator<Item = Node<'a, 'a>> {
     node.children().filter(Node::is_element)
 }
 
-/// An element that stands where it means nothing, as far as is known here.
+/// Error message for an element at a position where it is not supported.
 pub(super) fn unknown(node: Node) -> String {
     let parent = node.parent_element().map_or("the file", |parent| parent.tag_name().name());
     fault(node, &format!("<{}> in <{parent}> is not read", node.tag_name().name()))
 }
 
-/// The text of an element: all of it, comments may stand in between.
+/// Whole text of an element, which comments may interrupt.
 ///
 /// # Errors
-/// In words, if there is an element inside.
+/// A message if there is an element inside.
 pub(super) fn text<'a>(node: Node<'a, 'a>) -> Result<Cow<'a, str>, String> {
     let mut text = Cow::Borrowed("");
     for part in node.children() {

@@ -4,13 +4,13 @@ use roxmltree::Node;
 
 use super::element::{fault, numbers};
 
-/// The transform that an element of a node applies to all in it, if it is one (COLLADA 1.4.1, "Core Elements").
+/// Transform that an element of a node applies to the node's content; `None` for others (COLLADA 1.4.1, "Core Elements").
 ///
-/// A node with `<lookat>` has its origin at the eye, its −z towards the point of interest and its y on the side of up,
-/// as Assimp places it.
+/// A node with `<lookat>` has its origin at the eye, its −z towards the point of interest and its y towards the up side,
+/// as in Assimp.
 ///
 /// # Errors
-/// In words, with the line: a number too few or too many, an axis without length, a skew.
+/// A message with the line: too few or too many numbers, an axis without length, a skew.
 pub(super) fn motion(element: Node) -> Result<Option<Matrix4<f64>>, String> {
     Ok(Some(match element.tag_name().name() {
         "matrix" => {
@@ -49,7 +49,7 @@ pub(super) fn motion(element: Node) -> Result<Option<Matrix4<f64>>, String> {
     }))
 }
 
-/// Rounding of numbers about 1 that were written in single precision.
+/// Rounding of numbers near 1 that were written in single precision.
 const ROUNDING: f64 = 1e-6;
 
 fn exactly<const COUNT: usize>(element: Node) -> Result<[f64; COUNT], String> {

@@ -2,7 +2,7 @@ use roxmltree::Node;
 
 use super::element::{children, elements, fault, index, indices, unknown};
 
-/// Rule by which the vertices of a primitive make polygons.
+/// Rule by which the vertices of a primitive form polygons.
 pub(super) enum Primitive {
     Triangles,
     Polylist,
@@ -12,7 +12,7 @@ pub(super) enum Primitive {
 }
 
 impl Primitive {
-    /// None for an element that is no primitive with a surface.
+    /// Rule of an element; `None` for one that is no primitive with a surface.
     pub(super) fn of(element: Node) -> Option<Self> {
         Some(match element.tag_name().name() {
             "triangles" => Self::Triangles,
@@ -24,10 +24,10 @@ impl Primitive {
         })
     }
 
-    /// The polygons of an element of this kind, as indices into the vertices.
+    /// Polygons of an element of this kind, as indices into the vertices.
     ///
     /// # Errors
-    /// In words, with the line: indices that are left over, another count than is announced, a polygon with holes.
+    /// A message with the line: leftover indices, a count other than announced, a polygon with holes.
     pub(super) fn polygons(&self, element: Node, inputs: &Inputs) -> Result<Vec<Vec<usize>>, String> {
         for part in elements(element) {
             match part.tag_name().name() {
@@ -84,7 +84,7 @@ impl Primitive {
                     .extend((2..vertices.len()).map(|at| vec![vertices[0], vertices[at - 1], vertices[at]]));
             }
             Self::Strip => {
-                // Every second triangle of a strip runs the other way round.
+                // Every second triangle of a strip has the opposite winding.
                 let turned = |(at, t): (usize, &[usize])| {
                     if at % 2 == 0 { vec![t[0], t[1], t[2]] } else { vec![t[1], t[0], t[2]] }
                 };
@@ -115,19 +115,19 @@ impl Primitive {
     }
 }
 
-/// Place of the vertex among the indices of a corner.
+/// Position of the vertex among the indices of a corner.
 pub(super) struct Inputs<'a> {
     /// Number of indices of each corner.
     pub(super) stride: usize,
-    /// Place of the vertex among them.
+    /// Position of the vertex index among them.
     pub(super) vertex: usize,
-    /// The input of the vertices; none if there is none.
+    /// Input of the vertices, if any.
     pub(super) element: Option<Node<'a, 'a>>,
 }
 
 impl<'a> Inputs<'a> {
     /// # Errors
-    /// In words, with the line: an offset that is no index, more than one input of vertices.
+    /// A message with the line: an offset that is no index, more than one input of vertices.
     pub(super) fn of(primitive: Node<'a, 'a>) -> Result<Self, String> {
         let mut inputs = Self { stride: 1, vertex: 0, element: None };
         for input in children(primitive, "input") {
