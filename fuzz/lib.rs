@@ -6,10 +6,10 @@ mod file_readers;
 
 pub use file_readers::ReaderAtWork;
 
-/// Where `file_readers` is, from this crate.
+/// Folder of `file_readers`, from this crate.
 const HERE: &str = "../crates/cli/tests/file_readers";
 
-/// One change in so many repeats a stretch of the input until it is as long as it may be: what takes time or memory
+/// Number of changes of which one repeats a stretch of the input until it is as long as it may be: what takes time or memory
 /// with the square of a size shows in long files alone, which libFuzzer hardly makes by itself.
 const GROWTH: u32 = 256;
 

@@ -1,5 +1,7 @@
 //! Check that comments use the field's plain English.
 
+use std::path::Path;
+
 use crate::checkout::SourceFile;
 use crate::problem::Problem;
 
@@ -32,7 +34,7 @@ const MOST_OF_CRATE: usize = 2;
 /// Reports docs with such an opening, and the house words of crates that have more than [`MOST_OF_CRATE`].
 pub fn check(files: &[SourceFile]) -> Vec<Problem> {
     let (mut problems, mut words) = (Vec::new(), Vec::<(&str, Problem)>::new());
-    for file in files.iter().filter(|file| file.path.ends_with(".rs")) {
+    for file in files.iter().filter(|file| Path::new(&file.path).extension() == Some("rs".as_ref())) {
         let text = file.text().unwrap_or_default();
         let mut follows_doc = false;
         for (index, line) in text.lines().enumerate() {

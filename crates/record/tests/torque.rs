@@ -59,7 +59,7 @@ fn greatest_shares(robot: &Robot, answer: &Answer, payload: Option<&Payload>) ->
 #[test]
 fn a_heavy_load_is_moved_within_the_efforts() {
     for (id, robot, mass_kg, is_slower) in
-        [("012", None, 0.1, false), ("012", None, 4.8, true), ("031", Some("fr3"), 3.5, true)]
+        [("012", None, 0.1, false), ("012", None, 4.4, true), ("031", Some("fr3"), 3.5, true)]
     {
         for timing in [TimingMethod::TimeOptimal, TimingMethod::JerkLimited] {
             let problem = open(id, robot, mass_kg);

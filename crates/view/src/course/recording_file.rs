@@ -39,7 +39,7 @@ struct BodyEntry {
 }
 
 /// Beginning of a file, read before the rest.
-// The parser of the format reads the other keys.
+// Other keys are for the parser of the format.
 #[derive(Deserialize)]
 struct Head {
     #[serde(default)]
