@@ -7,8 +7,8 @@ use cranny_scenario::Scenario;
 use cranny_solve::{TaskTrajectory, ik_statuses};
 use cranny_spatial::Pose;
 use cranny_view::{
-    Animation, PageCells, PageData, PagePlan, PageSettings, Picture, PictureSettings, Scene, SceneSettings,
-    ShownPath, StandardView, TreeRecording, ViewError,
+    Animation, PageCells, PageData, PagePlan, PageSettings, Picture, PictureSettings, SampledPath, Scene,
+    SceneSettings, StandardView, TreeRecording, ViewError,
 };
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -170,7 +170,7 @@ fn scene_of(scenario: &Scenario, plan: Option<&PyPlan>, rate_hz: f64) -> PyResul
         Some(plan) => {
             check_shown(scenario, plan)?;
             let timed = timed_in(scenario, plan)?;
-            ShownPath::of_plan(&scenario.robot, &plan.file, timed.as_ref(), rate_hz).map_err(fault)?
+            SampledPath::of_plan(&scenario.robot, &plan.file, timed.as_ref(), rate_hz).map_err(fault)?
         }
     };
     Scene::of_task(scenario, path.as_ref(), &SceneSettings::default()).map_err(fault)

@@ -7,7 +7,7 @@ use std::time::Duration;
 use cranny_collision::Margins;
 use cranny_path::{AuditSettings, TimingMethod, audit_with};
 use cranny_plan::Observer;
-use cranny_record::{Ask, CarryWord, PaceWord, PaceWords, PlanFile, TaskWord};
+use cranny_record::{Ask, CarryGoal, PlanFile, SpeedOption, SpeedOptions, TaskSelection};
 use cranny_robot::Robot;
 use cranny_sim::{Tried, solve_in_physics};
 use cranny_solve::{PoseRadius, solve};
@@ -24,44 +24,44 @@ use crate::live_page::PyLivePage;
 use crate::verification::PyVerification;
 
 /// Parses the destination of a carried object.
-fn carry_of(value: &Bound<'_, PyAny>, robot: &Robot) -> PyResult<CarryWord> {
+fn carry_of(value: &Bound<'_, PyAny>, robot: &Robot) -> PyResult<CarryGoal> {
     if let Ok(word) = value.extract::<String>() {
         return match word.as_str() {
-            "home" => Ok(CarryWord::Home),
-            "out" => Ok(CarryWord::Out),
+            "home" => Ok(CarryGoal::Home),
+            "out" => Ok(CarryGoal::Out),
             _ => {
                 let expected = "\"home\", \"out\" or configurations are expected";
                 Err(bad_value(format!("carry is '{word}', but {expected}")))
             }
         };
     }
-    Ok(CarryWord::Configurations(Configurations::read(value, "carry", robot)?.rows(robot.dof())?))
+    Ok(CarryGoal::Configurations(Configurations::read(value, "carry", robot)?.rows(robot.dof())?))
 }
 
 /// Parses limits of motions: a number, or numbers by mode.
-fn pace_of(what: &str, value: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<PaceWord>> {
+fn pace_of(what: &str, value: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<SpeedOption>> {
     let Some(value) = value else { return Ok(Vec::new()) };
     if let Ok(value) = value.extract::<f64>() {
-        return Ok(vec![PaceWord { mode: None, value }]);
+        return Ok(vec![SpeedOption { mode: None, value }]);
     }
     let expected = || bad_value(format!("{what}: a number or a dict from modes to numbers is expected"));
     let by_mode: BTreeMap<String, f64> = value.extract().map_err(|_| expected())?;
     let word = |(name, value): (String, f64)| {
         let mode =
             if name == "all" { None } else { Some(cranny_task::Mode::of_name(&name).map_err(bad_value)?) };
-        Ok(PaceWord { mode, value })
+        Ok(SpeedOption { mode, value })
     };
     by_mode.into_iter().map(word).collect()
 }
 
 /// Parses the name of a task, or its stages.
-fn task_of(value: &Bound<'_, PyAny>) -> PyResult<TaskWord> {
+fn task_of(value: &Bound<'_, PyAny>) -> PyResult<TaskSelection> {
     if let Ok(name) = value.extract::<String>() {
-        return Ok(TaskWord::Named(name));
+        return Ok(TaskSelection::Named(name));
     }
     let stages = value_of("task", "the name of a task or a list of stages", value)?;
     let stages = serde_json::from_value(stages).map_err(|problem| bad_value(format!("task: {problem}")))?;
-    Ok(TaskWord::Stages(stages))
+    Ok(TaskSelection::Stages(stages))
 }
 
 /// Checks the error of a pose (m, rad).
@@ -227,7 +227,7 @@ pub fn plan(
             },
         ),
         stops: !blend,
-        paces: PaceWords {
+        paces: SpeedOptions {
             speed: pace_of("speed", speed)?,
             acceleration: pace_of("acceleration", acceleration)?,
             tool_speed: pace_of("tool_speed_m_s", tool_speed_m_s)?,

@@ -148,7 +148,7 @@ pub enum BenchError {
          file (`cranny bench merge` joins them)",
         results.display()
     )]
-    OtherPart {
+    OtherShard {
         /// The results file.
         results: PathBuf,
         /// The shard to run.

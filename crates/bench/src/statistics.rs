@@ -26,7 +26,7 @@ pub use performance_profile::{PerformanceProfile, performance_profiles};
 pub use ranking::area_under_curve;
 pub use restricted_mean::RestrictedMean;
 pub use sample_moments::SampleMoments;
-pub use spread::Spread;
+pub use spread::FiveNumbers;
 pub use two_sample_test::{TwoSampleTest, least_p};
 pub use wilson::wilson;
 

@@ -133,7 +133,7 @@ fn results_of_another_part_are_refused() {
     assert!(shard(1, 2).check(&whole, &results).is_ok() && shard(1, 1).check(&whole, &results).is_ok());
     for (other, wanted) in [(shard(2, 2), 8), (shard(1, 3), 5)] {
         match other.check(&whole, &results) {
-            Err(BenchError::OtherPart { part, trials, .. }) => {
+            Err(BenchError::OtherShard { part, trials, .. }) => {
                 assert_eq!(part, other.to_string());
                 assert!(trials <= wanted && trials > 0, "{trials}");
             }

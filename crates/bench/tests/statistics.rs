@@ -3,8 +3,8 @@
 #![allow(clippy::float_cmp, reason = "figures that are copied or counted must be the same to the last bit")]
 
 use cranny_bench::statistics::{
-    Followed, KaplanMeier, SampleMoments, Spread, TwoSampleTest, holm, least_p, log_rank, median_interval,
-    performance_profiles, wilson,
+    FiveNumbers, Followed, KaplanMeier, SampleMoments, TwoSampleTest, holm, least_p, log_rank,
+    median_interval, performance_profiles, wilson,
 };
 use proptest::prelude::*;
 use serde_json::Value;
@@ -201,11 +201,11 @@ fn moments_and_quartiles_of_a_known_sample() {
     let moments = SampleMoments::of(&sample).unwrap();
     assert_near(moments.mean, 5.0, 0.0);
     assert_near(moments.standard_deviation.unwrap(), 2.138089935299395, 1e-12);
-    let spread = Spread::of(sample).unwrap();
+    let spread = FiveNumbers::of(sample).unwrap();
     assert_eq!((spread.lower_quartile, spread.median, spread.upper_quartile), (4.0, 4.0, 5.0));
     assert_eq!(SampleMoments::of(&[3.0]).unwrap().standard_deviation, None);
     assert_eq!(SampleMoments::of(&[]), None);
-    assert_eq!(Spread::of([]), None);
+    assert_eq!(FiveNumbers::of([]), None);
 }
 
 #[test]
@@ -290,7 +290,7 @@ proptest! {
     fn without_censoring_quantiles_are_those_of_the_sample(times in prop::collection::vec(0_u32..30, 1..40)) {
         let solved = |&time: &u32| Followed { until: f64::from(time), solved: true };
         let curve = KaplanMeier::of(&times.iter().map(solved).collect::<Vec<_>>());
-        let spread = Spread::of(times.iter().map(|&time| f64::from(time))).unwrap();
+        let spread = FiveNumbers::of(times.iter().map(|&time| f64::from(time))).unwrap();
         let quartiles = [spread.lower_quartile, spread.median, spread.upper_quartile];
         prop_assert_eq!([0.25, 0.5, 0.75].map(|share| curve.quantile(share)), quartiles.map(Some));
     }

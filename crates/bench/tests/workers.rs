@@ -4,8 +4,8 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use cranny_bench::{
-    BenchError, Campaign, CampaignObserver, CampaignPlanner, CampaignSettings, PlannerCall, Results,
-    RunInformation, Sandbox, Schedule, TrialOutcome, TrialRecord, Unheard, WorkerProgram, run_campaign,
+    BenchError, Campaign, CampaignObserver, CampaignPlanner, CampaignSettings, NoObserver, PlannerCall,
+    Results, RunInformation, Sandbox, Schedule, TrialOutcome, TrialRecord, WorkerProgram, run_campaign,
 };
 use cranny_plan::Registry;
 
@@ -45,7 +45,7 @@ fn outcomes(script: &str) -> Vec<(TrialOutcome, String)> {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let mut results = results(folder.path());
     let ended =
-        run_campaign(&schedule(2), &settings(script), &mut results, &mut Unheard, &AtomicBool::new(false));
+        run_campaign(&schedule(2), &settings(script), &mut results, &mut NoObserver, &AtomicBool::new(false));
     assert_eq!(ended.expect("a campaign").run, 2);
     let told = |record: TrialRecord| (record.outcome, record.detail.unwrap_or_default());
     results.records().expect("records").into_iter().map(told).collect()
@@ -94,8 +94,13 @@ fn a_question_that_makes_no_sense_ends_the_campaign_and_leaves_what_is_there() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let mut results = results(folder.path());
     let refusal = "read line; echo '{\"refused\": \"no such planet\"}'; sleep 1000";
-    let ended =
-        run_campaign(&schedule(2), &settings(refusal), &mut results, &mut Unheard, &AtomicBool::new(false));
+    let ended = run_campaign(
+        &schedule(2),
+        &settings(refusal),
+        &mut results,
+        &mut NoObserver,
+        &AtomicBool::new(false),
+    );
     let message = ended.expect_err("a fault").to_string();
     assert!(message.contains("scenario 021, planner reach: no such planet"), "{message}");
     assert_eq!(results.records().expect("records"), []);
@@ -106,7 +111,7 @@ fn a_question_that_makes_no_sense_ends_the_campaign_and_leaves_what_is_there() {
             ..settings("")
         },
         &mut results,
-        &mut Unheard,
+        &mut NoObserver,
         &AtomicBool::new(false),
     );
     assert!(matches!(ended, Err(BenchError::NotRunnable { .. })));
@@ -130,8 +135,13 @@ fn a_stop_ends_the_campaign_without_the_trial_under_way() {
     assert!(ended.is_stopped && ended.run < 50, "{ended:?}");
     let stored = results.records().expect("records").len();
     assert_eq!(stored, ended.run);
-    let again =
-        run_campaign(&schedule(50), &settings(script), &mut results, &mut Unheard, &AtomicBool::new(false))
-            .expect("a campaign");
+    let again = run_campaign(
+        &schedule(50),
+        &settings(script),
+        &mut results,
+        &mut NoObserver,
+        &AtomicBool::new(false),
+    )
+    .expect("a campaign");
     assert_eq!((again.known, again.run, again.is_stopped), (stored, 50 - stored, false));
 }

@@ -5,7 +5,7 @@ use clap::Args;
 use clap::builder::ArgPredicate;
 use cranny_collision::Margins;
 use cranny_path::MAX_SAMPLE_RATE_HZ;
-use cranny_record::PaceWord;
+use cranny_record::SpeedOption;
 use cranny_scenario::GivenGrasps;
 use cranny_solve::{DEFAULT_HOLD, PoseRadius};
 
@@ -246,17 +246,17 @@ pub struct PlanArguments {
     /// Fraction of the joint velocity limits to use, above 0 and at most 1, for all motions or for one kind (carry=0.2);
     /// repeatable [default: `speeds` of scenario.yaml, else 1]
     #[arg(long, value_name = "[MODE=]SHARE")]
-    pub speed: Vec<PaceWord>,
+    pub speed: Vec<SpeedOption>,
     /// Fraction of the joint acceleration limits to use, in the same form
     #[arg(long, value_name = "[MODE=]SHARE")]
-    pub acceleration: Vec<PaceWord>,
+    pub acceleration: Vec<SpeedOption>,
     /// Maximum speed of the gripper frame in m/s, for all motions or for one kind (carry=0.25); repeatable [default: `speeds`
     /// of scenario.yaml; set-down=0.1]
     #[arg(long, value_name = "[MODE=]M/S")]
-    pub tool_speed: Vec<PaceWord>,
+    pub tool_speed: Vec<SpeedOption>,
     /// Maximum angular speed of the hand and of the object that it holds, in degrees a second
     #[arg(long, value_name = "[MODE=]DEG/S")]
-    pub turn_speed: Vec<PaceWord>,
+    pub turn_speed: Vec<SpeedOption>,
     /// File to write the plan to, even if the search failed [default: ID.plan.json in this folder, only if solved]
     #[arg(long, short, value_name = "FILE")]
     pub output: Option<PathBuf>,

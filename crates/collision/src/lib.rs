@@ -23,7 +23,7 @@ pub use pair::unchecked::{Unchecked, UncheckedReason};
 pub use proof::bubble::Bubble;
 pub use proof::curve::Chords;
 pub use proof::levers::Levers;
-pub use proof::measured_motion::{MeasuredMotion, Measuring, NearestPair};
+pub use proof::measured_motion::{MeasureOptions, MeasuredMotion, NearestPair};
 pub use proof::motion::Motion;
 pub use proof::reach::Reach;
 pub use released::{ReleasedCheck, ReleasedScratch};

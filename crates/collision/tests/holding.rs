@@ -188,7 +188,7 @@ fn what_is_held_is_named_and_what_it_is_spared_is_not_met() {
         .unwrap();
     // The object as it rests on the floor.
     let on_floor = Pose::translation(0.0, 0.0, -0.3 + 0.5 * THING[2]);
-    let spared = held.sparing(&held.resting_at(1, &Extent::of(&thing()).unwrap(), &on_floor));
+    let spared = held.with_allowed_contacts(&held.resting_at(1, &Extent::of(&thing()).unwrap(), &on_floor));
     assert!(spared.is_free(&q, &mut spared.scratch()));
     let shorter = held.with_hold(hold([0.0, 0.0, 0.1], [0.0; 3], 0.5)).unwrap();
     assert!(shorter.is_free(&q, &mut shorter.scratch()));

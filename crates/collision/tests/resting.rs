@@ -69,7 +69,7 @@ fn lifting(cell: &Cell) -> (Cell, Resting) {
     let resting = cell.resting(0).unwrap();
     let first = cell.world().bodies()[0].parts[0].world_from_solid;
     let held = cell.holding(0, Hold { tip_from_held: first, closing: 0.0 }).unwrap();
-    (held.sparing(&resting), resting)
+    (held.with_allowed_contacts(&resting), resting)
 }
 
 /// Creates a tray of 20 cm with a lip of 3 cm, its floor at height 0, as one mesh.
@@ -139,7 +139,8 @@ fn an_object_is_no_deeper_in_what_carries_it_than_the_allowance() {
     // If lowered from there by more than the allowance, it is not proven to stay off.
     let (lifting, resting) = lifting(&cell(vec![object(-0.9e-4), table()], 0.0));
     let mut scratch = lifting.scratch();
-    let mut stays = |z: f64| lifting.stays_off(&resting, 1e-4, &[0.0; 3], &[0.0, 0.0, z], &mut scratch);
+    let mut stays =
+        |z: f64| lifting.first_support_violation(&resting, 1e-4, &[0.0; 3], &[0.0, 0.0, z], &mut scratch);
     assert_eq!(stays(0.01), None);
     assert_eq!(stays(-0.05 * CONTACT_ALLOWANCE_M), None);
     assert!(stays(-0.2 * CONTACT_ALLOWANCE_M).is_some());

@@ -133,14 +133,14 @@ pub fn sample_grasps(
     accept: &(dyn Fn(&SampledGrasp) -> bool + Sync),
     progress: &mut dyn FnMut(usize) -> bool,
 ) -> Result<Sampling, GraspError> {
-    go_on_sampling(Sampling::default(), surface, settings, accept, progress)
+    resume_sampling(Sampling::default(), surface, settings, accept, progress)
 }
 
 /// Continues [`sample_grasps`] after a stop, with the same arguments; the final result is the same.
 ///
 /// # Errors
 /// As [`sample_grasps`].
-pub fn go_on_sampling(
+pub fn resume_sampling(
     known: Sampling,
     surface: &Surface,
     settings: &SamplerSettings,

@@ -2,7 +2,7 @@
 
 use cranny_grasp::{
     BoxHand, FirstApproach, GraspError, GraspSampler, SampledGrasp, SamplerSettings, Sampling,
-    go_on_sampling, grasp_distance, sample_grasps,
+    grasp_distance, resume_sampling, sample_grasps,
 };
 use cranny_shape::{Surface, TriangleSoup};
 use cranny_spatial::{Point, Pose, Rotation, Vector};
@@ -326,7 +326,7 @@ fn a_sampling_that_was_stopped_goes_on_to_the_same_end() {
     let (mut waves, mut known) = (0, Sampling::default());
     while known != whole {
         let mut one_wave = |_| false;
-        known = go_on_sampling(known, &surface, &settings(30_000), &|_| true, &mut one_wave).unwrap();
+        known = resume_sampling(known, &surface, &settings(30_000), &|_| true, &mut one_wave).unwrap();
         known = serde_json::from_str(&serde_json::to_string(&known).unwrap()).unwrap();
         waves += 1;
         assert!(waves < 1000);

@@ -1,6 +1,6 @@
 use std::ops::Range;
 
-use cranny_collision::{Cell, Collider, Contact, Measuring, Motion, NearestPair, Scratch};
+use cranny_collision::{Cell, Collider, Contact, MeasureOptions, Motion, NearestPair, Scratch};
 use cranny_grasp::GraspSet;
 use cranny_robot::{between, distance};
 use cranny_spatial::PoseDifference;
@@ -46,7 +46,7 @@ impl Audit {
     }
 
     /// Returns the verdict on an empty motion.
-    pub fn of_nothing() -> Self {
+    pub fn empty() -> Self {
         Self {
             valid: false,
             violations: Vec::new(),
@@ -70,13 +70,13 @@ impl Audit {
 
     /// Adds a violation for each grasp stated in `said`, given by the stage of its pick, that differs from the measured one.
     #[must_use]
-    pub fn with_said_grasps(mut self, said: &[(usize, OwnGrasp)]) -> Self {
+    pub fn with_stated_grasps(mut self, said: &[(usize, OwnGrasp)]) -> Self {
         for (stage, said) in said {
             let Some(pick) = self.picks.iter().find(|pick| pick.stage == *stage) else { continue };
             let way_point = pick.way_point;
             if let Some(measured) = pick.own_grasp.filter(|measured| !measured.is_as_said(said)) {
-                let said_and_measured = Box::new([*said, measured]);
-                let cause = Cause::SaidGrasp { said_and_measured };
+                let stated_and_measured = Box::new([*said, measured]);
+                let cause = Cause::StatedGrasp { stated_and_measured };
                 self.violations.push(Violation::at_way_point(way_point, cause));
                 self.valid = false;
             }
@@ -387,7 +387,7 @@ fn judge_edges(
         if found.is_err() {
             return (found, Some((0.0, None)));
         }
-        let measured = cell.measure_motion([a, b], Measuring::default(), scratch);
+        let measured = cell.measure_motion([a, b], MeasureOptions::default(), scratch);
         match measured.contradiction {
             Some((at, contact)) => {
                 (Err(vec![Violation::unresolved(cell, edge, at, &contact)]), Some((0.0, None)))

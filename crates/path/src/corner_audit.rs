@@ -1,6 +1,6 @@
 use cranny_collision::{Cell, Motion};
 use cranny_robot::JointLimits;
-use cranny_task::{RoundedCorner, Segment, StatesAlong};
+use cranny_task::{RoundedCorner, Segment, StateSequence};
 
 use crate::clearance_limit::ClearanceLimit;
 use crate::violation::{Cause, JointOffset};
@@ -17,7 +17,7 @@ const SHARE: f64 = 0.02;
 pub(crate) fn audit_corners(
     audit: &mut Audit,
     segments: &[Segment],
-    along: &StatesAlong,
+    along: &StateSequence,
     settings: AuditSettings,
 ) {
     let mut before = 0;

@@ -26,7 +26,7 @@ pub enum CostKind {
     /// Duration in seconds of the time-optimal trajectory along the path, which stops where the path turns.
     Time,
     /// Path length in the metric weighted by reach, where a piece counts up to eleven times as the robot comes closer to the
-    /// world than 20 mm: [`Self::PENALTY`], [`Self::WISHED_M`].
+    /// world than 20 mm: [`Self::PENALTY`], [`Self::DESIRED_CLEARANCE_M`].
     Clearance,
     /// Path length of the origin of the gripper frame, in metres.
     Tool,
@@ -49,7 +49,7 @@ impl CostKind {
 
     /// Desired clearance from the world under [`Self::Clearance`], in metres: more than the errors of a calibrated arm, less
     /// than the openings that it must pass.
-    pub const WISHED_M: f64 = 0.02;
+    pub const DESIRED_CLEARANCE_M: f64 = 0.02;
     /// Relative penalty of a motion in contact under [`Self::Clearance`]: it costs its length plus this multiple of it, so that
     /// a detour up to that length pays off.
     pub const PENALTY: f64 = 10.0;
@@ -218,16 +218,17 @@ impl PathCost {
         let length = self.least_of_edge(a, b);
         let Some(cell) = &self.cell else { return length };
         /// Spacing of the samples at which clearances are measured, by reach, in metres.
-        const SPACING: f64 = 2.0 * CostKind::WISHED_M;
+        const SPACING: f64 = 2.0 * CostKind::DESIRED_CLEARANCE_M;
         /// Maximum number of samples per edge, for robots with long prismatic joints.
         const MOST: f64 = 1000.0;
         let count = (length / SPACING).ceil().clamp(1.0, MOST);
-        let shortfall = |clearance_m: f64| 1.0 - (clearance_m / CostKind::WISHED_M).clamp(0.0, 1.0);
+        let shortfall =
+            |clearance_m: f64| 1.0 - (clearance_m / CostKind::DESIRED_CLEARANCE_M).clamp(0.0, 1.0);
         let (mut total, mut at, mut q) = (0.0, 0.5, Vec::with_capacity(a.len()));
         while at < count {
             q.clear();
             q.extend(between(a, b, at / count));
-            total += shortfall(cell.world_clearance(&q, CostKind::WISHED_M, scratch));
+            total += shortfall(cell.world_clearance(&q, CostKind::DESIRED_CLEARANCE_M, scratch));
             at += 1.0;
         }
         length * (1.0 + CostKind::PENALTY * total / count)

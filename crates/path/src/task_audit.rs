@@ -1,7 +1,7 @@
 use cranny_collision::Resting;
 use cranny_task::{
     Carrier, ContactSegment, Grip, Mode, MotionEnd, Move, Placed, Placer, Problem, Segment, Stage, State,
-    StatesAlong, are_complete, check_segments, joined, straight_line,
+    StateSequence, are_complete, check_segments, joined, straight_line,
 };
 
 use crate::corner_audit::audit_corners;
@@ -12,7 +12,7 @@ const OPENING_TOLERANCE_M: f64 = 1e-4;
 /// Tolerance on the length of an object's path, in metres: straight lines in joint space are curved in Cartesian space.
 const LENGTH_TOLERANCE_M: f64 = 1e-3;
 
-/// Audits the segments of a task from any source: every motion as [`audit_with`] does, in the state along it ([`StatesAlong`]);
+/// Audits the segments of a task from any source: every motion as [`audit_with`] does, in the state along it ([`StateSequence`]);
 /// the closing and opening of the hand; and the end of each stage. Edges are numbered through all segments.
 ///
 /// # Errors
@@ -23,7 +23,7 @@ pub fn audit_task(
     segments: &[Segment],
     settings: AuditSettings,
 ) -> Result<Audit, PathError> {
-    if let Some(along) = StatesAlong::of(problem, stages, segments)? {
+    if let Some(along) = StateSequence::of(problem, stages, segments)? {
         return audit_along(problem, stages, (segments, &along), settings);
     }
     check_segments(stages, segments).map_err(|problem| cranny_task::TaskError::Segments { problem })?;
@@ -37,7 +37,7 @@ pub fn audit_task(
 pub fn audit_along(
     problem: &Problem,
     stages: &[Stage],
-    (segments, along): (&[Segment], &StatesAlong),
+    (segments, along): (&[Segment], &StateSequence),
     settings: AuditSettings,
 ) -> Result<Audit, PathError> {
     if segments.is_empty() {
@@ -45,7 +45,7 @@ pub fn audit_along(
     }
     check_segments(stages, segments).map_err(|problem| cranny_task::TaskError::Segments { problem })?;
     let task = TaskJudge { problem, stages, settings };
-    let (mut audit, mut before, mut closed_at) = (Audit::of_nothing(), 0, 0);
+    let (mut audit, mut before, mut closed_at) = (Audit::empty(), 0, 0);
     let mut picks = along.picks.iter();
     let mut first = 0;
     let known = &segments[..along.states.len()];
@@ -138,7 +138,7 @@ impl TaskJudge<'_> {
                 let Some(picking) = picks.next() else { return Err(PathError::EmptyPath) };
                 let judged = if run.segment.mode == Mode::APPROACH {
                     audit_with(
-                        &picking.from_within(&run.path()[0], state.cell())?,
+                        &picking.with_start_in_cell(&run.path()[0], state.cell())?,
                         run.path(),
                         self.settings,
                     )?
@@ -297,7 +297,7 @@ impl Near<'_> {
         let mut scratch = cell.scratch();
         for (edge, ends) in run.path().windows(2).enumerate() {
             let ends = [&ends[0][..], &ends[1]];
-            if let Some((along, body)) = carrier.stays_off(cell, resting, ends, &mut scratch) {
+            if let Some((along, body)) = carrier.first_support_violation(cell, resting, ends, &mut scratch) {
                 let pair = Some([carrier.object().to_owned(), carrier.body_name(body)]);
                 let at = Location { edge: run.before + edge, along, pair };
                 let cause = match self.end {

@@ -90,9 +90,9 @@ pub enum Cause {
     },
     /// The stated grasp at the end of the path is wrong.
     #[strum(to_string = "grip")]
-    SaidGrasp {
+    StatedGrasp {
         /// Stated and measured grasp.
-        said_and_measured: Box<[OwnGrasp; 2]>,
+        stated_and_measured: Box<[OwnGrasp; 2]>,
     },
     /// A plan file states a wrong value.
     Statement {
@@ -346,8 +346,8 @@ impl fmt::Display for Violation {
                 let [score, required] = distinct([*score, *required], 3);
                 write!(f, "{at}: the grasp has a score of {score}, {required} is demanded")
             }
-            Cause::SaidGrasp { said_and_measured } => {
-                let [said, measured] = said_and_measured.as_ref();
+            Cause::StatedGrasp { stated_and_measured } => {
+                let [said, measured] = stated_and_measured.as_ref();
                 write!(f, "{at}: {}", measured.against(said))
             }
             Cause::Statement { key, stated, measured } => {
@@ -434,8 +434,8 @@ impl Serialize for Violation {
             }
             Cause::Hold { said, held } => &[("said_opening_m", said.1), ("opening_m", held.1)],
             Cause::WeakGrasp { score, required } => &[("score", *score), ("required", *required)],
-            Cause::SaidGrasp { said_and_measured } => {
-                let [said, measured] = said_and_measured.as_ref();
+            Cause::StatedGrasp { stated_and_measured } => {
+                let [said, measured] = stated_and_measured.as_ref();
                 &[
                     ("said_opening_m", said.opening_m),
                     ("opening_m", measured.opening_m),

@@ -15,7 +15,7 @@ pub enum PlanError {
     },
     /// The registry has a planner of that name already.
     #[error("there is a planner '{name}' already")]
-    TwicePlanner {
+    DuplicatePlanner {
         /// Name of the planner.
         name: &'static str,
     },

@@ -137,7 +137,7 @@ fn a_path_that_clearance_counts_for_keeps_off_what_it_need_not_touch() {
         judged.clearance_m.expect("a wall")
     };
     let [short_m, clear_m] = [CostKind::Length, CostKind::Clearance].map(nearest_m);
-    assert!(short_m < 0.005 && clear_m > 0.8 * CostKind::WISHED_M, "{short_m} {clear_m}");
+    assert!(short_m < 0.005 && clear_m > 0.8 * CostKind::DESIRED_CLEARANCE_M, "{short_m} {clear_m}");
 }
 
 #[test]
@@ -155,7 +155,7 @@ fn what_lies_farther_than_is_wished_costs_its_length() {
         1.0,
         &mut problem.cell().expect("exact").scratch(),
     );
-    let beside = |y: f64| vec![0.0, y + 0.9 - ball_m + 0.5 * CostKind::WISHED_M, 0.0];
+    let beside = |y: f64| vec![0.0, y + 0.9 - ball_m + 0.5 * CostKind::DESIRED_CLEARANCE_M, 0.0];
     let near = [beside(0.0), {
         let mut q = beside(0.0);
         q[2] = 0.4;

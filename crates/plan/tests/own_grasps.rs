@@ -143,7 +143,7 @@ fn what_is_said_of_a_grasp_must_be_so() {
     let problem = without_set(still_life(), &q);
     let judged = audit(&problem, std::slice::from_ref(&q)).expect("a configuration");
     let truth = judged.own_grasp.expect("a grasp");
-    assert!(judged.clone().with_said_grasps(&[(0, truth)]).valid);
+    assert!(judged.clone().with_stated_grasps(&[(0, truth)]).valid);
     let (mut elsewhere, mut nowhere) = (truth.world_from_gripper, truth.world_from_gripper);
     elsewhere[0][3] += 1e-3;
     nowhere[0][0] = f64::NAN;
@@ -157,10 +157,10 @@ fn what_is_said_of_a_grasp_must_be_so() {
         OwnGrasp { world_from_gripper: elsewhere, ..truth },
         OwnGrasp { world_from_gripper: nowhere, ..truth },
     ] {
-        let audit = judged.clone().with_said_grasps(&[(0, lie)]);
+        let audit = judged.clone().with_stated_grasps(&[(0, lie)]);
         assert!(
             !audit.valid
-                && matches!(audit.violations[..], [Violation { cause: Cause::SaidGrasp { .. }, .. }]),
+                && matches!(audit.violations[..], [Violation { cause: Cause::StatedGrasp { .. }, .. }]),
             "{lie:?}"
         );
         assert!(audit.violations[0].to_string().contains("said"), "{lie:?}");

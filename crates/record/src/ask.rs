@@ -10,7 +10,7 @@ use cranny_spatial::Vector;
 use cranny_task::{AfterPlacing, CLEAR_M, Move, PlaceAt, Problem, Stage};
 use serde_json::{Map, Value};
 
-use crate::{PaceWords, RecordError};
+use crate::{RecordError, SpeedOptions};
 
 /// Options of a plan, in the words of flags and keywords: only this type converts them to a [`Request`].
 #[derive(Clone, Debug)]
@@ -47,7 +47,7 @@ pub struct Ask {
     /// True to stop at each corner and round none.
     pub stops: bool,
     /// Speed limits of the motions.
-    pub paces: PaceWords,
+    pub paces: SpeedOptions,
     /// Greatest speed of the gripper frame that the problem requires, in m/s, if `paces` state none.
     pub tool_m_s: Option<f64>,
     /// True to keep the forces and torques of the joints within the efforts of the URDF.
@@ -55,11 +55,11 @@ pub struct Ask {
     /// True to require a trajectory.
     pub is_timing_demanded: bool,
     /// Goal of a carry.
-    pub carry: Option<CarryWord>,
+    pub carry: Option<CarryGoal>,
     /// Name of the placement goal of the target.
     pub place: Option<String>,
     /// Task of several stages.
-    pub task: Option<TaskWord>,
+    pub task: Option<TaskSelection>,
     /// Motion of the robot after the target has been put down. Default: home.
     pub then: Option<AfterPlacing>,
     /// Distance of the object or the hand that counts as clear, in metres.
@@ -76,7 +76,7 @@ pub struct Ask {
 
 /// A task of several stages.
 #[derive(Clone, Debug, PartialEq)]
-pub enum TaskWord {
+pub enum TaskSelection {
     /// Name of a task of the scenario.
     Named(String),
     /// List of stages.
@@ -85,7 +85,7 @@ pub enum TaskWord {
 
 /// Goal of a carry.
 #[derive(Clone, Debug, PartialEq)]
-pub enum CarryWord {
+pub enum CarryGoal {
     /// Start configuration of the robot.
     Home,
     /// Any configuration at which the object is clear of everything but floors.
@@ -114,7 +114,7 @@ impl Default for Ask {
             timing: None,
             stops: false,
             tool_m_s: None,
-            paces: PaceWords::default(),
+            paces: SpeedOptions::default(),
             torque: false,
             is_timing_demanded: false,
             carry: None,
@@ -239,7 +239,7 @@ impl Ask {
         if self.clear_m.is_some()
             && self.place.is_none()
             && self.task.is_none()
-            && self.carry != Some(CarryWord::Out)
+            && self.carry != Some(CarryGoal::Out)
         {
             return refuse("clear", "it is only valid with `carry` out, `place` and tasks");
         }
@@ -250,12 +250,12 @@ impl Ask {
         }
         if let Some(task) = &self.task {
             let (stages, task) = match (task, scenario) {
-                (TaskWord::Stages(stages), _) => (stages.clone(), None),
-                (TaskWord::Named(name), Some(scenario)) => {
+                (TaskSelection::Stages(stages), _) => (stages.clone(), None),
+                (TaskSelection::Named(name), Some(scenario)) => {
                     let task = scenario.task(name)?.clone();
                     (task.stages.clone(), Some(task))
                 }
-                (TaskWord::Named(_), None) => return refuse("task", "only a scenario has tasks"),
+                (TaskSelection::Named(_), None) => return refuse("task", "only a scenario has tasks"),
             };
             let stages = stages.iter().map(|stage| match (stage, self.clear_m) {
                 (Stage::Place(at), Some(clear_m)) => Stage::Place(PlaceAt { clear_m, ..at.clone() }),
@@ -266,9 +266,9 @@ impl Ask {
         }
         let goal = match &self.carry {
             None => return Ok((Vec::new(), None)),
-            Some(CarryWord::Home) => Move::Home,
-            Some(CarryWord::Out) => Move::Clear { clear_m },
-            Some(CarryWord::Configurations(ends)) => Move::Configurations(ends.clone()),
+            Some(CarryGoal::Home) => Move::Home,
+            Some(CarryGoal::Out) => Move::Clear { clear_m },
+            Some(CarryGoal::Configurations(ends)) => Move::Configurations(ends.clone()),
         };
         Ok((vec![Stage::pick(), Stage::Move(goal)], None))
     }

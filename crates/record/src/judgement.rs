@@ -3,7 +3,7 @@ use cranny_path::{Audit, AuditSettings, Clearances, path_length};
 use cranny_plan::{Outcome, PlanError};
 use cranny_scenario::NamedTask;
 use cranny_solve::{Hold, Robustness, Tilt, ToolSlack, least_length};
-use cranny_task::{NotChecked, Problem, Segment, Stage, StatesAlong, give_clearances};
+use cranny_task::{NotChecked, Problem, Segment, Stage, StateSequence, give_clearances};
 use serde::Serialize;
 use serde_json::Value;
 
@@ -133,7 +133,7 @@ impl PlanFile {
     /// Compares the statements of a plan without a path with the task. Its outcome, and the reasons for it, are taken as
     /// stated: no search is repeated. It has no other statements.
     pub fn judge_without_path(&self, task: &PlanSource, problem: &Problem) -> Judgement {
-        let audit = Audit::of_nothing();
+        let audit = Audit::empty();
         let measured = Self {
             scenario: task.scenario.clone(),
             robot: task.robot.as_ref().map(|file| file.display().to_string()),
@@ -252,7 +252,7 @@ impl PlanFile {
     }
 
     /// Measures the radii if the file states some.
-    fn measured_robustness(&self, along: Option<&StatesAlong>) -> Option<Robustness> {
+    fn measured_robustness(&self, along: Option<&StateSequence>) -> Option<Robustness> {
         let along = along.filter(|_| self.robustness.is_some() && !self.waypoints.is_empty())?;
         Robustness::of(along, &self.segments)
     }
@@ -276,7 +276,7 @@ impl PlanFile {
     fn measured(
         &self,
         task: &PlanSource,
-        (along, problem): (Option<&StatesAlong>, &Problem),
+        (along, problem): (Option<&StateSequence>, &Problem),
         audit: &Audit,
         settings: AuditSettings,
     ) -> Result<Self, PlanError> {
@@ -349,7 +349,7 @@ impl PlanFile {
     /// Returns the segments with their measured clearances, and the object and payload of the hand while it is closed.
     fn measured_segments(
         &self,
-        (along, problem): (Option<&StatesAlong>, &Problem),
+        (along, problem): (Option<&StateSequence>, &Problem),
         clearances_per_edge_m: &[Option<f64>],
     ) -> Vec<Segment> {
         let mut segments = self.segments.clone();

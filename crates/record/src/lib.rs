@@ -17,12 +17,12 @@ mod trajectory;
 mod trajectory_csv;
 mod waypoints;
 
-pub use ask::{Ask, CarryWord, TaskWord, default_grasp_margin_m, margins_forgiving};
+pub use ask::{Ask, CarryGoal, TaskSelection, default_grasp_margin_m, margins_forgiving};
 pub use betterment::{PlanOptimisation, PlanShortening};
 pub use error::RecordError;
 pub use file::{PlanBudget, PlanFile, PlanSource};
 pub use judgement::{Demanded, Judgement};
-pub use pace_words::{PaceWord, PaceWords};
+pub use pace_words::{SpeedOption, SpeedOptions};
 pub use plan_pick::PlanPick;
 pub use plan_try::{LeftOut, PlanTry};
 pub use statement::Statement;

@@ -8,14 +8,14 @@ use crate::RecordError;
 
 /// A number for all motions, or `MODE=NUMBER` for those of a mode (`carry=0.2`).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PaceWord {
+pub struct SpeedOption {
     /// Mode; `None`: all.
     pub mode: Option<Mode>,
     /// Share of the limits, or speed in m/s or °/s.
     pub value: f64,
 }
 
-impl FromStr for PaceWord {
+impl FromStr for SpeedOption {
     type Err = String;
 
     fn from_str(word: &str) -> Result<Self, String> {
@@ -30,25 +30,25 @@ impl FromStr for PaceWord {
 
 /// Speeds in the words of users; words for a mode override those for all, later words override earlier ones.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct PaceWords {
+pub struct SpeedOptions {
     /// Shares of the limits of velocity.
-    pub speed: Vec<PaceWord>,
+    pub speed: Vec<SpeedOption>,
     /// Shares of the limits of acceleration.
-    pub acceleration: Vec<PaceWord>,
+    pub acceleration: Vec<SpeedOption>,
     /// Greatest speeds of the gripper frame, in m/s.
-    pub tool_speed: Vec<PaceWord>,
+    pub tool_speed: Vec<SpeedOption>,
     /// Greatest angular speeds of the hand, in °/s.
-    pub turn_speed: Vec<PaceWord>,
+    pub turn_speed: Vec<SpeedOption>,
 }
 
 /// Function that sets one limit of a pace.
 type SetLimit = fn(&mut Pace, f64);
 
-impl PaceWords {
+impl SpeedOptions {
     /// Returns the words of a scenario followed by these.
     pub(crate) fn after(&self, stated: &[StatedSpeed]) -> Self {
-        let words = |of: fn(&StatedSpeed) -> Option<f64>, own: &[PaceWord]| {
-            let word = |speed: &StatedSpeed| Some(PaceWord { mode: speed.mode, value: of(speed)? });
+        let words = |of: fn(&StatedSpeed) -> Option<f64>, own: &[SpeedOption]| {
+            let word = |speed: &StatedSpeed| Some(SpeedOption { mode: speed.mode, value: of(speed)? });
             stated.iter().filter_map(word).chain(own.iter().copied()).collect()
         };
         Self {
@@ -65,7 +65,7 @@ impl PaceWords {
     /// # Errors
     /// [`RecordError::Ask`] for an invalid number.
     pub(crate) fn paces(&self, tool_m_s: Option<f64>) -> Result<Paces, RecordError> {
-        let kinds: [(&'static str, &[PaceWord], SetLimit); 4] = [
+        let kinds: [(&'static str, &[SpeedOption], SetLimit); 4] = [
             ("speed", &self.speed, |pace, share| pace.velocity = share),
             ("acceleration", &self.acceleration, |pace, share| pace.acceleration = share),
             ("tool_speed", &self.tool_speed, |pace, speed| pace.tool_m_s = Some(speed)),
@@ -73,7 +73,7 @@ impl PaceWords {
         ];
         let mut all = Pace { tool_m_s, ..Pace::default() };
         for (field, words, set) in kinds {
-            for PaceWord { mode, value } in words {
+            for SpeedOption { mode, value } in words {
                 let mut alone = Pace::default();
                 set(&mut alone, *value);
                 if let Some((_, _, values)) = alone.fault() {
@@ -87,7 +87,7 @@ impl PaceWords {
         }
         let mut paces = Paces::new(all);
         for (_, words, set) in kinds {
-            for PaceWord { mode, value } in words {
+            for SpeedOption { mode, value } in words {
                 if let Some(mode) = mode {
                     let mut pace = paces.of(*mode);
                     set(&mut pace, *value);
@@ -103,9 +103,9 @@ impl PaceWords {
 mod tests {
     use super::*;
 
-    fn words(speed: &[&str], tool_speed: &[&str]) -> PaceWords {
+    fn words(speed: &[&str], tool_speed: &[&str]) -> SpeedOptions {
         let parsed = |words: &[&str]| words.iter().map(|word| word.parse().unwrap()).collect();
-        PaceWords { speed: parsed(speed), tool_speed: parsed(tool_speed), ..PaceWords::default() }
+        SpeedOptions { speed: parsed(speed), tool_speed: parsed(tool_speed), ..SpeedOptions::default() }
     }
 
     #[test]
@@ -142,7 +142,7 @@ mod tests {
             assert!(fault.starts_with("speed: ") && fault.contains("above 0 and at most 1"), "{fault}");
         }
         assert!(words(&[], &["inf"]).paces(None).unwrap_err().to_string().starts_with("tool_speed: "));
-        assert!("fly=1".parse::<PaceWord>().unwrap_err().contains("reach, approach, lift-off"));
-        assert!("carry=fast".parse::<PaceWord>().unwrap_err().contains("'fast' is not a number"));
+        assert!("fly=1".parse::<SpeedOption>().unwrap_err().contains("reach, approach, lift-off"));
+        assert!("carry=fast".parse::<SpeedOption>().unwrap_err().contains("'fast' is not a number"));
     }
 }

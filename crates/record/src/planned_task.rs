@@ -1,5 +1,5 @@
 use cranny_scenario::Scenario;
-use cranny_task::{Problem, StatesAlong, TaskError, are_complete};
+use cranny_task::{Problem, StateSequence, TaskError, are_complete};
 
 use crate::{PlanFile, PlanSource, RecordError};
 
@@ -41,7 +41,7 @@ impl PlanFile {
         let refuse = |problem: &str| TaskError::Segments { problem: problem.to_owned() };
         let along =
             self.states(problem)?.ok_or_else(|| refuse("under the paper criterion nothing is put down"))?;
-        let StatesAlong { end, stopped: None, states, .. } = along else {
+        let StateSequence { end, stopped: None, states, .. } = along else {
             return Err(refuse("the plan contains an impossible motion of the hand").into());
         };
         if states.is_empty() || end.held().is_some() {

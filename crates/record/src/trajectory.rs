@@ -5,7 +5,7 @@ use cranny_plan::PlanError;
 use cranny_robot::Robot;
 use cranny_scenario::ScenarioError;
 use cranny_solve::{TaskTrajectory, Timing};
-use cranny_task::{Problem, Stage, StatesAlong, TaskError, joined, legs};
+use cranny_task::{Problem, Stage, StateSequence, TaskError, joined, legs};
 
 use crate::PlanFile;
 
@@ -32,9 +32,9 @@ impl PlanFile {
     /// Returns the state along each segment; `None` under `paper`.
     ///
     /// # Errors
-    /// As [`StatesAlong::of`].
-    pub fn states(&self, problem: &Problem) -> Result<Option<StatesAlong>, TaskError> {
-        StatesAlong::of(problem, &self.stages(problem), &self.segments)
+    /// As [`StateSequence::of`].
+    pub fn states(&self, problem: &Problem) -> Result<Option<StateSequence>, TaskError> {
+        StateSequence::of(problem, &self.stages(problem), &self.segments)
     }
 
     /// Timing of the path.
@@ -57,7 +57,7 @@ impl PlanFile {
 
     pub(crate) fn audit_along(
         &self,
-        along: Option<&StatesAlong>,
+        along: Option<&StateSequence>,
         problem: &Problem,
         settings: AuditSettings,
     ) -> Result<Option<Audit>, PlanError> {
@@ -72,7 +72,7 @@ impl PlanFile {
         let first = audit.picks.first().map(|pick| pick.stage).zip(self.own_grasp);
         let others = self.picks.iter().filter_map(|pick| Some((pick.stage, pick.own_grasp?)));
         let said: Vec<_> = first.into_iter().chain(others).collect();
-        Ok(Some(audit.with_said_grasps(&said)))
+        Ok(Some(audit.with_stated_grasps(&said)))
     }
 
     /// Checks that the plan, which was read from `path`, moves the joints of a robot.

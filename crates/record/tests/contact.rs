@@ -9,7 +9,7 @@ use cranny_shape::Solid;
 use cranny_solve::{Answer, Request, solve};
 use cranny_spatial::{Point, Pose, Vector};
 use cranny_task::{
-    CLEAR_M, Carrier, ContactSegment, LiftOffSettings, NotCheckedReason, PlaceGoal, PlaceSpot, Placer,
+    CLEAR_M, Carrier, ContactSegment, LiftOffSettings, NotCheckedReason, PlaceGoal, PlaceRegion, Placer,
     Problem, Stage, TaskError,
 };
 
@@ -123,7 +123,7 @@ fn fault(scenario: &Scenario, motion: &Pose) -> Option<String> {
     let problem = problem(scenario, 0.0);
     let carrier = Carrier::new(&problem, LiftOffSettings::default()).unwrap();
     let now = scenario.world.bodies()[scenario.target.unwrap()].parts[0].world_from_solid;
-    let goal = PlaceGoal { name: "there".to_owned(), spot: PlaceSpot::Target(motion * now) };
+    let goal = PlaceGoal { name: "there".to_owned(), spot: PlaceRegion::Target(motion * now) };
     Placer::new(&carrier, &goal, CLEAR_M).unwrap().fault_at(&(motion * now))
 }
 

@@ -9,7 +9,7 @@ use cranny_scenario::{BUILTIN_ROBOTS, OpenOptions, Scenario};
 use cranny_solve::{Answer, Request, Robustness, SolveError, Timing, solve};
 use cranny_spatial::nalgebra::UnitQuaternion;
 use cranny_spatial::{Pose, Rotation, Stream, Vector};
-use cranny_task::{AfterPlacing, CLEAR_M, Mode, PlaceAt, PlaceGoal, PlaceSpot, Problem, Stage, TaskError};
+use cranny_task::{AfterPlacing, CLEAR_M, Mode, PlaceAt, PlaceGoal, PlaceRegion, Problem, Stage, TaskError};
 
 fn open(id: &str) -> (Scenario, Problem) {
     let scenario = Scenario::open(id, &OpenOptions::default()).unwrap();
@@ -53,7 +53,7 @@ fn moved(answer: &Answer, problem: &Problem) -> Pose {
 
 /// Checks by the corners of its triangles alone that the target lies on the rectangle, and nowhere beyond its edges.
 fn lies_on(scenario: &Scenario, moved: &Pose, place: &PlaceGoal) -> bool {
-    let PlaceSpot::Surface { pose, size_m, .. } = &place.spot else { return false };
+    let PlaceRegion::Surface { pose, size_m, .. } = &place.spot else { return false };
     let mesh = scenario.target_mesh().unwrap().unwrap();
     let on_surface: Vec<_> = mesh.vertices.iter().map(|vertex| pose.inverse() * (moved * vertex)).collect();
     let lowest_m = on_surface.iter().map(|point| point.z).fold(f64::INFINITY, f64::min);
@@ -100,17 +100,17 @@ fn the_target_is_brought_to_a_pose() {
     let now = problem.cell().unwrap().world().bodies()[problem.target().unwrap()].parts[0].world_from_solid;
     // Beside its present pose, turned by 20°.
     let there = Pose::translation(-0.1, -0.15, 0.0) * now * Pose::rotation(Vector::x() * 0.35);
-    let goal = PlaceGoal { name: "there".to_owned(), spot: PlaceSpot::Target(there) };
+    let goal = PlaceGoal { name: "there".to_owned(), spot: PlaceRegion::Target(there) };
     let answer = placed(&at(&problem, goal), then(AfterPlacing::Home));
     // A tilted object may be released but does not stand: a goal pose does not require that.
     assert!(matches!(answer.outcome, Outcome::Solved | Outcome::BudgetExhausted | Outcome::NoReachableGrasp));
     let upright = Pose::translation(-0.1, -0.15, 0.0) * now;
-    let goal = PlaceGoal { name: "there".to_owned(), spot: PlaceSpot::Target(upright) };
+    let goal = PlaceGoal { name: "there".to_owned(), spot: PlaceRegion::Target(upright) };
     let answer = placed(&at(&problem, goal), then(AfterPlacing::Home));
     assert!(answer.is_solved(), "{:?} {:?}", answer.outcome, answer.audit);
     // In the air, or in the floor, no object can be released.
     for off_m in [0.02, -0.005] {
-        let spot = PlaceSpot::Target(Pose::translation(-0.1, -0.15, off_m) * now);
+        let spot = PlaceRegion::Target(Pose::translation(-0.1, -0.15, off_m) * now);
         let goal = PlaceGoal { name: "there".to_owned(), spot };
         assert_ne!(placed(&at(&problem, goal), then(AfterPlacing::Home)).outcome, Outcome::Solved, "{off_m}");
     }
@@ -139,9 +139,9 @@ fn what_a_plan_file_says_of_a_place_is_judged() {
     };
     // The same path for a smaller rectangle, one beside it, and one that floats.
     let PlaceGoal { name, spot } = problem.place("outside").unwrap().clone();
-    let PlaceSpot::Surface { on, pose, size_m } = spot else { panic!("a surface") };
+    let PlaceRegion::Surface { on, pose, size_m } = spot else { panic!("a surface") };
     let other = |pose: Pose, size_m: [f64; 2], on: &str| {
-        let spot = PlaceSpot::Surface { on: on.to_owned(), pose, size_m };
+        let spot = PlaceRegion::Surface { on: on.to_owned(), pose, size_m };
         problem.clone().with_places(&[PlaceGoal { name: name.clone(), spot }])
     };
     let aside = Pose::translation(0.0, 0.7, 0.0) * pose;
@@ -208,11 +208,11 @@ fn what_a_plan_file_says_of_a_place_is_judged() {
 #[test]
 fn places_that_are_none_are_refused_and_those_that_hold_nothing_are_told() {
     let (_, problem) = open("021");
-    let PlaceSpot::Surface { on, pose, size_m } = problem.place("outside").unwrap().spot.clone() else {
+    let PlaceRegion::Surface { on, pose, size_m } = problem.place("outside").unwrap().spot.clone() else {
         panic!("a surface")
     };
     let with = |on: &str, pose: Pose, size_m: [f64; 2]| {
-        let spot = PlaceSpot::Surface { on: on.to_owned(), pose, size_m };
+        let spot = PlaceRegion::Surface { on: on.to_owned(), pose, size_m };
         at(&problem, PlaceGoal { name: String::new(), spot })
     };
     let clear =

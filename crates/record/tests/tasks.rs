@@ -3,7 +3,7 @@
 use cranny_collision::Margins;
 use cranny_path::{AuditSettings, Violation};
 use cranny_plan::{Outcome, Unobserved};
-use cranny_record::{Ask, Judgement, PlanFile, PlanSource, TaskWord};
+use cranny_record::{Ask, Judgement, PlanFile, PlanSource, TaskSelection};
 use cranny_scenario::{OpenOptions, STEPS, Scenario, sequences};
 use cranny_solve::{PoseRadius, solve};
 use cranny_spatial::{Pose, Vector};
@@ -22,7 +22,7 @@ fn solved(id: &str, ask: &Ask) -> (Scenario, PlanFile) {
 }
 
 fn steps() -> Ask {
-    Ask { task: Some(TaskWord::Named(STEPS.to_owned())), ..Ask::default() }
+    Ask { task: Some(TaskSelection::Named(STEPS.to_owned())), ..Ask::default() }
 }
 
 fn judged(scenario: &Scenario, plan: &PlanFile) -> Judgement {
@@ -147,7 +147,7 @@ fn cans_and_mugs_are_carried_upright() {
 
 #[test]
 fn an_object_is_brought_into_a_region_of_poses() {
-    let ask = Ask { task: Some(TaskWord::Named("sort".to_owned())), ..Ask::default() };
+    let ask = Ask { task: Some(TaskSelection::Named("sort".to_owned())), ..Ask::default() };
     let (scenario, mut plan) = solved(&example("sort"), &ask);
     assert!(judged(&scenario, &plan).audit.valid);
     let Stage::Move(Move::Region(region)) = &plan.task[5] else { panic!("{:?}", plan.task) };
@@ -166,7 +166,7 @@ fn the_hand_is_moved_to_a_pose_and_to_none_that_is_no_pose() {
     let scenario = Scenario::open("021", &OpenOptions::default()).unwrap();
     let to = |row: &str| serde_json::from_str::<Stage>(&format!("{{\"move\": {row}}}"));
     let stage = to(r#"{"hand": {"position": [0.4, 0.2, 0.6], "quaternion_xyzw": [1, 0, 0, 0]}}"#).unwrap();
-    let ask = Ask { task: Some(TaskWord::Stages(vec![stage, Stage::home()])), ..Ask::default() };
+    let ask = Ask { task: Some(TaskSelection::Stages(vec![stage, Stage::home()])), ..Ask::default() };
     let problem = scenario.problem(Margins::default()).unwrap();
     let (request, _) = ask.request(&problem, Some(&scenario)).unwrap();
     let answer = solve(&problem, &request, &mut Unobserved).unwrap();
@@ -186,7 +186,7 @@ fn the_hand_is_moved_to_a_pose_and_to_none_that_is_no_pose() {
         assert!(error.contains(why), "{row}: {error}");
     }
     let held = to(r#"{"object": {"position": [0.4, 0.2, 0.6]}}"#).unwrap();
-    let ask = Ask { task: Some(TaskWord::Stages(vec![held])), ..Ask::default() };
+    let ask = Ask { task: Some(TaskSelection::Stages(vec![held])), ..Ask::default() };
     let error = ask.request(&problem, Some(&scenario)).unwrap_err().to_string();
     assert!(error.contains("nothing is in the hand"), "{error}");
 }

@@ -99,7 +99,7 @@ fn a_hand_that_holds_stands_as_its_joints_do() {
 }
 
 proptest! {
-    /// Checks that `closing_way_m` bounds the motion of any point.
+    /// Checks that `closing_motion_bound_m` bounds the motion of any point.
     #[test]
     fn no_point_of_a_finger_goes_farther_than_the_bound(
         from in 0.0..1.0, to in 0.0..1.0, x in -0.02..0.02, y in -0.02..0.02, z in -0.02..0.04
@@ -109,10 +109,10 @@ proptest! {
         let point = Point::new(x, y, z);
         for name in ["left_bar", "left_finger", "left_inner", "right_finger"] {
             let link = robot.link_index(name).unwrap();
-            let way_m = robot.closing_way_m(link, (Point::origin(), Vector::new(x, y, z).norm()));
+            let way_m = robot.closing_motion_bound_m(link, (Point::origin(), Vector::new(x, y, z).norm()));
             let gone_m = (low[link] * point - high[link] * point).norm();
             prop_assert!(gone_m <= way_m * f64::abs(to - from) + 1e-12, "{name}: {gone_m} {way_m}");
         }
-        prop_assert!(robot.closing_way_m(robot.tip(), (Point::origin(), 1.0)) <= 0.0);
+        prop_assert!(robot.closing_motion_bound_m(robot.tip(), (Point::origin(), 1.0)) <= 0.0);
     }
 }

@@ -95,7 +95,7 @@ impl Scenario {
     }
 
     /// Returns notes on an implausible target pose: penetrating another body, or floating.
-    pub fn odd_places(&self) -> Vec<String> {
+    pub fn implausible_target_poses(&self) -> Vec<String> {
         let Some(index) = self.target else { return Vec::new() };
         let bodies = self.world.bodies();
         let target = &bodies[index];
@@ -128,7 +128,7 @@ impl Scenario {
     ///
     /// # Errors
     /// Reason why stated loads were not compared, as a message.
-    pub fn false_loads(&self) -> Result<Option<String>, String> {
+    pub fn mismatched_loads(&self) -> Result<Option<String>, String> {
         let stated: Vec<usize> =
             (0..self.grasps.len()).filter(|index| self.grasps.grasps()[*index].load.is_some()).collect();
         if stated.is_empty() {

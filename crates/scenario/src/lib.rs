@@ -53,7 +53,7 @@ pub use object::target::TargetObject;
 pub use obstacle::Obstacle;
 pub use robot::builtin::{BUILTIN_ROBOTS, BuiltinRobot, MountedGripper, panda_hand, panda_mobile};
 pub use robot::gripper_file::read_gripper;
-pub use robot::hand::FilledHand;
+pub use robot::hand::BlockedGripperFrame;
 pub use robot::opening::measured_opening_m;
 pub use robot::source::{RecipeRobot, RobotSource};
 pub use scenario::{Geometry, OpenOptions, Scenario};

@@ -30,7 +30,7 @@ pub use hulls::hull::MOST_HULL_CORNERS;
 pub use hulls::inner_balls::inner_balls;
 pub use inside::mesh_repairs::MeshRepairs;
 pub use inside::repair::RepairedMesh;
-pub use inside::same_place::SAME_PLACE_M;
+pub use inside::same_place::VERTEX_MERGE_M;
 pub use loft::Loft;
 pub use mesh_files::mesh_file::TriangleSoup;
 pub use mesh_files::painted_mesh::{PaintedMesh, PaintedPiece};

@@ -6,7 +6,7 @@ use cranny_plan::PlanError;
 use cranny_robot::{Robot, between, distance};
 use cranny_spatial::nalgebra::Rotation3;
 use cranny_spatial::{Pose, Rotation, Vector};
-use cranny_task::{Carrier, FailureReason, Firmness, Problem, Segment, StatesAlong, joined, legs};
+use cranny_task::{Carrier, FailureReason, Firmness, Problem, Segment, StateSequence, joined, legs};
 use serde::{Deserialize, Serialize};
 
 use crate::{TaskTrajectory, Timing};
@@ -156,7 +156,7 @@ impl FirmGrip {
 /// [`FailureReason::Slips`] in the inner result for a motion that reaches the factor at no speed.
 pub(crate) fn hold_firmly(
     problem: &Problem,
-    along: &StatesAlong,
+    along: &StateSequence,
     segments: &mut [Segment],
     (timing, demanded): (Timing, f64),
 ) -> Result<Result<Option<Hold>, FailureReason>, PlanError> {
@@ -202,7 +202,7 @@ impl Hold {
     /// [`PlanError`] for a path that cannot be timed.
     pub fn of(
         problem: &Problem,
-        along: &StatesAlong,
+        along: &StateSequence,
         segments: &[Segment],
         timing: Timing,
     ) -> Result<Option<Self>, PlanError> {
@@ -214,7 +214,7 @@ impl Hold {
 /// Ranges of segments, and the grip along them.
 type Legs = Vec<(std::ops::Range<usize>, FirmGrip)>;
 
-fn grips(problem: &Problem, along: &StatesAlong, segments: &[Segment]) -> Option<Legs> {
+fn grips(problem: &Problem, along: &StateSequence, segments: &[Segment]) -> Option<Legs> {
     let mut begin = 0;
     let mut grips = Legs::new();
     for leg in legs(segments) {

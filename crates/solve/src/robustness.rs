@@ -1,6 +1,6 @@
 use cranny_collision::{Cell, Chords, Levers, PairGroup, StandingClearance};
 use cranny_spatial::CONTACT_M;
-use cranny_task::{Segment, StatesAlong};
+use cranny_task::{Segment, StateSequence};
 use serde::{Deserialize, Serialize};
 
 /// Certified distances by which things may deviate from a plan while all its motions stay free of collision, for each kind of
@@ -86,7 +86,7 @@ impl JointRadius {
 impl Robustness {
     /// Computes the robustness of proven segments, rounded corners included, with the state along each; `None` if a segment has
     /// no way point.
-    pub fn of(along: &StatesAlong, segments: &[Segment]) -> Option<Self> {
+    pub fn of(along: &StateSequence, segments: &[Segment]) -> Option<Self> {
         let mut all = Self::default();
         let states = || along.states.iter();
         for (index, (segment, state)) in segments.iter().zip(states()).enumerate() {
@@ -228,7 +228,7 @@ mod tests {
         let goal = Goal::Configurations(vec![end.clone()]);
         let problem = Problem::exact(Arc::new(robot), world, None, start.clone(), goal, Margins::default());
         let segments = [Segment::reach(vec![start, end], Vec::new())];
-        let along = StatesAlong::of(&problem.expect("a problem"), &[Stage::home()], &segments);
+        let along = StateSequence::of(&problem.expect("a problem"), &[Stage::home()], &segments);
         Robustness::of(&along.expect("states").expect("a cell"), &segments).expect("way points")
     }
 

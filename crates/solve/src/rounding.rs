@@ -1,7 +1,7 @@
 use cranny_collision::{Reach, Scratch};
 use cranny_path::{CurveProof, CurvedPath};
 use cranny_robot::Robot;
-use cranny_task::{Mode, RoundedCorner, Segment, State, StatesAlong, are_joined, joined};
+use cranny_task::{Mode, RoundedCorner, Segment, State, StateSequence, are_joined, joined};
 
 use crate::Timing;
 use crate::task_trajectory::edge_paces;
@@ -17,7 +17,7 @@ const KEPT_SHARE: f64 = 0.8;
 /// robot without the limits for a trajectory gets no rounded corners.
 pub(crate) fn smooth(
     robot: &Robot,
-    along: &StatesAlong,
+    along: &StateSequence,
     segments: &mut [Segment],
     (timing, may_move): (Timing, bool),
 ) {

@@ -7,7 +7,7 @@ use cranny_plan::{Budget, NoGrasp, Observer, Outcome, PlanError, PlanReport, Uno
 use cranny_robot::Robot;
 use cranny_spatial::{Pose, other_seed};
 use cranny_task::{
-    Carrier, FailureReason, GraspFilter, Payload, Problem, Segment, Stage, State, StatesAlong,
+    Carrier, FailureReason, GraspFilter, Payload, Problem, Segment, Stage, State, StateSequence,
     give_clearances, joined,
 };
 
@@ -195,7 +195,7 @@ fn solve_asked(
 }
 
 /// Segments, the states along them, the hold on the carried object, and the seconds spent on rounding corners.
-type Firm = (Vec<Segment>, Option<StatesAlong>, Option<Hold>, f64);
+type Firm = (Vec<Segment>, Option<StateSequence>, Option<Hold>, f64);
 
 /// Performs step 3: returns the first of these paths on which the hold is firm, slowed down as needed; `None` if there is none.
 /// A shortened path turns the object differently from the one that was found.
@@ -214,7 +214,7 @@ fn firm(
         for segment in &mut segments {
             segment.pace = request.paces.of(segment.mode);
         }
-        let along = StatesAlong::with_carrier(problem, stages, &segments, carrier)?;
+        let along = StateSequence::with_carrier(problem, stages, &segments, carrier)?;
         if let Some(along) = along.as_ref().filter(|_| timing.torque_up.is_some()) {
             for (segment, state) in segments.iter_mut().zip(&along.states) {
                 segment.payload = payload(state, problem)?;

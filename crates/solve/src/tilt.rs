@@ -1,5 +1,5 @@
 use cranny_collision::{ToolBound, ToolRegion};
-use cranny_task::{Segment, State, StatesAlong};
+use cranny_task::{Segment, State, StateSequence};
 use serde::{Deserialize, Serialize};
 
 /// Tilt of the held object along a whole motion, if it is limited: the angle between up and the direction in the object that
@@ -30,7 +30,7 @@ pub struct ToolSlack {
 impl Tilt {
     /// Computes the tilt along segments, rounded corners included; of several limits the one nearest to being exceeded. `None`
     /// without a limit.
-    pub fn of(along: &StatesAlong, segments: &[Segment]) -> Option<Self> {
+    pub fn of(along: &StateSequence, segments: &[Segment]) -> Option<Self> {
         let of_segment = |(state, segment): (&State, &Segment)| {
             let cell = state.cell();
             let bound = cell.tilt_bound()?;
@@ -47,7 +47,7 @@ impl Tilt {
 
 impl ToolSlack {
     /// Computes the slack of each tool bound, except the tilt of the held object, along segments, rounded corners included.
-    pub fn all_of(along: &StatesAlong, segments: &[Segment]) -> Vec<Self> {
+    pub fn all_of(along: &StateSequence, segments: &[Segment]) -> Vec<Self> {
         let Some(state) = along.states.first() else { return Vec::new() };
         let bounds = state.cell().world().tool_bounds().iter().enumerate();
         let slack = |(index, bound): (usize, &ToolBound)| {

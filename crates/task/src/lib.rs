@@ -25,7 +25,7 @@ pub use ik_annotation::{
 pub use not_checked::{AllowedContact, ContactSegment, NotChecked, NotCheckedReason};
 pub use placing::carry::{Carrier, Grip, LiftOffSettings};
 pub use placing::place::Placer;
-pub use placing::place_goal::{PlaceGoal, PlaceSpot};
+pub use placing::place_goal::{PlaceGoal, PlaceRegion};
 pub use placing::placed::Placed;
 pub use placing::placement::Placement;
 pub use problem::Validity;
@@ -37,5 +37,5 @@ pub use stages::region::{Moved, Region};
 pub use stages::segment::{Mode, MotionEnd, Segment, give_clearances, joined, joined_corners, legs};
 pub use stages::stage::{AfterPlacing, CLEAR_M, FARTHEST_CLEAR_M, Move, Pick, PlaceAt, Stage};
 pub use stages::stage_segments::{are_complete, are_joined, check_segments, number_stages, picks_apart};
-pub use stages::state::{State, StatesAlong};
+pub use stages::state::{State, StateSequence};
 pub use stages::straight::{StraightLine, straight_line};

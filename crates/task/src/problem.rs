@@ -193,7 +193,7 @@ impl Problem {
     ///
     /// # Errors
     /// As [`Self::with_start`].
-    pub fn from_within(&self, start: &[f64], cell: &Arc<Cell>) -> Result<Self, TaskError> {
+    pub fn with_start_in_cell(&self, start: &[f64], cell: &Arc<Cell>) -> Result<Self, TaskError> {
         Ok(Self { validity: Validity::Exact(cell.clone()), ..self.with_start(start)? })
     }
 

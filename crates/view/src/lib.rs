@@ -15,8 +15,8 @@ pub const NOTICES: &str = include_str!("../NOTICES.txt");
 
 pub use course::clearance_profile::ClearanceProfile;
 pub use course::moving_bodies::{BodyRecording, MovingBody};
-pub use course::shown_carry::{ShownCarry, ShownMode};
-pub use course::shown_path::ShownPath;
+pub use course::shown_carry::{CarriedObjectMotion, ShownMode};
+pub use course::shown_path::SampledPath;
 pub use course::tree_recording::TreeRecording;
 pub use drawing::camera::{Camera, StandardView};
 pub use drawing::picture::{Picture, PictureSettings, SeeThrough};

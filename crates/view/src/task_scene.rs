@@ -9,7 +9,7 @@ use crate::look::colour::of_score;
 use crate::look::paint::painted;
 use crate::look::stroke::{small_gripper, tube};
 use crate::scene::{Node, Role, SceneMotion, Track};
-use crate::{Colour, Material, MeshPiece, Scene, ShownMode, ShownPath, ViewError, look::robot_look};
+use crate::{Colour, Material, MeshPiece, SampledPath, Scene, ShownMode, ViewError, look::robot_look};
 
 /// Settings of the scene of a task besides robot and bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,7 +53,7 @@ impl Scene {
     /// [`ViewError::VisualNotFound`] and [`ViewError::Shape`] for the visual meshes of the robot's URDF.
     pub fn of_task(
         scenario: &Scenario,
-        path: Option<&ShownPath>,
+        path: Option<&SampledPath>,
         settings: &SceneSettings,
     ) -> Result<Self, ViewError> {
         let mut scene = Self { name: scenario.id.clone(), ..Self::default() };
@@ -119,7 +119,7 @@ impl Scene {
     fn add_robot(
         &mut self,
         scenario: &Scenario,
-        path: Option<&ShownPath>,
+        path: Option<&SampledPath>,
     ) -> Result<Vec<Vec<Pose>>, ViewError> {
         let robot = &scenario.robot;
         let meshes = robot_look::link_meshes(robot, self)?;

@@ -12,8 +12,8 @@ use cranny_solve::{CLOSING_S, Request, TaskTrajectory, Timing, solve};
 use cranny_spatial::Pose;
 use cranny_task::{Mode, Problem, Stage, State};
 use cranny_view::{
-    ClearanceProfile, PageCells, PageData, PageLimits, PagePlan, PageServer, PageSettings, Picture,
-    PictureSettings, Role, Scene, SceneSettings, ShownCarry, ShownPath, StandardView, ViewError,
+    CarriedObjectMotion, ClearanceProfile, PageCells, PageData, PageLimits, PagePlan, PageServer,
+    PageSettings, Picture, PictureSettings, Role, SampledPath, Scene, SceneSettings, StandardView, ViewError,
 };
 use serde_json::Value;
 
@@ -40,12 +40,12 @@ fn carried() -> &'static Carried {
 }
 
 impl Carried {
-    fn path(&self, rate_hz: f64) -> ShownPath {
-        let path = ShownPath::of_plan(&self.scenario.robot, &self.plan, Some(&self.timed), rate_hz);
+    fn path(&self, rate_hz: f64) -> SampledPath {
+        let path = SampledPath::of_plan(&self.scenario.robot, &self.plan, Some(&self.timed), rate_hz);
         path.unwrap().unwrap()
     }
 
-    fn scene(&self, path: &ShownPath) -> Scene {
+    fn scene(&self, path: &SampledPath) -> Scene {
         Scene::of_task(&self.scenario, Some(path), &SceneSettings { grasps: 0 }).unwrap()
     }
 
@@ -76,7 +76,7 @@ fn is_near(a: &Pose, b: &Pose) -> bool {
     difference.translation.vector.norm() < 1e-9 && difference.rotation.imag().norm() < 1e-9
 }
 
-fn carry_of(path: &ShownPath) -> &ShownCarry {
+fn carry_of(path: &SampledPath) -> &CarriedObjectMotion {
     path.carries.first().expect("something is carried")
 }
 
@@ -123,7 +123,8 @@ fn the_object_stands_until_the_hand_has_closed_and_then_stays_in_it() {
 fn modes_follow_each_other_and_the_hand_closes_between_the_first_two() {
     let carried = carried();
     for timed in [Some(&carried.timed), None] {
-        let path = ShownPath::of_plan(&carried.scenario.robot, &carried.plan, timed, 20.0).unwrap().unwrap();
+        let path =
+            SampledPath::of_plan(&carried.scenario.robot, &carried.plan, timed, 20.0).unwrap().unwrap();
         let [reach, lift_off, carry] = carry_of(&path).modes[..] else { panic!("three modes") };
         assert_eq!([reach.mode, lift_off.mode, carry.mode], [Mode::REACH, Mode::LIFT_OFF, Mode::CARRY]);
         assert_eq!((reach.from_s, carry.until_s), (0.0, path.ends_s()));
@@ -268,7 +269,7 @@ fn a_robot_whose_hand_is_not_known_carries_with_fingers_as_they_are() {
     for (segment, ways) in plan.segments.iter_mut().zip([[0.0, 0.5], [0.5, 0.4], [0.4, 0.0]]) {
         segment.waypoints = ways.map(|q| vec![q]).to_vec();
     }
-    let path = ShownPath::of_plan(&scenario.robot, &plan, None, 10.0).unwrap().unwrap();
+    let path = SampledPath::of_plan(&scenario.robot, &plan, None, 10.0).unwrap().unwrap();
     assert_eq!(carry_of(&path).closing.to_bits(), 0.0_f64.to_bits());
     let scene = Scene::of_task(&scenario, Some(&path), &SceneSettings { grasps: 0 }).unwrap();
     let target = scene.nodes.iter().position(|node| node.role == Role::Target).unwrap();

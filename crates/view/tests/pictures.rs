@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use cranny_scenario::{OpenOptions, Scenario, builtin_object};
 use cranny_solve::Timing;
 use cranny_view::{
-    Animation, Picture, PictureSettings, Scene, SceneSettings, SeeThrough, ShownPath, StandardView, ViewError,
+    Animation, Picture, PictureSettings, SampledPath, Scene, SceneSettings, SeeThrough, StandardView,
+    ViewError,
 };
 use strum::VariantArray as _;
 
@@ -16,14 +17,14 @@ fn scenario(id: &str) -> Scenario {
 }
 
 /// Path without a planner: from the start over a bend, sampled at four instants per second.
-fn bent_path(scenario: &Scenario) -> ShownPath {
+fn bent_path(scenario: &Scenario) -> SampledPath {
     let mut middle = scenario.start.clone();
     (middle[0], middle[1], middle[3]) = (0.3, 0.2, -0.2);
     let mut end = middle.clone();
     (end[2], end[5], end[7]) = (0.6, -1.6, 2.2);
     let waypoints = [scenario.start.clone(), middle, end];
     let trajectory = Timing::default().along(&scenario.robot, &waypoints).expect("a path");
-    let path = ShownPath::of(&scenario.robot, &waypoints, trajectory.as_ref(), 4.0);
+    let path = SampledPath::of(&scenario.robot, &waypoints, trajectory.as_ref(), 4.0);
     path.expect("a path").expect("with way points")
 }
 

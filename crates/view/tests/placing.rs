@@ -7,7 +7,7 @@ use cranny_scenario::{OpenOptions, STEPS, Scenario};
 use cranny_solve::{CLOSING_S, Request, Timing, solve};
 use cranny_spatial::Pose;
 use cranny_task::{Mode, Pick, Stage};
-use cranny_view::{ClearanceProfile, Role, Scene, SceneSettings, ShownPath};
+use cranny_view::{ClearanceProfile, Role, SampledPath, Scene, SceneSettings};
 
 fn source(id: &str) -> PlanSource {
     PlanSource { scenario: id.to_owned(), ..PlanSource::default() }
@@ -24,7 +24,7 @@ fn the_object_stays_where_the_hand_let_it_go() {
     let plan = PlanFile::of(&answer, &source("031"));
     let timed = plan.trajectory(&scenario.robot).unwrap();
     for timed in [timed.as_ref(), None] {
-        let path = ShownPath::of_plan(&scenario.robot, &plan, timed, 20.0).unwrap().unwrap();
+        let path = SampledPath::of_plan(&scenario.robot, &plan, timed, 20.0).unwrap().unwrap();
         let [carry] = &path.carries[..] else { panic!("one thing is carried") };
         let modes: Vec<Mode> = carry.modes.iter().map(|mode| mode.mode).collect();
         assert_eq!(modes, Mode::ALL);
@@ -65,7 +65,7 @@ fn several_steps_are_one_motion() {
     let answer = solve(&problem, &request, &mut Unobserved).unwrap();
     let plan = PlanFile::of(&answer, &source("213"));
     let timed = plan.trajectory(&scenario.robot).unwrap();
-    let path = ShownPath::of_plan(&scenario.robot, &plan, timed.as_ref(), 5.0).unwrap().unwrap();
+    let path = SampledPath::of_plan(&scenario.robot, &plan, timed.as_ref(), 5.0).unwrap().unwrap();
     assert_eq!(path.carries.len(), 3);
     assert!((path.ends_s() - plan.timing.unwrap().duration_s).abs() < 1e-9);
     assert!(path.times_s.windows(2).all(|pair| pair[0] < pair[1]));

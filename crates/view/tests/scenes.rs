@@ -7,7 +7,7 @@ use cranny_robot::{Robot, RobotOptions};
 use cranny_scenario::{OpenOptions, Scenario};
 use cranny_solve::Timing;
 use cranny_test_robots::SLIDE;
-use cranny_view::{Role, Scene, SceneSettings, ShownPath, ViewError};
+use cranny_view::{Role, SampledPath, Scene, SceneSettings, ViewError};
 
 fn scenario(id: &str) -> Scenario {
     Scenario::open(id, &OpenOptions::default()).expect("a built-in scenario")
@@ -25,9 +25,9 @@ fn trajectory(scenario: &Scenario, waypoints: &[Vec<f64>]) -> Option<Trajectory>
     Timing::default().along(&scenario.robot, waypoints).unwrap()
 }
 
-fn shown(scenario: &Scenario, waypoints: &[Vec<f64>], rate_hz: f64) -> ShownPath {
+fn shown(scenario: &Scenario, waypoints: &[Vec<f64>], rate_hz: f64) -> SampledPath {
     let trajectory = trajectory(scenario, waypoints);
-    ShownPath::of(&scenario.robot, waypoints, trajectory.as_ref(), rate_hz).unwrap().unwrap()
+    SampledPath::of(&scenario.robot, waypoints, trajectory.as_ref(), rate_hz).unwrap().unwrap()
 }
 
 #[test]
@@ -113,13 +113,13 @@ fn distance(shape: &cranny_robot::LinkShape, point_in_link: &cranny_spatial::Poi
 #[test]
 fn a_path_that_does_not_fit_is_refused() {
     let scenario = scenario("021");
-    let short = ShownPath::of(&scenario.robot, &[vec![0.0; 3]], None, 10.0);
+    let short = SampledPath::of(&scenario.robot, &[vec![0.0; 3]], None, 10.0);
     assert!(matches!(short, Err(ViewError::Waypoint { waypoint: 0, expected: 9, actual: 3 })));
-    assert_eq!(ShownPath::of(&scenario.robot, &[], None, 10.0).unwrap(), None);
+    assert_eq!(SampledPath::of(&scenario.robot, &[], None, 10.0).unwrap(), None);
     let waypoints = moved(&scenario);
     let trajectory = trajectory(&scenario, &waypoints);
     for rate_hz in [0.0, -1.0, f64::NAN, 1e9] {
-        let refused = ShownPath::of(&scenario.robot, &waypoints, trajectory.as_ref(), rate_hz);
+        let refused = SampledPath::of(&scenario.robot, &waypoints, trajectory.as_ref(), rate_hz);
         assert!(matches!(refused, Err(ViewError::Path(_))), "{rate_hz}");
     }
 }
@@ -132,7 +132,7 @@ fn a_path_without_limits_of_acceleration_has_no_time() {
     assert!(timed.is_timed);
     let robot = Robot::from_urdf_text(SLIDE, "slide.urdf", None, &RobotOptions::default());
     scenario.robot = std::sync::Arc::new(robot.unwrap());
-    let there = ShownPath::of(&scenario.robot, &[vec![0.0], vec![0.5], vec![-0.25]], None, 30.0);
+    let there = SampledPath::of(&scenario.robot, &[vec![0.0], vec![0.5], vec![-0.25]], None, 30.0);
     let there = there.unwrap().unwrap();
     assert!(!there.is_timed);
     assert_eq!(there.times_s.last(), Some(&1.25), "a length of 1 a second");

@@ -7,7 +7,7 @@ use cranny_file::system::{self, FileStamp};
 use cranny_grasp::rows_of_pose;
 use cranny_plan::Statistics;
 use cranny_scenario::{Recipe, ScenarioError};
-use cranny_task::{AfterPlacing, Criterion, LiftOffSettings, PlaceSpot, Problem, Segment, Stage};
+use cranny_task::{AfterPlacing, Criterion, LiftOffSettings, PlaceRegion, Problem, Segment, Stage};
 use serde_json::json;
 use tempfile::TempDir;
 
@@ -356,8 +356,8 @@ fn asked_stage(stage: &Stage, problem: &Problem) -> serde_json::Value {
         && let Ok(goal) = problem.place(&place.place)
     {
         let (on, pose, size_m) = match &goal.spot {
-            PlaceSpot::Surface { on, pose, size_m } => (Some(on), pose, Some(size_m)),
-            PlaceSpot::Target(pose) => (None, pose, None),
+            PlaceRegion::Surface { on, pose, size_m } => (Some(on), pose, Some(size_m)),
+            PlaceRegion::Target(pose) => (None, pose, None),
         };
         asked["place"] = json!({"name": goal.name, "on": on, "pose": rows_of_pose(pose), "size_m": size_m});
     }

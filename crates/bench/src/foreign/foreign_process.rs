@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use cranny_file::system;
 
 use crate::foreign::process_group::{self, Family, Leash};
-use crate::foreign::sandbox::Walls;
+use crate::foreign::sandbox::Isolation;
 
 /// Resource limits of an external program.
 #[derive(Clone, Copy, Debug)]
@@ -19,7 +19,7 @@ pub struct Limits<'a> {
     pub memory_bytes: u64,
     /// The only folder for its output, and the isolation that enforces this.
     pub scratch: &'a Path,
-    pub walls: Walls,
+    pub walls: Isolation,
 }
 
 /// Ending of a program.

@@ -3,7 +3,7 @@ use std::path::{Path, PathBuf};
 use cranny_scenario::{ScenarioError, check_free_folder, write_whole_file};
 
 use crate::foreign::foreign_planner::{ForeignFiles, ForeignTask, mark_of_the_whole};
-use crate::foreign::sandbox::Walls;
+use crate::foreign::sandbox::Isolation;
 use crate::running::opened_scenario::OpenedScenario;
 use crate::running::worker_message::Request;
 use crate::{BenchError, PathDemand, Question};
@@ -29,7 +29,7 @@ pub fn write_problem(question: &Question, folder: &Path) -> Result<PathBuf, Benc
         question: question.clone(),
         exports: folder.clone(),
         memory_limit_bytes: 0,
-        walls: Walls::default(),
+        walls: Isolation::default(),
     };
     let task =
         ForeignTask { request: &request, opened: &opened, goal: None, carry: demand.carry, stages: &stages };

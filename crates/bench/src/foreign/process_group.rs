@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use cranny_file::system;
 
-use crate::foreign::sandbox::Walls;
+use crate::foreign::sandbox::Isolation;
 
 /// Handle on the external program that is running, for ending it.
 #[derive(Clone, Debug, Default)]
@@ -76,7 +76,7 @@ impl Family {
 
     /// Updates the members and returns their memory, in bytes. Shared memory that no member has mapped is included if only
     /// this family can own it.
-    pub fn look(&mut self, walls: Walls) -> u64 {
+    pub fn look(&mut self, walls: Isolation) -> u64 {
         let (mut bytes, mut shared_bytes) = (0, 0);
         self.seen.retain(|process, began| system::beginning(*process) == Some(*began));
         let mut left: Vec<u32> = self.seen.keys().copied().chain([self.root]).collect();
@@ -99,7 +99,7 @@ impl Family {
 
     /// Ends all members and returns true if there were any.
     pub fn end(&mut self) -> bool {
-        self.look(Walls::default());
+        self.look(Isolation::default());
         for process in self.seen.keys() {
             system::kill_process(*process);
         }

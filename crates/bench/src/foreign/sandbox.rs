@@ -32,7 +32,7 @@ impl Sandbox {
 /// Isolation mechanisms of a worker and its programs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Walls {
+pub struct Isolation {
     /// True if a program can write only in its own folder, and can neither stop nor inspect a process that it did not start
     /// (Landlock; signals from Linux 6.12 on).
     pub landlock: bool,
@@ -61,7 +61,7 @@ const NAMESPACES: [&str; 11] = [
 const ENTER: &str = "mount -t tmpfs -o \"size=$1\" cranny /dev/shm && shift && \
     exec setpriv --bounding-set -all --inh-caps -all --no-new-privs -- \"$@\"";
 
-impl Walls {
+impl Isolation {
     /// Returns the requested mechanisms as far as this machine supports them.
     ///
     /// # Errors

@@ -6,7 +6,7 @@ use serde_json::Value;
 use crate::report::configuration::{Configuration, Names};
 use crate::report::follow_up;
 use crate::report::place::Place;
-use crate::statistics::{Followed, KaplanMeier, SampleMoments, Spread, median_interval, wilson};
+use crate::statistics::{FiveNumbers, Followed, KaplanMeier, SampleMoments, median_interval, wilson};
 use crate::{StoredTrial, TrialRecord};
 
 /// All runs of one planner, with one set of settings and limits, on one scenario under one criterion. If each run aims at
@@ -91,17 +91,17 @@ pub struct Row {
     /// Number of runs by outcome.
     pub outcomes: BTreeMap<&'static str, usize>,
     /// Iterations of the solved runs.
-    pub iterations: Option<Spread>,
+    pub iterations: Option<FiveNumbers>,
     /// Nodes of the search trees of the solved runs.
-    pub nodes: Option<Spread>,
+    pub nodes: Option<FiveNumbers>,
     /// Lengths of the paths.
-    pub path_length: Option<Spread>,
+    pub path_length: Option<FiveNumbers>,
     /// Proven clearances of the paths, in metres.
-    pub clearance_m: Option<Spread>,
+    pub clearance_m: Option<FiveNumbers>,
     /// Scores of the grasps at the ends of the paths.
-    pub grasp_score: Option<Spread>,
+    pub grasp_score: Option<FiveNumbers>,
     /// Memory of the searches, solved or not, in bytes; `None` if it was not measured or all values are zero.
-    pub memory_bytes: Option<Spread>,
+    pub memory_bytes: Option<FiveNumbers>,
 }
 
 /// All runs of one planner that aim at one goal of a scenario.
@@ -250,7 +250,7 @@ fn row(configuration: &Configuration, names: &Names, goals: &[GoalRow], runs: &[
     }
     let of_solved = |figure: fn(&TrialRecord) -> Option<f64>| {
         let solved = runs.iter().map(|run| &run.record).filter(|record| record.is_solved());
-        Spread::of(solved.filter_map(figure))
+        FiveNumbers::of(solved.filter_map(figure))
     };
     let goal_count = |count: usize| (!goals.is_empty()).then_some(count);
     Row {
@@ -298,7 +298,7 @@ fn row(configuration: &Configuration, names: &Names, goals: &[GoalRow], runs: &[
         path_length: of_solved(|record| record.path_length),
         clearance_m: of_solved(|record| record.clearance_m),
         grasp_score: of_solved(|record| record.grasp_score),
-        memory_bytes: Spread::of(
+        memory_bytes: FiveNumbers::of(
             runs.iter().filter_map(|run| run.record.memory_bytes).map(|bytes| bytes as f64),
         )
         // Zero means that all searches reused memory of earlier ones, so that nothing was measured.

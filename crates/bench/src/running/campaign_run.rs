@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc;
 use std::thread;
 
-use crate::foreign::sandbox::Walls;
+use crate::foreign::sandbox::Isolation;
 use crate::running::worker_message::{Request, TrialRun};
 use crate::running::worker_process::{Served, WorkerProcess};
 use crate::store::exports::Exports;
@@ -56,9 +56,9 @@ pub trait CampaignObserver {
 
 /// Observer that does nothing.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Unheard;
+pub struct NoObserver;
 
-impl CampaignObserver for Unheard {}
+impl CampaignObserver for NoObserver {}
 
 /// Runs the trials of a campaign that are not in `results` yet, and stores every trial as it ends.
 ///
@@ -167,7 +167,7 @@ fn ask(
     worker: &mut Option<WorkerProcess>,
     question: &Question,
     settings: &CampaignSettings,
-    walls: Walls,
+    walls: Isolation,
     exports: &Path,
     stop: &AtomicBool,
 ) -> Result<Option<TrialRun>, BenchError> {
@@ -215,7 +215,7 @@ pub(crate) fn ask_once(
 fn walls<'a>(
     mut questions: impl Iterator<Item = &'a Question>,
     sandbox: Sandbox,
-) -> Result<Walls, BenchError> {
+) -> Result<Isolation, BenchError> {
     let is_foreign = |question: &Question| !matches!(question.call, PlannerCall::BuiltIn { .. });
-    if questions.any(is_foreign) { Walls::of(sandbox) } else { Ok(Walls::default()) }
+    if questions.any(is_foreign) { Isolation::of(sandbox) } else { Ok(Isolation::default()) }
 }

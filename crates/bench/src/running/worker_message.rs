@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-use crate::foreign::sandbox::Walls;
+use crate::foreign::sandbox::Isolation;
 use crate::{Question, TrialRecord};
 
 /// Request to a worker.
@@ -17,7 +17,7 @@ pub struct Request {
     /// Memory limit of the external planner, in bytes.
     pub memory_limit_bytes: u64,
     /// Isolation of the worker and of that program.
-    pub walls: Walls,
+    pub walls: Isolation,
 }
 
 /// Record of a trial and path of its planner.

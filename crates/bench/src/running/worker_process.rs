@@ -13,7 +13,7 @@ use tempfile::TempDir;
 
 use crate::foreign::foreign_process::LOOK_EVERY;
 use crate::foreign::process_group::Family;
-use crate::foreign::sandbox::Walls;
+use crate::foreign::sandbox::Isolation;
 use crate::running::worker_message::{Message, Request};
 use crate::running::worker_program::WorkerProgram;
 use crate::{BenchError, Trial, TrialOutcome, TrialRecord};
@@ -21,7 +21,7 @@ use crate::{BenchError, Trial, TrialOutcome, TrialRecord};
 /// Process that serves trials one after the other, and may end during any of them.
 pub struct WorkerProcess {
     child: Child,
-    walls: Walls,
+    walls: Isolation,
     /// Descendants observed until now.
     family: Family,
     requests: Option<ChildStdin>,
@@ -64,7 +64,7 @@ impl WorkerProcess {
     /// Starts a worker, with a new folder of its own within `exports`.
     pub fn start(
         worker: &WorkerProgram,
-        walls: Walls,
+        walls: Isolation,
         memory_limit_bytes: u64,
         exports: &Path,
     ) -> Result<Self, BenchError> {
@@ -149,7 +149,7 @@ impl WorkerProcess {
                         let detail = format!("ended after {:.1} s", begin.elapsed().as_secs_f64());
                         return self.ended(trial, TrialOutcome::Hung, detail, begin);
                     }
-                    self.family.look(Walls::default());
+                    self.family.look(Isolation::default());
                     let held = self.resident_bytes();
                     if let (Some(held), Some(most)) = (held, memory_bytes)
                         && held > most

@@ -2,7 +2,7 @@ use serde::Serialize;
 
 /// Five-number summary of a sample, as in a box plot.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Spread {
+pub struct FiveNumbers {
     /// Number of values.
     pub count: usize,
     /// The least value.
@@ -17,7 +17,7 @@ pub struct Spread {
     pub greatest: f64,
 }
 
-impl Spread {
+impl FiveNumbers {
     /// Computes the summary of `values`; `None` if there are none. Each number is one of the values, as in a Kaplan–Meier
     /// estimate ([`KaplanMeier::quantile`](crate::statistics::KaplanMeier::quantile)): Hyndman & Fan 1996, "Sample
     /// quantiles in statistical packages", definition 1; `inverted_cdf` in `NumPy`.

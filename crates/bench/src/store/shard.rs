@@ -33,7 +33,7 @@ impl Shard {
     /// Checks that the results hold no trials of other shards of the campaign: these would be run twice.
     ///
     /// # Errors
-    /// [`BenchError::OtherPart`].
+    /// [`BenchError::OtherShard`].
     pub fn check(self, schedule: &Schedule, results: &Results) -> Result<(), BenchError> {
         let parts = dealt(&schedule.questions, self.count).into_iter();
         let part_of: HashMap<String, u64> =
@@ -44,7 +44,7 @@ impl Shard {
         if trials == 0 {
             return Ok(());
         }
-        Err(BenchError::OtherPart { results: results.path().to_owned(), part: self.to_string(), trials })
+        Err(BenchError::OtherShard { results: results.path().to_owned(), part: self.to_string(), trials })
     }
 }
 

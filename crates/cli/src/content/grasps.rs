@@ -5,8 +5,8 @@ use std::sync::atomic::Ordering;
 use clap::{Args, Subcommand};
 use cranny_file::counted;
 use cranny_grasp::{
-    COVERAGE_THRESHOLD, Grasp, GraspSet, SampledGrasp, Sampling, TooWide, csv_text, go_on_sampling,
-    nearest_distances, read_csv, spread,
+    COVERAGE_THRESHOLD, Grasp, GraspSet, SampledGrasp, Sampling, TooWide, csv_text, nearest_distances,
+    read_csv, resume_sampling, spread,
 };
 use cranny_scenario::{OpenOptions, Scenario, ScenarioError};
 use cranny_shape::Surface;
@@ -176,7 +176,7 @@ fn sample(arguments: &SampleArguments, output: Output) -> Result<Answer, Failure
     };
     let found = match too_wide {
         Some(_) => Ok(Sampling::default()),
-        None => go_on_sampling(known, &surface, &settings, &accept, &mut going_on),
+        None => resume_sampling(known, &surface, &settings, &accept, &mut going_on),
     };
     progress.finish_and_clear();
     let found = found.map_err(ScenarioError::from)?;

@@ -30,7 +30,7 @@ pub fn checked(id: &str, output: Output) -> Result<Answer, Failure> {
         let faults = crate::start::faults(&problem);
         problems.extend(faults.into_iter().map(|fault| format!("the start is not free: {fault}")));
         problems.extend(scenario.misplaced_grasps());
-        match scenario.false_loads() {
+        match scenario.mismatched_loads() {
             Ok(fault) => problems.extend(fault),
             Err(note) => notes.push(note),
         }
@@ -38,7 +38,7 @@ pub fn checked(id: &str, output: Output) -> Result<Answer, Failure> {
             Ok(rest) => problems.extend(rest.and_then(|rest| restless_target(&scenario, &rest))),
             Err(fault) => notes.push(format!("could not simulate whether the target rests: {fault}")),
         }
-        notes.extend(scenario.odd_places());
+        notes.extend(scenario.implausible_target_poses());
         notes.extend(scenario.too_wide_target());
         if let Some(cell) = problem.cell() {
             let mut scratch = cell.scratch();

@@ -7,7 +7,7 @@ use cranny_record::{PlanFile, read_waypoints};
 use cranny_scenario::{GivenGrasps, OpenOptions};
 use cranny_solve::Timing;
 use cranny_view::{
-    Animation, Camera, PageServer, Picture, PictureSettings, Scene, SceneSettings, SeeThrough, ShownPath,
+    Animation, Camera, PageServer, Picture, PictureSettings, SampledPath, Scene, SceneSettings, SeeThrough,
     StandardView,
 };
 use serde::Serialize;
@@ -344,12 +344,12 @@ pub fn scene(
             check_plan(file, &plan, &scenario.robot, &scenario.id, "shown in")?;
             plan.check_task(&scenario)?;
             let timed = plan.trajectory(&scenario.robot)?;
-            ShownPath::of_plan(&scenario.robot, &plan, timed.as_ref(), rate_hz)?
+            SampledPath::of_plan(&scenario.robot, &plan, timed.as_ref(), rate_hz)?
         }
         (None, Some(file)) => {
             let waypoints = read_waypoints(file, scenario.robot.dof())?;
             let trajectory = Timing::default().along(&scenario.robot, &waypoints)?;
-            ShownPath::of(&scenario.robot, &waypoints, trajectory.as_ref(), rate_hz)?
+            SampledPath::of(&scenario.robot, &waypoints, trajectory.as_ref(), rate_hz)?
         }
         (_, None) => None,
     };

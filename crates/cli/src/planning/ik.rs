@@ -4,7 +4,7 @@ use std::sync::atomic::Ordering;
 
 use cranny_file::counted;
 use cranny_grasp::GraspSet;
-use cranny_scenario::FilledHand;
+use cranny_scenario::BlockedGripperFrame;
 use cranny_task::{
     AnnotatedSolution, Goal, IkAnnotation, IkAnnotationSettings, IkMethod, IkStatus, Problem, annotate_ik,
 };
@@ -76,7 +76,7 @@ pub fn run(arguments: &IkArguments, output: Output) -> Result<Answer, Failure> {
 
 /// Prints the reason why no grasp can be free, if the hand itself is the reason.
 pub fn filled_hand(problem: &Problem) -> Result<(), Failure> {
-    FilledHand::of(problem.robot()).map_or(Ok(()), |filled| text::note(&filled.to_string()))
+    BlockedGripperFrame::of(problem.robot()).map_or(Ok(()), |filled| text::note(&filled.to_string()))
 }
 
 fn blocked_by(status: &IkStatus) -> Option<String> {

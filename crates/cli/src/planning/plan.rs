@@ -7,8 +7,8 @@ use cranny_grasp::ScoreKind;
 use cranny_path::TimingMethod;
 use cranny_plan::Registry;
 use cranny_record::{
-    Ask, CarryWord, PaceWords, PlanFile, PlanSource, TaskWord, default_grasp_margin_m, read_waypoints,
-    write_trajectory_csv,
+    Ask, CarryGoal, PlanFile, PlanSource, SpeedOptions, TaskSelection, default_grasp_margin_m,
+    read_waypoints, write_trajectory_csv,
 };
 use cranny_scenario::STEPS;
 use cranny_sim::{Tried, solve_in_physics};
@@ -95,10 +95,10 @@ pub fn run(arguments: &PlanArguments, registry: &Registry, output: Output) -> Re
 }
 
 /// Parses the destination of `--carry`.
-fn carry(given: &str, joints: usize) -> Result<CarryWord, Failure> {
+fn carry(given: &str, joints: usize) -> Result<CarryGoal, Failure> {
     match given {
-        "home" => return Ok(CarryWord::Home),
-        "out" => return Ok(CarryWord::Out),
+        "home" => return Ok(CarryGoal::Home),
+        "out" => return Ok(CarryGoal::Out),
         _ => {}
     }
     let values: Option<Vec<f64>> = given.split(',').map(|value| value.trim().parse().ok()).collect();
@@ -119,7 +119,7 @@ fn carry(given: &str, joints: usize) -> Result<CarryWord, Failure> {
         }
         None => read_waypoints(Path::new(given), joints)?,
     };
-    Ok(CarryWord::Configurations(ends))
+    Ok(CarryGoal::Configurations(ends))
 }
 
 /// Builds the request from the flags, for a robot with `joints` joints.
@@ -142,7 +142,7 @@ fn ask(arguments: &PlanArguments, joints: usize) -> Result<Ask, Failure> {
             None => arguments.jerk_limited.then_some(TimingMethod::JerkLimited),
         },
         stops: arguments.stop_at_corners,
-        paces: PaceWords {
+        paces: SpeedOptions {
             speed: arguments.speed.clone(),
             acceleration: arguments.acceleration.clone(),
             tool_speed: arguments.tool_speed.clone(),
@@ -154,7 +154,7 @@ fn ask(arguments: &PlanArguments, joints: usize) -> Result<Ask, Failure> {
         place: arguments.place.clone(),
         task: {
             let steps = arguments.steps.then(|| STEPS.to_owned());
-            steps.or_else(|| arguments.named_task.clone()).map(TaskWord::Named)
+            steps.or_else(|| arguments.named_task.clone()).map(TaskSelection::Named)
         },
         then: arguments.then.map(Into::into),
         clear_m: arguments.clear.map(|clear_mm| clear_mm / 1e3),

@@ -1,7 +1,7 @@
 use std::fmt::Write;
 use std::time::Instant;
 
-use cranny_bench::{Sandbox, Walls};
+use cranny_bench::{Isolation, Sandbox};
 use cranny_collision::Margins;
 use cranny_file::counted;
 use cranny_path::audit;
@@ -76,7 +76,7 @@ pub fn run(output: Output) -> Result<Answer, Failure> {
 }
 
 fn parts() -> Result<Vec<Part>, Failure> {
-    let walls = Walls::of(Sandbox::Auto)?;
+    let walls = Isolation::of(Sandbox::Auto)?;
     let part = |name, is_there, [there, missing]: [&'static str; 2]| {
         let remark = if is_there { there } else { missing };
         Part { name, is_there, remark }

@@ -1,4 +1,4 @@
-use cranny_robot::{LaneFrame, LanePlace, LaneTwist};
+use cranny_robot::{LaneFrame, LaneTransform, LaneTwist};
 use cranny_spatial::{LANES, LaneArray, LaneVector};
 use fearless_simd::Simd;
 
@@ -49,7 +49,7 @@ pub(crate) struct LaneScratch {
     /// Joint values of all lanes, one array per joint (m, rad).
     pub q: Vec<LaneArray>,
     /// Poses of loose links relative to the tip.
-    pub places: Vec<LanePlace>,
+    pub places: Vec<LaneTransform>,
     pub frames: Vec<LaneFrame>,
     /// Box around each body along the axes of the root frame.
     pub boxes: Vec<LaneBox>,

@@ -8,7 +8,7 @@ use crate::proof::motion::{Demand, Motion};
 use crate::proof::reach::Reach;
 use crate::proof::tool::{Excess, TOLERANCE};
 use crate::touch::contact::Contact;
-use crate::{Measuring, NearestPair};
+use crate::{MeasureOptions, NearestPair};
 
 /// Deviation of a piece of a curve from its chord, as the motion of any point, below which it is not bisected, in metres: the
 /// resolution of a proof.
@@ -175,7 +175,7 @@ impl Cell {
         scratch: &mut Scratch,
     ) -> Result<(f64, Option<NearestPair>), Contact> {
         assert!(control_points.len() > 1, "a curve has two control points or more");
-        let measuring = Measuring { share, ..Measuring::default() };
+        let measuring = MeasureOptions { share, ..MeasureOptions::default() };
         let measured = self.measure(Course::Curve(control_points), measuring, scratch);
         match measured.contradiction {
             Some((_, contact)) => Err(contact),

@@ -38,7 +38,7 @@ impl Cell {
     /// If `q` has not one value per joint.
     pub fn closing_levers(&self, q: &[f64], scratch: &mut Scratch) -> Levers {
         let standing = [q.to_vec(), q.to_vec()];
-        self.levers_with(&standing, &|body| self.closing_way_m(&self.bodies[body]), scratch)
+        self.levers_with(&standing, &|body| self.closing_motion_bound_m(&self.bodies[body]), scratch)
     }
 
     /// Computes the levers along a path where every point of a body may be farther away by `farther_m`, in metres.

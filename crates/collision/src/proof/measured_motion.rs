@@ -11,7 +11,7 @@ use crate::touch::contact::Contact;
 
 /// Options of [`Cell::measure_motion`].
 #[derive(Clone, Copy, Debug)]
-pub struct Measuring {
+pub struct MeasureOptions {
     /// Distance from which on pairs are ignored, in metres. Default: infinite.
     pub below_m: f64,
     /// Relative slack of the result below the true distance, from 0 to below 1; at least 10 µm applies. Default: 0.
@@ -20,7 +20,7 @@ pub struct Measuring {
     pub group: Option<PairGroup>,
 }
 
-impl Default for Measuring {
+impl Default for MeasureOptions {
     fn default() -> Self {
         Self { below_m: f64::INFINITY, share: 0.0, group: None }
     }
@@ -77,7 +77,7 @@ impl Cell {
     /// # Panics
     /// If `a` or `b` has not one value per joint.
     pub fn least_clearance(&self, a: &[f64], b: &[f64], scratch: &mut Scratch) -> f64 {
-        self.measure_motion([a, b], Measuring::default(), scratch).least_m
+        self.measure_motion([a, b], MeasureOptions::default(), scratch).least_m
     }
 
     /// Measures [`Self::least_clearance`] between two ends (m, rad; one per joint), and reports any pair closer than allowed.
@@ -88,7 +88,7 @@ impl Cell {
     pub fn measure_motion(
         &self,
         [a, b]: [&[f64]; 2],
-        measuring: Measuring,
+        measuring: MeasureOptions,
         scratch: &mut Scratch,
     ) -> MeasuredMotion {
         self.measure(Course::Line([a, b]), measuring, scratch)
@@ -98,7 +98,7 @@ impl Cell {
     pub(crate) fn measure(
         &self,
         course: Course<'_>,
-        measuring: Measuring,
+        measuring: MeasureOptions,
         scratch: &mut Scratch,
     ) -> MeasuredMotion {
         scratch.rates.set(course);

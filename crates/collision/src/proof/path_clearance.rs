@@ -2,7 +2,7 @@ use crate::cell::{Cell, Scratch};
 use crate::pair::pair_group::PairGroup;
 use crate::proof::course::Course;
 use crate::proof::motion::Demand;
-use crate::{Measuring, Motion};
+use crate::{MeasureOptions, Motion};
 
 /// Minimum amount by which a measured clearance is below the true one, in metres, where its relative slack is less.
 const TOLERANCE_M: f64 = 1e-5;
@@ -38,7 +38,7 @@ impl Cell {
                 // 3.
                 let ends = [&edge[0][..], &edge[1]];
                 least_m = self
-                    .measure_motion(ends, Measuring { below_m: least_m, share, group: None }, scratch)
+                    .measure_motion(ends, MeasureOptions { below_m: least_m, share, group: None }, scratch)
                     .seen_m;
             }
         }
@@ -59,7 +59,7 @@ impl Cell {
     ) -> f64 {
         let mut below_m = f64::INFINITY;
         for edge in path.windows(2).rev() {
-            let measuring = Measuring { below_m, share, group: Some(group) };
+            let measuring = MeasureOptions { below_m, share, group: Some(group) };
             below_m = self.measure_motion([&edge[0], &edge[1]], measuring, scratch).seen_m;
         }
         if below_m.is_finite() { (below_m * (1.0 - share) - TOLERANCE_M).max(0.0) } else { below_m }

@@ -14,7 +14,7 @@ use crate::lane::lanes::Interest;
 use crate::proof::course::{Course, Rates};
 use crate::proof::motion::Demand;
 use crate::proof::travel::Travel;
-use crate::{Body, Cell, Margins, Measuring, Motion, World};
+use crate::{Body, Cell, Margins, MeasureOptions, Motion, World};
 
 /// A slide carrying an arm of two thin links with a small ball at its end.
 const ARM: &str = r#"<robot name="arm">
@@ -305,7 +305,7 @@ fn a_proof_on_wrong_tables_is_contradicted_by_what_is_measured() {
         wrong.lanes = sound.lanes;
         if wrong.motion_is_free(&a, &b, &mut scratch) == Motion::Proven {
             let (place, contact) = wrong
-                .measure_motion([&a, &b], Measuring::default(), &mut scratch)
+                .measure_motion([&a, &b], MeasureOptions::default(), &mut scratch)
                 .contradiction
                 .expect("the plate");
             assert!(wrong.contacts(&between(&a, &b, place), &mut scratch).contains(&contact));

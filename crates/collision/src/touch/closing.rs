@@ -80,7 +80,7 @@ impl Cell {
     /// Returns an upper bound on the motion of any point of a finger while the hand closes from open, in metres.
     pub fn finger_way_m(&self, finger: usize) -> f64 {
         let own = self.bodies.iter().filter(|body| self.robot().finger_of(body.link) == Some(finger));
-        own.map(|body| self.closing_way_m(body)).fold(0.0, f64::max)
+        own.map(|body| self.closing_motion_bound_m(body)).fold(0.0, f64::max)
     }
 
     /// Returns the contact of the fingers, other than with the held object, while the hand closes from open to the closing of
@@ -190,7 +190,7 @@ impl Cell {
 
     /// Returns an upper bound on the approach of two bodies while the hand closes by a fraction of its travel, in metres.
     fn swept_m(&self, pair: &Pair, share: f64) -> f64 {
-        let of_body = |body: usize| self.closing_way_m(&self.bodies[body]) * share;
+        let of_body = |body: usize| self.closing_motion_bound_m(&self.bodies[body]) * share;
         let second = match pair.second {
             Other::Link { body, .. } => of_body(body),
             Other::Part(_) => 0.0,
@@ -199,9 +199,9 @@ impl Cell {
     }
 
     /// Returns an upper bound on the motion of any point of a body while the hand closes from open, in metres.
-    pub(crate) fn closing_way_m(&self, body: &LinkBody) -> f64 {
+    pub(crate) fn closing_motion_bound_m(&self, body: &LinkBody) -> f64 {
         let ball = &body.bounds.ball;
-        self.robot().closing_way_m(body.link, (ball.center, ball.radius_m))
+        self.robot().closing_motion_bound_m(body.link, (ball.center, ball.radius_m))
     }
 
     /// Returns the pose of a link of a finger in the frame of the tip, for given poses of the loose links.

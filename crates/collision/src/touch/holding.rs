@@ -12,7 +12,7 @@ use crate::cell::{Cell, Scratch};
 impl Cell {
     /// Returns the cell in which the hand holds a body of the world ([`Hold`]): the body becomes part of the robot, is checked
     /// against the world, the floor and all links with relative motion, and is no obstacle any more. For another hold of the
-    /// same body see [`Self::with_hold`]; for its allowed contacts see [`Self::sparing`].
+    /// same body see [`Self::with_hold`]; for its allowed contacts see [`Self::with_allowed_contacts`].
     ///
     /// # Errors
     /// [`CollisionError::Hold`] for an invalid hold, or an unbounded body.
@@ -68,10 +68,10 @@ impl Cell {
     }
 
     /// Returns this cell with the held object allowed to touch its support faces, and nothing else: it is not checked against
-    /// the parts with these faces, but against the portions that are higher. [`Self::stays_off`] proves that it stays above the
+    /// the parts with these faces, but against the portions that are higher. [`Self::first_support_violation`] proves that it stays above the
     /// faces; [`Self::unchecked`] lists the allowed contacts.
     #[must_use]
-    pub fn sparing(&self, resting: &Resting) -> Self {
+    pub fn with_allowed_contacts(&self, resting: &Resting) -> Self {
         let (mut spared, mut higher) = (Vec::new(), Vec::new());
         for (part, depth_m, lip) in resting.spared(self.parts()) {
             spared.push(Spared { part, depth_m });

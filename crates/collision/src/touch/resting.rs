@@ -220,7 +220,7 @@ impl Cell {
     ///
     /// # Panics
     /// If `a` or `b` has not one value per joint, or nothing is held.
-    pub fn stays_off(
+    pub fn first_support_violation(
         &self,
         resting: &Resting,
         slack_m: f64,
@@ -288,7 +288,7 @@ impl Resting {
         self.contacts.iter().map(|contact| contact.direction.angle(up)).fold(0.0, f64::max)
     }
 
-    /// Returns true if a cell that spares these contacts ([`Cell::sparing`]) also spares the other ones.
+    /// Returns true if a cell that spares these contacts ([`Cell::with_allowed_contacts`]) also spares the other ones.
     pub fn is_spared_alike(&self, other: &Self) -> bool {
         let is_alike = |(a, b): (&RestingContact, &RestingContact)| {
             a.part == b.part
@@ -300,7 +300,7 @@ impl Resting {
     }
 
     /// Returns lift-off directions, unit vectors, in the order to try them: up, then away from all faces.
-    pub fn ways_off(&self, up: Vector) -> Vec<Vector> {
+    pub fn lift_off_directions(&self, up: Vector) -> Vec<Vector> {
         let away: Vector = self.contacts.iter().map(|contact| contact.direction).sum();
         let mixed = (up + away).try_normalize(1e-6);
         std::iter::once(up).chain(mixed.filter(|way| (way - up).norm() > 1e-6)).collect()

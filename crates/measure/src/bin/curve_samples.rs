@@ -16,7 +16,7 @@ use cranny_plan::{Budget, Unobserved};
 use cranny_robot::Robot;
 use cranny_scenario::{OpenOptions, Scenario};
 use cranny_solve::{Request, Timing, solve};
-use cranny_task::{AfterPlacing, PlaceAt, Problem, RoundedCorner, Segment, Stage, StatesAlong};
+use cranny_task::{AfterPlacing, PlaceAt, Problem, RoundedCorner, Segment, Stage, StateSequence};
 
 const RATE_HZ: f64 = 10_000.0;
 const SAMPLES: u32 = 4000;
@@ -95,7 +95,7 @@ impl Seen {
             self.limits(problem.robot(), leg);
         }
         let stages = if stages.is_empty() { Stage::of_goal(problem) } else { stages.to_vec() };
-        let along = StatesAlong::of(problem, &stages, &answer.segments);
+        let along = StateSequence::of(problem, &stages, &answer.segments);
         let along = along.expect("a good path").expect("an exact problem");
         for (segment, state) in answer.segments.iter().zip(&along.states) {
             let (cell, mut scratch) = (state.cell(), state.cell().scratch());

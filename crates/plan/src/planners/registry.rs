@@ -80,12 +80,12 @@ impl Registry {
     /// Returns this registry with an additional planner. Its settings are the fields of `T`, by their serde names.
     ///
     /// # Errors
-    /// [`PlanError::TwicePlanner`] for a name that is taken.
+    /// [`PlanError::DuplicatePlanner`] for a name that is taken.
     pub fn with<T: Planner + Default + DeserializeOwned + 'static>(mut self) -> Result<Self, PlanError> {
         let entry = Entry::of::<T>();
         let name = entry.default.name();
         if self.names().contains(&name) {
-            return Err(PlanError::TwicePlanner { name });
+            return Err(PlanError::DuplicatePlanner { name });
         }
         self.entries.push(entry);
         Ok(self)
@@ -240,6 +240,6 @@ mod tests {
 
     #[test]
     fn a_name_is_given_once() {
-        assert!(matches!(known().with::<Reach>(), Err(PlanError::TwicePlanner { name: "reach" })));
+        assert!(matches!(known().with::<Reach>(), Err(PlanError::DuplicatePlanner { name: "reach" })));
     }
 }

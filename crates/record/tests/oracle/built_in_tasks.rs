@@ -5,7 +5,7 @@ use cranny_collision::{Body, Margins, Part};
 use cranny_plan::Unobserved;
 use cranny_scenario::{OpenOptions, STEPS, Scenario, insertions, sequences};
 use cranny_solve::{Request, solve};
-use cranny_task::{Stage, StatesAlong, picks_apart};
+use cranny_task::{Stage, StateSequence, picks_apart};
 
 use crate::cases::for_each;
 use crate::judge::Oracle;
@@ -73,7 +73,7 @@ fn no_step_of_several_touches_anything() {
         let request = Request { stages: stages.clone(), ..Request::default() };
         let answer = solve(&problem, &request, &mut Unobserved).unwrap();
         assert!(answer.is_solved(), "{id}");
-        let along = StatesAlong::of(&problem, &stages, &answer.segments).unwrap().unwrap();
+        let along = StateSequence::of(&problem, &stages, &answer.segments).unwrap().unwrap();
         let (mut faults, mut first) = (Vec::new(), 0);
         for (segments, pick) in picks_apart(&stages, &answer.segments).into_iter().zip(&along.picks) {
             let now = along.states[first].empty_cell().world();

@@ -12,7 +12,7 @@ use cranny_path::{ShortcutSettings, shortcut};
 use cranny_plan::{Budget, Outcome, Registry, Unobserved};
 use cranny_scenario::{OpenOptions, Scenario};
 use cranny_solve::{Request, solve};
-use cranny_task::{Criterion, PlaceSpot, Problem, Stage};
+use cranny_task::{Criterion, PlaceRegion, Problem, Stage};
 
 use crate::judge::Oracle;
 
@@ -75,7 +75,7 @@ fn case(folder: &Path) -> Case {
 fn placed(scenario: &Scenario, problem: &Problem) -> Option<Vec<Vec<Vec<f64>>>> {
     let own = Scenario::open(&scenario.id, &OpenOptions::default()).unwrap();
     let mut goal = own.places[0].clone();
-    if let PlaceSpot::Surface { on, .. } = &mut goal.spot {
+    if let PlaceRegion::Surface { on, .. } = &mut goal.spot {
         // The surface may have another name there.
         let bodies = scenario.world.bodies();
         let known = bodies.iter().find(|body| body.name.contains(on.as_str()));

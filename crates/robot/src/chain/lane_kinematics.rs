@@ -68,12 +68,12 @@ struct LaneStep {
     multiplier: f32,
     kind: JointKind,
     /// Pose of the frame in its parent at value 0.
-    place: LanePlace,
+    place: LaneTransform,
 }
 
 /// Pose of a frame in another one.
 #[derive(Clone, Copy, Debug)]
-pub struct LanePlace {
+pub struct LaneTransform {
     /// Columns of the rotation.
     columns: [[f32; 3]; 3],
     translation: [f32; 3],
@@ -146,13 +146,13 @@ impl LaneKinematics {
     ///
     /// # Panics
     /// If `robot` is not the one that these kinematics were made for.
-    pub fn place_held(&self, robot: &Robot, hold: &Hold, places: &mut Vec<LanePlace>) {
+    pub fn place_held(&self, robot: &Robot, hold: &Hold, places: &mut Vec<LaneTransform>) {
         places.clear();
         places.extend(
             robot
                 .tip_from_loose(hold)
                 .into_iter()
-                .map(|place| LanePlace::of(&(self.tip.frame_from_link * place))),
+                .map(|place| LaneTransform::of(&(self.tip.frame_from_link * place))),
         );
         assert_eq!(places.len(), self.loose, "places of this robot");
     }
@@ -194,7 +194,13 @@ impl LaneKinematics {
     /// # Panics
     /// If there are too few rows or frames.
     #[inline(always)]
-    pub fn forward<S: Simd>(&self, simd: S, q: &[LaneArray], places: &[LanePlace], frames: &mut [LaneFrame]) {
+    pub fn forward<S: Simd>(
+        &self,
+        simd: S,
+        q: &[LaneArray],
+        places: &[LaneTransform],
+        frames: &mut [LaneFrame],
+    ) {
         frames[0] = LaneFrame::IDENTITY;
         for (index, step) in self.steps.iter().enumerate() {
             let (done, rest) = frames.split_at_mut(index + 1);
@@ -323,7 +329,13 @@ impl LaneStep {
         reason = "lanes are `f32` by design; their error is bounded by `position_error_m`"
     )]
     fn new(parent: usize, joint: usize, multiplier: f64, kind: JointKind, parent_from_frame: &Pose) -> Self {
-        Self { parent, joint, multiplier: multiplier as f32, kind, place: LanePlace::of(parent_from_frame) }
+        Self {
+            parent,
+            joint,
+            multiplier: multiplier as f32,
+            kind,
+            place: LaneTransform::of(parent_from_frame),
+        }
     }
 
     #[inline(always)]
@@ -343,7 +355,7 @@ impl LaneStep {
     }
 }
 
-impl LanePlace {
+impl LaneTransform {
     #[allow(
         clippy::cast_possible_truncation,
         reason = "lanes are `f32` by design; their error is bounded by `position_error_m`"

@@ -98,7 +98,7 @@ impl Robot {
     ///
     /// Each joint above moves the point by its stroke, multiplied for a revolute joint by an upper bound on the distance of the
     /// point from its axis: the length of the chain between.
-    pub fn closing_way_m(&self, link: usize, (center, radius_m): (Point, f64)) -> f64 {
+    pub fn closing_motion_bound_m(&self, link: usize, (center, radius_m): (Point, f64)) -> f64 {
         let Some(hand) = &self.hand else { return 0.0 };
         let mut below = self.hand_joint_of(link);
         let in_joint = |joint: &HandJoint| self.rest[joint.link].inv_mul(&self.rest[link]) * center;

@@ -1,6 +1,6 @@
 use cranny_shape::TriangleSoup;
 use cranny_spatial::{Pose, Rotation, Vector, sin_cos};
-use cranny_task::{PlaceGoal, PlaceSpot};
+use cranny_task::{PlaceGoal, PlaceRegion};
 use strum::{EnumString, IntoStaticStr, VariantArray};
 
 use crate::family::resized::{resized, scaled};
@@ -170,7 +170,7 @@ impl Family {
             Self::Gap | Self::Gate => ("floor", [0.35, 0.05, 0.0], [0.5, 0.4]),
         };
         let [x, y, z] = middle;
-        let spot = PlaceSpot::Surface { on: on.to_owned(), pose: Pose::translation(x, y, z), size_m };
+        let spot = PlaceRegion::Surface { on: on.to_owned(), pose: Pose::translation(x, y, z), size_m };
         PlaceGoal { name: Self::OUTSIDE.to_owned(), spot }
     }
 
@@ -178,11 +178,11 @@ impl Family {
     pub(crate) fn other_side(self) -> PlaceGoal {
         let PlaceGoal { spot, .. } = self.outside();
         let spot = match spot {
-            PlaceSpot::Surface { on, pose, size_m } => {
+            PlaceRegion::Surface { on, pose, size_m } => {
                 let mirror_m = 2.0 * (MIDDLE_M - pose.translation.x);
-                PlaceSpot::Surface { on, pose: Pose::translation(mirror_m, 0.0, 0.0) * pose, size_m }
+                PlaceRegion::Surface { on, pose: Pose::translation(mirror_m, 0.0, 0.0) * pose, size_m }
             }
-            target @ PlaceSpot::Target(_) => target,
+            target @ PlaceRegion::Target(_) => target,
         };
         PlaceGoal { name: Self::OTHER_SIDE.to_owned(), spot }
     }

@@ -7,7 +7,9 @@ use cranny_grasp::{
 use cranny_robot::RobotError;
 use cranny_shape::{Solid, Surface};
 use cranny_spatial::{Pose, Stream, Vector};
-use cranny_task::{APPROACH_M, Firmness, HandFilter, Pick, PlaceGoal, PlaceSpot, Stage, Weight, robot_hand};
+use cranny_task::{
+    APPROACH_M, Firmness, HandFilter, Pick, PlaceGoal, PlaceRegion, Stage, Weight, robot_hand,
+};
 
 use crate::family::kind::Resting;
 use crate::named_task::STEPS;
@@ -141,12 +143,12 @@ impl FamilyMaker {
     /// [`FamilyError::Parameter`](crate::FamilyError::Parameter) for a value outside the range of the parameter.
     pub fn insertion(&self, parameter_m: f64) -> Result<Recipe, ScenarioError> {
         let outside = self.scale.place(self.family.outside());
-        let PlaceSpot::Surface { pose: outside, .. } = outside.spot else { return self.at(parameter_m) };
+        let PlaceRegion::Surface { pose: outside, .. } = outside.spot else { return self.at(parameter_m) };
         let at = outside.translation.vector;
         let placement = Placement { x_m: at.x, y_m: at.y, yaw_rad: 0.0 };
         let bare = self.bare(parameter_m, &placement, at.z)?;
         let inside = self.paper_placement(parameter_m);
-        let inside = PlaceSpot::Target(self.resting.scene_from_object(&inside, self.support_m()));
+        let inside = PlaceRegion::Target(self.resting.scene_from_object(&inside, self.support_m()));
         let places = vec![PlaceGoal { name: Family::INSIDE.to_owned(), spot: inside }];
         self.with_grasps(Recipe { places, ..bare }, &placement, at.z, GraspChoice::Covering)
     }

@@ -1,6 +1,6 @@
 use cranny_robot::{JointKind, Mover, Robot};
 use cranny_spatial::{Pose, Rotation, Stream, Vector};
-use cranny_task::{PlaceGoal, PlaceSpot};
+use cranny_task::{PlaceGoal, PlaceRegion};
 
 use crate::error::ScenarioError;
 use crate::{Family, FamilyError, Placement, RecipeBody, RecipeShape};
@@ -99,11 +99,11 @@ impl SceneScale {
 
     /// Maps a place goal of the paper's scene to this one.
     pub(crate) fn place(&self, place: PlaceGoal) -> PlaceGoal {
-        let PlaceSpot::Surface { on, pose, size_m: [across_m, away_m] } = place.spot else { return place };
+        let PlaceRegion::Surface { on, pose, size_m: [across_m, away_m] } = place.spot else { return place };
         let point = self.point(&pose.translation.vector);
         let pose = Pose::from_parts(point.into(), pose.rotation);
         let size_m = [across_m * self.across, away_m * self.away];
-        PlaceGoal { spot: PlaceSpot::Surface { on, pose, size_m }, ..place }
+        PlaceGoal { spot: PlaceRegion::Surface { on, pose, size_m }, ..place }
     }
 
     /// Returns the platform under the scene, if it is raised: it extends from the first obstacle to behind the last.

@@ -8,7 +8,7 @@ use cranny_grasp::{GraspError, GraspSet, parse_csv};
 use cranny_robot::{JointGroup, Location, Robot, RobotOptions, TextSource};
 use cranny_shape::{ShapeError, Solid, TriangleSoup};
 use cranny_spatial::{EXACT_ROTATION_RAD, Pose, Rotation, Vector};
-use cranny_task::{PlaceGoal, PlaceSpot};
+use cranny_task::{PlaceGoal, PlaceRegion};
 use serde_saphyr::Spanned;
 
 use crate::files::{number_table, sizes, yaml};
@@ -308,7 +308,7 @@ impl Layout<'_> {
                 };
                 let body_from_first = target.shapes.first().map(|shape| self.pose(shape.value.pose.as_ref()));
                 let planning_from_body = planning_from_scene * self.pose(Some(target_pose))?;
-                PlaceSpot::Target(planning_from_body * body_from_first.transpose()?.unwrap_or_default())
+                PlaceRegion::Target(planning_from_body * body_from_first.transpose()?.unwrap_or_default())
             }
             (Some(on), Some(size_m), _, None) => {
                 let mut known = file.obstacles.iter().map(|obstacle| obstacle.name.value.as_str());
@@ -330,7 +330,7 @@ impl Layout<'_> {
                 if tilt > EXACT_ROTATION_RAD {
                     return Err(refuse("the rectangle is not level: its z axis must point up".to_owned()));
                 }
-                PlaceSpot::Surface { on: on.clone(), pose, size_m: *size_m }
+                PlaceRegion::Surface { on: on.clone(), pose, size_m: *size_m }
             }
             _ => {
                 return Err(refuse(

@@ -6,7 +6,7 @@ use std::path::Path;
 use cranny_collision::{ToolBound, ToolRegion};
 use cranny_grasp::csv_text;
 use cranny_spatial::{Point, Pose, Rotation};
-use cranny_task::{PlaceGoal, PlaceSpot};
+use cranny_task::{PlaceGoal, PlaceRegion};
 
 use crate::files::atomic_file::write_into;
 use crate::layout::own;
@@ -134,14 +134,14 @@ impl Recipe {
         let quoted = |name: &str| serde_json::Value::from(name);
         let _ = writeln!(text, "  - name: {}", quoted(&place.name));
         match &place.spot {
-            PlaceSpot::Surface { on, pose, size_m } => {
+            PlaceRegion::Surface { on, pose, size_m } => {
                 let _ = writeln!(text, "    on: {}", quoted(on));
                 if let Some(pose) = pose_text(pose) {
                     let _ = writeln!(text, "    pose: {pose}");
                 }
                 let _ = writeln!(text, "    size: {}", list(size_m));
             }
-            PlaceSpot::Target(pose) => {
+            PlaceRegion::Target(pose) => {
                 // The pose is that of the target's body, as in the target entry, not of its first shape.
                 let first = self.target.as_ref().and_then(|target| target.shapes.first());
                 let body_from_first = first.map_or_else(Pose::identity, |(pose, _)| *pose);

@@ -8,14 +8,14 @@ use cranny_shape::{Solid, overlap};
     "the gripper frame {tip} lies inside {link}: a link's mesh stands for its convex hull, and this one fills the \
      space between the fingers, so that the hand collides at every grasp (give palm and fingers a mesh each)"
 )]
-pub struct FilledHand {
+pub struct BlockedGripperFrame {
     /// Name of the link with the mesh.
     pub link: String,
     /// Name of the tip link.
     pub tip: String,
 }
 
-impl FilledHand {
+impl BlockedGripperFrame {
     /// Returns the fault of a robot's hand, if it has one.
     pub fn of(robot: &Robot) -> Option<Self> {
         // A tiny sphere represents the point.
@@ -125,9 +125,9 @@ mod tests {
                         <origin xyz='0 0 0.1'/></joint></robot>";
             Robot::from_urdf_text(urdf, "r.urdf", Some(folder.path()), &RobotOptions::default()).unwrap()
         };
-        assert_eq!(FilledHand::of(&hand(corners(0.1, 0.03, 0.0, 0.06))), None);
+        assert_eq!(BlockedGripperFrame::of(&hand(corners(0.1, 0.03, 0.0, 0.06))), None);
         let fingers = [corners(0.1, 0.03, 0.0, 0.06), corners(0.1, 0.01, 0.06, 0.11)].concat();
-        let filled = FilledHand::of(&hand(fingers)).unwrap();
+        let filled = BlockedGripperFrame::of(&hand(fingers)).unwrap();
         assert_eq!((filled.link.as_str(), filled.tip.as_str()), ("hand", "tip"));
         assert!(filled.to_string().contains("fills the space between the fingers"));
     }

@@ -28,7 +28,7 @@ pub struct RepairedMesh {
 impl RepairedMesh {
     /// Makes all repairs that need no guess.
     ///
-    /// 1. Merges vertices closer than [`SAME_PLACE_M`](crate::SAME_PLACE_M).
+    /// 1. Merges vertices closer than [`VERTEX_MERGE_M`](crate::VERTEX_MERGE_M).
     /// 2. Removes triangles with two equal corners, and duplicate triangles.
     /// 3. Turns triangles so that neighbours agree, and each body so that it faces outwards, or inwards if it is the wall
     ///    of a cavity ([`Solid::mesh`](crate::Solid::mesh) has the same cavities).

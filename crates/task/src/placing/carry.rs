@@ -86,7 +86,7 @@ impl Carrier {
         let clear_m = settings.clear_m.max(cell.margins().of_held_m());
         let resting = cell.resting(hand.target())?;
         Ok(Self {
-            lifting: hand.holding().sparing(&resting),
+            lifting: hand.holding().with_allowed_contacts(&resting),
             settings: LiftOffSettings { clear_m, ..settings },
             cell: cell.clone(),
             hand,
@@ -108,7 +108,7 @@ impl Carrier {
         let clear_m = self.settings.clear_m.max(cell.margins().of_held_m());
         let resting = cell.resting_with(hand.target(), self.resting.extent())?;
         Ok(Self {
-            lifting: hand.holding().sparing(&resting),
+            lifting: hand.holding().with_allowed_contacts(&resting),
             settings: LiftOffSettings { clear_m, ..self.settings },
             cell: cell.clone(),
             hand,
@@ -203,7 +203,7 @@ impl Carrier {
             return Err(Some(contact.names(&grip.lifting)));
         }
         let mut reason = None;
-        for way in resting.ways_off(self.lifting.world().up()) {
+        for way in resting.lift_off_directions(self.lifting.world().up()) {
             match self.lifted(grip, resting, q, &way, &mut scratch) {
                 Ok(path) => return Ok(path),
                 Err(blocked) => reason = blocked.or(reason),
@@ -253,7 +253,9 @@ impl Carrier {
                 }
                 Motion::OutOfLimits { .. } | Motion::OutOfBounds { .. } => return Err(None),
             }
-            if let Some((_, body)) = self.stays_off(&grip.lifting, resting, [last, &next], scratch) {
+            if let Some((_, body)) =
+                self.first_support_violation(&grip.lifting, resting, [last, &next], scratch)
+            {
                 return Err(Some([self.object().to_owned(), self.body_name(body)]));
             }
             path.push(next);
@@ -268,14 +270,14 @@ impl Carrier {
 
     /// Returns the parameter in [0, 1] on an edge from `a` to `b` (m, rad; one per joint) at which the object may come nearer
     /// to its support, and the index of that body; `None` if it is proven not to. `cell` is the one along that motion.
-    pub fn stays_off(
+    pub fn first_support_violation(
         &self,
         cell: &Cell,
         resting: &Resting,
         [a, b]: [&[f64]; 2],
         scratch: &mut Scratch,
     ) -> Option<(f64, usize)> {
-        cell.stays_off(resting, self.settings.slack_m, a, b, scratch)
+        cell.first_support_violation(resting, self.settings.slack_m, a, b, scratch)
     }
 
     /// Supports of the object before the lift-off.

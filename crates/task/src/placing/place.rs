@@ -8,7 +8,7 @@ use cranny_spatial::{EXACT_ROTATION_RAD, Point, Pose, PoseDifference, Rotation, 
 use crate::placing::placed::MOST_RETREAT_M;
 use crate::placing::placement::Placement;
 use crate::placing::rests::{rests, stable_rests};
-use crate::{Carrier, FailureReason, Grip, PlaceGoal, PlaceSpot, TaskError};
+use crate::{Carrier, FailureReason, Grip, PlaceGoal, PlaceRegion, TaskError};
 
 /// Height above its support at which an object is released, in metres: below 0.1 mm, and far more than the errors of inverse
 /// kinematics.
@@ -95,10 +95,10 @@ impl Placer {
         let extent = carrier.resting().extent().clone();
         let level_from_world = carrier.hand().holding().world().world_from_level().inverse();
         let rests = match &goal.spot {
-            PlaceSpot::Target(_) => {
+            PlaceRegion::Target(_) => {
                 stable_rests(body, &extent, &level_from_world, [0.0; 2]).unwrap_or_default()
             }
-            PlaceSpot::Surface { .. } => rests(body, &extent, &level_from_world),
+            PlaceRegion::Surface { .. } => rests(body, &extent, &level_from_world),
         };
         let placer = Self {
             carrier: carrier.clone(),
@@ -122,8 +122,8 @@ impl Placer {
     fn with_draws(self, seed: u64, most: u32) -> Self {
         let mut random = Stream::new(seed, PLACES_STREAM);
         let count = match &self.goal.spot {
-            PlaceSpot::Target(_) => 1,
-            PlaceSpot::Surface { .. } => most,
+            PlaceRegion::Target(_) => 1,
+            PlaceRegion::Surface { .. } => most,
         };
         let draw = |draw: u32| Draw {
             number: draw as usize,
@@ -141,7 +141,7 @@ impl Placer {
     #[must_use]
     pub fn with_aligned_draws(self, seed: u64, most: u32) -> Self {
         let mut placer = self.with_draws(seed, most).with_neighbours();
-        let PlaceSpot::Surface { pose, .. } = &placer.goal.spot else { return placer };
+        let PlaceRegion::Surface { pose, .. } = &placer.goal.spot else { return placer };
         let x = placer.carrier.hand().holding().world().world_from_level().inverse()
             * (pose.rotation * Vector::x());
         let along_rad = libm::atan2(x.y, x.x);
@@ -165,7 +165,7 @@ impl Placer {
 
     /// Returns this placer with the bounds of the bodies that stand on the surface in the carrier's world.
     fn with_neighbours(self) -> Self {
-        let PlaceSpot::Surface { on, pose, size_m } = &self.goal.spot else { return self };
+        let PlaceRegion::Surface { on, pose, size_m } = &self.goal.spot else { return self };
         let surface_from_world = pose.inverse();
         let world = self.carrier.hand().holding().world();
         let others = world.bodies().iter().enumerate();
@@ -227,7 +227,7 @@ impl Placer {
                 "{clear_m} m is not a valid clearance of the hand: expected 0 to {MOST_RETREAT_M} m"
             ));
         }
-        let PlaceSpot::Surface { on, pose, size_m } = &goal.spot else { return Ok(()) };
+        let PlaceRegion::Surface { on, pose, size_m } = &goal.spot else { return Ok(()) };
         if self.carrier.hand().holding().world().body_index(on)? == self.target() {
             return refuse(format!("place '{name}' lies on the object that is to be put down there"));
         }
@@ -251,8 +251,8 @@ impl Placer {
     /// Returns the pose of the object at a draw.
     fn pose_of(&self, draw: &Draw) -> Pose {
         let (world_from_surface, size_m) = match &self.goal.spot {
-            PlaceSpot::Target(pose) => return *pose,
-            PlaceSpot::Surface { pose, size_m, .. } => (pose, size_m),
+            PlaceRegion::Target(pose) => return *pose,
+            PlaceRegion::Surface { pose, size_m, .. } => (pose, size_m),
         };
         let (sine, cosine) = sin_cos(0.5 * draw.turn_rad);
         let turn = UnitQuaternion::new_unchecked(Quaternion::new(cosine, 0.0, 0.0, sine));
@@ -289,7 +289,7 @@ impl Placer {
     fn look_at<'a>(&self, draw: &'a Draw) -> Option<&'a Placement> {
         let look = || {
             let pose = self.pose_of(draw);
-            if let PlaceSpot::Surface { pose: surface, size_m, .. } = &self.goal.spot
+            if let PlaceRegion::Surface { pose: surface, size_m, .. } = &self.goal.spot
                 && self.over_edge_m(surface, size_m, &pose) > OVERHANG_M
             {
                 return None;
@@ -323,7 +323,7 @@ impl Placer {
                 .then(|| format!("it is {:.2}° from any resting pose{among}", tilt_rad.to_degrees()))
         };
         let (on, world_from_surface, size_m) = match &self.goal.spot {
-            PlaceSpot::Target(pose) => {
+            PlaceRegion::Target(pose) => {
                 let off = PoseDifference::between(pose, world_from_held);
                 if !off.is_exact() {
                     let (mm, degrees) = (off.translation_m * 1e3, off.rotation_rad.to_degrees());
@@ -331,7 +331,7 @@ impl Placer {
                 }
                 return self.fault_of_rest(resting, None).or_else(|| tilted(MOST_TILT_RAD, ""));
             }
-            PlaceSpot::Surface { on, pose, size_m } => (on, pose, size_m),
+            PlaceRegion::Surface { on, pose, size_m } => (on, pose, size_m),
         };
         let up = world_from_surface.rotation * Vector::z();
         let middle = world_from_surface.translation.vector;

@@ -10,12 +10,12 @@ pub struct PlaceGoal {
     /// Name of the goal.
     pub name: String,
     /// Region or pose of the goal.
-    pub spot: PlaceSpot,
+    pub spot: PlaceRegion,
 }
 
 /// Region or pose at which an object can be put down.
 #[derive(Clone, Debug, PartialEq)]
-pub enum PlaceSpot {
+pub enum PlaceRegion {
     /// Wholly on a level rectangle, at any position, in a stable pose on level ground with any turn about the vertical.
     Surface {
         /// Name of the body of the world that the rectangle lies on.
@@ -43,7 +43,7 @@ impl PlaceGoal {
         let roundness = Roundness::of_mesh(&soup_in_world(body)?).ok()?;
         let rolls = match (roundness, &self.spot) {
             (Roundness::Ball, _) => true,
-            (Roundness::About(axis), PlaceSpot::Target(pose)) => {
+            (Roundness::About(axis), PlaceRegion::Target(pose)) => {
                 let turned = pose.rotation * body.parts.first()?.world_from_solid.rotation.inverse();
                 (turned * axis).dot(&world.up()).abs() < LYING
             }
@@ -62,10 +62,10 @@ impl PlaceGoal {
     #[must_use]
     pub fn seen_from(&self, new_from_old: &Pose) -> Self {
         let spot = match &self.spot {
-            PlaceSpot::Surface { on, pose, size_m } => {
-                PlaceSpot::Surface { on: on.clone(), pose: new_from_old * pose, size_m: *size_m }
+            PlaceRegion::Surface { on, pose, size_m } => {
+                PlaceRegion::Surface { on: on.clone(), pose: new_from_old * pose, size_m: *size_m }
             }
-            PlaceSpot::Target(pose) => PlaceSpot::Target(new_from_old * pose),
+            PlaceRegion::Target(pose) => PlaceRegion::Target(new_from_old * pose),
         };
         Self { name: self.name.clone(), spot }
     }

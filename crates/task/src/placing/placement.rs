@@ -33,7 +33,7 @@ impl Carrier {
         let resting = cell.resting_at(self.hand().target(), self.resting().extent(), world_from_held);
         let near = match known.find(|known| known.resting.is_spared_alike(&resting)) {
             Some(known) => known.near.clone(),
-            None => Arc::new(cell.sparing(&resting)),
+            None => Arc::new(cell.with_allowed_contacts(&resting)),
         };
         Placement { world_from_held: *world_from_held, resting, near }
     }

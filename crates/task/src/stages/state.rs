@@ -328,7 +328,7 @@ impl Held {
 
 /// States along consecutive segments of a problem, up to the first impossible closing or opening of the hand.
 #[derive(Clone, Debug)]
-pub struct StatesAlong {
+pub struct StateSequence {
     /// State along each segment, up to the first impossible one.
     pub states: Vec<State>,
     /// Problem of each pick, in order.
@@ -339,7 +339,7 @@ pub struct StatesAlong {
     pub stopped: Option<FailureReason>,
 }
 
-impl StatesAlong {
+impl StateSequence {
     /// Computes the states along segments of stages; `None` under `paper`, which has no world.
     ///
     /// # Errors

@@ -7,7 +7,7 @@ use cranny_task::State;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::{ShownCarry, ShownPath, viewer::number_row};
+use crate::{CarriedObjectMotion, SampledPath, viewer::number_row};
 
 /// Clearance of the robot along a path, with the closest pair at each instant.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,7 +33,7 @@ impl ClearanceProfile {
     /// From the start of the closing on, the object counts as part of the robot, in the `states` along the segments. The
     /// profile ends with the last of these. The support of an object counts from the end of the lift-off on, and until the
     /// set-down.
-    pub fn along(path: &ShownPath, cell: &Cell, states: &[State], most: usize) -> Option<Self> {
+    pub fn along(path: &SampledPath, cell: &Cell, states: &[State], most: usize) -> Option<Self> {
         let mut modes = path.carries.iter().flat_map(|carry| &carry.modes);
         let unknown = modes.find(|shown| shown.mode.holds && shown.segment >= states.len());
         let shown = unknown.map_or(path.times_s.len(), |unknown| {
@@ -98,19 +98,19 @@ struct Stretch<'a, 'b> {
 }
 
 /// Returns the end of the motion before a segment, in seconds.
-fn modes_before(path: &ShownPath, segment: usize) -> f64 {
+fn modes_before(path: &SampledPath, segment: usize) -> f64 {
     let modes = path.carries.iter().flat_map(|carry| &carry.modes);
     modes.take_while(|shown| shown.segment < segment).last().map_or(0.0, |before| before.until_s)
 }
 
 /// Assigns each instant its cell: one per segment, and one per instant while the hand closes or opens.
 fn stretches<'a, 'b>(
-    path: &'a ShownPath,
+    path: &'a SampledPath,
     empty: &'a Cell,
     states: &'a [State],
     places: &'b [usize],
 ) -> Vec<Stretch<'a, 'b>> {
-    let of_carry = |carry: &'a ShownCarry| carry.modes.iter().map(move |shown| (shown, carry));
+    let of_carry = |carry: &'a CarriedObjectMotion| carry.modes.iter().map(move |shown| (shown, carry));
     let all = path.carries.iter().flat_map(of_carry);
     let modes: Vec<_> =
         all.filter_map(|(shown, carry)| Some((shown, carry, states.get(shown.segment)?))).collect();

@@ -4,7 +4,7 @@ use cranny_task::{Mode, Segment, legs};
 /// Motion of one object that a path carries: it rests, the hand closes on it, it moves with the hand, and it stays where the
 /// hand opens again, if it does.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ShownCarry {
+pub struct CarriedObjectMotion {
     /// Name of the object.
     pub object: String,
     /// The configuration at which the hand closes (m, rad).
@@ -33,7 +33,7 @@ pub struct ShownMode {
 /// Times of the way points of a leg, in seconds.
 pub(crate) type LegTimes = Vec<f64>;
 
-impl ShownCarry {
+impl CarriedObjectMotion {
     /// Returns the carries of all objects in order; `times_s` holds the way point times of each leg, in seconds.
     pub(crate) fn all_of(robot: &Robot, segments: &[Segment], times_s: &[LegTimes]) -> Vec<Self> {
         let mut modes: Vec<ShownMode> = Vec::new();

@@ -4,11 +4,11 @@ use cranny_robot::{Robot, between, distance};
 use cranny_solve::{CLOSING_S, TaskTrajectory};
 use cranny_task::{joined, legs};
 
-use crate::{ShownCarry, ViewError};
+use crate::{CarriedObjectMotion, ViewError};
 
 /// Path shown in a scene: the configuration of the robot at each of a sequence of instants.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ShownPath {
+pub struct SampledPath {
     /// Instants in seconds, ascending from 0.
     pub times_s: Vec<f64>,
     /// Configuration at each instant (m, rad).
@@ -21,7 +21,7 @@ pub struct ShownPath {
     /// and radians alike) per second.
     pub is_timed: bool,
     /// Carried objects in order.
-    pub carries: Vec<ShownCarry>,
+    pub carries: Vec<CarriedObjectMotion>,
 }
 
 /// Speed of a path without timing, in the Euclidean norm of `q` (m and rad alike) per second: about half the maximum velocity
@@ -31,7 +31,7 @@ const UNTIMED_SPEED: f64 = 1.0;
 /// Maximum number of instants, an hour at 25 per second; a longer path gets a lower rate.
 const MOST_INSTANTS: f64 = 1e5;
 
-impl ShownPath {
+impl SampledPath {
     /// Samples a sequence of way points (m, rad; one value per joint) at `rate_hz` samples per second, in the time of its
     /// trajectory, or at constant speed without one. `None` if there are no way points.
     ///
@@ -81,7 +81,7 @@ impl ShownPath {
                 None => leg,
             });
         }
-        let carries = ShownCarry::all_of(robot, &plan.segments, &times_s);
+        let carries = CarriedObjectMotion::all_of(robot, &plan.segments, &times_s);
         Ok(shown.map(|shown| Self { grasp: plan.grasp, carries, ..shown }))
     }
 

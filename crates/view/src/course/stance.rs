@@ -3,7 +3,7 @@ use std::borrow::Cow;
 use cranny_robot::{Hold, Link, LinkFrames, Robot};
 use cranny_spatial::{Point, Pose};
 
-use crate::ShownCarry;
+use crate::CarriedObjectMotion;
 
 /// Robot along a path with the objects it carries.
 pub(crate) struct Stance<'a> {
@@ -13,7 +13,7 @@ pub(crate) struct Stance<'a> {
 }
 
 struct Carrying<'a> {
-    shown: &'a ShownCarry,
+    shown: &'a CarriedObjectMotion,
     /// Pose of the planning frame in the tip frame at the grasp. The held link carries this frame, so its later pose equals the
     /// displacement of the object.
     tip_from_held: Pose,
@@ -32,8 +32,8 @@ pub(crate) struct Placed {
 }
 
 impl<'a> Stance<'a> {
-    pub fn of(robot: &'a Robot, carries: &'a [ShownCarry]) -> Self {
-        let carrying = |shown: &'a ShownCarry| {
+    pub fn of(robot: &'a Robot, carries: &'a [CarriedObjectMotion]) -> Self {
+        let carrying = |shown: &'a CarriedObjectMotion| {
             let tip_from_held = robot.frames_at(&shown.grasp).link(robot.tip()).inverse();
             let put_down = |q: &Vec<f64>| robot.frames_at(q).link(robot.tip()) * tip_from_held;
             Carrying { shown, tip_from_held, placed: shown.placed.as_ref().map(put_down) }

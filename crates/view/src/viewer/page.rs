@@ -1,6 +1,6 @@
 use cranny_collision::Cell;
 use cranny_scenario::Scenario;
-use cranny_task::{IkStatus, PlaceGoal, PlaceSpot};
+use cranny_task::{IkStatus, PlaceGoal, PlaceRegion};
 use serde::Serialize;
 
 use crate::viewer::page_grasps::{self, PageGrasp};
@@ -44,8 +44,8 @@ struct PagePlace {
 impl PagePlace {
     fn of(place: &PlaceGoal) -> Self {
         let (pose, size_m) = match &place.spot {
-            PlaceSpot::Surface { pose, size_m, .. } => (pose, Some(*size_m)),
-            PlaceSpot::Target(pose) => (pose, None),
+            PlaceRegion::Surface { pose, size_m, .. } => (pose, Some(*size_m)),
+            PlaceRegion::Target(pose) => (pose, None),
         };
         Self { name: place.name.clone(), world_from_place: number_row::pose(pose), size_m }
     }

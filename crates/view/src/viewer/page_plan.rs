@@ -11,7 +11,8 @@ use serde::Serialize;
 use crate::course::clearance_profile::ClearanceRows;
 use crate::course::tree_recording::SearchTreeRows;
 use crate::{
-    ClearanceProfile, ShownCarry, ShownMode, ShownPath, TreeRecording, ViewError, viewer::number_row,
+    CarriedObjectMotion, ClearanceProfile, SampledPath, ShownMode, TreeRecording, ViewError,
+    viewer::number_row,
 };
 
 /// Plan on a page: the timed path with the verdict of `verify`, or the reason why there is none.
@@ -26,7 +27,7 @@ pub struct PagePlan {
     /// Length of the path by [`cranny_path::path_length`].
     pub path_length: f64,
     /// Timed path; `None` for a plan without a path.
-    pub path: Option<ShownPath>,
+    pub path: Option<SampledPath>,
     /// Verdict of `verify`; `None` for a plan without a path.
     pub verification: Option<Audit>,
     /// States along the segments of a plan with several segments.
@@ -51,7 +52,7 @@ impl PagePlan {
     /// segments ([`PlanFile::states`]).
     ///
     /// # Errors
-    /// See [`ShownPath::of`].
+    /// See [`SampledPath::of`].
     pub fn of_file(
         name: impl Into<String>,
         plan: &PlanFile,
@@ -67,7 +68,7 @@ impl PagePlan {
             planner: plan.planner.clone(),
             outcome: Some(plan.outcome),
             path_length,
-            path: ShownPath::of_plan(robot, plan, timed, rate_hz(duration_s))?,
+            path: SampledPath::of_plan(robot, plan, timed, rate_hz(duration_s))?,
             verification,
             states,
             failures: plan.failures.clone(),
@@ -78,7 +79,7 @@ impl PagePlan {
     /// Creates a plan of way points of any origin (m, rad; one value per joint), with their times and the verdict of `verify`.
     ///
     /// # Errors
-    /// See [`ShownPath::of`].
+    /// See [`SampledPath::of`].
     pub fn of_waypoints(
         name: impl Into<String>,
         waypoints: &[Vec<f64>],
@@ -93,7 +94,7 @@ impl PagePlan {
             planner: String::new(),
             outcome: None,
             path_length,
-            path: ShownPath::of(robot, waypoints, trajectory, rate_hz(duration_s))?,
+            path: SampledPath::of(robot, waypoints, trajectory, rate_hz(duration_s))?,
             verification,
             states: Vec::new(),
             failures: Vec::new(),
@@ -135,7 +136,7 @@ impl PagePlan {
 
     pub(crate) fn entry(&self, cell: &Cell, most_instants: usize) -> PlanEntry {
         let path = self.path.as_ref();
-        let row = |pick: fn(&ShownPath) -> &Vec<f64>| {
+        let row = |pick: fn(&SampledPath) -> &Vec<f64>| {
             number_row::floats64(path.map(pick).into_iter().flatten().copied())
         };
         let configurations = path.into_iter().flat_map(|path| path.configurations.iter().flatten().copied());
@@ -208,7 +209,7 @@ struct ModeEntry {
 }
 
 impl CarryEntry {
-    fn of(carry: &ShownCarry) -> Self {
+    fn of(carry: &CarriedObjectMotion) -> Self {
         let mode = |&ShownMode { mode, segment, from_s, until_s }: &ShownMode| ModeEntry {
             name: mode.name,
             holds: mode.holds,

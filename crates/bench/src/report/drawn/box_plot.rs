@@ -6,7 +6,7 @@ use crate::report::drawn::frame::{Entry, Frame};
 use crate::report::drawn::plot::{Plot, Scope};
 use crate::report::drawn::success_curve::MOST_CURVES;
 use crate::report::row::Row;
-use crate::statistics::Spread;
+use crate::statistics::FiveNumbers;
 
 /// Quantity of a plot, with its source in a row.
 struct Quantity {
@@ -45,7 +45,7 @@ struct Quartiles {
 }
 
 impl Quartiles {
-    fn of(spread: Spread, scale: f64) -> Self {
+    fn of(spread: FiveNumbers, scale: f64) -> Self {
         Self {
             least: scale * spread.least,
             lower: scale * spread.lower_quartile,
