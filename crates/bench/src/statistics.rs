@@ -4,6 +4,7 @@
 //! longer than its limit. All intervals are of 95 %.
 
 mod division;
+mod five_numbers;
 mod holm;
 mod kaplan_meier;
 mod log_rank;
@@ -13,10 +14,10 @@ mod performance_profile;
 mod ranking;
 mod restricted_mean;
 mod sample_moments;
-mod spread;
 mod two_sample_test;
 mod wilson;
 
+pub use five_numbers::FiveNumbers;
 pub use holm::holm;
 pub use kaplan_meier::{Followed, KaplanMeier, SurvivalStep};
 pub use log_rank::{LogRank, log_rank};
@@ -26,7 +27,6 @@ pub use performance_profile::{PerformanceProfile, performance_profiles};
 pub use ranking::area_under_curve;
 pub use restricted_mean::RestrictedMean;
 pub use sample_moments::SampleMoments;
-pub use spread::FiveNumbers;
 pub use two_sample_test::{TwoSampleTest, least_p};
 pub use wilson::wilson;
 

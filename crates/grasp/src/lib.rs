@@ -32,7 +32,7 @@ pub use load::load_state::LoadState;
 pub use load::measure::{ASSUMED_DENSITY, ASSUMED_FRICTION, GripForces, HeldObject, Load, LoadMeasure};
 pub use load::pads::Pads;
 pub use load::patch::LEAST_ARM_M;
-pub use metric::{COVERAGE_THRESHOLD, FiveNumbers, coverage, grasp_distance, nearest_distances, spread};
+pub use metric::{COVERAGE_THRESHOLD, DistanceRange, coverage, grasp_distance, nearest_distances, spread};
 pub use robust_score::RobustScore;
 pub use sampler::{
     FirstApproach, GraspSampler, SampledGrasp, SamplerSettings, Sampling, resume_sampling, sample_grasps,

@@ -41,7 +41,7 @@ pub fn coverage(reference: &[Grasp], set: &[Grasp], threshold: f64) -> f64 {
 
 /// Distances between grasps over all pairs of different ones; see [`spread`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FiveNumbers {
+pub struct DistanceRange {
     /// Minimum.
     pub least: f64,
     /// Median; the upper one of an even number.
@@ -56,7 +56,7 @@ pub struct FiveNumbers {
 /// The bits of numbers that are not negative are ordered as the numbers are. Finds the median by its topmost bits,
 /// counted over all pairs, then by the next ones among those with the same bits above, and then by the last (radix
 /// selection).
-pub fn spread(grasps: &[Grasp]) -> Option<FiveNumbers> {
+pub fn spread(grasps: &[Grasp]) -> Option<DistanceRange> {
     let places: Vec<Place> = grasps.iter().map(Place::of).collect();
     let pairs = places.len() * places.len().checked_sub(1)? / 2;
     if pairs == 0 {
@@ -98,7 +98,7 @@ pub fn spread(grasps: &[Grasp]) -> Option<FiveNumbers> {
             rank -= count;
         }
     }
-    Some(FiveNumbers { least, median: f64::from_bits(median), greatest })
+    Some(DistanceRange { least, median: f64::from_bits(median), greatest })
 }
 
 /// Third of the bits of a number without its sign: three passes, and 16 MB of counts a thread.
