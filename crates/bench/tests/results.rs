@@ -204,7 +204,7 @@ fn a_row_that_says_what_it_cannot_is_an_error_that_names_it() {
     let connection = rusqlite::Connection::open(&path).expect("a database");
     connection.execute("UPDATE trials SET outcome = 'solvd' WHERE id = 2", []).expect("updated");
     let message = results.records().expect_err("a fault").to_string();
-    assert!(message.contains("trial 2: 'solvd' is no outcome"), "{message}");
+    assert!(message.contains("trial 2: 'solvd' is not a valid outcome"), "{message}");
     assert!(matches!(results.trial(9), Err(BenchError::NoTrial { last: 2, .. })));
 }
 

@@ -222,7 +222,7 @@ fn bad_campaigns_are_refused_before_anything_is_written() {
     );
     let output = cranny(folder.path(), &["bench", "replay", "results.db", "7"]);
     assert_eq!(output.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&output.stderr).contains("no trial 7"));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("unknown trial 7"));
     let output = cranny(folder.path(), &["bench", "merge", "results.db", "none.db"]);
     assert_eq!(output.status.code(), Some(2));
 }

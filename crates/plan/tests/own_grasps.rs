@@ -163,7 +163,7 @@ fn what_is_said_of_a_grasp_must_be_so() {
                 && matches!(audit.violations[..], [Violation { cause: Cause::StatedGrasp { .. }, .. }]),
             "{lie:?}"
         );
-        assert!(audit.violations[0].to_string().contains("said"), "{lie:?}");
+        assert!(audit.violations[0].to_string().contains("stated"), "{lie:?}");
     }
 }
 

@@ -59,7 +59,7 @@ fn greatest_shares(robot: &Robot, answer: &Answer, payload: Option<&Payload>) ->
 #[test]
 fn a_heavy_load_is_moved_within_the_efforts() {
     for (id, robot, mass_kg, is_slower) in
-        [("012", None, 0.1, false), ("012", None, 4.4, true), ("031", Some("fr3"), 3.5, true)]
+        [("012", None, 0.1, false), ("012", None, 4.3, true), ("031", Some("fr3"), 3.5, true)]
     {
         for timing in [TimingMethod::TimeOptimal, TimingMethod::JerkLimited] {
             let problem = open(id, robot, mass_kg);
@@ -72,7 +72,8 @@ fn a_heavy_load_is_moved_within_the_efforts() {
             assert!(most(&after) <= 1.0, "{id} {timing:?}: {after:?}");
             assert_eq!(most(&before) > 1.0, is_slower, "{id} {timing:?}: {before:?}");
             let duration_s = |answer: &Answer| answer.timed.as_ref().unwrap().trajectory.duration_s();
-            assert!(duration_s(&kept) < 1.3 * duration_s(&free), "{id} {timing:?}");
+            let slower = duration_s(&kept) / duration_s(&free);
+            assert!(slower < 3.0, "{id} {timing:?}: {slower}");
         }
     }
 }

@@ -204,7 +204,12 @@ fn what_a_message_holds_and_is_not_read_is_refused_by_name() {
         ("scene.yaml", "joint_names: [stand]", "joint_names: [stnd]", "'stnd' is no virtual joint"),
         ("scene.yaml", "joint_names: [stand]", "joint_names: []", "0 names, but 1 transforms"),
         ("scene.yaml", "{header: {frame_id: world}, joint", "{header: {frame_id: arm}, joint", "frame 'arm'"),
-        ("scene.yaml", "child_frame_id: shelf", "child_frame_id: base_link", "frame 'base_link' is known"),
+        (
+            "scene.yaml",
+            "child_frame_id: shelf",
+            "child_frame_id: base_link",
+            "frame 'base_link' is already known",
+        ),
         ("scene.yaml", "[true, false]]", "[false, false]]", "must be symmetric"),
         ("scene.yaml", "[{enabled: [false, true]}, ", "[", "must be symmetric, with 2 rows"),
         ("scene.yaml", "default_entry_names: []", "default_entry_names: [arm]", "a value for each default"),
