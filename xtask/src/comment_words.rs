@@ -9,7 +9,7 @@ use crate::problem::Problem;
 const OPENINGS: [&str; 9] = ["What", "How", "Where", "Which", "Of", "Whether", "When", "Why", "Who"];
 
 /// Words and phrases that hide what a comment means, in lower case.
-const HOUSE_WORDS: [&str; 16] = [
+const HOUSE_WORDS: [&str; 23] = [
     "say",
     "says",
     "said",
@@ -24,8 +24,15 @@ const HOUSE_WORDS: [&str; 16] = [
     "whoever",
     "nobody",
     "somebody",
+    "everybody",
+    "anybody",
     "looked at",
     "what came",
+    "room",
+    "rooms",
+    "asked",
+    "ways",
+    "no way",
 ];
 
 /// Maximum number of house words in the comments of all files of a crate.
