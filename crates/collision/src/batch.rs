@@ -8,8 +8,8 @@ use crate::lane::lanes::Interest;
 use crate::proof::course::Course;
 
 impl Cell {
-    /// Returns true if `q` (m, rad; one per joint) is within the joint limits and every pair keeps its distance: the verdict of
-    /// [`Self::is_clear`], many times as fast.
+    /// Returns true if `q` (m, rad; one per joint) is within the joint limits, every pair keeps its distance, and the tool its
+    /// bounds. The verdict is that of [`Self::is_clear`], many times as fast.
     ///
     /// The law `is_free = is_clear` within the limits is tested by `lanes_and_exact_check_agree`.
     ///
@@ -67,8 +67,8 @@ impl Cell {
     /// at most [`LANES`], on the straight edge from `a` (at 0) to `b` (at 1), both (m, rad; one per joint). Joint limits are
     /// not checked.
     ///
-    /// For growth along an edge: many checks along the edge at the cost of few (Thomason, Kingston & Kavraki 2024, "Motions in
-    /// microseconds via vectorized sampling-based planning", Fig. 2, here in the order of the edge).
+    /// Serves to extend an edge, with many checks at the cost of few (Thomason, Kingston & Kavraki 2024, "Motions in microseconds
+    /// via vectorized sampling-based planning", Fig. 2, here in the order of the edge).
     ///
     /// # Panics
     /// If `places` has more than [`LANES`] values, or `a` or `b` has not one value per joint.
@@ -85,8 +85,8 @@ impl Cell {
         free.trailing_ones() as usize
     }
 
-    /// Returns the bits of those lanes of `asked` that are free, or at least of those of `interest`. `scratch.lanes` holds the
-    /// configurations, and `exact` writes the unrounded one of a lane.
+    /// Returns the free lanes of `asked` as bits; only bits that `interest` needs are reliable. `scratch.lanes` holds the
+    /// configurations, and `exact` writes the unrounded configuration of a lane.
     fn judge_lanes(
         &self,
         level: Level,

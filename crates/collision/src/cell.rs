@@ -224,7 +224,7 @@ impl Cell {
         self.near_pairs(frames).find(|&pair| !self.keeps_distance(&self.pairs.get(pair), frames))
     }
 
-    /// Returns the pairs of links with parts that may not keep their distance, and all pairs of links, in order.
+    /// Returns, in order, the pairs of links with parts that may be too close, then all pairs of links.
     fn near_pairs<'a>(&'a self, frames: &'a LinkFrames) -> impl Iterator<Item = u32> + 'a {
         let links = self.pairs.of_links().1..self.pairs.len();
         let with_parts = self.pairs.with_parts().flat_map(|pairs| {
@@ -242,7 +242,7 @@ impl Cell {
         beyond_m: f64,
     ) -> impl Iterator<Item = usize> + use<'a> {
         let ball = &self.bodies[pairs.body].bounds.ball;
-        // The exact distance of a skipped part would exceed the required one too.
+        // Every skipped part is certainly farther away than required.
         let reach_m = ball.radius_m + pairs.required_m + beyond_m + CONTACT_M;
         self.around.tree.near(world_from_link * ball.center, reach_m).map(move |place| pairs.begin + place)
     }
@@ -414,8 +414,8 @@ impl Cell {
         group_reaches(self.placed(pair.first, frames), &self.placed_other(pair, frames), distance_m)
     }
 
-    /// Returns a lower bound of the pair's distance (m) from two bounding balls, and from two boxes where the balls do not show
-    /// that it exceeds `enough_m` (m).
+    /// Returns a lower bound of the pair's distance (m) from two bounding balls; from two boxes if the bound from the balls
+    /// does not exceed `enough_m` (m).
     pub(crate) fn quick_bound(&self, pair: &Pair, frames: &LinkFrames, enough_m: f64) -> f64 {
         let first = &self.bodies[pair.first];
         let world_from_first = frames.link(first.link);

@@ -9,9 +9,9 @@ use crate::{CollisionError, World};
 
 /// Collision check of the released planners, for comparison only (README, "What solved means").
 ///
-/// It checks triangles of links against triangles of obstacles, surface against surface, at single configurations. Only links
-/// on the chain from the root to the tip are checked, so no fingers, and there is no self-collision check. Instead of a floor,
-/// the origins of certain link frames must stay above a height.
+/// It checks triangles of links against triangles of obstacles, surface against surface, at single configurations. It covers
+/// only links on the chain from the root to the tip, hence no fingers, and no self-collision. Instead of a floor, the origins
+/// of certain link frames must stay above a height.
 #[derive(Clone, Debug)]
 pub struct ReleasedCheck {
     robot: Arc<Robot>,

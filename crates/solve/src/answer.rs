@@ -18,7 +18,7 @@ pub struct Answer {
     pub score: ScoreKind,
     /// Least score of the goal grasps, if requested.
     pub min_score: Option<f64>,
-    /// Number of grasps excluded by it.
+    /// Number of grasps excluded by `min_score`.
     pub below_min_score: Option<usize>,
     /// Under `paper`: the value of `½·mm + ½·deg` below which the gripper has arrived.
     pub goal_threshold: Option<f64>,
@@ -38,12 +38,12 @@ pub struct Answer {
     pub audit: Option<Audit>,
     /// Trajectory of the path; `None` for an invalid path, a robot without the required limits, or if none was requested.
     pub timed: Option<Timed>,
-    /// Reason why paths of this robot get no trajectory; `None` if they do, or none was requested.
+    /// Reason why no path of this robot can be timed; `None` if paths can be timed, or no trajectory was requested.
     pub untimed: Option<String>,
     /// Tolerated deviations from the plan, if the path is valid and they were requested.
     pub robustness: Option<Robustness>,
-    /// Lower bound of the length of every path of the task, in the plain norm of the joints, for a valid path, if requested and
-    /// known ([`least_length`](crate::least_length)).
+    /// Lower bound on the length of all paths of the task, in the plain norm of `q` (m and rad alike), for a valid path, if
+    /// requested and known ([`least_length`](crate::least_length)).
     pub least_length: Option<f64>,
     /// Tilt of the held object along a valid path, if it is limited.
     pub tilt: Option<Tilt>,
@@ -57,15 +57,15 @@ pub struct Answer {
     pub shortening: Option<Shortening>,
     /// Optimisation of the path after the first search, if done.
     pub optimisation: Option<Optimisation>,
-    /// Statistics of the search over all stages; for a single stage those of the first search, if others followed.
+    /// Statistics of the search over all stages; for a single stage only those of the first search, even if others followed.
     pub statistics: Statistics,
-    /// Obstacle or reason for each grasp, from a planner that records them; empty if solved.
+    /// Reason for the failure of each grasp, from a planner that records them; empty if solved.
     pub failures: Vec<GraspFailure>,
     /// All reasons why each goal configuration is refused, if all of them are.
     pub goal_faults: Vec<Vec<ConfigurationFault>>,
-    /// Reason why no grasp was reached, after a search without a path in which the arm reached none.
+    /// Reason why no grasp was reached, if the search ended without reaching any.
     pub no_grasp: Option<NoGrasp>,
-    /// Pairs that touch and were not compared: the whole answer holds except for these.
+    /// Pairs that were not compared: the answer holds except for these ([`NotChecked::is_exception`]).
     pub not_checked: Vec<NotChecked>,
 }
 
@@ -81,7 +81,7 @@ pub struct Timed {
 /// Statistics of the shortening of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shortening {
-    /// Maximum number of random changes of one path that were tried, drawn from the seed of the request.
+    /// Maximum number of random changes tried on one path, drawn from the seed of the request.
     pub attempts: usize,
     /// Number of further searches for a better path.
     pub searches: u64,
@@ -103,7 +103,7 @@ pub struct Optimisation {
 }
 
 impl Answer {
-    /// Returns this answer for a problem with more grasps, with grasp indices mapped by `numbers`.
+    /// Returns this answer with grasp indices mapped by `numbers` to those of the original set of `count` grasps.
     pub(crate) fn with_grasp_numbers(mut self, numbers: &[usize], count: usize) -> Self {
         if let Some(audit) = &mut self.audit {
             let goals = audit.picks.iter_mut().filter_map(|pick| pick.goal.as_mut());
@@ -111,7 +111,7 @@ impl Answer {
                 goal.grasp = numbers[goal.grasp];
             }
         }
-        // The grasps of another object are the planner's own.
+        // For other objects the planner generates the grasps, so their indices stay.
         for failure in &mut self.failures {
             failure.grasp = numbers.get(failure.grasp).copied().unwrap_or(failure.grasp);
         }

@@ -30,7 +30,7 @@ const RATE_HZ: f64 = 100.0;
 const STEP_S: f64 = 1e-3;
 /// Step in joint space (m, rad) at which the orientations along a path are sampled.
 const LOOK_EVERY: f64 = 0.05;
-/// Resolution of the share of the speed limits, and its least value: it keeps numbers legible.
+/// Step and least value of the share of the speed limits; multiples of this step have few digits.
 const SPEED_STEP: f64 = 1e-3;
 
 /// The object in the hand and the forces of the grip.
@@ -43,7 +43,7 @@ pub(crate) struct FirmGrip {
 
 impl FirmGrip {
     /// Creates the grip on the object of a carrier in the hand that closed at a configuration (m, rad; one per joint); `None`
-    /// if it cannot be computed, or no pad bears.
+    /// if it cannot be computed, or no pad bears load.
     pub fn new(problem: &Problem, carrier: &Carrier, closed_at: &[f64]) -> Option<Self> {
         let firmness = carrier.firmness(problem)?;
         Self::of(&firmness, problem.robot(), closed_at)
@@ -56,7 +56,7 @@ impl FirmGrip {
         Some(Self { forces, is_mass_assumed: firmness.is_mass_assumed, world_from_closed })
     }
 
-    /// Returns the least factor of the weight along a path of way points (m, rad; one value per joint).
+    /// Returns the least factor for the weight alone along a path of way points (m, rad; one value per joint).
     pub fn at_rest(&self, robot: &Robot, path: &[Vec<f64>]) -> f64 {
         let mut frames = robot.frames();
         let mut least = f64::INFINITY;
@@ -112,7 +112,7 @@ impl FirmGrip {
         Ok(sample_times(leg.duration_s(), RATE_HZ)?.map(state).collect())
     }
 
-    /// Returns the least factor over motions that are slowed down to a share of their speed.
+    /// Returns the least factor over sampled load states, with the motion slowed down to a share of its speed.
     fn factor(&self, states: &[LoadState], share: f64) -> f64 {
         let slowed = states.iter().map(|state| LoadState {
             acceleration: state.acceleration * share.powi(2),
@@ -134,7 +134,7 @@ impl FirmGrip {
         Ok(Some(self.factor(&self.states(problem.robot(), timed.reach())?, 1.0)))
     }
 
-    /// Returns the greatest share of the speed at which loads may grow by a factor; `None` if they may at no speed.
+    /// Returns the greatest share of the speed at which the factor reaches `demanded`; `None` if it does at no speed.
     fn fastest(&self, states: &[LoadState], demanded: f64) -> Option<f64> {
         if self.factor(states, 1.0) >= demanded {
             return Some(1.0);
@@ -211,7 +211,7 @@ impl Hold {
     }
 }
 
-/// Ranges of segments, and the grip along them.
+/// Ranges of segments with an object in the hand, each with its grip.
 type Legs = Vec<(std::ops::Range<usize>, FirmGrip)>;
 
 fn grips(problem: &Problem, along: &StateSequence, segments: &[Segment]) -> Option<Legs> {

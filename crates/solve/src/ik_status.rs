@@ -3,14 +3,14 @@ use std::sync::atomic::AtomicBool;
 use cranny_plan::PlanError;
 use cranny_task::{IkAnnotationSettings, IkStatus, Problem, annotate_ik};
 
-/// Number of attempts at each grasp: some tens of milliseconds for the grasps of a released scenario, with nine tenths of the
-/// solutions found.
+/// Number of attempts at each grasp. They find nine tenths of the solutions, in some tens of milliseconds for all grasps of a
+/// released scenario.
 const ATTEMPTS: usize = 200;
 
 /// Returns a quick IK status of each grasp of an `exact` problem.
 ///
-/// 1. [`IkStatus::Solved`] if one of the configurations `known` (m, rad; one value per joint) is a collision-free solution;
-///    those of another length are skipped.
+/// 1. [`IkStatus::Solved`] if one of the configurations `known` (m, rad; one value per joint) is a collision-free solution.
+///    Configurations with another number of values are skipped.
 /// 2. Otherwise the result of a few attempts of inverse kinematics: [`IkStatus::HandCollides`] and [`IkStatus::OutOfReach`] are
 ///    certain, [`IkStatus::NoSolution`] is not.
 ///

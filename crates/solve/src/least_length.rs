@@ -3,9 +3,9 @@ use std::f64::consts::TAU;
 use cranny_path::least_length as least_to_goal;
 use cranny_task::{Move, Problem, Stage, State};
 
-/// Lower bound of the length of every path through these stages, in the plain norm of `q` (m and rad alike), at most `most`,
-/// the length of a known path; no stages stand for the goal of the problem. `None` if it is unknown: for tasks other than to
-/// pick an object, to reach a configuration, or to pick an object and return home, and as [`cranny_path::least_length`].
+/// Returns a lower bound on the length of all paths through these stages, in the plain norm of `q` (m and rad alike). It is at
+/// most `most`, the length of a known path. No stages stand for the goal of the problem. `None` for tasks other than to pick an
+/// object, to reach a configuration, or to pick and return home, and where [`cranny_path::least_length`] returns `None`.
 pub fn least_length(problem: &Problem, stages: &[Stage], most: f64) -> Option<f64> {
     let picking = |pick| State::start(problem)?.picking(problem, pick).ok();
     match stages {
@@ -15,7 +15,7 @@ pub fn least_length(problem: &Problem, stages: &[Stage], most: f64) -> Option<f6
             let moving = State::start(problem)?.moving(goal.ends(problem)?).ok()?;
             least_to_goal(&moving, most)
         }
-        // There and back. A continuous joint may come home by another turn, which may be nearer.
+        // The path goes there and back. A continuous joint may return to another, nearer turn: then only one direction counts.
         [Stage::Pick(pick), Stage::Move(Move::Home)] => {
             let robot = problem.robot();
             let is_endless = |joint: usize| robot.joint_difference(joint, 0.0, TAU) < 1.0;

@@ -5,7 +5,7 @@ use cranny_task::{Mode, Pace};
 pub struct Paces {
     /// Pace of all modes that have none of their own.
     pub all: Pace,
-    /// Paces of single modes, which take precedence; the last of a mode counts.
+    /// Paces of single modes, which take precedence over `all`; the last entry for a mode counts.
     pub of_modes: Vec<(Mode, Pace)>,
 }
 

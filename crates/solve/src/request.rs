@@ -25,14 +25,14 @@ pub struct Request {
     /// Score used to rank grasps. Default: the load under `exact` if each grasp has one and no least score is required,
     /// otherwise the geometric score.
     pub score: Option<ScoreKind>,
-    /// Least score of that kind, in [0, 1], or least load, of a goal grasp: grasps below it, or without a score, are not goals.
-    /// Default: all are.
+    /// Least score (in [0, 1]) or load of a goal grasp. Grasps below it or without a score are not goals. Default: all grasps
+    /// are goals.
     pub min_score: Option<f64>,
     /// Under `paper`: the gripper has arrived if ½·mm + ½·deg is below this, at least 0. Default: that of the problem.
     pub goal_threshold: Option<f64>,
     /// True if a proven path is left as the planner found it, and not shortened.
     pub keep_path: bool,
-    /// Settings of the search for better paths after the first; they are shortened regardless of `keep_path`.
+    /// Settings of the search for better paths after the first. Better paths are shortened regardless of `keep_path`.
     pub optimise: Option<OptimiseSettings>,
     /// Stages of the task. Default: the goal of the problem alone.
     pub stages: Vec<Stage>,
@@ -42,15 +42,15 @@ pub struct Request {
     pub paces: Paces,
     /// Settings of the audit.
     pub audit: AuditSettings,
-    /// True if tolerated deviations from a valid path are computed: some milliseconds per edge.
+    /// True to compute tolerated deviations from a valid path, which takes some milliseconds per edge.
     pub robustness: bool,
-    /// True to compute a lower bound of every path's length ([`least_length`](crate::least_length)): some ten milliseconds.
+    /// True to compute a lower bound on path length ([`least_length`](crate::least_length)), which takes about 10 ms.
     pub least_length: bool,
-    /// Least factor by which loads may grow before the carried object slips, where it can be computed: other grasps are
-    /// refused, and motions are slowed down for it. Default [`DEFAULT_HOLD`]; 0 requires nothing; `None` skips the measurement.
+    /// Required factor by which loads may grow before the carried object slips, where it can be computed. Weaker grasps are
+    /// refused, and motions slow down to reach it. Default [`DEFAULT_HOLD`]; 0 requires nothing; `None` skips the measurement.
     pub hold: Option<f64>,
-    /// Excluded grasps, each of a stage, by the pose of the gripper frame in the planning frame, with all grasps within 2 mm
-    /// and 2°.
+    /// Excluded grasps: stage index, and pose of the gripper frame in the planning frame. All grasps within 2 mm and 2° of such
+    /// a pose, or of its half turn about z, are excluded.
     pub left_out: Vec<(usize, Pose)>,
 }
 
@@ -87,12 +87,12 @@ pub const MOST_HOLD: f64 = 100.0;
 /// Timing of a path.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Timing {
-    /// Limits of velocity and acceleration, or of jerk too; `None`: of jerk too if the robot states them.
+    /// Limits in use: velocity and acceleration, or also jerk. `None`: also jerk if the robot states limits of jerk.
     pub method: Option<TimingMethod>,
     /// True if the motion stops at each corner instead of rounding those whose curve is proven free.
     pub stops: bool,
-    /// True if a robot without the required limits is an error, instead of an answer without a trajectory. A jerk limit is
-    /// always required.
+    /// True if missing limits of the robot are an error instead of an answer without a trajectory. With
+    /// [`TimingMethod::JerkLimited`] they always are.
     pub is_demanded: bool,
     /// Direction against gravity in the planning frame, a unit vector, for effort limits of the drives; `None`: forces and
     /// torques are not limited.
@@ -100,7 +100,7 @@ pub struct Timing {
 }
 
 impl Timing {
-    /// Creates the drives of a robot with the object in its hand, if their forces are limited.
+    /// Creates the drives of a robot with the payload in its hand; `None` if their forces are not limited.
     ///
     /// # Errors
     /// As [`Drives::new`].
@@ -195,8 +195,8 @@ impl Request {
         Ok(())
     }
 
-    /// Returns the problem with the grasps that are goals, with the score in use and, under `paper`, the threshold; and, if
-    /// grasps were excluded, the original indices of the remaining ones.
+    /// Returns the problem with its goal grasps, their score in use and, under `paper`, the threshold. With `min_score`, also
+    /// returns the original indices of the remaining grasps.
     pub(crate) fn asked(&self, problem: &Problem) -> Result<(Problem, Option<Vec<usize>>), SolveError> {
         let scored = self.scored(problem)?;
         let (chosen, numbers) = match self.min_score {
@@ -262,7 +262,7 @@ impl Request {
         let grasps = problem
             .grasps()
             .ok_or_else(|| refuse("the goal is a configuration, which has no score".to_owned()))?;
-        // Stated loads serve only to rank grasps; requested ones are computed.
+        // By default, stated loads rank the grasps. If the request names the load as score, loads are computed.
         if self.score == Some(ScoreKind::Load) {
             let loaded = problem.loaded_grasps().ok_or_else(|| {
                 let lacking = "the load of a grasp needs two flat pads that close on each other, and a target that \
@@ -296,7 +296,7 @@ impl Request {
         })
     }
 
-    /// Returns the requested stages, or the goal of the problem.
+    /// Returns the requested stages; without any, the goal of the problem as the only stage.
     pub(crate) fn stages_of(&self, problem: &Problem) -> Vec<Stage> {
         if self.stages.is_empty() { Stage::of_goal(problem) } else { self.stages.clone() }
     }
@@ -316,8 +316,8 @@ impl Request {
         Ok(self.registry.planner_with(name, &self.settings)?)
     }
 
-    /// Returns the planner of a pick that follows another: the requested one if it suits this pick, which needs its own grasps
-    /// or a set of them; otherwise the default planner.
+    /// Returns the planner of a later pick: the requested one if it suits the source of the grasps of this pick (generated by
+    /// the planner, or a given set); otherwise the default planner.
     pub(crate) fn later_planner_for(&self, problem: &Problem) -> Result<Box<dyn Planner>, SolveError> {
         let named = self.planner_for(problem)?;
         let is_suited = named.makes_grasps() == problem.grasp_measure().is_some();

@@ -6,20 +6,20 @@ use serde::{Deserialize, Serialize};
 /// Certified distances by which things may deviate from a plan while all its motions stay free of collision, for each kind of
 /// error by itself. `None`: unlimited, there is nothing to touch.
 ///
-/// The law: an error moves nothing farther than the least distance of the pairs that it moves against each other. The measure
-/// covers all edges, the curve of every rounded corner, and, if the object is carried, the fingers while the hand closes and
-/// opens.
+/// The law: no error within these radii moves anything farther than the least distance of the pairs that it moves against each
+/// other. The measure covers all edges, the curve of every rounded corner, and, if the object is carried, the fingers while
+/// the hand closes and opens.
 ///
 /// | error of | pairs | during |
 /// |---|---|---|
-/// | object | object, where it stands, with every link, moved by a joint or not | motions with the empty hand |
-/// | slip | object with every link that moves against it, and with the world; where it was put down, with every link | motions with the object in the hand, and after |
+/// | object | object, at its initial pose, with every link, moved by a joint or not | motions with the empty hand |
+/// | slip | object with every link that moves against it, and with the world; after put-down, with every link | motions with the object in the hand, and after |
 /// | base | every link, moved by a joint or not, and the held object, with the world | all motions |
 /// | joints | every moving link, and the held object, with the world and with each other | all motions |
 ///
 /// Pairs that may or must touch are excluded: fingers with the object that they close on, an object with its support until the
-/// lift-off, and pairs that every answer names as not compared, such as a link that no joint moves on the body that it stands
-/// on. The hand closes as far as on an object at its planned pose.
+/// lift-off, and pairs that every answer names as not compared, such as a fixed link and the body on which it stands. The
+/// closing of the hand is measured for an object at its planned pose.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Robustness {
@@ -47,9 +47,9 @@ pub struct PoseRadius {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct JointRadius {
-    /// Error of sliding joints if no other is off, in metres; `None` if there are none.
+    /// Error of all sliding joints while the turning joints are exact, in metres; `None` if nothing limits it.
     pub sliding_m: Option<f64>,
-    /// Error of turning joints if no other is off, in radians; `None` if there are none.
+    /// Error of all turning joints while the sliding joints are exact, in radians; `None` if nothing limits it.
     pub turning_rad: Option<f64>,
 }
 
@@ -57,12 +57,12 @@ pub struct JointRadius {
 const SHARE: f64 = 0.05;
 
 impl PoseRadius {
-    /// Creates the radius of a thing that may move by `room_m` (m), all of it within `lever_m` (m) of its centre of rotation.
+    /// Creates the radius of a body within `lever_m` (m) of its centre of rotation that may move by `room_m` (m), if finite.
     fn of(room_m: f64, lever_m: f64) -> Option<Self> {
         room_m.is_finite().then(|| Self { translation_m: room_m, rotation_rad: room_m / lever_m })
     }
 
-    /// Returns the smaller of two optional radii.
+    /// Returns the smaller of two optional radii, component by component.
     fn least(a: Option<Self>, b: Option<Self>) -> Option<Self> {
         let smaller = |a: Self, b: Self| Self {
             translation_m: a.translation_m.min(b.translation_m),
@@ -100,7 +100,7 @@ impl Robustness {
                 rounded_corners(cell, segment)
                     .map(|Chords { waypoints, deviation_m }| Rooms::along(cell, &waypoints, deviation_m)),
             );
-            // The hand closes on, or opens off, the object that it holds along one of the two segments.
+            // If the hand closes or opens before the next segment, check this in the cell of the one that holds the object.
             let next = states().nth(index + 1).filter(|next| next.held().is_some() != state.held().is_some());
             let sweeping = next.map(|next| if next.held().is_some() { next.cell() } else { cell });
             rooms.extend(sweeping.map(|cell| Rooms::while_closing(cell, last)));
@@ -158,7 +158,7 @@ impl Rooms {
         let room_m = |group| cell.group_clearance(path, group, SHARE, scratch) - deviation_m;
         let [links_m, around_m, object_m] = groups.map(room_m);
         let mut levers = cell.levers(path, scratch);
-        // The curve lies between edges of the path, so that its joints have no longer levers than these.
+        // The curve lies between edges of the path, so the levers of the joints are no longer than along these.
         levers.from_root_m += deviation_m;
         Self::of([links_m, around_m, object_m], cell, levers)
     }
@@ -180,11 +180,11 @@ impl Rooms {
         Self { links_m, around_m, object_m, standing, levers }
     }
 
-    /// Returns the radii; for the object about the centre of a ball of this radius (m) around it.
+    /// Returns the radii; that of the object is about the centre of a ball around it of radius `object_radius_m` (m).
     fn robustness(&self, object_radius_m: f64) -> Robustness {
         let Self { links_m, around_m, object_m, standing, levers } = self;
         let world_m = around_m.min(*object_m);
-        // A held object is among the links too, and against them. No joint moves links that stand still.
+        // A held object moves with the links and against them, so its distance limits both levers. Fixed links do not count.
         let rooms_m = [world_m, links_m.min(*object_m)];
         let radius = |levers: [f64; 2]| {
             let each =
@@ -237,10 +237,10 @@ mod tests {
         let near = along(-0.1005);
         let base = near.base.expect("a floor");
         assert!((base.translation_m - (0.0005 - CONTACT_M)).abs() < 1e-7, "{base:?}");
-        // No joint moves them.
+        // Errors of the joints do not move the fixed links.
         let sliding_m = near.joints.and_then(|joints| joints.sliding_m).expect("a joint that slides");
         assert!(sliding_m > 0.4, "{sliding_m}");
-        // The answer names the body that it stands on instead.
+        // A fixed link that touches the floor is not compared; every answer names that pair instead.
         let standing = along(-0.1).base.expect("a floor");
         assert!(standing.translation_m > 0.4, "{standing:?}");
     }

@@ -12,9 +12,9 @@ const KEPT_SHARE: f64 = 0.8;
 /// Smooths segments for a fast motion: rounds their corners and, if `may_move`, moves the way points of segments with a free
 /// course where that saves time ([`CurvedPath::refined`]).
 ///
-/// All of it is proven in the state along its segment, and keeps [`KEPT_SHARE`] of the clearance of the edges. The stop remains
-/// where nothing is proven, and where a motion must end. Consecutive segments are joined where [`are_joined`] allows it. A
-/// robot without the limits for a trajectory gets no rounded corners.
+/// Every change is proven in the state along its segment, and keeps [`KEPT_SHARE`] of the clearance of the edges. The stop at a
+/// way point remains where no rounding is proven, and where a motion must end. Consecutive segments are joined where
+/// [`are_joined`] allows it. A robot without the limits for a trajectory gets no rounded corners.
 pub(crate) fn smooth(
     robot: &Robot,
     along: &StateSequence,
@@ -37,7 +37,7 @@ pub(crate) fn smooth(
         let curved = CurvedPath { paces: &paces, robot: Some(robot), ..CurvedPath::stopping(&way) };
         let is_free = |at: usize| {
             let (index, at) = proof.places[at];
-            // A longer path of the tool may take longer than the joints do.
+            // With a limit on tool speed, a longer path of the tool may take longer although the joints are faster.
             let pace = leg[index].pace;
             let is_slow = pace.tool_m_s.is_some() || pace.turn_rad_s.is_some();
             may_move && at > 0 && FREE.contains(&leg[index].mode) && !is_slow
@@ -55,15 +55,15 @@ pub(crate) fn smooth(
     }
 }
 
-/// Modes with a free course past obstacles between their ends; others are straight for a reason.
+/// Modes whose path between its ends is free to choose; paths of other modes are straight on purpose.
 const FREE: [Mode; 3] = [Mode::REACH, Mode::CARRY, Mode::RETURN];
 
-/// Proofs for the segments of a leg, between whose ends the hand does not move.
+/// Proofs for the segments of a leg, along which the fingers do not move.
 struct LegProof<'a> {
     states: &'a [State],
-    /// Segment of each way point but the last, and its index there.
+    /// Segment of each way point of the leg but the last, and index of the way point in that segment.
     places: Vec<(usize, usize)>,
-    /// True if the corner at each of these may be rounded.
+    /// For each of these way points, true if its corner may be rounded.
     may_be_rounded: Vec<bool>,
     /// Clearance that is kept, in metres.
     kept_m: f64,

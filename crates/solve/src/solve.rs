@@ -19,10 +19,10 @@ use crate::{Answer, Hold, Request, Robustness, SolveError, TaskTrajectory, Tilt,
 
 /// Solves a problem with the options of a request.
 ///
-/// 1. The planner searches for a path, and for better ones if requested. With several stages a path through one counts only if
-///    one through all that follow is found (see `chain.rs`).
-/// 2. A path under `exact` is shortened, unless it is kept as found or was optimised; that of `reach` to a grasp or a
-///    configuration is optimised a little ([`cranny_plan::OptimiseSettings::delivery`]).
+/// 1. The planner searches for a path, and for better ones if requested. With several stages, a path through one stage counts
+///    only if paths through all later stages are found (see `chain.rs`).
+/// 2. A path under `exact` is shortened, unless it is kept as found or was optimised. A path of the planner `reach` to a grasp
+///    or a configuration is optimised a little ([`cranny_plan::OptimiseSettings::delivery`]).
 /// 3. If a trajectory is requested, corners are rounded and way points moved where that saves time and is proven free. Motions
 ///    with an object in the hand are slowed down until the hold is firm, if required ([`Request::hold`]).
 /// 4. The result is audited like a path of any other origin, curves included, before it is called solved.
@@ -45,10 +45,11 @@ pub fn solve(
     let begin = Instant::now();
     let mut answer = solve_once(problem, request, observer)?;
     // 8.
-    /// Number of other seeds; more of them find little.
+    /// Number of other seeds; more seeds rarely help.
     const OTHER_SEEDS: u64 = 8;
-    /// Iteration limit of a repeated search, as a multiple of those of the first, and its least value. It does not depend on
-    /// the budget of the request: a plan file states only the iterations of the first search, and must reproduce the same path.
+    /// Iteration limit of a repeated search, as a multiple of the iterations of the first, and its least value. It does not
+    /// depend on the budget of the request: a plan file states only the iterations of the first search, and must reproduce the
+    /// same path.
     const PATIENCE: u64 = 4;
     const LEAST_ITERATIONS: u64 = 1000;
     let is_left = request.keep_path || request.optimise.is_some() || !answer.is_solved();
@@ -91,7 +92,7 @@ fn solve_once(
     })
 }
 
-/// Performs steps 1 to 7 for the problem of the request, which has some of the grasps of `whole`.
+/// Performs steps 1 to 7 for `problem`, which has only the goal grasps of `whole`, the original problem.
 fn solve_asked(
     problem: &Problem,
     request: &Request,
@@ -154,7 +155,7 @@ fn solve_asked(
     let tool = proven.map_or_else(Vec::new, |along| ToolSlack::all_of(along, &segments));
     let robustness = along.filter(|_| request.robustness && holds);
     let robustness = || Robustness::of(&robustness?, &segments);
-    // 7. This bounds paths to any grasp, because those that the request excludes may be nearer.
+    // 7. The bound covers paths to all grasps of the original problem, because excluded grasps may be nearer.
     let is_bounded = request.least_length && holds;
     let length = || path_length(&joined(&segments));
     let least = || if is_bounded { least_length(whole, &request.stages, length()) } else { None };
@@ -198,7 +199,7 @@ fn solve_asked(
 type Firm = (Vec<Segment>, Option<StateSequence>, Option<Hold>, f64);
 
 /// Performs step 3: returns the first of these paths on which the hold is firm, slowed down as needed; `None` if there is none.
-/// A shortened path turns the object differently from the one that was found.
+/// The paths turn the object differently: if the hold on the shortened path is weak, the original one is tried.
 fn firm(
     problem: &Problem,
     stages: &[Stage],

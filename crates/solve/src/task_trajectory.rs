@@ -5,12 +5,12 @@ use cranny_task::{Segment, joined, joined_corners};
 
 use crate::Timing;
 
-/// Least standstill of the robot while its hand closes or opens, in seconds: the fingers of common hands need about twice that
-/// for their whole stroke. It is longer if the limits of a joint of the hand require it ([`PadDistance::least_time_s`]).
+/// Least standstill of the robot while its hand closes or opens, in seconds. Fingers of common hands need about twice that for
+/// their whole stroke. The standstill is longer if the joints of the hand require it ([`PadDistance::least_time_s`]).
 pub const CLOSING_S: f64 = 0.4;
 
-/// Trajectory of a task: legs, between which the robot stands and its hand closes or opens. The first leg leads to the grasp;
-/// the second, if there is one, carries the object; the third, if there is one, starts after its release.
+/// Trajectory of a task, in legs. Between two legs the robot stands still while its hand closes or opens. The first leg leads
+/// to the grasp; the second, if there is one, carries the object; the third, if there is one, starts after its release.
 #[derive(Clone, Debug)]
 pub struct TaskTrajectory {
     legs: Vec<Trajectory>,
@@ -192,8 +192,8 @@ impl TaskTrajectory {
     }
 }
 
-/// Returns the pace of each edge of segments between two finger motions: the lowest speed share applies to all, because they
-/// are one motion.
+/// Returns the pace of each edge of a leg. The lowest speed share of its segments applies to all edges, because the leg is one
+/// motion.
 pub(crate) fn edge_paces(leg: &[Segment]) -> Vec<EdgePace> {
     let share = leg.iter().filter_map(|segment| segment.speed).fold(1.0, f64::min);
     let of_segment = |segment: &Segment| {

@@ -3,7 +3,7 @@ use cranny_task::{Segment, State, StateSequence};
 use serde::{Deserialize, Serialize};
 
 /// Tilt of the held object along a whole motion, if it is limited: the angle between up and the direction in the object that
-/// pointed up where it was grasped.
+/// pointed up before the grasp.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Tilt {
@@ -13,7 +13,7 @@ pub struct Tilt {
     pub most_rad: f64,
 }
 
-/// Least distance of the tool within one of its bounds along a whole motion.
+/// Least slack of the tool within one of its bounds along a whole motion.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ToolSlack {
@@ -28,8 +28,8 @@ pub struct ToolSlack {
 }
 
 impl Tilt {
-    /// Computes the tilt along segments, rounded corners included; of several limits the one nearest to being exceeded. `None`
-    /// without a limit.
+    /// Computes the tilt along segments, rounded corners included. With several limits, the tilt nearest to its limit counts.
+    /// `None` without a limit.
     pub fn of(along: &StateSequence, segments: &[Segment]) -> Option<Self> {
         let of_segment = |(state, segment): (&State, &Segment)| {
             let cell = state.cell();
@@ -77,6 +77,6 @@ fn greatest_excess(bound: usize, state: &State, segment: &Segment) -> f64 {
     let greatest = corners
         .map(|points| cell.greatest_excess_on_curve(bound, points, &reach, scratch))
         .fold(of_edges, f64::max);
-    // The proof used a finer bisection.
+    // The proof, by a finer bisection, excludes a positive excess.
     greatest.min(0.0)
 }

@@ -47,9 +47,8 @@ pub(crate) fn found_alone(
     Ok(Found { report, segments, unshortened: Vec::new(), shortening, optimisation, carrier: None })
 }
 
-/// Searches for paths through several stages. Each segment without contact with a support is shortened between its ends only,
-/// because the pose of the object in the hand depends on them; with `optimise`, the cheapest of several such tasks is improved
-/// ([`optimised`]).
+/// Searches for paths through several stages. Shortening a segment keeps its ends, because the pose of the object in the hand
+/// depends on them. With `optimise`, the cheapest of several such tasks is improved ([`optimised`]).
 pub(crate) fn found_in_stages(
     problem: &Problem,
     planner: &dyn Planner,
@@ -86,7 +85,7 @@ pub(crate) fn found_in_stages(
     Ok(Found { report, segments, unshortened, shortening, optimisation, carrier })
 }
 
-/// Pieces of a task that are shortened, and the original segments.
+/// Shortened pieces of a task, and the segments before shortening.
 type Way = (Vec<Piece>, Vec<Segment>);
 
 /// Searches for the cheapest task within the limits of time and iterations, at most as costly as the first.
@@ -102,10 +101,10 @@ fn optimised(
     (report, settings): (&PlanReport, OptimiseSettings),
     observer: &mut dyn Observer,
 ) -> Result<(Way, Optimisation), SolveError> {
-    /// Iteration limit of a search, as a multiple of those of the first, and its least value.
+    /// Iteration limit of a search, as a multiple of the iterations of the first, and its least value.
     const PATIENCE: u64 = 4;
     const LEAST_ITERATIONS: u64 = 1000;
-    /// Least iteration count of a search: inverse kinematics takes its time too.
+    /// Least number of iterations counted for a search, because its inverse kinematics takes time too.
     const LEAST_COUNTED: u64 = 100;
     let begin = Instant::now();
     let first_s = report.statistics.planning_time_s;
@@ -191,7 +190,7 @@ impl TaskCost<'_> {
     }
 }
 
-/// Shortens the paths of pieces.
+/// Shortens the paths of those pieces that can be shortened.
 fn shortened_pieces(pieces: Vec<Piece>, seed: u64) -> Result<Vec<Piece>, PlanError> {
     let settings = ShortcutSettings { seed, ..ShortcutSettings::default() };
     let shortened = pieces.into_iter().map(|(segment, problem)| {
@@ -233,7 +232,7 @@ fn shortened(
     let begin = Instant::now();
     let settings = ShortcutSettings { seed, ..ShortcutSettings::default() };
     let mut searches = 0;
-    // Search again only for the planner that runs these searches, so that the path remains its own.
+    // Only the planner `reach` searches again, as these searches run `reach`: a path of another planner remains its own.
     if planner.name() == Reach::default().name() {
         let optimised = better(problem, report, OptimiseSettings::delivery(), seed, &mut Unobserved)?;
         (report, searches) = (optimised.report, optimised.searches);

@@ -31,7 +31,7 @@ pub enum ConfigurationFault {
         /// Penetration depth, in metres.
         depth_m: f64,
     },
-    /// Two things are closer than the required margin.
+    /// Two things are closer than the required clearance.
     Clearance {
         /// Name of a link.
         first: String,

@@ -51,9 +51,9 @@ pub enum IkMethod {
 pub struct IkAnnotation {
     /// Index of the grasp.
     pub grasp: usize,
-    /// Outcome: solved, or the reason for the failure.
+    /// Outcome: solved, stopped, or the reason for the failure.
     pub status: IkStatus,
-    /// Free configurations at the grasp, each exact.
+    /// Free configurations at the grasp, each within the `exact` tolerance.
     pub solutions: Vec<AnnotatedSolution>,
     /// Number of attempts made.
     pub attempts: usize,

@@ -68,7 +68,7 @@ impl NotChecked {
         self.reason != NotCheckedReason::AdjacentFree
     }
 
-    /// Returns true if `--strict-pairs` checks the pair.
+    /// Returns true if `--strict-pairs` removes this exception by checking the pair.
     pub fn can_be_checked(&self) -> bool {
         matches!(self.reason, NotCheckedReason::AlwaysTouching | NotCheckedReason::AdjacentAtJoint)
     }

@@ -12,8 +12,8 @@ use crate::grasping::grasp_filter::GraspFilter;
 use crate::grasping::grasp_poses;
 use crate::{FailureReason, GraspMeasure, NotChecked, PlaceGoal, TaskError};
 
-/// A motion planning problem with the criterion of validity. Start and goal are checked against the robot, and the robot is
-/// that of the validity check, so users need not check again.
+/// A motion planning problem with its criterion of validity. Its start and goal have been checked against the robot of the
+/// validity check, so users need not check them again.
 #[derive(Clone, Debug)]
 pub struct Problem {
     robot: Arc<Robot>,
@@ -45,10 +45,10 @@ pub enum Goal {
 #[serde(rename_all = "kebab-case")]
 #[strum(serialize_all = "kebab-case")]
 pub enum Criterion {
-    /// Within 1 mm and 1° of a grasp, the real geometry, the whole path proven.
+    /// Gripper within 1 mm and 1° of a grasp, exact geometry, and the whole path proven.
     #[default]
     Exact,
-    /// The released planners' own measure, for comparison only: within `d < 50`, way points only.
+    /// Measure of the released planners, for comparison only: gripper within `d < 50`, and only way points checked.
     Paper,
 }
 
@@ -79,8 +79,8 @@ pub enum Validity {
 pub const PAPER_THRESHOLD: f64 = 50.0;
 
 impl Problem {
-    /// Creates a problem from `start` (m, rad; one per joint) under the `exact` criterion. Pairs of links that touch in every
-    /// sample are not checked ([`Cell::unchecked`]), except those that are free at the start or at a goal configuration.
+    /// Creates a problem from `start` (m, rad; one per joint) under the `exact` criterion. Certain pairs of links are not
+    /// checked, such as those proven to touch at all joint values ([`Cell::unchecked`]).
     ///
     /// # Errors
     /// [`TaskError::JointCount`] or [`TaskError::NotFinite`] for a start or goal configuration that does not
@@ -208,8 +208,8 @@ impl Problem {
         Self { start: start.to_vec(), ..self.clone() }.checked()
     }
 
-    /// Returns the problem of grasping a body from a configuration (m, rad; one per joint) in a cell in which bodies may stand
-    /// elsewhere: with the same grasps for the target, in its own frame, and with grasps of the planner's own for another body.
+    /// Returns the problem of grasping a body from a configuration (m, rad; one per joint) in a cell in which bodies may have
+    /// moved. The target keeps its grasps, which move with it; for another body the planner generates grasps.
     ///
     /// # Errors
     /// As [`Self::without_grasp_set`].
@@ -356,7 +356,7 @@ impl Problem {
         Self { goal, grasp_measure: None, ..self.clone() }.checked()
     }
 
-    /// Returns this problem, under `paper` with another threshold.
+    /// Returns this problem with another threshold under `paper`; under `exact` nothing changes.
     #[must_use]
     pub fn with_goal_threshold(mut self, value: f64) -> Self {
         if let Validity::Paper { threshold, .. } = &mut self.validity {
@@ -365,7 +365,7 @@ impl Problem {
         self
     }
 
-    /// Returns this problem with all pairs of links checked that can be ([`Cell::with_all_pairs`]).
+    /// Returns this problem with every pair of links checked that can be checked ([`Cell::with_all_pairs`]).
     #[must_use]
     pub fn checking_all_pairs(mut self) -> Self {
         if let Some(cell) = self.cell().filter(|cell| !cell.unchecked().is_empty()) {
@@ -388,7 +388,7 @@ impl Problem {
         }
     }
 
-    /// Returns the pairs that touch and are not checked, under `exact`.
+    /// Returns the pairs that are not checked; none under `paper`.
     pub fn not_checked(&self) -> Vec<NotChecked> {
         self.cell().map_or_else(Vec::new, |cell| NotChecked::of(cell))
     }
@@ -446,8 +446,8 @@ impl Problem {
         }
     }
 
-    /// Checks this problem, and moves the start within the limits of continuous joints and the goals to the whole turns of
-    /// these joints that are nearest to it.
+    /// Checks this problem. Moves the start within the limits of continuous joints, and the goals by whole turns of these
+    /// joints to the nearest equivalents of the start.
     fn checked(mut self) -> Result<Self, TaskError> {
         let goals = self.goal_configurations();
         for (what, q) in std::iter::once(("start", &self.start)).chain(goals.iter().map(|q| ("goal", q))) {

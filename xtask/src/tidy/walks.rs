@@ -6,7 +6,7 @@ use crate::problem::Problem;
 const PAGE: &str = "ARCHITECTURE.md";
 
 /// Heading of the walks on the page; they end at the next heading.
-const HEADING: &str = "\n## Walks\n";
+const HEADING: &str = "\n## From input to result\n";
 
 /// Checks that every ``[`item`](file)`` of the walks names a file of the checkout, and an item declared in it.
 pub fn check(files: &[SourceFile]) -> Vec<Problem> {
@@ -14,7 +14,11 @@ pub fn check(files: &[SourceFile]) -> Vec<Problem> {
         return Vec::new();
     };
     let Some((_, walks)) = page.split_once(HEADING) else {
-        return vec![Problem::new(PAGE, "has no walks", "describe the way of the data under `## Walks`")];
+        return vec![Problem::new(
+            PAGE,
+            "has no walks",
+            "describe the data flow under `## From input to result`",
+        )];
     };
     let walks = walks.split("\n## ").next().unwrap_or(walks);
     let missing = links(walks).filter(|(item, path)| {
@@ -52,7 +56,8 @@ mod tests {
     use super::*;
 
     fn problems(walk: &str) -> Vec<Problem> {
-        let page = format!("# A\n\n## Walks\n\n{walk}\n\n## Next\n\n[`nothing`](nowhere.rs)\n");
+        let page =
+            format!("# A\n\n## From input to result\n\n{walk}\n\n## Next\n\n[`nothing`](nowhere.rs)\n");
         let source = SourceFile::of_text("crates/a/src/a.rs", "pub fn open_all() {}\npub struct Open {}\n");
         check(&[SourceFile::of_text(PAGE, &page), source])
     }

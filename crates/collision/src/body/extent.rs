@@ -37,7 +37,7 @@ struct ExtentPart {
 
 /// Maximum number of faces of a body whose normals are kept.
 const MOST_NORMALS: usize = 24;
-/// Facets of a hull are coplanar if their normals (as a chord) and heights (m) differ by less: rounding.
+/// Tolerance for coplanar facets of a hull, on normals (as a chord) and on heights (m): rounding.
 const SAME_PLANE: f64 = 1e-9;
 /// Maximum number of distinct normals, by the area of the largest triangle of each.
 const MOST_KNOWN: usize = 192;
@@ -113,7 +113,7 @@ impl Extent {
     }
 
     /// Returns the surface triangles, with the first solid at a pose, that face against the direction and reach below a height
-    /// (m) along it, as seen along it. Those of round solids are shifted down so that they reach as low as the solid.
+    /// (m) along it, projected along it. Those of round solids are shifted down so that they reach as low as the solid.
     pub(crate) fn lower_triangles(
         &self,
         world_from_held: &Pose,
@@ -143,7 +143,7 @@ impl Extent {
     }
 
     /// Returns the planes of the faces of the body's convex hull, with the first solid at a pose, that reach below a height (m)
-    /// along a direction and do not face that direction: the inward normal of each, and its height along that, in metres. The
+    /// along a direction and do not face that direction: the inward normal of each, and its height along that normal (m). The
     /// body can touch no other plane from above.
     pub(crate) fn lower_planes(
         &self,

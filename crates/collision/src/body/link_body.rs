@@ -58,7 +58,7 @@ impl LinkBody {
     }
 
     /// Returns a lower bound of the distance (m) to a solid of the world, from balls and boxes; may be negative. Boxes are
-    /// evaluated only where balls do not show that it exceeds `enough_m` (m).
+    /// evaluated only if the bound from the balls does not exceed `enough_m` (m).
     pub fn quick_bound_to(&self, world_from_link: &Pose, part: &Part, enough_m: f64) -> f64 {
         let Part { world_from_solid, solid } = part;
         if solid.is_half_space() {

@@ -18,7 +18,7 @@ pub(crate) struct PartTree {
 
 #[derive(Clone, Debug)]
 pub(crate) struct PartNode {
-    /// Box around all its parts; `None` where it would not help.
+    /// Box around all its parts; `None` if the node holds unbounded parts, or the box would not help.
     pub aabb: Option<Aabb>,
     /// Parts of a leaf, as positions in [`PartTree::parts`]; empty for any other node.
     pub places: Range<usize>,

@@ -15,9 +15,9 @@ use crate::proof::link_sweep::swept_ball;
 pub(crate) struct RobotBody {
     /// Links with geometry.
     pub links: Arc<[LinkBody]>,
-    /// Ball that each of them never leaves.
+    /// For each of these links, a ball that it never leaves.
     pub swept: Vec<Option<Ball>>,
-    /// Pairs of them that are compared.
+    /// Pairs of these links, compared or exempt.
     pub self_pairs: SelfPairs,
     pub kinematics: Arc<LaneKinematics>,
     /// Links in lane form.
@@ -25,7 +25,7 @@ pub(crate) struct RobotBody {
     tables: Arc<Mutex<Vec<KnownTables>>>,
 }
 
-/// Key of the tables beside the robot: the pairs, and the bits of the distance that each demands.
+/// Key of the tables of one robot: the pairs, and the bits of the distance that each demands.
 type TableKey = Vec<(usize, usize, u64)>;
 
 /// Tables that are cached.
@@ -72,8 +72,8 @@ impl RobotBody {
         }
     }
 
-    /// Returns the tables of these pairs of links, numbered from the first pair. The held body is in none. For a robot that
-    /// holds something, the tables of the empty hand are not used for fingers, because their opening is not known here.
+    /// Returns the tables of these pairs of links, numbered from the first pair. No table covers the held body. If the robot
+    /// holds something, tables of the empty hand are not used for fingers, because their opening is not known here.
     pub fn tables(&self, robot: &Robot, pairs: &[Pair]) -> Vec<JointTable> {
         let links = |pair: &Pair| match pair.second {
             Other::Link { body, .. } => [pair.first, body].map(|body| self.links[body].link),

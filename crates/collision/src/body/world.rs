@@ -157,8 +157,8 @@ impl World {
         })
     }
 
-    /// Returns the supports of `body`: the bodies that it meets if it is lowered by 1 cm, with a part whose box reaches no
-    /// higher than its centre.
+    /// Returns the supports of `body`: the bodies that it touches when lowered by 1 cm, with a part whose box reaches no higher
+    /// than the centre of `body`.
     pub fn supports_of(&self, body: usize) -> Vec<usize> {
         let level_from_world = Pose::from_parts(Vector::zeros().into(), self.world_from_level().inverse());
         let lowered = Pose::from_parts((-self.up.0 * SUPPORT_GAP_M).into(), Rotation::identity());

@@ -33,9 +33,10 @@ pub(crate) struct LaneBody {
     pub packed_inner: Vec<BallPack>,
     /// True if the link consists exactly of the balls of `inner`.
     pub is_balls: bool,
-    /// Maximum distance by which its hulls, or else its outer balls, protrude from it, in metres; 0 if it consists of balls.
+    /// Maximum distance by which its hulls or, without hulls, its outer balls protrude from it, in metres; 0 if it consists of
+    /// balls.
     pub blur_m: f64,
-    /// Contribution of its position and size to the rounding of any distance to it, in metres.
+    /// Contribution of its position and size to the rounding error of any distance to it, in metres.
     pub slack_m: f64,
 }
 

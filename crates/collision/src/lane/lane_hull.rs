@@ -29,7 +29,7 @@ const MOST_CORNERS: usize = 4 * LANES;
 const MOST_STEPS: usize = 10;
 
 /// Rounding of a face's distance from the origin, relative to the distance of its corners: a normal is the product of two
-/// sides, each off by u = 6·10⁻⁸ of its corners, which makes some six u with the product itself, in a triangle whose sides span
+/// sides, each off by u = 6·10⁻⁸ of its corners, which makes some 6 u with the product itself, in a triangle whose sides span
 /// an angle of at least [`NARROWEST`].
 const PLANE_ROUNDING: f32 = 6.0 * f32::EPSILON / NARROWEST;
 

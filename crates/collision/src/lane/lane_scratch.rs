@@ -5,13 +5,13 @@ use fearless_simd::Simd;
 use crate::lane::lane_vector::BoxLanes;
 use crate::proof::course::Course;
 
-/// Bounds on the motion away from the checked configurations: all 0 for single configurations, positive to cover the motion
-/// between them.
+/// Bounds on the motion away from the checked configurations: all 0 to check the configurations alone, positive to cover the
+/// motion between them.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LaneTravel {
     /// Motion of each link body against the world, in metres; for a motion, the check itself writes it.
     pub bodies: Vec<LaneArray>,
-    /// The motion on which all lanes lie.
+    /// The motion on which the configurations of all lanes lie.
     pub motion: LaneMotion,
     /// Relative motion of each pair of links, in metres.
     pub link_pairs: Vec<f32>,
@@ -36,7 +36,7 @@ pub(crate) struct LaneMotion {
 pub(crate) struct LanePace {
     /// Upper bound on the motion of any of its points.
     pub most_m: f32,
-    /// Amount to add to the motion at the velocity in the middle of an interval.
+    /// Amount to add to the motion that the velocity in the middle of an interval gives.
     pub beside_m: f32,
 }
 
@@ -57,7 +57,7 @@ pub(crate) struct LaneScratch {
     pub near: Vec<Near>,
     /// Pairs in doubt, each with its lanes as bits.
     pub doubts: Vec<(u32, u32)>,
-    /// Pairs to be checked, in order, each with its lanes as bits: for [`Lanes::check_again`].
+    /// Pairs that [`Lanes::check_again`] checks, in order, each with its lanes as bits.
     ///
     /// [`Lanes::check_again`]: crate::lane::lanes::Lanes::check_again
     pub wanted: Vec<(u32, u32)>,

@@ -136,8 +136,8 @@ fn a_look_ahead_ends_at_the_first_contact() {
     }
 }
 
-/// Returns the doubts and the lanes in contact after a first check of a batch, and after a second check of nothing but what the
-/// first left in doubt.
+/// Returns the doubts and the lanes in contact after a first check of a batch, and after a second check of only those pairs and
+/// lanes that the first left in doubt.
 fn looks(cell: &Cell, rows: &[Vec<f64>], interest: Interest, travel_m: f32) -> [(Vec<(u32, u32)>, u32); 2] {
     let mut lanes = cell.scratch().lanes;
     rows.iter().enumerate().for_each(|(lane, q)| lanes.set_lane(lane, q));

@@ -9,12 +9,12 @@ use crate::lane::lane_vector::BoxLanes;
 use crate::lane::lanes::{FEW_LANES, LanePair, Lanes};
 use crate::lane::single_frame::{Bars, SingleFrame, Verdict};
 
-/// Number of inner balls of a link that are checked first: they detect deep contact quickly.
+/// Number of inner balls of a link that are checked first. They are the largest, and detect deep contact quickly.
 const LARGE_INNER: usize = 8;
 
 impl Lanes {
-    /// Runs step 2 of [`Self::check`] for one link; with `wanted`, only against these pairs, each in its lanes. It is a
-    /// separate function for each instruction set, because all in one would take minutes to compile.
+    /// Runs step 2 of [`Self::check`] for one link; with `wanted`, only for these pairs, each in its lanes. Each instruction
+    /// set has a separate function, because one function for all would take minutes to compile.
     ///
     /// 1. The box and the ball around the link are checked against every part; where few lanes are near, they are checked one
     ///    by one.

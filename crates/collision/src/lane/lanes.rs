@@ -29,7 +29,7 @@ pub(crate) struct Lanes {
     pub(crate) parts: Arc<[LanePart]>,
     /// Nodes of the tree of parts, for the broad phase.
     pub(crate) branches: Vec<LaneBranch>,
-    /// For each link body the parts that it is checked against: all or none, in the order of the branches.
+    /// For each link body its pairs with parts: with all parts or with none, in the order of the branches.
     pub(crate) part_pairs: Vec<Vec<LanePair>>,
     /// Bounding volume of each part, in the order of the branches.
     pub(crate) arounds: Vec<LaneAround>,
@@ -57,14 +57,14 @@ pub(crate) struct LanePair {
     pub pair: u32,
     /// Index of the second body: a part or a link body.
     pub other: u32,
-    /// Distance from which on the pair is certainly far enough apart, in metres; negative infinity if the two can never be near
-    /// each other.
+    /// Least computed distance at which the pair is certainly far enough apart, in metres; negative infinity if the two can
+    /// never be near each other.
     pub free_m: f32,
     /// Distance below which the pair is certainly too close, in metres.
     pub contact_m: f32,
 }
 
-/// Lanes that still matter once some are in contact.
+/// Lanes whose verdict is still of interest once some lanes are in contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Interest {
     /// Every lane, independently of the others.
@@ -215,14 +215,14 @@ impl Lanes {
     }
 
     /// Checks the configurations in `scratch.q` whose bits are set in `asked`. Returns the lanes that are certainly in contact;
-    /// with [`Interest::UpToContact`] also those behind the first of them. `scratch.doubts` then holds the pairs in doubt in
-    /// the other lanes, and a lane that is in neither is certainly free, unless contact ended the check. "Free" and "in doubt"
-    /// hold for all configurations within the motion bounds of `scratch.travel`.
+    /// with [`Interest::UpToContact`] also the lanes after the first of them. `scratch.doubts` then holds the pairs in doubt in
+    /// the other lanes. A lane without contact or doubt is certainly free, unless contact ended the check. "Free" and "in
+    /// doubt" hold for all configurations within the motion bounds of `scratch.travel`.
     ///
     /// 1. Pairs of links that are in a table are looked up.
-    /// 2. Every link against the world: box and ball around it against every part. Lanes are checked one by one where few are
-    ///    near; otherwise inner balls against the near parts, then its tree of balls against those that are still near, until a
-    ///    leaf leaves the pair in doubt; the rest is checked one by one.
+    /// 2. Every link is checked against the world: the box and the ball around it against every part. Where few lanes are near,
+    ///    they are checked one by one. Otherwise inner balls are checked against the near parts, then its tree of balls, until
+    ///    a leaf leaves the pair in doubt; the rest is checked one by one.
     /// 3. The other pairs of links are checked in the same manner, and those left in doubt by their table one by one.
     pub fn check(&self, level: Level, scratch: &mut LaneScratch, asked: u32, interest: Interest) -> u32 {
         dispatch!(level, simd => self.check_with(simd, scratch, asked, interest))

@@ -14,8 +14,8 @@ pub struct Closest {
     pub second: Collider,
     /// Their distance in metres, as a certified lower bound; negative for the penetration depth.
     pub distance_m: f64,
-    /// Closest points of the two, in the planning frame; one point twice in an overlap. `None` where they touch without a
-    /// common point that is known.
+    /// Closest points of the two, in the planning frame; the same point twice if they overlap. `None` if they touch and no
+    /// common point is known.
     pub points: Option<[Point; 2]>,
 }
 

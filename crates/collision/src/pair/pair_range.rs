@@ -16,13 +16,13 @@ pub(crate) enum PairRange {
     AlwaysTouching { depth_m: f64 },
     /// They touch at no value.
     NeverTouching,
-    /// They are free at one value and touch, at this depth (m), or may touch, at another: proven only near their joint, or
-    /// possibly elsewhere.
+    /// They are free at one value and touch, at this depth (m), or may touch, at another. If `is_at_joint`, they are proven to
+    /// touch only near their joint; otherwise they may touch elsewhere too.
     Both { is_at_joint: bool, depth_m: f64 },
     /// One value refutes the property; the others were not tried.
     Refuted,
-    /// The allowed number of boxes proves nothing: the links touched in the middle of every box, with at least this depth (m),
-    /// or in none, and are then proven not to touch away from their joint.
+    /// The maximum number of boxes proves nothing. Either the links touched in the middle of every box, with at least this
+    /// depth (m), or in none; in the latter case they are proven not to touch away from their joint.
     Unproven { depth_m: f64 },
 }
 
@@ -45,8 +45,8 @@ pub(crate) enum Question {
 ///    everywhere in it: separating them takes a relative motion of more than `t`.
 /// 3. Any other box is bisected across the joint that moves the links most.
 ///
-/// Boxes are evaluated from the widest on, so that a window in which the links are free is found if it is wider than the last
-/// boxes: for a single joint, a thousandth of its range.
+/// Boxes are evaluated from the widest on. A range of values in which the links are free is therefore found if it is wider than
+/// the smallest boxes: for a single joint, a thousandth of its range.
 pub(crate) struct PairRanges<'a> {
     robot: &'a Robot,
     bodies: &'a [LinkBody],
@@ -62,7 +62,7 @@ const MOST_BOXES: usize = 20_000;
 /// Maximum number of pieces of the range of a single joint: the last are less than a thousandth of it.
 const MOST_PIECES: usize = 4095;
 
-/// Fraction of a measured depth of two convex bodies that is relied on; the search ends within a thousandth of the depth.
+/// Fraction of the measured depth of two convex bodies that counts; the search finds the depth to within a thousandth.
 const BELIEVED: f64 = 0.9;
 
 /// Box of values of the joints between two links: lower and upper limit of each.

@@ -35,8 +35,8 @@ pub(crate) enum Other {
     Part(usize),
 }
 
-/// All collision pairs, by index: every moving link with every part, in the order of the tree; then links with links. The
-/// former are counted, not listed: ten links among 10⁵ boxes make a million.
+/// All collision pairs, by index: every moving link with every part, in the order of the tree; then links with links. Pairs
+/// with parts are not stored: ten links among 10⁵ boxes make a million of them.
 #[derive(Clone, Debug)]
 pub(crate) struct Pairs {
     moving: Vec<Moving>,

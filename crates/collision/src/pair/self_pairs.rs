@@ -4,11 +4,11 @@ use crate::body::link_body::LinkBody;
 use crate::pair::pair_range::{PairRange, PairRanges, Question};
 use crate::pair::unchecked::{Exempt, ExemptPair, UncheckedReason};
 
-/// Pairs of links that can be compared, as indices into the link bodies, each with the reason if it is exempt.
+/// Pairs of links with relative motion, as indices into the link bodies, each with the reason if it is exempt.
 ///
 /// A pair is exempt if the SRDF or the caller declares it, if no joint moves one link against the other, or if it is proven
-/// over the whole range of the joints between them that comparing them shows nothing new. All others are compared, regardless
-/// of samples. Adjacent links are also exempt if nothing can be proven of them, or if they were proven to touch only near their
+/// over the whole range of the joints between them that comparing them shows nothing new. All others are compared; samples play
+/// no role. Adjacent links are also exempt if nothing can be proven of them, or if they were proven to touch only near their
 /// joint; every answer names these.
 #[derive(Clone, Debug)]
 pub(crate) struct SelfPairs(Vec<((usize, usize), Option<Exempt>)>);

@@ -34,12 +34,12 @@ pub enum UncheckedReason {
     AdjacentUnproven,
     /// Two adjacent links that are free at some values of their joint and touch at others: proven only near its axis.
     AdjacentAtJoint,
-    /// Two adjacent links, proven to touch at no value of their joint. Their distance enters no margin and no clearance.
+    /// Two adjacent links, proven to touch at no value of their joint. No margin and no clearance includes their distance.
     AdjacentFree,
     /// A link that no joint moves, and its support.
     NeverMoves,
-    /// The held body on a face of a body that it rests on before the lift-off or after the set-down: it may penetrate that by
-    /// at most [`CONTACT_ALLOWANCE_M`](crate::CONTACT_ALLOWANCE_M). The depth is that at rest.
+    /// The held body and a face on which it rests before the lift-off or after the set-down. It may penetrate the face by at
+    /// most [`CONTACT_ALLOWANCE_M`](crate::CONTACT_ALLOWANCE_M). `depth_m` is the depth at rest.
     Resting,
 }
 
@@ -54,7 +54,7 @@ pub(crate) struct Exempt {
 pub(crate) type ExemptPair = ((usize, usize), Exempt);
 
 impl UncheckedReason {
-    /// Returns true if the pair was found free at no value of its joint: comparing it would leave no free configuration.
+    /// Returns true if the pair was found free at no value of its joint: if it were checked, no configuration would be free.
     pub(crate) fn is_never_free(self) -> bool {
         matches!(self, Self::AdjacentTouching | Self::AdjacentUnproven)
     }
@@ -100,7 +100,7 @@ impl Unchecked {
         found
     }
 
-    /// Pairs the held body with the bodies that it may rest on.
+    /// Returns the pairs of the held body with the bodies on which it may rest.
     pub(crate) fn resting(held_link: usize, spared: &[Spared], parts: &[(usize, Part)]) -> Vec<Self> {
         let mut found: Vec<Self> = Vec::new();
         for &Spared { part, depth_m } in spared {

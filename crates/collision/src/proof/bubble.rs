@@ -11,8 +11,8 @@ use crate::proof::course::Course;
 ///
 /// Sources: bubbles of free configurations (Quinlan 1994, "Real-time modification of collision-free paths", whole, of which
 /// only the bubbles are used); evaluation along rays, whose ends make a bur: Lačević, Osmanković & Ademović 2016, "Burs of free
-/// C-space" (ICRA, §III). It differs in that each link, and each pair of links, has its own distance, where they take the least
-/// of all, and in that the motion of a link is measured at configurations on the ray, and bounded between them.
+/// C-space" (ICRA, §III). Two things differ here: each link and each pair of links has its own distance instead of the least of
+/// all, and the motion of a link is measured at configurations on the ray and bounded between them.
 #[derive(Clone, Debug)]
 pub struct Bubble {
     q: Vec<f64>,
@@ -39,8 +39,8 @@ const NEXT_TRY: f64 = 2.0;
 
 impl Cell {
     /// Returns the bubble about `q` (m, rad; one per joint); `None` if a moving link is closer to the world than `critical_m`
-    /// (m; at least 0) beyond the demanded distance, or if links are closer to each other than allowed, except those on either
-    /// side of a joint or two, which are always close and known from tables. Joint limits are not checked.
+    /// (m; at least 0) beyond the demanded distance, or if links are closer to each other than allowed. Links on either side of
+    /// one or two joints are always close; tables decide them instead. Joint limits are not checked.
     ///
     /// # Panics
     /// If `q` has not one value per joint.
@@ -110,7 +110,7 @@ impl Cell {
     }
 
     /// Returns the fraction, from 0 to 1, of the straight motion from the centre of `bubble` to `target` (m, rad; one per
-    /// joint) that is certainly free: up to there no motion exceeds the gaps. Joint limits are not checked.
+    /// joint) that is certainly free: up to there no link moves by more than its gaps. Joint limits are not checked.
     ///
     /// 1. At a free position on the ray, measure the motion of each link, and the remainder of each gap.
     /// 2. Beyond it, joints and levers bound every motion, which makes another fraction of the ray free.
@@ -156,8 +156,7 @@ impl Cell {
         })
     }
 
-    /// Returns the least ratio, over all pairs, of the remainder of the gap at the frames of `scratch` to the travel; values
-    /// above 1 are cut to 1.
+    /// Returns the least ratio, over all pairs, of the remaining gap at the frames of `scratch` to the travel; at most 1.
     fn ease(&self, bubble: &Bubble, scratch: &mut Scratch) -> f64 {
         let Scratch { travel, frames, moved_m, .. } = scratch;
         let ease = |gap_m: f64, moved_m: f64, travel_m: f64| {
@@ -175,7 +174,8 @@ impl Cell {
         for (pair, gap_m) in &bubble.between_links_m {
             let Other::Link { body, shared_joints } = pair.second else { continue };
             let travel_m = travel.between(pair.first, body, shared_joints);
-            // Two bounds hold: the sum of both motions, and the costlier relative motion of one link as seen from the other.
+            // Two bounds hold: the sum of both motions, and the relative motion of the two links, which takes longer to
+            // compute.
             if ease(*gap_m, moved_m[pair.first] + moved_m[body], travel_m) >= least {
                 continue;
             }

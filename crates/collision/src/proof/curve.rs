@@ -10,8 +10,8 @@ use crate::proof::tool::{Excess, TOLERANCE};
 use crate::touch::contact::Contact;
 use crate::{MeasureOptions, NearestPair};
 
-/// Deviation of a piece of a curve from its chord, as the motion of any point, below which it is not bisected, in metres: the
-/// resolution of a proof.
+/// Deviation of a piece of a curve from its chord, in metres of motion of any point of the robot, below which the piece is not
+/// bisected: the resolution of a proof.
 const FINEST_M: f64 = 1e-6;
 
 /// A piece of a curve: the control points of its Bézier form, its parameters on the whole curve, and its deviation from its
@@ -84,7 +84,7 @@ pub struct Chords {
 
 impl Cell {
     /// Proves the motion along a polynomial curve, given by the control points of its Bézier form (at least two; m, rad; one
-    /// value per joint each), or returns the fault; [`Self::motion_is_free`] is the case of two.
+    /// value per joint each), or returns the fault. With two control points it is [`Self::motion_is_free`].
     ///
     /// 1. Joint limits hold for the control points of the pieces into which the curve is cut, and so for the pieces. Bounds on
     ///    the tool are proven along their chords, with the deviation of the pieces from these.
@@ -124,8 +124,8 @@ impl Cell {
             && self.first_failure(course, scratch, demand).is_none()
     }
 
-    /// Runs step 1 of [`Self::curve_is_free`], with pieces that deviate from their chords by at least `finest_m`, in metres, or
-    /// half of it.
+    /// Runs step 1 of [`Self::curve_is_free`]. Pieces that deviate from their chords by at most `finest_m`, in metres, are not
+    /// bisected.
     fn fault_of_joints(
         &self,
         control_points: &[Vec<f64>],
@@ -160,11 +160,11 @@ impl Cell {
     }
 
     /// Returns the least distance over all pairs along a curve (control points: m, rad; one value per joint each), in metres: a
-    /// proven lower bound, too low by at most `share` of the true distance, or 10 µm; infinite if there are no pairs; with the
-    /// pair that limits it.
+    /// proven lower bound, too low by at most the larger of `share` of the true distance and 10 µm; infinite if there are no
+    /// pairs. Also returns the pair that limits it.
     ///
     /// # Errors
-    /// A pair that was measured closer than allowed, even if the curve was proven.
+    /// A pair that was measured closer than allowed, which contradicts a proof of the curve.
     ///
     /// # Panics
     /// As [`Self::curve_is_free`].

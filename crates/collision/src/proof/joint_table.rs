@@ -24,18 +24,18 @@ pub(crate) struct JointTable {
     pub per_unit: [f32; 2],
     /// For each cell one bit for each pair that is in doubt there, or all of them and [`CONTACT`].
     cells: Arc<[u8]>,
-    /// Bits of the pairs that are checked with this table, and of [`CONTACT`] if they are all.
+    /// Bits of the pairs that are checked with this table, and [`CONTACT`] if these are all of its pairs.
     asked: u8,
 }
 
 /// Bit for a cell in which some pair is certainly in contact everywhere.
 pub(crate) const CONTACT: u8 = 1 << MOST_PAIRS;
 
-/// Maximum number of pairs: the remaining bits.
+/// Maximum number of pairs: the bits of a byte besides [`CONTACT`].
 const MOST_PAIRS: usize = 7;
 
-/// Number of cells along each joint. Half a cell is about 2° of a joint with a range of 5.8 rad: less than 4 mm at the size of
-/// a hand.
+/// Number of cells along each joint. Half a cell is about 1.3° of a joint with a range of 5.8 rad: less than 4 mm at the size
+/// of a hand.
 const SIDE: usize = 128;
 
 /// Maximum overhang, in cells, for a table to be useful.
@@ -44,7 +44,7 @@ const MOST_OVERHANG: f64 = 0.25;
 /// Returns the maximum rounding of a joint value, in cells; the certificate of a cell extends beyond the cell by this amount.
 ///
 /// With the unit roundoff u of `f32`: the value and the joint's least value are off by u of the greatest value, their
-/// difference and the travel beside it by u of the range each, and the product with the cells per unit, itself off by u, by 2 u
+/// difference and the added travel by u of the range each. The product with the cells per unit, itself off by u, is off by 2 u
 /// of all cells.
 fn overhang(limits: &JointLimits) -> f64 {
     const UNIT: f64 = 0.5 * f32::EPSILON as f64;
@@ -60,7 +60,7 @@ impl JointTable {
         Self { asked: if asked == self.all_pairs() { asked | CONTACT } else { asked }, ..self.clone() }
     }
 
-    /// Returns this table for a list of pairs that begins with `first` others.
+    /// Returns this table for a list in which `first` other pairs precede these.
     pub fn counted_from(&self, first: u32) -> Self {
         Self { pairs: self.pairs.iter().map(|pair| first + pair).collect(), ..self.clone() }
     }
@@ -126,8 +126,8 @@ impl JointTable {
         ((any & !CONTACT) | all) & self.asked
     }
 
-    /// Returns the fraction of the straight edge between two values of its joints (rad or m) that it certifies to be free for
-    /// all its checked pairs, from the first on, in whole pieces in which no joint moves farther than a cell.
+    /// Returns the fraction of the straight edge between two values of its joints (rad or m) that is certified free for all
+    /// checked pairs, counted from the start, in whole pieces along which no joint moves farther than a cell.
     pub fn free_share(&self, limits: [&JointLimits; 2], [from, to]: [[f64; 2]; 2]) -> f64 {
         let in_cells = |place: [f64; 2]| {
             let cell = |axis: usize| {
@@ -289,8 +289,8 @@ impl Builder<'_> {
         left
     }
 
-    /// Certifies a pair for all configurations that are no farther from `q` than `rates` in any joint: each lies on a straight
-    /// motion from `q` whose rates are no greater. The remaining ones of these doubts are added.
+    /// Certifies a pair for all configurations that differ from `q` by at most `rates` in each joint: each lies on a straight
+    /// motion from `q` whose rates are no greater. Adds those of `doubts` that remain.
     fn pair(&mut self, pair: &Pair, doubts: std::ops::Range<usize>) -> Verdict {
         let Other::Link { body, shared_joints } = pair.second else { return Verdict::Doubt };
         self.travel.forget();

@@ -6,10 +6,10 @@ use crate::proof::course::Course;
 
 /// Levers by which errors of the joints, and of the robot's placement, move the collision geometry along a path.
 ///
-/// If every revolute joint is off by at most θ, a point of a link moves by at most θ times its levers: for each such joint the
-/// length from its origin to the point through the origins of the joints beyond, which bounds the distance from the axis in any
-/// configuration. Prismatic joints change that length: along a straight edge it is a convex function of the position on the
-/// edge, so its maximum is at a way point.
+/// If every revolute joint is off by at most θ, a point of a link moves by at most θ times the sum of its levers. The lever of
+/// a joint is the length from its origin to the point through the origins of the joints beyond, which bounds the distance from
+/// the axis in any configuration. Prismatic joints change that length: along a straight edge it is a convex function of the
+/// position on the edge, so its maximum is at a way point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Levers {
     /// Lever of all revolute joints together, against the world, and between two links, in metres per radian.

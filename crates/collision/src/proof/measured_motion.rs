@@ -31,11 +31,11 @@ impl Default for MeasureOptions {
 pub struct MeasuredMotion {
     /// Least clearance, in metres, as of [`Cell::least_clearance`].
     pub least_m: f64,
-    /// Least distance that was measured, or from which on pairs were ignored, in metres.
+    /// Least measured distance, in metres; [`MeasureOptions::below_m`] if no pair is closer.
     pub seen_m: f64,
     /// Parameter on the motion, in [0, 1], at which a pair was measured closer than allowed, with that contact.
     pub contradiction: Option<(f64, Contact)>,
-    /// Pair at that least distance; `None` if no pair was measured.
+    /// Pair at the distance `seen_m`; `None` if no pair was measured.
     pub nearest: Option<NearestPair>,
 }
 
@@ -59,8 +59,7 @@ const CLEARANCE_TOLERANCE_M: f64 = 1e-5;
 /// Tolerance where two bodies come closer than [`CLOSE_M`], in metres.
 const FINE_TOLERANCE_M: f64 = 1e-6;
 
-/// Travel of a link within an interval from which on the exact distance in its middle excludes hardly more than the boxes do,
-/// in metres.
+/// Travel of a link within an interval above which boxes exclude nearly as much as the exact distance in its middle, in metres.
 const FAR_TRAVEL_M: f64 = 0.2;
 
 /// Distance below which the coarse tolerance could not exclude contact, in metres.
@@ -94,7 +93,7 @@ impl Cell {
         self.measure(Course::Line([a, b]), measuring, scratch)
     }
 
-    /// Measures [`Self::measure_motion`] along any motion.
+    /// Runs [`Self::measure_motion`] along any motion.
     pub(crate) fn measure(
         &self,
         course: Course<'_>,

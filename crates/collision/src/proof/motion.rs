@@ -42,7 +42,7 @@ pub enum Motion {
         /// Excess over the bound there, in radians or metres.
         by: f64,
     },
-    /// An end lies outside the joint limits.
+    /// An end of the motion, or a control point of a curve, lies outside the joint limits.
     OutOfLimits {
         /// Index of the first such joint in the group.
         joint: usize,
@@ -108,8 +108,8 @@ impl Cell {
     /// 1. The joint limits are a box, so the ends decide for the whole edge. The bounds on the tool, including the tilt of the
     ///    held object, are proven by bisection ([`Self::tool_bounds`]).
     /// 2. Breadth first, coarse to fine: at the middle of an interval, a pair is certified for the whole interval if its
-    ///    certified distance exceeds the demanded one by more than the travel of the pair within it. First in lanes, many
-    ///    intervals at once, down to the resolution of the lanes; the rest one by one with the exact distance.
+    ///    certified distance exceeds the demanded one by more than the travel of the pair within it. The lanes check many
+    ///    intervals at once, down to their resolution; the rest is checked one by one with the exact distance.
     /// 3. A pair that is closer than demanded at a middle ends the search.
     /// 4. The remaining pairs are checked again in both halves, until none is left.
     ///
@@ -126,8 +126,8 @@ impl Cell {
     }
 
     /// Returns the parameter in [0, 1] at which the proof of [`Self::motion_is_free`] from `a` to `b` (m, rad; one per joint)
-    /// fails; `None` for a proven motion. It is given up where more than `effort` intervals need exact distances: a motion with
-    /// a very small clearance takes thousands, and a planner may find another one.
+    /// fails; `None` for a proven motion. The proof is given up if more than `effort` intervals need exact distances: a motion
+    /// with a very small clearance takes thousands, and a planner may find another one.
     ///
     /// # Panics
     /// If `a` or `b` has not one value per joint.
@@ -149,8 +149,8 @@ impl Cell {
             if let Some(pair) = self.first_close_pair(&scratch.frames) {
                 failure = Some(Failure { at, pair: Some(pair), is_contact: true });
             } else {
-                // The lanes are certain of contact only where the exact check is. If they were wrong, the exact check has to
-                // certify everything by itself.
+                // The lanes report contact only if the exact check does too. They are wrong here, so the exact check certifies
+                // everything by itself.
                 scratch.work.clear();
                 scratch.work.pairs.extend(self.all_pairs());
                 let pairs = (0, self.pairs.len());
@@ -280,8 +280,8 @@ impl Cell {
         (most / LANES as f64).ceil().clamp(1.0, MOST_FIRST_PASSES) as usize * LANES
     }
 
-    /// Sets the travel bounds of the lanes for an interval that has this share of the edge whose travel `scratch` holds; the
-    /// distance to keep in addition to the demanded one is added to the travel.
+    /// Sets the travel bounds of the lanes for intervals that have this share of the edge; `scratch` holds the travel of the
+    /// whole edge. The distance to keep in addition to the demanded one is added to the travel.
     #[allow(
         clippy::cast_possible_truncation,
         reason = "lanes are `f32` by design; what is rounded away is added"

@@ -9,8 +9,8 @@ const TOLERANCE_M: f64 = 1e-5;
 
 impl Cell {
     /// Returns the least distance over all pairs along a path of way points (m, rad; one value per joint) whose edges are
-    /// proven, in metres: a proven lower bound, too low by at most `share` of the true distance, from 0 to below 1, and 10 µm;
-    /// infinite if there are no pairs, 0 if an edge cannot be proven after all. Many times faster than
+    /// proven, in metres. It is a proven lower bound, too low by at most `share` (from 0 to below 1) of the true distance plus
+    /// 10 µm; infinite if there are no pairs, 0 if an edge is in contact after all. Many times faster than
     /// [`Self::least_clearance`] of every edge.
     ///
     /// 1. The least distance at the way points is an upper bound.
@@ -45,8 +45,8 @@ impl Cell {
         kept_m(least_m).max(0.0)
     }
 
-    /// Returns the least distance along a path of way points (m, rad; one value per joint) over one group of pairs, in metres:
-    /// slower, and infinite if the group is empty.
+    /// Returns the least distance along a path of way points (m, rad; one value per joint) over one group of pairs, in metres;
+    /// infinite if the group is empty. Slower than [`Self::path_clearance`].
     ///
     /// # Panics
     /// If a way point has not one value per joint.

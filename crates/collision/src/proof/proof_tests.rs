@@ -177,7 +177,7 @@ fn bound_is_broken(seed: u64, half_width: f64, factor: f64) -> bool {
         .any(|body| most_moved_m(&cell, body, course, 0.5, half_width) > travel.of(body) + 1e-12)
 }
 
-/// Returns true if that holds in one of the intervals that the lanes check at once.
+/// Returns true if a bound of [`bound_is_broken`] is broken in one of the intervals that the lanes check at once.
 fn bound_of_lanes_is_broken(seed: u64, half_width: f64, factor: f64) -> bool {
     let (robot, mut random) = (arm(), Stream::new(seed, 2));
     // The floor gives the lanes something to check.

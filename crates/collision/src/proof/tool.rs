@@ -5,7 +5,7 @@ use crate::body::tool_bound::{CellBound, ToolRegion};
 use crate::cell::{Cell, Scratch};
 use crate::{CollisionError, ToolBound};
 
-/// Rounding of angles and distances, in radians and metres: a bound is kept if it is kept to within this.
+/// Rounding of angles and distances, in radians and metres; a bound counts as kept only with this reserve.
 const ROUNDING: f64 = 1e-9;
 
 /// Change of the excess within an interval below which bisection ends, in radians and metres.
@@ -122,8 +122,8 @@ impl Cell {
     /// Within η of the middle of an interval, with `ω_j = |b_j − a_j|` for each joint j that moves the link:
     ///
     /// - An angle changes at most at `Σ_j ω_j · min(sin ∠(a_j, fixed), sin ∠(a_j, axis))`, `a_j` being the axis of the joint: a
-    ///   turn about the fixed direction, or about the axis itself, changes nothing. The first angle changes by at most η times
-    ///   the sum of ω over the joints before j, the second over those after it.
+    ///   turn about the fixed direction, or about the axis of the link, changes nothing. Within the interval, the first of
+    ///   these angles changes by at most η times the sum of ω over the joints before j, the second over those after it.
     /// - A point moves by its velocity in the middle times η, plus at most half of `Σ_ij ω_i ω_j r_max(i, j)` times η², where r
     ///   is its greatest distance from the axis of a joint.
     ///
@@ -301,7 +301,7 @@ fn motion_of_point(mover: &Mover, frames: &LinkFrames, point: &Point) -> Vector 
     }
 }
 
-/// Returns the distance within its bound, in radians or metres, to which a configuration is moved.
+/// Returns the reserve within a bound, in radians or metres, with which a configuration is moved inside.
 fn reserve(region: &ToolRegion) -> f64 {
     const SHARE: f64 = 0.1;
     match region {

@@ -94,9 +94,9 @@ impl Cell {
         self.closing_contact_each(q, &vec![closing; fingers], scratch)
     }
 
-    /// Returns that contact, the arm at `q` (m, rad; one per joint), while every finger closes from open by its own fraction of
-    /// its travel (`touching`, one per finger, from 0 to 1), all at one rate, and stops there while others go on: a finger that
-    /// stops moves no farther than one that does not.
+    /// Returns the contact of [`Self::closing_contact`], the arm at `q` (m, rad; one per joint), while each finger closes from
+    /// open by its own fraction of its travel (`touching`, one per finger, from 0 to 1) and stops there. All fingers close at
+    /// one rate. The motion bound of a closing finger also covers one that has stopped.
     /// # Panics
     /// If `q` has not one value per joint.
     pub fn closing_contact_each(
@@ -158,7 +158,7 @@ impl Cell {
             self.robot().forward_kinematics(q, &mut scratch.frames);
             let mut doubtful = Vec::new();
             for pair in pairs {
-                // A pair is done unless it comes nearer than this somewhere in the interval.
+                // The interval is done for pairs that are at least this far apart in its middle.
                 let bar_m = |least_m: f64| least_m - SWEEP_TOLERANCE_M + self.swept_m(&pair, half_width);
                 if self.quick_bound(&pair, &scratch.frames, bar_m(least_m)) >= bar_m(least_m) {
                     continue;

@@ -67,9 +67,9 @@ impl Cell {
         })
     }
 
-    /// Returns this cell with the held object allowed to touch its support faces, and nothing else: it is not checked against
-    /// the parts with these faces, but against the portions that are higher. [`Self::first_support_violation`] proves that it stays above the
-    /// faces; [`Self::unchecked`] lists the allowed contacts.
+    /// Returns this cell with the held object allowed to touch its support faces, and nothing else. Parts with these faces are
+    /// not checked, only their portions above the faces. [`Self::first_support_violation`] proves that the object stays above
+    /// the faces; [`Self::unchecked`] lists the allowed contacts.
     #[must_use]
     pub fn with_allowed_contacts(&self, resting: &Resting) -> Self {
         let (mut spared, mut higher) = (Vec::new(), Vec::new());

@@ -28,8 +28,8 @@ pub struct Resting {
     contacts: Vec<RestingContact>,
     /// Other parts that are nearer than the margin of the held object.
     beside: Vec<Neighbour>,
-    /// Distance of its centre of mass from the possible supports, as seen along gravity, in metres; `None` if they are below
-    /// it, or there are none.
+    /// Distance of its centre of mass from the possible supports, as seen along gravity, in metres; `None` if the centre is
+    /// over them, or there are none.
     overhang_m: Option<f64>,
 }
 
@@ -60,7 +60,7 @@ struct Neighbour {
     depth_m: f64,
 }
 
-/// Excess of the gap over that of the nearest part up to which a part supports a body too, in metres: rounding.
+/// Maximum excess of the gap of a further supporting part over that of the nearest one, in metres: rounding.
 const EVEN_M: f64 = CONTACT_ALLOWANCE_M;
 
 /// A part that may support a body, and their contact region as seen along gravity.
@@ -92,7 +92,7 @@ impl Cell {
     /// If the world has no body of that index.
     pub fn resting_with(&self, body: usize, extent: &Extent) -> Result<Resting, CollisionError> {
         let thing: &Body = &self.world().bodies()[body];
-        // Inverted twice, as in a hold, so that the bits agree.
+        // Invert the pose twice, as a hold does, so that the results agree bit by bit.
         let world_from_held = thing.parts[0].world_from_solid.inverse().inverse();
         let placed: Vec<(Pose, &Solid)> =
             thing.parts.iter().map(|part| (part.world_from_solid, &part.solid)).collect();
@@ -122,7 +122,7 @@ impl Cell {
     }
 
     /// 1. Find the parts near the body, and the possible supports among them.
-    /// 2. Take the highest of these, and lower ones as long as the centre of mass is not over the contact regions.
+    /// 2. Take the highest of these, then lower ones until the centre of mass is over the contact regions.
     fn resting_of(
         &self,
         body: usize,
@@ -214,9 +214,8 @@ impl Cell {
     }
 
     /// Returns the parameter in [0, 1] of a position on the straight motion from `a` to `b` (m, rad; one per joint) at which
-    /// the held body comes nearer to a former support face than at rest, by more than `slack_m` (m), or deeper into it than
-    /// [`CONTACT_ALLOWANCE_M`], or where neither can be excluded, and the index of the body of that face; `None` if the body is
-    /// proven to stay off all of them.
+    /// the held body may be nearer to a former support face than at rest by more than `slack_m` (m), or deeper in it than
+    /// [`CONTACT_ALLOWANCE_M`], and the index of the body of that face; `None` if the body is proven to stay off all of them.
     ///
     /// # Panics
     /// If `a` or `b` has not one value per joint, or nothing is held.
@@ -288,7 +287,7 @@ impl Resting {
         self.contacts.iter().map(|contact| contact.direction.angle(up)).fold(0.0, f64::max)
     }
 
-    /// Returns true if a cell that spares these contacts ([`Cell::with_allowed_contacts`]) also spares the other ones.
+    /// Returns true if a cell that allows these contacts ([`Cell::with_allowed_contacts`]) also allows those of `other`.
     pub fn is_spared_alike(&self, other: &Self) -> bool {
         let is_alike = |(a, b): (&RestingContact, &RestingContact)| {
             a.part == b.part

@@ -37,9 +37,9 @@ pub const CONTACT_ALLOWANCE_M: f64 = 1e-4;
 /// Maximum height of a resting body above its support, in metres: objects in the paper's release float up to 1.8 mm above their
 /// supports.
 pub(crate) const MOST_GAP_M: f64 = 2e-3;
-/// Excess of the gap over that of the nearest part up to which a part supports a body if needed, in metres, below points of the
-/// body's convex hull: the body may be slightly tilted, and coarse where it is round (a ball of 27 corners in the paper's
-/// release has its centre over corners that are 1.7 mm above the ground).
+/// Maximum excess of the gap of a further part over that of the nearest one if the body needs its support, in metres, below
+/// points of the body's convex hull. The body may be slightly tilted, and coarse if it is round (a ball of 27 corners in the
+/// paper's release has its centre over corners that are 1.7 mm above the ground).
 pub(crate) const UNEVEN_M: f64 = 1.8e-3;
 /// Resolution, as in a proof of a motion, in metres.
 pub(crate) const RESOLUTION_M: f64 = 1e-6;
@@ -82,8 +82,8 @@ impl Face {
         within.map(|corner| gravity.seen(&self.body_at(&corner))).collect()
     }
 
-    /// Returns the corners of those regions in which the body is on its convex hull, to [`CONTACT_ALLOWANCE_M`]: elsewhere it
-    /// touches no plane in any orientation.
+    /// Returns the corners of the regions of [`Self::places`] in which the body is on its convex hull, to
+    /// [`CONTACT_ALLOWANCE_M`]: elsewhere it touches no plane in any orientation.
     pub fn places_on_hull(&self, standing: Standing<'_>, gravity: &Across, gap_m: f64) -> Vec<PlanePoint> {
         let Standing { extent, world_from_held, .. } = standing;
         let within: Vec<_> = self.overlaps.iter().map(|overlap| overlap.within(gap_m)).collect();

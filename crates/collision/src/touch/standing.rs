@@ -67,8 +67,8 @@ impl Cell {
         })
     }
 
-    /// Returns their distance in metres, as a certified lower bound; `None` if they touch, or are farther apart than `beyond_m`
-    /// (m).
+    /// Returns the distance of a link and a part, in metres, as a certified lower bound; `None` if they touch, or are farther
+    /// apart than `beyond_m` (m).
     fn standing_distance_m(&self, still: &LinkBody, part: &Part, beyond_m: f64) -> Option<f64> {
         let frames = self.robot.frames();
         if still.quick_bound_to(frames.link(still.link), part, beyond_m) >= beyond_m {

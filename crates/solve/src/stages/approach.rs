@@ -12,7 +12,7 @@ use crate::stages::onward::{Piece, Towards, onward};
 const CHECKED_AT: [f64; 3] = [1.0, 2.0 / 3.0, 1.0 / 3.0];
 
 /// Returns a check of the hand alone on its straight approach to a pose of the gripper frame in the planning frame, along its z
-/// axis over `length_m` (m), at some poses.
+/// axis over `length_m` (m), at the shares [`CHECKED_AT`].
 pub(crate) fn blocked_approach(
     cell: &Arc<Cell>,
     length_m: f64,
@@ -35,9 +35,8 @@ pub(crate) struct Approach {
     pub led: Vec<Vec<f64>>,
 }
 
-/// Returns a path of `picking` to a grasp as pieces of a stage, with a straight approach of `length_m` (m) if that is above 0:
-/// the line back from the grasp, and a path to its start, which joins the given one as early as it can.
-///
+/// Returns pieces of a stage that lead to the grasp at the end of `path`. If `length_m` (m) is above 0, the last piece is a
+/// straight approach of that length. The path to the start of this line follows `path` as far as it can.
 /// # Errors
 /// Reason why no such path was found.
 pub(crate) fn approach(

@@ -20,7 +20,7 @@ use crate::{Request, SolveError};
 /// Pieces through all remaining stages, or the reason why there are none.
 type Through = Result<Vec<Piece>, FailureReason>;
 
-/// Number of ends of a motion that are tried before the stage is given up.
+/// Maximum number of end configurations of a move that are tried before the stage is given up.
 const MOST_ENDS: usize = 4;
 
 /// Search for a path through the stages of a task: depth first, with backtracking over all stages.
@@ -260,7 +260,7 @@ impl<'a> Chain<'a> {
         }
     }
 
-    /// Records why no candidate of a pick led to a solution, and returns the most frequent reason.
+    /// Records the failures of the first pick; returns the reason of the last candidate, else the planner's most frequent one.
     fn not_picked(
         &mut self,
         index: usize,
@@ -339,7 +339,7 @@ impl<'a> Chain<'a> {
         }
     }
 
-    /// Searches a move with the object in the hand, and all stages that follow.
+    /// Searches a move after the first stage, with or without an object in the hand, and all stages that follow.
     fn move_on(
         &mut self,
         (index, goal): (usize, &Move),
@@ -460,7 +460,7 @@ impl<'a> Chain<'a> {
         Ok(Some(Arc::new(places)))
     }
 
-    /// Returns the filter of grasps with which the object collides at the goal of the next stage.
+    /// Returns a filter that refuses grasps in which the object cannot be at the ends of the next moves or at its placements.
     fn grasp_filter(
         &self,
         index: usize,

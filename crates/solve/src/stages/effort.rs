@@ -6,7 +6,7 @@ use cranny_task::Problem;
 
 /// Iteration limit of the first searches after a reached grasp: most need fewer than a hundred.
 const FIRST_ITERATIONS: u64 = 250;
-/// Number of failed searches after which the limit of the next ones doubles.
+/// Number of failed searches after which the iteration limit of the next ones doubles.
 const SEARCHES_PER_DOUBLING: u32 = 8;
 /// Iteration limit of the shortest searches if an object is put down. Most grasps have no path, and some have one that is found
 /// soon: short searches from many grasps beat long ones from few.
@@ -26,7 +26,7 @@ pub(crate) struct Effort {
     places: bool,
     /// Number of searches that ended without a path.
     exhausted: u32,
-    /// Statistics of all of them.
+    /// Statistics of all searches, successful ones included.
     pub spent: Statistics,
 }
 

@@ -5,7 +5,7 @@ use cranny_plan::PlanError;
 use cranny_spatial::Pose;
 use cranny_task::{Carrier, LiftOffSettings, Pick, Placement, Placer, Problem, Stage, State};
 
-/// Number of sampled placements of each later object.
+/// Maximum number of sampled placements of each later object.
 const DRAWS: u32 = 64;
 /// Maximum number of evaluated placements of later objects for one placement.
 const MOST_LOOKS: u32 = 400;
@@ -62,8 +62,8 @@ impl LookAhead {
         self.nexts.last().is_some_and(|next| next.stage > stage)
     }
 
-    /// Returns false if the later picks, or placements of their objects, are found to be impossible once the object of a
-    /// carrier stands at a placement of a stage.
+    /// Returns true if the later picks and placements pass all checks once the object of a carrier stands at a placement of a
+    /// stage. Returns false if one fails, or if the checks exceed the number `looks`.
     pub fn is_hopeful(
         &self,
         (stage, carrier): (usize, &Carrier),
@@ -78,7 +78,7 @@ impl LookAhead {
         fits
     }
 
-    /// Returns true if all these objects have placements once that of a carrier is released at a pose of its first solid.
+    /// Returns true if all these objects can be grasped and placed once the object of a carrier is released at this pose.
     fn fits(&self, nexts: &[Next], carrier: &Carrier, world_from_held: &Pose, looks: &mut u32) -> bool {
         let Some((next, later)) = nexts.split_first() else { return true };
         let start = self.problem.start();

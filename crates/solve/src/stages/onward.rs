@@ -6,13 +6,13 @@ use cranny_task::{FailureReason, Move, Problem, Region, Segment, State};
 
 use crate::stages::effort::Effort;
 
-/// Maximum number of random configurations that are drawn for some at which the hand is clear …
+/// Maximum number of random configurations drawn in search of clear ones …
 const MOST_DRAWS: u32 = 2000;
 /// … and the number of clear ones after which drawing stops.
 const ENOUGH_CLEAR: usize = 8;
-/// Distance of each joint of the first draws from the present configuration (m, rad) …
+/// Range of each joint around its present value (m, rad) in the first draws …
 const NEAREST_DRAW: f64 = 0.1;
-/// … and of the last.
+/// … and in the last ones.
 const FARTHEST_DRAW: f64 = 3.0;
 /// Step in joint space (m, rad) at which a path is checked for the required clearance.
 const LOOK_EVERY: f64 = 0.05;
@@ -27,14 +27,14 @@ const MOST_POSES: usize = 64;
 /// A path and the problem that it solves.
 pub(crate) type Way = (Vec<Vec<f64>>, Problem);
 
-/// A segment, and the problem that it solves where it can be shortened.
+/// A segment, and the problem that it solves; `None` if it must not be shortened.
 pub(crate) type Piece = (Segment, Option<Problem>);
 
 /// Goal of a motion from a state.
 pub(crate) enum Towards<'a> {
     /// Any of these configurations (m, rad; one value per joint).
     Ends(&'a [Vec<f64>]),
-    /// Any configuration with this distance, in metres, between the object in the hand and everything else.
+    /// Any configuration with at least this distance, in metres, between the object in the hand and everything else.
     Clear(f64),
     /// Any pose of a region.
     Region(&'a Region),
@@ -67,9 +67,9 @@ impl Towards<'_> {
     }
 }
 
-/// Searches for a path from a state with the object in the hand. It may join the path `led` to the grasp (empty if the arm has
-/// moved since) at any configuration up to which that is proven free with the object too: often only the path out of the narrow
-/// part remains.
+/// Searches for a path from a state, with or without an object in the hand. The path may join `led`, the path to the grasp
+/// (empty if the arm has moved since), at any configuration up to which `led` is proven free with the object too. Often only
+/// the path out of a narrow passage remains to be found.
 pub(crate) fn onward(
     effort: &mut Effort,
     state: &State,
@@ -87,7 +87,7 @@ pub(crate) fn onward(
         }
         Towards::Ends(ends) => (Vec::new(), ends.to_vec()),
     };
-    // The nearest to the grasp first.
+    // Goals nearest to the grasp come first.
     let joints: Vec<Vec<f64>> = back.iter().rev().chain(&others).cloned().collect();
     let narrow = state.moving(joints).map_err(|_| failed.clone())?;
     let mut path =
@@ -105,7 +105,7 @@ pub(crate) fn onward(
     Ok((path, state.moving(ends).map_err(|_| failed.clone())?))
 }
 
-/// Returns the path that led here from the first clear configuration on; if it has none, random clear configurations.
+/// Returns the path that led here from its last clear configuration on; if it has none, random clear configurations.
 fn clear_goals(
     effort: &Effort,
     state: &State,

@@ -26,13 +26,13 @@ const STARTS_STREAM: u64 = 0x91ac_e001;
 pub(crate) struct PlaceSearch {
     carrier: Arc<Carrier>,
     placer: Placer,
-    /// Length of the straight retreat, in metres; 0: any.
+    /// Least length of the straight retreat, in metres; 0: the retreat need not be straight.
     retreat_m: f64,
     home: Vec<f64>,
     seed: u64,
 }
 
-/// Numbers of placements after which a later stage failed, with their counts of failures.
+/// Placements, by number, after which a later stage failed, each with the count of these failures.
 pub(crate) type Spoiled = BTreeMap<usize, u32>;
 
 /// A set-down path from its start, at whose end the hand can open, and the number of its placement.

@@ -20,14 +20,14 @@ pub struct ClosedHand {
     pub hold: Hold,
     /// Distance between the fingers, in metres.
     pub opening_m: f64,
-    /// Excess of the travel of the finger that touches last over that of the first, in metres.
+    /// Travel of the finger that touches last, after the first one touches, in metres.
     pub uneven_m: f64,
     /// Share of its travel at which each finger touches, from 0 (open) to 1.
     pub touching: Vec<f64>,
 }
 
 impl ClosingHand {
-    /// Creates the hand for a body to close on, and returns it with its cell; `lacking` makes the error for a missing item.
+    /// Creates the hand for a target body, and returns it with its cell; `lacking` makes the error for a missing item.
     ///
     /// # Errors
     /// That of `lacking` without a cell (under `paper`), without a target, or for a robot whose hand cannot close;
@@ -102,7 +102,7 @@ impl ClosingHand {
         self.closed(q, |closed, touching| closed.closing_contact_each(q, touching, scratch))
     }
 
-    /// Closes the hand until the first finger touches; fails if `met` finds a contact.
+    /// Closes the hand until the first finger touches. Fails if `met` returns a contact of the fingers with something else.
     fn closed(
         &self,
         q: &[f64],

@@ -20,7 +20,7 @@ pub struct Weight {
     pub rolling_m: Option<f64>,
 }
 
-/// Weights of the bodies of a world, and the pads of the robot's hand: the data on loads besides shapes and friction.
+/// Weights of the bodies of a world and pads of the robot's hand: data for load computations besides shapes and friction.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Weights {
     /// By index of the body; bodies beyond the end have no stated weight.
@@ -104,7 +104,7 @@ impl Firmness {
         &self.measure
     }
 
-    /// Computes the contact forces of a grasp with the tip at a pose in the planning frame; `None` if no pad bears.
+    /// Computes the contact forces of a grasp with the tip at a pose in the planning frame; `None` if no pad bears load.
     pub fn grip(&self, world_from_tip: &Pose) -> Option<GripForces> {
         self.measure.grip(world_from_tip)
     }

@@ -127,7 +127,7 @@ pub enum FailureReason {
     ApproachNotReached,
     /// The hand closed at the grasp, but a finger did not touch the object.
     ClosesOnNothing,
-    /// The grasp was skipped because it had failed before.
+    /// The grasp was excluded by the request, for example because it had failed before.
     LeftOut,
     /// The pads would slip under less than the required loads.
     Slips,
@@ -160,7 +160,7 @@ pub enum FailureReason {
         /// Second of the colliding pair.
         second: String,
     },
-    /// No placement of the object at the goal is feasible, in this grasp or in any.
+    /// No placement of the object at the goal is feasible, either in this grasp or in any grasp.
     NoPlace,
     /// The open hand collides at the placement; first contact found:
     PlaceBlocked {
@@ -213,7 +213,7 @@ pub enum FailureReason {
     NotTried,
 }
 
-/// Widths that differ by less are equal, in metres: files round.
+/// Tolerance on widths, in metres, because values in files are rounded.
 const WIDTH_TOLERANCE_M: f64 = 1e-9;
 
 impl FailureReason {

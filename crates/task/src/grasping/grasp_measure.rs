@@ -9,7 +9,7 @@ use crate::grasping::firmness::soup_in_world;
 use crate::grasping::pad_contact::PadSurfaces;
 
 /// Measure of grasps for a problem without a set of them: surface and friction of the target, and the hand that closes on it.
-/// It belongs to the problem, as the tree of an obstacle's mesh does, and not to a search.
+/// It belongs to the problem and not to a search, like the bounding volume tree of an obstacle's mesh.
 #[derive(Clone, Debug)]
 pub struct GraspMeasure {
     hand: ClosingHand,
@@ -20,8 +20,8 @@ pub struct GraspMeasure {
 }
 
 impl GraspMeasure {
-    /// Least score of a grasp, in [0, 1]: such a grasp still holds with four fifths of the friction, which allows for small
-    /// errors in the pose of the pads.
+    /// Least score of a grasp, in [0, 1]. A grasp of this score still holds with four fifths of the friction, which allows for
+    /// small errors in the pose of the pads.
     pub const LEAST_SCORE: f64 = 0.2;
 
     /// Creates the measure for the target of a problem in its cell; `friction` is the coefficient between pads and target.

@@ -6,8 +6,8 @@ use cranny_spatial::{CONTACT_M, Point, Pose, Vector};
 
 use crate::grasping::grasp_poses;
 
-/// Returns the hand of a robot: the links that move rigidly with its tip. Fingers are open, as the robot has them outside its
-/// group of joints. Without a description of the hand ([`Robot::hand`]), its figures are 0 and it has no fingers.
+/// Returns the hand of a robot: the links that move rigidly with its tip, with open fingers. Without a description of the hand
+/// ([`Robot::hand`]), its dimensions are 0 and it has no fingers.
 pub fn robot_hand(robot: &Robot) -> Hand {
     // Any configuration gives the rigid transforms between the links of the hand and the tip.
     let frames = robot.frames();
@@ -76,9 +76,9 @@ fn straight_stroke_m(robot: &Robot, link: usize) -> Vector {
 
 /// Collision filter for a hand in a world: checks a grasp, and the last part of a straight approach to it, with open fingers.
 ///
-/// The hand is checked as the solids that its parts sweep, which decides the whole approach at once and exactly; but a cylinder
-/// counts as a prism around it, and the surface of a mesh as the hulls of its pieces. A distance below [`CONTACT_M`] is
-/// contact, as everywhere.
+/// The filter checks the solids that the parts of the hand sweep, so one exact check decides the whole approach. However, a
+/// cylinder counts as a prism around it, and the surface of a mesh as the hulls of its pieces. A distance below [`CONTACT_M`]
+/// is contact, as everywhere.
 #[derive(Clone, Debug)]
 pub struct HandFilter {
     world: World,
@@ -127,7 +127,7 @@ impl HandFilter {
     }
 
     /// Returns this filter with one more obstacle that is only a surface: the scan of an object that has holes. For rounded
-    /// parts of the hand (spheres, capsules) an octahedron in each ball is checked against it.
+    /// parts of the hand (spheres, capsules), octahedra inscribed in their balls are checked against it.
     #[must_use]
     pub fn with_surface(mut self, world_from_surface: Pose, surface: Surface) -> Self {
         self.open_surfaces.push((world_from_surface, surface));

@@ -2,7 +2,7 @@ use cranny_grasp::pose_of_rows;
 use cranny_spatial::{Pose, PoseDifference};
 use serde::{Deserialize, Serialize};
 
-/// Grasp at the end of a path for a problem without a set of grasps, as measured or as stated.
+/// Grasp at the end of a path for a problem without a set of grasps: measured, or stated in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct OwnGrasp {
@@ -13,13 +13,13 @@ pub struct OwnGrasp {
     pub opening_m: f64,
     /// Score in [0, 1] from the friction that its contacts need ([`friction_score`](cranny_grasp::friction_score)).
     pub score: f64,
-    /// Excess of the travel of the finger that touches last over that of the first, in metres; `None` in files older than this
+    /// Travel of the finger that touches last, after the first one touches, in metres; `None` in older files, which lack this
     /// key.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub uneven_m: Option<f64>,
 }
 
-/// Tolerances of a stated grasp: pose (metres and radians), finger opening (metres) and score.
+/// Tolerances of a stated grasp: pose (metres and radians), finger opening and uneven travel (metres), and score.
 const SAID_TRANSLATION_M: f64 = 1e-4;
 const SAID_ROTATION_RAD: f64 = 1e-3;
 const SAID_OPENING_M: f64 = 1e-4;

@@ -7,9 +7,10 @@ use cranny_spatial::{Point, Pose, Vector};
 ///
 /// 1. Close each finger until it touches the target, and take the nearest point.
 /// 2. Lay a grid of lines along the closing direction, across these points and the origin of the gripper frame. A line that
-///    leads from one finger to the other through the target is a pair of contacts if the target's face there is pressed on: its
-///    plane passes within [`PRESSED_M`] of the nearest point, and the finger lies beyond it. A pad turned slightly against a
-///    face first touches an edge of it, and then settles on the face under pressure; it never touches recessed faces.
+///    leads from one finger to the other through the target is a pair of contacts if a pad presses on the target's face there:
+///    the plane of the face passes within [`PRESSED_M`] of the nearest point, and the finger lies beyond it. A pad turned
+///    slightly against a face first touches an edge of it, and then settles on the face under pressure; it never touches
+///    recessed faces.
 ///
 /// A grasp needs as much friction as the best of these pairs, or infinite friction if no line meets both fingers, for example
 /// if each pad meets a rib of its own.
@@ -28,10 +29,10 @@ const APPROACH_M: f64 = 5e-4;
 /// Greatest tangent of the angle between a pad and a face: beyond it no friction holds.
 const STEEPEST: f64 = 0.6;
 
-/// Slack between the plane through a corner and that through a hit, in metres.
+/// Rounding tolerance on the distance between the nearest point and the plane of a face, in metres.
 const ROUNDING_M: f64 = 1e-9;
 
-/// Lines closer than this are the same, in metres.
+/// Distance below which two lines count as one, in metres.
 const SAME_LINE_M: f64 = 1e-9;
 
 /// Number of lines along each side of the grid.
@@ -175,7 +176,7 @@ impl Pressing<'_> {
             .faces
             .as_ref()
             .map_or_else(Vec::new, |faces| faces.ray_hits(&begin, &outwards, 2.0 * reach_m));
-        // A finger may come from between two parts of the target: each exit point of the line counts.
+        // A finger may be between two parts of the target, so each exit point of the line counts.
         let leaves = hits.iter().filter(|hit| hit.normal.dot(&outwards) > 0.0);
         let faces = leaves.map(|hit| Contact {
             point_in_object: middle + outwards * (hit.distance_m - reach_m),

@@ -9,15 +9,15 @@ use crate::{FailureReason, Firmness, Problem, TaskError};
 
 /// Settings of the lift-off of an object from its support.
 ///
-/// Until the end of the lift-off, the object comes no nearer to each face that carries it ([`Resting`]) than at rest, up to
-/// `slack_m`, and penetrates it no deeper than [`CONTACT_ALLOWANCE_M`](cranny_collision::CONTACT_ALLOWANCE_M). At the end it
+/// Until the end of the lift-off, the object comes at most `slack_m` nearer to each face that carries it ([`Resting`]) than at
+/// rest, and penetrates it no deeper than [`CONTACT_ALLOWANCE_M`](cranny_collision::CONTACT_ALLOWANCE_M). At the end it
 /// has a distance of `clear_m` from all of them; from then on they are ordinary obstacles. All other geometry, including bodies
 /// beside the object and higher faces of the same support, is an obstacle throughout.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LiftOffSettings {
     /// Maximum travel of the object, in metres.
     pub most_m: f64,
-    /// Least distance of the object from its support at the end, in metres; larger if the margin is.
+    /// Least distance of the object from its support at the end, in metres; the margin of the held object applies if larger.
     pub clear_m: f64,
     /// Tolerance by which the object may come nearer to its support than at rest, in metres: joint values are rounded, and
     /// straight lines in joint space are not straight in task space.
@@ -32,7 +32,7 @@ impl Default for LiftOffSettings {
 
 /// Distance between two configurations of a lift-off, in metres.
 const RUNG_M: f64 = 0.005;
-/// Number of pieces of an edge whose lengths are summed to its length in task space.
+/// Number of pieces of an edge used to approximate its length in task space.
 const SAMPLES_ALONG: u32 = 8;
 
 /// The target of a problem and the hand that closes on it and carries it, in the same world.
@@ -54,7 +54,7 @@ pub struct Grip {
     pub hold: Hold,
     /// Distance between the fingers, in metres.
     pub opening_m: f64,
-    /// Excess of the travel of the finger that touches last over that of the first, in metres.
+    /// Travel of the finger that touches last, after the first one touches, in metres.
     pub uneven_m: f64,
     /// Robot, object and world during the lift-off, and after it.
     lifting: Arc<Cell>,
@@ -62,7 +62,7 @@ pub struct Grip {
 }
 
 impl Carrier {
-    /// Creates the carrier for a problem under `exact` whose target is carried.
+    /// Creates the carrier of the target of a problem under `exact`.
     ///
     /// # Errors
     /// [`TaskError::NothingToCarry`] for a problem without a target, without proofs, or of a robot whose hand cannot close;
@@ -99,7 +99,7 @@ impl Carrier {
         problem.firmness(&self.cell, self.hand.target())
     }
 
-    /// Returns this carrier in the surroundings of another cell, in which it grasps: far less work than [`Self::new`].
+    /// Returns this carrier in the surroundings of another cell, where it grasps the same body. Much faster than [`Self::new`].
     ///
     /// # Errors
     /// As [`Self::new`].
@@ -152,7 +152,7 @@ impl Carrier {
             let first = contacts.next()??;
             contacts.all(|contact| contact.is_some()).then(|| (first.names(&cell), cell))
         };
-        // Most grips are free with the hand open too, which avoids closing it.
+        // First try the open hand: if one configuration is free with it, the fingers need not be closed.
         let (names, open) = blocked(0.0)?;
         open.close_on_held().map_or(Some(names), |Closing { closing, .. }| Some(blocked(closing)?.0))
     }
@@ -223,7 +223,7 @@ impl Carrier {
     ) -> Result<Vec<Vec<f64>>, Option<[String; 2]>> {
         let robot = self.cell.robot();
         let world_from_tip = *robot.frames_at(q).link(robot.tip());
-        // The rest of the tolerance of a solution is reserved for the straight edges between.
+        // The rest of the pose tolerance is left for the straight edges between the solutions.
         let settings = IkSettings {
             translation_tolerance_m: 1e-6,
             rotation_tolerance_rad: 1e-5,
@@ -269,7 +269,7 @@ impl Carrier {
     }
 
     /// Returns the parameter in [0, 1] on an edge from `a` to `b` (m, rad; one per joint) at which the object may come nearer
-    /// to its support, and the index of that body; `None` if it is proven not to. `cell` is the one along that motion.
+    /// to its support than allowed, and the index of that body; `None` if it is proven not to. `cell` is that of the motion.
     pub fn first_support_violation(
         &self,
         cell: &Cell,

@@ -17,19 +17,19 @@ const GAP_M: f64 = 8e-5;
 const BESIDE_M: f64 = 3e-4;
 /// Maximum height above the support at release, in metres.
 const MOST_ABOVE_M: f64 = 1e-3;
-/// Greatest tilt of an object at a given pose from a stable one, as the chord of an angle (20°): a round object rolls a little
-/// (the banana of the gate lies 12° off), an object on an edge lies farther off.
+/// Maximum tilt of an object at a given pose from a stable one, as the chord of an angle (20°). A round object rolls a little
+/// (the banana of the gate lies 12° off); an object on an edge is farther off.
 const MOST_TILT_RAD: f64 = 0.35;
 /// Tolerance for an object beyond the edge of a surface, in metres: rounding.
 const OVERHANG_M: f64 = 1e-6;
 /// Maximum number of sampled placements, and of feasible ones after which sampling stops.
 const MOST_DRAWS: u32 = 2000;
 const ENOUGH_PLACES: usize = 96;
-/// Number of patterns of draws along the sides of a surface.
+/// Number of patterns for the position of aligned draws along the two sides of a surface.
 const PATTERNS: usize = 9;
-/// Share of the range between the edges of a surface that a draw at an end has: above 0 because of rounding.
+/// Distance of a draw at an end from the edge of a surface, as a share of the range; above 0 because of rounding.
 const END: f64 = 1e-3;
-/// Number of placements after which a hand that fits none is rejected: mostly it touches the support itself.
+/// Number of placements after which a hand that fits at none is rejected: in most cases it touches the support itself.
 const ENOUGH_TO_REFUSE: usize = 16;
 /// Greatest deviation of a floor's normal from the vertical, as a chord: rounding.
 const LEVEL: f64 = 1e-9;
@@ -42,11 +42,11 @@ pub struct Placer {
     /// Distance of the hand from the object at the end of its retreat, in metres.
     clear_m: f64,
     extent: Extent,
-    /// Stable rotations of the object: first solid from a frame with z upwards, up to turns about the vertical; empty if every
-    /// rotation is stable.
+    /// Stable rotations of the object, from a frame with z upwards to its first solid, up to turns about the vertical; empty if
+    /// every rotation is stable.
     rests: Vec<Rotation>,
     draws: Vec<Draw>,
-    /// Bounds of the parts of bodies on the surface along both of its sides, in metres, where draws need them.
+    /// Bounds of the parts of bodies on the surface along both of its sides, in metres; empty if no draw needs them.
     neighbours: Vec<[[f64; 2]; 2]>,
 }
 
@@ -55,7 +55,7 @@ pub struct Placer {
 enum At {
     /// Share of the range between the ends, in [0, 1].
     Share(f64),
-    /// Beside a body on the surface, if there is one; otherwise a share.
+    /// Beside a body on the surface; without such a body, a share as in [`Self::Share`].
     Beside(f64),
 }
 
@@ -184,7 +184,7 @@ impl Placer {
         Self { neighbours: neighbours.collect(), ..self }
     }
 
-    /// Returns this placer with up to `most` draws that `is_hopeful` accepts moved to the front, in their order.
+    /// Returns this placer with the first draws that `is_hopeful` accepts, up to `most`, moved to the front in their order.
     #[must_use]
     pub fn with_first(self, most: usize, mut is_hopeful: impl FnMut(&Placement) -> bool) -> Self {
         let mut count = 0;
@@ -201,7 +201,7 @@ impl Placer {
         Self { draws: of(true).chain(of(false)).collect(), ..self }
     }
 
-    /// Returns the same draws of the same object in the surroundings of another carrier, none of them evaluated yet.
+    /// Returns this placer in the surroundings of another carrier of the same object, with no draw evaluated yet.
     #[must_use]
     pub fn amid(&self, carrier: &Carrier) -> Self {
         let draws = self.draws.iter().map(|draw| Draw { placement: OnceLock::new(), ..*draw });
@@ -401,9 +401,9 @@ impl Placer {
         self.clear_m
     }
 
-    /// Checks whether the open hand can release the object, with its tip now at a pose in the planning frame, at one of the
-    /// first placements as far as the hand alone is concerned. Returns the first contact found if all are blocked, else `None`.
-    /// If the hand is in the floor, other placements with the same stable rotation are skipped.
+    /// Checks whether the hand alone, open and with its tip now at a pose in the planning frame, is free at one of the first
+    /// placements. Returns `None` if it is, otherwise the first contact found, or [`FailureReason::NoPlace`] without any. If
+    /// the hand is in the floor, other placements with the same stable rotation are skipped.
     pub fn blocked_at(&self, world_from_tip: &Pose) -> Option<FailureReason> {
         let tip_from_held = world_from_tip.inverse() * self.carrier.hand().world_from_target();
         let mut first = None;

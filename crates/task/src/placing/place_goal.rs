@@ -16,7 +16,7 @@ pub struct PlaceGoal {
 /// Region or pose at which an object can be put down.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PlaceRegion {
-    /// Wholly on a level rectangle, at any position, in a stable pose on level ground with any turn about the vertical.
+    /// Anywhere wholly on a level rectangle, in a pose that is stable on level ground, with any turn about the vertical.
     Surface {
         /// Name of the body of the world that the rectangle lies on.
         on: String,
@@ -33,8 +33,8 @@ pub enum PlaceRegion {
 const LYING: f64 = 0.0872;
 
 impl PlaceGoal {
-    /// Returns the reason, in words, why a body of a world, with this resistance to rolling (m), rolls away from here: it is a
-    /// ball, or lies on its round side, and no resistance is stated.
+    /// Returns the reason, in words, why a body of a world, with this resistance to rolling (m), rolls away from this goal: it
+    /// is a ball, or lies on its round side, and no resistance is stated.
     pub(crate) fn rolls_away(&self, world: &World, body: usize, rolling_m: Option<f64>) -> Option<String> {
         if rolling_m.is_some_and(|rolling_m| rolling_m > 0.0) {
             return None;

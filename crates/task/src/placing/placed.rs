@@ -41,8 +41,8 @@ impl Placed {
     }
 
     /// Computes a path of way points (m, rad; one value per joint) on which the empty hand retreats from the object, from `q`
-    /// on, until its distance is `clear_m` (m): back along its approach, up, or in a direction between, in straight edges, each
-    /// of them proven. If `straight_m` (m) is above 0, only back along the approach, and at least over that length.
+    /// on, until its distance is `clear_m` (m): back along its approach, up, or in a direction between. Its edges are straight
+    /// and proven. If `straight_m` (m) is above 0, it goes only back along the approach, and at least over that length.
     ///
     /// # Errors
     /// Reason why no such path was found.

@@ -13,7 +13,7 @@ pub struct Placement {
     /// Pose of the first solid of the object in the planning frame.
     pub world_from_held: Pose,
     pub(crate) resting: Resting,
-    /// Cell in which the object may touch its support, at any pose in the hand.
+    /// Cell in which the object may touch its support; its pose in the hand is not set yet.
     near: Arc<Cell>,
 }
 

@@ -2,11 +2,11 @@ use cranny_collision::{Body, Extent};
 use cranny_shape::{Outline, TriangleSoup, stable_poses};
 use cranny_spatial::{Rotation, Vector};
 
-/// Least probability of a stable pose, for a dropped object, that is used.
+/// Least probability with which a dropped object comes to rest in a stable pose that is used.
 const LEAST_PROBABILITY: f64 = 0.05;
 /// Least tilt, in radians (5°), that a stable pose other than the present one must withstand.
 const LEAST_TILT_RAD: f64 = 0.0873;
-/// Chord of an angle (rad) between an object at rest and its stable pose, at most: such a pose is tried first.
+/// Maximum angle, as a chord (rad), between an object at rest and a stable pose that is tried first for this reason.
 const AS_IT_RESTS_RAD: f64 = 0.1;
 
 /// Returns the rotations of a body's first solid, up to turns about the vertical, in which it rests on level ground, from a

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RoundedCorner {
-    /// Index of the way point in its segment, never the last; 0: the end of the previous segment.
+    /// Index of the way point in its segment, never the last. Index 0 is also the end of the previous segment.
     pub waypoint: usize,
     /// Control points: one value per joint each (m, rad).
     pub control_points: [Vec<f64>; 5],

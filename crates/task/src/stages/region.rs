@@ -42,7 +42,7 @@ impl Region {
         Self { pose: new_from_old * self.pose, ..self.clone() }
     }
 
-    /// Returns the difference, in words, of a pose in the planning frame that is more than 1 mm or 1° outside the region.
+    /// Returns the deviation from the region, in words, of a pose in the planning frame more than 1 mm or 1° outside it.
     pub fn fault_at(&self, pose: &Pose) -> Option<String> {
         let off = self.pose.inverse() * pose;
         let beyond = std::iter::zip(&off.translation.vector, self.within_m);
@@ -67,7 +67,7 @@ impl Region {
         std::iter::once(self.pose).chain(drawn)
     }
 
-    /// Returns the fault, in words, of invalid figures.
+    /// Returns the fault, in words, of an invalid region.
     pub(crate) fn fault(&self) -> Option<&'static str> {
         let has_sides = self.within_m.iter().all(|side_m| side_m.is_finite() && *side_m >= 0.0);
         if !has_sides {

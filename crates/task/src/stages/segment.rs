@@ -7,7 +7,7 @@ use crate::stages::payload::Payload;
 
 /// Properties of a motion during which the fingers do not move (a mode: Hauser & Latombe 2010, §3).
 ///
-/// Code decides by these properties alone; the name is for files and people.
+/// Code depends on these properties alone; the name is for files and people.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(into = "String")]
 pub struct Mode {
@@ -105,8 +105,8 @@ pub struct Segment {
     pub attached: Option<String>,
     /// Distance between the fingers, in metres; `None`: fully open.
     pub opening_m: Option<f64>,
-    /// Excess of the travel of the finger that touches last over that of the first, in metres; it pushes the object or the
-    /// hand. `None` while nothing is held.
+    /// Travel of the finger that touches last, after the first one touches, in metres; it pushes the object or the hand. `None`
+    /// while nothing is held.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub uneven_m: Option<f64>,
     /// Mass and inertia of the object in the hand, if torque limits include it.
@@ -125,8 +125,8 @@ pub struct Segment {
     /// Corners that the motion rounds instead of stopping, in the order of their way points.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub corners: Vec<RoundedCorner>,
-    /// Proven lower bound of the distance along each edge, in metres; `None` if nothing is near, empty without a proof. If a
-    /// corner between two edges is rounded, that of its curve counts for both.
+    /// Proven lower bound of the clearance along each edge, in metres; `None` if nothing is near, empty without a proof. If a
+    /// corner between two edges is rounded, the clearance of its curve counts for both.
     #[serde(default)]
     pub clearances_m: Vec<Option<f64>>,
 }

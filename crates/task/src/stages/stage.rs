@@ -43,7 +43,7 @@ pub enum Move {
     Home,
     /// Any of these configurations (m, rad; one value per joint each).
     Configurations(Vec<Vec<f64>>),
-    /// Any configuration at which the object in the hand, or the hand if it is empty, has this distance, in metres, from all
+    /// Any configuration at which the object in the hand, or the hand if it is empty, is at least this far, in metres, from all
     /// bodies but floors.
     Clear {
         /// Required distance, in metres.
@@ -220,7 +220,7 @@ impl fmt::Display for Stage {
 }
 
 impl PlaceAt {
-    /// Creates a goal at a named placement goal, with a retreat in any direction by [`CLEAR_M`].
+    /// Creates the options of a place stage: a named placement goal, and a retreat in any direction by [`CLEAR_M`].
     pub fn named(place: &str) -> Self {
         Self { place: place.to_owned(), clear_m: CLEAR_M, retreat_m: 0.0 }
     }

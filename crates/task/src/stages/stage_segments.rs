@@ -2,8 +2,8 @@ use crate::stages::segment::{Mode, MotionEnd, Segment};
 use crate::stages::stage::Stage;
 
 /// Checks that segments match stages: they are in order; the hand closes in a pick that a stage follows, opens in a place, and
-/// nowhere else; and only an object that has just been grasped, or is released next, may touch its support. [`are_complete`]
-/// checks that they reach the end of the last stage.
+/// moves nowhere else; only an object just grasped, or released next, may touch its support. [`are_complete`] checks that the
+/// segments reach the end of the last stage.
 ///
 /// # Errors
 /// A sentence that names the first segment that cannot follow.
@@ -18,8 +18,8 @@ pub fn check_segments(stages: &[Stage], segments: &[Segment]) -> Result<(), Stri
     Ok(())
 }
 
-/// Sets the stages of segments that state none: a pick ends with the lift-off of its object, a place with the retreat from the
-/// object, a move with its only segment.
+/// Sets the stage indices of segments that have none: a pick ends with the lift-off of its object, a place with the retreat
+/// from the object, a move with its only segment.
 pub fn number_stages(stages: &[Stage], segments: &mut [Segment]) {
     let mut stage = 0;
     for index in 0..segments.len() {

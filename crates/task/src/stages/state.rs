@@ -12,10 +12,9 @@ use crate::stages::segment::{Mode, MotionEnd, Segment};
 use crate::stages::straight::{FarEnd, straight_line, straight_path};
 use crate::{Carrier, FailureReason, Goal, Grip, LiftOffSettings, Moved, Pick, Problem, Stage, TaskError};
 
-/// Distance between two configurations on the path back, in the metric of the joints (m, rad).
+/// Maximum distance between two configurations of [`State::free_along`], in the metric of the joints (m, rad).
 const PIECE: f64 = 0.25;
-/// Robot, hand and world at an instant of a task: the configuration, the pose of each body, and the object in the hand. Only
-/// [`State::along`] changes the world.
+/// Robot, hand and world at an instant of a task: the configuration, the pose of each body, and the object in the hand.
 #[derive(Clone, Debug)]
 pub struct State {
     /// Configuration (m, rad; one value per joint).
@@ -127,8 +126,8 @@ impl State {
         Some(world_from_tip * self.tip_from(moved)?)
     }
 
-    /// Returns the pose of the gripper frame in the planning frame at which it, or the first solid of the object in the hand,
-    /// has a pose in that frame; `None` for the object of an empty hand.
+    /// Returns the pose of the gripper frame in the planning frame that brings the moved frame (the gripper frame, or the first
+    /// solid of the object in the hand) to a pose there; `None` for the object of an empty hand.
     pub fn world_from_tip(&self, moved: Moved, world_from_moved: &Pose) -> Option<Pose> {
         Some(world_from_moved * self.tip_from(moved)?.inverse())
     }
@@ -140,8 +139,8 @@ impl State {
         }
     }
 
-    /// Returns the problem of grasping an object from this state: with the grasps of `problem` for its target, otherwise with
-    /// grasps of the planner's own.
+    /// Returns the problem of grasping an object from this state: with the grasps of `problem` for its target; for another
+    /// object the planner generates grasps.
     ///
     /// # Errors
     /// As [`Pick::body`], and [`TaskError::NoGraspMeasure`] for an object whose grasps cannot be measured.
@@ -188,8 +187,8 @@ impl State {
         }
     }
 
-    /// Returns configurations (m, rad; one value per joint) along the first part of a path of way points that is proven with
-    /// the object in the hand, no two farther apart than one step of a tree search.
+    /// Returns configurations (m, rad; one value per joint) along the beginning of a path of way points, as far as it is proven
+    /// in the cell of this state. Neighbours are no farther apart than one step of a tree search.
     pub fn free_along(&self, path: &[Vec<f64>]) -> Vec<Vec<f64>> {
         let mut scratch = self.cell().scratch();
         let mut along: Vec<Vec<f64>> = path.first().cloned().into_iter().collect();
@@ -217,7 +216,7 @@ impl State {
         along
     }
 
-    /// Returns the problem of moving from here, with the object in the hand, to any of these configurations (m, rad; one value
+    /// Returns the problem of moving from here, with any object in the hand, to one of these configurations (m, rad; one value
     /// per joint).
     ///
     /// # Errors

@@ -10,7 +10,7 @@ use crate::stages::stage::{MOST_STRAIGHT_M, PlaceAt, Stage};
 /// Distance between two consecutive configurations of a straight motion, in metres.
 const RUNG_M: f64 = 0.01;
 
-/// Length beyond the required one, in metres: more than errors of inverse kinematics.
+/// Excess over the required length, in metres: more than the errors of inverse kinematics.
 const BEYOND_M: f64 = 1e-5;
 
 /// A straight line from a pose against its own z axis, on which the gripper frame stays within 1 mm and 1°.
@@ -42,7 +42,7 @@ impl StraightLine {
         let half_m = Vector::new(ACROSS_M, ACROSS_M, 0.5 * self.length_m + ACROSS_M);
         let world_from_box = self.world_from_end * Pose::translation(0.0, 0.0, -0.5 * self.length_m);
         let on_line = ToolRegion::Box { point_in_link: Point::origin(), world_from_box, half_m };
-        // 1 − cos of the whole turn is at most the sum of 1 − cos of the angles by which two axes turn.
+        // For the whole turn, 1 − cos is at most the sum of 1 − cos over the angles by which two of the axes turn.
         let most_rad = libm::acos(0.5 * (1.0 + libm::cos(EXACT_ROTATION_RAD)));
         let cone = |axis_in_link: Vector| {
             let toward = self.world_from_end.rotation * axis_in_link;
@@ -89,7 +89,7 @@ pub(crate) fn straight_path(
 ) -> Result<Vec<Vec<f64>>, Option<[String; 2]>> {
     let robot = cell.robot();
     let world_from_tip = *robot.frames_at(q).link(robot.tip());
-    // The rest of the tolerance is reserved for the straight edges between.
+    // The rest of the pose tolerance is left for the straight edges between the solutions.
     let settings =
         IkSettings { translation_tolerance_m: 1e-6, rotation_tolerance_rad: 1e-5, ..IkSettings::default() };
     let mut solver = IkSolver::new(robot, settings);
@@ -111,7 +111,7 @@ pub(crate) fn straight_path(
     in_long_edges(&keeping, &rungs)
 }
 
-/// Returns a path through few of these way points (m, rad; one value per joint), proven in a cell.
+/// Returns a path through as few of these way points (m, rad; one value per joint) as found, proven in a cell.
 fn in_long_edges(cell: &Cell, rungs: &[Vec<f64>]) -> Result<Vec<Vec<f64>>, Option<[String; 2]>> {
     let mut scratch = cell.scratch();
     let (mut path, mut at) = (rungs[..1].to_vec(), 0);
