@@ -138,7 +138,7 @@ impl TaskJudge<'_> {
                 let Some(picking) = picks.next() else { return Err(PathError::EmptyPath) };
                 let judged = if run.segment.mode == Mode::APPROACH {
                     audit_with(
-                        &picking.with_start_in_cell(&run.path()[0], state.cell())?,
+                        &picking.with_start_in_cell(&state.q, state.cell())?,
                         run.path(),
                         self.settings,
                     )?

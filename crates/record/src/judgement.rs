@@ -284,9 +284,12 @@ impl PlanFile {
             Some(_) if audit.valid => self.trajectory(problem.robot())?.as_ref().map(PlanTiming::of),
             _ => None,
         };
-        let up = || problem.cell().map(|cell| cell.world().up().into());
-        let timing =
-            timing.map(|timing| PlanTiming { torque_up: timing.torque_up.and_then(|_| up()), ..timing });
+        // A load of unknown mass leaves torques unknown.
+        let is_known = along.is_none_or(|along| {
+            along.states.iter().all(|state| state.held().is_none() || state.payload(problem).is_some())
+        });
+        let up = problem.cell().filter(|_| is_known).map(|cell| cell.world().up().into());
+        let timing = timing.map(|timing| PlanTiming { torque_up: timing.torque_up.and(up), ..timing });
         let (clearance_m, clearances_per_edge_m) = match settings.clearances {
             Clearances::OfEdges => (audit.clearance_m, audit.clearances_per_edge_m.clone()),
             Clearances::OfPath | Clearances::None => (self.clearance_m, self.clearances_per_edge_m.clone()),
@@ -352,6 +355,7 @@ impl PlanFile {
         (along, problem): (Option<&StateSequence>, &Problem),
         clearances_per_edge_m: &[Option<f64>],
     ) -> Vec<Segment> {
+        let limits_torque = self.timing.as_ref().is_some_and(|timing| timing.torque_up.is_some());
         let mut segments = self.segments.clone();
         give_clearances(&mut segments, clearances_per_edge_m);
         for (segment, state) in segments.iter_mut().zip(along.into_iter().flat_map(|along| &along.states)) {
@@ -360,7 +364,8 @@ impl PlanFile {
                 segment.opening_m = Some(grip.opening_m);
                 segment.uneven_m = Some(grip.uneven_m);
             }
-            segment.payload = segment.payload.and_then(|_| state.payload(problem));
+            let is_counted = segment.payload.is_some() || limits_torque;
+            segment.payload = if is_counted { state.payload(problem) } else { None };
         }
         segments
     }

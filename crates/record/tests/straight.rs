@@ -140,3 +140,30 @@ fn lengths_that_are_none_and_tasks_without_them_are_refused() {
     let words = ask.request(&moving, None).unwrap_err().to_string();
     assert!(words.contains("nothing is grasped"), "{words}");
 }
+
+/// An approach begins where the motion before it ends, and the hand retreats as soon as it has let go.
+#[test]
+fn an_approach_from_nowhere_and_a_retreat_by_another_name_are_refused() {
+    let problem = open("012");
+    let plan = straight(&problem, 0, Some("outside"));
+    let approach = plan.segments.iter().position(|segment| segment.mode == Mode::APPROACH).unwrap();
+    let mut teleported = plan.clone();
+    teleported.segments.drain(..approach);
+    assert!(faults(&teleported, &problem).iter().any(|fault| fault.contains("off the start")));
+    let mut single = teleported;
+    single.segments.truncate(1);
+    let end = single.segments[0].waypoints.last().unwrap().clone();
+    single.segments[0].waypoints = vec![end];
+    single.segments[0].corners.clear();
+    single.task = vec![Stage::pick()];
+    assert!(faults(&single, &problem).iter().any(|fault| fault.contains("off the start")));
+    for mode in [Mode::RETURN, Mode::REACH] {
+        let mut renamed = plan.clone();
+        for segment in renamed.segments.iter_mut().filter(|segment| segment.mode == Mode::RETREAT) {
+            segment.mode = mode;
+        }
+        assert!(faults(&renamed, &problem).iter().any(|fault| fault.contains("does not retreat")));
+    }
+    let stage = serde_json::from_str::<Stage>(r#"{"pick": "target", "approach_m": -0.08}"#);
+    assert!(stage.unwrap_err().to_string().contains("not a valid length of an approach"));
+}

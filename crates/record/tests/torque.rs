@@ -96,6 +96,14 @@ fn what_a_plan_states_of_its_load_is_measured() {
     }
     let new: Vec<String> = faults(&lighter).into_iter().filter(|fault| !known.contains(fault)).collect();
     assert!(new.iter().any(|fault| fault.contains("payload")), "{new:?}");
+    for of in 0..plan.segments.len() {
+        let mut without = plan.clone();
+        if without.segments[of].payload.take().is_some() {
+            let new: Vec<String> =
+                faults(&without).into_iter().filter(|fault| !known.contains(fault)).collect();
+            assert!(new.iter().any(|fault| fault.contains("payload")), "{of}: {new:?}");
+        }
+    }
     let mut tilted = plan;
     tilted.timing.as_mut().unwrap().torque_up = Some([0.0, 1.0, 0.0]);
     let new: Vec<String> = faults(&tilted).into_iter().filter(|fault| !known.contains(fault)).collect();

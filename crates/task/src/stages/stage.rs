@@ -353,6 +353,9 @@ impl TryFrom<StageRow> for Stage {
         if place.is_none() {
             only("retreat_m", "'place'", retreat_m)?;
         }
+        for (motion, length_m) in [("an approach", approach_m), ("a retreat", retreat_m)] {
+            length_m.and_then(|length_m| straight_fault(motion, length_m)).map_or(Ok(()), Err)?;
+        }
         let stage = match (pick, move_to, place) {
             (Some(object), None, None) => {
                 only("clear_m", "'place' or 'move: clear'", clear_m)?;

@@ -106,6 +106,9 @@ fn fault_of(
     if closes && (begins_stage || !matches!(stage, Stage::Pick(_)) || segment.stage + 1 == stages.len()) {
         return Some("holds an object that was not picked");
     }
+    if opens && segment.mode != Mode::RETREAT {
+        return Some("does not retreat from the object that the hand has let go");
+    }
     if opens && (begins_stage || !matches!(stage, Stage::Place(_))) {
         return Some("lets an object go where none is put down");
     }
