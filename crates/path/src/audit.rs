@@ -68,14 +68,14 @@ impl Audit {
         self.picks.push(pick);
     }
 
-    /// Adds a violation for each grasp stated in `said`, given by the stage of its pick, that differs from the measured one.
+    /// Adds a violation for each stated grasp, given by the stage of its pick, that differs from the measured one.
     #[must_use]
-    pub fn with_stated_grasps(mut self, said: &[(usize, OwnGrasp)]) -> Self {
-        for (stage, said) in said {
+    pub fn with_stated_grasps(mut self, stated: &[(usize, OwnGrasp)]) -> Self {
+        for (stage, grasp) in stated {
             let Some(pick) = self.picks.iter().find(|pick| pick.stage == *stage) else { continue };
             let way_point = pick.way_point;
-            if let Some(measured) = pick.own_grasp.filter(|measured| !measured.is_as_said(said)) {
-                let stated_and_measured = Box::new([*said, measured]);
+            if let Some(measured) = pick.own_grasp.filter(|measured| !measured.is_as_said(grasp)) {
+                let stated_and_measured = Box::new([*grasp, measured]);
                 let cause = Cause::StatedGrasp { stated_and_measured };
                 self.violations.push(Violation::at_way_point(way_point, cause));
                 self.valid = false;

@@ -83,11 +83,13 @@ pub fn audit_along(
     Ok(audit)
 }
 
-/// Returns true for segments of one stage in one world.
+/// Returns true for segments of one stage in one world, which are straight lines both or neither.
 fn is_one_motion(a: &Segment, b: &Segment) -> bool {
-    let properties = |segment: &Segment| (segment.stage, segment.mode.holds, segment.mode.rests_at);
-    let is_straight = [a, b].iter().any(|segment| segment.mode == Mode::APPROACH);
-    properties(a) == properties(b) && a.mode.rests_at.is_none() && !is_straight
+    let is_straight = |mode: Mode| mode == Mode::APPROACH || mode == Mode::RETREAT;
+    let properties = |segment: &Segment| {
+        (segment.stage, segment.mode.holds, segment.mode.rests_at, is_straight(segment.mode))
+    };
+    properties(a) == properties(b) && a.mode.rests_at.is_none()
 }
 
 /// Motion, the number of edges before it, and the segment that follows.

@@ -179,7 +179,7 @@ impl Request {
         if !self.stages.is_empty() {
             if is_paper {
                 let problem =
-                    "the paper criterion proves nothing, so nothing is carried under it; choose 'exact'";
+                    "the paper criterion proves nothing, and has no tasks of stages; choose 'exact'";
                 return refuse("criterion", problem.to_owned());
             }
             Stage::check_all(&self.stages, problem)?;

@@ -30,7 +30,7 @@ impl Cell {
     ///
     /// # Errors
     /// [`CollisionError::ToolBound`] for a bound that is out of range, and the errors for its link as in [`Cell::new`].
-    pub fn within(&self, further: &[ToolBound]) -> Result<Self, CollisionError> {
+    pub fn with_further_bounds(&self, further: &[ToolBound]) -> Result<Self, CollisionError> {
         for bound in further {
             bound.check()?;
             bound.check_link(&self.robot)?;
@@ -42,7 +42,7 @@ impl Cell {
     }
 
     /// Returns the bounds on the tool along every motion: those of the world
-    /// ([`World::with_tool_bounds`](crate::World::with_tool_bounds)), those of [`Self::within`], and last the tilt of the held
+    /// ([`World::with_tool_bounds`](crate::World::with_tool_bounds)), those of [`Self::with_further_bounds`], and last the tilt of the held
     /// object, if it is limited ([`Self::tilt_bound`]).
     pub fn tool_bounds(&self) -> impl ExactSizeIterator<Item = &ToolBound> {
         self.bounds.iter().map(|bound| &bound.bound)

@@ -55,7 +55,7 @@ impl Drives {
             let (mut bend_x, mut left) = (most_x, Vec::with_capacity(self.efforts.len()));
             for (joint, effort) in self.efforts.iter().enumerate() {
                 let left_n = effort * EFFORT_USE - greatest.weight[joint];
-                if left_n <= 0.0 {
+                if left_n.is_nan() || left_n <= 0.0 {
                     return Err(PathError::Weight {
                         joint: robot.joint_names()[joint].clone(),
                         edge: piece.edges[0],

@@ -50,7 +50,7 @@ impl StraightLine {
         };
         let regions = [on_line, cone(Vector::z()), cone(Vector::x())];
         let bound = |region| ToolBound { name: "straight line".to_owned(), link: None, region };
-        cell.within(&regions.map(bound))
+        cell.with_further_bounds(&regions.map(bound))
     }
 }
 
