@@ -232,7 +232,7 @@ impl FailureReason {
                 format!("the object is {width} mm wide there, and the hand opens {opening} mm")
             }
             // All distances share one sentence, because failures are counted by it.
-            Self::OutOfReach { .. } => "beyond reach from anywhere the base can stand".to_owned(),
+            Self::OutOfReach { .. } => "out of reach from every position of the base".to_owned(),
             Self::HandCollides { link, body } => format!("the hand alone collides: {link} against {body}"),
             Self::NoIk => "inverse kinematics found no solution".to_owned(),
             Self::ArmCollides { link, body } => {
