@@ -1,5 +1,4 @@
-//! Fuzz targets for every reader of files: each has the sound file of its kind, damaged, read in its place.
-//! How they are run: `fuzz/run`.
+//! Fuzz targets of all file readers: each reads damaged versions of a valid file of its kind. `fuzz/run` runs them.
 
 #[path = "../crates/cli/tests/file_readers/mod.rs"]
 mod file_readers;
@@ -9,11 +8,11 @@ pub use file_readers::ReaderAtWork;
 /// Folder of `file_readers`, from this crate.
 const HERE: &str = "../crates/cli/tests/file_readers";
 
-/// Number of changes of which one repeats a stretch of the input until it is as long as it may be: what takes time or memory
-/// with the square of a size shows in long files alone, which libFuzzer hardly makes by itself.
+/// One in this number of changes repeats a stretch of the input up to the maximum length: quadratic time or memory shows only
+/// in long files, which libFuzzer rarely makes by itself.
 const GROWTH: u32 = 256;
 
-/// Changes the first `size` of `data`, and returns how many bytes are then used.
+/// Changes the first `size` bytes of `data`, and returns the new size.
 pub fn mutate(data: &mut [u8], size: usize, most: usize, seed: u32) -> usize {
     if seed % GROWTH != 0 || size == 0 {
         return libfuzzer_sys::fuzzer_mutate(data, size, most);

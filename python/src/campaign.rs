@@ -36,8 +36,7 @@ where
     word.parse().map_err(|_| bad_value(format!("{argument} is '{word}', but one of {} is expected", known())))
 }
 
-/// Runs the trials of a campaign that are not in `output` yet: `scenarios` × `planners` × `criteria` × seeds. `bench.run` calls
-/// it.
+/// Runs the trials of a campaign that are not in `output` yet: `scenarios` × `planners` × `criteria` × seeds (see `bench.run`).
 ///
 /// `planners`: tuples of a name, a call (the name of a built-in planner, or the words of a command that speaks the exec
 /// protocol), and settings that differ from the defaults, or None. `worker`: the words of the command that serves trials.

@@ -24,8 +24,7 @@ const EXACT_BLOCK: usize = 64;
 
 #[pymethods]
 impl PyCell {
-    /// Creates a cell of `robot` in a world of `bodies`; all checks require the clearance `margin_m` (m) between any two
-    /// bodies.
+    /// Creates a cell of `robot` in a world of `bodies`; all checks require the clearance `margin_m` (m) between any two.
     ///
     /// `scenario.cell()` returns the cell of a scenario, with its target.
     #[new]
@@ -64,8 +63,7 @@ impl PyCell {
         self.cell.self_pairs().into_iter().map(|(a, b)| (name(a), name(b))).collect()
     }
 
-    /// Returns True if `q` is within the joint limits and every pair keeps its clearance: a bool; for a batch, an array (N,) of
-    /// bools, computed with SIMD.
+    /// Returns True if `q` is within the joint limits and every pair keeps its clearance: a bool; for a batch, an array (N,).
     #[pyo3(signature = (q, *, threads=Some(1)), text_signature = "($self, q, *, threads=1)")]
     fn is_free<'py>(
         &self,
@@ -88,8 +86,8 @@ impl PyCell {
         Ok(shaped(py, free, &[q.count])?.into_any())
     }
 
-    /// Returns the minimum distance over all pairs at `q` in metres, a certified lower bound; 0 in contact, infinite without
-    /// any pair. A float; for a batch, an array (N,). Joint limits are not checked.
+    /// Returns the minimum distance over all pairs at `q` in metres, a certified lower bound: a float; for a batch, an array
+    /// (N,). 0 in contact, infinite without any pair. Joint limits are not checked.
     #[pyo3(signature = (q, *, threads=Some(1)), text_signature = "($self, q, *, threads=1)")]
     fn clearance<'py>(
         &self,
@@ -103,8 +101,8 @@ impl PyCell {
         scalar_or_array(py, q.is_single, least)
     }
 
-    /// Returns the first pair at `q` that violates its clearance, in a fixed order, hand and wrist before the base; None if
-    /// every pair keeps its clearance. For a batch, a list of N of them. Joint limits are not checked.
+    /// Returns the first pair at `q` that violates its clearance, in a fixed order, hand and wrist before the base, or None.
+    /// For a batch, a list of N of them. Joint limits are not checked.
     #[pyo3(signature = (q, *, threads=Some(1)), text_signature = "($self, q, *, threads=1)")]
     fn first_contact<'py>(
         &self,

@@ -60,8 +60,8 @@ pub struct PyPlan {
 
 /// Robot: links, and the group of joints that moves them. Immutable.
 ///
-/// `q` holds one value for each joint of the group, in the order of `joint_names`: metres for a prismatic joint, radians for a
-/// revolute one. Poses are `root_from_link`, (4, 4) homogeneous matrices in metres. Every `q` of shape (dof,) may also be a
+/// `q` contains one value for each joint of the group, in the order of `joint_names`: metres for a prismatic joint, radians for
+/// a revolute one. Poses are `root_from_link`, (4, 4) homogeneous matrices in metres. Every `q` of shape (dof,) may also be a
 /// batch (N, dof); results then have N rows.
 #[pyclass(name = "Robot", module = "cranny", frozen)]
 pub struct PyRobot {

@@ -94,8 +94,7 @@ pub fn moving_picture<'py>(
     Ok(PyBytes::new(py, &bytes?))
 }
 
-/// Returns the viewer with `scenario`, and with `plan` if given, as one HTML document; None if the package was built without
-/// the viewer (Node was missing).
+/// Returns the viewer with `scenario`, and with `plan` if given, as one HTML document; None if the package lacks the viewer.
 #[pyfunction]
 #[pyo3(signature = (scenario, plan=None))]
 pub fn page(
@@ -111,8 +110,8 @@ pub fn page(
     }
 }
 
-/// Returns the content of the viewer's page of a scenario, and the cells in which it checks configurations; includes the search
-/// trees of a single plan, if known.
+/// Returns the content of the viewer's page of a scenario, with the search trees of a single plan if known, and the cells in
+/// which it checks configurations.
 pub fn page_of(
     scenario: &PyScenario,
     plan: Option<&PyPlan>,

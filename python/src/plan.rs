@@ -83,8 +83,7 @@ impl PyPlan {
         self.measured.robustness.as_ref().map(|robustness| python_of(py, robustness)).transpose()
     }
 
-    /// Proven lower bound on the length of every path of the task, in the plain norm of the joints (m and rad alike); None if
-    /// unknown.
+    /// Proven lower bound on the length of every path of the task, in the plain norm of the joints (m and rad alike), or None.
     #[getter]
     fn least_length(&self) -> Option<f64> {
         self.measured.least_length
@@ -195,8 +194,7 @@ impl PyPlan {
     }
 
     /// Content of a plan file as a dictionary: `planner`, `seed`, `statistics`, `timing`, …; and `failures`, the obstacles
-    /// between the robot and each grasp, from planners that record them, and `no_grasp`, the reason if no grasp was reached at
-    /// all.
+    /// between the robot and each grasp, from planners that record them, and `no_grasp`, the reason if no grasp was reached.
     #[getter]
     fn report<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let report = python_of(py, &self.measured)?;
@@ -204,8 +202,7 @@ impl PyPlan {
         Ok(report)
     }
 
-    /// Samples position, velocity and acceleration of the joints at `rate` samples per second (Hz): a Samples of arrays (T,
-    /// dof). The last sample is the end.
+    /// Samples position, velocity and acceleration of the joints at `rate` (Hz), with the end: a Samples of arrays (T, dof).
     #[pyo3(signature = (rate=100.0))]
     fn sample(&self, py: Python<'_>, rate: f64) -> PyResult<PySamples> {
         let trajectory = self.timed()?;

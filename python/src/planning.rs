@@ -129,8 +129,7 @@ pub fn seconds(what: &str, value: f64) -> PyResult<Duration> {
 /// object slips (weaker grasps are rejected, motions are slowed down accordingly; 0 disables the check); `plan.hold` is the
 /// result. `try_in_physics`: maximum number of plans executed as by `simulate_plan`; if an object is lost or does not stay
 /// where it was put down, the next plan excludes the failed grasp and uses the next seed; `plan.tries` lists the results.
-/// `watch`: a page of `cranny.show(scenario, live=True)`, which shows the trees of the search as they grow, and finally the
-/// plan.
+/// `watch`: a page of `cranny.show(scenario, live=True)`, which shows the growing trees of the search, then the plan.
 ///
 /// If no path is found within the budget, no exception is raised: see `plan.outcome`. Ctrl-C stops the search at once.
 #[pyfunction]

@@ -294,8 +294,7 @@ impl PyRobot {
     }
 
     /// Returns configurations that bring the tip to `pose`, (4, 4) `root_from_tip`: an array (K, dof), 0 ≤ K ≤ `count`, of
-    /// distinct solutions within the joint limits; for poses (N, 4, 4) a list of N such arrays. An empty array does not prove
-    /// that there is no solution.
+    /// distinct solutions within the joint limits, for poses (N, 4, 4) a list of N arrays. An empty array proves nothing.
     ///
     /// At most `attempts` searches start at random configurations drawn from `seed`; with `start` (dof,), a single one starts
     /// there instead. `cell`: return only solutions that are free in it.
@@ -344,8 +343,7 @@ impl PyRobot {
         Ok(arrays.into_pyobject(py)?.into_any())
     }
 
-    /// Returns `count` configurations sampled uniformly within the joint limits, (count, dof); the same `seed` gives the same
-    /// ones on every machine.
+    /// Returns `count` uniform samples within the joint limits, (count, dof), the same for one `seed` on every machine.
     #[pyo3(signature = (count, *, seed=0))]
     fn sample<'py>(
         &self,

@@ -186,7 +186,7 @@ impl PyScenario {
         shaped(py, self.scenario.start.clone(), &[self.scenario.start.len()])
     }
 
-    /// Names of the places where the target can be put down.
+    /// Names of the placements of the target.
     #[getter]
     fn places(&self) -> Vec<String> {
         self.scenario.places.iter().map(|place| place.name.clone()).collect()
@@ -216,8 +216,7 @@ impl PyScenario {
     }
 
     /// Returns the robot in the scenario's world, including target and floor, with the required margins in metres: `margin_m`
-    /// between any two bodies, `grasp_margin_m` between hand and fingers and the target or its support. The cell is exact under
-    /// the "paper" criterion too.
+    /// between any two bodies, `grasp_margin_m` between hand and fingers and the target or its support. It is always exact.
     #[pyo3(signature = (*, margin_m=0.0, grasp_margin_m=0.0))]
     fn cell(slf: &Bound<'_, Self>, margin_m: f64, grasp_margin_m: f64) -> PyResult<PyCell> {
         let problem = slf.get().exact_problem(Margins { margin_m, grasp_margin_m, ..Margins::default() })?;
@@ -320,8 +319,7 @@ impl PyScenario {
         Self::altered(slf, scenario, ("with_criterion", criterion))
     }
 
-    /// Writes the scenario to a new folder in Cranny's own layout, which `Scenario.load` reads. Only for the built-in robot, on
-    /// its floor.
+    /// Writes the scenario, of the built-in robot on its floor, to a new folder in Cranny's own layout, for `Scenario.load`.
     fn save(&self, folder: PathBuf) -> PyResult<()> {
         self.scenario.write_folder(&folder).map_err(fault)
     }
@@ -360,14 +358,13 @@ impl PyScenario {
         Ok(Self { made, ..Self::with(slf, scenario) })
     }
 
-    /// For files, pickles hold their paths and a fingerprint of their content: unpickling opens them again, and raises an error
-    /// if they have changed.
+    /// For files, pickles contain paths and a fingerprint of the content; unpickling raises an error if that has changed.
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
         slf.get().made.reduced(slf, "open it again")
     }
 
-    /// Returns a View of the scenario for a notebook, with `plan` or the plans of its steps if given. `view`: "three-quarter",
-    /// "front", "side" or "top"; `width` and `height` in pixels.
+    /// Returns a View of the scenario for a notebook, with `plan` or the plans of its `steps` if given. `view`:
+    /// "three-quarter", "front", "side" or "top"; `width` and `height` in pixels.
     #[pyo3(signature = (plan=None, *, view="three-quarter", width=640, height=480))]
     fn show<'py>(
         slf: &Bound<'py, Self>,

@@ -43,8 +43,7 @@ impl PyVerification {
         python_of(py, &self.audit.own_grasp)
     }
 
-    /// Minimum distance along the whole path in metres, a certified lower bound; None under "paper", or without any pair to
-    /// check.
+    /// Minimum distance along the whole path in metres, a certified lower bound; None under "paper", or without pairs to check.
     #[getter]
     fn clearance_m(&self) -> Option<f64> {
         self.audit.clearance_m

@@ -14,7 +14,7 @@ const ROOMS: [&str; 8] = [
     "cranny-plan",
 ];
 
-/// Returns ready: the step needs no additional tools.
+/// Returns ready: no additional tools are needed.
 pub fn readiness(_: &Surroundings) -> Readiness {
     Readiness::Ready
 }

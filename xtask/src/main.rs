@@ -1,4 +1,4 @@
-//! Tasks for contributors: `cargo xtask tidy` and `cargo xtask test`.
+//! Commands for contributors: `cargo xtask tidy` and `cargo xtask test`.
 //!
 //! Exit codes: 0 success, 1 a check failed, 2 not runnable (unknown word, no git, wrong `CRANNY_DATA`).
 
@@ -62,7 +62,7 @@ Examples:
 
 Exit codes: 0 done, 1 a check failed, 2 not runnable as asked";
 
-/// Task of the command line.
+/// Parsed command line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Task {
     Help,
@@ -71,7 +71,7 @@ enum Task {
     Steps { names: Vec<String> },
 }
 
-/// Parses the task of `words`; the error describes invalid words.
+/// Parses the words of the command line; the error describes invalid ones.
 fn task_of(words: &[&str]) -> Result<Task, String> {
     match words {
         [] => Err("no task given".to_owned()),

@@ -2,7 +2,7 @@
 
 use crate::step::{self, Readiness, Surroundings};
 
-/// Returns ready: the step needs no additional tools.
+/// Returns ready: no additional tools are needed.
 pub fn readiness(_: &Surroundings) -> Readiness {
     Readiness::Ready
 }

@@ -12,8 +12,7 @@ pub const SKIPPED: &str = "SKIPPED: tests that run Python packages";
 /// Requirements file, relative to the root of the checkout.
 const REQUIREMENTS: &str = "xtask/python-requirements.txt";
 
-/// Returns the Python that `CRANNY_PYTHON` names, or that of an environment under `target`, which is recreated whenever the
-/// requirements change.
+/// Returns the Python that `CRANNY_PYTHON` names, or one in an environment below `target`, recreated for new requirements.
 ///
 /// # Errors
 /// Name of the missing component: Python itself, its module `venv`, or a package.

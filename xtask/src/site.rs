@@ -1,8 +1,8 @@
 //! Site: the pages of `docs/` and `benchmarks/`, the reference of all commands, a gallery of live pages and the API, in one
 //! folder without external resources.
 //!
-//! 1. Pages are copied to `target/site/src` with the folder structure of the checkout, so that their links hold; links to other
-//!    files lead to the repository.
+//! 1. Pages are copied to `target/site/src` with the folder structure of the checkout, which keeps their links valid; links to
+//!    other files lead to the repository.
 //! 2. The program draws the gallery and prints its help.
 //! 3. mdBook converts the pages to HTML; the API of Rust, and of Python if a wheel is installed, is added.
 //! 4. Every link and every file that the result references must exist.

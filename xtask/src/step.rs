@@ -1,4 +1,4 @@
-//! Steps of a test run, each with its name, requirements and action.
+//! Checks of a test run, each with its name, requirements and action.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -11,13 +11,13 @@ use crate::released_data::{DATA, REQUIRE_ALL};
 /// Environment of a run.
 #[derive(Debug, Clone)]
 pub struct Surroundings {
-    /// Root of the checkout; steps run there.
+    /// Root of the checkout; checks run there.
     pub root: PathBuf,
     /// Absolute path of the released data, if available.
     pub data: Option<PathBuf>,
     /// Python for the tests, if available.
     pub python: Option<PathBuf>,
-    /// True if a step that lacks its tool fails instead of being skipped.
+    /// True if a check that lacks its tool fails instead of being skipped.
     pub all_required: bool,
     /// True if tests that have a longer form run in it.
     pub is_long: bool,
@@ -37,8 +37,8 @@ impl Surroundings {
         self.root.join(target).join("release").join(format!("cranny{}", std::env::consts::EXE_SUFFIX))
     }
 
-    /// Returns the path of the up-to-date program. It is built as the tests build it, with all crates and their test
-    /// dependencies, so that no dependency is rebuilt with other features.
+    /// Returns the path of the up-to-date program, built as by the tests, with all crates and their test dependencies, so that
+    /// no dependency is rebuilt with other features.
     ///
     /// # Errors
     /// If it cannot be built.
@@ -49,7 +49,7 @@ impl Surroundings {
 
     /// Returns a cargo command at the root, with data folder and Python in its environment.
     pub fn cargo(&self, words: &[&str]) -> Command {
-        // Uses the cargo that runs this task, so that nested runs use the same toolchain.
+        // Uses the cargo that runs this program, so that nested runs use the same toolchain.
         let cargo = std::env::var_os("CARGO").unwrap_or_else(|| OsString::from("cargo"));
         self.command(cargo, words)
     }
@@ -85,7 +85,7 @@ impl Surroundings {
     }
 }
 
-/// Availability of the tools of a step.
+/// Availability of the tools of a check.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Readiness {
     /// All tools are available.
@@ -94,34 +94,34 @@ pub enum Readiness {
     Missing(String),
 }
 
-/// Step of a run.
+/// Check of a run.
 #[derive(Clone, Copy)]
 pub struct Step {
     /// Name: a noun or two.
     pub name: &'static str,
     /// Checks the availability of its tools.
     pub needs: fn(&Surroundings) -> Readiness,
-    /// Runs the step; the error describes the failure.
+    /// Runs the check; the error describes the failure.
     pub action: fn(&Surroundings) -> Result<(), String>,
 }
 
-/// Step that could not run, with the reason.
+/// Check that could not run, with the reason.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Skipped {
-    /// Name of the step.
+    /// Name of the check.
     pub name: &'static str,
     /// Description of the missing tool.
     pub missing: String,
 }
 
-/// Results of a run of steps.
+/// Results of a run of checks.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub struct Record {
-    /// Steps that passed, in order.
+    /// Checks that passed, in order.
     pub passed: Vec<&'static str>,
-    /// Steps that were skipped.
+    /// Checks that were skipped.
     pub skipped: Vec<Skipped>,
-    /// Step that failed; no step ran after it.
+    /// Check that failed; none ran after it.
     pub failed: Option<&'static str>,
 }
 

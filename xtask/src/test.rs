@@ -15,7 +15,7 @@ use crate::step::{self, Readiness, Record, Step, Surroundings};
 use crate::tidy;
 use crate::web;
 
-/// Steps of every run. A step that needs a tool of its own declares it in `needs`.
+/// Checks of every run. A check that needs a tool of its own declares it in `needs`.
 const STEPS: [Step; 9] = [
     Step {
         name: "format",
@@ -43,7 +43,7 @@ const STEPS: [Step; 9] = [
     Step { name: "Python", needs: python_package::readiness, action: python_package::check },
 ];
 
-/// Additional steps of a long run: those that rarely fail, or whose tools are rarely installed.
+/// Additional checks of a long run: those that rarely fail, or whose tools are rarely installed.
 const LONG_STEPS: [Step; 4] = [
     Step { name: "site", needs: site::readiness, action: site::check },
     Step { name: "LaTeX", needs: latex::readiness, action: latex::check },
@@ -55,7 +55,7 @@ const LONG_STEPS: [Step; 4] = [
     },
 ];
 
-/// Runs the steps of these names, including those of a long run; returns true if they passed.
+/// Runs the checks of these names, including those of a long run; returns true if they passed.
 ///
 /// # Errors
 /// For an unknown name, and as [`run`].
@@ -76,7 +76,7 @@ pub fn run_steps(names: &[&str]) -> Result<bool, String> {
     Ok(step::run_all(&steps, &here).failed.is_none())
 }
 
-/// Runs all steps and returns true if they passed.
+/// Runs all checks and returns true if they passed.
 ///
 /// # Errors
 /// If the run cannot start: no workspace here, or the released data or Python are required but missing.
@@ -99,7 +99,7 @@ pub fn run(is_long: bool) -> Result<bool, String> {
     };
     let here = Surroundings { root, data, python, all_required, is_long };
 
-    // Printed before the steps, and again at the end of the output.
+    // Printed before the checks, and again at the end of the output.
     warn(&lacking);
     let long: &[Step] = if is_long { &LONG_STEPS } else { &[] };
     let record = step::run_all(&[&STEPS, long].concat(), &here);
@@ -114,7 +114,7 @@ fn warn(lines: &[String]) {
     }
 }
 
-/// Returns a summary in one line: passed, skipped and failed steps, and the time.
+/// Returns a summary in one line: passed, skipped and failed checks, and the time.
 fn summary(record: &Record, here: &Surroundings, seconds: f64) -> String {
     let mut parts = vec![format!("passed: {}", listed(&record.passed))];
     let mut skipped: Vec<&str> = record.skipped.iter().map(|skipped| skipped.name).collect();

@@ -41,8 +41,7 @@ pub enum Generated {
 /// Runs all checks and returns true if the checkout is tidy; prints every problem to stderr.
 ///
 /// # Errors
-/// If cargo or git cannot describe the checkout, a page cannot be written, or `CRANNY_DATA` is wrong, or unset although it is
-/// required.
+/// If cargo or git cannot describe the checkout, a page cannot be written, or `CRANNY_DATA` is wrong or required but unset.
 pub fn run(generated: Generated) -> Result<bool, String> {
     let (root, members) = member::read_workspace()?;
     if generated == Generated::Write {

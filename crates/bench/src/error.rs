@@ -66,7 +66,7 @@ pub enum BenchError {
         /// The invalid text.
         text: String,
     },
-    /// The results hold no trial with this number.
+    /// The results contain no trial with this number.
     #[error("{}: unknown trial {id} (known: 1 to {last})", path.display())]
     NoTrial {
         /// The file.
@@ -126,7 +126,7 @@ pub enum BenchError {
         /// Error of the operating system.
         reason: String,
     },
-    /// Full isolation of external programs is required, but this machine supports only some of it.
+    /// Full isolation of external programs is required, but this machine lacks one of its mechanisms.
     #[error(
         "this machine has no {missing}; with --sandbox auto, programs run with the protection that is \
          available"
@@ -141,7 +141,7 @@ pub enum BenchError {
         /// The property that differs.
         what: String,
     },
-    /// The results hold trials of another shard of the campaign.
+    /// The results contain trials of another shard of the campaign.
     #[error(
         "{}: {trials} trials of the campaign are not in its shard {part}: the file is from another shard, \
          from another number of runs or shards, or from another version of Cranny; give each shard its own \
@@ -156,7 +156,7 @@ pub enum BenchError {
         /// Number of trials of other shards.
         trials: usize,
     },
-    /// Two results files hold the same trial with different results.
+    /// Two results files contain the same trial with different results.
     #[error(
         "{path}: {count} trials have another result in {into}, the first of them {first}; --keep-first keeps \
          the result of the file that is given first"
@@ -310,7 +310,7 @@ pub enum BenchError {
         /// The file.
         path: PathBuf,
     },
-    /// The results do not hold the call of the planner.
+    /// The results do not contain the call of the planner.
     #[error("the results do not record the command or settings of planner '{planner}' of the trial")]
     UnknownCall {
         /// The planner.
@@ -332,7 +332,7 @@ pub enum BenchError {
         /// The value of the figure.
         value: f64,
     },
-    /// The results hold no trial to report.
+    /// The results contain no trial to report.
     #[error("{results}: the results contain no trial; add trials with `cranny bench run -o {results}`")]
     NoTrials {
         /// Name of the results.

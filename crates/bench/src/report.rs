@@ -1,4 +1,4 @@
-//! Reports of trials: a [`Summary`] holds every figure; pages, tables and plots only display them.
+//! Reports of trials: a [`Summary`] contains every figure; pages, tables and plots only display them.
 
 mod comparison;
 mod configuration;

@@ -130,7 +130,7 @@ fn copies_of_one_planner_are_rarely_found_to_differ() {
         }
         called += u32::from(calls_a_difference(&campaign.summary()));
     }
-    // The bound is one in twenty plus three standard deviations for few reports, and close to one in twenty for many.
+    // The bound is one in twenty, with three standard deviations added for few reports, and nearly none for many.
     let most = if is_long { 0.055 } else { 0.05 + 3.0 * (0.05 * 0.95 / f64::from(reports)).sqrt() };
     let share = f64::from(called) / f64::from(reports);
     eprintln!("{called} of {reports} reports call a difference significant");

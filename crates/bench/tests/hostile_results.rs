@@ -122,7 +122,7 @@ fn damaged_pages_are_an_error_and_never_the_end_of_the_program() {
     let whole = std::fs::read(results(folder.path())).expect("the file");
     let path = folder.path().join("damaged.db");
     let mut refused = 0;
-    // This step reaches every region of a page.
+    // This interval reaches every region of a page.
     for place in (0..whole.len()).step_by(997) {
         let mut bytes = whole.clone();
         bytes[place] ^= 0xa5;

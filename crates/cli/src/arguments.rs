@@ -42,8 +42,7 @@ pub struct MarginArguments {
     /// Clearance that every check and proof requires between any two bodies, in millimetres [default: 0]
     #[arg(long, value_name = "MM", value_parser = millimetres)]
     margin: Option<f64>,
-    /// Clearance of hand and fingers from the target and its support, in millimetres [default: 0; 1 for a plan that continues
-    /// after the grasp]
+    /// Clearance of hand and fingers from the target and its support, in millimetres [default: 0; 1 for plans beyond the grasp]
     #[arg(long, value_name = "MM", value_parser = millimetres)]
     grasp_margin: Option<f64>,
     /// Maximum tilt of a held object relative to its orientation when grasped, in degrees, proven along the whole motion; for
@@ -239,8 +238,7 @@ pub struct PlanArguments {
     /// Round corners (the default)
     #[arg(long, hide = true, conflicts_with = "stop_at_corners")]
     pub blend: bool,
-    /// Keep the force or torque of each joint within the effort limit of the URDF, given the masses of the links and of the
-    /// held object
+    /// Keep the force or torque of each joint within the effort limit of the URDF, given the masses of links and held object
     #[arg(long)]
     pub torque: bool,
     /// Fraction of the joint velocity limits to use, above 0 and at most 1, for all motions or for one kind (carry=0.2);
@@ -283,7 +281,7 @@ pub struct VerifyArguments {
     /// Accept a path that does not end at a goal
     #[arg(long)]
     pub any_end: bool,
-    // An attribute for the same reason as that of `plan`.
+    // An attribute, as for `plan`.
     #[arg(
         long,
         num_args = 2,

@@ -84,8 +84,8 @@ impl FileKind {
         }
     }
 
-    /// Returns true if a file that begins with `head` is of this kind. Formats that many programs write (PNG, GIF, SVG, PDF,
-    /// glTF) match any such file; the others only files of Cranny.
+    /// Returns true if a file that begins with `head` is of this kind. PNG, GIF, SVG, PDF and glTF match files of any program,
+    /// the other kinds only files of Cranny.
     pub fn is_that_of(self, head: &[u8]) -> bool {
         let text = String::from_utf8_lossy(head);
         let text = text.trim_start();
@@ -133,8 +133,7 @@ impl FileKind {
     }
 }
 
-/// Returns the number of comma-separated numbers on the first line, or 0 if it holds anything else. The last field of grasps
-/// may be empty.
+/// Returns the number of comma-separated numbers on the first line, whose last field may be empty; 0 for other content.
 fn numbers(text: &str) -> usize {
     let line = text.lines().next().unwrap_or_default();
     let fields: Vec<&str> = line.split(',').map(str::trim).collect();

@@ -36,8 +36,7 @@ enum Answer {
     No,
 }
 
-/// Runs the whole command line with the planners of a registry: [`Registry::default`] gives the program `cranny`; a program of
-/// your own adds a planner.
+/// Runs the command line with the planners of a registry: those of `cranny` ([`Registry::default`]), or also your own.
 pub fn main(registry: &Registry) -> ExitCode {
     let matches = whole_command().get_matches();
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|fault| fault.exit());

@@ -1,5 +1,4 @@
-//! Output files of commands. A file of another kind is overwritten only with `--force`, and files and folders are written
-//! atomically.
+//! Output files of commands: only `--force` overwrites a file of another kind; files and folders are written atomically.
 
 use std::fs::File;
 use std::io::Read as _;
@@ -11,10 +10,10 @@ use crate::arguments::Output;
 use crate::failure::Failure;
 use crate::file_kind::FileKind;
 
-/// Checks, before the work begins, that a command can write `path`. Refuses an existing file of another kind unless `--force`
-/// is given, folders, devices, read-only files and paths in folders that do not exist.
+/// Checks, before the work begins, that a command can write `path`. Refuses folders, devices, read-only files, paths in folders
+/// that do not exist, and existing files of another kind unless `--force` is given.
 ///
-/// An empty file is of every kind, because nothing is lost with it, and `mktemp` makes such files.
+/// An empty file, such as those of `mktemp`, is of every kind: it has no content to lose.
 pub fn check(path: &Path, kind: FileKind, output: Output) -> Result<(), Failure> {
     check_folder(path)?;
     check_writable(path)?;
@@ -58,8 +57,8 @@ pub fn write(path: &Path, kind: FileKind, content: &[u8], output: Output) -> Res
     Ok(write_whole_file(path, content)?)
 }
 
-/// Writes the partial result of a stopped command. An existing file stays, and the partial result is written beside it
-/// (`grasps.csv` → `grasps.partial.csv`). Returns the path written.
+/// Writes the partial result of a stopped command and returns its path: beside an existing file that has content (`grasps.csv`
+/// → `grasps.partial.csv`), which stays.
 pub fn write_part(path: &Path, kind: FileKind, content: &[u8], output: Output) -> Result<PathBuf, Failure> {
     let is_free = std::fs::metadata(path).map_or(true, |found| found.len() == 0);
     let place = if is_free {

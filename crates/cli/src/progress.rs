@@ -32,8 +32,7 @@ pub async fn interrupted(stop: Arc<AtomicBool>) {
     }
 }
 
-/// Runs work that reports no progress and returns its result; `None` if the flag is set before the end. The work is then
-/// abandoned and ends with the program.
+/// Runs work that reports no progress and returns its result; `None` if the flag is set first: the work is then abandoned.
 pub fn unless_stopped<T: Send + 'static>(
     stop: &AtomicBool,
     work: impl FnOnce() -> T + Send + 'static,

@@ -10,7 +10,7 @@ use crate::arguments::VerifyArguments;
 use crate::planning::task::Demand;
 use crate::text::at_least_mm;
 
-/// Files that a plan names in place of the scenario's own, on the authority of the plan alone. Flags override them.
+/// Files that a plan names instead of the scenario's own, on the authority of the plan alone. Flags override them.
 #[derive(Default, Serialize)]
 pub struct Brought {
     #[serde(skip_serializing_if = "Option::is_none")]

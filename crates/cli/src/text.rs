@@ -111,7 +111,7 @@ pub fn own_grasp(grasp: &OwnGrasp) -> String {
 /// Difference of the travel of two fingers above which it is reported, in metres; smaller ones are invisible.
 const UNEVEN_M: f64 = 1e-3;
 
-/// Returns text on fingers of which one meets the object before the other; empty if the difference is negligible.
+/// Formats the fact that one finger meets the object before the other; empty if the difference is negligible.
 pub fn uneven(uneven_m: Option<f64>) -> String {
     uneven_m.filter(|uneven_m| *uneven_m > UNEVEN_M).map_or_else(String::new, |uneven_m| {
         format!(" (one meets it {} before the other: it will be pushed, or the hand)", at_most_mm(uneven_m))
@@ -149,7 +149,7 @@ pub fn but_for(not_checked: &[NotChecked]) -> String {
 /// Maximum number of adjacent pairs named in a line.
 const MOST_NAMED: usize = 3;
 
-/// Formats the pairs that are not compared, with reason and remedy, and the allowed contacts. Each has a line with its heading;
+/// Formats the pairs that are not compared, with reason and remedy, and the allowed contacts: a line each with its heading;
 /// adjacent links share one line per kind.
 pub fn not_checked(pairs: &[NotChecked]) -> Vec<(&'static str, String)> {
     use NotCheckedReason::{

@@ -1,5 +1,4 @@
-//! Campaigns from the example page to the final report: errors are reported before the first trial, and failures after the
-//! last.
+//! Campaigns from the example page to the final report: errors are reported before the first trial, failures after the last.
 
 use std::os::unix::fs::PermissionsExt as _;
 use std::path::Path;

@@ -166,7 +166,7 @@ fn nothing_that_a_planner_starts_outlives_its_trial_however_often_it_forks() {
     );
     trials(&text, &[]);
     assert!(!is_running(&daemon) && !is_running(&grandchild));
-    // The same holds for a worker that is killed.
+    // The same applies to a worker that is killed.
     let orphan = sleep(3);
     let text = format!("setsid {orphan} > /dev/null 2>&1 &\nsleep 0.3\nkill -9 $PPID\n{orphan}\n");
     for trial in trials(&text, &[]) {

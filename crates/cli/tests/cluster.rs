@@ -1,4 +1,4 @@
-//! Campaigns in shards: run manually, and in the long run as tasks of a real Slurm of one node.
+//! Campaigns in shards: run manually, and in the long run as array tasks of a real Slurm of one node.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command as Process, Output};
@@ -79,7 +79,7 @@ fn scripts_are_written_checked_and_never_written_over() {
     for script in ["task.sh", "report.sh"] {
         assert!(Process::new("sh").arg("-n").arg(place.join(script)).status().expect("sh").success());
     }
-    // Runs a task with the variables that Slurm sets.
+    // Runs an array task with the variables that Slurm sets.
     let task = |number: &str| {
         let mut task = Process::new("sh");
         task.arg(place.join("task.sh")).env("SLURM_ARRAY_TASK_ID", number).output().expect("it runs")

@@ -1,5 +1,5 @@
 //! Regression tests: paths with a link inside a body that were reported as valid, each for another reason; and a contact that
-//! looks like free space. Each folder is a scenario with its path.
+//! appears to be free space. Each folder is a scenario with its path.
 
 use std::path::{Path, PathBuf};
 

@@ -1,4 +1,4 @@
-//! Plans that hold the carried object, from the command line.
+//! Plans whose hand must hold the carried object, from the command line.
 
 use std::path::Path;
 
@@ -59,7 +59,7 @@ fn a_hold_that_no_grasp_has_is_no_plan_and_its_reason_is_told() {
 fn plans_are_tried_in_physics_until_one_holds() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    // Without a required hold, the first grasp of the box lets it slip.
+    // Without a required hold factor, the first grasp of the box lets it slip.
     let weak = ["plan", "031", "--carry", "home", "--hold", "0", "--seed", "4"];
     let tried = |most: &str| {
         let tries = ["--try-in-physics", most, "-o", "031.plan.json"];

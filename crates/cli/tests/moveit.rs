@@ -1,5 +1,4 @@
-//! `cranny plan --moveit SCENE REQUEST` and `verify` with the same flag: MoveIt problems are planned and verified like
-//! scenarios.
+//! `cranny plan --moveit SCENE REQUEST` and `verify`: MoveIt problems are planned and verified like scenarios.
 
 use std::path::Path;
 use std::process::Output;

@@ -1,5 +1,4 @@
-//! Mutations of a false statement of a plan together with every other key: the statement stays false, or the plan is of another
-//! task.
+//! Mutations of a false statement of a plan and of every other key: the statement stays false, or the plan is of another task.
 
 use cranny_scenario::STEPS;
 use cranny_spatial::Stream;
@@ -66,8 +65,7 @@ fn changes_of(value: &Value) -> Vec<Option<Value>> {
     found
 }
 
-/// Checks a sampled change of each of at most `most` pairs, preferably one that can be read; in a long run, all changes of all
-/// pairs.
+/// Checks a sampled change of each of at most `most` pairs, preferably one that can be read; in a long run, all changes of all.
 fn check(name: &str, reader: &PlanReader, whole: &Value, most: usize) -> Vec<String> {
     let is_long = std::env::var_os("CRANNY_LONG").is_some();
     let mut stream = Stream::new(49, 0);
@@ -122,8 +120,7 @@ enum Effect {
     OtherTask,
 }
 
-/// Returns the treatment, in a verdict as text, of the false statement of one key if another key is changed too; `None` if it
-/// is trusted.
+/// Returns the effect, by a verdict as text, of the false statement of `own` if `key` is changed too; `None` if it is trusted.
 fn effect(text: &str, own: &str, key: &str) -> Option<Effect> {
     let (_, text) = text.split_at(text.find(['[', '{'])?);
     let verdict: Value = serde_json::from_str(text).unwrap();

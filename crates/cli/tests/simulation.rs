@@ -77,7 +77,7 @@ fn a_grasp_of_a_scenario_is_tried_and_recorded() {
         let error = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.code() == Some(2) && error.contains(said), "{words}: {error}");
     }
-    // An object that is too heavy cannot be held, which is a negative result.
+    // An object that is too heavy drops, which is a negative result.
     let (code, document) = answer(folder, &["grasps", "021", "--grasp", "3", "--mass", "50"]);
     assert_eq!((code, &document["held"]), (1, &0.into()));
 }
@@ -317,7 +317,7 @@ fn a_target_is_carried_home_and_the_plan_is_executed() {
     refused(folder.path(), &["plan", "021", "021.plan.json", "--lift=-5"], &["--lift", "'-5'"]);
 }
 
-/// Each step starts from the final poses of the one before; in the recording each body appears once.
+/// Each pick starts from the final poses of the one before; in the recording each body appears once.
 #[test]
 fn steps_are_executed_one_after_the_other() {
     let folder = tempfile::tempdir().unwrap();
@@ -334,7 +334,7 @@ fn steps_are_executed_one_after_the_other() {
         let placed = &step["placed"];
         let within = |key: &str, most: f64| placed[key].as_f64().is_some_and(|off| off <= most);
         let is_there = within("translation_m", 0.01) && within("rotation_rad", 0.1746);
-        // A released object is not held.
+        // A released object is no longer in the hand.
         if step["released"].is_object() {
             let outcome = if is_there { "placed" } else { "misplaced" };
             assert_eq!(step["outcome"], outcome, "{step}");
@@ -356,11 +356,11 @@ fn steps_are_executed_one_after_the_other() {
     }
     let place = |index: usize| named("column 1")[0].world_from_body[index].translation.vector;
     assert!((place(instants - 1) - place(0)).norm() > 0.3, "it was taken elsewhere");
-    // An object that a step put down is still there when the next one starts.
+    // An object that was put down is still there when the next pick starts.
     let jumps = (1..instants).filter(|&index| (place(index) - place(index - 1)).norm() > 0.1).count();
     assert_eq!(jumps, 0);
 
-    // Plans of other steps, or of a robot that does not continue where it stopped, are not executed.
+    // Plans of other picks, or of a robot that does not continue where it stopped, are not executed.
     let plans: serde_json::Value =
         serde_json::from_slice(&std::fs::read(folder.join("235.plan.json")).unwrap()).unwrap();
     let lie = |change: &dyn Fn(&mut serde_json::Value), words: &[&str]| {

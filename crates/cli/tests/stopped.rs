@@ -14,8 +14,7 @@ fn command(folder: &Path, arguments: &str) -> Command {
     command
 }
 
-/// Returns the output of a command that is stopped while it works. If stopped too early, it prints nothing, and the test waits
-/// longer.
+/// Returns the output of a command stopped while it works; if stopped too early, it is empty, and the test waits longer.
 fn stopped_after(seconds: f64, folder: &Path, arguments: &str) -> Output {
     let output = stopped_once(seconds, folder, arguments);
     if output.stdout.is_empty() { stopped_after(2.0 * seconds, folder, arguments) } else { output }

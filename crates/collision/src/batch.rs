@@ -25,8 +25,8 @@ impl Cell {
 
     /// Checks many configurations: the same verdicts as [`Cell::is_free`], several times as fast.
     ///
-    /// `configurations` holds one row after the other, each of one value per joint (m, rad). One verdict per row is written to
-    /// `verdicts`, which is cleared first.
+    /// `configurations` contains one row after the other, each of one value per joint (m, rad). `verdicts` is cleared, and
+    /// receives one verdict per row.
     ///
     /// The law `are_free = is_clear` within the limits is tested by `lanes_and_exact_check_agree`.
     ///
@@ -36,8 +36,7 @@ impl Cell {
         self.are_free_with(simd_level(), configurations, scratch, verdicts);
     }
 
-    /// Runs [`Self::are_free`] with the instructions of `level`, on rows of one value per joint (m, rad), to compare
-    /// instruction sets.
+    /// Runs [`Self::are_free`] with the instructions of `level`, to compare these, on rows of one value per joint (m, rad).
     ///
     /// # Panics
     /// If `configurations` does not consist of whole rows.
@@ -63,12 +62,12 @@ impl Cell {
         }
     }
 
-    /// Returns the number of consecutive free configurations, counted up to the first one that is not free: those at `places`,
-    /// at most [`LANES`], on the straight edge from `a` (at 0) to `b` (at 1), both (m, rad; one per joint). Joint limits are
-    /// not checked.
+    /// Returns the number of free configurations before the first one that is not free, of those at `places` (at most
+    /// [`LANES`]) on the straight edge from `a` (at 0) to `b` (at 1), both (m, rad; one per joint). Joint limits are not
+    /// checked.
     ///
-    /// Serves to extend an edge, with many checks at the cost of few (Thomason, Kingston & Kavraki 2024, "Motions in microseconds
-    /// via vectorized sampling-based planning", Fig. 2, here in the order of the edge).
+    /// Extends an edge by many checks at the cost of a few (Thomason, Kingston & Kavraki 2024, "Motions in microseconds via
+    /// vectorized sampling-based planning", Fig. 2, here in the order of the edge).
     ///
     /// # Panics
     /// If `places` has more than [`LANES`] values, or `a` or `b` has not one value per joint.
@@ -85,7 +84,7 @@ impl Cell {
         free.trailing_ones() as usize
     }
 
-    /// Returns the free lanes of `asked` as bits; only bits that `interest` needs are reliable. `scratch.lanes` holds the
+    /// Returns the free lanes of `asked` as bits; only bits that `interest` needs are reliable. `scratch.lanes` contains the
     /// configurations, and `exact` writes the unrounded configuration of a lane.
     fn judge_lanes(
         &self,

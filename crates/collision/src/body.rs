@@ -1,4 +1,4 @@
-//! Bodies: links of the robot, parts of the world, a held object.
+//! Robot links with geometry, bodies of the world with their parts, and the held object.
 
 pub(crate) mod cell_parts;
 pub(crate) mod extent;

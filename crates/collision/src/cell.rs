@@ -20,7 +20,7 @@ use crate::proof::work_list::WorkList;
 use crate::touch::contact::{Collider, Contact};
 use crate::{CollisionError, Margins, ToolBound};
 
-/// A robot in a world: immutable and shared between threads; each thread brings its own [`Scratch`].
+/// A robot in a world: immutable and shared between threads, each of which uses its own [`Scratch`].
 #[derive(Clone, Debug)]
 pub struct Cell {
     pub(crate) robot: Arc<Robot>,
@@ -29,7 +29,7 @@ pub struct Cell {
     pub(crate) margins: Margins,
     /// The body to be grasped, and its supports, by index.
     pub(crate) grasp_bodies: Arc<[usize]>,
-    /// The held body; `None` for an empty hand.
+    /// The held object; `None` for an empty hand.
     pub(crate) held: Option<HeldBody>,
     pub(crate) bodies: Arc<[LinkBody]>,
     pub(crate) pairs: Arc<Pairs>,
@@ -39,18 +39,18 @@ pub struct Cell {
     pub(crate) lanes: Arc<Lanes>,
     /// Bounds on the tool in addition to those of the world.
     pub(crate) further_bounds: Arc<[ToolBound]>,
-    /// All bounds on the tool; the last is that on the tilt of the held body, if there is one.
+    /// All bounds on the tool; the bound on the tilt of the held object, if there is one, comes last.
     pub(crate) bounds: Arc<[CellBound]>,
 }
 
-/// Buffers for the computations of one thread; made by [`Cell::scratch`].
+/// Buffers for the computations of one thread; created by [`Cell::scratch`].
 #[derive(Clone, Debug)]
 pub struct Scratch {
     pub(crate) frames: LinkFrames,
     pub(crate) travel: Travel,
     pub(crate) q: Vec<f64>,
     pub(crate) rates: Rates,
-    /// Distance that each link body has moved, in metres.
+    /// Distance that each link has moved, in metres.
     pub(crate) moved_m: Vec<f64>,
     pub(crate) work: WorkList,
     pub(crate) next_work: WorkList,
@@ -59,7 +59,7 @@ pub struct Scratch {
 }
 
 impl Cell {
-    /// Puts `robot` into `world`; all checks and proofs then demand `margins`.
+    /// Creates a cell of `robot` in `world`; all checks and proofs demand `margins`.
     ///
     /// # Errors
     /// [`CollisionError::Margin`] for a negative or infinite margin, [`CollisionError::UnknownLink`] for a bound of a link that
@@ -68,8 +68,8 @@ impl Cell {
         Ok(Self::of(CellParts::new(robot, world, margins, Vec::new())?))
     }
 
-    /// Creates a cell as [`Self::new`] does, where the body of index `target` will be grasped: between it or its supports and
-    /// the hand ([`Robot::hand_links`]) the grasp margin is demanded.
+    /// Creates a cell as [`Self::new`] does, in which the body of index `target` will be grasped: the grasp margin is demanded
+    /// between the hand ([`Robot::hand_links`]) and this body or its supports.
     ///
     /// # Errors
     /// As [`Self::new`].
@@ -121,7 +121,7 @@ impl Cell {
         cell
     }
 
-    /// Returns the parts of the cell, to create a variant of it.
+    /// Returns the constituents of the cell, to create a variant of it.
     pub(crate) fn parts_of(&self) -> CellParts {
         CellParts {
             robot: self.robot.clone(),
@@ -247,17 +247,15 @@ impl Cell {
         self.around.tree.near(world_from_link * ball.center, reach_m).map(move |place| pairs.begin + place)
     }
 
-    /// Returns true if the hand alone, with the gripper frame of the robot's tip at `world_from_tip`, keeps its distance from
-    /// every body of the world. If not, every configuration with that tip pose is in collision.
-    ///
-    /// The hand is the links of [`Robot::hand_links`].
+    /// Returns true if the hand alone ([`Robot::hand_links`]), with the gripper frame of the robot's tip at `world_from_tip`,
+    /// keeps its distance from every body of the world. If not, every configuration with that tip pose is in collision.
     pub fn hand_is_free(&self, world_from_tip: &Pose, scratch: &mut Scratch) -> bool {
         self.hand_contact(world_from_tip, scratch).is_none()
     }
 
-    /// Returns the first contact of the hand alone at `world_from_tip`, if any (see [`Self::hand_is_free`]).
+    /// Returns the first contact of the hand alone at `world_from_tip`, if any ([`Self::hand_is_free`]).
     pub fn hand_contact(&self, world_from_tip: &Pose, scratch: &mut Scratch) -> Option<Contact> {
-        // The transforms between the links of the hand and the tip are rigid, so any configuration gives them.
+        // The links of the hand are rigidly connected to the tip, so their relative poses are the same in any configuration.
         scratch.q.fill(0.0);
         self.robot.forward_kinematics(&scratch.q, &mut scratch.frames);
         let tip_from_root = scratch.frames.link(self.robot.tip()).inverse();
@@ -298,8 +296,7 @@ impl Cell {
         self.nearest_where(q, f64::INFINITY, &|pair| !pair.is_exempt(), scratch).0
     }
 
-    /// Returns the least distance over the pairs that `is_asked` selects, with its pair; `below_m` (m) and `None` if none is
-    /// nearer.
+    /// Returns the least distance of the pairs that `is_asked` selects, and its pair; `below_m` (m) and `None` if none is less.
     pub(crate) fn nearest_where(
         &self,
         q: &[f64],
@@ -346,7 +343,7 @@ impl Cell {
         self.first_close_pair(frames).map(|pair| self.describe(&self.pairs.get(pair), frames))
     }
 
-    /// Returns every pair that is closer at `q` (m, rad; one per joint) than required, each link pair and link-body pair once.
+    /// Returns the pairs that are closer at `q` (m, rad; one per joint) than required, each pair of colliders once.
     ///
     /// # Panics
     /// If `q` has not one value per joint.
@@ -414,7 +411,7 @@ impl Cell {
         group_reaches(self.placed(pair.first, frames), &self.placed_other(pair, frames), distance_m)
     }
 
-    /// Returns a lower bound of the pair's distance (m) from two bounding balls; from two boxes if the bound from the balls
+    /// Returns a lower bound of the pair's distance (m) from its bounding balls; from its boxes if the bound from the balls
     /// does not exceed `enough_m` (m).
     pub(crate) fn quick_bound(&self, pair: &Pair, frames: &LinkFrames, enough_m: f64) -> f64 {
         let first = &self.bodies[pair.first];
@@ -440,7 +437,7 @@ impl Cell {
         group_separation_in(self.placed(pair.first, frames), &self.placed_other(pair, frames), range)
     }
 
-    /// Returns the solids of the first body of a pair, each with its pose.
+    /// Returns the solids of the first member of a pair, each with its pose.
     pub(crate) fn placed<'a>(
         &'a self,
         body: usize,
@@ -449,7 +446,7 @@ impl Cell {
         self.bodies[body].placed(frames)
     }
 
-    /// Returns the solids of the second body.
+    /// Returns the solids of the second member.
     pub(crate) fn placed_other<'a>(
         &'a self,
         pair: &Pair,

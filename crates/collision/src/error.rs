@@ -24,7 +24,7 @@ pub enum CollisionError {
         /// The margin, in metres.
         value: f64,
     },
-    /// The bound on the tilt of the held body is out of range.
+    /// The bound on the tilt of the held object is out of range.
     #[error(
         "a bound of {:.3}° on the tilt is not valid: it must be above 0° and at most 180°",
         tilt_rad.to_degrees()
@@ -54,7 +54,7 @@ pub enum CollisionError {
         /// Name of the bound.
         name: String,
     },
-    /// An object cannot be held in this manner.
+    /// The hold of an object is not valid, the object is unbounded, or the hand is not empty.
     #[error(
         "'{name}' cannot be held: it must be of finite size, the hand must be empty, its pose must be within \
          {} m of the tip, and the fingers must be closed by a share from 0 to 1",
@@ -64,7 +64,7 @@ pub enum CollisionError {
         /// Name of the object.
         name: String,
     },
-    /// A body is in contact with something other than a face below it that supports it, or penetrates that too deeply.
+    /// A body is in contact with anything other than a support face below it, or penetrates its support face too deeply.
     #[error(
         "'{name}' touches '{other}', {:.2} mm deep, and does not rest on it: it may touch the faces below it that carry it, \
          up to {:.1} mm deep, and nothing else; move them apart",
@@ -90,7 +90,7 @@ pub enum CollisionError {
         name: String,
         /// Name of the body that it touches.
         other: String,
-        /// Distance of the centre of mass from what is below the body, as seen along gravity, in metres.
+        /// Distance of the centre of mass from the contact regions below the body, as seen along gravity, in metres.
         off_m: f64,
     },
     /// A pose is not finite, or farther away than [`cranny_spatial::FARTHEST_M`].

@@ -7,18 +7,18 @@ use crate::CollisionError;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Margins {
-    /// Clearance between any two bodies, in metres, ≥ 0. Default 0: only contact counts.
+    /// Clearance of every collision pair, in metres, ≥ 0. Default 0: only contact counts.
     pub margin_m: f64,
-    /// Clearance between the hand and the grasped object, and its supports, in metres, ≥ 0, in place of `margin_m`. Default 0:
+    /// Clearance between the hand and the grasped object or its supports, in metres, ≥ 0, instead of `margin_m`. Default 0:
     /// fingers must come close to the object.
     pub grasp_margin_m: f64,
-    /// Additional clearance for the uncertain position of the object, between the object to be grasped, or the held object, and
-    /// all that it may not touch, in metres, ≥ 0. Default 0.
+    /// Additional clearance, for the uncertain position of the object, between the object that is held or to be grasped and all
+    /// that it may not touch, in metres, ≥ 0. Default 0.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub object_margin_m: f64,
     /// Maximum tilt of the held object, in radians, above 0 and at most π: the angle between up and the direction in the object
-    /// that pointed up before the grasp. Default: no limit. The smaller of this and the limit of the body
-    /// ([`Body::tilt_rad`](crate::Body::tilt_rad)) applies.
+    /// that pointed up before the grasp. Default: no limit. The limit of the object ([`Body::tilt_rad`](crate::Body::tilt_rad))
+    /// applies if it is smaller.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tilt_rad: Option<f64>,
 }

@@ -1,4 +1,4 @@
-//! Collision pairs: the ones that are checked, the ones that are exempt, and the nearest one.
+//! Collision pairs: checked pairs, exempt pairs, and the nearest pair.
 
 pub(crate) mod closest;
 pub(crate) mod pair_choice;

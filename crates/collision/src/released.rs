@@ -9,9 +9,9 @@ use crate::{CollisionError, World};
 
 /// Collision check of the released planners, for comparison only (README, "What solved means").
 ///
-/// It checks triangles of links against triangles of obstacles, surface against surface, at single configurations. It covers
-/// only links on the chain from the root to the tip, hence no fingers, and no self-collision. Instead of a floor, the origins
-/// of certain link frames must stay above a height.
+/// It checks triangles of links against triangles of obstacles, surface against surface, at single configurations, only for
+/// links on the chain from the root to the tip: hence no fingers, and no self-collision. Instead of a floor, the origins of
+/// certain link frames must stay above a height.
 #[derive(Clone, Debug)]
 pub struct ReleasedCheck {
     robot: Arc<Robot>,
@@ -37,8 +37,8 @@ impl ReleasedScratch {
 impl ReleasedCheck {
     /// Creates a check of the links on the chain to the tip against `obstacles` (surfaces in the planning frame).
     ///
-    /// A link whose geometry comes from meshes is checked by their triangles, any other by one box around all its shapes. The
-    /// origins of `floor_links` (by link index) must stay at or above `floor_height_m` (m).
+    /// A link with meshes is checked by their triangles, any other by one box around all its shapes. The origins of
+    /// `floor_links` (by link index) must stay at or above `floor_height_m` (m).
     ///
     /// # Errors
     /// [`CollisionError::Link`] for a link whose triangles refer to missing vertices.
@@ -71,8 +71,8 @@ impl ReleasedCheck {
         Ok(Self { robot, links, obstacles, floor_links, floor_height_m })
     }
 
-    /// Returns the surfaces of all bodies of a world, each with its `world_from_surface`; the bounding box stands for any solid
-    /// that is not a cuboid.
+    /// Returns the surfaces of all bodies of a world, each with its `world_from_surface`; a solid that is no cuboid is replaced
+    /// by its bounding box.
     pub fn surfaces_of(world: &World) -> Vec<(Pose, Surface)> {
         world
             .bodies()
@@ -83,7 +83,7 @@ impl ReleasedCheck {
             .collect()
     }
 
-    /// Returns the robot that is checked.
+    /// Returns the checked robot.
     pub fn robot(&self) -> &Arc<Robot> {
         &self.robot
     }
@@ -104,7 +104,7 @@ impl ReleasedCheck {
         }
     }
 
-    /// Returns true if the released check accepts link frames that are already known; joint limits are not checked.
+    /// Returns true if the released check accepts these link frames; joint limits are not checked.
     pub fn holds(&self, frames: &LinkFrames) -> bool {
         self.floor_links.iter().all(|&link| frames.link(link).translation.z >= self.floor_height_m)
             && !self.links.iter().any(|(link, link_from_shape, surface)| {

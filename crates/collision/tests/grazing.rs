@@ -19,8 +19,8 @@ fn plate(random: &mut Stream) -> Solid {
     .expect("a size")
 }
 
-/// Checks that unresolved edges are close to contact: once, 16 of 189 unresolved edges were clear by more than 15 µm, and the
-/// named pairs were up to 42 µm apart.
+/// Checks that unresolved edges are close to contact: once, 16 of 189 were clear by more than 15 µm, and the named pairs were
+/// up to 42 µm apart.
 #[test]
 fn a_motion_past_a_plate_is_called_what_it_is() {
     let mut random = Stream::new(14, 0);

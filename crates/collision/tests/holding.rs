@@ -89,7 +89,7 @@ fn hold(place: [f64; 3], [roll, pitch, yaw]: [f64; 3], closing: f64) -> Hold {
     Hold { tip_from_held: Pose::from_parts(Vector::from(place).into(), turn), closing }
 }
 
-/// Scatters boxes around the robot on a floor, and places the object on the floor.
+/// Scatters boxes around the robot on a floor, and puts the object on the floor.
 fn world(random: &mut Stream) -> Vec<Body> {
     let mut bodies = vec![Body::floor(-0.3)];
     for index in 0..8 {
@@ -186,7 +186,7 @@ fn what_is_held_is_named_and_what_it_is_spared_is_not_met() {
         .take(100_000)
         .find(|q| names(q, &mut scratch) == [["thing", "floor"]])
         .unwrap();
-    // The object as it rests on the floor.
+    // The object rests on the floor.
     let on_floor = Pose::translation(0.0, 0.0, -0.3 + 0.5 * THING[2]);
     let spared = held.with_allowed_contacts(&held.resting_at(1, &Extent::of(&thing()).unwrap(), &on_floor));
     assert!(spared.is_free(&q, &mut spared.scratch()));

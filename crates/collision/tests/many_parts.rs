@@ -4,7 +4,7 @@ use cranny_collision::{Body, Cell};
 use cranny_shape::Solid;
 use cranny_spatial::{Pose, Stream, Vector};
 
-/// Number of parts that is small enough to be checked one by one.
+/// Number of parts that are checked one by one.
 const HANDFUL: usize = 10;
 
 fn random_bodies(random: &mut Stream, count: usize) -> Vec<Body> {

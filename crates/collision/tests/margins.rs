@@ -1,4 +1,4 @@
-//! Tests of the clearances that are demanded between different bodies.
+//! Tests of the clearances that are demanded of different collision pairs.
 
 use crate::fixture::{arm, ball, block, cell, hand, link};
 use cranny_collision::{Body, Cell, Collider, Margins, Part, World};

@@ -19,7 +19,6 @@ fn a_link_wholly_inside_an_obstacle_passes_there_only() {
     let (check, cell) = both(&ball(), vec![block("block", [0.0; 3], [0.5; 3])]);
     assert!(check.is_free(&[0.0; 3], &mut check.scratch()));
     assert!(!cell.is_free(&[0.0; 3], &mut cell.scratch()));
-    // Both checks refuse intersecting surfaces.
     let through = [0.48, 0.0, 0.0];
     assert!(!check.is_free(&through, &mut check.scratch()));
     assert!(!cell.is_free(&through, &mut cell.scratch()));

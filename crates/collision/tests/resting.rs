@@ -12,7 +12,7 @@ use cranny_spatial::{Point, Pose, Vector};
 
 const HALF_M: [f64; 3] = [0.03, 0.02, 0.04];
 
-/// A cart that slides along x, y and z, so that the configuration is the displacement of its held object.
+/// A cart that slides along x, y and z: its configuration is the displacement of the held object.
 const CART: &str = r#"<robot name="cart">
   <link name="rail"/><link name="x"/><link name="y"/>
   <link name="tip"><collision><origin xyz="0 0 0.4"/><geometry><sphere radius="0.01"/></geometry></collision></link>
@@ -64,7 +64,7 @@ fn touches(bodies: &[Body]) -> (String, f64) {
     }
 }
 
-/// Returns the cell with the object held where it stands, allowed to touch its supports.
+/// Returns the cell in which the hand holds the object at its initial pose, with the contacts of its supports allowed.
 fn lifting(cell: &Cell) -> (Cell, Resting) {
     let resting = cell.resting(0).unwrap();
     let first = cell.world().bodies()[0].parts[0].world_from_solid;
@@ -115,7 +115,6 @@ fn only_what_is_below_an_object_carries_it() {
         assert_eq!(contacts.len(), near.len(), "{contacts:?}");
         let clearance_m = lifting.clearance(&[0.0; 3], &mut lifting.scratch());
         assert!((clearance_m - 0.5e-3).abs() < 1e-6, "{clearance_m}");
-        // The allowed contact is listed.
         let [exempt] = lifting.unchecked() else { panic!("{:?}", lifting.unchecked()) };
         assert_eq!((exempt.reason, lifting.name(exempt.second)), (UncheckedReason::Resting, "table"));
     }
@@ -136,7 +135,7 @@ fn an_object_is_no_deeper_in_what_carries_it_than_the_allowance() {
             assert!((depth_m + height_m).abs() < 1e-6, "{depth_m}");
         }
     }
-    // If lowered from there by more than the allowance, it is not proven to stay off.
+    // If it is lowered from there by more than the allowance, it is not proven to stay off.
     let (lifting, resting) = lifting(&cell(vec![object(-0.9e-4), table()], 0.0));
     let mut scratch = lifting.scratch();
     let mut stays =

@@ -16,7 +16,7 @@ const ROBOT: &str = r#"<robot name="slide">
     <limit lower="0" upper="1" velocity="1" effort="1"/></joint>
 </robot>"#;
 
-/// Returns how the first of some bodies rests among the others.
+/// Returns the supports of the first of these bodies among the others.
 fn standing(bodies: Vec<Body>) -> Resting {
     let options = RobotOptions { tip: Some("tip".to_owned()), ..RobotOptions::default() };
     let robot = Robot::from_urdf_text(ROBOT, "slide.urdf", None, &options).unwrap();
@@ -91,7 +91,7 @@ fn a_slope_of_a_mesh_is_no_level_face() {
     }
 }
 
-/// Returns two boxes side by side, the right one heavier, with its bottom higher by a step.
+/// Returns two boxes side by side, the right one heavier, with its bottom higher by `step_m` (m).
 fn stepped(step_m: f64) -> [([f64; 3], [f64; 3]); 2] {
     [([-0.0225, 0.0, 0.05], [0.0225, 0.02, 0.05]), ([0.05, 0.0, 0.05 + step_m], [0.05, 0.02, 0.05])]
 }
@@ -194,7 +194,6 @@ fn edges_and_corners_carry_what_is_right_above_them() {
             assert!((found_m - gap_m).abs() < 2e-5, "{found_m} {gap_m}");
             assert_eq!(standing(vec![plank(0.03), below.clone()]).supports().count(), 0, "{below:?}");
         }
-        // A ball, which is round, is the supported body.
         let on = Body::new("ball", Pose::translation(0.0, 0.0, 0.02), Solid::sphere(0.02).unwrap());
         assert_eq!(standing(vec![on, below.clone()]).supports().count(), 1, "{below:?}");
     }
@@ -219,7 +218,7 @@ const UNEVEN_M: f64 = 1.8e-3;
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(96))]
 
-    /// Places an object of any shape on a slope, of a mesh or a hull: the face has the slope's normal and the gap of the lowest
+    /// Puts an object of any shape on a slope, of a mesh or a hull: the face has the slope's normal and the gap of the lowest
     /// corner across it, and supports the object if its centre is over samples of its surface that are as near.
     #[test]
     fn on_a_slope_the_samples_decide(
@@ -269,7 +268,7 @@ proptest! {
         }
     }
 
-    /// Places an object with two bottoms on steps of a mesh: it is supported as the points of a grid are.
+    /// Puts an object with two bottoms on columns of a mesh: it is supported as the points of a grid are.
     #[test]
     fn on_steps_the_grid_decides(
         tops in proptest::collection::vec(proptest::option::of(0_u32..25), 8),

@@ -98,7 +98,7 @@ fn a_pair_that_was_left_out_is_checked_where_that_is_asked_for() {
         names(&strict),
         [["base", "forearm"], ["base", "left"], ["base", "right"], ["forearm", "right"]]
     );
-    // A pair that touches at its joint at every value is still listed.
+    // A pair that touches at its joint at every value is listed.
     assert!(unchecked(&strict).iter().all(|pair| pair.reason == UncheckedReason::AdjacentTouching));
     assert!(!strict.is_free(&q, &mut strict.scratch()));
 }
@@ -187,7 +187,7 @@ fn a_deep_contact_at_a_joint_hides_none_far_from_it() {
         format!(r#"<collision><origin {at}/><geometry><box size="{size}"/></geometry></collision>"#)
     };
     let thick = collision(r#"xyz="0.25 0 0""#, "0.46 0.02 0.02");
-    // Thinner than a step of any sampling, between two sampled angles.
+    // The pin is thinner than the spacing of samples, and between two sampled angles.
     let thin =
         collision(r#"xyz="0.02 0 0""#, "0.05 0.02 0.02") + &collision(r#"xyz="0.25 0 0""#, "0.46 0.001 0.02");
     let post = collision(r#"xyz="0.40 0 0""#, "0.006 0.006 0.04");

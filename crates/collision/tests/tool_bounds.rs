@@ -159,7 +159,6 @@ fn a_bound_of_a_link_that_there_is_not_is_refused_by_its_name() {
     assert!(matches!(fault, CollisionError::UnknownLink { name } if name == "elbow"));
 }
 
-/// The bounds of a world are kept with other bodies.
 #[test]
 fn other_bodies_keep_the_bounds() {
     let bound = ToolBound { name: "ball".to_owned(), link: None, region: region(&mut Stream::new(1, 0), 2) };

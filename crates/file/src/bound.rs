@@ -1,9 +1,9 @@
-/// Formats a lower bound as decimal text in a smaller unit, `per_unit` of which make one: never above the bound.
+/// Formats a lower bound, converted to a unit `per_unit` times smaller, as decimal text: never above the bound.
 pub fn at_least(bound: f64, per_unit: f64, digits: usize) -> String {
     rounded(bound, per_unit, digits, -1.0)
 }
 
-/// Formats an upper bound as decimal text in a smaller unit, `per_unit` of which make one: never below the bound.
+/// Formats an upper bound, converted to a unit `per_unit` times smaller, as decimal text: never below the bound.
 pub fn at_most(bound: f64, per_unit: f64, digits: usize) -> String {
     rounded(bound, per_unit, digits, 1.0)
 }
@@ -21,7 +21,6 @@ fn rounded(bound: f64, per_unit: f64, digits: usize, direction: f64) -> String {
     unsigned_if_zero(format!("{:.digits$}", read + step))
 }
 
-/// Removes the sign of a zero.
 fn unsigned_if_zero(text: String) -> String {
     match text.strip_prefix('-') {
         Some(digits) if digits.bytes().all(|digit| digit == b'0' || digit == b'.') => digits.to_owned(),

@@ -1,5 +1,5 @@
-/// Formats numbers for one message with `decimals` decimals, or with as many more as are needed for unequal numbers to differ
-/// in print: a start of −2.00001 beside a limit of −2 is not "−2.0000 outside −2.0000".
+/// Formats numbers for one message with `decimals` decimals, or with as many more as unequal numbers need to differ in print: a
+/// start of −2.00001 beside a limit of −2 is not "−2.0000 outside −2.0000".
 ///
 /// `distinct(x, d)[i] = distinct(x, d)[j]` only where `x[i] = x[j]`, or one of them is NaN.
 pub fn distinct<const N: usize>(numbers: [f64; N], decimals: usize) -> [String; N] {

@@ -36,8 +36,8 @@ pub const ARCHIVE: Readable = Readable::new("an archive", 256 << 20);
 /// First bytes of the text that replaces a file stored in Git LFS (its specification, version 1).
 const LFS_POINTER: &[u8] = b"version https://git-lfs.github.com/spec/";
 
-/// Set at the start of a program by `--large-files`. It is a process-wide setting, because files name files that name files,
-/// and otherwise every reader in every crate would have to pass it on.
+/// Set by `--large-files` at the start of a program. The setting is process-wide, because otherwise every reader of a file that
+/// names other files would have to pass it on.
 static LIFTED: OnceLock<()> = OnceLock::new();
 
 /// Lifts the size limits: from now on this process reads files of any size.
@@ -127,7 +127,7 @@ impl Readable {
 pub fn is_there(path: &Path) -> io::Result<bool> {
     match fs::metadata(path) {
         Ok(_) => Ok(true),
-        // No file can have a name of the last two kinds.
+        // The last two kinds are for names that no file can have.
         Err(fault)
             if matches!(
                 fault.kind(),

@@ -28,8 +28,7 @@ fn likeliest_names<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> 
     near
 }
 
-/// Returns the end of a message about an unknown `name`: `; did you mean 'reach'?`, with the nearest known names; empty if none
-/// is near.
+/// Returns the end of a message about an unknown `name`: `; did you mean 'reach'?`, with the nearest known names, if any.
 pub fn did_you_mean<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> String {
     suggested(&likeliest_names(name, known))
 }

@@ -1,5 +1,5 @@
 //! Calls to the operating system that the standard library does not offer on every platform. No other module names an operating
-//! system, and each function handles the other systems in its own body; `cargo xtask tidy` enforces this.
+//! system, and each function treats the other systems in its implementation; `cargo xtask tidy` enforces this.
 //!
 //! | | Linux | macOS and other Unix | Windows |
 //! |---|---|---|---|

@@ -47,8 +47,8 @@ pub fn json<T: DeserializeOwned>(text: &[u8]) -> Result<T, TextFault> {
     })
 }
 
-/// A text has at most as many nodes as bytes: the fixed budget of the library would refuse 12 450 obstacles. Aliases, which can
-/// grow beyond the text, keep the library's limits, and so does the nesting depth.
+/// Returns options with a budget by the size of the text: the fixed one of the library would refuse 12 450 obstacles. Aliases,
+/// which can grow beyond the text, keep the limits of the library, and so does the nesting depth.
 fn options(bytes: usize) -> Options {
     let default = Budget::default();
     serde_saphyr::options! {

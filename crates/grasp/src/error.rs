@@ -7,7 +7,7 @@ use crate::csv_columns::COLUMNS;
 const EXPECTED_COLUMNS: &str =
     "t00 to t33 (the pose, row by row), score, width_m, robust_score, robust_trials and load";
 
-/// Error of grasps or of a file of them. The message is complete in itself, with file and line if there are any.
+/// Error of grasps or of a file of them. The message contains file and line if there are any.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum GraspError {
@@ -92,7 +92,7 @@ pub enum GraspError {
         "of robust score and robust trials (without a header numbers 19 and 20) there is only one; give both, or leave both empty"
     )]
     HalfRobust,
-    /// A line holds too few or too many numbers.
+    /// A line has too few or too many numbers.
     #[error(
         "{actual} numbers instead of 16 (the pose, row by row; score, width, robust score and robust trials may \
          follow)"
@@ -126,7 +126,7 @@ pub enum GraspError {
         /// Number of the second column, from 1.
         column: usize,
     },
-    /// A header names only a part of the pose.
+    /// A header names some columns of the pose, but not all.
     #[error("the header has no column '{name}'; it must name t00 to t33 (the pose, row by row)")]
     MissingColumn {
         /// First missing column.
@@ -157,7 +157,7 @@ pub enum GraspError {
         /// The row.
         row: [f64; 4],
     },
-    /// The rotation part of a pose scales or shears.
+    /// The rotation of a pose scales or shears.
     #[error(
         "the rotation part of the pose is no rotation: RᵀR differs from the identity by {deviation:.2e}, \
          more than {tolerance:.0e}"
@@ -168,7 +168,7 @@ pub enum GraspError {
         /// Tolerance of the deviation.
         tolerance: f64,
     },
-    /// The rotation part of a pose mirrors.
+    /// The rotation of a pose mirrors.
     #[error("the axes of the pose are left-handed (is one of them mirrored?)")]
     LeftHanded,
     /// A file contains no grasps.

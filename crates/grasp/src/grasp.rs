@@ -10,7 +10,7 @@ use crate::{GraspError, LoadMeasure, RobustScore, ScoreKind};
 pub struct Grasp {
     /// Pose of the gripper frame in the planning frame.
     pub world_from_gripper: Pose,
-    /// Quality of the grasp, in [0, 1]; `None` for an unscored grasp, which differs from any score.
+    /// Quality of the grasp, in [0, 1]; `None` for an unscored grasp, which is not a score of 0.
     pub score: Option<f64>,
     /// Width of the object between the fingers, in metres, where known.
     pub width_m: Option<f64>,
@@ -89,9 +89,9 @@ impl GraspSet {
     /// A set of grasps.
     ///
     /// # Errors
-    /// [`GraspError::NotFinite`] for a pose that is not finite, [`GraspError::Score`] for a score outside
-    /// [0, 1], [`GraspError::Width`] for a negative width, [`GraspError::Robust`] for more held than tried,
-    /// [`GraspError::Load`] for a load that is negative or not finite.
+    /// [`GraspError::NotFinite`] for a pose that is not finite, [`GraspError::Score`] for a score outside [0, 1],
+    /// [`GraspError::Width`] for a negative width, [`GraspError::Robust`] for more successes than trials, [`GraspError::Load`]
+    /// for a load that is negative or not finite.
     pub fn new(grasps: Vec<Grasp>) -> Result<Self, GraspError> {
         for (grasp, g) in grasps.iter().enumerate() {
             g.checked(grasp)?;

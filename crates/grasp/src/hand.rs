@@ -38,7 +38,7 @@ pub struct PadRectangle {
 /// A finger that closes in a straight line.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finger {
-    /// Indices of its parts in [`Hand::parts`].
+    /// Indices of its solids in [`Hand::parts`].
     pub parts: std::ops::Range<usize>,
     /// Travel until the hand is closed on nothing, in the gripper frame (m).
     pub stroke_m: Vector,

@@ -3,12 +3,11 @@ use cranny_spatial::{Pose, Rotation, Vector};
 
 use crate::GraspError;
 
-/// Pose `target_from_source` of the homogeneous 4 × 4 matrix `rows`, row by row, translation in metres. A rotation part
-/// that is off by rounding (`f32` files) becomes a unit quaternion.
+/// Pose `target_from_source` of the homogeneous 4 × 4 matrix `rows`, row by row, translation in metres. A rotation that is off
+/// by rounding (`f32` files) becomes a unit quaternion.
 ///
 /// # Errors
-/// [`GraspError::NotANumber`], [`GraspError::LastRow`], [`GraspError::NotARotation`] beyond
-/// 1e-4, [`GraspError::LeftHanded`].
+/// [`GraspError::NotANumber`], [`GraspError::LastRow`], [`GraspError::NotARotation`] beyond 1e-4, [`GraspError::LeftHanded`].
 pub fn pose_of_rows(rows: &[f64; 16]) -> Result<Pose, GraspError> {
     if let Some(index) = rows.iter().position(|x| !x.is_finite()) {
         return Err(GraspError::NotANumber { column: index + 1, text: rows[index].to_string() });

@@ -50,12 +50,11 @@ pub struct DistanceRange {
     pub greatest: f64,
 }
 
-/// Minimum, median and maximum distance of all pairs of different grasps, without storing all distances (5·10⁹ distances
-/// of 10⁵ grasps have 40 GB); `None` for fewer than two grasps.
+/// Minimum, median and maximum distance of all pairs of different grasps, without storing all distances (5·10⁹ distances of 10⁵
+/// grasps take 40 GB); `None` for fewer than two grasps.
 ///
-/// The bits of numbers that are not negative are ordered as the numbers are. Finds the median by its topmost bits,
-/// counted over all pairs, then by the next ones among those with the same bits above, and then by the last (radix
-/// selection).
+/// Numbers that are not negative have the order of their bits. Finds the median by its topmost bits, counted over all pairs,
+/// then by the next ones among those with the same bits above, and then by the last (radix selection).
 pub fn spread(grasps: &[Grasp]) -> Option<DistanceRange> {
     let places: Vec<Place> = grasps.iter().map(Place::of).collect();
     let pairs = places.len() * places.len().checked_sub(1)? / 2;
@@ -141,14 +140,13 @@ impl Place {
         limit.min(translation_mm + (2.0 * libm::atan2(sine, cosine)).to_degrees())
     }
 
-    /// Returns true if the distance is at most `threshold`. Agrees with [`Self::distance`], mostly without its arc
-    /// tangent.
+    /// Returns true if the distance is at most `threshold`. Agrees with [`Self::distance`], mostly without its arc tangent.
     pub fn is_within(&self, other: &Self, threshold: f64) -> bool {
         let apart_squared_mm2 = (self.origin_mm - other.origin_mm).norm_squared();
         if apart_squared_mm2 > threshold * threshold {
             return false;
         }
-        // With h, half the angle that is left: 1 − h²/2 ≤ cos h ≤ 1 − h²/2 + h⁴/24.
+        // With h, half the remaining angle: 1 − h²/2 ≤ cos h ≤ 1 − h²/2 + h⁴/24.
         let half_squared = (0.5 * (threshold - apart_squared_mm2.sqrt())).to_radians().powi(2);
         let over = self.cosine(other) - (1.0 - 0.5 * half_squared);
         over >= -DOUBT

@@ -1,25 +1,25 @@
 use serde::ser::SerializeStruct as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// Outcome of perturbed physics trials of a grasp; the share of trials that held is the robust score.
+/// Outcome of perturbed physics trials of a grasp; the robust score is the share of trials in which the grasp held.
 ///
 /// Serialized with the keys `trials`, `held` and `score`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RobustScore {
     /// Number of trials, at least 1.
     pub trials: usize,
-    /// Number of trials that held, at most `trials`.
+    /// Number of trials in which the grasp held, at most `trials`.
     pub held: usize,
 }
 
 impl RobustScore {
-    /// Share of the trials that held, in [0, 1].
+    /// Share of the trials in which the grasp held, in [0, 1].
     pub fn score(&self) -> f64 {
         self.held as f64 / self.trials.max(1) as f64
     }
 
-    /// Restores the counts from a share of trials: `of_share(r.score(), r.trials) = r`. `None` for a share outside [0,
-    /// 1], a number of trials that is not whole, or a share that no count makes to two decimals.
+    /// Restores the counts from a share of trials: `of_share(r.score(), r.trials) = r`. `None` for a share outside [0, 1], a
+    /// number of trials that is not whole, or a share that no count equals to two decimals.
     pub fn of_share(score: f64, trials: f64) -> Option<Self> {
         if !(0.0..=1.0).contains(&score) || !(1.0..=MOST_TRIALS).contains(&trials) || trials.fract() != 0.0 {
             return None;
@@ -40,7 +40,7 @@ impl RobustScore {
     }
 }
 
-/// Maximum number of trials, so that a float holds each count exactly.
+/// Maximum number of trials, so that a float represents each count exactly.
 const MOST_TRIALS: f64 = 1e9;
 
 /// Maximum error of a score that a person rounded to two decimals.

@@ -2,9 +2,9 @@
 //!
 //! 1. Draws a first contact, uniform over the surface's area.
 //! 2. Casts rays from it, uniform over the solid angle of the friction cone about the inward normal.
-//! 3. Takes a second contact wherever a ray leaves the object, no farther away than the gripper opens, if the ray lies
-//!    inside that contact's friction cone too, and both contacts are the first that the pads meet as they close. Faces
-//!    inside other bodies of the object, or in its sealed cavities, are no contacts.
+//! 3. Takes a second contact wherever a ray leaves the object, no farther away than the gripper opens, if the ray lies inside
+//!    that contact's friction cone too, and both contacts are the first that the pads meet as they close. Faces inside other
+//!    components of the object, or in its sealed cavities, are no contacts.
 //! 4. Spaces approach directions evenly about the closing axis, and keeps all or some of them.
 //! 5. Drops grasps that the caller does not accept (a hand that collides).
 //! 6. Drops grasps that equal an earlier one, or its twin.
@@ -44,14 +44,13 @@ pub struct SamplerSettings {
     /// Maximum elevation of an approach direction, in radians from −π/2 to π/2: 0 keeps approaches from the side or from
     /// above. Default π/2: all.
     pub steepest_rise_rad: f64,
-    /// Height of the ground along `up`, in metres in the object's frame. Drops grasps with an open pad, half the opening
-    /// beside the origin of the gripper frame, below it. Default none. The released grasps follow this rule; `accept`
-    /// must check that the whole hand stays above.
+    /// Height of the ground along `up`, in metres in the object's frame. Drops grasps with an open pad, half the opening beside
+    /// the origin of the gripper frame, below the ground. Default none. The released grasps follow this rule; `accept` must
+    /// check that the whole hand stays above.
     pub ground_m: Option<f64>,
-    /// Distance of the palm behind the gripper frame, in metres ([`Hand::finger_depth_m`](crate::Hand::finger_depth_m)).
-    /// Drops grasps for which the object reaches farther back, on the line of approach through the frame, because the
-    /// palm would collide. The released grasps follow this rule for a Panda's 46.6 mm. Default none: `accept` must check
-    /// this.
+    /// Distance of the palm behind the gripper frame, in metres ([`Hand::finger_depth_m`](crate::Hand::finger_depth_m)). Drops
+    /// grasps for which the object reaches farther back, on the line of approach through the frame, because the palm would
+    /// collide. The released grasps follow this rule for a Panda's 46.6 mm. Default none: `accept` must check this.
     pub finger_depth_m: Option<f64>,
     /// Range of depths of the gripper frame, in metres along the approach direction from the middle between the contacts,
     /// drawn uniformly. Default 0 to 0, as in the released grasps.
@@ -259,7 +258,7 @@ impl Chunk {
     }
 }
 
-/// Sampler of one first contact at a time (steps 1 to 4), for callers that need few grasps on demand.
+/// Sampler of one first contact at a time (1. to 4. of the method above), for callers that need few grasps on demand.
 #[derive(Clone, Debug)]
 pub struct GraspSampler<'a> {
     surface: &'a Surface,
@@ -279,9 +278,9 @@ impl<'a> GraspSampler<'a> {
         Ok(Self { surface, area, settings: settings.clone() })
     }
 
-    /// Least distance of two contacts in force closure, in metres, over `first_contacts` first contacts, if the object is
-    /// too wide: all pairs are farther apart than `most_m` (m), which is at most the opening. `None` as soon as one pair
-    /// is not, and if there is no pair.
+    /// Least distance of two contacts in force closure, in metres, over `first_contacts` first contacts, if the object is too
+    /// wide: all pairs are farther apart than `most_m` (m), which is at most the opening. `None` for an object that is not too
+    /// wide, and if there is no pair.
     pub fn too_wide_m(&self, first_contacts: usize, most_m: f64) -> Option<f64> {
         let endless_m = 4.0 * self.surface.aabb().half_extents.norm();
         let settings = SamplerSettings { opening_m: endless_m, ..self.settings.clone() };

@@ -56,7 +56,7 @@ pub fn farthest_subset(grasps: &[Grasp], count: usize, seed: u64) -> Vec<usize> 
 /// Random stream of the subsets; no sampling uses this number.
 const SUBSET_STREAM: u64 = u64::MAX;
 
-/// Minimum number of grasps per task; fewer are not worth a thread.
+/// Minimum number of grasps per thread; fewer are not worth one.
 const PLACES_PER_TASK: usize = 2048;
 
 /// Returns the farther of two, of equals the first; independent of the order of comparison.
@@ -65,10 +65,10 @@ fn farther(a: (f64, usize), b: (f64, usize)) -> (f64, usize) {
     if order.is_gt() { b } else { a }
 }
 
-/// Indices of `count` grasps that have as many grasps as possible nearby, in the order of choice: always the one with
-/// most grasps within `threshold` by [`grasp_distance`](crate::grasp_distance) that no chosen one is near yet; ties go to
-/// the first (greedy maximum coverage: Nemhauser, Wolsey & Fisher 1978, "An analysis of approximations for maximizing
-/// submodular set functions", whole). Once all are covered, the count begins anew. All indices if there are no more.
+/// Indices of `count` grasps that have as many grasps as possible nearby, in the order of choice: always the one with the most
+/// grasps within `threshold` by [`grasp_distance`](crate::grasp_distance) that are near no chosen one yet; ties go to the first
+/// (greedy maximum coverage: Nemhauser, Wolsey & Fisher 1978, "An analysis of approximations for maximizing submodular set
+/// functions", whole). Once all are covered, the count begins anew. All indices if there are no more.
 pub fn covering_subset(grasps: &[Grasp], count: usize, threshold: f64) -> Vec<usize> {
     let near = neighbours(grasps, threshold);
     let count = count.min(grasps.len());
@@ -80,7 +80,7 @@ pub fn covering_subset(grasps: &[Grasp], count: usize, threshold: f64) -> Vec<us
             near.iter().filter(|other| !is_covered[**other as usize]).count()
         };
         let mut gain: Vec<usize> = near.iter().map(|near| uncovered(near, &is_covered)).collect();
-        // Gains only shrink: the best by an old gain is the best if that gain still holds (Minoux 1978, "Accelerated
+        // Gains only shrink: the grasp with the best old gain is the best if this gain is unchanged (Minoux 1978, "Accelerated
         // greedy algorithms for maximizing submodular set functions", whole).
         let mut queue: BinaryHeap<(usize, Reverse<usize>)> =
             (0..grasps.len()).filter(|&i| !is_chosen[i]).map(|index| (gain[index], Reverse(index))).collect();

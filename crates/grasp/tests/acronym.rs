@@ -30,7 +30,7 @@ fn acronym_is_read_as_h5py_wrote_it() {
         let pads = [1.0 + shift as f64, 2.0 - FRANKA_PADS_M, 3.0];
         assert_axes(&grasp.world_from_gripper, pads, [1.0, 0.0, 0.0], [0.0, -1.0, 0.0]);
     }
-    // A file that ends early, or whose content contradicts its header, gives an error and no panic.
+    // A file that ends early, or whose content contradicts its header, gives an error without a panic.
     let (files, whole) = (Files::new(), std::fs::read(&path).expect("a file"));
     for place in (0..whole.len()).step_by(211) {
         let mut damaged = whole.clone();

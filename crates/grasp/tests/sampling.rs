@@ -98,8 +98,8 @@ fn nothing_wider_than_the_opening_is_grasped() {
     assert!(none.grasps.is_empty() && none.first_contacts >= 10_000);
 }
 
-/// A box of 60 mm by 50 mm by 70 mm with one of 20 mm in it, off its middle: as a second body, as a cavity, and as a
-/// space between six plates of 24 mm. A pad that closes from outside never reaches the inner faces.
+/// A box of 60 mm by 50 mm by 70 mm with one of 20 mm in it, off its middle: as a second component, as a cavity, and as a space
+/// between six plates of 24 mm. A pad that closes from outside never reaches the inner faces.
 #[test]
 fn nothing_inside_an_object_is_grasped() {
     let outer = Surface::cuboid_soup(&Vector::new(0.03, 0.025, 0.035));

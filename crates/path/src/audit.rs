@@ -68,7 +68,7 @@ impl Audit {
         self.picks.push(pick);
     }
 
-    /// Adds a violation for each stated grasp, given by the stage of its pick, that differs from the measured one.
+    /// Adds a violation for each stated grasp (with the stage of its pick) that differs from the measured grasp.
     #[must_use]
     pub fn with_stated_grasps(mut self, stated: &[(usize, OwnGrasp)]) -> Self {
         for (stage, grasp) in stated {
@@ -110,7 +110,7 @@ pub struct AuditSettings {
 /// Clearances to measure in addition to the verdict, under the exact criterion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Clearances {
-    /// No clearances: takes a fraction of the time of the others.
+    /// No clearances: takes a fraction of the time of the other choices.
     None,
     /// Clearance of the whole path, a certified lower bound at most a tenth (and 10 µm) below the true value.
     OfPath,
@@ -142,8 +142,8 @@ pub fn audit(problem: &Problem, path: &[Vec<f64>]) -> Result<Audit, PathError> {
 /// 1. The path begins at the start.
 /// 2. Every way point is within the joint limits.
 /// 3. Under `exact` every edge is proven, for every pair of links that is free at any way point. Under `paper` every way point
-///    except the first and the last (the released planners do not check a goal root) passes the released check, and no step is
-///    longer than theirs.
+///    except the first and the last (the released planners do not check a goal root) passes the released check, and no edge is
+///    longer than the step of those planners.
 /// 4. The path ends at a goal, if `at_goal` is set. Without a set of grasps, it ends in a grasp of the target with a sufficient
 ///    score on the target surface, and the closing motion of the fingers is proven.
 ///
@@ -251,7 +251,6 @@ pub fn audit_with(problem: &Problem, path: &[Vec<f64>], settings: AuditSettings)
     })
 }
 
-/// The last way point of a path.
 struct End<'a> {
     way_point: usize,
     q: &'a [f64],
@@ -291,7 +290,7 @@ fn judge_end(
             nearest
         }
         (Goal::Configurations(goals), None) => {
-            // The largest joint offset of each goal, then the goal with the smallest of these.
+            // A goal is as far away as its joint with the largest offset; the nearest goal is reported.
             let worst = |goal: &Vec<f64>| {
                 let off = goal.iter().zip(last).enumerate();
                 let off = off.map(|(joint, (a, b))| (joint, problem.robot().joint_difference(joint, *a, *b)));
@@ -317,8 +316,7 @@ pub(crate) fn end_score(problem: &Problem, q: &[f64]) -> Option<f64> {
     grasps.grasps()[end_at_grasp(problem, grasps, q)?.0].score
 }
 
-/// Returns the error of the end of a path relative to grasp `grasp` of the problem, or `None` if the gripper has not arrived at
-/// it. `q`: one value per joint, m or rad.
+/// Returns the error of the gripper at `q` (m, rad; one per joint) relative to a grasp; `None` unless it has arrived there.
 ///
 /// # Panics
 /// If `q` does not have one value per joint.
@@ -370,7 +368,6 @@ enum Detail {
 /// Verdict on an edge: proven, or its violations; and its clearance (m) with the nearest pair, if measured.
 type JudgedEdge = (Result<(), Vec<Violation>>, Option<(f64, Option<NearestPair>)>);
 
-/// Judges each edge: proven, or its violations, and its clearance (m) if measured.
 fn judge_edges(
     cell: &Cell,
     path: &[Vec<f64>],
@@ -466,7 +463,7 @@ fn deepest_contacts(
             keep(at, contact);
         }
     }
-    // Links come first, then bodies, in the order of the robot, so that a path always yields the same list.
+    // Links are listed before bodies, each in ascending order, so that a path always yields the same list.
     let rank = |collider: Collider| match collider {
         Collider::Link(link) => (0, link),
         Collider::Body(body) => (1, body),

@@ -9,11 +9,11 @@ use crate::{Audit, AuditSettings, Clearances, Violation};
 /// Relative slack of the lower bound of the clearance of a rounded corner.
 const SHARE: f64 = 0.02;
 
-/// Audits the rounded corners of segments and merges the result into the audit of their edges. The verdict and the clearances
-/// then hold for the edges and for the executed curve. Edges are numbered through all segments.
+/// Audits the rounded corners of segments and merges the result into the audit of their edges, so that the verdict and the
+/// clearances are valid for the edges and for the executed curve. Edges are numbered through all segments.
 ///
-/// Every curve is proven from its control points in the state along its segment, in which the support of a held object is an
-/// obstacle to it. The clearance of a curve, a certified lower bound, counts for both adjacent edges.
+/// Every curve is proven from its control points in the state along its segment; the support of a held object is an obstacle.
+/// The clearance of a curve, a certified lower bound, counts for both adjacent edges.
 pub(crate) fn audit_corners(
     audit: &mut Audit,
     segments: &[Segment],
@@ -84,7 +84,7 @@ impl CornerJudge<'_> {
     }
 }
 
-/// Returns the violation at way point `at` by a corner whose control points (m, rad; one value per joint each)exceed a limit.
+/// Returns the violation at way point `at` of a corner with control points (m, rad; one value per joint each) beyond a limit.
 fn beyond_limits(cell: &Cell, control_points: &[Vec<f64>], joint: usize, at: usize) -> Violation {
     let robot = cell.robot();
     let JointLimits { lower, upper, unit, .. } = robot.limits()[joint];

@@ -58,7 +58,7 @@ pub enum PathError {
         /// Name of the object.
         object: String,
     },
-    /// A drive may be unable to hold the robot at rest.
+    /// A drive may be too weak to support the robot at rest.
     #[error(
         "joint '{joint}' may be too weak to hold the arm on edge {edge} of the motion: up to {needed:.1} (N, \
          N m) are needed there, its effort is {effort:.1}"

@@ -4,7 +4,7 @@ use cranny_task::{ClosedHand, FailureReason, GraspMeasure, OwnGrasp};
 
 use crate::Cause;
 
-/// Judge of whether the hand holds the target at a configuration, shared by the audit and the planners.
+/// Judge that decides whether the hand holds the target at a configuration, shared by the audit and the planners.
 #[derive(Debug)]
 pub struct GraspJudge<'a> {
     measure: &'a GraspMeasure,
@@ -19,9 +19,8 @@ impl<'a> GraspJudge<'a> {
 
     /// Returns the grasp that the hand takes at a configuration (m, rad; one per joint).
     ///
-    /// 1. The fingers close on the stationary target, each until it touches. The closing motion is proven free of other
-    ///    contacts.
-    /// 2. The contacts of the pads with the target surface are in force closure, with a score of at least
+    /// 1. Each finger closes on the stationary target until it touches. This motion is proven free of other contacts.
+    /// 2. The contacts of the pads with the target are in force closure, with a score of at least
     ///    [`GraspMeasure::LEAST_SCORE`].
     ///
     /// # Errors

@@ -2,17 +2,16 @@ use cranny_robot::Robot;
 
 use crate::MotionLimits;
 
-/// Metric of configuration space that weights each joint by its reach: the largest distance of a point of the robot beyond the
-/// joint from the joint origin at `q = 0`, in metres, at most 1; 1 for a prismatic joint.
-///
-/// With weights by reach, configurations are near each other if the robot has a similar shape, even if wrist angles differ.
+/// Weighted L2 metric of configuration space.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JointMetric {
     weights: Vec<f64>,
 }
 
 impl JointMetric {
-    /// Creates the metric of a robot weighted by joint reach.
+    /// Creates the metric in which a joint weighs its reach: the largest distance, at `q = 0`, of a point of the robot beyond
+    /// the joint from the joint origin, in metres, from 0.1 to 1; 1 for a prismatic joint. Configurations are then near each
+    /// other if the robot has a similar shape, even if wrist angles differ.
     pub fn by_reach(robot: &Robot) -> Self {
         // A joint that moves nothing must still distinguish configurations.
         const LEAST_WEIGHT: f64 = 0.1;

@@ -28,10 +28,10 @@ const ROUNDING: f64 = 1e-9;
 /// to its goal: at most `most`, the length of a known path. Returns `None` under criteria other than `exact`, and if the
 /// planner generates its own grasps.
 ///
-/// A path to configurations is at least as long as the straight line to the nearest one. For grasps, the minimum distance of a
-/// configuration that reaches any of them, within the tolerance of `exact`, is bounded by best-first branch and bound over
-/// boxes of joint values (Land & Doig 1960, "An automatic method of solving discrete programming problems", whole). In a box
-/// with centre c and half widths h, a linear functional f of the pose of the tip satisfies
+/// For goal configurations, this is the straight line to the nearest one. For grasps, the distance of the nearest configuration
+/// that reaches any of them, within the tolerance of `exact`, is bounded by best-first branch and bound over boxes of joint
+/// values (Land & Doig 1960, "An automatic method of solving discrete programming problems", whole). In a box with centre c and
+/// half widths h, a linear functional f of the pose of the tip satisfies
 ///
 /// `f(q) ≤ f(c) + ∇f(c)·(q − c) + ½ Σ_ij min(M_ij, |∂_i∂_j f(c)| + ⅓ Σ_k T_ijk h_k) h_i h_j`,
 ///
@@ -75,7 +75,7 @@ struct BoxSearch<'a> {
     movers: &'a [Mover],
     /// Upper bound of the distance of the tip from the axis of each mover at any joint values, in metres; 1 if prismatic.
     arms_m: Vec<f64>,
-    /// Factor applied to the error of a functional: 1, or less in tests that show that the error is needed.
+    /// Factor of the error of a functional: 1, or less in tests which show that the error is needed.
     error_factor: f64,
 }
 
@@ -299,8 +299,8 @@ impl BoxModel {
         Functional::new(force, torque, cluster, tip)
     }
 
-    /// Returns a lower bound of the distance from the start to a configuration in the box at which the functional reaches its
-    /// value at the goal, infinite if there is none; and the error of the functional in the box.
+    /// Returns a lower bound of the distance from the start to any configuration in the box at which the functional reaches its
+    /// value at the goal (infinite if there is none), and the error of the functional in the box.
     fn distance(
         &mut self,
         search: &BoxSearch<'_>,
@@ -316,7 +316,7 @@ impl BoxModel {
         for (j, mover) in search.movers.iter().enumerate() {
             let [axis, moves] = &self.axes[j];
             self.gradient[mover.joint] += mover.multiplier * (of.force.dot(moves) + of.turn.dot(axis));
-            // Bound of the second derivatives in which this is the later joint.
+            // Bound of the second derivatives with `j` as the later joint.
             let most = force_norm * self.arms_m[j] + torque_norm(j);
             let later = |k: usize| (force_norm * self.arms_m[k] + torque_norm(k)) * self.widths[k];
             let later: f64 = (j + 1..search.movers.len()).filter(|_| is_turning(&j)).map(later).sum();
@@ -371,7 +371,7 @@ fn least_distance_above(
         if missing <= 1e-6 || squared <= 0.0 {
             break;
         }
-        // Joints that are not at a bound contribute at most this. The dual is concave, so steps never overshoot its top.
+        // Joints that are not at a bound contribute at most this. The dual is concave, so the ascent never passes its maximum.
         multiplier += 2.0 * missing / squared;
     }
     best.max(0.0).sqrt()
@@ -415,8 +415,7 @@ mod tests {
         Robot::from_urdf_text(&urdf, "arm.urdf", None, &RobotOptions::default()).expect("a URDF")
     }
 
-    /// Returns the minimum distance that steps within the null space find from `start` to a configuration with the pose at
-    /// `end`.
+    /// Returns the minimum distance from `start`, by descent in the null space, to a configuration with the pose of `end`.
     fn relaxed(robot: &Robot, start: &[f64], end: &[f64]) -> f64 {
         let (mut frames, mut jacobian) = (robot.frames(), robot.empty_jacobian());
         let goal = *robot.frames_at(end).link(robot.tip());

@@ -17,16 +17,15 @@ use crate::{MotionLimits, PathError, TimingMethod, Trajectory};
 #[serde(rename_all = "lowercase")]
 #[strum(serialize_all = "lowercase")]
 pub enum CostKind {
-    /// Path length in the metric weighted by reach. The weight of a joint is the largest displacement of a point beyond it per
-    /// radian, in metres, at most 1; a prismatic joint weighs 1.
+    /// Path length in the metric weighted by reach ([`JointMetric::by_reach`]).
     #[default]
     Length,
     /// Plain L2 length of the path, metres and radians alike.
     L2,
     /// Duration in seconds of the time-optimal trajectory along the path, which stops where the path turns.
     Time,
-    /// Path length in the metric weighted by reach, where a piece counts up to eleven times as the robot comes closer to the
-    /// world than 20 mm: [`Self::PENALTY`], [`Self::DESIRED_CLEARANCE_M`].
+    /// Path length in the metric weighted by reach, counted up to eleven times where the robot is within 20 mm of the world:
+    /// [`Self::PENALTY`], [`Self::DESIRED_CLEARANCE_M`].
     Clearance,
     /// Path length of the origin of the gripper frame, in metres.
     Tool,
@@ -50,8 +49,7 @@ impl CostKind {
     /// Desired clearance from the world under [`Self::Clearance`], in metres: more than the errors of a calibrated arm, less
     /// than the openings that it must pass.
     pub const DESIRED_CLEARANCE_M: f64 = 0.02;
-    /// Relative penalty of a motion in contact under [`Self::Clearance`]: it costs its length plus this multiple of it, so that
-    /// a detour up to that length pays off.
+    /// Relative penalty of a motion in contact under [`Self::Clearance`]: its cost is its length times one plus this factor.
     pub const PENALTY: f64 = 10.0;
 
     /// Returns the name used in files and on the command line.
@@ -249,7 +247,7 @@ impl PathCost {
         if self.score_weight > 0.0 { end_score(problem, end) } else { None }
     }
 
-    /// Returns the cost of each grasp of a problem in addition to the path length, relative to the best possible grasp: one
+    /// Returns the cost of each grasp of a problem relative to the best possible grasp, in addition to the path length: one
     /// value per grasp, in the unit of the cost.
     pub fn of_grasps(&self, problem: &Problem) -> Vec<f64> {
         let set = problem.grasps().map_or(&[][..], GraspSet::grasps);
@@ -268,8 +266,7 @@ impl PathCost {
     }
 }
 
-/// Returns the duration in seconds of the time-optimal motion along a straight edge between stops, which the slowest joint
-/// limits.
+/// Returns the duration (s) of the time-optimal motion from rest to rest on a straight edge, set by the slowest joint.
 fn rest_to_rest_s(a: &[f64], b: &[f64], limits: &MotionLimits) -> f64 {
     // Limits in units of the whole edge, per second and per second squared.
     let least = |rates: &[f64]| {

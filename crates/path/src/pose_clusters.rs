@@ -1,7 +1,7 @@
 use cranny_spatial::nalgebra::Quaternion;
 use cranny_spatial::{Pose, ROUNDING_M, Rotation, Vector};
 
-/// Binary tree of clusters of poses; the first holds all poses.
+/// Binary tree of clusters of poses; the first contains all poses.
 pub(crate) struct PoseClusters {
     pub clusters: Vec<Cluster>,
 }

@@ -38,7 +38,7 @@ impl Functional {
         Self { rise: rise - slack, ..functional }
     }
 
-    /// Returns an upper bound of its change for a translation of a pose by `radius_m` (m) and a rotation of this chord.
+    /// Returns an upper bound of the change of the functional if a pose moves by `radius_m` (m) and turns by this chord.
     pub fn slack(&self, radius_m: f64, chord: f64) -> f64 {
         self.force.norm() * radius_m + self.torque_norm * chord
     }

@@ -12,7 +12,7 @@ use crate::{CostKind, PathCost, PathError};
 /// Settings of [`shortcut`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShortcutSettings {
-    /// Number of changes of the path to try. Default 100; twice as many take twice as long for a further half per cent.
+    /// Number of changes to try. Default 100; twice as many take twice as long and make the path half a per cent shorter.
     pub attempts: usize,
     /// Seed of the random changes.
     pub seed: u64,
@@ -28,14 +28,14 @@ impl Default for ShortcutSettings {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shortened {
     /// Way points from the same start to the same goal configuration, or to the same grasp or its twin. Every edge is proven,
-    /// or is a section of an edge of the given path.
+    /// or lies on an edge of the given path.
     pub path: Vec<Vec<f64>>,
     /// Computation time, in seconds.
     pub time_s: f64,
 }
 
-/// Minimum saving of a shortcut that justifies a proof, as a share of its detour; `LEAST_PULL` is that of a moved way point, as
-/// a share of its edges, which is tried more often.
+/// Minimum saving that justifies a proof: of a shortcut, as a share of its detour; and (`LEAST_PULL`) of a moved way point, as
+/// a share of its edges, since way points are moved more often.
 const LEAST_GAIN: f64 = 0.02;
 const LEAST_PULL: f64 = 5e-4;
 
@@ -52,17 +52,15 @@ const TURNS: usize = 5;
 /// Shortens a proven path of way points (m, rad; one value per joint), by its plain L2 length, and keeps the proof: every new
 /// edge is proven with the margins of the cell before it replaces a detour.
 ///
-/// 1. From each way point, connects straight to the farthest reachable later one, halving the reach after a failure. If the
-///    goal is a grasp and a joint has made a full turn, the rest of the path is turned back.
+/// 1. Connects each way point straight to the farthest reachable later one, halving the distance after a failure. If the goal
+///    is a grasp and a joint has made a full turn, the rest of the path is turned back.
 /// 2. Moves a random way point, most often where the path turns most, towards the straight line between its neighbours by a
-///    random share of the distance, and sideways at random by about as much. A way point that is blocked by an obstacle thus
-///    slides along it.
-/// 3. Every fifth attempt tries a straight line between random points of the path before and after a random way point, anywhere
-///    on its edges (Geraerts & Overmars 2007, §3); if it is blocked, points closer to the way point. The first step is repeated
-///    as often, because needless way points block the others.
+///    random share of the distance, and sideways at random by about as much. It thus slides along obstacles.
+///    on its edges (Geraerts & Overmars 2007, §3); if it is blocked, between points closer to the way point. Every fifth
+///    attempt repeats 1, because needless way points block the others.
 /// 4. If the goal is a grasp, two of five attempts try a straight line from a random point of the path to a nearby
-///    configuration with the gripper pose at the end of the path, or its twin. A redundant arm has many.
-/// 5. Repeats the first step once more, because a motion stops wherever a path turns.
+///    configuration with the gripper pose at the end of the path, or its twin. A redundant arm has many of them.
+/// 5. Repeats 1 once more, because a motion stops wherever a path turns.
 ///
 /// The result depends on problem, path and settings alone.
 ///
@@ -88,17 +86,15 @@ pub fn shortcut(
 /// Minimum saving of an additional way point in a delivered path, as a share of its cost: the motion stops there.
 pub const STOP: f64 = 0.01;
 
-/// Shortener for paths of one problem, one after the other, as in [`shortcut`].
+/// Shortener, as in [`shortcut`], for the paths of one problem, one after the other.
 pub struct Shortener<'a> {
     problem: &'a Problem,
     cell: &'a Cell,
     cost: &'a PathCost,
-    /// Minimum saving of an additional way point, as a share of the cost of the path.
     stop: f64,
     scratch: Scratch,
     random: Stream,
     path: Vec<Vec<f64>>,
-    /// Cost of each edge.
     costs: Vec<f64>,
     /// End poses, if the end may move to another configuration.
     hold: Option<Hold<'a>>,
@@ -175,7 +171,7 @@ impl<'a> Shortener<'a> {
         costs.extend(path.windows(2).map(|edge| cost.of_edge(&edge[0], &edge[1], scratch)));
     }
 
-    /// Step 1 of [`shortcut`].
+    /// Operation 1 of [`shortcut`].
     fn skip_way_points(&mut self) {
         let mut at = 0;
         while at + 2 < self.path.len() {
@@ -214,7 +210,7 @@ impl<'a> Shortener<'a> {
         may_turn
     }
 
-    /// Step 2 of [`shortcut`].
+    /// Operation 2 of [`shortcut`].
     fn pull_way_point(&mut self) {
         /// Sideways displacement, relative to the displacement towards the line.
         const ASIDE: f64 = 1.3;
@@ -253,9 +249,9 @@ impl<'a> Shortener<'a> {
         }
     }
 
-    /// Step 3 of [`shortcut`].
+    /// Operation 3 of [`shortcut`].
     fn cut_at_random(&mut self) {
-        /// Tries at one way point, each half as far from it as the one before.
+        /// Number of tries at a way point, each at half the distance of the one before.
         const TRIES: usize = 3;
         if self.path.len() < 3 {
             return;
@@ -268,7 +264,7 @@ impl<'a> Shortener<'a> {
             let ((first, a), (last, b)) = (self.point_at(corner - before), self.point_at(corner + after));
             if first != last {
                 let chain = vec![self.path[first].clone(), a, b, self.path[last + 1].clone()];
-                // A shortcut past a single way point adds another way point to the path.
+                // A shortcut past a single way point replaces it by two.
                 let stop = if last == first + 1 { self.stop * total / (before + after) } else { 0.0 };
                 let least_gain = LEAST_GAIN.max(stop);
                 if self.offer(first..last + 1, chain, 1..2, least_gain) {
@@ -279,7 +275,7 @@ impl<'a> Shortener<'a> {
         }
     }
 
-    /// Step 4 of [`shortcut`].
+    /// Operation 4 of [`shortcut`].
     fn move_end(&mut self) {
         if self.path.len() < 2 {
             return;
@@ -299,7 +295,7 @@ impl<'a> Shortener<'a> {
         metric.distance(before, here) + metric.distance(here, after) - metric.distance(before, after)
     }
 
-    /// Returns the edge of the point up to which the path costs `cost`, and the point.
+    /// Returns the point up to which the path costs `cost`, after the index of its edge.
     fn point_at(&self, cost: f64) -> (usize, Vec<f64>) {
         let mut left = cost;
         let mut edge = 0;
@@ -311,8 +307,8 @@ impl<'a> Shortener<'a> {
         (edge, between(&self.path[edge], &self.path[edge + 1], at).collect())
     }
 
-    /// Replaces these edges of the path by the way points `chain`, from end to end, if the `open` edges of `chain`, which no
-    /// edge of the path contains, cost less than what they replace by the share `least_gain`, and are proven.
+    /// Replaces `edges` of the path by the way points `chain`, if the edges `open` of `chain` (the others lie on the path) are
+    /// proven, and cost less than the replaced detour by the share `least_gain`.
     fn offer(
         &mut self,
         edges: Range<usize>,
@@ -325,7 +321,7 @@ impl<'a> Shortener<'a> {
         let is_less = |new: &[f64]| {
             let opened: f64 = new[open.clone()].iter().sum();
             let kept = new.iter().sum::<f64>() - opened;
-            // Edges are free under some costs; a change that saves nothing there is rejected.
+            // Some costs are 0 on some edges; a change that saves nothing there is rejected.
             opened <= (1.0 - least_gain) * (before - kept) && (before > kept || least_gain <= 0.0)
         };
         // The clearance term is evaluated last, because it takes longest.

@@ -4,8 +4,8 @@ use cranny_spatial::Vector;
 /// Maximum step of the released planners, in metres (ε).
 pub const RELEASED_STEP_M: f64 = 0.1;
 
-/// Steps through configuration space whose size is measured at the links: the largest displacement of the origin of any link
-/// frame on the chain to the tip, in metres (as in the released code; the paper bounds each joint instead).
+/// Steps through configuration space. Their size is the largest displacement of the origin of any link frame on the chain to
+/// the tip, in metres (as in the released code; the paper bounds each joint instead).
 #[derive(Clone, Debug)]
 pub struct Stepper {
     /// Moving links between the root and the tip.
@@ -18,7 +18,7 @@ pub struct Stepper {
 impl Stepper {
     /// Creates a stepper for a robot.
     pub fn new(robot: &Robot) -> Self {
-        // Links that no joint moves never move, so they are left out.
+        // Links that no joint moves are left out.
         let mut chain = Vec::new();
         let mut link = Some(robot.tip());
         while let Some(at) = link {
@@ -79,8 +79,7 @@ impl Stepper {
         }
     }
 
-    /// Returns the largest displacement of the origin of a link frame of the chain between `from` and `to` (m, rad; one per
-    /// joint), in metres.
+    /// Returns the largest displacement (m) of a frame origin of the chain from `from` to `to` (m, rad; one per joint).
     pub fn displacement_between(&mut self, robot: &Robot, from: &[f64], to: &[f64]) -> f64 {
         robot.tip_kinematics(from, &mut self.from_frames);
         robot.tip_kinematics(to, &mut self.to_frames);

@@ -12,7 +12,7 @@ const OPENING_TOLERANCE_M: f64 = 1e-4;
 /// Tolerance on the length of an object's path, in metres: straight lines in joint space are curved in Cartesian space.
 const LENGTH_TOLERANCE_M: f64 = 1e-3;
 
-/// Audits the segments of a task from any source: every motion as [`audit_with`] does, in the state along it ([`StateSequence`]);
+/// Audits the segments of a task from any source: every motion as by [`audit_with`], in the state along it ([`StateSequence`]);
 /// the closing and opening of the hand; and the end of each stage. Edges are numbered through all segments.
 ///
 /// # Errors
@@ -83,7 +83,7 @@ pub fn audit_along(
     Ok(audit)
 }
 
-/// Returns true for segments of one stage in one world, which are straight lines both or neither.
+/// Returns true if both segments belong to one stage and one world, and both or neither are straight lines.
 fn is_one_motion(a: &Segment, b: &Segment) -> bool {
     let is_straight = |mode: Mode| mode == Mode::APPROACH || mode == Mode::RETREAT;
     let properties = |segment: &Segment| {
@@ -232,7 +232,6 @@ impl TaskJudge<'_> {
         Ok(())
     }
 
-    /// Judges a motion with a held object.
     fn held(
         &self,
         audit: &mut Audit,
@@ -274,7 +273,7 @@ fn check_hold(audit: &mut Audit, carrier: &Carrier, grip: &Grip, segment: &Segme
     }
 }
 
-/// Motion along which a held object is near its support, at one of its ends.
+/// Motion of a held object that rests on its support at one end.
 struct Near<'a> {
     carrier: &'a Carrier,
     grip: &'a Grip,
@@ -285,8 +284,8 @@ struct Near<'a> {
 }
 
 impl Near<'_> {
-    /// Adds the audit of its edges, and checks that the object stays off its support, travels no farther than allowed, and is
-    /// off its support at the other end.
+    /// Adds the audit of its edges, and checks that the object comes no closer to its support than at rest, travels no farther
+    /// than allowed, and is off its support at the other end.
     fn judge(&self, audit: &mut Audit, mut judged: Audit) {
         let Self { carrier, grip, resting, run, .. } = *self;
         let (kind, off_at, off_way_point) = match self.end {

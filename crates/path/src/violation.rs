@@ -22,7 +22,7 @@ pub struct Violation {
 /// Location on a path.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Location {
-    /// Index of the edge, from 0, or of the way point, from 0, if the fault is at a single one.
+    /// Index, from 0, of the edge, or of the way point if the fault is at a single one.
     pub edge: usize,
     /// Position along the edge, in [0, 1].
     pub along: f64,
@@ -58,9 +58,9 @@ pub enum Cause {
         /// Smallest distance found, in metres.
         clearance_m: f64,
     },
-    /// A step is longer than any that the released planners take between two checks (under `paper`).
+    /// An edge is longer than the step of the released planners (under `paper`).
     Step {
-        /// Excess over their step length, in metres.
+        /// Excess over that step, in metres.
         excess_m: f64,
     },
     /// The path does not end at a grasp.
@@ -80,7 +80,7 @@ pub enum Cause {
         /// Reason of the failure.
         reason: FailureReason,
     },
-    /// The hand closes on the target in no grasp, or in one with too low a score.
+    /// The hand closes on the target without force closure, or with too low a score.
     #[strum(to_string = "grip")]
     WeakGrasp {
         /// Score, in [0, 1]; 0 if the contacts are not in force closure.
@@ -166,7 +166,7 @@ pub enum Cause {
         /// Required length, in metres.
         required_m: f64,
     },
-    /// The path ends before the task does.
+    /// The path ends before the task is complete.
     #[strum(to_string = "goal")]
     Unfinished {
         /// Index of the stage in which it ends.
@@ -278,7 +278,7 @@ impl Violation {
         (&self.cause).into()
     }
 
-    /// Returns this fault in a path with `before` more edges in front.
+    /// Returns this fault for a path with `before` additional edges in front.
     pub(crate) fn counted_from(mut self, before: usize) -> Self {
         self.at.edge += before;
         self

@@ -14,13 +14,12 @@ use crate::{Budget, Observer, Outcome, PlanError, PlanReport, Planner, Reach, se
 /// Settings for the improvement of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OptimiseSettings {
-    /// Time after the first path, whose shortening begins in any case. It may only cut short the sequence that the seed and the
-    /// iterations determine. In a task of several stages half of it ends the search of whole tasks, unless the iterations do.
-    /// Default: 10 s.
+    /// Time limit after the first path, which is shortened in any case. It may only cut short the sequence that the seed and
+    /// the iterations determine. In a task of several stages, half of it is for new paths through all of them. Default: 10 s.
     pub time: Duration,
     /// Maximum number of iterations of all searches together, including the first. Default: unlimited.
     pub iterations: u64,
-    /// Number of consecutive searches with a gain of less than 1 % each after which it ends. Default: unlimited.
+    /// Number of consecutive searches with a gain below 1 % each after which the improvement ends. Default: unlimited.
     pub idle_searches: u64,
     /// Value of a grasp of score 1 relative to one of score 0, in the unit of the cost. Default 1: by length this equals one
     /// metre of base motion, a fifth to a half of a usual path, so that a better grasp is worth a limited detour.
@@ -34,8 +33,7 @@ pub struct OptimiseSettings {
 
 impl OptimiseSettings {
     /// Returns the default settings for delivered paths: shortening by plain L2 length, and further searches until three in a
-    /// row gain hardly anything, which takes a few milliseconds. A stop of 0.01 makes paths 0.2 % longer and trajectories 4 %
-    /// shorter.
+    /// row gain hardly anything (a few milliseconds). A stop of 0.01 makes paths 0.2 % longer and trajectories 4 % shorter.
     pub fn delivery() -> Self {
         Self { time: Duration::MAX, idle_searches: 3, cost: CostKind::L2, stop: STOP, ..Self::default() }
     }
@@ -206,7 +204,7 @@ const WORTH: f64 = 0.01;
 const IDLE_SHORTENINGS: u32 = 3;
 
 impl Best<'_> {
-    /// Shortens a path, and returns true if it replaced the best one. Steps 2 and 4.
+    /// Shortens a path, and returns true if it replaced the best one (2 and 4 of [`better`]).
     fn challenge(&mut self, path: &[Vec<f64>], seed: u64) -> Result<bool, PlanError> {
         self.iterations += 1;
         let Some(goal) = path.last() else { return Ok(false) };
@@ -239,7 +237,7 @@ impl Best<'_> {
         Ok(has_won)
     }
 
-    /// Runs steps 2 and 3 until the time of the search or the iterations are used up.
+    /// Runs 2 and 3 of [`better`] until the time of the search or the iterations are used up.
     fn improve(
         &mut self,
         (lanes, observer): (&mut LaneSearch, &mut dyn Observer),
@@ -296,7 +294,7 @@ impl Best<'_> {
         !self.steps.is_empty() && self.end.is_some_and(|end| now() >= end)
     }
 
-    /// Returns the best path that passes the audit. Step 5.
+    /// Returns the best path that passes the audit (5 of [`better`]).
     fn judged(&mut self) -> Result<Vec<Vec<f64>>, PlanError> {
         let settings = AuditSettings { clearances: Clearances::None, ..AuditSettings::default() };
         while let Some(best) = self.steps.last() {
@@ -309,7 +307,7 @@ impl Best<'_> {
     }
 }
 
-/// Observer that adds the iterations of the searches before.
+/// Observer that adds the iterations of earlier searches.
 struct Offset<'a> {
     observer: &'a mut dyn Observer,
     before: u64,

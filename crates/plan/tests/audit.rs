@@ -327,7 +327,7 @@ fn a_path_of_one_way_point_is_judged_like_any_other() {
     assert_eq!((only(&elsewhere).kind(), only(&elsewhere).at.edge), ("goal", 0));
 }
 
-/// Returns a path from `FROM` to `TO`, 1 m apart, in `count` steps.
+/// Returns a path from `FROM` to `TO`, 1 m apart, in `count` edges.
 fn in_steps(count: u32) -> Vec<[f64; 3]> {
     (0..=count).map(|k| [-0.5 + f64::from(k) / f64::from(count), 0.0, 0.0]).collect()
 }

@@ -67,7 +67,7 @@ fn pads_that_meet_a_rib_each_hold_nothing_unless_the_ribs_are_opposite() {
     assert!(score <= 0.0, "{score}");
 }
 
-/// Checks that the measured clearance of the finger sweep is the minimum over many positions along it.
+/// Checks that the measured clearance of the finger sweep is the minimum over many positions in the sweep.
 #[test]
 fn the_clearance_of_a_closing_hand_is_that_of_its_whole_sweep() {
     let [x, y, z] = OBJECT;

@@ -1,4 +1,4 @@
-//! Grasps that can be held only by their twins.
+//! Grasps that are reached only at their twins.
 
 use cranny_path::audit;
 use cranny_plan::Outcome;

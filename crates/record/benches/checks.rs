@@ -12,7 +12,7 @@ use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_m
 /// Number of uniform random configurations that are checked.
 const CONFIGURATIONS: usize = 2048;
 
-/// Length of an edge as a share of the distance between two of them: about a step of a planner.
+/// Length of an edge as a share of the distance between two random configurations: about a step of a tree search.
 const EDGE: f64 = 0.05;
 
 fn checks(criterion: &mut Criterion) {

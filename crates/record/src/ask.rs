@@ -34,7 +34,7 @@ pub struct Ask {
     pub min_score: Option<f64>,
     /// Threshold of the paper's criterion.
     pub goal_threshold: Option<f64>,
-    /// True to keep the path as the planner found it.
+    /// True if the path is kept as the planner found it.
     pub keep_path: bool,
     /// Time for better paths; `None`: the first path only.
     pub optimise: Option<Duration>,
@@ -44,15 +44,15 @@ pub struct Ask {
     pub score_weight: f64,
     /// Limits of the timing; `None`: those of jerk too if the robot states them.
     pub timing: Option<TimingMethod>,
-    /// True to stop at each corner and round none.
+    /// True if the motion stops at each corner and rounds none.
     pub stops: bool,
     /// Speed limits of the motions.
     pub paces: SpeedOptions,
     /// Greatest speed of the gripper frame that the problem requires, in m/s, if `paces` state none.
     pub tool_m_s: Option<f64>,
-    /// True to keep the forces and torques of the joints within the efforts of the URDF.
+    /// True if the forces and torques of the joints are kept within the efforts of the URDF.
     pub torque: bool,
-    /// True to require a trajectory.
+    /// True if a trajectory is required.
     pub is_timing_demanded: bool,
     /// Goal of a carry.
     pub carry: Option<CarryGoal>,
@@ -221,7 +221,7 @@ impl Ask {
         Ok(stages)
     }
 
-    /// Returns the requested stages, and the task of the scenario if they are one.
+    /// Returns the requested stages, and the scenario's task if it was requested by name.
     fn stages(&self, scenario: Option<&Scenario>) -> Result<(Vec<Stage>, Option<NamedTask>), RecordError> {
         let refuse = |field, problem: &str| Err(RecordError::Ask { field, problem: problem.to_owned() });
         let asked =

@@ -33,7 +33,7 @@ pub enum RecordError {
         /// The file.
         path: PathBuf,
     },
-    /// A plan to be written holds a number that JSON cannot: infinite, or not a number.
+    /// A plan to be written has a number that JSON cannot represent: infinite, or not a number.
     #[error("{}: not written, because '{field}' holds a number that is not finite", path.display())]
     NotFinite {
         /// The file.

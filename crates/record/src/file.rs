@@ -50,7 +50,7 @@ pub struct PlanFile {
     /// Least score of the goal grasps, if requested.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub min_score: Option<f64>,
-    /// Number of grasps excluded by it.
+    /// Number of grasps excluded by `min_score`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub below_min_score: Option<usize>,
     /// Under `paper`: the value of `½·mm + ½·deg` below which the gripper has arrived.
@@ -69,9 +69,9 @@ pub struct PlanFile {
     pub joint_names: Vec<String>,
     /// Index of the grasp at the end of the path, or of the first pick.
     pub grasp: Option<usize>,
-    /// Distance of the gripper from it at the end, in metres.
+    /// Distance of the gripper from this grasp at the end, in metres.
     pub translation_error_m: Option<f64>,
-    /// Angle of the gripper to it at the end, in radians.
+    /// Angle between gripper and grasp at the end, in radians.
     pub rotation_error_rad: Option<f64>,
     /// Grasp at the end of the path that the planner generated, if no set was given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -107,7 +107,7 @@ pub struct PlanFile {
     /// Optimisation of the path after the first search; `None` if there was none.
     #[serde(default)]
     pub optimisation: Option<PlanOptimisation>,
-    /// Obstacle or reason for each grasp, from a planner that records them; empty if solved.
+    /// Reason for the failure of each grasp, from a planner that records them; empty if solved.
     #[serde(default)]
     pub failures: Vec<GraspFailure>,
     /// Reasons why each goal configuration was refused, in sentences, if all of them were.
@@ -131,7 +131,7 @@ pub struct PlanFile {
     /// Measured factor of the hold; `None` if nothing is carried, or it cannot be computed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hold: Option<Hold>,
-    /// Plans that were tried in simulation, of which this is the last, if any were.
+    /// Plans that were tried in simulation, this one last; empty if none was.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub tries: Vec<PlanTry>,
 }
@@ -284,8 +284,8 @@ impl PlanFile {
     /// Writes the plan, as a whole or not at all.
     ///
     /// # Errors
-    /// [`RecordError::NotFinite`] for a number that JSON cannot hold, [`ScenarioError::Unwritable`]. In both cases an existing
-    /// file is untouched.
+    /// [`RecordError::NotFinite`] for a number that JSON cannot represent, [`ScenarioError::Unwritable`]. In both cases an
+    /// existing file is untouched.
     pub fn write(&self, path: &Path) -> Result<(), RecordError> {
         self.check_finite(path)?;
         let mut text = serde_json::to_string_pretty(self)

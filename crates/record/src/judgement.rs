@@ -13,14 +13,12 @@ use crate::{PlanFile, PlanPick, PlanSource, PlanTiming};
 /// Verdict on a plan file: on its path, and on all other statements.
 #[derive(Clone, Debug, Serialize)]
 pub struct Judgement {
-    /// Verdict on the path. A false statement is one of its violations, unless the plan was made for another task than the one
-    /// of this audit.
+    /// Verdict on the path. A false statement is one of its violations, unless the plan was made for another task.
     #[serde(flatten)]
     pub audit: Audit,
     /// Requirements of the file that the audit used, unless `differs` names them.
     pub demanded: Demanded,
-    /// Statements of the file that differ from the measured values, or from the task of this audit. The verdict does not depend
-    /// on them.
+    /// Statements that differ from the measured values or from the task of this audit, without effect on the verdict.
     pub differs: Vec<Statement>,
     /// Keys of the file whose values were measured again and compared.
     pub compared: Vec<&'static str>,
@@ -47,10 +45,9 @@ pub struct Demanded {
 /// Keys that state the task of a plan: if one differs, no figure belongs to the task of this audit.
 const TASK: [&str; 5] = ["scenario", "robot", "geometry", "criterion", "margins"];
 
-/// Key of the set of grasps.
 const GRASPS: &str = "grasps";
 
-/// Figures that depend on the set of grasps, which moves nothing; no others do.
+/// The only figures that depend on the set of grasps: no motion does.
 const OF_GRASPS: [&str; 5] = ["grasp", "translation_error_m", "rotation_error_rad", "own_grasp", "picks"];
 
 /// Keys whose values are measured again.
@@ -105,8 +102,8 @@ impl PlanFile {
     /// Audits the path like one of any other origin, and compares all other statements of the plan with values measured along
     /// it; `None` for a plan without a path. `task` is the source of the problem.
     ///
-    /// Pairs that the problem does not compare, but can ([`Problem::checking_all_pairs`]), are compared if the plan does not
-    /// name them and is valid with them: it was planned that way.
+    /// Pairs that the problem leaves out but can compare ([`Problem::checking_all_pairs`]) are compared if the plan does not
+    /// name them and is valid with them: then its planner compared them too.
     ///
     /// # Errors
     /// As [`audit_task`](cranny_path::audit_task).
@@ -190,7 +187,7 @@ impl PlanFile {
             Some(along) => Hold::of(problem, along, &self.segments, self.timing_asked())?,
             None => None,
         };
-        // The plan states the requirement, which must not exceed the measured hold.
+        // The plan states the requirement, which must not exceed the measured factor.
         let met =
             |demanded: f64| hold.map_or(demanded, |hold| demanded.min(hold.factor.unwrap_or(hold.at_rest)));
         let hold_demanded = self.hold_demanded.map(met);
@@ -209,7 +206,7 @@ impl PlanFile {
         let of_grasps = differences(&[GRASPS], &stated, &found);
         let has_own_grasps = of_grasps.is_empty();
         judgement.differs.extend(of_grasps);
-        // Statements on an invalid path were measured on another one.
+        // For an invalid path, the statements were measured on another path.
         let holds = judgement.audit.valid;
         // An empty list of pairs is a statement too: that all were compared.
         let is_promise = |key: &&str| is_stated(key) || *key == NOT_CHECKED && self::is_stated(&found[*key]);
@@ -219,7 +216,7 @@ impl PlanFile {
         if holds {
             for statement in differences(&measured_keys, &stated, &found) {
                 let key = statement.key.split(['.', '[']).next().unwrap_or_default();
-                // Without a proof, every stated clearance is more than there is.
+                // Without a proof, no stated clearance is true.
                 let is_unproven =
                     problem.cell().is_none() && statement.measured.is_null() && key != NOT_CHECKED;
                 let is_of_task = is_own_task && (has_own_grasps || !OF_GRASPS.contains(&key));
@@ -251,19 +248,17 @@ impl PlanFile {
         }
     }
 
-    /// Measures the radii if the file states some.
     fn measured_robustness(&self, along: Option<&StateSequence>) -> Option<Robustness> {
         let along = along.filter(|_| self.robustness.is_some() && !self.waypoints.is_empty())?;
         Robustness::of(along, &self.segments)
     }
 
-    /// Measures the lower bound of the length of every path if the file states one.
     fn measured_least_length(&self, problem: &Problem) -> Option<f64> {
         self.least_length?;
         least_length(problem, &self.task, path_length(&self.waypoints))
     }
 
-    /// Returns the scenario's task of this name if the two differ in more than the required distances.
+    /// Returns the scenario's task of this name if it differs from that of the plan in more than the required distances.
     fn own_task<'a>(&self, source: &'a PlanSource) -> Option<&'a NamedTask> {
         let named = source.task.as_ref()?;
         let is_same = named.stages.len() == self.task.len()
@@ -271,8 +266,8 @@ impl PlanFile {
         (!is_same).then_some(named)
     }
 
-    /// Returns the plan with all figures as measured, except its bounds and its hold. Every field is listed, so that a new one
-    /// needs a decision.
+    /// Returns the plan with all figures as measured, except its bounds and the firmness of its hold. Every field is listed, so
+    /// that a new one needs a decision.
     fn measured(
         &self,
         task: &PlanSource,

@@ -7,10 +7,10 @@ use crate::PlanFile;
 
 /// Format before stages: at most one carry or place.
 pub(crate) const FIRST: &str = "cranny-plan/1";
-/// List of plans of that format, one for each step of a scenario.
+/// List of plans of that format, one for each pick of a scenario.
 pub(crate) const SEQUENCE: &str = "cranny-sequence/1";
 
-/// Converts a plan of the first format, or one written before there was any, to the present format.
+/// Converts a plan of the first format, or one of the time before formats, to the present format.
 ///
 /// # Errors
 /// A sentence: segments without a format, or several ends.
@@ -71,7 +71,7 @@ fn take(keys: &mut Map<String, Value>, key: &str) -> Option<Value> {
     keys.remove(key).filter(|value| !value.is_null())
 }
 
-/// Joins plans of several steps to one plan.
+/// Joins the plans of a list to one plan.
 ///
 /// # Errors
 /// A sentence that names the fault of the list.
@@ -92,7 +92,7 @@ pub(crate) fn of_sequence(mut sequence: Map<String, Value>) -> Result<Map<String
             return Err(format!("the plan of step {} is not of format '{FIRST}'", number + 1));
         }
         of_first(&mut step)?;
-        // The target of a step is the object that it picks.
+        // The target of a plan is the object that it picks.
         if let Some(object) = picked(&step) {
             step["task"][0] = json!({"pick": object});
         }
@@ -120,10 +120,10 @@ fn disagreement(key: &str, step: usize) -> String {
     format!("step {step} states another {key} than the plan, or the steps before it")
 }
 
-/// Keys that plans of the steps of one task share.
+/// Keys that the plans of one list share.
 const SHARED: [&str; 5] = ["scenario", "robot", "geometry", "criterion", "joint_names"];
 
-/// Joins a plan and that of the next step.
+/// Joins a plan and the next one of the list.
 fn joined(
     mut whole: Map<String, Value>,
     mut next: Map<String, Value>,
@@ -210,7 +210,7 @@ fn timing_of(before: Option<&Value>, next: Option<&Value>) -> Option<Value> {
     Some(timing.into())
 }
 
-/// Returns the smaller of two radii each; nothing if one of them states none.
+/// Returns the smaller of each pair of radii; `null` if one of the two is missing.
 fn least_of(a: Option<&Value>, b: Option<&Value>) -> Value {
     match (a, b) {
         (Some(Value::Object(a)), Some(Value::Object(b))) => {

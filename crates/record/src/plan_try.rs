@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 pub struct PlanTry {
     /// Seed of the search.
     pub seed: u64,
-    /// Fate of the object, or of that of the first failed pick: `held`, `placed`, `misplaced`, `slipped`, …
+    /// Fate of the object, or of the object of the first failed pick: `held`, `placed`, `misplaced`, `slipped`, …
     pub outcome: String,
     /// True if each object stayed in the hand until it was released, or to the end.
     pub kept: bool,

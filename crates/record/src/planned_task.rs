@@ -4,13 +4,13 @@ use cranny_task::{Problem, StateSequence, TaskError, are_complete};
 use crate::{PlanFile, PlanSource, RecordError};
 
 impl PlanFile {
-    /// Returns the source of its problem, with the task of its stated name if the scenario has it.
+    /// Returns the source of the problem, with the scenario's task of the stated name if there is one.
     pub fn source_in(&self, scenario: &Scenario, source: &PlanSource) -> PlanSource {
         let task = self.task_name.as_ref().and_then(|name| scenario.task(name).ok());
         PlanSource { task: task.cloned(), ..source.clone() }
     }
 
-    /// Checks that its stages are those of the scenario's task that it names, and that its path reaches their end.
+    /// Checks that the stages are those of the named task of the scenario, and that the path reaches the end of the last one.
     ///
     /// # Errors
     /// [`ScenarioError::UnknownTask`](cranny_scenario::ScenarioError::UnknownTask); [`TaskError::Segments`] for other stages,
@@ -32,7 +32,7 @@ impl PlanFile {
         Ok(())
     }
 
-    /// Returns the scenario after the plan: bodies stand where it has put them, and the robot where it ends.
+    /// Returns the scenario after the plan: bodies stand where the robot has put them, and the robot where the path ends.
     ///
     /// # Errors
     /// [`TaskError::Segments`] for a plan without a path, with an impossible motion of the hand, or with an object in the hand

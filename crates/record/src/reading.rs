@@ -93,7 +93,7 @@ impl PlanFile {
         serde_json::from_value(plan.into()).map_err(|problem| fault(path, problem.to_string()))
     }
 
-    /// Checks that JSON can hold all of its numbers.
+    /// Checks that JSON can represent all numbers of the plan.
     pub(crate) fn check_finite(&self, path: &Path) -> Result<(), RecordError> {
         let fault = |field| RecordError::NotFinite { path: path.to_owned(), field };
         self.field_not_finite().map_or(Ok(()), |field| Err(fault(field)))

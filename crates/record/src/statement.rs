@@ -96,7 +96,7 @@ impl Law {
             | "hold"
             | "hold_demanded" => Self::AtLeast,
             "own_grasp" => Self::Judged,
-            // Under `paper` the audit has its own: it measures which grasp is reached, and how exactly.
+            // Under `paper` the audit uses its own threshold: it measures which grasp is reached, and how exactly.
             "goal_threshold" => Self::Reported,
             _ => Self::Equal,
         }
@@ -153,7 +153,6 @@ pub(crate) fn differences(keys: &[&str], stated: &Value, measured: &Value) -> Ve
     found
 }
 
-/// Key of the pairs that are not compared.
 pub(crate) const NOT_CHECKED: &str = "not_checked";
 
 /// Compares the stated exceptions with the pairs that are not compared. A missing pair is false, because it is stated as
@@ -180,8 +179,8 @@ fn compare_pairs(stated: &[Value], measured: &[Value], found: &mut Vec<Statement
     }
 }
 
-/// Returns true if a stated exception covers a pair that is not compared: for the same reason, in the same segment. For a pair
-/// that is proven never to touch, any reason claims less.
+/// Returns true if a stated exception covers a pair that is not compared: for the same reason, in the same segment. Any reason
+/// covers a pair that is proven never to touch.
 fn is_pair(stated: &Value, measured: &Value) -> bool {
     let is = |key: &str, other: &str| stated[key] == measured[other];
     let are_named = is("first", "first") && is("second", "second");

@@ -15,7 +15,7 @@ fn false_proofs() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../cli/tests/fixtures/false_proofs")
 }
 
-/// Returns whether the path of the folder is valid in it, and the repairs of its meshes.
+/// Returns true if the path of the folder is valid in its scenario; and the repairs of the meshes.
 fn judged(folder: &Path) -> (bool, String) {
     let scenario = Scenario::open(&folder.to_string_lossy(), &OpenOptions::default()).unwrap();
     let problem = scenario.problem(Margins::default()).unwrap();

@@ -44,7 +44,6 @@ fn the_target_of_every_scenario_can_be_carried_home() {
             assert_eq!(carry.waypoints.last().map(Vec::as_slice), Some(problem.start()), "{id}");
             let opening_m = lift_off.opening_m.unwrap();
             assert!(opening_m > 0.0 && opening_m < 0.08, "{id}: {opening_m}");
-            // A second run gives the same path.
             if level == 1 {
                 let again = carried(&problem, Move::Home);
                 assert_eq!(again.waypoints(), answer.waypoints(), "{id}");
@@ -66,7 +65,6 @@ fn a_plan_file_of_a_task_is_read_and_judged_and_lies_are_seen() {
     let sound = audit_of(&read, &problem);
     assert!(sound.valid, "{:?}", sound.violations);
     assert_eq!(plan.task, [Stage::pick(), Stage::home()]);
-    // Its request reproduces the plan.
     let again = solve(&problem, &plan.request(), &mut Unobserved).unwrap();
     assert_eq!(again.waypoints(), plan.waypoints);
     // The audit checks the stated hand and goal, along the edges alone.
@@ -165,7 +163,6 @@ fn out_is_where_the_object_is_clear_of_everything_but_the_floor() {
         let source = PlanSource { scenario: id.to_owned(), ..PlanSource::default() };
         let mut plan = PlanFile::of(&answer, &source);
         assert_eq!(plan.task[1], Stage::Move(Move::Clear { clear_m }));
-        // A farther distance than the requested one.
         plan.task[1] = Stage::Move(Move::Clear { clear_m: 1.0 });
         let kinds: Vec<&str> = audit_of(&plan, &problem).violations.iter().map(Violation::kind).collect();
         assert_eq!(kinds, ["goal"], "{id}");

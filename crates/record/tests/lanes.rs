@@ -75,7 +75,7 @@ fn verdicts_are_exact_with_the_target_in_the_hand() {
 
 /// Works as [`judged`], with the second half near `along`, where the held object is about to touch.
 fn judged_held(cell: &Cell, along: &[&Vec<f64>], count: usize, random: &mut Stream) -> (Vec<f64>, Vec<bool>) {
-    /// Greatest distance of a joint of these from a way point, in metres or radians.
+    /// Greatest distance of a joint of these configurations from a way point, in metres or radians.
     const NEAR: f64 = 0.4;
     let (mut scratch, held) = (cell.scratch(), cell.robot().held_link().map(Collider::Link));
     let (mut rows, mut verdicts) = (Vec::new(), Vec::new());

@@ -110,7 +110,6 @@ impl Copy {
         MoveItProblem::open(&scene, &request, &MoveItOptions::default())
     }
 
-    /// Opens the problem with `from` in `file` replaced by `to`.
     fn changed(&self, file: &str, from: &str, to: &str) -> Result<MoveItProblem, ScenarioError> {
         let text = fs::read_to_string(self.path(file)).unwrap();
         assert!(text.contains(from), "{from}");

@@ -177,7 +177,7 @@ fn what_a_plan_file_says_of_a_place_is_judged() {
     deep[2] += 0.3;
     through.segments[3].waypoints.insert(1, deep);
     assert!(!audit_of(&through, &problem).valid);
-    // A jump between two segments: no file has one, but a caller may.
+    // A jump between two segments: no file has one, but a caller may pass one.
     for piece in [1, 2, 3, 4, 5] {
         let mut segments = plan.segments.clone();
         segments[piece].waypoints[0] =
@@ -254,7 +254,7 @@ fn seen_from(cell: &Cell, root_from_planned: &Pose, only: Option<usize>) -> Worl
     World::new(bodies.collect()).unwrap()
 }
 
-/// Returns an error of pose about a point whose length and angle use up a share of a radius (m, rad).
+/// Returns a random pose error about a point that uses up a share of a radius (m, rad).
 fn error(random: &mut Stream, radius: [f64; 2], share: f64, about: &Vector) -> Pose {
     let direction = random.rotation() * Vector::x();
     let axis = random.rotation() * Vector::x();
@@ -268,11 +268,10 @@ fn error(random: &mut Stream, radius: [f64; 2], share: f64, about: &Vector) -> P
         * about.inverse()
 }
 
-/// The law of [`Robustness`]: an error within the radius causes no contact; and the radius is not so small that a much larger
-/// error causes none either.
+/// The law of [`Robustness`]: an error within the radius causes no contact, and a much larger error causes some.
 #[test]
 fn within_the_radius_nothing_is_touched() {
-    // Ten thousand for both scenarios and the three kinds in the long run.
+    // Ten thousand executions over both scenarios and the three kinds in the long run.
     let executions = if std::env::var_os("CRANNY_LONG").is_some() { 1700 } else { 30 };
     // Number of executions with contact within the radius, at three times and at thirty times of it, by kind.
     let mut touching = [[0; 3]; 3];
@@ -380,7 +379,7 @@ fn just_beyond_the_radius_the_nearest_is_touched() {
                 samples.filter_map(of_bodies).min_by(|a, b| a.1.distance_m.total_cmp(&b.1.distance_m));
             let (q, closest) = nearest.expect("something is near");
             let [on_link, on_body] = closest.points.unwrap();
-            // Beside its share of the distance, the radius omits some hundredths of a millimetre.
+            // Besides the share of its lower bound, the radius omits some hundredths of a millimetre of the distance.
             let touches = |share: f64| {
                 let beyond_m = share * radius_m + if share > 1.0 { 2e-5 } else { 0.0 };
                 let shift = (on_link - on_body).normalize() * beyond_m;

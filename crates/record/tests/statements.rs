@@ -116,7 +116,7 @@ fn what_is_left_out_makes_no_other_statement_true() {
         let found = judge(&changed(&lie, "/not_checked", left));
         assert_eq!(keys(&found), [vec!["not_checked"; count], vec!["clearance_m"]].concat());
     }
-    // An extra pair, or one of greater depth, is not.
+    // An extra pair, or one of greater depth, is not a false statement.
     let mut more = pairs.clone();
     more.push(json!({"first": "a", "second": "b", "depth_m": 0.1, "reason": "always-touching"}));
     let found = judge(&changed(&lie, "/not_checked", json!(more)));

@@ -122,7 +122,6 @@ fn another_body_becomes_the_target() {
     assert!(scenario.task("tidy").unwrap_err().to_string().contains("'steps'"));
 }
 
-/// Returns the path of a scenario of `examples/tasks`.
 fn example(name: &str) -> String {
     format!("{}/../../examples/tasks/{name}", env!("CARGO_MANIFEST_DIR"))
 }

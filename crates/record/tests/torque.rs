@@ -35,8 +35,7 @@ fn carried(problem: &Problem, torque: bool, timing: TimingMethod) -> Answer {
     answer
 }
 
-/// Returns the greatest sampled force of each joint along a plan, as a share of its effort; the payload of each leg is that of
-/// the answer.
+/// Returns the greatest sampled force of each joint along an answer with this payload, as a share of its effort.
 fn greatest_shares(robot: &Robot, answer: &Answer, payload: Option<&Payload>) -> Vec<f64> {
     let trajectory = &answer.timed.as_ref().unwrap().trajectory;
     let mut shares = vec![0.0_f64; robot.dof()];

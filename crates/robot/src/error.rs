@@ -20,8 +20,8 @@ impl fmt::Display for Location {
     }
 }
 
-/// Reason why a robot could not be built. The message is complete in itself: file and line if there is one, the name
-/// concerned and, for an unknown name, the nearest known ones.
+/// Reason why a robot could not be built. The message contains file and line if there is one, the name concerned and, for an
+/// unknown name, the nearest known ones.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RobotError {
@@ -342,7 +342,7 @@ pub enum RobotError {
         /// The joint.
         joint: String,
     },
-    /// A joint that should be moved or held cannot move independently.
+    /// A joint to be moved or fixed at a value cannot move independently.
     #[error("{at}: joint `{joint}` cannot be {wanted}: {hindrance}")]
     NotFree {
         /// Location of the joint in the file.
@@ -366,7 +366,7 @@ pub enum RobotError {
         /// Names that are known there.
         known: String,
     },
-    /// A joint should be held at a value outside its limits.
+    /// A joint should be fixed at a value outside its limits.
     #[error("{at}: joint `{joint}` cannot be held at {value}: its limits are {lower} to {upper}")]
     HeldOutsideLimits {
         /// Location of the joint in the file.

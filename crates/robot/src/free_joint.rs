@@ -19,8 +19,7 @@ pub(crate) const PLANAR: [Freedom; 3] = [
     ("theta", UrdfJointKind::Continuous, Vector::z),
 ];
 
-/// Floating joint: position, then yaw, pitch and roll. At a pitch of ±π/2, yaw and roll turn about the same axis; the pitch
-/// stays within these limits.
+/// Floating joint: position, then yaw, pitch and roll. The pitch is limited to ±π/2, where yaw and roll have the same axis.
 pub(crate) const FLOATING: [Freedom; 6] = [
     ("x", UrdfJointKind::Prismatic, Vector::x),
     ("y", UrdfJointKind::Prismatic, Vector::y),
@@ -31,9 +30,9 @@ pub(crate) const FLOATING: [Freedom; 6] = [
 ];
 
 impl Urdf {
-    /// Adds a joint of several degrees of freedom as a chain of joints with one each, `NAME/x`, …, with bare links of the
-    /// same names between them. The normal of a plane is the joint's axis, or z if none is given: files that leave it out
-    /// do not mean the x axis that the URDF specification has as its default.
+    /// Adds a joint of several degrees of freedom as a chain of joints with one each, `NAME/x`, …, with bare links of the same
+    /// names between them. The normal of a plane is the joint's axis, or z if none is given: files without an axis do not mean
+    /// the x axis, the default of the URDF specification.
     pub(crate) fn add_free_joint(
         &mut self,
         element: Element<'_>,

@@ -11,11 +11,10 @@ use crate::gripper::loose_links::LooseLinks;
 use crate::link::{GroupJoint, Link, Mover};
 use crate::{JointLimits, LimitViolation, RobotHand, VirtualJoint};
 
-/// A robot: a tree of links, and a group of joints that moves them. Immutable; share it by reference or in
-/// an `Arc`.
+/// A robot: a tree of links, and a group of joints that moves them. Immutable; share it by reference or in an `Arc`.
 ///
-/// The root link is the planning frame, and `q` holds one value per joint of the group, in metres or
-/// radians. Joints outside the group have fixed values.
+/// The root link is the planning frame, and `q` contains one value per joint of the group, in metres or radians. Joints outside
+/// the group have fixed values.
 #[derive(Clone, Debug)]
 pub struct Robot {
     pub(crate) name: String,
@@ -46,11 +45,11 @@ pub struct Robot {
     pub(crate) passive_joints: Vec<String>,
     /// Forward kinematics of every moving link, parents first.
     pub(crate) steps: Vec<Step>,
-    /// Steps of `steps` that lead to the tip.
+    /// Elements of `steps` that lead to the tip.
     pub(crate) tip_steps: Vec<Step>,
     /// `root_from_link` of all links at `q = 0`; constant for links that do not move.
     pub(crate) rest: Vec<Pose>,
-    /// Links attached to the tip by a hold, if something is held.
+    /// Links posed by a `Hold`, if the robot holds an object.
     pub(crate) loose: Option<LooseLinks>,
     pub(crate) derived: Derived,
 }
@@ -111,8 +110,7 @@ impl Robot {
         self.tip
     }
 
-    /// Indices of the links of hand and fingers: those with geometry that are rigid with the tip, beyond the last joint of
-    /// the arm.
+    /// Indices of the links of hand and fingers: those with geometry, rigid with the tip, beyond the arm's last joint.
     pub fn hand_links(&self) -> &[usize] {
         &self.hand_links
     }
@@ -159,8 +157,8 @@ impl Robot {
         &self.disabled_pairs
     }
 
-    /// Returns the values (m, rad; one per joint) of the SRDF group state `name`; `None` if there is no such state, or none
-    /// that names every joint of the group.
+    /// Returns the values (m, rad; one per joint) of the SRDF group state `name`; `None` unless a state of this name gives
+    /// every joint of the group a value.
     pub fn group_state(&self, name: &str) -> Option<Vec<f64>> {
         self.group_states.iter().find(|(state, _)| state == name).map(|(_, q)| q.clone())
     }
@@ -169,7 +167,7 @@ impl Robot {
     /// fixed, `None` if the URDF has no such joint.
     ///
     /// # Panics
-    /// If `q` does not hold [`dof`](Self::dof) values.
+    /// If `q` does not have [`dof`](Self::dof) values.
     pub fn joint_value(&self, joint: &str, q: &[f64]) -> Option<f64> {
         assert_eq!(q.len(), self.dof(), "one value for each joint of the group");
         let JointValue { follows, offset, .. } = *self.values.get(joint)?;
@@ -181,7 +179,7 @@ impl Robot {
         self.values.contains_key(joint)
     }
 
-    /// Movable joints outside the group, held at constant values, each with its value (m, rad), sorted by name.
+    /// Movable joints outside the group, each with its constant value (m, rad), sorted by name.
     pub fn standing_joints(&self) -> Vec<(&str, f64)> {
         let standing = self.values.iter().filter(|(_, value)| value.stands);
         let mut standing: Vec<(&str, f64)> =
@@ -203,7 +201,7 @@ impl Robot {
     /// Returns true if every value of `q` (m, rad; one per joint) lies within its limits; false if one is NaN.
     ///
     /// # Panics
-    /// If `q` does not hold [`dof`](Self::dof) values.
+    /// If `q` does not have [`dof`](Self::dof) values.
     pub fn within_limits(&self, q: &[f64]) -> bool {
         assert_eq!(q.len(), self.dof(), "one value for each joint of the group");
         // A fold without a branch for each joint.
@@ -213,7 +211,7 @@ impl Robot {
     /// Returns the first joint whose value in `q` (m, rad; one per joint) lies outside its limits.
     ///
     /// # Panics
-    /// If `q` does not hold [`dof`](Self::dof) values.
+    /// If `q` does not have [`dof`](Self::dof) values.
     pub fn first_limit_violation(&self, q: &[f64]) -> Option<LimitViolation> {
         self.limit_violations(q).next()
     }
@@ -221,7 +219,7 @@ impl Robot {
     /// Returns the joints whose values in `q` (m, rad; one per joint) lie outside their limits, in the order of `q`.
     ///
     /// # Panics
-    /// If `q` does not hold [`dof`](Self::dof) values.
+    /// If `q` does not have [`dof`](Self::dof) values.
     pub fn limit_violations(&self, q: &[f64]) -> impl Iterator<Item = LimitViolation> {
         assert_eq!(q.len(), self.dof(), "one value for each joint of the group");
         let violation = |(joint, (&value, limits)): (usize, (&f64, &JointLimits))| {
@@ -233,7 +231,7 @@ impl Robot {
 }
 
 impl Robot {
-    /// Returns `work_out(self)`, computed once per robot and cached. The cache holds one value, of the type requested first;
+    /// Returns `work_out(self)`, computed once per robot and cached. The cache stores one value, of the type requested first;
     /// values of other types are computed at every call.
     pub fn derived<T: Any + Send + Sync>(&self, work_out: impl FnOnce(&Self) -> T) -> Arc<T> {
         let mut work_out = Some(work_out);

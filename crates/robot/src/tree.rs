@@ -32,7 +32,7 @@ impl Tree {
     ///
     /// 1. Names are unique, and joints name links that exist.
     /// 2. No link has two parents, one link has none.
-    /// 3. All other links are reached from that link; those that are not lie on a loop or below one.
+    /// 3. All other links are reached from that link; a link that is not lies on a loop or below one.
     pub(crate) fn of(urdf: &Urdf) -> Result<Self, RobotError> {
         if urdf.links.is_empty() {
             return Err(RobotError::NoLinks { file: urdf.file.clone() });
@@ -99,7 +99,6 @@ impl Tree {
         Ok(Self { nodes, node_of_link, node_of_joint, links_by_name, joints_by_name })
     }
 
-    /// Returns the node of the link named `link`.
     pub(crate) fn node(&self, link: &str) -> Option<usize> {
         self.links_by_name.get(link).map(|&link| self.node_of_link[link])
     }
@@ -139,7 +138,7 @@ fn loop_above(
     joint_above: &[Option<usize>],
     ends: &[(usize, usize)],
 ) -> RobotError {
-    // From `link` upwards every link has a parent, so after one step per link the walk is on the loop.
+    // Every link from `link` upwards has a parent, so a walk over as many parents as there are links ends on the loop.
     let up = |link: usize| joint_above[link].map_or(link, |joint| ends[joint].0);
     let on_loop = (0..urdf.links.len()).fold(link, |link, _| up(link));
     let mut joints: Vec<usize> = Vec::new();

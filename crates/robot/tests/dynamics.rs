@@ -37,7 +37,7 @@ fn held() -> Inertial {
     }
 }
 
-/// Centre, rotation, mass and inertia of each body.
+/// Centre, rotation, mass and inertia of each link with mass.
 fn bodies(robot: &Robot, q: &[f64]) -> Vec<(Vector, Matrix3<f64>, Inertial)> {
     let frames = robot.frames_at(q);
     let of_links = robot.links().iter().enumerate().filter_map(|(link, of)| Some((link, of.inertial?)));

@@ -4,7 +4,7 @@ use cranny_robot::{DampedInverse, Robot, Twist, damped_pseudo_inverse_step};
 use cranny_spatial::nalgebra::DVector;
 use proptest::prelude::*;
 
-/// Step of the central difference: its error is of the order of its square, that of rounding of 10⁻¹⁶ / STEP.
+/// Increment of the central difference: its error is of the order of its square, that of rounding of 10⁻¹⁶ / STEP.
 const STEP: f64 = 1e-5;
 
 fn assert_is_derivative(robot: &Robot, q: &[f64], link: usize) {

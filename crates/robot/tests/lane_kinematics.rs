@@ -40,7 +40,7 @@ fn random_chain(random: &mut Stream) -> Robot {
     Robot::from_urdf_text(&urdf, "chain.urdf", None, &RobotOptions::default()).expect("a good URDF")
 }
 
-/// Guards against bounds that hold only for ordinary angles: the lanes were off by 22 mm for an arm at 10⁶ rad, and by
+/// Guards against bounds that are valid only for ordinary angles: the lanes were off by 22 mm for an arm at 10⁶ rad, and by
 /// 50 µm for one with a gear ratio of 1000.
 #[test]
 fn lanes_are_no_farther_off_than_their_bound_says() {

@@ -83,7 +83,7 @@ fn all_that_follows_the_driving_joint_closes_with_it() {
     }
 }
 
-/// Compares with a robot whose joint is fixed at that value and that holds nothing.
+/// Compares with a robot whose joint is fixed at that value and whose hand is empty.
 #[test]
 fn a_hand_that_holds_stands_as_its_joints_do() {
     let robot = hand();

@@ -54,7 +54,7 @@ impl Scenario {
         self.with_moved(target, motion, &self.start)
     }
 
-    /// Returns the scenario with a body moved by `motion`, given in the planning frame, and with another start (m, rad; one per
+    /// Returns the scenario with a body moved by `motion`, in the planning frame, and with another start (m, rad; one per
     /// joint). The scenario's own grasps move with its target.
     ///
     /// # Errors

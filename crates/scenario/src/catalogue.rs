@@ -42,8 +42,7 @@ pub fn insertions() -> &'static [CatalogueEntry] {
     &INSERTIONS
 }
 
-/// Returns the built-in scenarios with several steps: obstacles are moved aside first, then the object. Ordered by id (`2`,
-/// environment, level).
+/// Returns the built-in scenarios with several picks: obstacles, then the object. Ordered by id (`2`, environment, level).
 pub fn sequences() -> &'static [CatalogueEntry] {
     &SEQUENCES
 }

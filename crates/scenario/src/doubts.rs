@@ -8,8 +8,7 @@ use cranny_spatial::{Point, Pose};
 use crate::object::mesh_repairs::{body_repairs, link_repairs};
 use crate::{DEFAULT_FRICTION, Scenario, measured_opening_m};
 
-/// Maximum distance from the gripper frame at a grasp to the target, in metres: half the opening of the widest two-finger
-/// hands.
+/// Maximum distance from the gripper frame at a grasp to the target, in metres: half the opening of the widest hands.
 const FARTHEST_GRASP_M: f64 = 0.1;
 
 /// Returns the links that have a visual but no collision geometry in the URDF.
@@ -18,7 +17,7 @@ pub fn seen_only_links(robot: &Robot) -> impl Iterator<Item = &str> {
     robot.links().iter().filter(is_seen_only).map(|link| link.name.as_str())
 }
 
-/// Returns notes on a robot and the bodies around it: unread content of URDF and SRDF, repaired meshes, [`seen_only_links`],
+/// Returns notes on a robot and the bodies around it: unread URDF and SRDF, mesh repairs, [`seen_only_links`],
 /// [`wide_opening`].
 pub fn model_notes(robot: &Robot, world: &World) -> Vec<String> {
     let unread = robot.notes().iter().cloned();
@@ -75,8 +74,8 @@ pub fn wide_opening(robot: &Robot) -> Option<String> {
 /// Tolerance of a stated load, as a share of the load (at least of a load of 1): digits in a file.
 const LOAD_OFF_SHARE: f64 = 0.01;
 
-/// Tolerance of penetration and of the gap between a target and its support, in metres: settled objects deviate by a few tenths
-/// of a millimetre.
+/// Tolerance of penetration, and of the gap between a target and its support, in metres: objects settle a few tenths of a
+/// millimetre off.
 const LOOSE_M: f64 = 2e-3;
 
 impl Scenario {
@@ -123,8 +122,7 @@ impl Scenario {
         odd
     }
 
-    /// Returns a message with the number of grasps whose stated load differs from the computed one, and the first of them;
-    /// `None` if all agree.
+    /// Returns a message on grasps whose stated and computed loads differ: their number and the first; `None` if all agree.
     ///
     /// # Errors
     /// Reason why stated loads were not compared, as a message.

@@ -7,8 +7,7 @@ use crate::family::error::FamilyError;
 use crate::moveit::error::MoveItError;
 use crate::object::error::ObjectError;
 
-/// Errors of scenarios, plan files and way point files. Each message is self-contained and names file and line if there are
-/// any.
+/// Errors of scenarios, plan files and way point files. Each message is self-contained and names file and line, if any.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ScenarioError {
@@ -372,8 +371,7 @@ fn meant(near: &[String], hint: &str) -> String {
     if near.is_empty() { hint.to_owned() } else { format!("did you mean {}?", near.join(" or ")) }
 }
 
-/// Returns the end of a message about an unknown robot: suggested built-in robots, and files and folders without a scenario,
-/// with similar names.
+/// Returns the end of a message about an unknown robot: built-in robots, and files and folders, with similar names.
 fn did_you_mean_robot(name: &str, known: &str) -> String {
     let files = nearest_files(Path::new(name)).into_iter();
     let is_scenario = |file: &String| Path::new(file).join("scenario.yaml").exists();

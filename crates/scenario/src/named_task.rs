@@ -1,7 +1,7 @@
 use cranny_spatial::Pose;
 use cranny_task::Stage;
 
-/// Name of the task that the steps of a scenario form.
+/// Name of the task that the `steps` of a scenario form.
 pub const STEPS: &str = "steps";
 
 /// Named task of a scenario.

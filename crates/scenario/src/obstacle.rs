@@ -4,8 +4,8 @@ use cranny_spatial::{Pose, Vector};
 
 use crate::ScenarioError;
 
-/// Parametric obstacle made of boxes; all sizes in metres. The origin of its frame is on the floor at a corner; x along its
-/// width, y along its depth, z up.
+/// Parametric obstacle made of boxes; all sizes in metres. The frame has its origin on the floor at a corner, x along the
+/// width, y along the depth, z up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Obstacle {
     /// Two legs on the floor and a slab of the same thickness on top of them: a table, an open shelf.

@@ -33,8 +33,7 @@ pub struct Scenario {
     pub target: Option<usize>,
     /// Object that the target consists of, if it is a single one; its frame is that of the body's only part.
     pub target_source: Option<ObjectSource>,
-    /// Mass and friction that the scenario states for the target; they take precedence over those of its object. See
-    /// [`Self::target_physics`].
+    /// Mass and friction that the scenario states for the target, before those of its object ([`Self::target_physics`]).
     pub given_physics: TargetPhysics,
     /// Start configuration (m, rad).
     pub start: Vec<f64>,
@@ -54,8 +53,7 @@ pub struct Scenario {
     pub joint_bounds: BTreeMap<String, [f64; 2]>,
     /// Default speeds of motions, used unless a plan specifies others; the entry for all motions comes first.
     pub speeds: Vec<StatedSpeed>,
-    /// Triangles, in the planning frame, that the `paper` criterion checks instead of the bodies of `world`: the released
-    /// export.
+    /// Triangles of the released export, in the planning frame, which the `paper` criterion checks instead of the bodies.
     pub export: Option<Surface>,
 }
 
@@ -128,8 +126,8 @@ impl Scenario {
     /// Returns the planning problem.
     ///
     /// Under `exact`, the world is checked with the requested margins. Under `paper`, the released check applies: the triangles
-    /// of the export, or the boxes of the world's bodies if there is no export, and the frames of the links from the second
-    /// revolute joint on, whose origins must stay 4 cm above the root frame.
+    /// of the export, or else the boxes of the world's bodies, and the frames of the links from the second revolute joint on,
+    /// whose origins must stay 4 cm above the root frame.
     ///
     /// If no set of grasps is given, grasps are evaluated with the friction of [`Self::target_physics`], otherwise with
     /// [`DEFAULT_FRICTION`].
@@ -213,8 +211,8 @@ impl Scenario {
         stages.iter().map(forgiving).collect()
     }
 
-    /// Returns the scenario with another robot raised or lowered so that its ground coincides with the floor, if both heights
-    /// are given. The planning frame moves with it.
+    /// Returns the scenario with another robot, and the planning frame, raised or lowered so that its ground coincides with the
+    /// floor, if both heights are given.
     pub(crate) fn on_its_ground(self, options: &OpenOptions) -> Result<Self, ScenarioError> {
         let parts = || self.world.bodies().iter().flat_map(|body| &body.parts);
         let floor = parts().find(|part| part.solid.is_half_space()).map(|part| part.world_from_solid);

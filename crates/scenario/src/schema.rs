@@ -25,8 +25,7 @@ impl SchemaFile {
         self.into()
     }
 
-    /// Returns the JSON Schema, with which an editor completes and checks such a file. It is generated from the types that read
-    /// the file, so both always agree.
+    /// Returns the JSON Schema, with which an editor completes and checks such a file, from the types that read the file.
     ///
     /// # Panics
     /// Never: a schema is JSON.

@@ -28,8 +28,7 @@ fn built_in_objects_have_their_published_sizes_and_sound_meshes() {
     let banana = builtin_object("banana").unwrap();
     let (low, high) = bounds(&banana.mesh);
     assert!(((high - low).z - 0.036).abs() < 2e-4, "{}", high - low);
-    // The extent along the bend: the ends of the bend are its farthest points, and the straight line between them is shorter
-    // than the bend.
+    // The ends of the bend are its farthest points; the straight line between them is shorter than the bend.
     assert!((high - low).y > 0.16 && (high - low).y < 0.19);
     for name in builtin_object_names() {
         let object = builtin_object(name).unwrap();
@@ -113,7 +112,7 @@ fn figures_of_an_object_that_its_meshes_do_not_have_are_refused() {
         std::fs::write(&file, changed).unwrap();
         assert!(ObjectType::read_folder(&path).is_err(), "{key}{stated}");
     }
-    // An object with a part removed does not have the stated error.
+    // An object with a convex part removed does not have the stated error.
     let first = text.find("- parts/00.obj").unwrap();
     let line = &text[first..first + text[first..].find('\n').unwrap()];
     std::fs::write(&file, text.replacen(line, "", 1)).unwrap();

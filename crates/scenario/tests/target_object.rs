@@ -63,8 +63,7 @@ fn near(a: f64, b: f64, tolerance: f64) -> bool {
     (a - b).abs() <= tolerance * b.abs()
 }
 
-/// Asserts that the placed object coincides with the target's mesh: every corner of one is a corner of the other, and they
-/// enclose the same volume.
+/// Asserts that the placed object coincides with the target's mesh: they have the same corners, and enclose the same volume.
 fn stands_where_the_target_does(scenario: &Scenario, found: &TargetObject) {
     let expected = scenario.target_mesh().unwrap().expect("a target");
     let mut placed = TriangleSoup::default();
@@ -75,7 +74,7 @@ fn stands_where_the_target_does(scenario: &Scenario, found: &TargetObject) {
     assert!(is_among(&placed, &expected) && is_among(&expected, &placed), "{}", scenario.id);
     let volume_m3 = |soup: &TriangleSoup| VolumeMoments::of_mesh(soup).unwrap().volume_m3;
     assert!(near(volume_m3(&placed), volume_m3(&expected), 1e-6), "{}", scenario.id);
-    // The volume of overlapping parts counts once.
+    // The volume of overlapping shapes counts once.
     let union_m3 = UnionMoments::of_mesh(&expected).unwrap().moments.volume_m3;
     assert!(near(found.object.volume_m3, union_m3, 1e-3), "{}", scenario.id);
 }

@@ -24,7 +24,7 @@ pub(crate) struct RigidBody {
     /// Topmost of the links.
     pub top: usize,
     pub links: Vec<usize>,
-    /// Parent body and the joint between; `None` for the body of the root.
+    /// Parent rigid body and the joint between; `None` for that of the root.
     pub above: Option<(usize, Mover)>,
     pub below: Vec<usize>,
 }
@@ -86,7 +86,7 @@ impl Anatomy {
         self.robot.limits().iter().map(|limits| limits.clamp(0.0)).collect()
     }
 
-    /// Returns a body and all its descendants.
+    /// Returns a rigid body and all its descendants.
     pub fn branch(&self, body: usize) -> Vec<usize> {
         let mut branch = vec![body];
         let mut next = 0;
@@ -97,7 +97,7 @@ impl Anatomy {
         branch
     }
 
-    /// Returns the solids of bodies, with their poses in the frame of a link.
+    /// Returns the solids of rigid bodies, with their poses in the frame of a link.
     pub fn solids_in(&self, bodies: &[usize], link: usize, frames: &LinkFrames) -> Vec<(Pose, Solid)> {
         let link_from_root = frames.link(link).inverse();
         let links = bodies.iter().flat_map(|&body| &self.bodies[body].links);
@@ -109,13 +109,13 @@ impl Anatomy {
         placed.collect()
     }
 
-    /// Returns the data of the joint directly above a body.
+    /// Returns the data of the joint directly above a rigid body.
     pub fn joint_above(&self, body: usize) -> Option<&JointFacts> {
         let top = &self.robot.links()[self.bodies[body].top].name;
         self.joints.values().find(|joint| joint.child == *top)
     }
 
-    /// Returns the joints of the group that move a body, root first, with the joints that its mimic joints follow.
+    /// Returns the joints of the group that move a rigid body, root first, with the joints that its mimic joints follow.
     pub fn joints_of(&self, body: usize) -> impl Iterator<Item = &Mover> {
         self.robot.ancestors(self.bodies[body].top).iter()
     }
@@ -124,13 +124,13 @@ impl Anatomy {
         &self.robot.links()[link].name
     }
 
-    /// Returns true if the joint above a body turns without end and mimics no other: a wheel, if it carries little.
+    /// Returns true if the joint above a rigid body turns without end and mimics no other: a wheel, if it carries little.
     pub fn is_endless(&self, body: usize) -> bool {
         let motion = self.joint_above(body).and_then(|joint| joint.motion.as_ref());
         motion.is_some_and(|motion| motion.is_continuous && motion.mimics.is_none())
     }
 
-    /// Returns the number of wheels: leaf bodies that turn without end about a horizontal axis.
+    /// Returns the number of wheels: leaf links that turn without end about a horizontal axis.
     pub fn wheels(&self) -> usize {
         let is_wheel = |&body: &usize| self.bodies[body].below.is_empty() && self.is_endless(body);
         let is_upright = |&body: &usize| {

@@ -34,8 +34,7 @@ impl<'r> PairSearch<'r> {
     }
 
     /// Searches for a configuration (m, rad; one per joint) in which the links do not touch: in a grid over one or two joints
-    /// between them; otherwise among random ones, and by moving each joint in turn to its value of minimum penetration
-    /// depth.
+    /// between them; otherwise among random ones, and by moving each joint in turn to its value of minimum depth.
     pub fn free_configuration(&mut self) -> Option<Vec<f64>> {
         let limits = self.robot.limits();
         let value = |joint: usize, step: usize, steps: usize| {

@@ -97,8 +97,8 @@ impl<'a> Draft<'a> {
         }
     }
 
-    /// Returns true if a jaw is found once the meshes of the jaw, and of the palm that is one body with the other jaw,
-    /// represent the solids they enclose: their hulls may fill the mouth between them.
+    /// Returns true if a jaw is found once the meshes of the jaw, and of the palm that is rigid with the other jaw, represent
+    /// the solids they enclose: their hulls may fill the mouth between them.
     fn open_mouth(&mut self, palm: Option<usize>) -> bool {
         let Some(links) = jaw_links(&self.anatomy, palm) else { return false };
         let (folder, packages) = (Some(self.folder.as_path()), &self.options.packages);
@@ -117,7 +117,7 @@ impl<'a> Draft<'a> {
         true
     }
 
-    /// Removes bodies that are marks; returns true if there were any.
+    /// Removes the geometry of links that are marks; returns true if there was any.
     fn leave_out_marks(&mut self, guess: Option<&HandGuess>) -> Result<bool, SetupError> {
         let marks = guess.map_or_else(Vec::new, |guess| marks(&self.anatomy, guess));
         for mark in &marks {
@@ -252,7 +252,7 @@ fn fixed(name: &str) -> MountingJoint {
     MountingJoint { name: name.to_owned(), kind: "fixed", mount_from_carried: Pose::identity() }
 }
 
-/// Returns the mounting link of a tool: a flange, by its name, on the last body of the longest chain, else its last link.
+/// Returns the mounting link of a tool: a flange, by its name, at the end of the longest chain, else the last link there.
 fn flange(anatomy: &Anatomy) -> Option<usize> {
     let depth = |body: &usize| anatomy.joints_of(*body).count();
     let body = (0..anatomy.bodies.len()).max_by_key(depth)?;

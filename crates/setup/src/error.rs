@@ -14,7 +14,7 @@ pub enum SetupError {
     /// A folder cannot be written.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
-    /// A body cannot be checked.
+    /// A link cannot be checked.
     #[error(transparent)]
     Collision(#[from] CollisionError),
     /// A xacro file is not expanded.

@@ -34,7 +34,7 @@ impl RobotFindings {
     /// Collects the findings of a robot.
     ///
     /// # Errors
-    /// [`SetupError::Collision`] for a body that cannot be checked.
+    /// [`SetupError::Collision`] for a link that cannot be checked.
     pub fn of(robot: &Arc<Robot>) -> Result<Self, SetupError> {
         let joint = |(name, limits): (&String, &cranny_robot::JointLimits)| {
             let unit = limits.unit;

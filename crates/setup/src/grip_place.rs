@@ -7,8 +7,8 @@ use crate::palm::LONGEST_FINGER_M;
 /// Minimum distance between two sides that can hold an object, in metres.
 const LEAST_OPENING_M: f64 = 1e-3;
 
-/// Returns a frame with the given y, z as near as possible to the pointing direction of the fingers, and x along the hinges,
-/// if there are any; axes near those of the palm are snapped to them.
+/// Returns a frame with the given y, z as near as possible to the pointing direction of the fingers, and x along any hinges;
+/// axes near those of the palm are snapped to them.
 pub(crate) fn upright(y: &Vector, ahead: &Vector, hinge: Option<&Vector>) -> Option<Rotation> {
     let y = snapped(&y.try_normalize(1e-9)?, 5.0_f64.to_radians());
     let mut z = ahead - y * ahead.dot(&y);
@@ -40,8 +40,8 @@ fn inset_m(finger_m: f64) -> f64 {
     (0.15 * finger_m).clamp(0.003, 0.012)
 }
 
-/// Returns the grip centred between two sides, slightly behind the end of the shorter one; `all` is the whole hand. `None`
-/// for a side without a body.
+/// Returns the grip centred between two sides, slightly behind the end of the shorter one; `all` is the whole hand. `None` for
+/// a side without geometry.
 pub(crate) fn place(
     rotation: &Rotation,
     [low, high]: &[Vec<(Pose, Solid)>; 2],

@@ -1,12 +1,11 @@
 //! Detection of the hand of a robot by its structure; names only break ties.
 //!
-//! 1. The palm is the body farthest from the root that carries two or more small moving bodies other than wheels; or one
-//!    that carries a single such body with a name like "jaw".
+//! 1. The palm is the rigid body farthest from the root that carries two or more small moving ones other than wheels, or a
+//!    single one with a name like "jaw".
 //! 2. Each joint that moves them is open at the end of its range at which the fingers are farthest apart.
 //! 3. The closing axis is that of the slides, or perpendicular to the hinges; the approach direction points from the palm to
 //!    the tips of the fingers.
-//! 4. The gripper frame lies centred between the pads, slightly behind the tips. An existing bare link at this pose is used
-//!    for it.
+//! 4. The gripper frame lies centred between the pads, slightly behind the tips; an existing bare link at this pose is used.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -57,7 +56,7 @@ const LEAST_OPENING_M: f64 = 1e-3;
 const WIDEST_JAW_M: f64 = 0.08;
 const WIDEST_JAW_RAD: f64 = 0.7;
 
-/// Assumed length of the fingertips of fingers without bodies, in metres.
+/// Assumed length of the fingertips of fingers without geometry, in metres.
 const FINGERTIP_M: f64 = 0.04;
 
 /// Default force of the fingers in newtons, if the drives give none: that of a Robotiq 2F-85 at a sixth of its range.
@@ -177,7 +176,7 @@ fn of_fingers(anatomy: &Anatomy, palm: &Palm) -> Option<HandGuess> {
     // A hand that does not close cannot hold an object, but it can be moved to grasp poses.
     let hand_kind = if closing.is_empty() { HandKind::Rigid } else { HandKind::Fingers };
     let place = place(&palm_from_frame, &sides, &all, hinge_z, &between).or_else(|| {
-        // For fingers without bodies, the opening is their total travel, and their length that of assumed fingertips.
+        // For fingers without geometry, the opening is their total travel, and their length that of assumed fingertips.
         let between = between + palm_from_frame * Vector::z() * FINGERTIP_M;
         let closed = Posture::at(anatomy, link, &closed);
         let shift = |finger: usize| {
@@ -297,7 +296,7 @@ fn rigid(anatomy: &Anatomy, palm: Option<usize>) -> Option<HandGuess> {
     Some(guess(anatomy, link, palm_from_frame, &place, BTreeMap::new(), None, HandKind::Rigid))
 }
 
-/// Origin from which a body's fingers point away: that of its topmost link, which the last joint of the arm moves.
+/// Origin from which the fingers of a rigid body point away: that of its topmost link, which the last joint of the arm moves.
 fn palm_origin(posture: &Posture, body: usize) -> Point {
     posture.origin(posture.anatomy.bodies[body].top)
 }

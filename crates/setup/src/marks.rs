@@ -5,10 +5,10 @@ use crate::anatomy::Anatomy;
 use crate::hand_guess::HandGuess;
 use crate::posture::Posture;
 
-/// Returns the links whose bodies are marks: small bodies that float between the pads without touching anything, added to
-/// mark the grasp point. With them every grasp would collide.
+/// Returns the links that are marks of the grasp point: small solids that float between the pads, where all grasps would
+/// collide with them.
 pub(crate) fn marks(anatomy: &Anatomy, guess: &HandGuess) -> Vec<usize> {
-    /// Maximum size of a mark, in metres, and its minimum distance from all other bodies.
+    /// Maximum size of a mark, in metres, and its minimum distance from all other links.
     const LARGEST_M: f64 = 0.02;
     const APART_M: f64 = 3e-3;
     let mut q = anatomy.rest();

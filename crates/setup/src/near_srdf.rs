@@ -13,8 +13,7 @@ pub(crate) struct NearSrdf {
     srdf: Result<Srdf, RobotError>,
 }
 
-/// Finds the SRDF in the folder `../srdf` that shares the longest prefix with the name of the URDF, where one of the two
-/// names must be a prefix of the other.
+/// Finds the SRDF in `../srdf` with the longest prefix shared with the URDF's name, where one name is a prefix of the other.
 pub(crate) fn find(urdf: &Path) -> Option<NearSrdf> {
     let stem = &*robot_name(urdf);
     let folder = std::path::absolute(urdf).ok()?.parent()?.parent()?.join("srdf");

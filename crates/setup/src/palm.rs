@@ -5,16 +5,16 @@ use crate::anatomy::{Anatomy, is_hand_name};
 /// Maximum extent of a finger from its joint, in metres.
 pub(crate) const LONGEST_FINGER_M: f64 = 0.35;
 
-/// Maximum number of bodies of a finger.
+/// Maximum number of rigid bodies of a finger.
 const MOST_PHALANGES: usize = 6;
 
-/// Body with its fingers.
+/// Rigid body with its fingers.
 pub(crate) struct Palm {
     pub body: usize,
     pub fingers: Vec<usize>,
 }
 
-/// Returns the bodies with at least `least` fingers, the best first.
+/// Returns the rigid bodies with at least `least` fingers, the best first.
 pub(crate) fn palms(anatomy: &Anatomy, least: usize) -> Vec<Palm> {
     let mut palms: Vec<(bool, usize, Palm)> = Vec::new();
     for body in 0..anatomy.bodies.len() {
@@ -31,7 +31,7 @@ pub(crate) fn palms(anatomy: &Anatomy, least: usize) -> Vec<Palm> {
             let joint = anatomy.joint_above(finger);
             joint.is_some_and(|joint| is_hand_name(&joint.name) || is_hand_name(&joint.child))
         });
-        // A single moving body is usually the last link of an arm.
+        // A single moving link is usually the last one of an arm.
         if least > 1 || (is_named && fingers.len() == 1) {
             palms.push((is_named, anatomy.joints_of(body).count(), Palm { body, fingers }));
         }
@@ -63,7 +63,7 @@ pub(crate) fn palm_link(anatomy: &Anatomy, finger: usize) -> usize {
     anatomy.robot.links()[top].parent.unwrap_or(0)
 }
 
-/// Returns the links with bodies of the best palm with a single finger, and of that finger.
+/// Returns the links with geometry of the best palm with a single finger, and of that finger.
 pub(crate) fn jaw_links(anatomy: &Anatomy, palm: Option<usize>) -> Option<Vec<String>> {
     let wanted = |body: usize| palm.is_none_or(|link| anatomy.body_of[link] == body);
     let palm = palms(anatomy, 1).into_iter().find(|palm| wanted(palm.body) && palm.fingers.len() == 1)?;

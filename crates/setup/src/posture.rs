@@ -31,7 +31,7 @@ impl<'a> Posture<'a> {
         self.anatomy.solids_in(&[self.anatomy.body_of[self.palm]], self.palm, &self.frames)
     }
 
-    /// Returns the approximate tip of a finger: the centre of its body or joint that is farthest from its hinge.
+    /// Returns the approximate tip of a finger: the centre of its solids or joint that is farthest from its hinge.
     pub fn tip(&self, finger: usize) -> Point {
         let hinge = self.origin(self.anatomy.bodies[finger].top);
         let ends = self.solids(finger).into_iter().map(|(pose, solid)| pose * solid.ball().center);

@@ -57,7 +57,7 @@ impl SelfContact {
     /// searched for among [`SEARCH_SAMPLES`](crate::SEARCH_SAMPLES) others.
     ///
     /// # Errors
-    /// [`CollisionError`] for a body that cannot be checked.
+    /// [`CollisionError`] for a link that cannot be checked.
     pub fn sample(robot: &Arc<Robot>) -> Result<Vec<Self>, CollisionError> {
         let cell = Cell::new(robot.clone(), World::new(Vec::new())?, Margins::default())?;
         let unchecked = |links: (usize, usize)| {

@@ -31,13 +31,13 @@ pub struct RobotSetup {
     pub contacts: Vec<SelfContact>,
 }
 
-/// Distance of the floor below the lowest point of a body that moves over it, in metres.
+/// Distance of the floor below the lowest point of a base that moves over it, in metres.
 const FLOOR_GAP_M: f64 = 1e-3;
 
 impl RobotSetup {
     /// Derives the setup of a robot from a URDF, or from a xacro file if Python's `xacro` is installed.
     ///
-    /// 1. Its text; its joints and bodies.
+    /// 1. Its text; its joints and rigid bodies.
     /// 2. The hand, or one mounted on it; the gripper frame, as a link of the URDF; a base for a hand alone.
     /// 3. Limits; pairs of links that touch by design.
     /// 4. The height of the ground and the start configuration.
@@ -138,7 +138,7 @@ fn never_free(file: &str, robot: &Robot, contacts: &[SelfContact]) -> SetupError
     SetupError::NeverFree { file: file.to_owned(), pair }
 }
 
-/// Height of the ground below a robot in its root frame, in metres: the lowest point of the bodies that carry its arm.
+/// Height of the ground below a robot in its root frame, in metres: the lowest point of the links that carry its arm.
 fn floor_m(robot: &Robot, base: Base) -> f64 {
     if base == Base::Floating {
         return 0.0;
@@ -165,7 +165,7 @@ fn floor_m(robot: &Robot, base: Base) -> f64 {
     };
     let (standing, moved) = (lowest(false), lowest(true) - FLOOR_GAP_M);
     let floor = standing.min(moved);
-    // The bodies on the ground must not touch it either.
+    // The links on the ground must not touch it either.
     if floor.is_finite() { (floor * 1e4).floor() / 1e4 - 1e-4 } else { 0.0 }
 }
 

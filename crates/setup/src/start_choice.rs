@@ -18,9 +18,8 @@ const DRAWS: usize = 4000;
 const AHEAD: f64 = 0.22;
 
 impl StartChoice {
-    /// Returns a start free of collisions with the robot itself and the ground: a named state that does not reach too far
-    /// ahead, else the best of the drawn configurations. `None` if no drawn one is free. Configurations are in m and rad, one
-    /// value per joint.
+    /// Returns a start free of collisions with the robot itself and the ground (m, rad; one value per joint): a named state
+    /// that does not reach too far ahead, else the best of the drawn configurations. `None` if no drawn one is free.
     ///
     /// `seldom_free` contains a free configuration for each pair of links that is seldom free: if no drawn configuration is
     /// free, others are drawn that take some joint values from these.
@@ -95,7 +94,7 @@ impl Judge {
             robot.links()[parent].collisions.is_empty()
                 && robot.ancestors(parent).iter().all(|m| m.joint != mover.joint)
         });
-        // A fixed arm whose first link has no body has no mobile base: it begins with a revolute joint.
+        // A fixed arm whose first link has no geometry has no mobile base: it begins with a revolute joint.
         let mut base: Vec<usize> = before_body.map(|mover| mover.joint).collect();
         if movers.first().is_some_and(|mover| mover.kind == JointKind::Revolute) {
             base.clear();

@@ -4,9 +4,8 @@ use std::process::{Command, Stdio};
 
 use crate::{SetupError, SetupOptions};
 
-/// Python code that runs xacro with [`PACKAGES`] as the folders of packages: `$(find P)` needs a ROS module that most xacro
-/// users do not have. That module is used only for packages that are not in these folders. An argument that the file does
-/// not declare is an error.
+/// Python code that runs xacro with [`PACKAGES`] as the folders of packages: `$(find P)` needs a ROS module, which most xacro
+/// users do not have, only for other packages. An argument that the file does not declare is an error.
 const RUN: &str = "
 import importlib.machinery, importlib.util, os, sys, types
 NAME = 'ament_index_python.packages'
@@ -67,8 +66,7 @@ pub fn has_xacro() -> bool {
     TOOLS.iter().any(answers)
 }
 
-/// Expands a file with Python's `xacro`, with the arguments and packages of the options. Returns the URDF, and the warnings
-/// in one line.
+/// Expands a file with Python's `xacro`, with arguments and packages of the options. Returns the URDF, and warnings in a line.
 ///
 /// # Errors
 /// [`SetupError::Xacro`] if it is not installed, or fails, and for an argument that is not of the form `NAME=VALUE`.

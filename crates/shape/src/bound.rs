@@ -36,7 +36,7 @@ impl Bounds {
         Self { ball: Ball { center: aabb.center, radius_m }, aabb }
     }
 
-    /// Lower bound of the distance (m) of two bounded shapes placed in a common frame, for a few multiplications; may be
+    /// Lower bound of the distance (m) of two bounded shapes with poses in a common frame, for a few multiplications; may be
     /// negative. Skips the boxes if the balls show that the distance exceeds `enough_m`.
     pub fn distance_bound(
         &self,
@@ -117,11 +117,11 @@ impl Aabb {
         ((other.center - self.center).abs() - other.half_extents - self.half_extents).max() <= 0.0
     }
 
-    /// Lower bound of the distance (m) to `other`, which is placed in this box's frame; 0 or less if no face of either
-    /// box separates the two.
+    /// Lower bound of the distance (m) to `other`, which has a pose in this box's frame; 0 or less if no face of either box
+    /// separates the two.
     ///
-    /// The greater of the distances from each box to the axis-aligned box around the other: exact if a face is nearest,
-    /// too low if two edges are nearest.
+    /// The greater of the distances from each box to the axis-aligned box around the other: exact if a face is nearest, too low
+    /// if two edges are nearest.
     pub fn gap_to(&self, other: &Self, self_from_other: &Pose) -> f64 {
         let rotation = self_from_other.rotation.to_rotation_matrix();
         let turned = rotation.matrix().abs();

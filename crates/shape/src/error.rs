@@ -102,7 +102,7 @@ pub enum ShapeError {
         /// Enclosed volume, in cubic metres.
         volume_m3: f64,
     },
-    /// A centre of mass lies outside the body.
+    /// A centre of mass lies outside the convex hull.
     #[error("the centre of mass ({x}, {y}, {z}) m lies outside the convex hull, so nothing could rest")]
     CenterOutside {
         /// x in metres.
@@ -112,7 +112,7 @@ pub enum ShapeError {
         /// z in metres.
         z: f64,
     },
-    /// Rings do not form a body.
+    /// Rings do not form a loft.
     #[error(
         "{rings} rings, the first of {points} points, make no body: it takes two rings of the same three points or more"
     )]
@@ -201,7 +201,6 @@ pub(crate) fn check_scale(scale: &cranny_spatial::Vector) -> Result<(), ShapeErr
     }
 }
 
-/// Checks that all coordinates of a vertex are usable.
 pub(crate) fn usable(vertex: usize, p: &cranny_spatial::Point) -> Result<(), ShapeError> {
     if p.iter().all(|x| x.abs() <= cranny_spatial::FARTHEST_M) {
         Ok(())

@@ -2,7 +2,7 @@ use cranny_spatial::{Point, Vector};
 
 use crate::{ShapeError, TriangleSoup};
 
-/// Body through a row of closed rings with equal numbers of points. Neighbouring rings are joined. Fans about their
+/// Closed surface through a row of closed rings with equal numbers of points. Neighbouring rings are joined. Fans about their
 /// centres close the first and the last ring.
 ///
 /// Rings run counterclockwise as seen from the end of the row, so that normals point outwards.
@@ -12,11 +12,10 @@ pub struct Loft {
 }
 
 impl Loft {
-    /// A body through `rings`.
+    /// A loft through `rings`.
     ///
     /// # Errors
-    /// [`ShapeError::Rings`] for fewer than two rings, rings of fewer than three points, or of different
-    /// numbers of them.
+    /// [`ShapeError::Rings`] for fewer than two rings, rings of fewer than three points, or of different numbers of them.
     pub fn new(rings: Vec<Vec<Point>>) -> Result<Self, ShapeError> {
         let points = rings.first().map_or(0, Vec::len);
         if rings.len() < 2 || points < 3 || rings.iter().any(|ring| ring.len() != points) {
@@ -25,7 +24,7 @@ impl Loft {
         Ok(Self { rings })
     }
 
-    /// Surface of the body: closed, normals outwards.
+    /// Surface of the loft: closed, normals outwards.
     ///
     /// # Errors
     /// [`ShapeError::NotFinite`].
@@ -48,8 +47,7 @@ impl Loft {
         TriangleSoup::from_corners(corners)
     }
 
-    /// Convex hulls of the pieces of the body between the rings `cuts`. A ring at a cut belongs to the pieces on both
-    /// sides.
+    /// Convex hulls of the pieces of the loft between the rings `cuts`. A ring at a cut belongs to the pieces on both sides.
     ///
     /// # Errors
     /// [`ShapeError::FlatHull`] for a piece without volume.

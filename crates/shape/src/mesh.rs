@@ -47,8 +47,8 @@ impl Mesh {
         Ok(mesh)
     }
 
-    /// Part of the surface higher than `height_m` (m) along the unit vector `direction` (mesh frame); `None` if no part
-    /// is that high. It encloses nothing.
+    /// Surface higher than `height_m` (m) along the unit vector `direction` (mesh frame), which encloses nothing; `None` if
+    /// nothing is that high.
     pub fn above(&self, direction: &Vector, height_m: f64) -> Option<Self> {
         let higher = |corner: &Point| direction.dot(&corner.coords) - height_m;
         let mut kept: Vec<[Point; 3]> = Vec::new();
@@ -67,13 +67,12 @@ impl Mesh {
         Self { triangles, balls, tree, hull: hull_of(corners), inside: None, witnesses, repairs }
     }
 
-    /// Repairs to the triangles of the file.
     pub fn repairs(&self) -> &MeshRepairs {
         &self.repairs
     }
 
-    /// One vertex of every body of the mesh. If none of them lies inside a solid whose surface the mesh does not cross,
-    /// no part of the mesh lies inside it.
+    /// One vertex of every component of the mesh. If none of them lies inside a solid whose surface the mesh does not cross,
+    /// the mesh lies wholly outside it.
     pub fn witnesses(&self) -> &[Point] {
         &self.witnesses
     }
@@ -87,7 +86,6 @@ impl Mesh {
         self.hull.as_ref()
     }
 
-    /// The corners of all triangles.
     pub fn vertices(&self) -> impl Iterator<Item = Point> {
         self.triangles.iter().flat_map(corners)
     }
@@ -120,7 +118,7 @@ impl Mesh {
         self.tree.nearest(&gap_m, reach_m, of_triangle);
     }
 
-    /// Returns true if the volume contains `point` (mesh frame). Bodies that touch or overlap are all solid.
+    /// Returns true if the volume contains `point` (mesh frame). Components that touch or overlap are all solid.
     pub fn contains(&self, point: &Point) -> bool {
         let corners = |triangle: u32| corners(&self.triangles[triangle as usize]);
         self.inside.as_ref().is_some_and(|inside| inside.contains(&self.tree, corners, point))
@@ -146,7 +144,7 @@ fn hull_of(corners: &[[Point; 3]]) -> Option<Core> {
     (vertices.len() <= MOST_CORNERS).then(|| Core::Hull(Arc::new(HullPoints::new(&vertices))))
 }
 
-/// Part of a triangle with positive height: a convex polygon, corners in order.
+/// Region of a triangle with positive height: a convex polygon, corners in order.
 fn cut_off(triangle: &[Point; 3], height_m: impl Fn(&Point) -> f64) -> Vec<Point> {
     let mut polygon = Vec::new();
     for (index, a) in triangle.iter().enumerate() {

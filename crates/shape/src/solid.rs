@@ -8,7 +8,7 @@ use crate::error::positive;
 use crate::mesh::Mesh;
 use crate::{Aabb, Ball, Bounds, MeshRepairs, ShapeError, TriangleSoup, distance::parry};
 
-/// A solid body in its own frame. Cheap to clone.
+/// A solid in its own frame. Cheap to clone.
 #[derive(Clone, Debug)]
 pub struct Solid {
     kind: Kind,
@@ -33,7 +33,7 @@ pub enum Outline {
     },
     /// A capsule; a sphere if the length is 0.
     Segment {
-        /// Half length of the cylindrical part, in metres.
+        /// Half length of the cylindrical section, in metres.
         half_length_m: f64,
         /// Radius, in metres.
         radius_m: f64,
@@ -72,7 +72,7 @@ impl Solid {
         Ok(Self::convex(Convex { core: Core::Point, radius_m }))
     }
 
-    /// A capsule along z, centred at the origin; `half_length_m` is the half length of its cylindrical part.
+    /// A capsule along z, centred at the origin; `half_length_m` is the half length of its cylindrical section.
     ///
     /// # Errors
     /// [`ShapeError::Size`] unless both sizes are positive and finite.
@@ -92,16 +92,16 @@ impl Solid {
         Ok(Self::convex(Convex::sharp(Core::Cylinder { half_length, radius })))
     }
 
-    /// The volume that a closed triangle mesh encloses: all that its surface seals off from the space around it. Faces
-    /// may be wound either way, doubled, or shared by bodies that touch or overlap. [`Self::mesh_repairs`] lists the
+    /// The volume that a closed triangle mesh encloses: all that its surface seals off from the space around it. Faces may be
+    /// wound in either direction, doubled, or shared by components that touch or overlap. [`Self::mesh_repairs`] lists the
     /// repairs; a mesh that needs none keeps its triangles.
     ///
-    /// A body inside another is a cavity only if all its faces point inwards, all faces of the outer body point outwards,
+    /// A component inside another is a cavity only if all its faces point inwards, all faces of the outer one point outwards,
     /// and the two do not touch. Otherwise it is solid.
     ///
     /// # Errors
     /// [`ShapeError::Empty`], [`ShapeError::VertexIndex`], [`ShapeError::Open`] for a mesh with a hole,
-    /// [`ShapeError::OneSided`] for faces with the same space on both sides, or [`ShapeError::WoundBackwards`] for a body
+    /// [`ShapeError::OneSided`] for faces with the same space on both sides, or [`ShapeError::WoundBackwards`] for a component
     /// that crosses itself.
     pub fn mesh(soup: &TriangleSoup) -> Result<Self, ShapeError> {
         Ok(Self::of_mesh(Mesh::new(soup)?, soup))
@@ -184,8 +184,7 @@ impl Solid {
         }
     }
 
-    /// Points and a radius (m): the solid lies within that radius of the convex hull of the points. `None` for a
-    /// half-space.
+    /// Points and a radius (m): the solid lies within that radius of the convex hull of the points. `None` for a half-space.
     pub fn bounding_points(&self) -> Option<(Vec<Point>, f64)> {
         match &self.kind {
             Kind::Convex(convex) => Some((convex.bounding_points(), convex.radius_m)),
@@ -202,8 +201,8 @@ impl Solid {
         }
     }
 
-    /// Part of a mesh higher than `height_m` (m) along the unit vector `direction`, in the mesh's own frame: a surface
-    /// that encloses nothing. `None` if no part is that high, or if the solid is not a mesh.
+    /// Surface of a mesh higher than `height_m` (m) along the unit vector `direction`, in the mesh's own frame; it encloses
+    /// nothing. `None` if nothing is that high, or if the solid is not a mesh.
     #[must_use]
     pub fn surface_above(&self, direction: &Vector, height_m: f64) -> Option<Self> {
         let Kind::Mesh(mesh) = &self.kind else { return None };

@@ -9,7 +9,7 @@ use crate::{Aabb, ShapeError, TriangleSoup};
 #[derive(Clone, Debug)]
 pub struct Surface {
     pub(crate) corners: Vec<[Point; 3]>,
-    /// Box of each triangle; `normals` holds its unit normal, zero for a triangle without area.
+    /// Box of each triangle; `normals` contains its unit normal, zero for a triangle without area.
     boxes: Vec<Aabb>,
     normals: Vec<Vector>,
     pub(crate) tree: TriangleTree,

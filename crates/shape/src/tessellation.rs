@@ -48,7 +48,7 @@ fn capsule(half_length_m: f64, radius_m: f64) -> TriangleSoup {
     turned(&lower.chain(upper.iter().copied()).collect::<Vec<_>>())
 }
 
-/// Body of revolution of a profile about z. The profile is pairs of height and radius (m), upwards; flat discs close ends
+/// Surface of revolution of a profile about z. The profile is pairs of height and radius (m), upwards; flat discs close ends
 /// that are not on the axis.
 fn turned(profile: &[(f64, f64)]) -> TriangleSoup {
     let mut soup = TriangleSoup::default();

@@ -86,7 +86,7 @@ fn no_point_of_an_awkward_hull_lies_outside_its_balls() {
     assert!(hulls > 1000, "most are hulls: {hulls}");
 }
 
-/// Tests a hull with more corners than are cut exactly: its balls grow by what is left out.
+/// Tests a hull with more corners than are cut exactly: its balls grow by the protrusion of the omitted ones.
 #[test]
 fn balls_contain_a_hull_of_many_corners() {
     let mut random = Stream::new(15, 0);

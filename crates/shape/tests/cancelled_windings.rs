@@ -1,6 +1,5 @@
-//! Meshes with faces that are reversed, doubled, overlapping or inside out: all that their surface seals off is solid. A
-//! winding number or a parity over the whole mesh would report the inside of some of them as empty, and a link in there
-//! as free.
+//! Meshes with faces that are reversed, doubled, overlapping or inside out: all that their surface seals off is solid. By a
+//! winding number or a parity over the whole mesh, the inside of some of them would be empty, and a link in there free.
 
 use cranny_shape::{ShapeError, Solid, Surface, TriangleSoup, separation};
 use cranny_spatial::{Point, Pose, Rotation, Stream, Vector};
@@ -128,7 +127,7 @@ fn only_a_body_that_looks_inwards_and_touches_nothing_is_a_cavity() {
     // One face of the inner box lies in that of the outer box, or passes through it.
     assert!(is_full(&[outer.clone(), turned(&cuboid([-0.1, -0.1, -1.0], [0.1; 3]))]));
     assert!(is_full(&[outer.clone(), turned(&cuboid([-0.1, -0.1, -1.5], [0.1; 3]))]));
-    // Another body fills the cavity, or lies in it.
+    // Another component fills the cavity, or lies in it.
     assert!(is_full(&[outer.clone(), turned(&inner), cuboid([-0.2; 3], [0.3; 3])]));
     let kernel = cuboid([-0.05; 3], [0.05; 3]);
     let hollow = Solid::mesh(&soup(&[outer, turned(&inner), kernel].concat())).unwrap();
@@ -182,14 +181,14 @@ fn a_body_that_is_twisted_through_itself_is_refused() {
 
 #[test]
 fn boxes_that_overlap_at_a_common_edge_or_base_are_full() {
-    // One of the bodies is inside out.
+    // One of the components is inside out.
     let wedge = Pose::from_parts(Vector::zeros().into(), Rotation::from_euler_angles(0.0, 0.0, 0.5));
     let corner = cuboid([0.0; 3], [1.0; 3]);
     let leaning: Corners = corner.iter().map(|triangle| triangle.map(|p| wedge * p)).collect();
     let both = Solid::mesh(&soup(&[corner, turned(&leaning)].concat())).unwrap();
     assert!(is_full_at(&both, [0.5, 0.6, 0.5]) && is_full_at(&both, [-0.2, 0.6, 0.5]));
     assert!(is_full_at(&both, [0.5, 0.1, 0.5]) && !is_full_at(&both, [-0.5, 0.1, 0.5]));
-    // Their bases are one face. One after the other in the file the bodies can be separated, mixed they cannot.
+    // Their bases are one face. Components in sequence in the file can be separated, mixed ones cannot.
     let (low, high) = (cuboid([0.0; 3], [1.0; 3]), turned(&cuboid([0.0; 3], [1.0, 1.0, 2.0])));
     let both = Solid::mesh(&soup(&[low.clone(), high.clone()].concat())).unwrap();
     assert!(is_full_at(&both, [0.5, 0.6, 0.5]) && is_full_at(&both, [0.5, 0.6, 1.5]));
@@ -197,7 +196,7 @@ fn boxes_that_overlap_at_a_common_edge_or_base_are_full() {
     assert!(matches!(Solid::mesh(&soup(&mixed)), Err(ShapeError::OneSided { .. })));
 }
 
-/// Convex body, given by the planes of its faces.
+/// Convex solid, given by the planes of its faces.
 struct Convex {
     mesh: Corners,
     /// Outward unit normal, and distance of the plane along it, in metres.
@@ -251,7 +250,7 @@ fn body(random: &mut Stream) -> Convex {
     Convex::of(mesh)
 }
 
-/// Faces of a body as a bad program writes them: reversed, doubled.
+/// Faces of a solid as a bad program writes them: reversed, doubled.
 fn spoilt(body: &mut Convex, random: &mut Stream) -> Corners {
     let good = body.mesh.clone();
     match below(random, 6) {
@@ -276,7 +275,7 @@ fn shuffle<T>(items: &mut [T], random: &mut Stream) {
     }
 }
 
-/// Asserts at random points that the solid is full exactly where one of the bodies is.
+/// Asserts at random points that the solid is full exactly inside the union of the convex ones.
 fn is_union(solid: &Solid, bodies: &[Convex], random: &mut Stream, about: &str) {
     for _ in 0..60 {
         let p = point(random, 1.3);
@@ -284,7 +283,7 @@ fn is_union(solid: &Solid, bodies: &[Convex], random: &mut Stream, about: &str) 
         if heights.iter().any(|height| height.abs() < NEAR_M) {
             continue;
         }
-        // The body may be meant as a cavity.
+        // An inner solid may be meant as a cavity.
         let may_be_cavity = |(body, height): (&Convex, &f64)| {
             body.is_inward && *height < 0.0 && bodies.iter().any(|other| other.contains_all_of(body))
         };
@@ -303,7 +302,7 @@ fn a_spoilt_mesh_of_random_bodies_is_their_union() {
         let mut bodies: Vec<Convex> = (0..=below(&mut random, 4)).map(|_| body(&mut random)).collect();
         let mut mesh: Corners = bodies.iter_mut().flat_map(|body| spoilt(body, &mut random)).collect();
         if below(&mut random, 3) == 0 {
-            // The copy of the first body has the same position, but other faults.
+            // The copy of the first solid has the same position, but other faults.
             mesh.extend(spoilt(&mut bodies[0], &mut random));
             bodies[0].is_inward = false;
         }

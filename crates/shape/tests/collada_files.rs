@@ -5,7 +5,7 @@ use cranny_spatial::Vector;
 
 use crate::mesh_files::{fault, write};
 
-/// COLLADA file of four corners at 0 and 1; `primitive` makes faces of them, `nodes` place them.
+/// COLLADA file of four corners at 0 and 1; `primitive` makes faces of them, `nodes` position them.
 pub(crate) fn collada(primitive: &str, nodes: &str) -> String {
     format!(
         "<COLLADA xmlns='http://www.collada.org/2005/11/COLLADASchema' version='1.4.1'>
@@ -133,7 +133,7 @@ fn a_convex_mesh_with_faces_is_read() {
     assert_eq!(load(&text.replace("mesh>", "convex_mesh>")), load(&text));
 }
 
-/// Guards against geometry that no node places, if no scene is named.
+/// Guards against geometry without a node that shows it, if no scene is named.
 #[test]
 fn the_only_scene_of_a_file_is_shown() {
     let moved = collada(FACES, "<node><translate>2 0 0</translate><instance_geometry url='#g'/></node>");
@@ -143,7 +143,7 @@ fn the_only_scene_of_a_file_is_shown() {
     assert!(fault("two.dae", &two).contains("a second <visual_scene>, and no <scene>"));
 }
 
-/// Exporters number the parts of each file anew and join files. The last element of an id must not replace all.
+/// Exporters number the elements of each file anew and join files. The last element of an id must not replace all.
 #[test]
 fn parts_of_two_geometries_may_have_one_id() {
     let both = "<node><instance_geometry url='#g'/><instance_geometry url='#h'/></node>";

@@ -353,7 +353,7 @@ fn ply_of_two(elements: &str, body: &str) -> String {
 const FACE_ELEMENT: &str = "element face 4\nproperty list uchar int vertex_indices\n";
 const PLY_FACES: &str = "3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n";
 
-/// Guards against the loss of strips, and of the bodies made of them.
+/// Guards against the loss of strips, and of their triangles.
 #[test]
 fn strips_of_a_ply_are_read() {
     let folder = tempfile::tempdir().unwrap();

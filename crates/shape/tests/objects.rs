@@ -1,4 +1,4 @@
-//! Processing of the mesh of an object: repair, volume, convex parts, stable poses.
+//! Processing of the mesh of an object: repair, volume, convex pieces, stable poses.
 
 use std::f64::consts::{PI, TAU};
 
@@ -20,7 +20,6 @@ fn moved(soup: &TriangleSoup, pose: &Pose) -> TriangleSoup {
     }
 }
 
-/// Joins two meshes into one.
 fn together(one: &TriangleSoup, other: &TriangleSoup) -> TriangleSoup {
     let corners = |soup: &TriangleSoup| -> Vec<Point> {
         (0..soup.triangles.len()).flat_map(|t| soup.corners(t)).collect()
@@ -28,7 +27,7 @@ fn together(one: &TriangleSoup, other: &TriangleSoup) -> TriangleSoup {
     TriangleSoup::from_corners([corners(one), corners(other)].concat()).unwrap()
 }
 
-/// L-shaped body: not convex, with a known volume.
+/// L-shaped solid: not convex, with a known volume.
 fn angle_iron() -> TriangleSoup {
     let outline = [(0.0, 0.0), (0.2, 0.0), (0.2, 0.05), (0.05, 0.05), (0.05, 0.2), (0.0, 0.2)];
     let ring = |z: f64| outline.map(|(x, y)| Point::new(x, y, z)).to_vec();
@@ -218,7 +217,7 @@ fn a_leaning_prism_topples_from_the_faces_that_do_not_hold_it() {
     assert!(poses.iter().all(|pose| down(&pose.ground_from_body).z.abs() < 0.9));
 }
 
-/// Body of regular polygons around z, given by heights and radii (m).
+/// Solid of regular polygons around z, given by heights and radii (m).
 fn lathed(sides: u32, profile: &[(f64, f64)]) -> TriangleSoup {
     let ring = |&(z, radius): &(f64, f64)| {
         let corner = |side: u32| {
@@ -265,7 +264,7 @@ fn poses_that_look_different_stay_apart() {
     let peg = moved(&cuboid(0.01, 0.01, 0.02), &shift(0.012, 0.031, 0.097));
     let (found, before) = distinct(&together(&cuboid(0.038, 0.089, 0.175), &peg));
     assert_eq!(found.len(), before, "{found:?}");
-    // A mirror image is not a rotation: a body with only a mirror symmetry keeps all its poses.
+    // A mirror image is not a rotation: a solid with only a mirror symmetry keeps all its poses.
     let points =
         [[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.03, 0.05, 0.02], [0.03, -0.05, 0.02], [0.05, 0.0, 0.09]];
     let mirrored = TriangleSoup::convex_hull(&points.map(Point::from)).unwrap();
@@ -359,8 +358,8 @@ proptest! {
         for solid in &solids {
             let [swept] = &solid.swept(&shift)[..] else { panic!("one convex solid") };
             let gap = separation(swept, &Pose::identity(), &obstacle, &pose, 1.0);
-            // The least distance of the solid on its path, sampled densely: never less than that of the sweep, and more
-            // by at most half a step.
+            // The least distance of the solid on its path, sampled densely: never less than that of the sweep, and more by at
+            // most half the sampling distance.
             let steps = 200;
             let on_the_way = (0..=steps)
                 .map(|step| {

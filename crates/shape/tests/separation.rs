@@ -1,5 +1,4 @@
-//! Distances against oracles other than GJK: closed formulas, samples of the surface, and other descriptions of the same
-//! body.
+//! Distances against oracles other than GJK: closed formulas, samples of the surface, and other descriptions of the same solid.
 
 use cranny_shape::{
     Range, Solid, Surface, TriangleSoup, overlap, quick_lower_bound, reaches, separation, separation_in,
@@ -111,7 +110,7 @@ proptest! {
         prop_assert!(found.lower_m <= found.upper_m + 1e-12);
         prop_assert!(found.upper_m - found.lower_m < cranny_spatial::CONTACT_M, "{found:?}");
         prop_assert!(quick_lower_bound(&a, &pose_a, &b, &pose_b, FAR) <= found.upper_m + 1e-12);
-        // Point distances of the other body's points to this body are simple, and never below the true distance.
+        // Distances of the other solid's points to this one are simple, and never below the true distance.
         let probe = Solid::sphere(1e-9).unwrap();
         let nearest = points
             .iter()

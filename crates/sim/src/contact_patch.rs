@@ -26,7 +26,7 @@ pub(crate) struct ContactPatch;
 struct Corner {
     /// Index in the points of the manifold.
     index: u8,
-    /// Anchors on the first and on the second body, in the world.
+    /// Anchors on the first and on the second rigid body, in the world.
     anchors: [Vector; 2],
     /// Gap between the two, in metres; negative if they overlap.
     gap_m: f64,
@@ -56,8 +56,8 @@ impl PhysicsHooks for ContactPatch {
     }
 }
 
-/// Returns the loaded corners, and each other corner moved towards the nearest loaded one to the end of the overlap, but at
-/// least by the minimum patch: at most four corners, `None` if none is loaded.
+/// Returns the loaded corners, and for each other corner the end of the overlap on the line from its nearest loaded one, at
+/// least [`PATCH_RADIUS_M`] from that one: at most four corners, `None` if none is loaded.
 fn patch(corners: &[Corner]) -> Option<Vec<Corner>> {
     let mut patch: Vec<Corner> = corners.iter().copied().filter(|corner| corner.gap_m <= 0.0).collect();
     let bearing = patch.len();
@@ -73,8 +73,7 @@ fn patch(corners: &[Corner]) -> Option<Vec<Corner>> {
 /// Maximum number of points of a contact that the engine solves.
 const MOST_CORNERS: usize = 4;
 
-/// Returns the deepest corner, the one farthest from it, and on each side of the line between them the one farthest from that
-/// line.
+/// Returns the deepest corner, the one farthest from it, and the one farthest from their connection on each side of it.
 fn widest(corners: &[Corner]) -> Vec<Corner> {
     let (Some(deepest), true) =
         (corners.iter().min_by(|a, b| a.gap_m.total_cmp(&b.gap_m)), corners.len() > MOST_CORNERS)
@@ -126,7 +125,7 @@ impl Corner {
     }
 }
 
-/// Relative motion of the two bodies of a contact.
+/// Relative motion of the two rigid bodies of a contact.
 struct Moving<'a> {
     bodies: &'a RigidBodySet,
     first: Option<RigidBodyHandle>,

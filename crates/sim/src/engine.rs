@@ -86,8 +86,7 @@ pub(crate) fn colliders(
     friction: f64,
     groups: InteractionGroups,
 ) -> Result<Vec<Collider>, SimError> {
-    // Surroundings keep the contacts of the engine: some of them come and go in every step, and with the hook the support would
-    // vanish with them.
+    // Surroundings keep the engine's contacts: some come and go in every step, and with the hook the support would vanish too.
     let hooks = if groups == HAND { ActiveHooks::MODIFY_SOLVER_CONTACTS } else { ActiveHooks::empty() };
     let collider = |piece: &Piece| {
         let (place, shape) = shape(piece).ok_or_else(|| SimError::Shape {

@@ -20,7 +20,7 @@ fn cube(world: &mut PhysicsWorld, friction: f64) -> RigidBodyHandle {
     body
 }
 
-/// Steps until the cube has moved at 1 mm/s for 0.1 s, and returns the time at which that began (s).
+/// Simulates until the cube has moved at 1 mm/s for 0.1 s, and returns the time at which that began (s).
 fn slip_begins(
     world: &mut PhysicsWorld,
     cube: RigidBodyHandle,
@@ -100,8 +100,8 @@ fn in_a_hand_slip_begins_at_twice_the_friction_times_the_closing_force() {
 }
 
 /// Two equally loaded ends of an edge, pulled sideways by a share of the friction limit: the remaining friction of the ends
-/// resists turning. The ends bear everything, as in every point-based engine; a line of even pressure would turn at half of
-/// that. Unmodified, the engine holds more than 1.5 times that, with and without a pull.
+/// resists turning. The ends bear all load, as in every point-based engine; a line of even pressure would turn at half that
+/// moment. The unmodified engine resists more than 1.5 times that moment, with and without a pull.
 #[test]
 fn pads_on_their_edges_turn_at_what_the_ends_of_the_edges_hold() {
     let physics = Physics::default();
@@ -189,8 +189,7 @@ fn what_falls_comes_to_rest_without_gaining_energy() {
     }
 }
 
-/// A ball on an incline stays if the horizontal offset of its weight from the contact point is below the arm of the resistance,
-/// and rolls if it is above.
+/// A ball on an incline rolls exactly if the horizontal offset of its weight from the contact point exceeds the resistance arm.
 #[test]
 fn a_ball_rolls_where_the_slope_exceeds_the_resistance_by_its_radius() {
     let (radius_m, arm_m) = (0.03, 3e-4);
@@ -227,8 +226,7 @@ fn a_ball_rolls_where_the_slope_exceeds_the_resistance_by_its_radius() {
         assert_eq!(rolled_m < 5e-4, stays, "{share} of the slope: rolled {rolled_m} m");
     }
 }
-/// Column of 70 cm, held 18 cm from its middle with its axis up to 15° off the vertical: face contacts of the pads prevent
-/// creep.
+/// Column of 70 cm, held 18 cm from its middle with its axis up to 15° off the vertical: face contacts prevent creep.
 #[test]
 fn a_column_stays_where_a_hand_holds_it() {
     let physics = Physics::default();

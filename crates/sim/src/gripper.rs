@@ -24,7 +24,6 @@ pub(crate) struct FingerModel {
     pub pieces: Vec<Piece>,
     /// Closing direction, a unit vector.
     pub axis: Vector,
-    /// Stroke, in metres.
     pub stroke_m: f64,
     /// Mean of the centres of its pieces.
     pub center: Point,
@@ -140,7 +139,7 @@ impl<'a> Gripper<'a> {
         }
         let mut hand = Self { model, physics, closing_force_n, palm, fingers: Vec::new() };
         for finger in &model.fingers {
-            // The body has the inertia of the drive alone; the joint prevents rotation, so any rotational inertia is valid.
+            // The finger has the inertia of the drive alone; the joint prevents rotation, so any rotational inertia is valid.
             let body = hand.insert_finger(finger, world_from_hand, world);
             world.insert_impulse_joint(hand.palm, body, finger.joint());
         }
@@ -217,7 +216,7 @@ impl<'a> Gripper<'a> {
         }
     }
 
-    /// Returns true if each finger bore on another body with a face in the last step: three corners overlap in one contact.
+    /// Returns true if each finger bore on another rigid body with a face in the last step: three corners of a contact overlap.
     pub fn bears_on_faces(&self, world: &PhysicsWorld, other: RigidBodyHandle) -> bool {
         let is_face = |manifold: &ContactManifold| {
             manifold.points.iter().filter(|point| point.dist <= 0.0).count() >= FACE_CORNERS
@@ -227,7 +226,7 @@ impl<'a> Gripper<'a> {
         })
     }
 
-    /// Returns the force of each finger on another body in the last step, in newtons; `None` if it does not touch it.
+    /// Returns the force of each finger on another rigid body in the last step, in newtons; `None` if it does not touch it.
     pub fn pressures(&self, world: &PhysicsWorld, other: RigidBodyHandle) -> Vec<Option<f64>> {
         let pressure = |&finger: &RigidBodyHandle| {
             contacts(world, finger, other)
@@ -240,7 +239,7 @@ impl<'a> Gripper<'a> {
     }
 }
 
-/// Returns the contacts of a finger with another body, with 1 if the finger is the first of the pair, otherwise −1.
+/// Returns the contacts of a finger with another rigid body, with 1 if the finger is the first of the pair, otherwise −1.
 fn contacts(
     world: &PhysicsWorld,
     finger: RigidBodyHandle,
@@ -258,5 +257,5 @@ fn contacts(
 /// Minimum number of overlapping corners of a face.
 const FACE_CORNERS: usize = 3;
 
-/// Radius of gyration of a finger body, in metres: about its size.
+/// Radius of gyration of a finger, in metres: about its size.
 pub(crate) const FINGER_RADIUS_M: f64 = 0.02;

@@ -79,8 +79,8 @@ impl ObjectModel {
     }
 }
 
-/// Steps until a body with rolling resistance has not moved for `still_s`, or until `limit_s`. Returns its final pose and
-/// whether it is still.
+/// Simulates until an object with rolling resistance has not moved for `still_s`, or until `limit_s`. Returns its final pose,
+/// and true if it is still.
 pub(crate) fn come_to_rest(
     world: &mut PhysicsWorld,
     (body, rolling): (RigidBodyHandle, &Rolling),
@@ -100,6 +100,6 @@ pub(crate) fn come_to_rest(
     (engine::to_pose(world.bodies[body].position()), since_s >= still_s)
 }
 
-/// Speeds below which a body is at rest: its motion within a tenth of a second is insignificant.
+/// Speeds below which an object is at rest: its motion within a tenth of a second is insignificant.
 pub(crate) const STILL_M_PER_S: f64 = 1e-3;
 const STILL_RAD_PER_S: f64 = 1e-2;

@@ -93,8 +93,8 @@ impl PieceShape {
     }
 }
 
-/// Returns a hull with few corners, beyond which the convex solid protrudes by at most [`BULGE_M`], because the time of a step
-/// grows with the corners. `None` if the solid is not a convex hull.
+/// Returns a hull with few corners, because the time of a simulation step grows with them; the convex solid protrudes from it
+/// by at most [`BULGE_M`]. `None` if the solid is not a convex hull.
 fn coarse_hull(solid: &Solid) -> Option<TriangleSoup> {
     let coarse = [32, 64, 128, 256].into_iter().find_map(|most| {
         CoarseHull::of(solid, most).filter(|hull| hull.radius_m == 0.0 && hull.bulge_m <= BULGE_M)

@@ -26,8 +26,7 @@ impl Rest {
     /// Maximum rotation of a resting target, in radians.
     pub const MOST_RAD: f64 = 5e-3;
 
-    /// Simulates the target of a scenario; `None` without a target, without a direction of gravity, or without a possible
-    /// support.
+    /// Simulates the target of a scenario; `None` without a target, a direction of gravity or a possible support.
     ///
     /// # Errors
     /// [`SimError::Shape`] for a body without volume.

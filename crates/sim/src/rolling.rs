@@ -4,7 +4,7 @@ use rapier3d_f64::prelude::{PhysicsWorld, RigidBodyHandle};
 
 use crate::engine;
 
-/// Rolling resistance of a body on its surroundings, which the engine does not model.
+/// Rolling resistance of an object on its surroundings, which the engine does not model.
 ///
 /// The yielding support carries a ball slightly ahead of its middle: the normal force N on an arm of `arm_m` resists rotation
 /// with the torque N · `arm_m` (Lynch & Park 2017, "Modern Robotics", section 12.2.1).
@@ -12,13 +12,13 @@ use crate::engine;
 pub(crate) struct Rolling {
     pub arm_m: f64,
     pub mass_kg: f64,
-    /// Inertia in the frame of the body, about the centre of mass.
+    /// Inertia in the frame of the object, about the centre of mass.
     pub inertia_kg_m2: Matrix3<f64>,
     pub center: Point,
 }
 
 impl Rolling {
-    /// Sets the torque on a body for the next step, from the contact forces of the last one.
+    /// Sets the torque on the object for the next step, from the contact forces of the last one.
     pub fn resist(&self, world: &mut PhysicsWorld, object: RigidBodyHandle) {
         if self.arm_m <= 0.0 || world.bodies[object].is_sleeping() {
             return;

@@ -61,7 +61,7 @@ fn what_is_not_between_the_fingers_is_not_closed_on() {
     let beside = run(&test, &from_above(0.1));
     assert_eq!(beside.outcome, GraspOutcome::NeverClosed);
     assert!(beside.translation_error_m < 1e-9 && beside.held_s == 0.0);
-    // The tips, 7 mm ahead, close 13 mm from the middle of the ball, which is squeezed out.
+    // The tips, 7 mm ahead, close 13 mm from the middle of the ball and squeeze it out.
     let squeezed = run(&test, &from_above(0.02));
     assert_eq!(squeezed.outcome, GraspOutcome::KnockedAway, "{squeezed:?}");
 }

@@ -65,7 +65,7 @@ pub struct Answer {
     pub goal_faults: Vec<Vec<ConfigurationFault>>,
     /// Reason why no grasp was reached, if the search ended without reaching any.
     pub no_grasp: Option<NoGrasp>,
-    /// Pairs that were not compared: the answer holds except for these ([`NotChecked::is_exception`]).
+    /// Pairs that were not compared, as exceptions to the answer ([`NotChecked::is_exception`]).
     pub not_checked: Vec<NotChecked>,
 }
 

@@ -28,9 +28,9 @@ pub struct Hold {
 const RATE_HZ: f64 = 100.0;
 /// Step of the finite differences for the motion of the hand, in seconds.
 const STEP_S: f64 = 1e-3;
-/// Step in joint space (m, rad) at which the orientations along a path are sampled.
+/// Sampling distance in joint space (m, rad) of the orientations along a path.
 const LOOK_EVERY: f64 = 0.05;
-/// Step and least value of the share of the speed limits; multiples of this step have few digits.
+/// Increment and least value of the share of the speed limits; its multiples have few digits.
 const SPEED_STEP: f64 = 1e-3;
 
 /// The object in the hand and the forces of the grip.
@@ -134,7 +134,7 @@ impl FirmGrip {
         Ok(Some(self.factor(&self.states(problem.robot(), timed.reach())?, 1.0)))
     }
 
-    /// Returns the greatest share of the speed at which the factor reaches `demanded`; `None` if it does at no speed.
+    /// Returns the greatest share of the speed at which the factor reaches `demanded`; `None` if no speed suffices.
     fn fastest(&self, states: &[LoadState], demanded: f64) -> Option<f64> {
         if self.factor(states, 1.0) >= demanded {
             return Some(1.0);
@@ -149,8 +149,8 @@ impl FirmGrip {
     }
 }
 
-/// Sets for each segment that holds an object the greatest speed at which the hold reaches the required factor, and measures
-/// the hold; `None` for a motion without a held object, or if it cannot be computed for all held objects.
+/// Sets for each segment with a held object the greatest speed at which the hold has the required factor, and measures the
+/// firmness; `None` without a held object, or if the firmness cannot be computed for each one.
 ///
 /// # Errors
 /// [`FailureReason::Slips`] in the inner result for a motion that reaches the factor at no speed.
@@ -195,8 +195,7 @@ pub(crate) fn hold_firmly(
 }
 
 impl Hold {
-    /// Returns the hold along timed segments; `None` for a motion without a held object, or if it cannot be computed for all
-    /// held objects.
+    /// Measures the firmness along timed segments; `None` without a held object, or if it cannot be computed for each one.
     ///
     /// # Errors
     /// [`PlanError`] for a path that cannot be timed.

@@ -3,9 +3,9 @@ use std::f64::consts::TAU;
 use cranny_path::least_length as least_to_goal;
 use cranny_task::{Move, Problem, Stage, State};
 
-/// Returns a lower bound on the length of all paths through these stages, in the plain norm of `q` (m and rad alike). It is at
-/// most `most`, the length of a known path. No stages stand for the goal of the problem. `None` for tasks other than to pick an
-/// object, to reach a configuration, or to pick and return home, and where [`cranny_path::least_length`] returns `None`.
+/// Returns a lower bound on the length of all paths through these stages, in the plain norm of `q` (m and rad alike), and at
+/// most `most`, the length of a known path. Without stages, the goal of the problem counts. `None` for tasks other than to pick
+/// an object, to reach a configuration, or to pick and return home, and where [`cranny_path::least_length`] returns `None`.
 pub fn least_length(problem: &Problem, stages: &[Stage], most: f64) -> Option<f64> {
     let picking = |pick| State::start(problem)?.picking(problem, pick).ok();
     match stages {

@@ -42,9 +42,9 @@ pub struct Request {
     pub paces: Paces,
     /// Settings of the audit.
     pub audit: AuditSettings,
-    /// True to compute tolerated deviations from a valid path, which takes some milliseconds per edge.
+    /// True if tolerated deviations from a valid path are computed, which takes some milliseconds per edge.
     pub robustness: bool,
-    /// True to compute a lower bound on path length ([`least_length`](crate::least_length)), which takes about 10 ms.
+    /// True if a lower bound on path length is computed ([`least_length`](crate::least_length)), which takes about 10 ms.
     pub least_length: bool,
     /// Required factor by which loads may grow before the carried object slips, where it can be computed. Weaker grasps are
     /// refused, and motions slow down to reach it. Default [`DEFAULT_HOLD`]; 0 requires nothing; `None` skips the measurement.
@@ -92,7 +92,7 @@ pub struct Timing {
     /// True if the motion stops at each corner instead of rounding those whose curve is proven free.
     pub stops: bool,
     /// True if missing limits of the robot are an error instead of an answer without a trajectory. With
-    /// [`TimingMethod::JerkLimited`] they always are.
+    /// [`TimingMethod::JerkLimited`] they always are an error.
     pub is_demanded: bool,
     /// Direction against gravity in the planning frame, a unit vector, for effort limits of the drives; `None`: forces and
     /// torques are not limited.
@@ -195,8 +195,7 @@ impl Request {
         Ok(())
     }
 
-    /// Returns the problem with its goal grasps, their score in use and, under `paper`, the threshold. With `min_score`, also
-    /// returns the original indices of the remaining grasps.
+    /// Returns the problem with the requested grasps, score and threshold and, with `min_score`, their original indices.
     pub(crate) fn asked(&self, problem: &Problem) -> Result<(Problem, Option<Vec<usize>>), SolveError> {
         let scored = self.scored(problem)?;
         let (chosen, numbers) = match self.min_score {
@@ -301,7 +300,6 @@ impl Request {
         if self.stages.is_empty() { Stage::of_goal(problem) } else { self.stages.clone() }
     }
 
-    /// Returns the problem of the first stage.
     pub(crate) fn first_problem(&self, problem: &Problem) -> Result<Problem, TaskError> {
         match (self.stages.first(), State::start(problem)) {
             (Some(Stage::Pick(pick)), Some(start)) => start.picking(problem, pick),

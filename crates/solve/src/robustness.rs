@@ -6,9 +6,9 @@ use serde::{Deserialize, Serialize};
 /// Certified distances by which things may deviate from a plan while all its motions stay free of collision, for each kind of
 /// error by itself. `None`: unlimited, there is nothing to touch.
 ///
-/// The law: no error within these radii moves anything farther than the least distance of the pairs that it moves against each
-/// other. The measure covers all edges, the curve of every rounded corner, and, if the object is carried, the fingers while
-/// the hand closes and opens.
+/// The law: an error within these radii moves nothing farther than the least distance of the pairs that the error moves against
+/// each other. The measure covers all edges, the curve of every rounded corner, and, if the object is carried, the fingers
+/// while the hand closes and opens.
 ///
 /// | error of | pairs | during |
 /// |---|---|---|
@@ -39,7 +39,7 @@ pub struct Robustness {
 pub struct PoseRadius {
     /// Translation without rotation, in metres.
     pub translation_m: f64,
-    /// Rotation in place, in radians.
+    /// Rotation without translation, in radians.
     pub rotation_rad: f64,
 }
 
@@ -57,7 +57,7 @@ pub struct JointRadius {
 const SHARE: f64 = 0.05;
 
 impl PoseRadius {
-    /// Creates the radius of a body within `lever_m` (m) of its centre of rotation that may move by `room_m` (m), if finite.
+    /// Creates the radius of a thing within `lever_m` (m) of its centre of rotation that may move by `room_m` (m), if finite.
     fn of(room_m: f64, lever_m: f64) -> Option<Self> {
         room_m.is_finite().then(|| Self { translation_m: room_m, rotation_rad: room_m / lever_m })
     }
@@ -100,7 +100,7 @@ impl Robustness {
                 rounded_corners(cell, segment)
                     .map(|Chords { waypoints, deviation_m }| Rooms::along(cell, &waypoints, deviation_m)),
             );
-            // If the hand closes or opens before the next segment, check this in the cell of the one that holds the object.
+            // If the hand closes or opens before the next segment, check this in the cell of the segment with the held object.
             let next = states().nth(index + 1).filter(|next| next.held().is_some() != state.held().is_some());
             let sweeping = next.map(|next| if next.held().is_some() { next.cell() } else { cell });
             rooms.extend(sweeping.map(|cell| Rooms::while_closing(cell, last)));

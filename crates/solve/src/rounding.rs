@@ -65,7 +65,6 @@ struct LegProof<'a> {
     places: Vec<(usize, usize)>,
     /// For each of these way points, true if its corner may be rounded.
     may_be_rounded: Vec<bool>,
-    /// Clearance that is kept, in metres.
     kept_m: f64,
     provers: Vec<Option<(Reach, Scratch)>>,
 }

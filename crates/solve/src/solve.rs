@@ -29,8 +29,7 @@ use crate::{Answer, Hold, Request, Robustness, SolveError, TaskTrajectory, Tilt,
 /// 5. A valid path is timed, if requested.
 /// 6. Tolerated deviations are computed, if requested.
 /// 7. The length of every path of the task is bounded from below, if requested ([`least_length`]).
-/// 8. If a path turns a joint more than half a turn beyond need, other seeds are tried before it is delivered: see
-///    [`Robot::needless_turn`].
+/// 8. If a path turns a joint more than half a turn beyond need ([`Robot::needless_turn`]), other seeds are tried first.
 ///
 /// The absence of a path is an answer ([`Outcome`]), not an error.
 ///
@@ -78,7 +77,7 @@ fn needless_turn(robot: &Robot, answer: &Answer) -> f64 {
     turns.fold(0.0, f64::max)
 }
 
-/// Performs steps 1 to 7.
+/// Performs 1 to 7 of [`solve`].
 fn solve_once(
     problem: &Problem,
     request: &Request,
@@ -92,7 +91,7 @@ fn solve_once(
     })
 }
 
-/// Performs steps 1 to 7 for `problem`, which has only the goal grasps of `whole`, the original problem.
+/// Performs 1 to 7 of [`solve`] for `problem`, which has only the goal grasps of `whole`, the original problem.
 fn solve_asked(
     problem: &Problem,
     request: &Request,
@@ -195,11 +194,11 @@ fn solve_asked(
     })
 }
 
-/// Segments, the states along them, the hold on the carried object, and the seconds spent on rounding corners.
+/// Segments, the states along them, the firmness of the hold, and the seconds spent on rounding corners.
 type Firm = (Vec<Segment>, Option<StateSequence>, Option<Hold>, f64);
 
-/// Performs step 3: returns the first of these paths on which the hold is firm, slowed down as needed; `None` if there is none.
-/// The paths turn the object differently: if the hold on the shortened path is weak, the original one is tried.
+/// Performs 3 of [`solve`]: returns the first of these paths on which the hold is firm, slowed down as needed; `None` without
+/// one. The paths turn the object differently: if the hold on the shortened path is weak, the original one is tried.
 fn firm(
     problem: &Problem,
     stages: &[Stage],
@@ -248,7 +247,7 @@ fn payload(state: &State, problem: &Problem) -> Result<Option<Payload>, PathErro
     state.payload(problem).ok_or_else(unknown).map(Some)
 }
 
-/// Performs step 5 for a valid path; `None` for a robot without the required limits.
+/// Performs 5 of [`solve`] for a valid path; `None` for a robot without the required limits.
 fn timed(
     problem: &Problem,
     timing: Timing,

@@ -192,8 +192,7 @@ impl TaskTrajectory {
     }
 }
 
-/// Returns the pace of each edge of a leg. The lowest speed share of its segments applies to all edges, because the leg is one
-/// motion.
+/// Returns the pace of each edge of a leg: one motion, so the lowest speed share of its segments applies to all edges.
 pub(crate) fn edge_paces(leg: &[Segment]) -> Vec<EdgePace> {
     let share = leg.iter().filter_map(|segment| segment.speed).fold(1.0, f64::min);
     let of_segment = |segment: &Segment| {

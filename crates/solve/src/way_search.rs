@@ -17,7 +17,6 @@ use crate::{Optimisation, Request, Shortening, SolveError};
 pub(crate) struct Found {
     pub report: PlanReport,
     pub segments: Vec<Segment>,
-    /// Segments before shortening.
     pub unshortened: Vec<Segment>,
     pub shortening: Option<Shortening>,
     pub optimisation: Option<Optimisation>,
@@ -48,7 +47,7 @@ pub(crate) fn found_alone(
 }
 
 /// Searches for paths through several stages. Shortening a segment keeps its ends, because the pose of the object in the hand
-/// depends on them. With `optimise`, the cheapest of several such tasks is improved ([`optimised`]).
+/// depends on them. With `optimise`, the cheapest of several paths through all stages is improved ([`optimised`]).
 pub(crate) fn found_in_stages(
     problem: &Problem,
     planner: &dyn Planner,
@@ -85,14 +84,14 @@ pub(crate) fn found_in_stages(
     Ok(Found { report, segments, unshortened, shortening, optimisation, carrier })
 }
 
-/// Shortened pieces of a task, and the segments before shortening.
+/// Shortened pieces of a path through all stages, and the segments before shortening.
 type Way = (Vec<Piece>, Vec<Segment>);
 
-/// Searches for the cheapest task within the limits of time and iterations, at most as costly as the first.
+/// Searches for the cheapest path through all stages within the limits of time and iterations, at most as costly as the first.
 ///
-/// 1. For half of the time and iterations, search for whole tasks from other seeds: with other grasps, configurations,
-///    placements and paths.
-/// 2. For the rest, search for better paths between the ends of the segments of the cheapest, one after the other ([`better`]).
+/// 1. For half of the time and iterations, search for paths through all stages from other seeds: with other grasps,
+///    configurations, placements and transfers.
+/// 2. For the rest, search for better paths between the ends of each segment of the cheapest path in turn ([`better`]).
 fn optimised(
     problem: &Problem,
     planner: &dyn Planner,
@@ -168,7 +167,7 @@ fn optimised(
     Ok((best, Optimisation { settings, time_s, iterations, improvements }))
 }
 
-/// Cost function of whole tasks.
+/// Cost function of paths through all stages.
 struct TaskCost<'a> {
     problem: &'a Problem,
     settings: OptimiseSettings,
@@ -201,7 +200,7 @@ fn shortened_pieces(pieces: Vec<Piece>, seed: u64) -> Result<Vec<Piece>, PlanErr
     shortened.collect()
 }
 
-/// Runs the search, and with `optimise` those for better paths.
+/// Runs the search and, with `optimise`, those for better paths.
 fn searched(
     planner: &dyn Planner,
     problem: &Problem,

@@ -24,8 +24,8 @@ fn named_level() -> (&'static str, Level) {
     })
 }
 
-/// Returns the instruction sets that lanes are compiled for and this machine has. SSE4.2 is left to SSE2
-/// (`.cargo/config.toml`), and machines other than x86 have one level each.
+/// Returns the instruction sets that lanes are compiled for and this machine has. With SSE4.2 alone a machine uses SSE2
+/// (`.cargo/config.toml`); machines other than x86 have one level each.
 pub fn simd_levels() -> Vec<(&'static str, Level)> {
     let best = Level::new();
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
@@ -51,11 +51,10 @@ pub const MOST_TURN_IN_LANES_RAD: f64 = 1e3;
 /// Maximum error of a sine or a cosine in lanes; tested on a grid of 6.4 million angles.
 pub const SINE_ERROR_IN_LANES: f64 = 2e-7;
 
-/// Returns sine and cosine of every lane, to within [`SINE_ERROR_IN_LANES`] for angles up to ±[`MOST_TURN_IN_LANES_RAD`];
-/// bit-identical under every instruction set. For larger angles the error is unbounded.
-///
-/// The angle is reduced to ±π/4 by subtracting multiples of π/2 in three parts (Cody & Waite 1980, ch. 8), then both
-/// polynomials are evaluated (coefficients: Moshier, Cephes `sinf`).
+/// Returns sine and cosine of every lane, bit-identical under every instruction set, with an error of at most
+/// [`SINE_ERROR_IN_LANES`] for angles up to ±[`MOST_TURN_IN_LANES_RAD`], and an unbounded error beyond. The angle is reduced to
+/// ±π/4 by subtracting multiples of π/2, split into three terms (Cody & Waite 1980, ch. 8), then both polynomials are evaluated
+/// (coefficients: Moshier, Cephes `sinf`).
 #[inline(always)]
 pub fn sin_cos_lanes<S: Simd>(simd: S, angle: f32x16<S>) -> (f32x16<S>, f32x16<S>) {
     let quarter_turns = (angle * std::f32::consts::FRAC_2_PI).round_ties_even();
@@ -75,10 +74,8 @@ pub fn sin_cos_lanes<S: Simd>(simd: S, angle: f32x16<S>) -> (f32x16<S>, f32x16<S
     (sine, cosine)
 }
 
-/// A vector or point of every lane, in metres.
-///
-/// Its functions take no closures and must not be called inside one: a closure would lose the instruction set of the enclosing
-/// function.
+/// A vector or point of every lane, in metres. Its functions take no closures and must not be called inside one: a closure
+/// would lose the instruction set of the enclosing function.
 #[must_use]
 #[derive(Clone, Copy, Debug)]
 pub struct LaneVector<S: Simd> {

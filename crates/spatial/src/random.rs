@@ -61,7 +61,7 @@ impl Stream {
 }
 
 /// Returns another seed for every round, far from those that people choose (Steele, Lea & Flood 2014, "Fast splittable
-/// pseudorandom number generators", whole, of which only the step `GOLDEN_GAMMA` is used).
+/// pseudorandom number generators", whole, of which only the increment `GOLDEN_GAMMA` is used).
 pub fn other_seed(seed: u64, round: u64) -> u64 {
     const GOLDEN: u64 = 0x9E37_79B9_7F4A_7C15;
     seed.wrapping_add(round.wrapping_mul(GOLDEN))

@@ -1,5 +1,4 @@
-/// Returns sine and cosine of `angle` (radians), from one library on every platform, so that a search takes the same branches
-/// everywhere.
+/// Returns sine and cosine of `angle` (radians), from one library on every platform, so that searches branch alike everywhere.
 pub fn sin_cos(angle: f64) -> (f64, f64) {
     libm::sincos(angle)
 }

@@ -22,7 +22,7 @@ pub enum ConfigurationFault {
         /// Its upper limit.
         upper: f64,
     },
-    /// Two things touch.
+    /// A link touches another link or a body.
     Contact {
         /// Name of a link.
         first: String,
@@ -31,7 +31,7 @@ pub enum ConfigurationFault {
         /// Penetration depth, in metres.
         depth_m: f64,
     },
-    /// Two things are closer than the required clearance.
+    /// A link is closer to another link or a body than the required clearance.
     Clearance {
         /// Name of a link.
         first: String,
@@ -56,8 +56,7 @@ pub enum ConfigurationFault {
 }
 
 impl Problem {
-    /// Returns all reasons why `q` (m, rad; one per joint) is not free; empty if it is. If a joint is outside its limits,
-    /// contacts are not listed.
+    /// Returns all reasons why `q` (m, rad; one per joint) is not free; lists no contacts if a joint is outside its limits.
     ///
     /// # Panics
     /// If `q` has not one value per joint.

@@ -79,9 +79,9 @@ pub enum IkStatus {
     },
     /// No attempt found a free configuration; one may exist.
     NoSolution {
-        /// Number of attempts that reached the pose in collision.
+        /// Number of attempts that reached the pose, but in collision.
         blocked: usize,
-        /// Contact in the last of these: a link, and a body or another link.
+        /// Contact of the last such attempt: a link, and a body or another link.
         contact: Option<(String, String)>,
     },
     /// The search was stopped before this grasp was finished.

@@ -2,7 +2,7 @@ use cranny_collision::{CONTACT_ALLOWANCE_M, Cell, UncheckedReason};
 use serde::{Deserialize, Serialize};
 use strum::IntoStaticStr;
 
-/// Two things, by name, that no check and no proof compares, or only up to an allowance.
+/// Two things, by name, that are not compared by any check or proof, or only up to an allowance.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct NotChecked {
@@ -55,15 +55,14 @@ pub enum NotCheckedReason {
     AdjacentAtJoint,
     /// Two adjacent links, proven to touch at no value of their joint: only their distance is ignored.
     AdjacentFree,
-    /// A link that no joint moves, on the body that it stands on.
+    /// A link that no joint moves, with the body on which it stands.
     NeverMoves,
-    /// A held object, against the faces of its support.
+    /// A held object, with the faces of its support.
     Resting,
 }
 
 impl NotChecked {
-    /// Returns true if "free" and "proven" hold except for this pair. For adjacent links that are proven never to touch, they
-    /// hold without exception.
+    /// Returns true if this pair is an exception to "free" and "proven"; false for adjacent links proven never to touch.
     pub fn is_exception(&self) -> bool {
         self.reason != NotCheckedReason::AdjacentFree
     }
@@ -93,8 +92,7 @@ impl NotChecked {
         named.collect()
     }
 
-    /// Counts pairs that are not checked and contacts that are allowed, in words such as "1 pair that is not checked"; `None`
-    /// if there are none.
+    /// Returns the counts of unchecked pairs and of allowed contacts in words ("1 pair that is not checked"); `None` for none.
     pub fn summary(not_checked: &[Self]) -> Option<String> {
         let contacts = not_checked.iter().filter(|pair| pair.contact.is_some()).count();
         let counted = |count: usize, one: &str, more: &str| match count {

@@ -12,8 +12,7 @@ use crate::grasping::grasp_filter::GraspFilter;
 use crate::grasping::grasp_poses;
 use crate::{FailureReason, GraspMeasure, NotChecked, PlaceGoal, TaskError};
 
-/// A motion planning problem with its criterion of validity. Its start and goal have been checked against the robot of the
-/// validity check, so users need not check them again.
+/// A motion planning problem with its criterion of validity. Its start and goal are checked against the robot on creation.
 #[derive(Clone, Debug)]
 pub struct Problem {
     robot: Arc<Robot>,
@@ -106,8 +105,7 @@ impl Problem {
     /// Creates a problem from `start` (m, rad; one per joint) under the `exact` criterion in an existing cell.
     ///
     /// # Errors
-    /// [`TaskError::JointCount`] or [`TaskError::NotFinite`] for a start or goal configuration that does not fit the
-    /// robot.
+    /// [`TaskError::JointCount`] or [`TaskError::NotFinite`] for a start or goal configuration that does not fit the robot.
     pub fn in_cell(cell: Arc<Cell>, start: Vec<f64>, goal: Goal) -> Result<Self, TaskError> {
         let robot = cell.robot().clone();
         Self::of(Validity::Exact(cell), robot, start, goal).checked()
@@ -117,8 +115,7 @@ impl Problem {
     /// distances to `world` for their step size.
     ///
     /// # Errors
-    /// [`TaskError::JointCount`] or [`TaskError::NotFinite`] for a start or goal configuration that does not
-    /// fit the robot.
+    /// [`TaskError::JointCount`] or [`TaskError::NotFinite`] for a start or goal configuration that does not fit the robot.
     pub fn paper(check: ReleasedCheck, world: World, start: Vec<f64>, goal: Goal) -> Result<Self, TaskError> {
         let robot = check.robot().clone();
         let distances = Arc::new(Cell::new(robot.clone(), world, Margins::default())?);
@@ -153,7 +150,7 @@ impl Problem {
         Ok(Self { goal: Goal::Grasps(GraspSet::default()), grasp_measure, ..self.clone() })
     }
 
-    /// Returns this problem with a filter of grasps: no IK is run at grasps that it refuses.
+    /// Returns this problem with a filter of grasps: no IK is run at the grasps that the filter refuses.
     #[must_use]
     pub fn with_grasp_filter(self, filter: GraspFilter) -> Self {
         Self { grasp_filter: Some(filter), ..self }
@@ -257,7 +254,7 @@ impl Problem {
         &self.places
     }
 
-    /// Returns true if the hand alone is free at one of the given grasps, or none are given; otherwise no path leads to any.
+    /// Returns true if the hand alone is free at one of the given grasps, or if none are given; otherwise no path reaches one.
     pub fn may_be_grasped(&self) -> bool {
         let (Some(cell), Some(grasps)) =
             (self.cell(), self.grasps().filter(|_| self.grasp_measure.is_none()))

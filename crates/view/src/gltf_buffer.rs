@@ -35,7 +35,7 @@ impl GltfBuffer {
         })
     }
 
-    /// Adds corners of triangles, in the narrowest integers that hold them.
+    /// Adds corners of triangles, in the narrowest integers that can represent them.
     pub fn indices(&mut self, root: &mut Root, triangles: &[[u32; 3]]) -> Index<Accessor> {
         let indices = || triangles.iter().flatten();
         let greatest = indices().max().copied().unwrap_or(0);

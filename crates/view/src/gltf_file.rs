@@ -23,8 +23,7 @@ const FLOOR: u32 = 0x00e4_e8ec;
 
 impl Scene {
     /// Writes the scene as a self-contained binary glTF 2.0 file: nodes, meshes, materials, and the motion as an animation of
-    /// the moving links, linear between the instants of the scene. glTF is y up: the root node rotates the planning frame
-    /// accordingly.
+    /// the moving links, linear between instants. The root node rotates the planning frame to glTF's, with y up.
     ///
     /// # Errors
     /// [`ViewError::Encoding`], [`ViewError::Unwritable`].

@@ -4,8 +4,8 @@ use crate::{Colour, Mesh, ShownMode};
 
 /// Self-contained scene of a task for pictures, glTF files and pages.
 ///
-/// Poses are target-from-source in metres, z up; the root frame is the planning frame. Each link of a robot is a node below its
-/// parent link, so that one moving joint is one moving node.
+/// Poses are target-from-source in metres, z up; the root frame is the planning frame. The node of a link of a robot is below
+/// that of its parent link, so that one moving joint is one moving node.
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
     /// Id of the scenario.

@@ -15,7 +15,7 @@ use crate::{Colour, Material, MeshPiece, SampledPath, Scene, ShownMode, ViewErro
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SceneSettings {
     /// Number of grasps shown in addition to the grasp of the plan, evenly spread over the scores from the highest down.
-    /// Default 14: as many as can be distinguished on a small object.
+    /// Default 14: as many as are distinguishable on a small object.
     pub grasps: usize,
 }
 
@@ -72,7 +72,7 @@ impl Scene {
         Ok(scene)
     }
 
-    /// Returns the scene with the bodies of only these links of the robot.
+    /// Returns the scene with only these links of the robot.
     #[must_use]
     pub fn with_links(mut self, links: &[usize]) -> Self {
         for node in &mut self.nodes {
@@ -265,8 +265,7 @@ impl Scene {
     }
 }
 
-/// Returns colour and radius, in metres, of the gripper path: lighter during the lift-off, then darker while the object is in
-/// the hand.
+/// Returns colour and radius, in metres, of the gripper path: lighter in the lift-off, darker while the object is in the hand.
 fn way_look(mode: Mode) -> (Colour, f64) {
     let chosen = Colour::hex(CHOSEN);
     match mode {

@@ -67,7 +67,7 @@ impl Running {
         stream
     }
 
-    /// Sends a raw request and returns status, head and body.
+    /// Sends a raw request and returns status, head and content.
     fn raw(&self, request: &str) -> (u16, String, String) {
         let mut stream = self.connect();
         stream.write_all(request.as_bytes()).expect("it reads");
@@ -279,7 +279,7 @@ const QUICK: PageLimits = PageLimits {
     connection: Duration::from_millis(400),
 };
 
-/// Slowloris: without a timeout, a head or body that arrives byte by byte would hold its connection forever.
+/// Slowloris: without a timeout, a head or content that arrives byte by byte would occupy its connection forever.
 #[test]
 fn who_sends_slowly_is_cut() {
     let server = Running::with(QUICK);

@@ -27,9 +27,9 @@ pub struct PyGrasps {
 #[pymethods]
 impl PyGrasps {
     /// Creates grasps at `poses` (N, 4, 4). `scores` (N,) in [0, 1] and `widths` (N,) in metres; NaN, or None for all: unknown.
-    /// `robust_scores` (N,) in [0, 1] are the fractions of `robust_trials` (N,) in which a grasp was held in physics with small
-    /// errors (`simulate_grasps`); both or neither must be known for a grasp. `loads` (N,) are factors by which gravity may
-    /// grow before a pad slips.
+    /// `robust_scores` (N,) in [0, 1] are the fractions of `robust_trials` (N,) in which a grasp held the object in physics
+    /// with small errors (`simulate_grasps`); both or neither must be known for a grasp. `loads` (N,) are factors by which
+    /// gravity may grow before a pad slips.
     #[new]
     #[pyo3(signature = (poses, scores=None, *, widths=None, robust_scores=None, robust_trials=None, loads=None))]
     fn new(
@@ -55,8 +55,7 @@ impl PyGrasps {
         Ok(Self { set: GraspSet::new(grasps).map_err(fault)? })
     }
 
-    /// Reads a `grasps.csv`: each line holds 16 numbers of the pose row by row, score, width, robust score, robust trials and
-    /// load.
+    /// Reads a `grasps.csv`, by line: 16 numbers of the pose row by row, score, width, robust score, robust trials and load.
     #[staticmethod]
     fn load(path: PathBuf) -> PyResult<Self> {
         Ok(Self { set: read_csv(&path).map_err(fault)? })
@@ -85,7 +84,7 @@ impl PyGrasps {
         self.each(py, |grasp| grasp.width_m)
     }
 
-    /// Fraction of its trials in which each grasp was held in physics, (N,), in [0, 1]; NaN if untested.
+    /// Fraction of its trials in which each grasp held the object in physics, (N,), in [0, 1]; NaN if untested.
     #[getter]
     fn robust_scores<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         self.each(py, |grasp| grasp.robust.map(|robust| robust.score()))

@@ -1,5 +1,4 @@
-//! Contents of pickles: the constructor call of an object, and for objects from files a fingerprint, so that unpickling
-//! elsewhere gives the same object or an error.
+//! Contents of pickles: the constructor call of an object, and for files a fingerprint, which reveals changes at unpickling.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

@@ -10,9 +10,8 @@ use pyo3::prelude::*;
 use crate::handover::array::Configurations;
 use crate::handover::interrupt::Interrupt;
 
-/// Computes `count` rows of `width` values each, in blocks of `block` rows. Each thread allocates its scratch with `scratch`;
-/// `work` fills the rows of a range. The order of the result does not depend on the number of `threads`; `None`: all cores of
-/// the machine.
+/// Computes `count` rows of `width` values each, in blocks of `block` rows, in an order that does not depend on the number of
+/// `threads` (`None`: all cores). Each thread allocates its scratch with `scratch`; `work` fills the rows of a range.
 ///
 /// # Errors
 /// Exception of a signal handler; the computed rows are then discarded.

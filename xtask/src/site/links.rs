@@ -17,8 +17,7 @@ pub fn rewritten(page: &str, mut new: impl FnMut(&str) -> Option<String>) -> Str
     text + rest
 }
 
-/// Returns a page for the site: with text that only the site shows, `<!-- site: TEXT -->`, and without its substitute
-/// elsewhere, `<!-- repository -->TEXT<!-- end -->`.
+/// Returns a page for the site, with `<!-- site: TEXT -->` as text and without `<!-- repository -->TEXT<!-- end -->`.
 pub fn for_the_site(page: &str) -> String {
     let replaced = |page: &str, begin: &str, end: &str, is_kept: bool| {
         let mut text = String::with_capacity(page.len());

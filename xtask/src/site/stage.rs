@@ -41,8 +41,7 @@ impl Stage<'_> {
         Ok(())
     }
 
-    /// Draws a live page and a picture of each built-in scenario, with the target carried out, or put inside; scenarios of
-    /// several steps have no page.
+    /// Draws a live page and a picture of each built-in scenario of one pick, with the target carried out, or put inside.
     pub fn draw_gallery(&self) -> Result<(), String> {
         let live = self.source.join("docs/live");
         fs::create_dir_all(&live).map_err(|error| told(&live, &error))?;

@@ -1,7 +1,7 @@
 //! Check that the modules of a crate have no circular dependencies.
 //!
 //! Names in `use` and qualified paths of a file are followed through re-exports to the file that defines them; arguments of
-//! macros are not parsed. Tests may name any module. The root of a crate is never part of a circle.
+//! macros are not parsed. Tests may name any module. The root of a crate never belongs to a circle.
 
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -1,7 +1,6 @@
 //! Check that pages name no file, flag or type that does not exist.
 //!
-//! Exempt are historical pages: the changelog, decisions, and the stored runs in `benchmarks/`, each of the program at its
-//! date.
+//! Exempt are historical pages: the changelog, decisions, and the stored runs in `benchmarks/`, each of an earlier program.
 
 use std::collections::BTreeSet;
 use std::path::Path;

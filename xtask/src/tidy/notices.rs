@@ -11,7 +11,7 @@ use crate::problem::Problem;
 
 const PAGE: &str = "crates/view/NOTICES.txt";
 
-/// Distributed packages; build tools are not part of them.
+/// Distributed packages, without build tools.
 const PROGRAMS: [&str; 2] = ["cranny-cli", "cranny-python"];
 
 /// Lock file of npm, with the version of three.js in the viewer's page.

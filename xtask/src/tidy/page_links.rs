@@ -6,8 +6,8 @@ use crate::checkout::SourceFile;
 use crate::problem::Problem;
 use crate::site::links;
 
-/// Reports relative links of Markdown pages that name no file or folder of the checkout. Links that only the site has are
-/// written as `<!-- site: [commands](commands.md) -->`.
+/// Reports relative links of Markdown pages that name nothing in the checkout. Links that only the site has are written as
+/// `<!-- site: [commands](commands.md) -->`.
 pub fn check(files: &[SourceFile]) -> Vec<Problem> {
     let pages =
         files.iter().filter(|file| Path::new(&file.path).extension().is_some_and(|ending| ending == "md"));

@@ -3,8 +3,8 @@
 use crate::checkout::SourceFile;
 use crate::problem::Problem;
 
-/// Reports files directly below a crate's `tests/` that its `tests/main.rs` does not name, and programs in folders there that
-/// its `Cargo.toml` does not name.
+/// Reports files directly below a crate's `tests/` that `tests/main.rs` does not name, and programs in folders there that
+/// `Cargo.toml` does not name.
 pub fn check(files: &[SourceFile]) -> Vec<Problem> {
     let names = |path: &str, line: &str| {
         let text = files.iter().find(|file| file.path == path).and_then(SourceFile::text);

@@ -41,8 +41,8 @@ pub struct Campaign {
     pub memory_limit_bytes: u64,
     /// True if each path is also judged under the other criterion. Default: false.
     pub judge_both: bool,
-    /// True if the minimum clearance along each path is measured, at most a tenth too low. Costs some milliseconds in
-    /// addition to the time of the trial. Default: true.
+    /// True if the minimum clearance along each path is measured, at most a tenth too low, in some additional milliseconds.
+    /// Default: true.
     pub measure_clearance: bool,
     /// Demands on each path beyond its criterion. Default: none.
     pub demand: PathDemand,
@@ -57,8 +57,7 @@ pub struct CampaignPlanner {
     pub name: String,
     /// Call of the planner.
     pub call: PlannerCall,
-    /// True if the planner aims at each goal configuration of a scenario in a separate trial, instead of at all grasps
-    /// together.
+    /// True if the planner aims at each goal configuration of a scenario in a separate trial, not at all grasps together.
     pub each_goal: bool,
     /// Number of seeds, if it differs from that of the campaign.
     pub runs: Option<u64>,
@@ -247,8 +246,7 @@ impl Campaign {
         exception.or(planner.time_limit_s).unwrap_or(self.time_limit_s)
     }
 
-    /// Checks that every planner accepts a scenario. Returns a note if the start is not free, because all trials there then
-    /// end immediately.
+    /// Checks that every planner accepts a scenario. Returns a note if the start is not free, which ends each trial at once.
     fn try_out(&self, opened: &OpenedScenario, registry: &Registry) -> Result<Option<String>, BenchError> {
         let (scenario, problem) = (&opened.scenario, &opened.problem);
         for planner in &self.planners {
@@ -373,7 +371,7 @@ impl Campaign {
         if let Some(hold) = self.demand.hold {
             checked_hold(hold)?;
         }
-        // A results file can hold only values below 2^63.
+        // A results file can store only values below 2^63.
         let last_seed = self.first_seed.checked_add(most_runs.unwrap_or(0));
         if last_seed.is_none_or(|seed| i64::try_from(seed).is_err()) {
             let value = self.first_seed as f64 + most_runs.unwrap_or(0) as f64;

@@ -44,8 +44,7 @@ pub enum PlannerCall {
 }
 
 impl PlannerCall {
-    /// Parses a flag: the name of a built-in planner, `exec:PROGRAM ARGUMENT…` or `released:PROGRAM ARGUMENT…`, with words
-    /// separated by spaces.
+    /// Parses a flag: a built-in planner, `exec:PROGRAM ARGUMENT…` or `released:PROGRAM ARGUMENT…`, with spaces between words.
     ///
     /// # Errors
     /// As [`Self::checked`].
@@ -65,8 +64,7 @@ impl PlannerCall {
         call.checked(registry)
     }
 
-    /// Validates the call, makes relative paths absolute and lists all settings, so that it can be repeated from another
-    /// folder.
+    /// Validates the call, makes relative paths absolute and lists all settings: it can then be repeated from another folder.
     ///
     /// # Errors
     /// [`BenchError::Plan`] for an unknown planner or setting, [`BenchError::Program`] for a missing program.
@@ -203,8 +201,7 @@ fn file_name(word: &str) -> &str {
     Path::new(word).file_name().and_then(|name| name.to_str()).unwrap_or(word)
 }
 
-/// Makes a path absolute without resolving links: the Python of a virtual environment finds its packages only through the
-/// link.
+/// Makes a path absolute, keeping links: the Python of a virtual environment finds its packages only through its link.
 fn absolute(word: &str) -> Option<String> {
     Some(std::path::absolute(word).ok()?.to_str()?.to_owned())
 }

@@ -13,7 +13,6 @@ pub struct ChosenScenario {
     pub source: String,
 }
 
-/// The word for all scenarios of the paper.
 const ALL: &str = "all";
 
 /// Returns the scenarios named by words: `all`, built-in ids in which `x` stands for any digit (`01x`), folders and
@@ -24,7 +23,7 @@ const ALL: &str = "all";
 pub fn choose_scenarios(words: &[String]) -> Result<Vec<ChosenScenario>, BenchError> {
     let mut chosen: Vec<ChosenScenario> = Vec::new();
     for word in words {
-        // `all` stands for the twenty scenarios of the paper; scenarios with other tasks must be named by their ids.
+        // `all` stands for the twenty scenarios of the paper; scenarios with other tasks are named by their ids.
         let is_named = |entry: &&CatalogueEntry| {
             matches(word, entry.id) && (word != ALL || entry.task == BuiltInTask::Pick)
         };

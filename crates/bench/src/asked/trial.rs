@@ -98,8 +98,7 @@ pub struct TrialRecord {
     pub outcome: TrialOutcome,
     /// Details for the user: the first violation, the signal, or the first bad line.
     pub detail: Option<String>,
-    /// Statistics of the search. For an external planner, `planning_time_s` is measured outside and values that it does not
-    /// report are zero.
+    /// Statistics of the search. For an external planner, `planning_time_s` is measured outside, and unreported values are 0.
     pub statistics: Statistics,
     /// Length of the path in the plain norm of `q` (m and rad alike); `None` unless solved.
     pub path_length: Option<f64>,

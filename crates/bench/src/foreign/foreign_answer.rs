@@ -46,7 +46,7 @@ struct ForeignStatistics {
     goals_tried: u64,
 }
 
-/// Maximum of each count: the largest value that a results file can hold.
+/// Maximum of each count: the largest value that a results file can store.
 const MOST_COUNT: u64 = i64::MAX.cast_unsigned();
 
 /// Parses the output of a program: a JSON document, or way points as comma-separated lines; empty if it found no path.
@@ -143,7 +143,7 @@ fn check_stages(stages: &[Stage], segments: &[Segment]) -> Result<(), String> {
 }
 
 /// Summary that the released program writes in addition to its way points.
-// Other keys hold settings and times of the program itself.
+// Other keys contain settings and times of the program itself.
 #[derive(Default, Deserialize)]
 struct ReleasedSummary {
     #[serde(default)]
@@ -164,7 +164,7 @@ pub fn read_released(prefix: &Path, joints: usize) -> Result<ForeignAnswer, Stri
     let summary: ReleasedSummary = cranny_file::json(summary.as_bytes())
         .map_err(|reason| format!(".txt, line {}: {reason}", reason.line))?;
     let is_solved = summary.sr.is_some_and(|rate| rate > 0.0);
-    // After a failure the way points are no path.
+    // After a failure, the way points are not a path.
     let path = match text("try") {
         Ok(way_points) if is_solved => {
             read_lines(&way_points, joints).map_err(|fault| format!(".try, {fault}"))?
@@ -199,7 +199,7 @@ fn read_lines(text: &str, joints: usize) -> Result<Vec<Vec<f64>>, String> {
         let fields = || line.trim().trim_end_matches(',').split(',');
         // A line of words is reported with its words.
         number(fields().next().unwrap_or_default())?;
-        // The count precedes the collection, because a line may have any number of fields.
+        // The fields are counted before they are collected, because a line may have any number of them.
         let actual = fields().count();
         if actual != joints {
             return Err(format!("line {}: {actual} numbers instead of {joints}", index + 1));

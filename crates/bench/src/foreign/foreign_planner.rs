@@ -57,8 +57,8 @@ const GRACE: Duration = Duration::from_secs(1);
 /// System messages about denied write access.
 const DENIALS: [&str; 2] = ["ermission denied", "Errno 13"];
 
-/// Command line of the released program with its authors' settings, as in its own scripts; `-max_iters` exceeds the
-/// iterations possible within minutes.
+/// Command line of the released program with its authors' settings, as in its own scripts. `-max_iters` cannot be reached
+/// within minutes.
 const RELEASED_COMMAND: &str = "test -grasp {grasps} -urdf {urdf} -obstacle {obstacles} -start_config {start} \
     -target_configs {ik} -ik_index {goal} -max_iters {iterations} -d_crit 0.1 -delta_q 3.1415 -epsilon_q 0.1 \
     -num_spikes 7 -p_close_enough 50.0 -prob_steer 0.01 -q_resolution 0.1 -use_rot 100 -rot_ratio 0.5 \
@@ -327,7 +327,7 @@ impl ForeignFiles {
     }
 }
 
-/// Returns the form of protocol 2 for a carried target: the only pick of its task, and one stage after it.
+/// Returns the form of protocol 2 for a carried target, whose task is one pick and one further stage.
 fn asked_to_carry(carry: CarryTo, stages: &[Stage], problem: &Problem) -> serde_json::Value {
     let LiftOffSettings { most_m, clear_m, slack_m } = LiftOffSettings::default();
     let mut asked = json!({

@@ -25,17 +25,17 @@ pub struct Limits<'a> {
 /// Ending of a program.
 #[derive(Debug)]
 pub enum Ending {
-    /// It exited by itself; holds its output and the last line of its standard error.
+    /// It exited by itself; with its output and the last line of its standard error.
     Exited { status: ExitStatus, output: Vec<u8>, complaint: String },
     /// It exceeded its time limit and was ended.
     Hung,
-    /// It exceeded its memory limit and was ended; holds its memory, in bytes.
+    /// It exceeded its memory limit and was ended; with its memory, in bytes.
     OutOfMemory(u64),
     /// It printed more than [`MOST_OUTPUT_BYTES`].
     Flood,
 }
 
-/// Maximum output; no path is as long.
+/// Maximum output; every path is shorter.
 pub const MOST_OUTPUT_BYTES: u64 = 64 << 20;
 
 /// Sampling interval of memory: within it a program can fill a few tens of megabytes.
@@ -45,7 +45,7 @@ pub const LOOK_EVERY: Duration = Duration::from_millis(20);
 #[derive(Debug)]
 pub struct Ran {
     pub ending: Ending,
-    /// Time until the end of the program and of its output, regardless of which process held that open, in seconds.
+    /// Time until the program has ended and the last process has closed its output, in seconds.
     pub elapsed_s: f64,
     /// Peak memory of the program and its descendants, in bytes; `None` if unknown.
     pub memory_bytes: Option<u64>,
@@ -106,7 +106,7 @@ fn spawn(command: &mut Command, limits: Limits) -> std::io::Result<(Child, Insta
     })
 }
 
-/// Maximum number of bytes read from standard error; the final message seldom comes after them.
+/// Maximum number of bytes read from standard error; the final message is usually among them.
 const MOST_COMPLAINT_BYTES: u64 = 1 << 20;
 
 /// Reads at most `most` bytes; `closed` receives a message at the end of the stream.
@@ -117,7 +117,7 @@ fn reader(
 ) -> thread::JoinHandle<Vec<u8>> {
     thread::spawn(move || {
         let mut bytes = Vec::new();
-        // Bytes read before an error count.
+        // Bytes read before an error are kept.
         let _ = stream.take(most).read_to_end(&mut bytes);
         if let Some(closed) = closed {
             let _ = closed.send(());
@@ -129,8 +129,7 @@ fn reader(
 /// Time for which children of a program may keep its output open after its own end.
 const AFTER_THE_END: Duration = Duration::from_millis(200);
 
-/// Waits for the end of a program and of its output. Returns the ending if it was forced, otherwise `None`, and the peak
-/// memory.
+/// Waits for the end of a program and of its output. Returns the ending, `None` unless it was forced, and the peak memory.
 fn watch(
     child: &mut Child,
     begin: Instant,

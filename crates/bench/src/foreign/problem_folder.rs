@@ -16,7 +16,7 @@ use crate::{BenchError, PathDemand, Question};
 pub fn write_problem(question: &Question, folder: &Path) -> Result<PathBuf, BenchError> {
     check_free_folder(folder)?;
     let unwritable = |reason| ScenarioError::Unwritable { path: folder.to_owned(), reason };
-    // Absolute paths in the document hold for any working folder of the program.
+    // Absolute paths in the document are valid for any working folder of the program.
     let folder = std::path::absolute(folder).map_err(unwritable)?;
     let trial = &question.trial;
     let demand = PathDemand::of_settings(&trial.settings);

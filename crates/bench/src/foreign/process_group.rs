@@ -10,7 +10,7 @@ use cranny_file::system;
 
 use crate::foreign::sandbox::Isolation;
 
-/// Handle on the external program that is running, for ending it.
+/// Handle for ending the external program that is running.
 #[derive(Clone, Debug, Default)]
 pub struct Leash {
     leader: Arc<Mutex<Option<u32>>>,
@@ -55,7 +55,7 @@ pub fn end_descendants() {
 }
 
 /// Descendants of a process, however often it forked, as far as the system reveals them (Linux). A process once observed
-/// remains known even after the intermediate processes have ended.
+/// remains known after the intermediate processes have ended.
 #[derive(Clone, Debug)]
 pub struct Family {
     root: u32,
@@ -74,8 +74,7 @@ impl Family {
         Self::of(if IS_ADOPTING.load(Ordering::Relaxed) { std::process::id() } else { program })
     }
 
-    /// Updates the members and returns their memory, in bytes. Shared memory that no member has mapped is included if only
-    /// this family can own it.
+    /// Updates the members and returns their memory, in bytes, with unmapped shared memory if only this family can own it.
     pub fn look(&mut self, walls: Isolation) -> u64 {
         let (mut bytes, mut shared_bytes) = (0, 0);
         self.seen.retain(|process, began| system::beginning(*process) == Some(*began));

@@ -41,8 +41,7 @@ pub struct Isolation {
     pub namespaces: bool,
 }
 
-/// Command that creates the namespaces of a worker, with tools of util-linux: a process that makes a PID namespace is not
-/// in it itself.
+/// Command that creates the namespaces of a worker, with util-linux: the creator of a PID namespace is not in it itself.
 const NAMESPACES: [&str; 11] = [
     "unshare",
     "--user",
@@ -117,7 +116,7 @@ impl Isolation {
 
     /// Removes named shared memory that a program left, if it belongs to the worker alone.
     pub fn clear_shared_memory(self) {
-        // Only within namespaces is a worker the first process.
+        // Only within namespaces is a worker process 1.
         if !self.namespaces || std::process::id() != 1 {
             return;
         }

@@ -72,8 +72,8 @@ impl Comparison {
     }
 }
 
-/// Compares every pair of planners on every scenario that both have runs of. Goal-wise runs are excluded: the runs to test
-/// have already selected the best goal.
+/// Compares every pair of planners on every scenario on which both have runs. Goal-wise runs are excluded: these already select
+/// the best goal.
 pub fn comparisons(groups: &[Group]) -> Vec<Comparison> {
     let mut scenarios: BTreeMap<(&str, &str, &str), Vec<&Group>> = BTreeMap::new();
     for group in groups.iter().filter(|group| group.row.goals.is_none()) {
@@ -109,8 +109,8 @@ fn tests_of(family: usize) -> f64 {
     2.0 * family as f64
 }
 
-/// Returns the size of the largest family in which each comparison can be significant, by the least p-values that their
-/// numbers of runs allow. The other comparisons can never be significant and need not be counted.
+/// Returns the size of the largest family in which each comparison can be significant, by the least p-values that their numbers
+/// of runs allow. The other comparisons can never be significant and are not counted.
 ///
 /// Source: Tarone 1990, "A modified Bonferroni method for discrete data", whole.
 fn family(least: &[f64]) -> usize {

@@ -49,7 +49,7 @@ pub struct Names {
 }
 
 impl Names {
-    /// Creates the shortest unique names: the planner alone, with the differing settings if it has several, with the limits
+    /// Creates the shortest unique names: the planner alone; with the differing settings, if it has several; with the limits,
     /// if one scenario has several.
     pub fn of<'a>(configurations: impl Iterator<Item = &'a Configuration> + Clone) -> Self {
         let mut hashes: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();

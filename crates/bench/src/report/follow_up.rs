@@ -27,8 +27,7 @@ pub fn over_iterations(record: &TrialRecord, most: u64) -> Followed {
     Followed { until: until as f64, solved: record.is_solved() }
 }
 
-/// Cuts off the follow-up of trials at the time when half of them are censored: beyond it the curve would depend only on
-/// the few that continue.
+/// Cuts off the follow-up when half of the trials are censored: the curve would depend only on the few that continue.
 pub fn while_half_are_followed(trials: Vec<Followed>) -> Vec<Followed> {
     let mut cut: Vec<f64> = trials.iter().filter(|trial| !trial.solved).map(|trial| trial.until).collect();
     cut.sort_by(f64::total_cmp);

@@ -5,8 +5,7 @@ use serde::Serialize;
 use crate::report::row::Group;
 use crate::statistics::{Followed, KaplanMeier, median_interval, performance_profiles, wilson};
 
-/// Result of one planner over all scenarios on which every planner of the criterion has runs: its pooled runs, equally
-/// weighted, and its performance profile.
+/// Pooled runs and performance profile of one planner over the scenarios on which every planner of the criterion has runs.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Overall {
     /// Criterion for a solved trial.
@@ -59,8 +58,7 @@ pub struct Pool<'a> {
     pub groups: Vec<&'a Group<'a>>,
     /// Number of all scenarios, shared or not.
     scenarios_in_all: usize,
-    /// Shortest limit of the runs of all planners, in seconds: beyond it the estimate would depend only on the runs with
-    /// longer limits.
+    /// Shortest limit of the runs of all planners, in seconds: later estimates would depend only on runs with longer limits.
     pub followed_to_s: f64,
 }
 

@@ -11,7 +11,6 @@ pub struct Place {
     pub dial: Option<&'static str>,
 }
 
-/// Environment of scenarios with unclassified ids.
 const OTHERS: &str = "other scenarios";
 
 impl Place {

@@ -81,8 +81,7 @@ pub struct Row {
     pub restricted_mean_error_s: Option<f64>,
     /// Horizon of the restricted mean, in seconds.
     pub restricted_to_s: f64,
-    /// Median number of iterations (Kaplan–Meier); `None` if fewer than half of the runs are solved, or if the planner
-    /// counts no iterations.
+    /// Median number of iterations (Kaplan–Meier); `None` if fewer than half of the runs are solved, or if none are counted.
     pub median_iterations: Option<f64>,
     /// Lower end of the interval of the median iterations.
     pub median_iterations_low: Option<f64>,
@@ -306,7 +305,7 @@ fn row(configuration: &Configuration, names: &Names, goals: &[GoalRow], runs: &[
     }
 }
 
-/// Returns a count, or `None` if it is zero: a successful search makes an iteration and a node, so zero is not reported.
+/// Returns a count, or `None` for zero, which means that it is not reported: a successful search makes an iteration and a node.
 fn told(count: u64) -> Option<f64> {
     (count > 0).then_some(count as f64)
 }

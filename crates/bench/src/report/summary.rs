@@ -13,8 +13,7 @@ use crate::report::warning::{few_runs, warnings};
 use crate::report::worst_trial::{WorstTrial, worst_trials};
 use crate::{BenchError, Results, Run, ScenarioSource, StoredTrial};
 
-/// All figures of a report. Pages, tables and plots derive from it alone, which keeps them consistent; the order of the
-/// trials does not affect it.
+/// All figures of a report, regardless of the order of the trials. Pages, tables and plots derive from it alone and thus agree.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Summary {
     /// Name of the results in replay commands.

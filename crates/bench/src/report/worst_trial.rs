@@ -38,8 +38,8 @@ const MOST_OF_A_KIND: usize = 20;
 /// Maximum number of failures of a group; in addition, its slowest solved trial is listed.
 const MOST_FAILURES_OF_A_ROW: usize = 2;
 
-/// Returns the worst trials of all groups, the worst first: unexpected failures, then unsolved trials, then the slowest
-/// solved ones. `results` is the name of the file.
+/// Returns the trials of all groups, the worst first: unexpected failures, unsolved trials, then the slowest solved ones.
+/// `results` is the name of the file.
 pub fn worst_trials(groups: &[Group], results: &str) -> Vec<WorstTrial> {
     let of_kind = |is_solved: bool, most_of_a_row: usize| {
         let mut worst: Vec<(&StoredTrial, &Group)> = Vec::new();
@@ -61,7 +61,7 @@ fn worst_first(a: &StoredTrial, b: &StoredTrial) -> Ordering {
     badness(b).total_cmp(&badness(a)).then(a.id.cmp(&b.id))
 }
 
-/// Returns the rank by outcome, then by seconds: the distance between two outcomes exceeds any time limit.
+/// Returns the rank by outcome, then by seconds: the difference between two outcomes exceeds any time limit.
 fn badness(run: &StoredTrial) -> f64 {
     let record = &run.record;
     let kind = match record.outcome {

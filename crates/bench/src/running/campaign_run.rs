@@ -144,7 +144,7 @@ pub fn run_campaign(
         let mut store = || -> Result<(), BenchError> {
             for asked in &answers {
                 let Some((record, path)) = asked? else { continue };
-                // A trial that is stored already was selected for another run.
+                // A stored trial is in the schedule only if it must run again.
                 results.replace(run, &record, &path)?;
                 summary.run += 1;
                 summary.solved += usize::from(record.is_solved());
@@ -161,8 +161,7 @@ pub fn run_campaign(
     Ok(summary)
 }
 
-/// Runs a trial on `worker`, or on a new one if there is none, and returns its record and path; `None` if the campaign was
-/// stopped.
+/// Runs a trial on `worker`, or on a new one if there is none. Returns its record and path; `None` if the campaign was stopped.
 fn ask(
     worker: &mut Option<WorkerProcess>,
     question: &Question,

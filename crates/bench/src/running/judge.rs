@@ -38,15 +38,14 @@ pub fn decide(
     record.grasp_score = audit.grasp_score(problem);
 }
 
-/// Returns true if a path of way points (m, rad; one value per joint) also meets the criterion of `problem`. If that
-/// criterion checks way points alone, long edges are subdivided first: a planner under another criterion need not limit its
-/// step.
+/// Returns true if a path of way points (m, rad; one value per joint) also meets the criterion of `problem`. If that criterion
+/// checks way points alone, long edges are subdivided first, because other criteria do not limit their length.
 ///
 /// # Errors
 /// As [`audit_with`].
 pub fn also_meets(problem: &Problem, path: &[Vec<f64>]) -> Result<bool, PathError> {
     let mut path = path.to_vec();
-    /// Reduces steps of ten metres to a centimetre.
+    /// Reduces edges of ten metres to a centimetre.
     const MOST_HALVINGS: usize = 10;
     for _ in 0..MOST_HALVINGS {
         let verification = audit_with(

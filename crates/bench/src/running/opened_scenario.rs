@@ -70,7 +70,7 @@ impl OpenedScenarios {
         source: &str,
         criterion: Criterion,
     ) -> Result<Rc<OpenedScenario>, BenchError> {
-        // The check precedes each trial: files may be edited during a campaign, and some are read only now.
+        // The check precedes each trial: files may be edited during a campaign, and some are read only later.
         if Identity::of(source)?.sha256 != trial.scenario_hash {
             let (scenario, source_name) = (trial.scenario.clone(), source.to_owned());
             return Err(BenchError::ChangedScenario { scenario, source_name });

@@ -146,8 +146,8 @@ fn goal_of(opened: &OpenedScenario, index: usize) -> Result<Vec<f64>, BenchError
 /// Tolerance of the time check: a planner may stop before its limit by this share of the limit.
 const EARLY: f64 = 0.05;
 
-/// Changes the outcome of a trial without a path to "gave up" if the planner claims an exhausted budget that is not spent.
-/// Otherwise it would count as a planner that might have found a path later.
+/// Changes the outcome of a trial without a path to "gave up" if the planner claims an exhausted budget that is not spent: it
+/// would otherwise be censored, as if a path could have followed.
 fn given_up(record: TrialRecord) -> TrialRecord {
     let TrialRecord { trial, outcome, statistics, .. } = &record;
     let time_s = statistics.planning_time_s;

@@ -33,6 +33,6 @@ pub enum Message {
     Planned,
     /// Record of the trial and path of its planner.
     Answered(Box<TrialRecord>, Vec<Vec<f64>>),
-    /// The trial cannot be run at all; holds the reason.
+    /// The trial cannot be run at all; with the reason.
     Refused(String),
 }

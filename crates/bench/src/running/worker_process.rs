@@ -29,14 +29,14 @@ pub struct WorkerProcess {
     complaint: Arc<Mutex<String>>,
     /// Thread that reads standard error until the worker ends.
     listener: Option<JoinHandle<()>>,
-    /// Folder that it exports scenarios to for external planners, used by no other worker. Process ids do not
-    /// distinguish the workers: each may be process 1 of its namespace.
+    /// Folder for the scenarios that it exports for external planners, used by no other worker. Process ids do not distinguish
+    /// the workers: each may be process 1 of its namespace.
     exports: TempDir,
 }
 
 /// Result of a request.
 pub enum Served {
-    /// The worker answered and remains available; holds the record of the trial and the planner's path.
+    /// The worker answered and remains available; with the record of the trial and the planner's path.
     Answered(TrialRecord, Vec<Vec<f64>>),
     /// The question is invalid; the worker remains available.
     Refused(String),
@@ -49,9 +49,9 @@ pub enum Served {
 /// Time limit for opening a scenario and for judging a path.
 const PATIENCE: Duration = Duration::from_mins(5);
 
-/// Time past the limit after which a search counts as hung. A built-in planner checks the clock every few iterations,
-/// between which it may compute a hundred inverse kinematics solutions: seconds on a busy machine. An external program is
-/// ended earlier, by the worker itself.
+/// Time past the limit after which a search counts as hung. A built-in planner checks the clock every few iterations, and may
+/// compute a hundred inverse kinematics solutions in between: seconds on a busy machine. An external program is ended earlier,
+/// by the worker itself.
 const GRACE: Duration = Duration::from_secs(10);
 
 /// Time allowed to a worker for ending itself and its children.
@@ -90,7 +90,7 @@ impl WorkerProcess {
         let listener = child.stderr.take().map(|stderr| {
             let complaint = complaint.clone();
             thread::spawn(move || {
-                // The first line of a panic is the most informative; for other ends it is the last line.
+                // The most informative line is the first one of a panic, otherwise the last one.
                 for line in BufReader::new(stderr).split(b'\n').map_while(Result::ok) {
                     let line = String::from_utf8_lossy(&line).trim().to_owned();
                     let mut kept = complaint.lock().unwrap_or_else(PoisonError::into_inner);
@@ -120,7 +120,7 @@ impl WorkerProcess {
         let limit = Duration::try_from_secs_f64(trial.time_limit_s).unwrap_or(Duration::MAX);
         let mut begin = Instant::now();
         let mut deadline = begin.checked_add(PATIENCE);
-        // The memory that the worker holds before the search does not count for the planner.
+        // The memory that the worker uses before the search does not count for the planner.
         let mut memory_bytes = None;
         loop {
             match self.lines.recv_timeout(LOOK_EVERY) {
@@ -213,7 +213,7 @@ impl WorkerProcess {
 
     /// Returns the memory of the worker alone, in bytes.
     fn resident_bytes(&self) -> Option<u64> {
-        // The process that creates the namespaces waits outside of them.
+        // The process that creates the namespaces stays outside of them.
         let inner =
             if self.walls.namespaces { system::children(self.child.id()).first().copied() } else { None };
         system::memory(inner.unwrap_or(self.child.id())).map(|memory| memory.resident_bytes)

@@ -19,9 +19,9 @@ pub fn draws_for(tests: usize) -> usize {
     LEAST_DRAWS.max(160 * tests)
 }
 
-/// Calls `visit` with each division of the trials `0..first + second` into two groups of the given sizes, as the indices of
-/// the first group; the observed one, `0..first`, comes first. If there are too many to enumerate, the others are `draws`
-/// random ones with a fixed seed: with the observed one among them, a p-value that is a share of them stays valid.
+/// Calls `visit` with each division of the trials `0..first + second` into two groups of the given sizes, as the indices of the
+/// first group, beginning with the observed one, `0..first`. If there are too many, the others are `draws` random ones with a
+/// fixed seed. As the observed division is counted, a p-value is valid as a share of the visited ones.
 ///
 /// Source: Phipson & Smyth 2010, "Permutation p-values should never be zero", §3.
 pub fn for_each_division(first: usize, second: usize, draws: usize, mut visit: impl FnMut(&[usize])) {
@@ -44,8 +44,8 @@ pub fn for_each_division(first: usize, second: usize, draws: usize, mut visit: i
     let mut random = Stream::new(0, 0);
     let mut order: Vec<usize> = (0..all).collect();
     for _ in 0..draws {
-        // The first steps of a shuffle of any order are a uniform choice (Knuth 1997, "The art of computer programming"
-        // 2, §3.4.2, Algorithm P).
+        // The first swaps of a shuffle of any order are a uniform choice (Knuth 1997, "The art of computer programming" 2,
+        // §3.4.2, Algorithm P).
         for place in 0..first {
             order.swap(place, place + random.index(all - place));
         }

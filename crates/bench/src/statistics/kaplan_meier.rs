@@ -17,7 +17,7 @@ impl Followed {
     }
 }
 
-/// Step of a survival curve at a time when trials were solved.
+/// Jump of a survival curve at a time when trials were solved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurvivalStep {
     /// The time.
@@ -28,14 +28,13 @@ pub struct SurvivalStep {
     pub solved: usize,
     /// Share of unsolved trials from this time on.
     pub survival: f64,
-    /// Greenwood's variance of `survival` over its square, `Σ dᵢ / (nᵢ (nᵢ − dᵢ))` up to here. Infinite once all are
-    /// solved.
+    /// Greenwood's variance of `survival` over its square, `Σ dᵢ / (nᵢ (nᵢ − dᵢ))` up to here; infinite once all are solved.
     pub greenwood: f64,
     /// Confidence band of the true share.
     pub band: Interval,
 }
 
-/// Kaplan–Meier estimate of the share of unsolved trials at each time, from trials of which some are censored.
+/// Kaplan–Meier estimate of the share of unsolved trials at each time, from possibly censored trials.
 ///
 /// `S(t) = Π over tᵢ ≤ t of (1 − dᵢ/nᵢ)`, with `dᵢ` solved at `tᵢ` and `nᵢ` at risk just before; trials censored at `tᵢ`
 /// are still at risk there. Without censoring this is the share of times above `t`.
@@ -50,7 +49,7 @@ pub struct KaplanMeier {
     last: f64,
 }
 
-/// Tolerance of shares: products of exact fractions miss a half by a few units in the last place.
+/// Tolerance of shares: products of exact fractions miss a half by a few units in the last digit.
 const ROUNDED: f64 = 1e-12;
 
 impl KaplanMeier {
@@ -83,7 +82,7 @@ impl KaplanMeier {
         Self { steps, count: sorted.len(), last: sorted.last().map_or(0.0, |trial| trial.until) }
     }
 
-    /// Returns the steps at the times when trials were solved, in rising order.
+    /// Returns the jumps of the curve, in order of time.
     pub fn steps(&self) -> &[SurvivalStep] {
         &self.steps
     }
@@ -116,8 +115,8 @@ impl KaplanMeier {
     }
 }
 
-/// Computes the band `S^exp(±z √greenwood / |ln S|)`. Once all are solved no variance is left, though a further trial might
-/// take longer: the upper end keeps its last value.
+/// Computes the band `S^exp(±z √greenwood / |ln S|)`. Once all trials are solved, the variance is undefined, though a further
+/// trial might take longer: the upper end keeps its last value.
 fn band(survival: f64, greenwood: f64, before: Option<Interval>) -> Interval {
     if greenwood.is_infinite() {
         return Interval { low: 0.0, high: before.map_or(1.0, |band| band.high) };

@@ -1,13 +1,13 @@
 use crate::statistics::{Followed, LEVEL};
 
-/// Minimum number of trials for which an interval of the median has both ends: of five, all lie on one side of it with
+/// Minimum number of trials for which an interval of the median has both ends: five values all lie on one side of it with
 /// probability `2/2⁵ > 5 %`.
 pub const LEAST_FOR_MEDIAN: usize = 6;
 
 /// Computes the interval of the median time: the `r`-th least and the `r`-th greatest time, with the greatest `r` for which
-/// `2 P(B(n, ½) < r) ≤ 5 %`. It holds for every number of trials and every distribution of times. A censored trial counts
-/// with its censoring time for the lower end, and as infinite for the upper end, which is `None` if it was not observed.
-/// Returns `None` for fewer than [`LEAST_FOR_MEDIAN`] trials.
+/// `2 P(B(n, ½) < r) ≤ 5 %`. It is valid for every number of trials and every distribution of times. A censored trial counts
+/// with its censoring time for the lower end, and as infinite for the upper end, which is `None` if not observed. Returns
+/// `None` for fewer than [`LEAST_FOR_MEDIAN`] trials.
 ///
 /// # Panics
 /// If a time is NaN.

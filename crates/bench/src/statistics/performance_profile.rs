@@ -9,9 +9,8 @@ pub struct PerformanceProfile {
     pub share: Vec<f64>,
 }
 
-/// Computes the profiles of solvers. The rows of `costs` are their costs on the same problems, in the same order; `None` is
-/// an unsolved problem and counts as an infinite cost. Costs below `tick` count as `tick`, because differences below it
-/// cannot be resolved.
+/// Computes the profiles of solvers. The rows of `costs` are their costs on the same problems, in the same order; `None` is an
+/// unsolved problem, of infinite cost. Costs below `tick`, the resolution, count as `tick`.
 ///
 /// `r(p, s) = t(p, s) / min over s of t(p, s)`, `ρ(τ) = |{p : r(p, s) ≤ τ}| / |P|`. `ρ(1)` is the share of problems on
 /// which a solver is the best, or as good; the last share is that of the problems that it solves. A problem that none

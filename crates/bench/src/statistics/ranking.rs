@@ -1,6 +1,5 @@
-/// Computes the area under the ROC curve of a score: the probability that one of the `held` (any number of scores, no unit)
-/// has a higher score than one of the `lost`, with ties counted by half (Hanley & McNeil 1982, whole). `None` if either is
-/// empty.
+/// Computes the area under the ROC curve of a score: the probability that one of the `held` (any number of scores, no unit) has
+/// a higher score than one of the `lost`, where ties count half (Hanley & McNeil 1982, whole). `None` if one is empty.
 pub fn area_under_curve(held: &[f64], lost: &[f64]) -> Option<f64> {
     let wins = |held: &f64| -> f64 {
         let win = |lost: &f64| match held.total_cmp(lost) {

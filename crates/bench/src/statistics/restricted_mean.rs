@@ -12,8 +12,8 @@ pub struct RestrictedMean {
 }
 
 impl KaplanMeier {
-    /// Computes the mean up to `horizon`, the area under the curve; `None` if the horizon is past the last trial while some
-    /// are unsolved, because the curve is unknown there.
+    /// Computes the mean up to `horizon`, the area under the curve; `None` if the curve is unknown there: the horizon is past
+    /// the last trial while some are unsolved.
     ///
     /// `μ = ∫₀^τ S`, `V = Σ over tᵢ ≤ τ of (∫ from tᵢ to τ of S)² dᵢ / (nᵢ (nᵢ − dᵢ))`. Without censoring before the
     /// horizon `μ` is the mean of `min(t, τ)` and `V` its population variance over `n`.
@@ -35,14 +35,14 @@ impl KaplanMeier {
     }
 
     fn area_and_variance(&self, horizon: f64) -> (f64, f64) {
-        // The sum runs backwards from the horizon, over the area beyond each step.
+        // The sum runs backwards from the horizon, over the area beyond each jump.
         let steps = &self.steps()[..self.steps().partition_point(|step| step.at <= horizon)];
         let (mut area, mut variance, mut end) = (0.0, 0.0, horizon);
         for step in steps.iter().rev() {
             area += step.survival * (end - step.at);
             end = step.at;
             let (n, d) = (step.at_risk as f64, step.solved as f64);
-            // No area lies beyond the step at which the last trials are solved.
+            // No area lies beyond the jump at which the last trials are solved.
             if step.solved < step.at_risk {
                 variance += area * area * d / (n * (n - d));
             }

@@ -1,7 +1,7 @@
 use crate::statistics::division::{division_count, draws_for, for_each_division};
 use crate::statistics::{Followed, Interval, KaplanMeier, LEVEL};
 
-/// Permutation tests for a difference between two groups of trials; their p-values hold for every number of trials.
+/// Permutation tests for a difference between two groups of trials; their p-values are valid for every number of trials.
 ///
 /// If the groups are of one planner, each division of all trials into groups of these sizes is equally probable. A p-value
 /// is twice the share of divisions whose statistic is at least as extreme, to the same side, as the observed one: over all
@@ -30,8 +30,8 @@ pub fn least_p(first: usize, second: usize) -> f64 {
 }
 
 impl TwoSampleTest {
-    /// Tests two groups up to `horizon`; both tests belong to a family of `tests`. The interval is of level `0.05/tests`,
-    /// so that all intervals of the family hold together.
+    /// Tests two groups up to `horizon`, in a family of `tests`. The interval is of level `0.05/tests`, so that all intervals
+    /// of the family are valid together.
     ///
     /// The log-rank scores are `cᵢ = δᵢ − Λ(tᵢ)` with the Nelson–Aalen estimate `Λ` of all trials: `O − E = Σ cᵢ` over the
     /// first group. The studentised difference is Welch's `t` of restricted times (their pseudo-values), for which the
@@ -98,8 +98,7 @@ fn restricted_times(all: &[Followed], horizon: f64) -> Vec<f64> {
     (0..all.len()).map(|trial| n * mean - (n - 1.0) * without(trial)).collect()
 }
 
-/// Sums over all times for computing Welch's `t` of any division, relative to the first time, so that equal times have no
-/// variance.
+/// Sums over all times for Welch's `t` of any division, relative to the first time, so that equal times have no variance.
 struct Welch {
     about: f64,
     sum: f64,

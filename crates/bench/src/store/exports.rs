@@ -6,8 +6,7 @@ use tempfile::TempDir;
 
 use crate::BenchError;
 
-/// Folder for input and output of external programs. It is removed with the campaign; a later campaign removes the folders
-/// of killed ones.
+/// Folder for input and output of external programs. It is removed with its campaign, or by a later one if that was killed.
 #[derive(Debug)]
 pub struct Exports {
     folder: TempDir,

@@ -4,10 +4,9 @@ use std::fmt::Write as _;
 use crate::report::{Configuration, Names, Place, SummarySource};
 use crate::{BenchError, StoredTrial, TrialOutcome};
 
-/// Benchmark log of OMPL, which the statistics script of the `ompl` Python package converts to a database for Planner
-/// Arena.
+/// Benchmark log of OMPL, which the statistics script of the `ompl` Python package converts to a database for Planner Arena.
 ///
-/// A log holds one experiment. A failed run has no length and no clearance, and its time is the time spent; seeds are those
+/// A log contains one experiment. A failed run has no length and no clearance, and its time is the time spent; seeds are those
 /// of the trials.
 ///
 /// Source: `readBenchmarkLog` of `ompl/_benchmark_statistics.py`, OMPL 2.0.
@@ -53,8 +52,8 @@ struct Experiment<'a> {
 }
 
 impl OmplLog {
-    /// Converts all trials to one experiment. With several scenarios or criteria, each planner appears once for each of
-    /// them, named `planner @ scenario`.
+    /// Converts all trials to one experiment. With several scenarios or criteria, each planner appears once for each, as
+    /// `planner @ scenario`.
     ///
     /// # Errors
     /// [`BenchError::NoTrials`].
@@ -247,10 +246,10 @@ fn status(outcome: TrialOutcome) -> u8 {
     }
 }
 
-/// Converts to one line without separators of fields or entries: the format has no escape for them.
+/// Converts to one line without separators of fields or entries, which the format cannot escape.
 fn line(text: &str) -> String {
     let text = text.replace(|c: char| c.is_control(), " ").replace("; ", ", ").replace(" = ", "=");
-    // This mark would end an entry of the set-up.
+    // This mark would end an entry of the setup.
     let text = text.replace("|>>>", "|>>");
     if text.trim().is_empty() { "none".to_owned() } else { text }
 }

@@ -17,9 +17,9 @@ use crate::{BenchError, RunInformation, Tally, TrialRecord, store::results_file}
 pub struct Results {
     pub(crate) connection: Connection,
     pub(crate) path: PathBuf,
-    /// Lock held while a campaign writes; the system releases it at any end of the campaign.
+    /// Lock owned while a campaign writes; the system releases it at any end of the campaign.
     claim: Option<File>,
-    /// Copy that is read instead of results on a read-only medium.
+    /// Copy that is read instead, if the results are on a read-only medium.
     copy: Option<TempDir>,
 }
 
@@ -116,8 +116,8 @@ impl Results {
         Ok(results)
     }
 
-    /// Returns the numbers of ended and of solved trials of each planner in the results at `path`. This is fast, because it
-    /// does not check the integrity of the file.
+    /// Returns the numbers of ended and of solved trials of each planner in the results at `path`, without checking the
+    /// integrity of the file, which takes longer.
     ///
     /// # Errors
     /// As [`Self::open`], but [`BenchError::Damaged`].
@@ -322,13 +322,13 @@ impl Results {
         self.done(self.connection.query_row(sql, [planner, settings], |row| row.get(0)).optional())
     }
 
-    /// Adds the runs and trials of other results, all or none; an existing trial remains unchanged.
+    /// Adds the runs and trials of other results, all or none; existing trials remain unchanged.
     ///
     /// # Errors
     /// As [`Self::open`] of the others, [`BenchError::Database`]; [`BenchError::Overlap`] if a trial has another result in
     /// the others, as is usual for a trial that runs again, unless `keep_first`.
     pub fn merge(&mut self, others: &Path, keep_first: bool) -> Result<Merged, BenchError> {
-        // Opening it first handles its log and its errors; a copy of it exists as long as this handle.
+        // Opening it first handles its log and its errors; a copy exists as long as this handle.
         let opened = Self::open(others)?;
         let copy = opened.copy.as_ref().map(|copy| copy.path().join(results_file::COPY));
         let others = copy.unwrap_or_else(|| others.to_owned());
@@ -349,8 +349,8 @@ impl Results {
         detached.map(|()| merged)
     }
 
-    /// Merges results into the file `into`, which may hold some already, and returns it with the summary of each of
-    /// `others`. A new file appears complete or not at all.
+    /// Merges `others` into the results `into`, new or existing; returns these with the summary of each merge. A new file
+    /// appears complete or not at all.
     ///
     /// # Errors
     /// As [`Self::create`] and [`Self::merge`], and [`BenchError::Unwritable`].

@@ -135,8 +135,8 @@ pub fn settle(partial: &Path, path: &Path) -> Result<(), BenchError> {
     settled.map_err(|reason| BenchError::Unwritable { path: path.to_owned(), reason })
 }
 
-/// Opens a results file. The check of its tables precedes every query, because a view in place of a table can be made to
-/// never end, and because of damaged pages.
+/// Opens a results file. Its tables are checked before every query, because a view instead of a table can be endless, and
+/// because pages may be damaged.
 pub fn open(path: &Path) -> Result<Connection, BenchError> {
     let connection = open_unseen(path)?;
     check_pages(path, &connection)?;
@@ -237,8 +237,7 @@ fn write_tables(connection: &mut Connection) -> rusqlite::Result<()> {
     transaction.commit()
 }
 
-/// Checks that the tables and their index have exactly the expected definitions. Other content of the file is never
-/// queried.
+/// Checks that the tables and their index are exactly as expected. Other content of the file is never queried.
 fn check_tables(path: &Path, connection: &Connection, version: i64) -> Result<(), BenchError> {
     let fault = |reason| fault(path, reason);
     let found = definitions(connection).map_err(fault)?;

@@ -20,9 +20,8 @@ impl Shard {
         (1..=count.min(MOST_SHARDS)).contains(&index).then_some(Self { index, count })
     }
 
-    /// Returns the trials of a campaign that belong to this shard. The shards of any `count` partition the campaign, and
-    /// their sizes differ by at most one: in all, for each planner, and for each planner on each scenario. Stored trials
-    /// make no difference.
+    /// Returns the trials of a campaign, stored or not, that belong to this shard. The shards of any `count` partition the
+    /// campaign, with sizes that differ by at most one: in all, for each planner, and for each planner on each scenario.
     #[must_use]
     pub fn of(self, schedule: Schedule) -> Schedule {
         let parts = dealt(&schedule.questions, self.count);
@@ -30,7 +29,7 @@ impl Shard {
         Schedule { questions: ours.map(|(question, _)| question).collect(), ..schedule }
     }
 
-    /// Checks that the results hold no trials of other shards of the campaign: these would be run twice.
+    /// Checks that the results contain no trials of other shards of the campaign: these would be run twice.
     ///
     /// # Errors
     /// [`BenchError::OtherShard`].

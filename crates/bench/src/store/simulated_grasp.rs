@@ -2,8 +2,7 @@ use rusqlite::{Connection, OptionalExtension as _, params};
 
 use crate::{BenchError, Results};
 
-/// Result of simulating a grasp at which trials ended: a row of the table `simulated_grasps`. The simulation is not in this
-/// crate.
+/// Result of simulating a grasp at which trials ended, by another crate: a row of the table `simulated_grasps`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SimulatedGrasp {
     /// Id of the scenario.
@@ -22,7 +21,7 @@ pub struct SimulatedGrasp {
     pub held_s: f64,
     /// Contact force of a finger, in newtons.
     pub contact_force_n: f64,
-    /// Number of further trials in which the grasp held, and number of further trials; `None` if there were none.
+    /// Number of further trials in which the grasp held the object, and number of further trials; `None` if there were none.
     pub robust: Option<(usize, usize)>,
 }
 
@@ -44,8 +43,7 @@ const TABLE: &str = "CREATE TABLE simulated_grasps (
 )";
 
 impl Results {
-    /// Stores the results for grasps under these settings, and replaces all earlier ones under them: all or nothing. Trials
-    /// and runs remain unchanged.
+    /// Stores the results of grasps under these settings instead of earlier ones, all or none; trials and runs are unchanged.
     ///
     /// # Errors
     /// [`BenchError::OtherTable`] if the file has another table of that name, [`BenchError::Database`].

@@ -1,4 +1,4 @@
-//! Fictitious trials, drawn by a fixed rule, so that every run of the tests has the same ones.
+//! Fictitious trials, drawn by a fixed rule: the same in every run of the tests.
 
 use cranny_bench::report::{Summary, SummarySource};
 use cranny_bench::{Run, RunInformation, ScenarioSource, StoredTrial, Trial, TrialOutcome, TrialRecord};

@@ -27,9 +27,9 @@ pub struct BenchArguments {
 enum BenchCommand {
     /// Run a campaign (scenarios × planners × seeds), or resume one
     Run(Box<RunArguments>),
-    /// Submit a campaign to Slurm as an array of tasks, or resubmit its lost tasks
+    /// Submit a campaign to Slurm as an array, or resubmit its lost array tasks
     Slurm(SlurmArguments),
-    /// Show the progress of the tasks of a campaign
+    /// Show the progress of the array tasks of a campaign
     Status(StatusArguments),
     /// Write the input that an external planner is given for a trial, to test it by hand
     Problem(ProblemArguments),

@@ -103,8 +103,7 @@ pub struct RunArguments {
     /// Require that the hand holds the object with this factor, as `plan --hold` does [default: 1.5]
     #[arg(long, value_name = "FACTOR", allow_negative_numbers = true)]
     hold: Option<f64>,
-    /// Provide no set of grasps: `none`. Planners then generate grasps of their own, which the judge measures on the target's
-    /// mesh
+    /// Provide no set of grasps: `none`. Planners then generate their own, which the judge measures on the target's mesh
     #[arg(long, value_name = "none", value_parser = ["none"])]
     grasps: Option<String>,
     #[command(flatten)]
@@ -167,7 +166,7 @@ struct Lost {
     planner: String,
     outcome: &'static str,
     trials: usize,
-    /// Message of the first of them.
+    /// Message of the first such trial.
     first: String,
 }
 

@@ -36,7 +36,7 @@ pub struct SlurmArguments {
     /// Campaign file (YAML)
     #[arg(value_name = "CAMPAIGN", required_unless_present = "resume")]
     campaign: Option<PathBuf>,
-    /// Number of tasks that the campaign is divided into
+    /// Number of array tasks that the campaign is divided into
     #[arg(long, value_name = "N", required_unless_present = "resume", value_parser = whole(1..=MOST_SHARDS))]
     array: Option<u64>,
     /// Folder for scripts, results and the report, visible to all nodes [default: named as CAMPAIGN, in this folder]
@@ -52,7 +52,7 @@ pub struct SlurmArguments {
     /// Write the scripts without submitting them
     #[arg(long)]
     write_only: bool,
-    /// Submit the lost tasks of this folder: those neither done nor known to Slurm
+    /// Submit the lost array tasks of this folder: those neither done nor known to Slurm
     #[arg(long, value_name = "FOLDER", conflicts_with_all = ["campaign", "array", "output", "local", "sandbox"])]
     resume: Option<PathBuf>,
     /// Options of sbatch
@@ -133,7 +133,7 @@ pub fn run(arguments: &SlurmArguments, registry: &Registry, output: Output) -> R
     Ok(Answer::Done)
 }
 
-/// Creates a new folder with its scripts; all tasks are submitted.
+/// Creates a new folder with its scripts; all array tasks are submitted.
 fn begin(
     arguments: &SlurmArguments,
     registry: &Registry,
@@ -177,7 +177,7 @@ fn begin(
 /// Memory of a worker before a search begins, with some reserve, in MB.
 const OWN_MEMORY_MB: u64 = 512;
 
-/// Returns the script of each task. If its node is shut down, it has time to end the trial's program and to close the results.
+/// Returns the script of an array task, which at a shutdown of its node ends the trial's program and closes the results.
 fn task_script(
     folder: &ClusterFolder,
     campaign: &ClusterCampaign,
@@ -238,7 +238,7 @@ done
     )
 }
 
-/// Returns the script that runs after all tasks have ended, successful or not.
+/// Returns the script that runs after all array tasks have ended, successful or not.
 fn last_script(folder: &ClusterFolder, program: &Path, name: &str) -> String {
     let quote = |path: &Path| quoted(&path.display().to_string());
     format!(
@@ -262,14 +262,13 @@ rm -f joined.db
     )
 }
 
-/// Marks the position of the task number in a path.
+/// Marks the position of the number of the array task in a path.
 const VARIABLE: &str = "\u{1}";
 
 fn split(path: &Path) -> (&str, &str) {
     path.to_str().and_then(|path| path.split_once(VARIABLE)).unwrap_or_default()
 }
 
-/// Quotes a word for a shell.
 fn quoted(text: &str) -> String {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "/._-=:,+@%".contains(c);
     if !text.is_empty() && text.chars().all(is_plain) {

@@ -29,7 +29,7 @@ pub struct StatusArguments {
     places: Vec<PathBuf>,
 }
 
-/// State of a task.
+/// State of an array task.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 enum State {
@@ -47,15 +47,15 @@ enum State {
 /// Output of `bench status --json`.
 #[derive(Serialize)]
 struct Answered {
-    /// Number of trials of all tasks together, if known.
+    /// Number of trials of all array tasks together, if known.
     trials: Option<usize>,
     ended: usize,
     solved: usize,
-    /// Estimated remaining time with the current number of running tasks, in seconds.
+    /// Estimated remaining time with the current number of running array tasks, in seconds.
     left_s: Option<f64>,
     planners: BTreeMap<String, Tally>,
     tasks: Vec<TaskLine>,
-    /// Command that resubmits lost tasks.
+    /// Command that resubmits lost array tasks.
     resume: Option<String>,
 }
 
@@ -135,7 +135,7 @@ impl Answered {
         }
     }
 
-    /// Sums up the tallies of all tasks.
+    /// Sums up the tallies of all array tasks.
     fn add_up(&mut self) {
         for TaskLine { standing, .. } in &self.tasks {
             for (planner, tally) in &standing.planners {
@@ -184,7 +184,7 @@ impl Answered {
             }
             let _ = write!(page, "  {name:<10} {} of {} tasks", of_state.len(), tasks.len());
             if state != State::Done {
-                /// Maximum number of tasks listed per state; `--json` lists all.
+                /// Maximum number of array tasks listed per state; `--json` lists all.
                 const MOST: usize = 8;
                 let told = of_state.iter().take(MOST).map(|task| {
                     let tally = task.standing.tally();

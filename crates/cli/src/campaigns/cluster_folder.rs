@@ -1,4 +1,4 @@
-//! Folder of a campaign on a cluster: the submitted campaign, the scripts, and the results of each task.
+//! Folder of a campaign on a cluster: the submitted campaign, the scripts, and the results of each array task.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -16,7 +16,7 @@ pub struct ClusterCampaign {
     format: String,
     /// Path of the campaign file.
     pub campaign: PathBuf,
-    /// Number of tasks.
+    /// Number of array tasks.
     pub tasks: u64,
     /// Manifest that every node must match.
     pub manifest: Manifest,
@@ -34,7 +34,7 @@ pub struct ClusterFolder {
     pub path: PathBuf,
 }
 
-/// Standing of a task of a campaign, by its number from 1.
+/// Progress of an array task, by its number from 1.
 #[derive(Clone, Debug)]
 pub struct Task {
     pub number: u64,
@@ -70,7 +70,7 @@ impl ClusterFolder {
         self.path.join("report.sh")
     }
 
-    /// Returns the results file of one task; in scripts `number` is a variable.
+    /// Returns the results file of an array task; in scripts `number` is a variable.
     pub fn results(&self, number: &str) -> PathBuf {
         self.path.join(format!("task-{number}.db"))
     }
@@ -91,7 +91,7 @@ impl ClusterFolder {
         Ok(fs::rename(partial, self.campaign_file())?)
     }
 
-    /// Returns the standing of each task, from its files; a task that has written none has the default standing.
+    /// Returns the progress of each array task, from its files; the default if it has written none.
     pub fn tasks(&self, campaign: &ClusterCampaign) -> Vec<Task> {
         let task = |number: u64| {
             let name = number.to_string();

@@ -39,7 +39,7 @@ pub fn write(
         let (own, said) = (&trial.record.trial, !output.quiet);
         let demand = PathDemand::of_settings(&own.settings);
         if demand.carry.is_some() || demand.task.is_some() {
-            // Its path continues with the object in the hand, which bare way points do not record.
+            // The path continues with the object in the hand, which bare way points do not record.
             let note = || {
                 text::note(&format!(
                     "trial {}: no page, because its path continues with the target in the hand",

@@ -7,7 +7,7 @@ use std::process::{Command, Output};
 
 use crate::failure::Failure;
 
-/// State in Slurm of a task that has not ended.
+/// State in Slurm of an array task that has not ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TaskState {
     Running,
@@ -28,7 +28,7 @@ pub fn submit(options: &[String], script: &Path) -> Result<String, Failure> {
     Ok(said.trim().split(';').next().unwrap_or_default().to_owned())
 }
 
-/// Returns the waiting and running tasks of arrays, by their number.
+/// Returns the waiting and running array tasks, by their number.
 pub fn active_tasks(jobs: &[String]) -> Result<BTreeMap<u64, TaskState>, Failure> {
     if jobs.is_empty() {
         return Ok(BTreeMap::new());
@@ -62,7 +62,6 @@ pub fn active_tasks(jobs: &[String]) -> Result<BTreeMap<u64, TaskState>, Failure
     Ok(listing.lines().filter_map(task).collect())
 }
 
-/// Runs a command of Slurm and returns its standard output.
 fn done(command: &mut Command) -> Result<String, Failure> {
     let name = command.get_program().to_string_lossy().into_owned();
     let fault = |reason: String| Failure::Slurm { command: name.clone(), reason };

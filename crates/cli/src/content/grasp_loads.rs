@@ -12,7 +12,7 @@ pub struct GraspLoads {
     mass_assumed: bool,
 }
 
-/// Load from which a grasp counts as firm: most of these hold in physics (`benchmarks/load.md`).
+/// Load from which a grasp counts as firm: most such grasps do not slip in physics (`benchmarks/load.md`).
 const FIRM: f64 = 2.0;
 
 impl GraspLoads {

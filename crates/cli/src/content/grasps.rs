@@ -124,7 +124,7 @@ struct Sampled {
     merged: usize,
     best_score: f64,
     mean_score: f64,
-    /// Hold factor that was required.
+    /// Required hold factor.
     #[serde(skip_serializing_if = "Option::is_none")]
     hold: Option<f64>,
     /// Loads of the grasps, if they can be computed.
@@ -289,7 +289,6 @@ struct Filtered {
     #[serde(skip_serializing_if = "Option::is_none")]
     load: Option<GraspLoads>,
     blocked_by: Vec<Blocking>,
-    /// True if Ctrl-C left grasps unprocessed.
     stopped: bool,
     #[serde(skip_serializing_if = "Option::is_none")]
     file: Option<PathBuf>,

@@ -14,7 +14,7 @@ struct Listing {
     scenarios: Vec<Listed>,
     /// Scenarios whose target lies outside and is put inside.
     insertions: Vec<Listed>,
-    /// Scenarios of several steps.
+    /// Scenarios with `steps`.
     sequences: Vec<Listed>,
     planners: Vec<&'static str>,
 }

@@ -249,7 +249,7 @@ fn check(arguments: &CheckArguments, output: Output) -> Result<Answer, Failure> 
     Ok(if findings.is_sound() { Answer::Done } else { Answer::No })
 }
 
-/// Returns text with the number of moving joints.
+/// Formats the number of moving joints.
 fn moving(robot: &Robot) -> String {
     let verb = if robot.dof() == 1 { "moves" } else { "move" };
     format!("{} {verb}", counted(robot.dof(), "joint"))

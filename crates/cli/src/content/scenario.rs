@@ -380,7 +380,7 @@ fn watched(
     let SetReport { written, rejected, missing } = report?;
     let stopped = stop.load(Ordering::Relaxed);
     if written.is_empty() {
-        // The folder holds an empty list, and would block the next run.
+        // The folder contains an empty list, and would block the next run.
         std::fs::remove_dir_all(folder)?;
     }
     let set = Set { folder, written: written.len(), rejected, missing, stopped };

@@ -10,8 +10,7 @@ use crate::text;
 /// Agreement of the computed load of grasps with physics.
 #[derive(Serialize)]
 pub struct LoadPrediction {
-    /// Area under the ROC curve: fraction of pairs of a held and a lost grasp in which the held one has the greater load at
-    /// rest.
+    /// Area under the ROC curve: fraction of pairs of a successful and a lost grasp with greater load at rest of the former.
     area_under_curve: Option<f64>,
     /// Grasps with a load at rest of 2 or more.
     firm: Share,
@@ -21,7 +20,7 @@ pub struct LoadPrediction {
     firm_in_motion: Share,
 }
 
-/// Number of grasps that held, out of those tested.
+/// Number of successful grasps, out of those tested.
 #[derive(Clone, Copy, Serialize)]
 struct Share {
     held: usize,

@@ -23,8 +23,7 @@ pub fn file_of(what: &str) -> Option<&Path> {
     path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("json")).then_some(path)
 }
 
-/// Reads the recording of a file. Nothing can be added to it: `others` lists the flags that would, each with true if it is
-/// given.
+/// Reads the recording of a file. No flag may add to it: `others` lists the flags that would, with true for those given.
 pub fn read(file: &Path, others: &[(&str, bool)]) -> Result<BodyRecording, Failure> {
     if let Some((what, _)) = others.iter().find(|(_, is_given)| *is_given) {
         let problem = format!("a recording contains the whole scene; leave out {what}");
@@ -126,7 +125,7 @@ struct RecordedStep {
     run: Recording,
 }
 
-/// Time between the end of a step and the start of the next, which show the same instant, in seconds.
+/// Time between the end of a pick and the start of the next, which show the same instant, in seconds.
 const PAUSE_S: f64 = 0.01;
 
 pub fn write(recording: &BodyRecording, file: &Path, kind: FileKind, output: Output) -> Result<(), Failure> {

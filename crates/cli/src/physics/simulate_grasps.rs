@@ -47,7 +47,7 @@ pub struct SimulateGraspsArguments {
     #[arg(long, value_name = "K")]
     pub grasp: Option<usize>,
     /// Number of additional trials of each grasp, with small errors of the hand, friction, mass and force (3 mm and 3° on each
-    /// axis, 25 %, 10 %, 10 %), the same for every grasp: the fraction held is the robust score
+    /// axis, 25 %, 10 %, 10 %), the same for every grasp: the fraction of successes is the robust score
     #[arg(long, value_name = "N", default_value = "0", value_parser = whole::<usize>(0..=10_000))]
     pub trials: usize,
     /// Seed of the trials

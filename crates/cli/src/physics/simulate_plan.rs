@@ -25,7 +25,7 @@ use crate::{Answer, number_argument, output_file, physics::recording, progress};
 /// Overrides of object and hand properties in the files.
 #[derive(Clone, Debug, Args)]
 pub struct InsteadArguments {
-    /// Mass of the object, in kilograms (with several steps, of each object) [default: its own]
+    /// Mass of the object, in kilograms (with several picks, of each object) [default: its own]
     #[arg(long, value_name = "KG", value_parser = positive)]
     mass: Option<f64>,
     /// Coefficient of friction of the object [default: its own]

@@ -88,10 +88,10 @@ struct PlannerGrasps {
     criterion: &'static str,
     /// Number of solved trials.
     solved: usize,
-    /// Number of solved trials whose grasp is held.
+    /// Number of solved trials whose grasp keeps the object.
     held: usize,
     held_rate: f64,
-    /// 95 % confidence interval of the held rate.
+    /// 95 % confidence interval of the rate of such trials.
     wilson_interval: Option<[f64; 2]>,
     /// Mean over the solved trials.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -169,7 +169,6 @@ pub fn run(arguments: &SimulateResultsArguments, output: Output) -> Result<Answe
     let (support_only, trials, seed) = (arguments.support_only, arguments.trials, arguments.seed);
     let settings = Settings { support_only, trials, seed };
     let settings_text = serde_json::to_string(&settings).map_err(std::io::Error::other)?;
-    // All inputs of a row.
     let of_test = |(key, test, grasps, _): &(ScenarioKey, GraspTest, GraspSet, Vec<usize>)| {
         format!("{key:?} {test:?} {}", csv_text(grasps))
     };

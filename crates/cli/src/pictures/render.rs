@@ -140,7 +140,7 @@ const MOST_GHOSTS: i64 = 100;
 /// Maximum number of frames of a motion: some minutes at the highest rate.
 const MOST_PICTURES: usize = 10_000;
 
-/// Maximum total number of pixels of an animation in one file, which is held in memory: 1.5 GB.
+/// Maximum total number of pixels of an animation in one file, all in memory: 1.5 GB.
 const MOST_MOVING_POINTS: usize = 500_000_000;
 
 pub fn run(arguments: &RenderArguments, registry: &Registry, output: Output) -> Result<Answer, Failure> {
@@ -378,7 +378,7 @@ pub fn settings(
 
 /// Returns the index of the first frame at or after a time.
 fn frame_at(scene: &Scene, time_s: f64) -> Result<usize, Failure> {
-    /// Durations are printed in whole milliseconds, so a rounded end time is accepted.
+    /// Tolerance, because durations are printed in whole milliseconds.
     const ROUNDED_S: f64 = 0.0005;
     let name = &scene.name;
     let times_s = scene.motion.as_ref().map_or(&[][..], |motion| &motion.times_s);
@@ -393,7 +393,7 @@ fn frame_at(scene: &Scene, time_s: f64) -> Result<usize, Failure> {
     Ok(times_s.partition_point(|&instant| instant < time_s).min(times_s.len() - 1))
 }
 
-/// Refuses a motion with more frames than can be drawn, or held in memory until they are written.
+/// Refuses a motion with more frames than can be drawn, or kept in memory until they are written.
 fn check_length(count: usize, format: Format, settings: &PictureSettings) -> Result<(), Failure> {
     let points = count.saturating_mul(settings.width * settings.height);
     if count > MOST_PICTURES {

@@ -11,7 +11,7 @@ use crate::{Answer, output_file, progress};
 /// Number of pictures per row of a sheet: a row for each environment of the twenty scenarios, which come first.
 const SHEET_COLUMNS: usize = 5;
 
-/// Maximum side length of a picture on a sheet, in pixels, because the whole sheet is held in memory.
+/// Maximum side length of a picture on a sheet, in pixels, because the whole sheet is in memory.
 const MOST_SHEET_POINTS: usize = 2048;
 
 /// Renders all built-in scenarios, with the plans of a folder where available.

@@ -14,7 +14,7 @@ use crate::failure::Failure;
 use crate::progress::SearchProgress;
 use crate::text;
 
-/// Repeats the search of a plan with the planner, settings, seed and number of iterations in its file, and returns its trees.
+/// Repeats the search of a plan with the planner, settings, seed and number of iterations of its file, and returns its trees.
 /// Prints a note for everything that the trees do not show.
 pub fn replay(
     file: &Path,

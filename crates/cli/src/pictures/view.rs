@@ -83,7 +83,7 @@ pub fn run(arguments: &ViewArguments, registry: &Registry, output: Output) -> Re
         } else {
             text::print(&format!("{url}  (Ctrl-C ends)\n"))
         };
-        // Without a browser on this machine, the printed address remains.
+        // The printed address suffices if this machine has no browser.
         if let Some(door) = &door {
             let file = door.path().to_owned();
             // In a thread of its own, because the call may block until the browser exits.
@@ -94,8 +94,8 @@ pub fn run(arguments: &ViewArguments, registry: &Registry, output: Output) -> Re
     Ok(Answer::Done)
 }
 
-/// Creates a file of the user's own that redirects the browser to the page. Every user of the machine can read the arguments of
-/// a running browser, so they must not contain the address.
+/// Creates a file that redirects the browser to the page and that only the user can read. Every user of the machine can read
+/// the arguments of a running browser, so they must not contain the address.
 fn doorway(url: &str) -> io::Result<NamedTempFile> {
     let mut file = tempfile::Builder::new().prefix("cranny-").suffix(".html").tempfile()?;
     writeln!(

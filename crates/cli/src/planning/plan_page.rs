@@ -40,8 +40,8 @@ pub struct Answered<'a> {
     pub untimed: Option<String>,
 }
 
-/// Selects the improvements to print: the first, each at least 5 % below the one selected before, and the last; the plan file
-/// holds all.
+/// Selects the improvements to print, of all those in the plan file: the first, the last, and each that is at least 5 % below
+/// the previous selected one.
 fn milestones(improvements: &[Improvement]) -> Vec<&Improvement> {
     const FALL: f64 = 0.05;
     let mut told: Vec<&Improvement> = Vec::new();
@@ -199,7 +199,7 @@ fn times(answered: &Answered) -> String {
     )
 }
 
-/// Formats the result and the time of the steps after the search.
+/// Formats the result and the time of the processing after the search.
 fn shortened(shortening: &PlanShortening, seconds: f64) -> String {
     let searches = match shortening.searches {
         0 => String::new(),

@@ -33,8 +33,7 @@ pub fn read_plan(file: &Path) -> Result<Option<PlanFile>, RecordError> {
 }
 
 impl PlanTask {
-    /// Opens the task of the flags, with the values of `otherwise` for those not given. `moveit` is a scene and a request, or
-    /// empty.
+    /// Opens the task of the flags, with the values of `otherwise` for the others. `moveit` is a scene and a request, or empty.
     pub fn open(
         arguments: &TaskArguments,
         moveit: &[PathBuf],
@@ -57,7 +56,7 @@ impl PlanTask {
     ) -> Result<Self, Failure> {
         let options = MoveItOptions { robot: arguments.robot.clone(), ..MoveItOptions::default() };
         let opened = MoveItProblem::open(scene, request, &options)?;
-        // The JSON answer holds them too; the printed text gets them only here.
+        // The JSON answer contains them too; the printed text gets them only here.
         let deviations: Vec<String> = opened.deviations.iter().map(ToString::to_string).collect();
         if output.json {
             note_all(&deviations, output)?;
@@ -79,8 +78,8 @@ impl PlanTask {
     }
 }
 
-/// Refuses a plan of a robot with other joints. Prints a note if the plan belongs to a scenario other than the one that it is
-/// now "judged against" or "shown in".
+/// Refuses a plan of a robot with other joints. Prints a note if the scenario of the plan is not the one that it is now "judged
+/// against" or "shown in".
 pub fn check_plan(
     file: &Path,
     plan: &PlanFile,

@@ -32,8 +32,7 @@ pub struct Demand {
 }
 
 impl Demand {
-    /// Returns the settings that a plan was made for. If its file of grasps does not exist any more, the scenario's own grasps
-    /// are used.
+    /// Returns the settings that a plan was made for, with the scenario's own grasps if its file of grasps no longer exists.
     pub fn of_plan(plan: &PlanFile) -> Self {
         let grasps = match plan.given_grasps() {
             GivenGrasps::File(file) if !file.is_file() => GivenGrasps::Own,
@@ -45,7 +44,7 @@ impl Demand {
 }
 
 impl Task {
-    /// Opens the task of the flags, with the values of `otherwise` for those not given.
+    /// Opens the task of the flags, with the values of `otherwise` for the others.
     pub fn open(arguments: &TaskArguments, otherwise: Demand, output: Output) -> Result<Self, Failure> {
         let Demand { criterion, robot, geometry, grasps, margins, robust } = otherwise;
         let options = OpenOptions {

@@ -90,7 +90,7 @@ fn page(answered: &Answered, way_points: usize, limited_by: &str) -> String {
     if let Some(more) = audit.violations.len().checked_sub(MOST_SHOWN).filter(|more| *more > 0) {
         let _ = writeln!(page, "  …           {more} more; --json lists them all");
     }
-    // A missed goal is already reported above.
+    // A missed goal is already among the violations.
     let is_told = audit.violations.iter().any(|violation| violation.kind() == "goal");
     if let Some(goal) = audit.goal.as_ref().filter(|_| !is_told) {
         let (translation, rotation) = (goal.translation_error_m, goal.rotation_error_rad);

@@ -40,7 +40,7 @@ struct Findings {
     sound: bool,
 }
 
-/// Optional component, needed by some commands only.
+/// Optional component, which only some commands need.
 #[derive(Serialize)]
 struct Part {
     name: &'static str,

@@ -27,7 +27,7 @@ pub fn run(output: Output) -> Result<Answer, Failure> {
 }
 
 fn licences(notices: &str) -> Vec<Licence<'_>> {
-    // The first piece is an introduction.
+    // The text before the first rule is an introduction.
     let pieces: Vec<&str> = notices.split(RULE).skip(1).collect();
     pieces
         .chunks_exact(2)

@@ -10,8 +10,7 @@ use cranny_collision::Margins;
 use cranny_scenario::{OpenOptions, Scenario};
 use cranny_view::{PageCells, PageData, PageLimits, PageServer, PageSettings};
 
-/// Sends the content of the file to the page of a built-in scenario, over the connection of a browser. The server runs until
-/// the program ends.
+/// Sends the content of the file to the page of a built-in scenario, over the connection of a browser. The server never ends.
 pub fn ask(folder: &Path) {
     static ADDRESS: OnceLock<String> = OnceLock::new();
     let url = ADDRESS.get_or_init(serve);

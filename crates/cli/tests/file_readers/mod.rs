@@ -1,5 +1,5 @@
 //! Readers of external input: files, answers of external programs, requests to a page. The fuzz targets (`fuzz/`) and
-//! `any_bytes.rs` feed them with malformed input; a reader may refuse it, but must return.
+//! `any_bytes.rs` feed them with malformed input, which a reader may refuse; it must return.
 
 mod asked_page;
 mod stored_results;
@@ -187,7 +187,7 @@ impl ReaderAtWork {
         Self { reader, folder }
     }
 
-    /// Reads `bytes` in place of the sound file.
+    /// Reads `bytes` instead of the sound file.
     ///
     /// # Panics
     /// If the reader panics, or the file cannot be written.

@@ -5,8 +5,7 @@ use cranny_bench::{Results, RunInformation, ScenarioSource, Trial, TrialOutcome,
 use cranny_plan::Statistics;
 use cranny_task::Criterion;
 
-/// Reads modified sound results: every three bytes of the file are a change, two for the position in 65 536ths of the results
-/// and one for the new byte.
+/// Reads modified sound results. Three bytes of the file are a change: a position in 65 536ths of the results, and a new byte.
 pub fn read(folder: &Path) {
     let (sound, path) = (folder.join("sound.db"), folder.join("results.db"));
     if !sound.is_file() {

@@ -25,7 +25,7 @@ pub(crate) struct CellParts {
 }
 
 impl CellParts {
-    /// Creates the parts of a cell with an empty hand; the object to be grasped and its supports are given by body index.
+    /// Creates the constituents for an empty hand; the object to be grasped and its supports are given by body index.
     ///
     /// # Errors
     /// [`CollisionError::Margin`] for a negative or infinite margin, [`CollisionError::UnknownLink`] for a bound of a link that

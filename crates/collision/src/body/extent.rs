@@ -7,12 +7,12 @@ use crate::CollisionError;
 use crate::body::world::Body;
 use crate::touch::contact_patch::{Across, Seen};
 
-/// Shape of a body of the world in the frame of its first solid: its reach along any direction (support mapping), its
-/// surface, and its centre of mass.
+/// Shape of a body of the world in the frame of its first solid: reach along any direction (support mapping), surface, and
+/// centre of mass.
 #[derive(Clone, Debug)]
 pub struct Extent {
     parts: Arc<[ExtentPart]>,
-    /// Outward normals of its largest faces, the largest first.
+    /// Outward normals of the largest faces, the largest first.
     normals: Arc<[Vector]>,
     /// Triangles of its convex hull.
     hull: Arc<[[Point; 3]]>,
@@ -21,25 +21,23 @@ pub struct Extent {
     center_error_m: f64,
 }
 
-/// A solid of a body.
 #[derive(Debug)]
 struct ExtentPart {
     held_from_solid: Pose,
-    /// The solid itself, if it is convex.
+    /// The solid, if it is convex.
     convex: Option<Solid>,
     /// Corners of a mesh; empty for a convex solid.
     corners: Vec<Point>,
-    /// Its surface.
     triangles: Vec<[Point; 3]>,
-    /// True if the tessellation lies within the solid, because that is round.
+    /// True if the tessellation lies within the solid, because the solid is round.
     is_round: bool,
 }
 
-/// Maximum number of faces of a body whose normals are kept.
+/// Maximum number of largest faces of a body whose normals are stored.
 const MOST_NORMALS: usize = 24;
 /// Tolerance for coplanar facets of a hull, on normals (as a chord) and on heights (m): rounding.
 const SAME_PLANE: f64 = 1e-9;
-/// Maximum number of distinct normals, by the area of the largest triangle of each.
+/// Maximum number of distinct normals before the largest faces are selected, by the area of the largest triangle of each.
 const MOST_KNOWN: usize = 192;
 /// Distance, as a chord, below which normals of faces count as equal.
 pub(crate) const ONE_NORMAL: f64 = 1e-3;
@@ -95,7 +93,7 @@ impl Extent {
         Ok(Self { parts: parts.into(), normals: normals.into(), hull: hull.into(), center, center_error_m })
     }
 
-    /// Returns the centre of mass at uniform density, in the frame of its first solid; volume shared by solids counts once.
+    /// Returns the centre of mass at uniform density, in the frame of the first solid; volume shared by solids counts once.
     pub fn center_of_mass(&self) -> Point {
         self.center
     }
@@ -113,7 +111,7 @@ impl Extent {
     }
 
     /// Returns the surface triangles, with the first solid at a pose, that face against the direction and reach below a height
-    /// (m) along it, projected along it. Those of round solids are shifted down so that they reach as low as the solid.
+    /// (m) along it, projected along it. Those of a round solid are shifted down, so that they reach as low as the solid.
     pub(crate) fn lower_triangles(
         &self,
         world_from_held: &Pose,
@@ -169,7 +167,7 @@ impl Extent {
         planes
     }
 
-    /// Returns the inward normals of its largest faces, the largest first, with the first solid at a pose.
+    /// Returns the inward normals of the largest faces, the largest first, with the first solid at a pose.
     pub(crate) fn inward_normals(&self, world_from_held: &Pose) -> impl Iterator<Item = Vector> {
         self.normals.iter().map(|normal| -(world_from_held.rotation * normal))
     }
@@ -202,7 +200,7 @@ pub(crate) fn is_flat(solid: &Solid, normal: &Vector) -> bool {
     }
 }
 
-/// Returns the normals of triangles that satisfy `is_asked`, merged where they agree, in order of decreasing area.
+/// Returns the normals of the triangles that `is_asked` selects, merged if they are equal, in order of decreasing area.
 pub(crate) fn greatest_normals<'a>(
     triangles: impl IntoIterator<Item = &'a [Point; 3]>,
     is_asked: impl Fn(&Vector) -> bool,

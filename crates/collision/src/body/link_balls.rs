@@ -5,8 +5,8 @@ use cranny_spatial::{Point, Vector};
 use crate::cell::Cell;
 
 impl Cell {
-    /// Returns the bounding balls that the lanes use for each link, in the frame of the link, by link: their union contains the
-    /// link. Empty for a bare frame.
+    /// Returns for each link the bounding balls that the lanes use, in the frame of the link: their union contains the link.
+    /// Empty for a link without geometry.
     pub fn link_balls(&self) -> Vec<Vec<Ball>> {
         let kinematics = LaneKinematics::new(self.robot());
         let mut by_link = vec![Vec::new(); self.robot().links().len()];

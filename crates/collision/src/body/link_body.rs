@@ -13,12 +13,12 @@ pub(crate) struct LinkBody {
 }
 
 impl LinkBody {
-    /// Returns the bodies of all links of `robot` that have geometry.
+    /// Returns all links of `robot` that have geometry.
     pub fn all(robot: &Robot) -> Vec<Self> {
         (0..robot.links().len()).filter_map(|link| Self::new(robot, link)).collect()
     }
 
-    /// Creates the body of the link of this index; `None` if it has no geometry.
+    /// Creates the geometry of the link of this index; `None` if it has none.
     pub fn new(robot: &Robot, link: usize) -> Option<Self> {
         let shapes: Vec<(Pose, Solid)> = robot.links()[link]
             .collisions
@@ -28,8 +28,7 @@ impl LinkBody {
         Self::of_shapes(link, shapes)
     }
 
-    /// Creates the body of a link of these solids, each at its `link_from_solid`; `None` if there are none, or one is
-    /// unbounded.
+    /// Creates the geometry of a link from solids, each at its `link_from_solid`; `None` if there are none or unbounded ones.
     pub fn of_shapes(link: usize, shapes: Vec<(Pose, Solid)>) -> Option<Self> {
         let mut points: Vec<(Point, f64)> = Vec::new();
         for (link_from_shape, solid) in &shapes {
@@ -39,7 +38,7 @@ impl LinkBody {
         (!points.is_empty()).then(|| Self { link, shapes, bounds: Bounds::around(&points) })
     }
 
-    /// Returns its solids, each with its `world_from_solid`.
+    /// Returns the solids, each with its `world_from_solid`.
     pub fn placed<'a>(
         &'a self,
         frames: &LinkFrames,
@@ -49,7 +48,7 @@ impl LinkBody {
     }
 
     /// Returns an upper bound on the distance that any of its points moves from `before` to `after`, two poses of the link in
-    /// one frame, in metres: the centre of its bounding ball translates, and everything else rotates about that.
+    /// one frame, in metres: the centre of the bounding ball is translated, and all other points rotate about it.
     pub fn moved_m(&self, before: &Pose, after: &Pose) -> f64 {
         let ball = &self.bounds.ball;
         let turn = before.rotation.inverse() * after.rotation;
@@ -69,7 +68,7 @@ impl LinkBody {
     }
 }
 
-/// Computes lower and upper bounds of the distance of two groups of solids (see [`cranny_shape::separation`]). Pairs that are
+/// Computes lower and upper bounds of the distance of two groups of solids ([`cranny_shape::separation`]). Pairs that are
 /// certainly farther apart than `beyond_m` (m) are not measured.
 pub(crate) fn group_separation<'a>(
     first: impl Iterator<Item = (Pose, &'a Solid)>,
@@ -79,7 +78,7 @@ pub(crate) fn group_separation<'a>(
     group_separation_in(first, second, Range::to(beyond_m))
 }
 
-/// Computes these bounds within a range of interest (see [`cranny_shape::separation_in`]).
+/// Computes these bounds within a range of interest ([`cranny_shape::separation_in`]).
 pub(crate) fn group_separation_in<'a>(
     first: impl Iterator<Item = (Pose, &'a Solid)>,
     second: &(impl Iterator<Item = (Pose, &'a Solid)> + Clone),

@@ -5,8 +5,7 @@ use cranny_spatial::Point;
 
 use crate::body::world::Part;
 
-/// Parts of a world in a tree of boxes along the axes of the planning frame, so that distant parts are skipped in groups (broad
-/// phase).
+/// Parts of a world in a tree of boxes along the axes of the planning frame, to skip distant parts in groups (broad phase).
 ///
 /// Nodes are stored in the order of traversal, parents before children. A skipped node is followed by the first node beyond its
 /// subtree, so that the traversal needs no stack.
@@ -18,19 +17,18 @@ pub(crate) struct PartTree {
 
 #[derive(Clone, Debug)]
 pub(crate) struct PartNode {
-    /// Box around all its parts; `None` if the node holds unbounded parts, or the box would not help.
+    /// Box around all its parts; `None` if some are unbounded, or if the box would not help.
     pub aabb: Option<Aabb>,
-    /// Parts of a leaf, as positions in [`PartTree::parts`]; empty for any other node.
+    /// Range of the parts of a leaf in [`PartTree::parts`]; empty for any other node.
     pub places: Range<usize>,
-    /// Node that follows if this one is skipped.
+    /// Next node if this one is skipped.
     pub next: usize,
 }
 
-/// Number of parts up to which they are checked one by one: the released scenarios have 6 to 12, for which a tree would be
-/// slower.
+/// Maximum number of parts that are checked one by one: the released scenarios have 6 to 12, for which a tree would be slower.
 const FEW: usize = 16;
 
-/// Maximum number of parts of a leaf. With 2, checks among 100 and 1000 boxes are no faster, with 8 slower.
+/// Maximum number of parts of a leaf. Checks among 100 and 1000 boxes are no faster with 2, and slower with 8.
 const LEAF: usize = 4;
 
 impl PartTree {
@@ -42,7 +40,6 @@ impl PartTree {
             tree.add_leaf(None, all.collect());
             return tree;
         }
-        // Unbounded parts have no box.
         let (bounded, endless): (Vec<usize>, Vec<usize>) = all.partition(|part| boxes[*part].is_some());
         tree.add_leaf(None, endless);
         let bounded = bounded.into_iter().filter_map(|part| Some((part, boxes[part]?))).collect();
@@ -60,7 +57,7 @@ impl PartTree {
         &self.nodes
     }
 
-    /// Returns the positions of all parts that may be closer than `reach_m` (m) to a point, in order.
+    /// Returns the positions in [`Self::parts`] of all parts that may be closer than `reach_m` (m) to a point, in order.
     pub fn near(&self, center: Point, reach_m: f64) -> impl Iterator<Item = usize> {
         let mut next = 0;
         std::iter::from_fn(move || {

@@ -10,12 +10,12 @@ use crate::pair::self_pairs::SelfPairs;
 use crate::proof::joint_table::JointTable;
 use crate::proof::link_sweep::swept_ball;
 
-/// Data of a robot for every check in any world: computed once per robot, and cached with it.
+/// Data of a robot for the checks in any world: computed once per robot, and cached with it.
 #[derive(Debug)]
 pub(crate) struct RobotBody {
     /// Links with geometry.
     pub links: Arc<[LinkBody]>,
-    /// For each of these links, a ball that it never leaves.
+    /// For each of these links, a ball in the root frame that the link never leaves.
     pub swept: Vec<Option<Ball>>,
     /// Pairs of these links, compared or exempt.
     pub self_pairs: SelfPairs,
@@ -25,10 +25,9 @@ pub(crate) struct RobotBody {
     tables: Arc<Mutex<Vec<KnownTables>>>,
 }
 
-/// Key of the tables of one robot: the pairs, and the bits of the distance that each demands.
+/// Key of the tables of one robot: the pairs, each with the bits of its demanded distance.
 type TableKey = Vec<(usize, usize, u64)>;
 
-/// Tables that are cached.
 type KnownTables = (TableKey, Arc<[JointTable]>);
 
 /// Maximum number of cached sets of tables: a robot is used with only a few different margins.
@@ -50,7 +49,7 @@ impl RobotBody {
         })
     }
 
-    /// Returns the body of this robot holding ([`Robot::holding`]) an object of these solids.
+    /// Returns the data of this robot with an object of these solids in its hand ([`Robot::holding`]).
     pub fn holding(&self, robot: &Robot, held: LinkBody) -> Self {
         let links: Arc<[LinkBody]> = self.links.iter().cloned().chain([held]).collect();
         let kinematics = LaneKinematics::new(robot);
@@ -59,7 +58,7 @@ impl RobotBody {
             _ => LaneBody::new(&kinematics, link),
         };
         let swept = |(index, link): (usize, &LinkBody)| {
-            // The placement of a held link is not known here.
+            // The pose of a held link is not known here.
             if robot.is_loose(link.link) { None } else { self.swept[index] }
         };
         Self {
@@ -72,15 +71,15 @@ impl RobotBody {
         }
     }
 
-    /// Returns the tables of these pairs of links, numbered from the first pair. No table covers the held body. If the robot
-    /// holds something, tables of the empty hand are not used for fingers, because their opening is not known here.
+    /// Returns the tables of these pairs of links, numbered from the first pair. No table covers the held object. With a held
+    /// object, the tables of the empty hand are not used for fingers, because their opening is not known here.
     pub fn tables(&self, robot: &Robot, pairs: &[Pair]) -> Vec<JointTable> {
         let links = |pair: &Pair| match pair.second {
             Other::Link { body, .. } => [pair.first, body].map(|body| self.links[body].link),
             Other::Part(_) => [self.links[pair.first].link; 2],
         };
         let is_of_held = |pair: &Pair| links(pair).iter().any(|link| robot.held_link() == Some(*link));
-        // The pairs of the held body come last.
+        // The pairs of the held object come last.
         let own = &pairs[..pairs.iter().position(is_of_held).unwrap_or(pairs.len())];
         let key: TableKey = own
             .iter()

@@ -6,7 +6,7 @@ use crate::CollisionError;
 /// Bound on the pose of a link, by default the tip of the robot, that every motion keeps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ToolBound {
-    /// Name of the bound in reports.
+    /// Name in reports.
     pub name: String,
     /// Name of the bounded link; `None` for the robot's tip.
     pub link: Option<String>,
@@ -47,13 +47,12 @@ pub enum ToolRegion {
 }
 
 impl ToolRegion {
-    /// Returns true for a bound on an angle (rad); others bound a distance (m).
+    /// Returns true for a bound on an angle (rad); other bounds limit a distance (m).
     pub fn is_of_angle(&self) -> bool {
         matches!(self, Self::Cone { .. })
     }
 
-    /// Returns the excess over the bound at this pose of the link in the planning frame, in radians or metres; negative within
-    /// it.
+    /// Returns the excess over the bound at this pose of the link in the planning frame (rad or m); negative within it.
     pub fn excess(&self, world_from_link: &Pose) -> f64 {
         match self {
             Self::Cone { axis_in_link, toward, most_rad } => {
@@ -101,7 +100,7 @@ impl ToolBound {
         Self { region: self.region.seen_from(new_from_old), ..self.clone() }
     }
 
-    /// Checks that it bounds a link of the robot other than a finger, which the hand moves by itself.
+    /// Checks that the bounded link exists and is not a finger, which the hand moves by itself.
     ///
     /// # Errors
     /// [`CollisionError::UnknownLink`] and [`CollisionError::FingerBound`].

@@ -20,7 +20,7 @@ pub struct Body {
     pub name: String,
     /// Solids of the body.
     pub parts: Vec<Part>,
-    /// Maximum tilt of the held body relative to its pose before it was grasped, in radians; `None` for no limit.
+    /// Maximum tilt of the body, once it is held, relative to its pose before the grasp, in radians; `None` for no limit.
     pub tilt_rad: Option<f64>,
 }
 
@@ -77,8 +77,8 @@ impl Default for Upwards {
 const ALONG_AXIS: f64 = 1e-9;
 
 impl World {
-    /// Creates a world of these bodies. Up is the normal of its floor, the only half-space; without one, or with several, up is
-    /// the z axis of the planning frame, unless [`Self::with_up`] sets it.
+    /// Creates a world of these bodies. Up is the normal of the floor if exactly one body is a half-space, otherwise the z axis
+    /// of the planning frame; [`Self::with_up`] replaces it.
     ///
     /// # Errors
     /// [`CollisionError::Pose`] for a pose that is not finite, or farther away than [`FARTHEST_M`].
@@ -101,14 +101,14 @@ impl World {
         })
     }
 
-    /// Returns this world with gravity against this direction of the planning frame, a unit vector.
+    /// Returns this world with gravity opposite to this direction of the planning frame, a unit vector.
     #[must_use]
     pub fn with_up(self, up: &Vector) -> Self {
         let is_z = (up - Vector::z()).norm() < ALONG_AXIS;
         Self { up: Upwards(if is_z { Vector::z() } else { *up }), ..self }
     }
 
-    /// Returns this world with these bounds, and no others, on the tool along every motion.
+    /// Returns this world with these bounds on the tool along every motion; they replace all earlier ones.
     ///
     /// # Errors
     /// [`CollisionError::ToolBound`] for a bound that is out of range.
@@ -122,7 +122,7 @@ impl World {
         &self.tool_bounds
     }
 
-    /// Returns a world of other bodies with this gravity and these bounds.
+    /// Returns a world of other bodies, with the gravity and the bounds of this one.
     ///
     /// # Errors
     /// As [`Self::new`].
@@ -130,7 +130,7 @@ impl World {
         Ok(Self { tool_bounds: self.tool_bounds.clone(), ..Self::new(bodies)?.with_up(&self.up.0) })
     }
 
-    /// Returns the direction against gravity in the planning frame, a unit vector: objects rest on what is below them along it.
+    /// Returns the direction against gravity in the planning frame, a unit vector.
     pub fn up(&self) -> Vector {
         self.up.0
     }
@@ -141,7 +141,7 @@ impl World {
             .unwrap_or_else(|| Rotation::from_axis_angle(&Vector::x_axis(), std::f64::consts::PI))
     }
 
-    /// Returns all bodies, in the order in which they were given.
+    /// Returns all bodies, in the given order.
     pub fn bodies(&self) -> &[Body] {
         &self.bodies
     }
@@ -192,6 +192,5 @@ impl World {
     }
 }
 
-/// Maximum gap below an object that counts as resting, in metres: the released objects float up to a few millimetres above
-/// their supports.
+/// Maximum gap below a resting object, in metres: the released objects float up to a few millimetres above their supports.
 const SUPPORT_GAP_M: f64 = 0.01;

@@ -7,7 +7,7 @@ use crate::lane::lane_solid::LaneSolid;
 use crate::lane::lane_vector::shorter;
 use crate::lane::single_frame::SingleFrame;
 
-/// Balls of a link side by side, for the check of a single configuration: each lane holds one ball.
+/// Balls of a link side by side, one per lane, for the check of a single configuration.
 #[derive(Clone, Debug)]
 pub(crate) struct BallPack {
     center: [LaneArray; 3],

@@ -15,17 +15,17 @@ const BULGE_M: f64 = 0.008;
 /// Number of balls inside a link, shared among its solids, that prove contact without the exact check.
 const INNER_BALLS: usize = 32;
 
-/// A link in lane form: balls around it and balls inside it, in a frame of the lane kinematics.
+/// A link in lane form: balls around it and inside it, in a frame of the lane kinematics.
 #[derive(Clone, Debug)]
 pub(crate) struct LaneBody {
-    /// Index of the frame that it is fixed to.
+    /// Index of the frame to which it is fixed.
     pub frame: usize,
-    /// Centre and half extents of a box around it along the axes of the frame, in metres.
+    /// Centre and half extents of its box along the axes of the frame, in metres.
     pub middle: [f32; 3],
     pub half_extents: [f32; 3],
     /// Tree of balls whose leaves cover the link; the root comes first.
     pub outer: Vec<LaneNode>,
-    /// Hulls of its solids; empty if one of them is not convex, or if balls are exact.
+    /// Hulls of its solids; empty if a solid is not convex, or if the link consists of balls.
     pub hulls: Vec<LaneHull>,
     /// Balls inside the link, the largest first.
     pub inner: Vec<LaneBall>,
@@ -33,10 +33,9 @@ pub(crate) struct LaneBody {
     pub packed_inner: Vec<BallPack>,
     /// True if the link consists exactly of the balls of `inner`.
     pub is_balls: bool,
-    /// Maximum distance by which its hulls or, without hulls, its outer balls protrude from it, in metres; 0 if it consists of
-    /// balls.
+    /// Maximum distance by which its hulls (without hulls, its outer balls) protrude from it, in metres; 0 for a link of balls.
     pub blur_m: f64,
-    /// Contribution of its position and size to the rounding error of any distance to it, in metres.
+    /// Contribution of its position and size to the rounding error of distances to it, in metres.
     pub slack_m: f64,
 }
 
@@ -117,7 +116,7 @@ impl LaneBody {
     }
 }
 
-/// Returns balls inside the solids of a link, in the frame that `place` transforms to.
+/// Returns balls inside the solids of a link, in the frame to which `place` transforms.
 fn inner_of(body: &LinkBody, place: impl Fn(&Pose) -> Pose) -> Vec<LaneBall> {
     let per_solid = (INNER_BALLS / body.shapes.len()).max(1);
     let of_shape = |(link_from_shape, solid): &(Pose, Solid)| {

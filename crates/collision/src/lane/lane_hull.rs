@@ -8,12 +8,12 @@ use crate::lane::lane_solid::LaneSolid;
 use crate::lane::lane_vector::{dot, lanes, minus, narrow};
 use crate::lane::single_frame::{Bars, SingleFrame, Verdict};
 
-/// Coarse hull of a convex solid, whose corners are compared in lanes, in the frame of a link or the planning frame.
+/// Coarse hull of a convex solid, in the frame of a link or the planning frame; its corners are compared in lanes.
 #[derive(Clone, Debug)]
 pub(crate) struct LaneHull {
     /// Corners, coordinate by coordinate; the last chunk is filled with the first corner.
     chunks: Vec<[LaneArray; 3]>,
-    /// The solid itself if it is a box, whose farthest corner needs no search.
+    /// The solid, if it is a box: its farthest corner needs no search.
     pub cuboid: Option<LaneSolid>,
     /// Radius by which the hull of the corners is rounded, in metres.
     radius: f32,
@@ -21,19 +21,19 @@ pub(crate) struct LaneHull {
     bulge: f32,
 }
 
-/// Maximum number of corners. Fewer leave more to the exact check: with a quarter of them a verdict takes a fifth longer. More
-/// bring no gain.
+/// Maximum number of corners. With a quarter of them, more is left to the exact check and a verdict takes a fifth longer; more
+/// corners bring no gain.
 const MOST_CORNERS: usize = 4 * LANES;
 
-/// Maximum number of steps of a distance search; few searches take more than five.
+/// Maximum number of iterations of a distance search; few searches take more than five.
 const MOST_STEPS: usize = 10;
 
-/// Rounding of a face's distance from the origin, relative to the distance of its corners: a normal is the product of two
-/// sides, each off by u = 6·10⁻⁸ of its corners, which makes some 6 u with the product itself, in a triangle whose sides span
-/// an angle of at least [`NARROWEST`].
+/// Rounding of a face's distance from the origin, relative to the distance of its corners. A normal is the cross product of two
+/// sides, each off by u = 6·10⁻⁸ of its corners: about 6 u with the rounding of the product, in a triangle whose sides span an
+/// angle of at least [`NARROWEST`].
 const PLANE_ROUNDING: f32 = 6.0 * f32::EPSILON / NARROWEST;
 
-/// Sine of the smallest angle of a usable triangle: in a narrower one, rounding would turn the normal by more than
+/// Sine of the least angle of a usable triangle: in a narrower one, rounding would turn the normal by more than
 /// [`PLANE_ROUNDING`] allows for.
 const NARROWEST: f32 = 0.02;
 
@@ -45,7 +45,7 @@ impl LaneHull {
         CoarseHull::of(solid, MOST_CORNERS)
     }
 
-    /// Places a solid at this pose, represented by its coarse hull.
+    /// Creates the coarse hull of a solid at this pose.
     pub fn of(frame_from_solid: &Pose, solid: &Solid, coarse: &CoarseHull) -> Self {
         let CoarseHull { corners, radius_m, bulge_m } = coarse;
         let corners: Vec<Vec3> =
@@ -67,7 +67,7 @@ impl LaneHull {
         f64::from(self.bulge)
     }
 
-    /// Returns lower and upper bounds of the least coordinate of the solid at `frame` along a direction of length 1, in metres.
+    /// Returns lower and upper bounds of the least coordinate of the solid at `frame` along a unit vector, in metres.
     #[inline(always)]
     pub fn least_along<S: Simd>(&self, simd: S, frame: &SingleFrame, direction: Vec3) -> [f32; 2] {
         let corner = self.farthest(simd, frame, direction.map(|d| -d));
@@ -107,11 +107,11 @@ impl LaneHull {
         frame.point([x[lane], y[lane], z[lane]])
     }
 
-    /// Compares two hulls, each in a frame of its own, by the algorithm of Gilbert, Johnson & Keerthi (1988, whole; in the form
-    /// of Ericson 2005, §9.5); `apart` is a guess of the shortest vector from the second to the first.
+    /// Compares two hulls, each in its own frame, by the algorithm of Gilbert, Johnson & Keerthi (1988, whole; in the form of
+    /// Ericson 2005, §9.5); `apart` is a guess of the shortest vector from the second to the first.
     ///
-    /// No verdict depends on the convergence of the search: "free" follows from a plane between the two solids, and "contact"
-    /// from points of both, or from a tetrahedron of their differences that contains the origin with more than its rounding.
+    /// No verdict depends on the convergence of the search: "free" follows from a plane between the two solids, "contact" from
+    /// points of both, or from a tetrahedron of their differences that contains the origin at a depth above its rounding.
     #[inline(never)]
     pub fn against<S: Simd>(
         &self,
@@ -267,7 +267,7 @@ impl Simplex {
         Some(point)
     }
 
-    /// Returns the distance of its farthest corner from the origin, in metres.
+    /// Returns the distance of the farthest corner from the origin, in metres.
     fn farthest(&self) -> f32 {
         self.points.iter().map(|point| dot(*point, *point)).fold(0.0, f32::max).sqrt()
     }
@@ -284,7 +284,6 @@ impl Simplex {
             if !is_wide {
                 return 0.0;
             }
-            // A flat tetrahedron contains nothing.
             let (height, origin) = (dot(normal, minus(d, a)) / area, -dot(normal, a) / area);
             least = least.min(0.5 * height.abs()).min(origin * height.signum());
         }

@@ -18,11 +18,10 @@ impl Lanes {
         first.load(simd).within_reach(second.load(simd), reach)
     }
 
-    /// Checks a pair of links that is in no table, in those lanes in which the boxes around them are near each other (see
-    /// [`Self::check`]).
+    /// Checks a pair of links that is in no table ([`Self::check`]), in the lanes in which their boxes are near each other.
     ///
-    /// 1. If there are few lanes, they are checked one by one.
-    /// 2. Their trees of balls are traversed together, splitting the larger ball, until two leaves leave the pair in doubt.
+    /// 1. A few lanes are checked one by one.
+    /// 2. Otherwise their trees of balls are traversed together, splitting the larger ball, until two leaves are in doubt.
     /// 3. The remaining lanes are checked one by one.
     #[inline(never)]
     pub fn link_against_link<S: Simd>(
@@ -83,8 +82,7 @@ impl Lanes {
         );
     }
 
-    /// Checks a pair of links lane by lane, and returns those of `lanes` that stay in doubt; lanes in contact are removed from
-    /// `open`.
+    /// Checks a pair of links lane by lane, and returns the `lanes` that stay in doubt; removes lanes in contact from `open`.
     #[inline(never)]
     pub fn links_one_by_one<S: Simd>(
         &self,

@@ -22,20 +22,20 @@ pub(crate) struct LanePart {
     coarse: Option<Arc<CoarseHull>>,
     /// Bounding volume for the broad phase.
     pub around: LaneAround,
-    /// True if the distance is that to the solid; otherwise it is that to a box around it.
+    /// True if distances are measured to the solid; otherwise they are measured to a box around it.
     pub is_exact: bool,
     /// Bound on the rounding of distances to it, in metres.
     pub slack_m: f64,
 }
 
-/// Bounding box of a part of the world, or the plane of a half-space.
+/// Bounding box of a part of the world, or a half-space.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum LaneAround {
     Box(LaneAabb),
     HalfSpace {
-        /// A point of the plane, in metres.
+        /// A point of its plane, in metres.
         origin: [f32; 3],
-        /// Outward normal of the half-space, of length 1.
+        /// Its outward normal, of length 1.
         normal: [f32; 3],
     },
 }
@@ -52,7 +52,7 @@ impl LaneAround {
     }
 
     /// Returns the bits of the lanes in which a box along the axes of the planning frame is not certainly `reach` (m) or
-    /// farther from the box around the part along one of these axes.
+    /// farther from this bounding volume along one of these axes.
     #[inline(always)]
     pub fn within_reach<S: Simd>(&self, simd: S, link: BoxLanes<S>, reach: f32x16<S>) -> u32 {
         match self {
@@ -109,8 +109,8 @@ impl LanePart {
         }
     }
 
-    /// Returns the centre and half extents of the box around the part along the axes of the planning frame, in metres; `None`
-    /// for a half-space.
+    /// Returns the centre and half extents of the part's box along the axes of the planning frame, in metres; `None` for a
+    /// half-space.
     pub fn box_around(&self) -> Option<[[f32; 3]; 2]> {
         match self.around {
             LaneAround::Box(LaneAabb { center, half_extents }) => Some([center, half_extents]),
@@ -126,14 +126,14 @@ impl LanePart {
         }
     }
 
-    /// Returns true if anything in a ball can come closer than `free_m` (m).
+    /// Returns true if any point of a ball may come closer than `free_m` (m).
     pub fn is_near(&self, ball: &Ball, free_m: f32) -> bool {
         /// Upper bound, with ample reserve, on the rounding of any distance, in metres.
         const ROUNDING_M: f32 = 1e-3;
         self.solid.is_closer(lanes(&ball.center.coords), free_m + narrow(ball.radius_m) + ROUNDING_M)
     }
 
-    /// Returns the maximum underestimate of its distance to a link with or without hulls, in metres.
+    /// Returns the maximum underestimate of a link's distance, in metres, for a link with or without hulls.
     pub fn blur_m(&self, link_has_hulls: bool) -> f64 {
         match &self.hull {
             Some(hull) if link_has_hulls => hull.bulge_m(),

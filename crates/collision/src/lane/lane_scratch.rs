@@ -5,13 +5,13 @@ use fearless_simd::Simd;
 use crate::lane::lane_vector::BoxLanes;
 use crate::proof::course::Course;
 
-/// Bounds on the motion away from the checked configurations: all 0 to check the configurations alone, positive to cover the
-/// motion between them.
+/// Bounds on the motion away from the checked configurations: all 0 for the configurations alone, positive for the motion
+/// between them.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LaneTravel {
-    /// Motion of each link body against the world, in metres; for a motion, the check itself writes it.
+    /// Motion of each link against the world, in metres; for a motion, the check computes it.
     pub bodies: Vec<LaneArray>,
-    /// The motion on which the configurations of all lanes lie.
+    /// The motion along which the configurations of all lanes lie.
     pub motion: LaneMotion,
     /// Relative motion of each pair of links, in metres.
     pub link_pairs: Vec<f32>,
@@ -19,7 +19,7 @@ pub(crate) struct LaneTravel {
     pub joints: Vec<f32>,
 }
 
-/// A motion on which each lane stands for the interval about its configuration: the velocity there bounds the travel of a body
+/// A motion in which each lane represents the interval about its configuration: the velocity there bounds the travel of a link
 /// within the interval (see [`Travel`](crate::proof::travel::Travel)).
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LaneMotion {
@@ -27,20 +27,19 @@ pub(crate) struct LaneMotion {
     pub half_width: f32,
     /// Velocity of each joint in each lane, in metres or radians per unit of the parameter.
     pub rates: Vec<LaneArray>,
-    /// Bounds on the motion of each link body.
+    /// Bounds on the motion of each link.
     pub paces: Vec<LanePace>,
 }
 
-/// Bounds on the motion of a body that hold in all intervals, in metres.
+/// Bounds on the motion of a link that are valid in all intervals, in metres.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct LanePace {
     /// Upper bound on the motion of any of its points.
     pub most_m: f32,
-    /// Amount to add to the motion that the velocity in the middle of an interval gives.
+    /// Amount to add to the motion that follows from the velocity in the middle of an interval.
     pub beside_m: f32,
 }
 
-/// Buffers for the computations of one thread.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LaneScratch {
     pub travel: LaneTravel,
@@ -51,7 +50,7 @@ pub(crate) struct LaneScratch {
     /// Poses of loose links relative to the tip.
     pub places: Vec<LaneTransform>,
     pub frames: Vec<LaneFrame>,
-    /// Box around each body along the axes of the root frame.
+    /// Box around each link along the axes of the root frame.
     pub boxes: Vec<LaneBox>,
     pub stack: Vec<Descent>,
     pub near: Vec<Near>,
@@ -63,14 +62,14 @@ pub(crate) struct LaneScratch {
     pub wanted: Vec<(u32, u32)>,
 }
 
-/// A box along the axes of the root frame, for every lane, in metres.
+/// A box along the axes of the root frame in every lane, in metres.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LaneBox {
     pub middle: [LaneArray; 3],
     pub half_extents: [LaneArray; 3],
 }
 
-/// A node of a body's tree that is still to be compared with a range of the `near` list.
+/// A node of a link's tree that is still to be compared with a range of the `near` list.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Descent {
     pub node: u32,
@@ -81,7 +80,7 @@ pub(crate) struct Descent {
 /// A part that is near a node in some lanes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Near {
-    /// Index into the body's pairs with parts.
+    /// Index among the link's pairs with parts.
     pub index: u32,
     pub lanes: u32,
 }
@@ -97,7 +96,7 @@ impl LaneTravel {
 }
 
 impl LaneScratch {
-    /// Allocates a scratch for the given numbers of joints, frames, link bodies and pairs of links.
+    /// Allocates a scratch for these numbers of joints, frames, links with geometry, and pairs of links.
     pub fn new(dof: usize, frames: usize, bodies: usize, link_pairs: usize) -> Self {
         let nowhere = LaneBox { middle: [[0.0; LANES]; 3], half_extents: [[0.0; LANES]; 3] };
         Self {
@@ -126,8 +125,7 @@ impl LaneScratch {
         }
     }
 
-    /// Sets the lanes to the configurations of a motion at `places`, with its rates there. Lanes beyond these are at the start
-    /// of the motion.
+    /// Sets the lanes to the configurations and rates of a motion at `places`, and further lanes to its start.
     #[allow(
         clippy::cast_possible_truncation,
         reason = "lanes are `f32` by design; the slack of every comparison covers it"
@@ -171,7 +169,7 @@ impl LaneScratch {
         }
     }
 
-    /// Returns the lanes in which the pair is already in doubt; the doubts of the pair's body start at `first`.
+    /// Returns the lanes in which the pair is already in doubt; the doubts of the pair's link start at `first`.
     pub fn doubt(&self, first: usize, pair: u32) -> u32 {
         self.doubts[first..].iter().find(|(doubtful, _)| *doubtful == pair).map_or(0, |(_, lanes)| *lanes)
     }

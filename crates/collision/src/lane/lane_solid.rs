@@ -9,10 +9,10 @@ use fearless_simd::{Simd, f32x16};
 use crate::lane::lane_bits::bits;
 use crate::lane::lane_vector::{RELATIVE_ROUNDING, dot, is_shorter, lanes, minus, shorter};
 
-/// A solid whose distance to a point has a short formula, in the planning frame or a link's.
+/// A solid with a short formula for its distance to a point, in the planning frame or a link's.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LaneSolid {
-    /// Rows of the rotation from that frame to the solid's own.
+    /// Rows of the rotation from that frame to the frame of the solid.
     rows: [[f32; 3]; 3],
     /// Origin of the solid in that frame, in metres.
     origin: [f32; 3],
@@ -20,7 +20,7 @@ pub(crate) struct LaneSolid {
 }
 
 impl LaneSolid {
-    /// Creates a solid at this pose; the box around it if its own distance has no short formula.
+    /// Creates a solid at this pose, or the box around it if its distance has no short formula.
     #[allow(
         clippy::cast_possible_truncation,
         reason = "lanes are `f32` by design; the slack of every comparison covers it"
@@ -66,8 +66,8 @@ impl LaneSolid {
         Self { rows: self.rows.map(direction), origin: point(self.origin), kind }
     }
 
-    /// Returns the distance of this box to another one along the axes of the frame, in metres, negative for the penetration
-    /// depth; `None` unless both are boxes along these axes.
+    /// Returns the distance of two boxes that are both along the axes of the frame, in metres, negative for the penetration
+    /// depth; `None` for any other solids.
     pub fn aligned_gap_m(&self, other: &Self) -> Option<f32> {
         /// Tolerance below one rounding of a rotation entry.
         const STRAIGHT: f32 = 1e-7;
@@ -105,7 +105,7 @@ impl LaneSolid {
     }
 
     /// Returns the bits of the lanes in which a point is not certainly `reach` (m) or farther from the solid. Below the plane
-    /// of a half-space the distance counts as negative; inside other solids it counts as 0.
+    /// of a half-space the distance is negative; inside other solids it is 0.
     #[inline(always)]
     pub fn within_reach<S: Simd>(&self, simd: S, point: LaneVector<S>, reach: f32x16<S>) -> u32 {
         let zero = f32x16::splat(simd, 0.0);
@@ -138,7 +138,7 @@ impl LaneSolid {
         }
     }
 
-    /// Returns the vector to a point from the solid, or from its centre if the point lies inside; exact for boxes.
+    /// Returns the vector from the solid to a point, or from its centre if the point lies inside; exact for boxes.
     pub fn apart(&self, point: [f32; 3]) -> [f32; 3] {
         let offset = minus(point, self.origin);
         let (LaneKind::Cuboid { half_extents } | LaneKind::AlignedCuboid { half_extents }) = self.kind else {
@@ -183,9 +183,9 @@ impl LaneSolid {
 /// Rotation of a box along the axes of its frame.
 const STRAIGHT_ROWS: [[f32; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
-/// Returns the half extents along the axes of the planning frame, if the axes of the box are parallel to these.
+/// Returns the half extents of a box along the axes of the planning frame, if its own axes are parallel to these.
 fn aligned(rotation: &Matrix3<f64>, half_extents: &Vector) -> Option<Vector> {
-    /// Tolerance of a rotation entry: less moves the box by less than the slack of any comparison.
+    /// Tolerance of a rotation entry: it moves the box by less than the slack of any comparison.
     const STRAIGHT: f64 = 1e-9;
     let turned = rotation.abs();
     let is_straight = turned.iter().all(|entry| *entry < STRAIGHT || *entry > 1.0 - STRAIGHT);

@@ -70,7 +70,7 @@ fn world(random: &mut Stream) -> World {
     World::new(bodies).expect("good poses")
 }
 
-/// Samples configurations: half of them are uniform, and half are bisected between a free one and one in contact until no joint
+/// Samples configurations: half of them are uniform, the others bisected between a free one and one in contact until no joint
 /// differs by more than `tolerance`.
 fn configurations(cell: &Cell, random: &mut Stream, count: usize, tolerance: f64) -> Vec<Vec<f64>> {
     let mut scratch = cell.scratch();
@@ -136,8 +136,7 @@ fn a_look_ahead_ends_at_the_first_contact() {
     }
 }
 
-/// Returns the doubts and the lanes in contact after a first check of a batch, and after a second check of only those pairs and
-/// lanes that the first left in doubt.
+/// Returns the doubts and the lanes in contact after a first check of a batch, and after a second one of its doubts alone.
 fn looks(cell: &Cell, rows: &[Vec<f64>], interest: Interest, travel_m: f32) -> [(Vec<(u32, u32)>, u32); 2] {
     let mut lanes = cell.scratch().lanes;
     rows.iter().enumerate().for_each(|(lane, q)| lanes.set_lane(lane, q));
@@ -190,7 +189,7 @@ fn a_look_that_contact_ends_names_where_it_is() {
     }
 }
 
-/// Without slack the rounding of `f32` decides within micrometres of contact: the test above must detect that.
+/// Without slack, the rounding of `f32` decides within micrometres of contact: the test above must detect that.
 #[test]
 fn lanes_without_slack_are_caught() {
     let mut caught = 0;

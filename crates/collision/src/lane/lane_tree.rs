@@ -11,7 +11,7 @@ pub(crate) struct LaneBranch {
     /// Positions of its parts; an empty range for a node that is not a leaf.
     pub begin: u32,
     pub end: u32,
-    /// Node that follows if this one is skipped.
+    /// Next node if this one is skipped.
     pub next: usize,
 }
 

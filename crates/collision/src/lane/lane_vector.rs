@@ -19,14 +19,14 @@ pub(crate) fn shorter<S: Simd>(squared: f32x16<S>, bound: f32x16<S>) -> u32 {
     bits(!squared.simd_ge(bound * bound))
 }
 
-/// Rounding of a distance in lanes, relative to the distance from the root and the size of both bodies: 32 times the unit
+/// Rounding of a distance in lanes, relative to the distance from the root and the size of both solids: 32 times the unit
 /// roundoff of `f32`, 2⁻²⁴.
 ///
-/// The steps from two positions to their distance are each off by one unit of something no larger than that: the constants of
-/// position and rotation (2) and of sizes (2); the difference of the positions (1); three products with a row of the rotation
-/// and their two sums, in each of three coordinates (√3 · 5); half extents subtracted (1); three squares, their sums and the
-/// square root that a comparison of squares stands for (3); the bound it is compared with, its sum and its square (4): 22.
-/// Corners of hulls are rotated to the frame and back (√3 · 5).
+/// The operations from two positions to their distance are each off by one unit of at most that length: constants of position
+/// and rotation (2) and of sizes (2); difference of the positions (1); three products with a row of the rotation and their two
+/// sums, in each of three coordinates (√3 · 5); subtraction of half extents (1); three squares, their sums and the square root,
+/// which a comparison of squares replaces (3); the compared bound, its sum and its square (4): 22. Corners of hulls are rotated
+/// to the frame and back (√3 · 5).
 pub(crate) const RELATIVE_ROUNDING: f64 = 32.0 * 0.5 * f32::EPSILON as f64;
 
 /// Converts a vector to single precision.

@@ -9,11 +9,11 @@ use crate::lane::lane_vector::BoxLanes;
 use crate::lane::lanes::{FEW_LANES, LanePair, Lanes};
 use crate::lane::single_frame::{Bars, SingleFrame, Verdict};
 
-/// Number of inner balls of a link that are checked first. They are the largest, and detect deep contact quickly.
+/// Number of inner balls of a link that are checked first: the largest, which detect deep contact quickly.
 const LARGE_INNER: usize = 8;
 
 impl Lanes {
-    /// Runs step 2 of [`Self::check`] for one link; with `wanted`, only for these pairs, each in its lanes. Each instruction
+    /// Runs phase 2 of [`Self::check`] for one link; with `wanted`, only for these pairs, each in its lanes. Each instruction
     /// set has a separate function, because one function for all would take minutes to compile.
     ///
     /// 1. The box and the ball around the link are checked against every part; where few lanes are near, they are checked one
@@ -131,7 +131,7 @@ impl Lanes {
         );
     }
 
-    /// Runs step 1 of [`Self::body_against_world`]: afterwards `scratch.near` holds the parts that are near in many lanes.
+    /// Runs phase 1 of [`Self::body_against_world`]: `scratch.near` then contains the parts that are near in many lanes.
     #[inline(always)]
     fn find_near<S: Simd>(
         &self,
@@ -204,15 +204,14 @@ impl Lanes {
         scratch.near.truncate(kept);
     }
 
-    /// Returns the lanes in which the box around a link is near the box around a part.
+    /// Returns the lanes in which the boxes around a link and a part are near each other.
     #[inline(always)]
     fn box_near<S: Simd>(&self, body: usize, index: u32, link: BoxLanes<S>, travel: f32x16<S>) -> u32 {
         let reach = travel + self.part_pairs[body][index as usize].free_m;
         self.arounds[index as usize].within_reach(travel.token(), link, reach)
     }
 
-    /// Checks a link and a part lane by lane, and returns those of `lanes` that stay in doubt; lanes in contact are removed
-    /// from `open`.
+    /// Checks a link and a part lane by lane, and returns the `lanes` that stay in doubt; removes lanes in contact from `open`.
     #[allow(clippy::too_many_arguments, reason = "one step of the function above, with what it has at hand")]
     #[inline(always)]
     fn part_one_by_one<S: Simd>(

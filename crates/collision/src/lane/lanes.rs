@@ -19,9 +19,9 @@ use crate::proof::joint_table::{self, JointTable};
 /// Check of [`LANES`] configurations at once, in `f32` with bounded error: each pair is certainly far enough apart, certainly
 /// too close, or in doubt.
 ///
-/// A link is covered by the balls of its tree and contains its inner balls. If an outer ball is clear, so is its piece of the
-/// link; if an inner ball is in contact, so is the link. The hulls decide, one lane at a time, where neither decides, and where
-/// few lanes are near from the start. The exact check decides the remaining doubts.
+/// The leaves of its tree of balls cover a link, and its inner balls lie inside it. If an outer ball is clear, so is the
+/// portion of the link that it covers; if an inner ball is in contact, so is the link. The hulls decide the remaining doubts
+/// lane by lane, and from the start the pairs that are near in few lanes. The exact check decides the rest.
 #[derive(Clone, Debug)]
 pub(crate) struct Lanes {
     kinematics: Arc<LaneKinematics>,
@@ -29,17 +29,17 @@ pub(crate) struct Lanes {
     pub(crate) parts: Arc<[LanePart]>,
     /// Nodes of the tree of parts, for the broad phase.
     pub(crate) branches: Vec<LaneBranch>,
-    /// For each link body its pairs with parts: with all parts or with none, in the order of the branches.
+    /// Pairs of each link with parts, in the order of the branches: with all parts or with none.
     pub(crate) part_pairs: Vec<Vec<LanePair>>,
     /// Bounding volume of each part, in the order of the branches.
     pub(crate) arounds: Vec<LaneAround>,
-    /// Greatest `free_m` of the part pairs of each link body, in metres.
+    /// Greatest `free_m` of the pairs of each link with parts, in metres.
     pub(crate) farthest_free_m: Vec<f32>,
     /// Tables of the pairs of links that depend on one or two joints.
     tables: Vec<JointTable>,
-    /// All pairs of link bodies, those of the tables last.
+    /// All pairs of links, those of the tables last.
     pub(crate) link_pairs: Vec<LanePair>,
-    /// Body of the first link of each of `link_pairs`.
+    /// Index of the first link of each of `link_pairs`, among the links with geometry.
     pub(crate) link_firsts: Vec<u32>,
     /// Index in `link_pairs` of the first pair that is in a table.
     first_tabled: usize,
@@ -47,7 +47,7 @@ pub(crate) struct Lanes {
     link_slots: Vec<usize>,
 }
 
-/// Number of lanes up to which they are checked one by one: a step of all lanes takes as long as a few of one lane.
+/// Maximum number of lanes that are checked one by one: an operation on all lanes takes as long as a few on one lane.
 pub(crate) const FEW_LANES: u32 = 4;
 
 /// A collision pair of the lanes.
@@ -55,16 +55,16 @@ pub(crate) const FEW_LANES: u32 = 4;
 pub(crate) struct LanePair {
     /// Index in [`crate::Cell`]'s list.
     pub pair: u32,
-    /// Index of the second body: a part or a link body.
+    /// Index of the second member: among the parts, or the links with geometry.
     pub other: u32,
-    /// Least computed distance at which the pair is certainly far enough apart, in metres; negative infinity if the two can
-    /// never be near each other.
+    /// Least computed distance at which the pair is certainly far enough apart, in metres; negative infinity if the two are
+    /// never near each other.
     pub free_m: f32,
     /// Distance below which the pair is certainly too close, in metres.
     pub contact_m: f32,
 }
 
-/// Lanes whose verdict is still of interest once some lanes are in contact.
+/// Lanes whose verdict is of interest once some lanes are in contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Interest {
     /// Every lane, independently of the others.
@@ -79,7 +79,7 @@ pub(crate) enum Interest {
 struct LaneCheck {
     asked: u32,
     interest: Interest,
-    /// Lanes that are not certainly in contact, and still of interest.
+    /// Lanes that are not certainly in contact, and of interest.
     open: u32,
 }
 
@@ -88,7 +88,7 @@ impl LaneCheck {
         self.open != 0
     }
 
-    /// Updates the lanes of interest after a step.
+    /// Updates the lanes of interest after an operation.
     #[inline(always)]
     fn narrow(&mut self) {
         match (self.interest, self.contact()) {
@@ -195,7 +195,7 @@ impl Lanes {
         self.link_pairs.iter().map(|pair| pair.pair)
     }
 
-    /// Returns the maximum underestimate of a pair's distance, in metres; the lanes cannot decide finer than that.
+    /// Returns the maximum underestimate of a pair's distance, in metres: the resolution of the lanes.
     pub fn blur_m(&self, pair: &Pair) -> f64 {
         let LaneBody { blur_m, ref hulls, .. } = self.bodies[pair.first];
         blur_m
@@ -215,15 +215,15 @@ impl Lanes {
     }
 
     /// Checks the configurations in `scratch.q` whose bits are set in `asked`. Returns the lanes that are certainly in contact;
-    /// with [`Interest::UpToContact`] also the lanes after the first of them. `scratch.doubts` then holds the pairs in doubt in
-    /// the other lanes. A lane without contact or doubt is certainly free, unless contact ended the check. "Free" and "in
-    /// doubt" hold for all configurations within the motion bounds of `scratch.travel`.
+    /// with [`Interest::UpToContact`] also the lanes after the first of them. `scratch.doubts` then contains the pairs in doubt
+    /// in the other lanes. A lane without contact or doubt is certainly free, unless contact ended the check. "Free" and "in
+    /// doubt" are valid for all configurations within the motion bounds of `scratch.travel`.
     ///
     /// 1. Pairs of links that are in a table are looked up.
-    /// 2. Every link is checked against the world: the box and the ball around it against every part. Where few lanes are near,
-    ///    they are checked one by one. Otherwise inner balls are checked against the near parts, then its tree of balls, until
-    ///    a leaf leaves the pair in doubt; the rest is checked one by one.
-    /// 3. The other pairs of links are checked in the same manner, and those left in doubt by their table one by one.
+    /// 2. Every link is checked against the world: the box and the ball around it against every part. If few lanes are near,
+    ///    they are checked one by one; otherwise inner balls are checked against the near parts, then the tree of balls, until
+    ///    a leaf leaves the pair in doubt. The remaining lanes are checked one by one.
+    /// 3. The other pairs of links are checked in the same manner; doubts of the tables are checked one by one.
     pub fn check(&self, level: Level, scratch: &mut LaneScratch, asked: u32, interest: Interest) -> u32 {
         dispatch!(level, simd => self.check_with(simd, scratch, asked, interest))
     }
@@ -335,7 +335,7 @@ impl Lanes {
         }
     }
 
-    /// Computes a bound on the motion of a body within the interval of each lane, in metres.
+    /// Computes a bound on the motion of a link within the interval of each lane, in metres.
     #[inline(always)]
     pub fn travel_of<S: Simd>(
         &self,
@@ -359,7 +359,7 @@ impl Lanes {
         f32x16::from_slice(simd, travels)
     }
 
-    /// Runs step 3 of [`Self::check`] for one pair, in the given lanes.
+    /// Runs phase 3 of [`Self::check`] for one pair, in the given lanes.
     #[inline(always)]
     fn links<S: Simd>(
         &self,
@@ -396,7 +396,7 @@ impl Lanes {
         }
     }
 
-    /// Returns the index of the first pair of links; these follow the pairs with parts.
+    /// Returns the index of the first pair of links, after all pairs with parts.
     fn first_link_pair(&self) -> u32 {
         as_index(self.part_pairs.iter().map(Vec::len).sum())
     }
@@ -416,7 +416,7 @@ impl LanePair {
     }
 }
 
-/// Runs step 1 of the check for one table.
+/// Runs phase 1 of [`Lanes::check`] for one table.
 #[inline(always)]
 fn look_up<S: Simd>(simd: S, table: &JointTable, scratch: &mut LaneScratch, lanes: u32, open: &mut u32) {
     let mut low = [[0; LANES]; 2];

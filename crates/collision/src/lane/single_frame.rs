@@ -6,8 +6,8 @@ use crate::lane::lane_bits::lanes_of;
 use crate::lane::lane_solid::LaneSolid;
 use crate::lane::lane_vector::dot;
 
-/// A frame at a single configuration. Where two bodies are near each other in few lanes only, scalar computation lane by lane
-/// is faster than all lanes at once.
+/// A frame at a single configuration. For pairs that are near each other in few lanes, scalar computation lane by lane is
+/// faster than all lanes at once.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SingleFrame {
     pub axes: [[f32; 3]; 3],
@@ -98,7 +98,7 @@ impl Verdict {
     }
 }
 
-/// Thresholds in metres: from `free_m` on a pair is certainly far enough apart, below `contact_m` certainly too close.
+/// Thresholds in metres: a pair is certainly far enough apart from `free_m` on, and certainly too close below `contact_m`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Bars {
     pub free_m: f32,

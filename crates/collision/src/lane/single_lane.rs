@@ -11,12 +11,12 @@ use crate::lane::lane_vector::{dot, is_shorter, minus};
 use crate::lane::single_frame::{Bars, SingleFrame, Verdict};
 
 impl LaneBody {
-    /// Checks the body against a part of the world that is near the ball around it.
+    /// Checks the link against a part of the world that is near the ball around it.
     ///
     /// 1. Two boxes along the same axes are compared directly.
-    /// 2. Its balls are checked, if it consists of balls, or its inner balls; then the box around it.
-    /// 3. Its hulls are checked against that of the part, or its lowest corner against a half-space.
-    /// 4. Without hulls, the outer balls are checked: if no leaf is near, it is free; then the inner balls.
+    /// 2. The balls of a link that consists of balls are checked, otherwise its inner balls; then the box around it.
+    /// 3. Its hulls are checked against the hull of the part, or its lowest corner against a half-space.
+    /// 4. Without hulls, the outer balls are checked: if no leaf is near, the link is free; then the inner balls.
     #[inline(never)]
     pub fn against_part<S: Simd>(
         &self,
@@ -74,7 +74,7 @@ impl LaneBody {
         if part.is_exact && closer(small, bars.contact_m) { Verdict::Contact } else { Verdict::Doubt }
     }
 
-    /// Checks the body against that of another link, in the same manner.
+    /// Checks the link against another one, in the same manner.
     #[inline(never)]
     pub fn against_body<S: Simd>(
         &self,
@@ -112,8 +112,8 @@ impl LaneBody {
         }
     }
 
-    /// Returns true if the boxes around the body and a part, given by its centre and half extents, are closer than `free_m` (m)
-    /// along all axes of the body's frame.
+    /// Returns true if the boxes around the link and a part, given by its centre and half extents, are closer than `free_m` (m)
+    /// along all axes of the link's frame.
     fn is_box_closer(&self, frame: &SingleFrame, [center, half_extents]: [[f32; 3]; 2], free_m: f32) -> bool {
         let center = frame.turned_back(minus(center, frame.origin));
         (0..3).all(|axis| {

@@ -10,18 +10,17 @@ use crate::touch::contact::{Collider, Contact};
 pub struct Closest {
     /// A link.
     pub first: Collider,
-    /// Another link, or a body.
+    /// Another link, or a body of the world.
     pub second: Collider,
     /// Their distance in metres, as a certified lower bound; negative for the penetration depth.
     pub distance_m: f64,
-    /// Closest points of the two, in the planning frame; the same point twice if they overlap. `None` if they touch and no
-    /// common point is known.
+    /// Their closest points, in the planning frame; equal if they overlap. `None` if they touch and no common point is known.
     pub points: Option<[Point; 2]>,
 }
 
 impl Cell {
-    /// Returns the closest pair at `q` (m, rad; one per joint), or the one that penetrates deepest; `None` if there is no pair.
-    /// Joint limits are not checked.
+    /// Returns the closest or most deeply penetrating pair at `q` (m, rad; one per joint); `None` if there is no pair. Joint
+    /// limits are not checked.
     ///
     /// `closest(q).distance_m = clearance(q)` where nothing touches.
     ///
@@ -50,9 +49,9 @@ impl Cell {
         Some(Closest { first, second, distance_m: least_m, points })
     }
 
-    /// Returns the least distances at `q` (m, rad; one per joint) between the robot, with the held object, and the world, and
-    /// between its own links, in metres, as certified lower bounds; 0 in contact, infinite if there is no such pair. Joint
-    /// limits are not checked.
+    /// Returns the least distances at `q` (m, rad; one per joint) of the robot with the held object from the world, and between
+    /// its own links, in metres, as certified lower bounds; 0 in contact, infinite if there is no such pair. Joint limits are
+    /// not checked.
     ///
     /// The lesser of `clearances(q)` is `clearance(q)`.
     ///

@@ -7,8 +7,8 @@ impl Cell {
         &self.unchecked
     }
 
-    /// Returns this cell with all pairs of links checked, except those that are exempt by declaration, and adjacent ones that
-    /// were found free at no value of their joint.
+    /// Returns this cell with all pairs of links checked, except those exempt by declaration, and adjacent ones that are free
+    /// at no value of their joint.
     #[must_use]
     pub fn with_all_pairs(&self) -> Self {
         let more = self.unchecked.iter().filter(|unchecked| !unchecked.reason.is_never_free());

@@ -1,12 +1,12 @@
 use crate::cell::Cell;
 use crate::pair::pairs::{Other, Pair};
 
-/// Group of collision pairs that one kind of error moves against each other.
+/// Collision pairs that one kind of error moves against each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PairGroup {
     /// Links against links.
     Links,
-    /// Links and the held object against the world, without the object to be grasped.
+    /// Links and the held object against the world except the object to be grasped.
     Around,
     /// The object to be grasped against the links; once it is held, against all that it may not touch.
     Object,

@@ -17,12 +17,12 @@ pub(crate) enum PairRange {
     /// They touch at no value.
     NeverTouching,
     /// They are free at one value and touch, at this depth (m), or may touch, at another. If `is_at_joint`, they are proven to
-    /// touch only near their joint; otherwise they may touch elsewhere too.
+    /// touch only near their joint; otherwise they may also touch elsewhere.
     Both { is_at_joint: bool, depth_m: f64 },
     /// One value refutes the property; the others were not tried.
     Refuted,
-    /// The maximum number of boxes proves nothing. Either the links touched in the middle of every box, with at least this
-    /// depth (m), or in none; in the latter case they are proven not to touch away from their joint.
+    /// The maximum number of boxes proves nothing. The links touched in the middle of every box, with at least this depth (m),
+    /// or in none; in the latter case they are proven not to touch away from their joint.
     Unproven { depth_m: f64 },
 }
 
@@ -45,8 +45,8 @@ pub(crate) enum Question {
 ///    everywhere in it: separating them takes a relative motion of more than `t`.
 /// 3. Any other box is bisected across the joint that moves the links most.
 ///
-/// Boxes are evaluated from the widest on. A range of values in which the links are free is therefore found if it is wider than
-/// the smallest boxes: for a single joint, a thousandth of its range.
+/// Boxes are evaluated from the widest on, so a range of free values is found if it is wider than the smallest boxes: for a
+/// single joint, a thousandth of its range.
 pub(crate) struct PairRanges<'a> {
     robot: &'a Robot,
     bodies: &'a [LinkBody],
@@ -59,10 +59,10 @@ pub(crate) struct PairRanges<'a> {
 /// Maximum number of boxes for one pair: each takes some 10 to 200 µs.
 const MOST_BOXES: usize = 20_000;
 
-/// Maximum number of pieces of the range of a single joint: the last are less than a thousandth of it.
+/// Maximum number of intervals of the range of a single joint: the last are less than a thousandth of it.
 const MOST_PIECES: usize = 4095;
 
-/// Fraction of the measured depth of two convex bodies that counts; the search finds the depth to within a thousandth.
+/// Fraction of the measured depth of two convex solids that counts; the search finds the depth to within a thousandth.
 const BELIEVED: f64 = 0.9;
 
 /// Box of values of the joints between two links: lower and upper limit of each.
@@ -80,7 +80,7 @@ impl<'a> PairRanges<'a> {
         }
     }
 
-    /// Proves a property of a pair of link bodies over the range of their joints.
+    /// Proves a property of a pair of links over the range of their joints.
     pub fn of(&mut self, pair: (usize, usize), question: Question) -> PairRange {
         let shared = shared_joints(self.robot, self.bodies[pair.0].link, self.bodies[pair.1].link);
         let joints = self.joints_between(pair, shared);
@@ -129,7 +129,7 @@ impl<'a> PairRanges<'a> {
         }
     }
 
-    /// Returns the joints that the relative pose of the pair depends on, as indices into `q`.
+    /// Returns the joints on which the relative pose of the pair depends, as indices into `q`.
     fn joints_between(&self, pair: (usize, usize), shared: usize) -> Vec<usize> {
         let chain = |body: usize| self.robot.ancestors(self.bodies[body].link).iter().skip(shared);
         let mut joints: Vec<usize> = chain(pair.0).chain(chain(pair.1)).map(|mover| mover.joint).collect();
@@ -138,7 +138,7 @@ impl<'a> PairRanges<'a> {
         joints
     }
 
-    /// Places the links at the middle of a box, and bounds their relative motion within it (m).
+    /// Computes the frames at the middle of a box, and bounds the relative motion of the links within it (m).
     fn travel_m(&mut self, pair: (usize, usize), shared: usize, joints: &[usize], values: &JointBox) -> f64 {
         self.rates.now.fill(0.0);
         for (&joint, [lower, upper]) in joints.iter().zip(values) {
@@ -157,7 +157,7 @@ impl<'a> PairRanges<'a> {
         self.travel.between(pair.0, pair.1, shared)
     }
 
-    /// Bisects a box across the joint that moves the links most; `None` if it is at the resolution of rounding.
+    /// Bisects a box across the joint that moves the links most; `None` at the resolution of rounding.
     fn halves(
         &mut self,
         pair: (usize, usize),
@@ -197,8 +197,8 @@ impl<'a> PairRanges<'a> {
     }
 
     /// Returns true if two links that are free at one value of their only joint touch, at all others, only near its axis: their
-    /// surfaces beyond [`Self::joint_neighbourhood_m`] from it are proven never to meet, so neither can penetrate the other
-    /// there. Always false for a prismatic joint.
+    /// surfaces beyond [`Self::joint_neighbourhood_m`] are proven never to meet, so neither can penetrate the other there.
+    /// Always false for a prismatic joint.
     fn touch_at_joint_alone(&self, pair: (usize, usize), shared: usize) -> bool {
         let movers = [pair.0, pair.1].map(|body| self.robot.ancestors(self.bodies[body].link).get(shared..));
         let mut movers = movers.into_iter().flatten().flatten();
@@ -251,7 +251,7 @@ fn around(solid: &Solid) -> TriangleSoup {
 const SIDES: u32 = 12;
 
 /// Returns the surface of a solid, at a pose relative to an axis through the origin, outside the prism around a cylinder about
-/// that axis: one piece per side, in the frame of the solid. The surface of a round solid is circumscribed.
+/// that axis: one solid per side, in the frame of the solid. The surface of a round solid is circumscribed.
 fn beyond_axis(solid: &Solid, pose: &Pose, axis: &Vector, radius_m: f64) -> Vec<Solid> {
     let is_mesh = solid.support_point(&Vector::x()).is_none();
     let surface =

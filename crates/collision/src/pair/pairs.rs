@@ -10,7 +10,7 @@ use crate::proof::travel::shared_joints;
 /// A collision pair.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pair {
-    /// Index into the link bodies.
+    /// Index among the links with geometry.
     pub first: usize,
     pub second: Other,
     /// Least distance that counts as free, in metres.
@@ -29,9 +29,9 @@ impl Pair {
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Other {
-    /// Index into the link bodies, and the number of joints that move both links alike.
+    /// Index among the links with geometry, and the number of joints that move both links alike.
     Link { body: usize, shared_joints: usize },
-    /// Index into the parts of all bodies of the world.
+    /// Index among the parts of all bodies of the world.
     Part(usize),
 }
 
@@ -40,18 +40,18 @@ pub(crate) enum Other {
 #[derive(Clone, Debug)]
 pub(crate) struct Pairs {
     moving: Vec<Moving>,
-    /// Parts in the order of the tree, and the distances demanded of them.
+    /// Parts in the order of the tree, each with the rule for its distance.
     parts: Vec<(usize, PartRule)>,
     links: Vec<Pair>,
     margins: Margins,
-    /// Greatest distance demanded between any part and a link, and a link of the hand, in metres.
+    /// Greatest distances demanded between any part and a link, and between any part and a link of the hand, in metres.
     greatest_m: [f64; 2],
 }
 
 /// A link that a joint moves.
 #[derive(Clone, Copy, Debug)]
 struct Moving {
-    /// Index into the link bodies.
+    /// Index among the links with geometry.
     body: usize,
     is_of_hand: bool,
     is_held: bool,
@@ -60,11 +60,11 @@ struct Moving {
 /// Rule for the distance demanded of a part of the world.
 #[derive(Clone, Copy, Debug)]
 struct PartRule {
-    /// Role in the grasp, if any: for such a part the grasp margin of the hand applies.
+    /// Role in the grasp, if any: the grasp margin of the hand then applies to the part.
     grasped: Option<Grasped>,
-    /// True if the part belongs to the held body: it is no obstacle.
+    /// True if the part belongs to the held object: it is no obstacle.
     is_held: bool,
-    /// True if the held body may touch it.
+    /// True if the held object may touch it.
     is_spared: bool,
 }
 
@@ -77,32 +77,31 @@ enum Grasped {
     Support,
 }
 
-/// The held body, and the parts that it may touch.
+/// The held object, and the parts that it may touch.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Held<'a> {
     /// Index of its link.
     pub link: usize,
-    /// Index of the body in the world.
+    /// Index in the world.
     pub body: usize,
-    /// Parts of the world that it is not checked against.
+    /// Parts of the world that are not checked against it.
     pub spared: &'a [Spared],
 }
 
 /// Pairs of a link with every part.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PartPairs {
-    /// Index into the link bodies.
     pub body: usize,
-    /// Index of the first of them.
+    /// Index of the first of these pairs.
     pub begin: usize,
-    /// Greatest distance that any of them demands, in metres.
+    /// Greatest distance that any of these pairs demands, in metres.
     pub required_m: f64,
     /// True if the link belongs to the hand.
     pub is_of_hand: bool,
 }
 
 impl Pairs {
-    /// Creates the pairs; `link_pairs` are the checked pairs of link bodies, `grasp_bodies` the bodies with the grasp margin.
+    /// Creates the pairs; `link_pairs` are the checked pairs of links, `grasp_bodies` the bodies with the grasp margin.
     pub fn new(
         robot: &Robot,
         bodies: &[LinkBody],

@@ -4,17 +4,17 @@ use crate::body::link_body::LinkBody;
 use crate::pair::pair_range::{PairRange, PairRanges, Question};
 use crate::pair::unchecked::{Exempt, ExemptPair, UncheckedReason};
 
-/// Pairs of links with relative motion, as indices into the link bodies, each with the reason if it is exempt.
+/// Pairs of links with relative motion, as indices among the links with geometry, each with the reason if it is exempt.
 ///
-/// A pair is exempt if the SRDF or the caller declares it, if no joint moves one link against the other, or if it is proven
-/// over the whole range of the joints between them that comparing them shows nothing new. All others are compared; samples play
-/// no role. Adjacent links are also exempt if nothing can be proven of them, or if they were proven to touch only near their
-/// joint; every answer names these.
+/// A pair is exempt if the SRDF or the caller declares it, if no joint moves one link against the other, or if the links are
+/// proven to touch over the whole range of the joints between them. Adjacent links are also exempt if they are proven to touch
+/// never, or only near their joint, or if nothing can be proven of them; every answer names the exempt pairs that are not
+/// declared. All others are compared; samples have no influence.
 #[derive(Clone, Debug)]
 pub(crate) struct SelfPairs(Vec<((usize, usize), Option<Exempt>)>);
 
 impl SelfPairs {
-    /// Finds all pairs except those that the robot's SRDF or its options disable, and those without relative motion.
+    /// Finds all pairs except those that the SRDF or the options of the robot disable, and those without relative motion.
     pub fn of(robot: &Robot, bodies: &[LinkBody]) -> Self {
         let moves_relatively = |(a, b): (usize, usize)| {
             let joints = |link: usize| robot.ancestors(link).iter().map(|j| j.child_link).collect::<Vec<_>>();
@@ -35,8 +35,8 @@ impl SelfPairs {
         Self(pairs)
     }
 
-    /// Adds the held body, the last of `bodies`, against all links that move relative to it. A proof for an open hand does not
-    /// hold for fingers that have closed.
+    /// Adds pairs of the held object, the last of `bodies`, with all links that move relative to it. A proof for an open hand
+    /// is not valid for fingers that have closed.
     pub fn with_held(&self, robot: &Robot, bodies: &[LinkBody]) -> Self {
         let held = bodies.len() - 1;
         let moves = |other: &usize| {
@@ -70,7 +70,7 @@ impl SelfPairs {
     }
 }
 
-/// Returns the links of two link bodies, the lower index first.
+/// Returns the link indices of two links with geometry, the lower first.
 fn links_of(bodies: &[LinkBody], (first, second): (usize, usize)) -> (usize, usize) {
     let (a, b) = (bodies[first].link, bodies[second].link);
     (a.min(b), a.max(b))

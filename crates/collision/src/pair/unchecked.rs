@@ -32,14 +32,14 @@ pub enum UncheckedReason {
     AdjacentTouching,
     /// Two adjacent links of which nothing is proven: they touch, or nearly touch, at all sampled values.
     AdjacentUnproven,
-    /// Two adjacent links that are free at some values of their joint and touch at others: proven only near its axis.
+    /// Two adjacent links that are free at some values of their joint, and proven to touch only near its axis at the others.
     AdjacentAtJoint,
     /// Two adjacent links, proven to touch at no value of their joint. No margin and no clearance includes their distance.
     AdjacentFree,
     /// A link that no joint moves, and its support.
     NeverMoves,
-    /// The held body and a face on which it rests before the lift-off or after the set-down. It may penetrate the face by at
-    /// most [`CONTACT_ALLOWANCE_M`](crate::CONTACT_ALLOWANCE_M). `depth_m` is the depth at rest.
+    /// The held object and its support face before the lift-off or after the set-down. It may penetrate the face by at most
+    /// [`CONTACT_ALLOWANCE_M`](crate::CONTACT_ALLOWANCE_M). `depth_m` is the depth at rest.
     Resting,
 }
 
@@ -50,11 +50,11 @@ pub(crate) struct Exempt {
     pub depth_m: f64,
 }
 
-/// A pair that is not compared, by link body, with its exemption.
+/// A pair that is not compared, as indices among the links with geometry, with its exemption.
 pub(crate) type ExemptPair = ((usize, usize), Exempt);
 
 impl UncheckedReason {
-    /// Returns true if the pair was found free at no value of its joint: if it were checked, no configuration would be free.
+    /// Returns true if the pair was found free at no value of its joint; if it were checked, no configuration would be free.
     pub(crate) fn is_never_free(self) -> bool {
         matches!(self, Self::AdjacentTouching | Self::AdjacentUnproven)
     }
@@ -100,7 +100,7 @@ impl Unchecked {
         found
     }
 
-    /// Returns the pairs of the held body with the bodies on which it may rest.
+    /// Returns the pairs of the held object with the bodies on which it may rest.
     pub(crate) fn resting(held_link: usize, spared: &[Spared], parts: &[(usize, Part)]) -> Vec<Self> {
         let mut found: Vec<Self> = Vec::new();
         for &Spared { part, depth_m } in spared {
@@ -113,7 +113,7 @@ impl Unchecked {
         found
     }
 
-    /// Returns the two links, the lower index first, if this is a pair of links that can still be checked.
+    /// Returns the two links, the lower index first, if this pair of links can still be checked.
     pub(crate) fn links(&self) -> Option<(usize, usize)> {
         match (self.first, self.second) {
             (Collider::Link(a), Collider::Link(b)) => Some((a.min(b), a.max(b))),

@@ -6,18 +6,18 @@ use crate::lane::lane_scratch::as_index;
 use crate::pair::pairs::{Other, Pair};
 use crate::proof::course::Course;
 
-/// A free configuration with all distances there beyond the demanded ones. They bound the free length of any straight motion
-/// that starts there, in any number of directions, without another check of a shape.
+/// A free configuration with the excess of each distance there over the demanded one. These bound the free length of any
+/// straight motion that starts there, without another distance computation.
 ///
 /// Sources: bubbles of free configurations (Quinlan 1994, "Real-time modification of collision-free paths", whole, of which
-/// only the bubbles are used); evaluation along rays, whose ends make a bur: Lačević, Osmanković & Ademović 2016, "Burs of free
-/// C-space" (ICRA, §III). Two things differ here: each link and each pair of links has its own distance instead of the least of
-/// all, and the motion of a link is measured at configurations on the ray and bounded between them.
+/// only the bubbles are used); evaluation along rays, which form a bur: Lačević, Osmanković & Ademović 2016, "Burs of free
+/// C-space" (ICRA, §III). Two differences: each link and each pair of links has its own distance instead of the least of all,
+/// and the motion of a link is measured at configurations on the ray and bounded between them.
 #[derive(Clone, Debug)]
 pub struct Bubble {
     q: Vec<f64>,
     frames: LinkFrames,
-    /// Least gap of each link body to the world, in metres.
+    /// Least gap between each link and the world, in metres.
     to_world_m: Vec<f64>,
     /// Gap of every pair of links whose relative pose is in no table, in metres.
     between_links_m: Vec<(Pair, f64)>,
@@ -29,23 +29,21 @@ const MEASURED_UP_TO_M: f64 = 0.5;
 /// Maximum number of evaluations along one ray.
 const MOST_LOOKS: usize = 12;
 
-/// Minimum gain of an evaluation as a fraction of the whole ray; the search ends below it.
+/// Minimum gain of an evaluation, as a fraction of the ray; below it the search ends.
 const LEAST_GAIN: f64 = 0.01;
 
-/// First step, as a fraction of the ray. Each further step is the last gain times [`NEXT_TRY`]: shorter steps have sharper
-/// bounds.
+/// First step length, as a fraction of the ray. Further ones are the last gain times [`NEXT_TRY`], for sharper bounds.
 const FIRST_TRY: f64 = 0.1;
 const NEXT_TRY: f64 = 2.0;
 
 impl Cell {
     /// Returns the bubble about `q` (m, rad; one per joint); `None` if a moving link is closer to the world than `critical_m`
     /// (m; at least 0) beyond the demanded distance, or if links are closer to each other than allowed. Links on either side of
-    /// one or two joints are always close; tables decide them instead. Joint limits are not checked.
+    /// one or two joints are always close; their tables apply instead. Joint limits are not checked.
     ///
     /// # Panics
     /// If `q` has not one value per joint.
     pub fn bubble(&self, q: &[f64], critical_m: f64, scratch: &mut Scratch) -> Option<Bubble> {
-        // Configurations with NaN or infinite values have no bubble.
         if !q.iter().all(|value| value.is_finite()) {
             return None;
         }
@@ -57,7 +55,7 @@ impl Cell {
             });
             pairs.map(|index| self.pairs.get(as_index(index))).filter(|pair| !pair.is_exempt())
         };
-        // Detecting that something is near is much cheaper than measuring its distance.
+        // Detecting a near part is much cheaper than measuring its distance.
         let is_far = |pair: Pair| {
             let critical_m = if self.is_constant(&pair, frames) { 0.0 } else { critical_m };
             self.is_beyond(&pair, frames, pair.required_m + critical_m + ROUNDING_M)
@@ -90,8 +88,7 @@ impl Cell {
         Some(Bubble { q: q.to_vec(), frames: scratch.frames.clone(), to_world_m, between_links_m })
     }
 
-    /// Returns true if no joint changes the height of a link above a plane, as for the base of a mobile robot close to the
-    /// floor.
+    /// Returns true if no joint changes the height of a link above a plane, as for a mobile base close to the floor.
     pub(crate) fn is_constant(&self, pair: &Pair, frames: &LinkFrames) -> bool {
         /// Rounding of a component of a unit vector.
         const NOTHING: f64 = 1e-12;
@@ -110,10 +107,10 @@ impl Cell {
     }
 
     /// Returns the fraction, from 0 to 1, of the straight motion from the centre of `bubble` to `target` (m, rad; one per
-    /// joint) that is certainly free: up to there no link moves by more than its gaps. Joint limits are not checked.
+    /// joint) on which certainly no link moves by more than its gaps. Joint limits are not checked.
     ///
-    /// 1. At a free position on the ray, measure the motion of each link, and the remainder of each gap.
-    /// 2. Beyond it, joints and levers bound every motion, which makes another fraction of the ray free.
+    /// 1. Measure the motion of each link up to a free configuration on the ray, and the remainder of each gap.
+    /// 2. Bound all motions beyond it by joints and levers, which certifies another fraction of the ray.
     ///
     /// # Panics
     /// If `target` has not one value per joint.
@@ -174,7 +171,7 @@ impl Cell {
         for (pair, gap_m) in &bubble.between_links_m {
             let Other::Link { body, shared_joints } = pair.second else { continue };
             let travel_m = travel.between(pair.first, body, shared_joints);
-            // Two bounds hold: the sum of both motions, and the relative motion of the two links, which takes longer to
+            // Two bounds are valid: the sum of both motions, and the relative motion of the two links, which takes longer to
             // compute.
             if ease(*gap_m, moved_m[pair.first] + moved_m[body], travel_m) >= least {
                 continue;

@@ -61,7 +61,7 @@ impl Rates {
     }
 
     /// Computes the rates in the middle of a motion, and bounds along all of it: a derivative of a curve lies in the convex
-    /// hull of its control points, which are differences of those of the curve.
+    /// hull of its control points, which are differences of the control points of the curve.
     pub fn set(&mut self, course: Course<'_>) {
         if let Course::Curve(points) = course {
             assert!(points.iter().all(|point| point.len() == self.now.len()), "one value per joint");

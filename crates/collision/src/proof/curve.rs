@@ -10,12 +10,11 @@ use crate::proof::tool::{Excess, TOLERANCE};
 use crate::touch::contact::Contact;
 use crate::{MeasureOptions, NearestPair};
 
-/// Deviation of a piece of a curve from its chord, in metres of motion of any point of the robot, below which the piece is not
-/// bisected: the resolution of a proof.
+/// Deviation of a segment of a curve from its chord, in metres of motion of any point of the robot, below which the segment is
+/// not bisected: the resolution of a proof.
 const FINEST_M: f64 = 1e-6;
 
-/// A piece of a curve: the control points of its Bézier form, its parameters on the whole curve, and its deviation from its
-/// chord.
+/// A segment of a curve: control points of its Bézier form, parameters on the whole curve, and deviation from its chord.
 struct CurvePiece {
     points: Vec<Vec<f64>>,
     from: f64,
@@ -57,7 +56,7 @@ impl CurvePiece {
         [&self.points[0], &self.points[self.points.len() - 1]]
     }
 
-    /// Bisects the piece by de Casteljau's construction.
+    /// Bisects the segment by de Casteljau's construction.
     fn halves(&self, reach: &Reach) -> [Self; 2] {
         let mut row = self.points.clone();
         let (mut left, mut right) = (Vec::with_capacity(row.len()), Vec::with_capacity(row.len()));
@@ -83,11 +82,11 @@ pub struct Chords {
 }
 
 impl Cell {
-    /// Proves the motion along a polynomial curve, given by the control points of its Bézier form (at least two; m, rad; one
-    /// value per joint each), or returns the fault. With two control points it is [`Self::motion_is_free`].
+    /// Proves the motion along a polynomial curve, given by at least two control points of its Bézier form (m, rad; one value
+    /// per joint each), or returns the fault. With two control points it is [`Self::motion_is_free`].
     ///
-    /// 1. Joint limits hold for the control points of the pieces into which the curve is cut, and so for the pieces. Bounds on
-    ///    the tool are proven along their chords, with the deviation of the pieces from these.
+    /// 1. The curve is bisected into segments. Their control points satisfy the joint limits, and so do the segments. Bounds on
+    ///    the tool are proven along the chords, with the deviation of the segments from these.
     /// 2. Distances are proven as on a straight motion, by the velocity in the middle of each interval and bounds on `q'` and
     ///    `q''`.
     ///
@@ -98,8 +97,8 @@ impl Cell {
         fault.unwrap_or_else(|| self.prove(Course::Curve(control_points), scratch, Demand::default()))
     }
 
-    /// Returns true if [`Self::curve_is_free`] is proven with limited effort (control points: m, rad; one value per joint each)
-    /// where every pair must keep `beyond_m` metres more than demanded; also false for a curve whose small clearance would take
+    /// Returns true if [`Self::curve_is_free`] is proven with limited effort (control points: m, rad; one value per joint
+    /// each), with `beyond_m` metres more than the demanded distance of every pair; also false if a small clearance would take
     /// many intervals.
     ///
     /// # Panics
@@ -111,9 +110,8 @@ impl Cell {
         reach: &Reach,
         scratch: &mut Scratch,
     ) -> bool {
-        /// Deviation from their chords below which pieces are not bisected, in metres.
+        /// Deviation from their chords below which segments are not bisected, in metres.
         const FINE_M: f64 = 5e-5;
-        /// Maximum number of intervals that may need exact distances.
         const EFFORT: u64 = 64;
         let demand = Demand { beyond_m, effort: EFFORT, ..Demand::default() };
         let course = match control_points {
@@ -124,8 +122,7 @@ impl Cell {
             && self.first_failure(course, scratch, demand).is_none()
     }
 
-    /// Runs step 1 of [`Self::curve_is_free`]. Pieces that deviate from their chords by at most `finest_m`, in metres, are not
-    /// bisected.
+    /// Runs phase 1 of [`Self::curve_is_free`]. Segments within `finest_m` (m) of their chords are not bisected.
     fn fault_of_joints(
         &self,
         control_points: &[Vec<f64>],
@@ -211,7 +208,7 @@ impl Cell {
     }
 
     /// Approximates a curve (control points: m, rad; one value per joint each) by chords from which it deviates by at most
-    /// `tolerance_m` (m; at least the resolution of a proof applies).
+    /// `tolerance_m` (m), or the resolution of a proof if that is larger.
     ///
     /// # Panics
     /// As [`Self::curve_is_free`].
@@ -264,7 +261,7 @@ mod tests {
     }
 
     /// Checks curves of degree 1 to 5 among boxes: a proven curve is free at every sample and keeps its measured clearance; a
-    /// bound of a twentieth of the true one misses a contact. The hull is within the limits, so these never decide.
+    /// twentieth of the true bound misses a contact. The control points are within the limits, so these never decide.
     #[test]
     fn a_proven_curve_is_free_and_a_wrong_bound_is_caught() {
         let robot = Robot::from_urdf_text(ARM, "arm.urdf", None, &RobotOptions::default()).expect("a URDF");

@@ -10,25 +10,24 @@ use crate::pair::pairs::{Other, Pair};
 use crate::proof::course::Rates;
 use crate::proof::travel::Travel;
 
-/// Table of pairs of links whose relative pose depends on the same one or two joints: links on either side of an elbow or a
-/// wrist. They are always near each other, so balls seldom decide; but their verdicts can be precomputed for every cell of a
-/// grid over the two joints.
+/// Table of pairs of links whose relative pose depends on the same one or two joints, as on either side of an elbow or a wrist.
+/// They are always near each other, so balls seldom decide; the verdicts are precomputed on a grid over the two joints.
 #[derive(Clone, Debug)]
 pub(crate) struct JointTable {
-    /// Indices in `q`; one index twice if the pose depends on one joint.
+    /// Indices in `q`; one index twice for a single joint.
     pub joints: [usize; 2],
     /// Indices of the pairs in the list of all pairs.
     pub pairs: Vec<u32>,
     /// Least value of each joint (m, rad), and number of cells per unit.
     pub lower: [f32; 2],
     pub per_unit: [f32; 2],
-    /// For each cell one bit for each pair that is in doubt there, or all of them and [`CONTACT`].
+    /// For each cell one bit for each pair that is in doubt there, or all of these bits and [`CONTACT`].
     cells: Arc<[u8]>,
-    /// Bits of the pairs that are checked with this table, and [`CONTACT`] if these are all of its pairs.
+    /// Bits of the pairs that are checked with this table, and [`CONTACT`] if all of its pairs are.
     asked: u8,
 }
 
-/// Bit for a cell in which some pair is certainly in contact everywhere.
+/// Bit of a cell in which some pair is certainly in contact everywhere.
 pub(crate) const CONTACT: u8 = 1 << MOST_PAIRS;
 
 /// Maximum number of pairs: the bits of a byte besides [`CONTACT`].
@@ -60,7 +59,7 @@ impl JointTable {
         Self { asked: if asked == self.all_pairs() { asked | CONTACT } else { asked }, ..self.clone() }
     }
 
-    /// Returns this table for a list in which `first` other pairs precede these.
+    /// Returns this table for a list in which `first` other pairs precede its own.
     pub fn counted_from(&self, first: u32) -> Self {
         Self { pairs: self.pairs.iter().map(|pair| first + pair).collect(), ..self.clone() }
     }
@@ -127,7 +126,7 @@ impl JointTable {
     }
 
     /// Returns the fraction of the straight edge between two values of its joints (rad or m) that is certified free for all
-    /// checked pairs, counted from the start, in whole pieces along which no joint moves farther than a cell.
+    /// checked pairs, counted from the start, in whole intervals along which no joint moves farther than a cell.
     pub fn free_share(&self, limits: [&JointLimits; 2], [from, to]: [[f64; 2]; 2]) -> f64 {
         let in_cells = |place: [f64; 2]| {
             let cell = |axis: usize| {
@@ -183,7 +182,7 @@ fn in_range(cell: i32) -> usize {
     usize::try_from(cell).unwrap_or(0).min(SIDE - 1)
 }
 
-/// Returns the joints that the relative pose of the pair depends on, if they are one or two with a range.
+/// Returns the joints on which the relative pose of the pair depends, if they are one or two with a range.
 fn joints_between(robot: &Robot, bodies: &[LinkBody], pair: &Pair) -> Option<[usize; 2]> {
     let Other::Link { body, shared_joints } = pair.second else { return None };
     let chain = |body: usize| robot.ancestors(bodies[body].link).iter().skip(shared_joints).map(|m| m.joint);
@@ -207,15 +206,14 @@ struct Builder<'a> {
     travel: Travel,
     q: Vec<f64>,
     rates: Rates,
-    /// Doubts in the nested squares around the current one, from the outermost in; in each square the doubts of one pair are
-    /// consecutive.
+    /// Doubts in the nested squares around the current one, from the outermost in; in each square the doubts of a pair are
+    /// adjacent.
     doubts: Vec<Doubt>,
 }
 
 /// Two solids of a pair of links that may come too close.
 #[derive(Clone, Copy, Debug)]
 struct Doubt {
-    /// Number of the pair's bit.
     bit: usize,
     /// Indices of the solids among those of each link.
     solids: [usize; 2],
@@ -246,7 +244,6 @@ impl Builder<'_> {
         side: usize,
         first_doubt: usize,
     ) {
-        // A pose that depends on one joint is tabulated on the diagonal only.
         if table.joints[0] == table.joints[1] && corner[0] != corner[1] {
             return;
         }
@@ -289,8 +286,8 @@ impl Builder<'_> {
         left
     }
 
-    /// Certifies a pair for all configurations that differ from `q` by at most `rates` in each joint: each lies on a straight
-    /// motion from `q` whose rates are no greater. Adds those of `doubts` that remain.
+    /// Certifies a pair for all configurations that differ from `q` by at most `rates` in each joint, as the points of straight
+    /// motions from `q` with at most these rates. Adds the remaining ones of `doubts`.
     fn pair(&mut self, pair: &Pair, doubts: std::ops::Range<usize>) -> Verdict {
         let Other::Link { body, shared_joints } = pair.second else { return Verdict::Doubt };
         self.travel.forget();

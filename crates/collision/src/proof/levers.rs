@@ -20,7 +20,7 @@ pub struct Levers {
     pub from_root_m: f64,
 }
 
-/// Number of pieces of an edge for which the distance from the root is bounded.
+/// Number of intervals of an edge for which the distance from the root is bounded.
 const PIECES: u32 = 16;
 
 impl Cell {
@@ -41,7 +41,7 @@ impl Cell {
         self.levers_with(&standing, &|body| self.closing_motion_bound_m(&self.bodies[body]), scratch)
     }
 
-    /// Computes the levers along a path where every point of a body may be farther away by `farther_m`, in metres.
+    /// Computes the levers along a path on which every point of a link may be farther away by `farther_m` (m).
     fn levers_with(
         &self,
         path: &[Vec<f64>],
@@ -82,8 +82,7 @@ impl Cell {
         levers
     }
 
-    /// Returns for a link body the sums of the levers of its joints from the k-th on, of the revolute and of the prismatic
-    /// ones.
+    /// Returns, for a link, the sums of the levers of its revolute and of its prismatic joints, each from the k-th joint on.
     fn sums(&self, body: usize, farther_m: f64, scratch: &Scratch) -> Vec<[f64; 2]> {
         let body = &self.bodies[body];
         let mut beyond = (scratch.frames.link(body.link) * body.bounds.ball.center).coords;

@@ -3,10 +3,10 @@ use cranny_shape::Ball;
 
 use crate::body::link_body::LinkBody;
 
-/// Returns a ball in the root frame that contains a link in every configuration, regardless of the joint limits; `None` if a
+/// Returns a ball in the root frame that contains a link in every configuration, even beyond the joint limits; `None` if a
 /// prismatic joint moves the link.
 ///
-/// A revolute joint keeps the distance of a point from every point of its axis. So the ball that contains the whole rotation is
+/// A revolute joint keeps the distance of a point from every point of its axis, so the ball around the whole rotation is
 /// centred on the axis, at the projection of the previous centre. The joints are visited from the link to the root.
 pub(crate) fn swept_ball(robot: &Robot, body: &LinkBody) -> Option<Ball> {
     let mut rest = robot.frames();

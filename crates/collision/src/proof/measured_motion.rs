@@ -44,7 +44,7 @@ pub struct MeasuredMotion {
 pub struct NearestPair {
     /// A link.
     pub first: Collider,
-    /// Another link, or a body.
+    /// Another link, or a body of the world.
     pub second: Collider,
     /// Least distance of the two that counts as free, in metres.
     pub required_m: f64,
@@ -56,7 +56,7 @@ pub struct NearestPair {
 /// Maximum amount by which [`Cell::least_clearance`] is below the true distance, in metres.
 const CLEARANCE_TOLERANCE_M: f64 = 1e-5;
 
-/// Tolerance where two bodies come closer than [`CLOSE_M`], in metres.
+/// Tolerance for pairs closer than [`CLOSE_M`], in metres.
 const FINE_TOLERANCE_M: f64 = 1e-6;
 
 /// Travel of a link within an interval above which boxes exclude nearly as much as the exact distance in its middle, in metres.
@@ -70,8 +70,8 @@ const MEASURING_M: f64 = 1e-7;
 
 impl Cell {
     /// Returns the least distance over all pairs along the straight motion from `a` to `b` (m, rad; one per joint), in metres:
-    /// a certified lower bound that is at most 10 µm too low; 0 if there is contact, infinite if there are no pairs. Meant for
-    /// proven motions: the smaller the clearance, the longer it takes.
+    /// a certified lower bound, at most 10 µm too low; 0 in contact, infinite if there are no pairs. It is meant for proven
+    /// motions, and takes longer the smaller the clearance is.
     ///
     /// # Panics
     /// If `a` or `b` has not one value per joint.
@@ -79,8 +79,8 @@ impl Cell {
         self.measure_motion([a, b], MeasureOptions::default(), scratch).least_m
     }
 
-    /// Measures [`Self::least_clearance`] between two ends (m, rad; one per joint), and reports any pair closer than allowed.
-    /// It uses `f64` alone, without the tables and lanes of a proof, so that it can refute a faulty proof.
+    /// Measures [`Self::least_clearance`] between two ends (m, rad; one per joint), and reports any pair closer than allowed,
+    /// in `f64` alone, without the tables and lanes of a proof: a faulty proof can be refuted.
     ///
     /// # Panics
     /// If an end has not one value per joint.
@@ -116,8 +116,8 @@ impl Cell {
             // A fraction of an infinite distance is undefined.
             finest.max(if least.is_finite() { measuring.share * least } else { 0.0 })
         };
-        // Branch and bound: an interval is done for a pair once the pair cannot come below the least measured distance, less
-        // the tolerance.
+        // Branch and bound: an interval is done for a pair that cannot come below the least measured distance, less the
+        // tolerance.
         while let Some((middle, half_width, pairs)) = open.pop_front() {
             self.check_at(course, middle, half_width, scratch, 1.0);
             let mut doubtful = Vec::new();
@@ -128,12 +128,11 @@ impl Cell {
                 if self.quick_bound(pair, &scratch.frames, bar(least)) >= bar(least) {
                     continue;
                 }
-                // Boxes are nearly as sharp as the exact distance where bodies move by more than their size.
+                // Boxes are nearly as sharp as the exact distance for links that move by more than their size.
                 if travel > FAR_TRAVEL_M {
                     doubtful.push(index);
                     continue;
                 }
-                // Between the least distance and the bar, the exact value is not needed.
                 let exact_below_m = least.max(pair.required_m);
                 let range = Range { beyond_m: exact_below_m.max(bar(least)), exact_below_m };
                 let gap = self.distance_in(pair, &scratch.frames, range);

@@ -69,7 +69,7 @@ pub(crate) struct Demand {
     pub factor: f64,
     /// Distance that all pairs must keep in addition to the demanded one, in metres.
     pub beyond_m: f64,
-    /// Maximum number of intervals with exact distances; the proof is given up beyond it.
+    /// Maximum number of intervals with exact distances, beyond which the proof fails.
     pub effort: u64,
 }
 
@@ -86,7 +86,7 @@ const RESOLUTION_M: f64 = 1e-6;
 const FINEST_IN_LANES_M: f64 = 3e-5;
 
 /// Maximum travel from the middle of one of the first intervals of a proof, in metres: half the thickness of an arm. Most
-/// longer intervals would be in doubt, and shorter ones would be more than needed.
+/// longer intervals would be in doubt, and shorter ones would be unnecessarily many.
 const FIRST_TRAVEL_M: f64 = 0.04;
 
 /// Maximum number of passes over the first intervals of a proof.
@@ -95,7 +95,6 @@ const MOST_FIRST_PASSES: f64 = 64.0;
 /// Failure of a proof.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Failure {
-    /// Parameter in [0, 1] along the motion.
     at: f64,
     /// Pair in contact or in doubt; `None` if only the lanes found contact.
     pair: Option<u32>,
@@ -126,8 +125,8 @@ impl Cell {
     }
 
     /// Returns the parameter in [0, 1] at which the proof of [`Self::motion_is_free`] from `a` to `b` (m, rad; one per joint)
-    /// fails; `None` for a proven motion. The proof is given up if more than `effort` intervals need exact distances: a motion
-    /// with a very small clearance takes thousands, and a planner may find another one.
+    /// fails; `None` for a proven motion. It also fails if more than `effort` intervals need exact distances: a motion with a
+    /// very small clearance takes thousands, and a planner may find another one.
     ///
     /// # Panics
     /// If `a` or `b` has not one value per joint.
@@ -149,8 +148,7 @@ impl Cell {
             if let Some(pair) = self.first_close_pair(&scratch.frames) {
                 failure = Some(Failure { at, pair: Some(pair), is_contact: true });
             } else {
-                // The lanes report contact only if the exact check does too. They are wrong here, so the exact check certifies
-                // everything by itself.
+                // The lanes report contact only if the exact check does. Here they are wrong: the exact check decides alone.
                 scratch.work.clear();
                 scratch.work.pairs.extend(self.all_pairs());
                 let pairs = (0, self.pairs.len());
@@ -167,7 +165,7 @@ impl Cell {
         if is_contact { Motion::Contact { at, contact } } else { Motion::Unresolved { at, contact } }
     }
 
-    /// Returns the failure of the proof, if any; the frames of `scratch` then hold the configuration of a named pair.
+    /// Returns the failure of the proof, if any; the frames of `scratch` are then at the configuration of a named pair.
     pub(crate) fn first_failure(
         &self,
         course: Course<'_>,
@@ -181,7 +179,7 @@ impl Cell {
         }
     }
 
-    /// Runs step 2 in lanes. `scratch.work` then holds the remaining intervals; returns the parameter of a contact, if any.
+    /// Runs phase 2 in lanes. `scratch.work` then contains the remaining intervals; returns the parameter of a contact, if any.
     fn certify_in_lanes(
         &self,
         level: Level,
@@ -197,7 +195,7 @@ impl Cell {
         [&mut work, &mut next, &mut rest].into_iter().for_each(WorkList::clear);
         let first_intervals = self.first_intervals(scratch);
         let mut half_width = 0.5 / first_intervals as f64;
-        // At first no pair is certified: the first intervals cover all pairs, and list none.
+        // The first intervals cover all pairs, and list none.
         let mut is_first = true;
         // Each pass is spread over the whole edge, so that contact is found sooner.
         let passes = first_intervals / LANES;
@@ -280,7 +278,7 @@ impl Cell {
         (most / LANES as f64).ceil().clamp(1.0, MOST_FIRST_PASSES) as usize * LANES
     }
 
-    /// Sets the travel bounds of the lanes for intervals that have this share of the edge; `scratch` holds the travel of the
+    /// Sets the travel bounds of the lanes for intervals of this fraction of the edge; `scratch` contains the travel of the
     /// whole edge. The distance to keep in addition to the demanded one is added to the travel.
     #[allow(
         clippy::cast_possible_truncation,
@@ -312,7 +310,7 @@ impl Cell {
         }
     }
 
-    /// Runs steps 2 to 4 for `scratch.work`, with exact distances.
+    /// Runs phases 2 to 4 for `scratch.work`, with exact distances.
     fn certify_exactly(&self, course: Course<'_>, scratch: &mut Scratch, demand: Demand) -> Option<Failure> {
         let mut work = std::mem::take(&mut scratch.work);
         let mut next = std::mem::take(&mut scratch.next_work);

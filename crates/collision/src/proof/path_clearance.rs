@@ -4,14 +4,14 @@ use crate::proof::course::Course;
 use crate::proof::motion::Demand;
 use crate::{MeasureOptions, Motion};
 
-/// Minimum amount by which a measured clearance is below the true one, in metres, where its relative slack is less.
+/// Minimum tolerance by which a measured clearance may be below the true one, in metres.
 const TOLERANCE_M: f64 = 1e-5;
 
 impl Cell {
-    /// Returns the least distance over all pairs along a path of way points (m, rad; one value per joint) whose edges are
-    /// proven, in metres. It is a proven lower bound, too low by at most `share` (from 0 to below 1) of the true distance plus
-    /// 10 µm; infinite if there are no pairs, 0 if an edge is in contact after all. Many times faster than
-    /// [`Self::least_clearance`] of every edge.
+    /// Returns the least distance over all pairs along a path of way points (m, rad; one value per joint) with proven edges, in
+    /// metres: a proven lower bound, too low by at most `share` (from 0 to below 1) of the true distance plus 10 µm; infinite
+    /// if there are no pairs, 0 if an edge is in contact after all. Many times faster than [`Self::least_clearance`] of every
+    /// edge.
     ///
     /// 1. The least distance at the way points is an upper bound.
     /// 2. Each edge is proven to keep slightly less, from the last, where the hand is at its target, to the first.

@@ -48,7 +48,7 @@ fn cell(robot: &Arc<Robot>, bodies: Vec<Body>, margin_m: f64) -> Cell {
     Cell::new(robot.clone(), World::new(bodies).expect("finite poses"), margins).expect("a good margin")
 }
 
-/// Places a plate of 1 mm × 6 cm × 6 cm that the tool hits at `at`.
+/// Creates a plate of 1 mm × 6 cm × 6 cm that the tool hits at `at`.
 fn plate_in_the_way(robot: &Robot, a: &[f64], b: &[f64], at: f64, random: &mut Stream) -> Body {
     let frames = robot.frames_at(&between(a, b, at));
     let tool = frames.link(robot.tip()).translation;
@@ -161,8 +161,8 @@ fn course_of(points: &[Vec<f64>]) -> Course<'_> {
     if let [a, b] = points { Course::Line([a, b]) } else { Course::Curve(points) }
 }
 
-/// Returns true if some point of some link moves farther, within `half_width` of the middle of a random motion, than its bound,
-/// times `factor`.
+/// Returns true if a point of a link moves farther than `factor` times its bound within `half_width` of a random motion's
+/// middle.
 fn bound_is_broken(seed: u64, half_width: f64, factor: f64) -> bool {
     let (robot, mut random) = (arm(), Stream::new(seed, 2));
     let cell = cell(&robot, Vec::new(), 0.0);
@@ -177,7 +177,7 @@ fn bound_is_broken(seed: u64, half_width: f64, factor: f64) -> bool {
         .any(|body| most_moved_m(&cell, body, course, 0.5, half_width) > travel.of(body) + 1e-12)
 }
 
-/// Returns true if a bound of [`bound_is_broken`] is broken in one of the intervals that the lanes check at once.
+/// Returns true if a bound of [`bound_is_broken`] is exceeded in one of the intervals that the lanes check at once.
 fn bound_of_lanes_is_broken(seed: u64, half_width: f64, factor: f64) -> bool {
     let (robot, mut random) = (arm(), Stream::new(seed, 2));
     // The floor gives the lanes something to check.
@@ -199,7 +199,7 @@ fn bound_of_lanes_is_broken(seed: u64, half_width: f64, factor: f64) -> bool {
     })
 }
 
-/// Returns the greatest distance of a point of a body from its position in the middle of an interval of a motion, at samples.
+/// Returns the greatest distance of a point of a link from its position in the middle of an interval of a motion, at samples.
 fn most_moved_m(cell: &Cell, body: usize, course: Course<'_>, middle: f64, half_width: f64) -> f64 {
     let (robot, link) = (cell.robot(), &cell.bodies[body]);
     let mut q = vec![0.0; robot.dof()];
@@ -209,7 +209,7 @@ fn most_moved_m(cell: &Cell, body: usize, course: Course<'_>, middle: f64, half_
     };
     let here = at(middle);
     let mut most_m: f64 = 0.0;
-    // Bounds on the rates of a curve hold between its ends.
+    // Bounds on the rates of a curve are valid between its ends.
     let places = (0..=20).map(|i| (middle + half_width * (f64::from(i) / 10.0 - 1.0)).clamp(0.0, 1.0));
     for there in places {
         let there = at(there);

@@ -2,13 +2,13 @@ use cranny_robot::JointKind;
 
 use crate::cell::Cell;
 
-/// Bound on the motion of any point of a robot, and of its held object, against the world or against another link, when its
-/// joints move by given amounts in any configuration: `Σ |δ_j| · reach_j`, mimic joints included.
+/// Bound on the motion of any point of a robot, and of its held object, against the world or against another link, for given
+/// motions of the joints in any configuration: `Σ |δ_j| · reach_j`, mimic joints included.
 ///
-/// The reach of a joint is the greatest distance of a point of any link beyond it from its axis: the sum of the distances
+/// The reach of a joint is the greatest distance from its axis of a point of any link beyond it: the sum of the distances
 /// between the frames of the joints up to the link, prismatic joints fully extended, and the ball around the link after the
-/// last of them. Only joints that move one of two links move them against each other, and each of these moves one of them; so
-/// the bound also holds for their distance.
+/// last of them. A joint moves two links against each other only if it moves exactly one of them, so the bound is also valid
+/// for their distance.
 #[derive(Clone, Debug)]
 pub struct Reach {
     /// Reach of each joint, in metres per unit of the joint.
@@ -21,7 +21,7 @@ impl Cell {
         let robot = self.robot();
         let mut frames = self.scratch().frames;
         robot.forward_kinematics(&vec![0.0; robot.dof()], &mut frames);
-        // For each child link of a joint, the joint and its reach.
+        // Joint and reach, by child link of a joint.
         let mut movers: Vec<Option<(usize, f64)>> = vec![None; robot.links().len() + 1];
         for body in self.bodies.iter() {
             let ball = &body.bounds.ball;

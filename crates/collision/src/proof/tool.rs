@@ -5,7 +5,7 @@ use crate::body::tool_bound::{CellBound, ToolRegion};
 use crate::cell::{Cell, Scratch};
 use crate::{CollisionError, ToolBound};
 
-/// Rounding of angles and distances, in radians and metres; a bound counts as kept only with this reserve.
+/// Rounding of angles and distances, in radians and metres: the reserve with which a bound must be kept.
 const ROUNDING: f64 = 1e-9;
 
 /// Change of the excess within an interval below which bisection ends, in radians and metres.
@@ -19,7 +19,6 @@ pub(crate) const TOLERANCE: f64 = 1e-3;
 pub(crate) struct Excess {
     /// Parameter in [0, 1] along the motion.
     pub at: f64,
-    /// Index of the bound.
     pub bound: usize,
     /// Excess there, in radians or metres.
     pub by: f64,
@@ -41,9 +40,8 @@ impl Cell {
         Ok(cell)
     }
 
-    /// Returns the bounds on the tool along every motion: those of the world
-    /// ([`World::with_tool_bounds`](crate::World::with_tool_bounds)), those of [`Self::with_further_bounds`], and last the tilt of the held
-    /// object, if it is limited ([`Self::tilt_bound`]).
+    /// Returns the bounds on the tool along every motion: those of [`World::with_tool_bounds`](crate::World::with_tool_bounds),
+    /// those of [`Self::with_further_bounds`], and last the tilt of the held object, if it is limited ([`Self::tilt_bound`]).
     pub fn tool_bounds(&self) -> impl ExactSizeIterator<Item = &ToolBound> {
         self.bounds.iter().map(|bound| &bound.bound)
     }
@@ -65,8 +63,7 @@ impl Cell {
         all.map(|bound| CellBound::new(bound, &self.robot)).collect()
     }
 
-    /// Returns the bound on the angle between up and the direction in the held object that pointed up where it stood before the
-    /// grasp.
+    /// Returns the bound on the angle between up and the direction in the held object that pointed up before the grasp.
     fn bound_of_held(&self) -> Option<ToolBound> {
         let held = self.held.as_ref()?;
         let body = &self.world().bodies()[held.body];
@@ -81,8 +78,7 @@ impl Cell {
         })
     }
 
-    /// Returns the excess of the tool at `q` (m, rad; one per joint) over the bound of this index, in radians or metres;
-    /// negative within it.
+    /// Returns the excess of the tool at `q` (m, rad; one per joint) over the bound of this index (rad, m); negative within it.
     ///
     /// # Panics
     /// If `q` has not one value per joint, or there is no such bound.
@@ -116,12 +112,12 @@ impl Cell {
         (0..self.bounds.len()).all(|bound| self.tool_excess(bound, q, scratch) <= -ROUNDING)
     }
 
-    /// Returns the first bound that is not proven to be kept along the straight motion from `a` to `b`, each joint deviating
-    /// from it by at most `strays` (m, rad; one per joint each). `None` if all are proven.
+    /// Returns the first bound that is not proven to be kept along the straight motion from `a` to `b`, with a deviation of at
+    /// most `strays` of each joint (m, rad; one per joint each). `None` if all are proven.
     ///
     /// Within η of the middle of an interval, with `ω_j = |b_j − a_j|` for each joint j that moves the link:
     ///
-    /// - An angle changes at most at `Σ_j ω_j · min(sin ∠(a_j, fixed), sin ∠(a_j, axis))`, `a_j` being the axis of the joint: a
+    /// - An angle changes at most at `Σ_j ω_j · min(sin ∠(a_j, fixed), sin ∠(a_j, axis))`, with `a_j` the axis of the joint: a
     ///   turn about the fixed direction, or about the axis of the link, changes nothing. Within the interval, the first of
     ///   these angles changes by at most η times the sum of ω over the joints before j, the second over those after it.
     /// - A point moves by its velocity in the middle times η, plus at most half of `Σ_ij ω_i ω_j r_max(i, j)` times η², where r
@@ -227,9 +223,9 @@ impl Cell {
         [by, most + bend]
     }
 
-    /// Moves a configuration (m, rad; one per joint) at which the tool exceeds its bounds to a nearby one at which it keeps
-    /// them with some reserve, by steps of Newton's method in the least joint motion, the bound with the greatest excess first.
-    /// Returns false if this fails.
+    /// Moves a configuration (m, rad; one per joint) at which the tool exceeds its bounds to a nearby one with some reserve
+    /// within them, by steps of Newton's method in the least joint motion, the bound with the greatest excess first. Returns
+    /// false on failure.
     ///
     /// # Panics
     /// If `q` has not one value per joint.
@@ -301,7 +297,7 @@ fn motion_of_point(mover: &Mover, frames: &LinkFrames, point: &Point) -> Vector 
     }
 }
 
-/// Returns the reserve within a bound, in radians or metres, with which a configuration is moved inside.
+/// Returns the reserve within a bound to which a configuration is moved, in radians or metres.
 fn reserve(region: &ToolRegion) -> f64 {
     const SHARE: f64 = 0.1;
     match region {

@@ -7,13 +7,12 @@ use crate::proof::course::Rates;
 /// Bounds on the motion of the links while the configuration runs along a motion.
 ///
 /// Let the motion be `q(t)`, with `|q'| ≤ Δq` (constant on a straight edge) and `|q''| ≤ β` (0 there), and let `h` be the
-/// maximum deviation of `t` from the configuration of the given frames. Two bounds hold, and the smaller one applies.
+/// maximum deviation of `t` from the configuration of the given frames. The smaller one of two bounds applies.
 ///
 /// 1. By levers: a point of a link moves at most at `Σ_j a_j` per unit of `t`, `a_j = |Δq_j| · r_j`, with `r_j` its distance
-///    from the axis of joint j (1 for a prismatic joint). That distance is changed only by joints beyond j,
-///    `r_j ≤ r_j(now) + h · Σ_{k beyond j} a_k`, and never exceeds the length to the point through the origins of the joints
-///    beyond j (after Schwarzer, Saha & Latombe 2005, §3, with the reach taken at the configuration instead of over all of
-///    them).
+///    from the axis of joint j (1 for a prismatic joint). Only joints beyond j change that distance,
+///    `r_j ≤ r_j(now) + h · Σ_{k beyond j} a_k`, and it never exceeds the length to the point through the origins of the joints
+///    beyond j (after Schwarzer, Saha & Latombe 2005, §3, with the reach at the configuration instead of over all of them).
 /// 2. By velocity: the effects of the joints on a point largely cancel. With `v` and `ω` the present velocity of the centre of
 ///    the ball around the link and its angular velocity, `ρ` the ball's radius, and accelerations bounded by
 ///    `α = Σ_j |Δq_j| · (a_j + 2 · Σ_{k beyond j} a_k)` over the revolute joints, plus `Σ_j β_j · r_j` over all (1 for `r_j` of
@@ -25,13 +24,13 @@ use crate::proof::course::Rates;
 /// `Δq_j · (ω_{j-1} × (z_j × (p − o_j)) + z_j × Σ_{k ≥ j} Δq_k · z_k × (p − o_k)) + q_j'' · z_j × (p − o_j)`, which gives α.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Travel {
-    /// For each link body the sums of the first bound over the joints from the k-th on, each multiplied by `h`; one more entry
-    /// than the link has joints.
+    /// Sums of the first bound of each link over the joints from the k-th on, each multiplied by `h`; one more entry than the
+    /// link has joints.
     sums: Vec<Vec<f64>>,
-    /// Bounds on the velocity of each link body.
+    /// Bounds on the velocity of each link.
     paces: Vec<Pace>,
     travels_m: Vec<f64>,
-    /// True if the bounds of a link body have been computed since [`Self::forget`].
+    /// True if the bounds of a link have been computed since [`Self::forget`].
     is_known: Vec<bool>,
     /// Axis of the joint of each link, if it has been computed.
     axes: Vec<Option<Axis>>,
@@ -44,7 +43,7 @@ struct Axis {
     origin: Vector,
 }
 
-/// Bounds on the motion of a link body, per unit of `t`, in metres.
+/// Bounds on the motion of a link, per unit of `t`, in metres.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Pace {
     /// Maximum velocity of any of its points within the interval.
@@ -74,7 +73,7 @@ impl Travel {
     }
 
     /// Computes the bounds on the motion of every link within `half_width` (of `t`) of the configuration of `frames`. `factor`
-    /// is 1; the tests lower it to verify that a wrong bound is detected.
+    /// is 1; tests lower it to verify that a wrong bound is detected.
     pub fn update(
         &mut self,
         robot: &Robot,
@@ -96,7 +95,7 @@ impl Travel {
         self.axes.fill(None);
     }
 
-    /// Computes and caches the motion bound of link body `index`.
+    /// Computes and caches the motion bound of the link with geometry of this index.
     pub fn know(
         &mut self,
         robot: &Robot,
@@ -113,8 +112,7 @@ impl Travel {
         let center = (frames.link(body.link) * body.bounds.ball.center).coords;
         let radius_m = body.bounds.ball.radius_m;
         let (mut velocity, mut turn, mut pace) = (Vector::zeros(), Vector::zeros(), Pace::default());
-        // Origin of the joint beyond, and the maximum length from the current joint to any point of the link through these
-        // origins.
+        // Origin of the joint beyond, and maximum length from the current joint through these origins to a point of the link.
         let (mut beyond, mut way_m) = (center, radius_m);
         for (k, ancestor) in robot.ancestors(body.link).iter().enumerate().rev() {
             let rate = rates.now[ancestor.joint] * ancestor.multiplier;
@@ -154,7 +152,7 @@ impl Travel {
         self.travels_m[index] = pace.travel_m(half_width);
     }
 
-    /// Returns the bounds on the velocity of a link body against the world.
+    /// Returns the bounds on the velocity of a link against the world.
     pub fn pace(&self, body: usize) -> Pace {
         self.paces[body]
     }

@@ -1,4 +1,4 @@
-/// An interval of the motion that is not certified yet, with the pairs in doubt there.
+/// An interval of the motion that is not certified yet, with its pairs in doubt.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Interval {
     pub middle: f64,

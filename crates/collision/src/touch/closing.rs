@@ -23,12 +23,12 @@ pub struct Closing {
 /// Distance below which a finger touches, in metres.
 const TOUCHING_M: f64 = 1e-5;
 
-/// Maximum number of steps of a finger towards the object; each step is as long as the remaining distance.
+/// Maximum number of advances of a finger towards the object, each by the remaining distance.
 const MOST_STEPS: usize = 1000;
 
 impl Cell {
-    /// Closes the fingers, from open, on the held object: each until it touches. `None` if one of them touches nothing, or
-    /// there is no finger, or nothing is held. The closing of the cell's hand has no influence.
+    /// Closes each finger, from open, until it touches the held object. `None` if a finger touches nothing, or there is no
+    /// finger, or nothing is held. The closing of the cell's hand has no influence.
     pub fn close_on_held(&self) -> Option<Closing> {
         let held = self.held.as_ref()?;
         let thing = self.bodies.iter().rfind(|body| Some(body.link) == self.robot().held_link())?;
@@ -67,7 +67,7 @@ impl Cell {
         is_whole.then_some(Closing { closing: first, uneven_m, touching })
     }
 
-    /// Returns the links of a finger that have geometry, by index, each with its pose in the frame of the tip when the hand has
+    /// Returns the links with geometry of a finger, by index, each with its pose in the frame of the tip when the hand has
     /// closed by a fraction of its travel; empty if nothing is held.
     pub fn finger_at(&self, finger: usize, closing: f64) -> Vec<(usize, Pose)> {
         let Some(held) = &self.held else { return Vec::new() };
@@ -96,7 +96,7 @@ impl Cell {
 
     /// Returns the contact of [`Self::closing_contact`], the arm at `q` (m, rad; one per joint), while each finger closes from
     /// open by its own fraction of its travel (`touching`, one per finger, from 0 to 1) and stops there. All fingers close at
-    /// one rate. The motion bound of a closing finger also covers one that has stopped.
+    /// the same rate. The motion bound of a closing finger also covers a stopped one.
     /// # Panics
     /// If `q` has not one value per joint.
     pub fn closing_contact_each(
@@ -141,9 +141,9 @@ impl Cell {
         None
     }
 
-    /// Returns the least distance of the pairs of a group, fingers against all but the held object, while the hand closes from
-    /// open to the closing of the cell, or opens from there, the arm at `q` (m, rad; one per joint): in metres, a certified
-    /// lower bound, at most 10 µm too low; infinite if there is no such pair.
+    /// Returns the least distance of a group of pairs, fingers against all but the held object, while the hand closes from open
+    /// to the closing of the cell, or opens from there, the arm at `q` (m, rad; one per joint), in metres: a certified lower
+    /// bound, at most 10 µm too low; infinite if there is no such pair.
     ///
     /// # Panics
     /// If `q` has not one value per joint.
@@ -179,7 +179,7 @@ impl Cell {
         (least_m - SWEEP_TOLERANCE_M).max(0.0)
     }
 
-    /// Returns the pairs that involve a finger, without the held object and what it may touch.
+    /// Returns the pairs that involve a finger, without the held object and the parts that it may touch.
     fn swept_pairs(&self) -> impl Iterator<Item = Pair> {
         let is_of_finger = |body: usize| self.robot().is_of_finger(self.bodies[body].link);
         self.pairs.iter().filter(move |pair| {
@@ -188,7 +188,7 @@ impl Cell {
         })
     }
 
-    /// Returns an upper bound on the approach of two bodies while the hand closes by a fraction of its travel, in metres.
+    /// Returns an upper bound on the approach of a pair while the hand closes by a fraction of its travel, in metres.
     fn swept_m(&self, pair: &Pair, share: f64) -> f64 {
         let of_body = |body: usize| self.closing_motion_bound_m(&self.bodies[body]) * share;
         let second = match pair.second {
@@ -198,7 +198,7 @@ impl Cell {
         of_body(pair.first) + second + ROUNDING_M
     }
 
-    /// Returns an upper bound on the motion of any point of a body while the hand closes from open, in metres.
+    /// Returns an upper bound on the motion of any point of a link while the hand closes from open, in metres.
     pub(crate) fn closing_motion_bound_m(&self, body: &LinkBody) -> f64 {
         let ball = &body.bounds.ball;
         self.robot().closing_motion_bound_m(body.link, (ball.center, ball.radius_m))
@@ -215,7 +215,7 @@ impl Cell {
     }
 }
 
-/// Maximum amount by which the measured clearance of a sweep is below the true one, in metres.
+/// Maximum amount by which the measured clearance of a closing motion is below the true one, in metres.
 const SWEEP_TOLERANCE_M: f64 = 1e-5;
 
 /// Travel below which bisection ends, as in a proof of a motion, in metres.

@@ -14,7 +14,7 @@ pub enum Collider {
 pub struct Contact {
     /// A link.
     pub first: Collider,
-    /// Another link, or a body.
+    /// Another link, or a body of the world.
     pub second: Collider,
     /// Their distance, in metres; 0 if they overlap.
     pub clearance_m: f64,

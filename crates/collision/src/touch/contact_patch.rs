@@ -17,8 +17,8 @@ pub(crate) struct Seen {
     heights_m: [f64; 3],
 }
 
-/// Region in which a triangle of a body is above one of a possible support: the corners of a convex polygon, which may be a
-/// line or a point.
+/// Region in which a triangle of a body is above a triangle of a possible support, by the corners of a convex polygon, which
+/// may degenerate to a line or a point.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Overlap {
     pub corners: Vec<OverlapCorner>,
@@ -30,11 +30,11 @@ pub(crate) struct OverlapCorner {
     pub at: PlanePoint,
     /// Height of the surface below, in metres.
     pub surface_m: f64,
-    /// Height of the body above that, in metres; negative for its penetration depth.
+    /// Height of the body above that surface, in metres; negative for the penetration depth.
     pub gap_m: f64,
 }
 
-/// Twice the projected area (m²) below which a triangle is an edge or a side: its boundary belongs to other triangles too.
+/// Twice the projected area (m²) below which a triangle is seen edge-on: its boundary also belongs to other triangles.
 const LEAST_AREA_M2: f64 = 1e-14;
 
 impl Across {
@@ -75,13 +75,13 @@ impl Seen {
         Self { corners: [a, c, b], heights_m: [i, k, j] }
     }
 
-    /// Returns the least and the greatest height of its corners, in metres.
+    /// Returns the least and the greatest height of the corners, in metres.
     pub fn heights_m(&self) -> [f64; 2] {
         let [a, b, c] = self.heights_m;
         [a.min(b).min(c), a.max(b).max(c)]
     }
 
-    /// Returns its bounding box in the plane.
+    /// Returns the bounding box in the plane.
     pub fn around(&self) -> [PlanePoint; 2] {
         let bound = |of: fn(f64, f64) -> f64| {
             [0, 1].map(|axis| {
@@ -91,7 +91,7 @@ impl Seen {
         [bound(f64::min), bound(f64::max)]
     }
 
-    /// Returns the height of its plane at a projected point, in metres.
+    /// Returns the height of the triangle's plane at a projected point, in metres.
     fn height_at(&self, point: PlanePoint) -> f64 {
         let ([a, b, c], [i, j, k]) = (self.corners, self.heights_m);
         let area = turn(a, b, c);
@@ -99,8 +99,7 @@ impl Seen {
         i + of_b * (j - i) + of_c * (k - i)
     }
 
-    /// Returns the region in which it is above another triangle, that is lower than `ceiling_m`, and the gap within a range, in
-    /// metres.
+    /// Returns the region in which this triangle is above another one, lower than `ceiling_m`, with the gap in a range (m).
     pub fn above(&self, surface: &Self, ceiling_m: f64, gaps_m: [f64; 2]) -> Overlap {
         let corner = |index: usize| surface.corners[index % 3];
         let mut rest: Vec<[f64; 3]> =
@@ -120,7 +119,7 @@ impl Seen {
             .within(gaps_m[1])
     }
 
-    /// Returns the region in which it is above a plane at a height, with the gap within a range, all in metres.
+    /// Returns the region in which this triangle is above a plane at a height, with the gap in a range, all in metres.
     pub fn above_plane(&self, height_m: f64, gaps_m: [f64; 2]) -> Overlap {
         let corners = self.corners.iter().zip(self.heights_m).map(|(at, of_corner_m)| OverlapCorner {
             at: *at,

@@ -10,9 +10,9 @@ use crate::body::link_body::{LinkBody, group_separation};
 use crate::cell::{Cell, Scratch};
 
 impl Cell {
-    /// Returns the cell in which the hand holds a body of the world ([`Hold`]): the body becomes part of the robot, is checked
+    /// Returns the cell with a body of the world in the hand ([`Hold`]): the held object moves with the robot, is checked
     /// against the world, the floor and all links with relative motion, and is no obstacle any more. For another hold of the
-    /// same body see [`Self::with_hold`]; for its allowed contacts see [`Self::with_allowed_contacts`].
+    /// same object see [`Self::with_hold`]; for its allowed contacts see [`Self::with_allowed_contacts`].
     ///
     /// # Errors
     /// [`CollisionError::Hold`] for an invalid hold, or an unbounded body.
@@ -67,9 +67,9 @@ impl Cell {
         })
     }
 
-    /// Returns this cell with the held object allowed to touch its support faces, and nothing else. Parts with these faces are
-    /// not checked, only their portions above the faces. [`Self::first_support_violation`] proves that the object stays above
-    /// the faces; [`Self::unchecked`] lists the allowed contacts.
+    /// Returns this cell with the held object allowed to touch its support faces, and nothing else. Of the parts with these
+    /// faces, only the portions above the faces are checked. [`Self::first_support_violation`] proves that the object stays
+    /// above the faces; [`Self::unchecked`] lists the allowed contacts.
     #[must_use]
     pub fn with_allowed_contacts(&self, resting: &Resting) -> Self {
         let (mut spared, mut higher) = (Vec::new(), Vec::new());

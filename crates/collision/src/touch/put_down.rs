@@ -9,8 +9,8 @@ use crate::touch::resting::moved_to;
 use crate::{CollisionError, Margins};
 
 impl Cell {
-    /// Returns this cell, with an open and empty hand, after moving a body of the world so that its first solid is at a pose.
-    /// The grasp margin of the hand then applies to the body and its new supports.
+    /// Returns this cell, with an open and empty hand, after moving a body of the world so that its first solid is at a pose in
+    /// the planning frame. The grasp margin of the hand then applies to the body and its new supports.
     ///
     /// # Errors
     /// [`CollisionError::Pose`] for an invalid pose.

@@ -17,10 +17,10 @@ use crate::touch::resting_face::{
 /// A part supports the body by a face below it: a plane perpendicular to a direction that is upwards to within 45°. The body
 /// lies above the plane and the part below it, both to within [`CONTACT_ALLOWANCE_M`], and they meet on it. The centre of mass
 /// lies, along gravity, over the convex hull of the contact regions of all support faces. Portions of a part above the plane of
-/// its face do not belong to that contact, nor does any other part.
+/// its face, and all other parts, remain obstacles.
 ///
 /// The separation along the direction is the height of the body's lowest point above the face. It never exceeds the distance to
-/// anything below the plane, so a positive separation excludes contact there.
+/// the portion below the plane, so a positive separation excludes contact there.
 #[derive(Clone, Debug)]
 pub struct Resting {
     extent: Extent,
@@ -28,8 +28,8 @@ pub struct Resting {
     contacts: Vec<RestingContact>,
     /// Other parts that are nearer than the margin of the held object.
     beside: Vec<Neighbour>,
-    /// Distance of its centre of mass from the possible supports, as seen along gravity, in metres; `None` if the centre is
-    /// over them, or there are none.
+    /// Distance of the centre of mass from the possible supports, as seen along gravity, in metres; `None` if it is over them,
+    /// or if there are none.
     overhang_m: Option<f64>,
 }
 
@@ -38,7 +38,7 @@ pub struct Resting {
 struct RestingContact {
     /// Index of the part among all parts of the world.
     part: usize,
-    /// Index of its body in the world.
+    /// Index in the world of the body with that part.
     body: usize,
     /// Outward normal, a unit vector.
     direction: Vector,
@@ -54,16 +54,14 @@ struct RestingContact {
 #[derive(Clone, Copy, Debug)]
 struct Neighbour {
     body: usize,
-    /// Distance, in metres.
     gap_m: f64,
-    /// Penetration depth, in metres.
     depth_m: f64,
 }
 
 /// Maximum excess of the gap of a further supporting part over that of the nearest one, in metres: rounding.
 const EVEN_M: f64 = CONTACT_ALLOWANCE_M;
 
-/// A part that may support a body, and their contact region as seen along gravity.
+/// A part that may support a body, with their contact region as seen along gravity.
 struct Candidate {
     part: usize,
     face: Face,
@@ -71,11 +69,11 @@ struct Candidate {
 }
 
 impl Cell {
-    /// Computes how a body of the world rests on its supports.
+    /// Computes the supports of a body of the world.
     ///
     /// # Errors
-    /// [`CollisionError::Touches`] if the body is in contact with anything else, [`CollisionError::Topples`] if it is in
-    /// contact with faces that do not support it; [`CollisionError::Hold`] for an unbounded body.
+    /// [`CollisionError::Touches`] if the body is in contact with a part that does not support it, [`CollisionError::Topples`]
+    /// if its centre of mass is not over the faces below it, [`CollisionError::Hold`] for an unbounded body.
     ///
     /// # Panics
     /// If the world has no body of that index.
@@ -92,7 +90,7 @@ impl Cell {
     /// If the world has no body of that index.
     pub fn resting_with(&self, body: usize, extent: &Extent) -> Result<Resting, CollisionError> {
         let thing: &Body = &self.world().bodies()[body];
-        // Invert the pose twice, as a hold does, so that the results agree bit by bit.
+        // Invert the pose twice, as for a hold, so that the results agree bit by bit.
         let world_from_held = thing.parts[0].world_from_solid.inverse().inverse();
         let placed: Vec<(Pose, &Solid)> =
             thing.parts.iter().map(|part| (part.world_from_solid, &part.solid)).collect();
@@ -200,8 +198,8 @@ impl Cell {
         }
     }
 
-    /// Returns the least height of the held body above its former support faces, at `q` (m, rad; one per joint), in metres;
-    /// infinite if it had no supports.
+    /// Returns the least height of the held object above its former support faces, at `q` (m, rad; one per joint), in metres;
+    /// infinite without supports.
     ///
     /// # Panics
     /// If `q` has not one value per joint, or nothing is held.
@@ -213,9 +211,9 @@ impl Cell {
         separations.fold(f64::INFINITY, f64::min)
     }
 
-    /// Returns the parameter in [0, 1] of a position on the straight motion from `a` to `b` (m, rad; one per joint) at which
-    /// the held body may be nearer to a former support face than at rest by more than `slack_m` (m), or deeper in it than
-    /// [`CONTACT_ALLOWANCE_M`], and the index of the body of that face; `None` if the body is proven to stay off all of them.
+    /// Returns the parameter in [0, 1] on the straight motion from `a` to `b` (m, rad; one per joint) at which the held object
+    /// may be nearer to a former support face than at rest by more than `slack_m` (m), or deeper in it than
+    /// [`CONTACT_ALLOWANCE_M`], and the index of the body with that face; `None` if it is proven to stay off all faces.
     ///
     /// # Panics
     /// If `a` or `b` has not one value per joint, or nothing is held.
@@ -276,8 +274,7 @@ impl Resting {
         self.beside.iter().map(|other| (other.body, other.gap_m, other.depth_m))
     }
 
-    /// Returns the distance of its centre of mass from the possible supports, as seen along gravity, in metres, if it is off
-    /// them.
+    /// Returns the distance (m) of the centre of mass from the possible supports, as seen along gravity, if it is off them.
     pub fn overhang_m(&self) -> Option<f64> {
         self.overhang_m
     }
@@ -305,8 +302,7 @@ impl Resting {
         std::iter::once(up).chain(mixed.filter(|way| (way - up).norm() > 1e-6)).collect()
     }
 
-    /// Returns for each support face the index of its part, the depth in it, in metres, and the portion of that part that is
-    /// higher than the face.
+    /// Returns for each support face the index of its part, the depth in it (m), and the portion of the part above the face.
     pub(crate) fn spared<'a>(
         &'a self,
         parts: &'a [(usize, Part)],
@@ -328,7 +324,7 @@ impl RestingContact {
     }
 }
 
-/// Returns the motion of a body, in the planning frame, that takes its first solid to a pose.
+/// Returns the motion, in the planning frame, that moves the first solid of a body to a pose.
 pub(crate) fn moved_to(body: &Body, world_from_held: &Pose) -> Pose {
     let now = body.parts.first().map_or_else(Pose::identity, |part| part.world_from_solid);
     world_from_held * now.inverse()

@@ -26,7 +26,7 @@ pub(crate) struct Face {
     pub separation_m: f64,
     /// Least height of the body above the part in their overlaps, along the direction, in metres.
     pub gap_m: f64,
-    /// Regions in which the body is above the part by no more than [`MOST_GAP_M`].
+    /// Regions in which the body is above the part by at most [`REACH_M`].
     overlaps: Vec<Overlap>,
     across: Across,
 }
@@ -34,29 +34,28 @@ pub(crate) struct Face {
 /// Maximum depth of a body in its support face, in metres: stated poses and sizes are rounded.
 pub const CONTACT_ALLOWANCE_M: f64 = 1e-4;
 
-/// Maximum height of a resting body above its support, in metres: objects in the paper's release float up to 1.8 mm above their
-/// supports.
+/// Maximum height of a resting body above its support, in metres: objects in the paper's release float up to 1.8 mm.
 pub(crate) const MOST_GAP_M: f64 = 2e-3;
-/// Maximum excess of the gap of a further part over that of the nearest one if the body needs its support, in metres, below
-/// points of the body's convex hull. The body may be slightly tilted, and coarse if it is round (a ball of 27 corners in the
-/// paper's release has its centre over corners that are 1.7 mm above the ground).
+/// Maximum excess of the gap of a further part over that of the nearest one if the body needs its support, in metres, measured
+/// at points of the body's convex hull. The body may be slightly tilted, and a round one coarse (the centre of a ball of 27
+/// corners in the paper's release is over corners 1.7 mm above the ground).
 pub(crate) const UNEVEN_M: f64 = 1.8e-3;
 /// Resolution, as in a proof of a motion, in metres.
 pub(crate) const RESOLUTION_M: f64 = 1e-6;
 /// Distance below a body beyond which a part supports nothing, in metres.
 const REACH_M: f64 = MOST_GAP_M + UNEVEN_M;
-/// Least cosine of the angle between a face's normal and the vertical: on steeper faces hardly anything stays.
+/// Least cosine of the angle between a face's normal and the vertical: on steeper faces most objects slide.
 const STEEPEST: f64 = std::f64::consts::FRAC_1_SQRT_2;
 /// Cosine to the direction of a face below which triangles of a part are its sides.
 const SIDE: f64 = 0.01;
-/// Maximum number of directions of a part, and of a body, that are tried.
+/// Maximum number of tried directions of a part, and of a body.
 const MOST_DIRECTIONS: usize = 12;
 /// Tolerance for equal heights and equal points of a part, in metres: rounding.
 const SAME_M: f64 = 2e-6;
 
 impl Face {
-    /// Returns the face by which a part may support a body: of the possible faces, the one over which the centre of mass of the
-    /// body lies, or comes closest to lying.
+    /// Returns the face by which a part may support a body: of the possible faces, the one whose contact regions are nearest to
+    /// the body's centre of mass, as seen along gravity.
     pub fn below(standing: Standing<'_>, part: &Part, up: &Vector) -> Option<Self> {
         let surface = surface_near(part, standing.placed);
         let ground = Ground { part, surface: &surface };
@@ -76,13 +75,13 @@ impl Face {
         best.map(|(_, face)| face)
     }
 
-    /// Returns the corners of all regions where the body is above the part by at most `gap_m` (m), as seen along gravity.
+    /// Returns the corners of all regions in which the body is above the part by at most `gap_m` (m), as seen along gravity.
     pub fn places(&self, gravity: &Across, gap_m: f64) -> Vec<PlanePoint> {
         let within = self.overlaps.iter().flat_map(|overlap| overlap.within(gap_m).corners);
         within.map(|corner| gravity.seen(&self.body_at(&corner))).collect()
     }
 
-    /// Returns the corners of the regions of [`Self::places`] in which the body is on its convex hull, to
+    /// Returns the corners of the regions of [`Self::places`] in which the body's surface is on its convex hull, to
     /// [`CONTACT_ALLOWANCE_M`]: elsewhere it touches no plane in any orientation.
     pub fn places_on_hull(&self, standing: Standing<'_>, gravity: &Across, gap_m: f64) -> Vec<PlanePoint> {
         let Standing { extent, world_from_held, .. } = standing;
@@ -103,7 +102,7 @@ impl Face {
     }
 }
 
-/// Returns the height above which a part no longer belongs to its face, whose height is `top_m`, both in metres.
+/// Returns the height above which a part does not belong to its face of height `top_m`, both in metres.
 fn cut_m(top_m: f64) -> f64 {
     top_m + CONTACT_ALLOWANCE_M
 }
@@ -210,8 +209,8 @@ impl Ground<'_> {
         }
     }
 
-    /// Returns the projections of its triangles that face a direction and reach into a range of heights (m), with their normals
-    /// and bounding boxes.
+    /// Returns the projections of its triangles that face a direction and reach into a range of heights (m), with normals and
+    /// bounding boxes.
     fn tops(
         &self,
         across: &Across,
@@ -228,8 +227,8 @@ impl Ground<'_> {
         seen.collect()
     }
 
-    /// Returns true if no triangle of the part rises along a direction from a point of its surface: the direction is then a
-    /// normal there, if only of an edge or a corner.
+    /// Returns true if no triangle of the part rises along a direction from a point of its surface: the direction is a normal
+    /// there, at least of an edge or a corner.
     fn is_summit(&self, point: &Point, direction: &Vector) -> bool {
         let rises = |corner: &Point| {
             let to = corner - point;
@@ -281,9 +280,9 @@ fn surface_near(part: &Part, placed: &[(Pose, &Solid)]) -> Vec<[Point; 3]> {
     near
 }
 
-/// Returns candidate normals of a face of a part below a body, in the order to try them: normals of its flat faces; those of
-/// flat faces of the body, which may lie on an edge or a corner; the direction between the closest points of the two; then up,
-/// which may also be a normal of an edge or a corner.
+/// Returns candidate normals of a face of a part below a body, in the order to try them: normals of its flat faces; normals of
+/// flat faces of the body, which may lie on an edge or a corner; the direction between their closest points; then up, which may
+/// also be a normal of an edge or a corner.
 fn directions<'a>(
     ground: &Ground<'a>,
     standing: Standing<'a>,

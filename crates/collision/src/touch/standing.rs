@@ -8,9 +8,8 @@ use crate::touch::contact::{Collider, Contact};
 #[cfg(doc)]
 use crate::UncheckedReason;
 
-/// Distances between the world and the links that no joint moves, in metres, as certified lower bounds; infinite if there are
-/// no pairs. No motion of the robot changes them, so no proof of a motion compares these pairs; an error in the placement of
-/// the robot or the object does change them.
+/// Distances between the world and the links that no joint moves, in metres, as certified lower bounds; infinite without pairs.
+/// No proof of a motion compares these pairs, but an error in the placement of the robot or the object changes their distances.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StandingClearance {
     /// Distance from all bodies except the object to be grasped.
@@ -31,8 +30,8 @@ impl Cell {
         least
     }
 
-    /// Returns a link that no joint moves and that is closer to the object to be grasped than the uncertainty of the object
-    /// allows ([`Margins::object_margin_m`](crate::Margins::object_margin_m)); `None` if no uncertainty is allowed for.
+    /// Returns the contact of a link that no joint moves with the object to be grasped, if it is closer than the uncertainty of
+    /// the object allows ([`Margins::object_margin_m`](crate::Margins::object_margin_m)); `None` without uncertainty.
     pub fn standing_contact(&self) -> Option<Contact> {
         if self.margins.object_margin_m <= 0.0 {
             return None;
@@ -52,7 +51,7 @@ impl Cell {
         })
     }
 
-    /// Returns true if a body of the world is the one to be grasped, and is not held.
+    /// Returns true if a body of the world is to be grasped, and is not held.
     fn is_target(&self, body: usize) -> bool {
         self.held.is_none() && self.grasp_bodies.last() == Some(&body)
     }
@@ -67,8 +66,8 @@ impl Cell {
         })
     }
 
-    /// Returns the distance of a link and a part, in metres, as a certified lower bound; `None` if they touch, or are farther
-    /// apart than `beyond_m` (m).
+    /// Returns the distance of a link and a part, in metres, as a certified lower bound; `None` if they touch, or are at least
+    /// `beyond_m` (m) apart.
     fn standing_distance_m(&self, still: &LinkBody, part: &Part, beyond_m: f64) -> Option<f64> {
         let frames = self.robot.frames();
         if still.quick_bound_to(frames.link(still.link), part, beyond_m) >= beyond_m {

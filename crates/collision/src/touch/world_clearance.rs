@@ -3,8 +3,8 @@ use crate::lane::lane_scratch::as_index;
 
 impl Cell {
     /// Returns the least distance at `q` (m, rad; one per joint) between moving links and the world, in metres, as a certified
-    /// lower bound; at most `up_to_m` (m). A floor above which a link always keeps its height is ignored, and so are other
-    /// links, because those beside a joint are always close.
+    /// lower bound; at most `up_to_m` (m). A floor above which a link always keeps its height is ignored. Other links are
+    /// ignored too, because links beside a joint are always close.
     ///
     /// # Panics
     /// If `q` has not one value per joint.

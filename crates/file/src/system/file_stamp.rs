@@ -2,8 +2,7 @@ use std::fs;
 use std::path::Path;
 use std::time::SystemTime;
 
-/// Metadata of a file that change whenever the file changes. On Unix this holds even if its times are set back; elsewhere such
-/// a change is not noticed.
+/// Metadata of a file that differ after every change of the file; on Unix even if its times are set back.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FileStamp {
     bytes: u64,

@@ -10,8 +10,7 @@ pub struct ProcessMemory {
     pub shared_bytes: u64,
 }
 
-/// Protects this process against other processes of the same user, except root (Linux): they cannot reach its open files
-/// through `/proc`.
+/// Protects this process (Linux): other processes of the same user, except root, cannot reach its open files through `/proc`.
 pub fn close_to_others() {
     #[cfg(target_os = "linux")]
     {
@@ -40,8 +39,7 @@ pub fn reap() {
     while let Ok(Some(_)) = rustix::process::wait(rustix::process::WaitOptions::NOHANG) {}
 }
 
-/// Returns the start time of a process, in ticks since the machine started; `None` for a process that has ended, and on systems
-/// other than Linux.
+/// Returns the start time of a process, in ticks since boot; `None` if it has ended, and on systems other than Linux.
 pub fn beginning(process: u32) -> Option<u64> {
     let stat = fs::read_to_string(format!("/proc/{process}/stat")).ok()?;
     // The name, in parentheses, may contain any character.

@@ -34,9 +34,9 @@ pub fn has_file_walls() -> bool {
     is_there
 }
 
-/// Restricts this thread, and all processes and threads that it starts from now on, to writing in a folder, to devices and in
-/// [`SHARED_MEMORY`], for the kinds of writing that the kernel knows; and to signals to processes within the same sandbox
-/// (Landlock; signals from Linux 6.12 on). Elsewhere it does nothing (see [`has_file_walls`]).
+/// Restricts this thread, and all processes and threads that it starts from now on (Landlock): they may write only in a folder,
+/// to devices and in [`SHARED_MEMORY`], as far as the kernel knows the kind of writing, and signal only processes in the same
+/// sandbox (from Linux 6.12 on). Elsewhere it does nothing (see [`has_file_walls`]).
 ///
 /// # Errors
 /// The error of the operating system.

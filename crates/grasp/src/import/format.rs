@@ -64,7 +64,7 @@ pub struct ImportSettings {
     pub offset_m: Option<f64>,
     /// Minimum score of the grasps that are kept; unscored ones are dropped.
     pub min_score: Option<f64>,
-    /// Object whose grasps are read from a `GraspGroup`; `None`: it must hold those of one object.
+    /// Object whose grasps are read from a `GraspGroup`; `None`: the file must contain those of one object only.
     pub object: Option<i64>,
 }
 

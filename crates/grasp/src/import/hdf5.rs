@@ -90,8 +90,8 @@ impl Member<'_> {
         self.dataset.attributes().iter().map(|attribute| attribute_of(self.path, &attribute.name)).collect()
     }
 
-    /// Reads all numbers, as many as it has elements, in the unit of the file. For an enumeration, as which h5py writes
-    /// booleans, they are its values.
+    /// Reads all numbers, as many as it has elements, in the unit of the file; those of an enumeration (h5py's booleans) are
+    /// its values.
     pub fn numbers(&self) -> Result<Vec<f64>, String> {
         let Self { path, dataset } = self;
         let elements = dataset.num_elements().map_err(|reason| fault(path, &reason))?;

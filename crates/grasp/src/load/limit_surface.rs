@@ -8,9 +8,9 @@ pub type LoadedPoint = ([f64; 2], f64);
 /// Factor by which a wrench in the plane of contact, two components of force and the moment about the middle (N, N m),
 /// can grow before the patch slips: with friction 1, and an additional torsional arm `arm_m` (m) of each point.
 ///
-/// Slip is a velocity ξ in the plane. Friction then takes a power of Σ Nₖ √(|v(pₖ)|² + `arm_m`² ω²), and the wrench gives
-/// w·ξ: the factor is the least ratio of the two (the limit surface: Goyal, Ruina & Papadopoulos 1991, §2). Weighted
-/// least squares find it, with weights of Nₖ by the last velocity of the point; each step descends.
+/// Slip is a velocity ξ in the plane. Friction then takes a power of Σ Nₖ √(|v(pₖ)|² + `arm_m`² ω²), and the wrench gives w·ξ:
+/// the factor is the least ratio of the two (the limit surface: Goyal, Ruina & Papadopoulos 1991, §2). Weighted least squares
+/// find it, with weights of Nₖ by the last velocity of the point; each iteration descends.
 pub fn limit_factor(points: &[LoadedPoint], wrench: Vector3<f64>, arm_m: f64) -> f64 {
     let speed = |p: &[f64; 2], slip: &Vector3<f64>| {
         let (x, y) = (slip.x - slip.z * p[1], slip.y + slip.z * p[0]);
@@ -38,7 +38,7 @@ pub fn limit_factor(points: &[LoadedPoint], wrench: Vector3<f64>, arm_m: f64) ->
     factor
 }
 
-/// Number of steps; the factor is then known to within 1 % (see the test).
+/// Number of iterations; the factor is then known to within 1 % (see the test).
 const STEPS: usize = 8;
 
 #[cfg(test)]

@@ -32,8 +32,8 @@ fn a_bar_held_beside_its_centre_needs_the_friction_of_statics() {
     }
 }
 
-/// A wedge that widens along x is squeezed out unless friction exceeds what the slope of its sides takes of it. A roof
-/// whose ridge lies under the pads is not.
+/// A wedge that widens along x is squeezed out unless friction exceeds the loss due to the slope of its sides. A roof whose
+/// ridge lies under the pads is not.
 #[test]
 fn a_wedge_slips_out_where_its_slope_exceeds_friction() {
     let slope = 0.3;

@@ -76,12 +76,12 @@ impl Load {
 /// 1. Samples the sides of the object between the pads, over 24 cells.
 /// 2. Computes its rest position between them (least energy), and the pressure on each cell.
 /// 3. Computes the required force and moment about the point midway between the centres of pressure.
-/// 4. Computes the force with which the pads squeeze it out: pressure times slope, where the object rises up to the
-///    border of a pad. This force uses up a share of the friction.
+/// 4. Computes the force with which the pads squeeze it out: pressure times slope, where the object rises up to the border of a
+///    pad. This force uses up a share of the friction.
 /// 5. A shift of pressure bears the moments about x and z first, a couple of friction forces the rest. The pads share the
 ///    forces in their plane and the moment about the closing axis equally.
-/// 6. At rest: how far each pad is from its limit surface (Goyal, Ruina & Papadopoulos 1991, §2). In motion: from the
-///    ellipsoid of Howe & Cutkosky 1996, whole, which is up to 7 % too large for a face, 13 % for an edge.
+/// 6. At rest, the factor follows from the limit surface of each pad (Goyal, Ruina & Papadopoulos 1991, §2); in motion, from
+///    the ellipsoid of Howe & Cutkosky 1996, whole, which is up to 7 % too large for a face, 13 % for an edge.
 #[derive(Clone)]
 pub struct LoadMeasure {
     object: HeldObject,
@@ -187,8 +187,7 @@ pub struct GripForces {
 const SAFE_SHARE: f64 = 0.87;
 
 impl GripForces {
-    /// Factor by which the loads of a motion may grow until a soft or a hard pad slips: from the ellipsoid, on the safe
-    /// side.
+    /// Factor by which the loads of a motion may grow until a soft or a hard pad slips: from the ellipsoid, on the safe side.
     pub fn factor(&self, state: &LoadState) -> f64 {
         let most = self.held.iter().map(|held| held.r#use(state)).fold(0.0, f64::max);
         SAFE_SHARE / most.max(SAFE_SHARE / FIRMEST)
@@ -229,8 +228,8 @@ struct Held {
     center_in_gripper: Vector,
     inertia: Matrix3<f64>,
     up: Vector,
-    /// Coefficient of friction left where pads press on slopes, because friction must keep the object from being squeezed
-    /// out. Opposite squeezes rotate it instead, which the seat considers.
+    /// Coefficient of friction that remains where pads press on slopes: the rest keeps the object from being squeezed out.
+    /// Opposite squeezes rotate it instead, which the seat considers.
     spare_friction: f64,
     force_n: f64,
     /// Moments about x and z that a shift of pressure bears, in N m.

@@ -89,7 +89,7 @@ impl InnerSide {
                 }
             }
         }
-        // The region extends half a step beyond the outermost rays.
+        // The region extends beyond the outermost rays by half their spacing.
         let step = [half.x / RAYS[0] as f64, half.z / RAYS[1] as f64];
         let mut extent_m = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
         for (at, _) in felt.iter().filter(|(_, distance_m)| *distance_m <= foremost_m + DEPTH_M) {

@@ -1,6 +1,6 @@
-//! Times a planner over seeds: for each scenario the number of solved and verified plans, and the median, 95th percentile
-//! and maximum of `planning_time_s`, then medians for the path after shortcuts ("apart" is the distance between its ends,
-//! the lower bound on its length); one thread.
+//! Times a planner over seeds: for each scenario the number of solved and verified plans, and the median, 95th percentile and
+//! maximum of `planning_time_s`, then medians for the path after shortcuts ("apart": distance between its ends, the lower bound
+//! on its length); one thread.
 //!
 //! `cargo run --release -p cranny-measure --bin campaign -- PLANNER SEEDS MARGIN_MM GRASP_MARGIN_MM SCENARIO…`, PLANNER
 //! with optional settings, such as `reach:{"detour": 0.8}`.

@@ -4,9 +4,9 @@
 //! how many tasks are solved, judged valid and take over 2 s, and the median, mean, 95th percentile and maximum of
 //! `planning_time_s`: reach, closing, lift-off and all that follows, with their proofs.
 //!
-//! `carrying grasps PLACE EVERY ITERATIONS SCENARIO…`: prints how many of every EVERY-th grasp, each on its own, can be reached
-//! within ITERATIONS, with how many of those the target can be carried home, with how many it can be put down in a place, and
-//! the reasons for the failures there.
+//! `carrying grasps PLACE EVERY ITERATIONS SCENARIO…`: prints the number of grasps (every EVERY-th, each alone) reached within
+//! ITERATIONS, the numbers of those with which the target can be carried home and can be put down at PLACE, and the reasons for
+//! the failures there.
 //!
 //! `carrying holds SCENARIO…`: time to change the hold, and to do so with new scratch, in microseconds.
 //!

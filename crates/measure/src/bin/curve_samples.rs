@@ -22,7 +22,6 @@ const RATE_HZ: f64 = 10_000.0;
 const SAMPLES: u32 = 4000;
 const RELATIVE: f64 = 1e-9;
 
-/// Counts of samples.
 #[derive(Default)]
 struct Seen {
     plans: usize,

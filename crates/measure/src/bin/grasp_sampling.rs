@@ -1,5 +1,4 @@
-//! Samples grasps on the scans of the released scenarios and compares them with the released grasps: a Markdown
-//! table on standard output.
+//! Samples grasps on the scans of the released scenarios and compares them with the released grasps; prints a Markdown table.
 //!
 //! Usage: `cargo run --release -p cranny-measure --bin grasp_sampling -- $CRANNY_DATA/jogramop [seed]`
 

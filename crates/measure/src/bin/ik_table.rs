@@ -54,7 +54,7 @@ fn main() {
     }
 }
 
-/// Returns the annotations, and the time that they took, in milliseconds.
+/// Returns the annotations and their computation time, in milliseconds.
 fn timed(problem: &Problem, method: IkMethod) -> (Vec<IkAnnotation>, f64) {
     let settings = IkAnnotationSettings { method, ..IkAnnotationSettings::default() };
     let begin = Instant::now();

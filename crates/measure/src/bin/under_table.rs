@@ -2,9 +2,8 @@
 //! `cargo run --release -p cranny-measure --bin under_table -- DATA FOLDER [COUNT]`
 //!
 //! DATA contains `panda_spherized.urdf` and `panda.srdf`. FOLDER gets copies of both and `under_table_panda` with COUNT (100)
-//! scenes and requests, which `motion_bench` and `path_quality` read. The table stands in front of the arm: a top, four
-//! legs, up to three boxes below it and two on it. The goal is a random free configuration with the hand well below the
-//! top.
+//! scenes and requests, which `motion_bench` and `path_quality` read. The table stands in front of the arm: a top, four legs,
+//! up to three boxes below it and two on it. The goal is a random free configuration with the hand well below the top.
 
 use std::error::Error;
 use std::fmt::Write as _;

@@ -16,8 +16,7 @@ pub struct Drives {
 /// Share of the limits that trajectories use, as `LIMIT_USE` of `motion_limits.rs`.
 const EFFORT_USE: f64 = 1.0 - 1e-6;
 
-/// Share of the effort left after gravity that the curvature terms may take if both need more than is left; the rest is for
-/// changes of speed.
+/// Maximum share of the effort remaining after gravity for the curvature terms; the rest is for changes of speed.
 const SHARE_OF_BEND: f64 = 0.5;
 
 impl Drives {
@@ -42,7 +41,7 @@ impl Drives {
     /// joint keeps its effort E if `A·|s̈| + B·ṡ² ≤ E − G`.
     ///
     /// # Errors
-    /// [`PathError::Weight`] for a joint that may be unable to hold the arm at rest.
+    /// [`PathError::Weight`] for a joint that may be too weak to support the arm at rest.
     pub(crate) fn limit(
         &self,
         curve: &PathCurve,

@@ -24,9 +24,7 @@ impl TimingMethod {
     }
 }
 
-/// Motion limits of the joints, which a [`crate::Trajectory`] keeps.
-///
-/// All limits come from the robot; there are no defaults.
+/// Limits of the joints that a [`crate::Trajectory`] keeps. All come from the robot; there are no defaults.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MotionLimits {
     pub(crate) method: TimingMethod,

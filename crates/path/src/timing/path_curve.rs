@@ -216,7 +216,7 @@ impl Piece {
         }
         let ratio = sigma / self.length;
         match &self.turn {
-            // Rounding must not exceed an end, which may lie at a joint limit.
+            // Rounding must not lead beyond an end, which may lie at a joint limit.
             None => (self.origin.iter().zip(&self.end))
                 .map(|(a, b)| (a + (b - a) * ratio).clamp(a.min(*b), a.max(*b)))
                 .collect(),

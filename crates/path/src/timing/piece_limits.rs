@@ -135,10 +135,8 @@ fn rate_sums(piece: &Piece) -> [f64; 2] {
     most.fold([0.0; 2], |[first, second], most| [first + most.first, second + most.second])
 }
 
-/// Returns an upper bound of a slope along a piece, at most 1 % above the true value unless that takes more than 1024 samples.
-///
-/// With samples δ apart, no point of the piece is farther than δ/2 from a sample. The bound is therefore the greatest sample
-/// plus δ/2 times `bend`, a bound of the derivative of the slope.
+/// Returns an upper bound of a slope along a piece, at most 1 % above the true value unless that takes more than 1024 samples:
+/// the greatest sample plus δ/2 times `bend`, a bound of the derivative of the slope, with samples δ apart.
 fn greatest_slope(piece: &Piece, bend: f64, mut slope: impl FnMut(f64) -> f64) -> f64 {
     const MOST_SAMPLES: u32 = 1024;
     const EXCESS: f64 = 0.01;

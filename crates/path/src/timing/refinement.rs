@@ -35,8 +35,8 @@ const ASIDE: f64 = 0.5;
 
 impl CurvedPath<'_> {
     /// Returns the path with rounded corners ([`Self::rounded`]) and with way points moved to reduce the duration: gradient
-    /// descent of the duration at each way point for which `may_move`, one after the other. Each step is proven, edges and
-    /// corners, before it is taken.
+    /// descent at each way point for which `may_move` is true, one after the other. The edges and corners of each step are
+    /// proven before it is taken.
     pub fn refined(
         &self,
         limits: &MotionLimits,
@@ -194,7 +194,7 @@ impl<'a> Descent<'a> {
         0.5 * step_s
     }
 
-    /// Moves a way point and records the new duration, if that is proven.
+    /// Moves a way point and records the new duration, if the new edges and corners are proven.
     fn takes(&mut self, at: usize, (q, duration_s): (Vec<f64>, f64), proof: &mut impl CurveProof) -> bool {
         let was = std::mem::replace(&mut self.waypoints[at], q);
         let is_taken = self.is_proven(at, proof);

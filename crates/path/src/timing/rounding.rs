@@ -29,8 +29,7 @@ pub trait CurveProof {
     /// Returns true if edge `edge` of the path may connect these ends (m, rad; one value per joint).
     fn edge(&mut self, edge: usize, ends: [&[f64]; 2]) -> bool;
 
-    /// Returns true if the corner at a way point may have these control points ([`RoundedCorner`]; m, rad; one value per
-    /// joint).
+    /// Returns true if a corner may have these control points ([`RoundedCorner`]; m, rad; one value per joint).
     fn corner(&mut self, waypoint: usize, control_points: &[Vec<f64>; 5]) -> bool;
 }
 
@@ -88,8 +87,7 @@ impl<'a> CurvedPath<'a> {
         rounded.map(|corner| corner.rounded(cuts[corner.waypoint])).collect()
     }
 
-    /// Improves the cuts of each corner, step 2 of [`Self::rounded`]. Larger cuts than `proven` are proven first, smaller ones
-    /// later.
+    /// Improves the cuts of each corner (2 of [`Self::rounded`]). Cuts above `proven` are proven first, smaller ones later.
     fn descend(
         &self,
         limits: &MotionLimits,
@@ -146,10 +144,8 @@ impl<'a> CurvedPath<'a> {
         }
     }
 
-    /// Returns the duration with these cuts, without the limits of tool speed and drives: these are costly to bound, and limit
-    /// the same edges with any corners.
-    ///
-    /// Returns infinity if uneven corners multiply to a scale of `s` that would amplify rounding errors.
+    /// Returns the duration with these cuts; infinity if uneven corners multiply to a scale of `s` that would amplify rounding
+    /// errors. The limits of tool speed and drives are left out: they are costly to bound, and limit an edge with any corners.
     pub(crate) fn duration_s(&self, limits: &MotionLimits, cuts: &[Cuts]) -> f64 {
         const MOST_SCALE: f64 = 4096.0;
         let mut scale = 1.0;

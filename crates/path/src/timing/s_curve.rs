@@ -9,7 +9,7 @@ use crate::timing::time_law::{PathState, TimeLaw};
 /// On a line the direction is constant, so the joint limits are limits of `ṡ`, `s̈` and `s⃛`, and the fastest motion between
 /// two speeds is the double S (Biagiotti & Melchiorri 2008, §3.4). A rounded corner is passed at constant speed V, where joint
 /// j has the velocity `q'V`, the acceleration `q''V²` and the jerk `q'''V³`. V is the greatest speed that keeps all limits at
-/// the greatest derivatives of the piece. Acceleration is thus continuous, and every limit holds in closed form.
+/// the greatest derivatives of the piece. Acceleration is thus continuous, and every limit is satisfied in closed form.
 ///
 /// 1. Neighbouring lines with the same limits form one span, each rounded corner another.
 /// 2. The speeds at the nodes between spans are limited, forward and then backward, to those reachable along a span.

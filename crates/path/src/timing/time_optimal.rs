@@ -12,9 +12,9 @@ use crate::timing::time_law::{PathState, TimeLaw};
 /// 2. The backward pass finds the controllable sets: the values of `x` from which the end of a stage can be reached within its
 ///    own set. Since every limit is symmetric, rest is always among them, so a set is [0, `greatest`].
 /// 3. The forward pass greedily takes the greatest `x` that stays controllable.
-/// 4. The steps are repeated with reduced acceleration limits in corners, if a limit can be exceeded within a stage.
+/// 4. If a limit can be exceeded within a stage, 1 to 3 are repeated with lower acceleration limits in corners.
 ///
-/// On a line the limits of u are constant, so one stage holds the whole optimum: accelerate, cruise, decelerate. Along a stage
+/// On a line the limits of u are constant, so one stage has the whole optimum: accelerate, cruise, decelerate. Along a stage
 /// of a corner the acceleration `a(s)` of a joint deviates by at most `Δ²/8·sup|d²a/ds²|` from the line between its values at
 /// both ends, which keep the limits. The velocity limit is taken at the faster end of a stage, because `q'` is monotonic.
 pub(crate) fn time_optimal(curve: &PathCurve, limits: &[PieceLimits]) -> TimeLaw {
@@ -22,7 +22,7 @@ pub(crate) fn time_optimal(curve: &PathCurve, limits: &[PieceLimits]) -> TimeLaw
 }
 
 pub(crate) fn on_grid(curve: &PathCurve, limits: &[PieceLimits], stages_per_corner: u32) -> TimeLaw {
-    /// Maximum number of repetitions in step 4, each with twice the reserve that was missing before.
+    /// Maximum number of repetitions (4 of [`time_optimal`]), each with twice the reserve that was missing before.
     const MOST_REPETITIONS: usize = 4;
     let mut used = 1.0;
     let mut law = with_use(curve, limits, stages_per_corner, used);
@@ -38,7 +38,7 @@ pub(crate) fn on_grid(curve: &PathCurve, limits: &[PieceLimits], stages_per_corn
     if excess > 0.0 { law.slowed((1.0 + excess).sqrt()) } else { law }
 }
 
-/// Runs steps 1 to 3 with the share `used` of the acceleration limits in corners.
+/// Runs 1 to 3 of [`time_optimal`] with the share `used` of the acceleration limits in corners.
 fn with_use(curve: &PathCurve, limits: &[PieceLimits], stages_per_corner: u32, used: f64) -> TimeLaw {
     // 1.
     let stages: Vec<Stage> = curve
@@ -100,7 +100,7 @@ const STAGES_PER_CORNER: u32 = 256;
 /// of u that are differences of large numbers. The error is a hundredth of the reserve kept by the limits.
 const NO_SLOPE: f64 = 1e-7;
 
-/// Section of the path with its limits.
+/// Interval of the path with its limits.
 struct Stage {
     piece: usize,
     after_stop: bool,
@@ -161,7 +161,7 @@ impl Stage {
             for j in joints.clone() {
                 let [at_begin, at_end] = [begin, begin + step].map(|s| piece.derivatives(j, s));
                 cap = cap.min((limits.velocity[j] / at_begin.first.abs().max(at_end.first.abs())).powi(2));
-                // At the end `x` has grown by 2·step·u.
+                // At the end `x` has grown by `2·step·u`.
                 let grown = at_end.first + 2.0 * step * at_end.second;
                 for (slope, Derivatives { second, .. }) in [(at_begin.first, at_begin), (grown, at_end)] {
                     let is_flat = slope.abs() <= NO_SLOPE * step * second.abs();
@@ -184,8 +184,8 @@ impl Stage {
         };
         let flat = rows.iter().filter(|row| row.slope <= 0.0 && row.bend != 0.0);
         let mut x = flat.map(|row| row.limit / row.bend.abs()).fold(cap, f64::min);
-        // The gap between the bounds of u is concave in x and not negative at 0. Newton steps from above reach its root after
-        // at most one step per row.
+        // The gap between the bounds of u is concave in x and not negative at 0. Newton's method from above reaches its root
+        // after at most one step per row.
         for _ in 0..2 * rows.len() + 2 {
             let (lower, upper) = self.bounds(rows, x, end);
             let gap = upper.value - lower.value;

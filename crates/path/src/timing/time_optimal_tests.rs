@@ -47,7 +47,6 @@ fn cuts(path: &[Vec<f64>], limits: &MotionLimits, wanted: Cuts) -> Vec<Cuts> {
     cuts
 }
 
-/// Returns a trajectory along a path with these cuts.
 fn rounded(path: &[Vec<f64>], limits: &MotionLimits, wanted: Cuts) -> Trajectory {
     let cuts = cuts(path, limits, wanted);
     let corners = PathCurve::corners(path, &limits.velocity);
@@ -206,7 +205,6 @@ proptest! {
         prop_assert!(fine <= taken * (1.0 + 1e-5) && taken <= fine * 1.01, "{taken} against {fine}");
     }
 
-    /// Compares the stages of a corner with the closed form of a line.
     #[test]
     fn a_line_taken_as_a_corner_takes_as_long(seed in any::<u64>()) {
         let limits = motion_limits();

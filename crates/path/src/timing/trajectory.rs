@@ -39,8 +39,8 @@ pub const MAX_SAMPLE_RATE_HZ: f64 = 1e4;
 
 impl Trajectory {
     /// Creates a fast trajectory exactly along the straight edges of `path` (m, rad; one value per joint), by the method of
-    /// `limits`. It stops at each way point where the direction changes, and only there, so a proof of the edges holds for the
-    /// trajectory.
+    /// `limits`. It stops at each way point where the direction changes, and only there, so a proof of the edges is valid for
+    /// the trajectory.
     ///
     /// # Errors
     /// [`PathError::EmptyPath`], [`TaskError::JointCount`] or [`TaskError::NotFinite`] for a path not of these joints.
@@ -48,12 +48,11 @@ impl Trajectory {
         Self::along_curve(&CurvedPath::stopping(path), limits)
     }
 
-    /// Creates a trajectory as [`Self::along`] does, but without a stop in the rounded corners: it stays on the lines and on
-    /// these curves.
+    /// Creates a trajectory as [`Self::along`] does, but without stops in the rounded corners, whose curves it follows.
     ///
     /// # Errors
     /// As [`Self::along`]; [`PathError::NoCorner`] for a rounded corner where the path has none, [`PathError::Weight`] for a
-    /// path on which the drives may be unable to hold the robot.
+    /// path on which the drives may be too weak to support the robot.
     pub fn along_curve(of: &CurvedPath<'_>, limits: &MotionLimits) -> Result<Self, PathError> {
         let path = of.waypoints;
         let (Some(first), Some(last)) = (path.first(), path.last()) else {

@@ -28,9 +28,9 @@ impl Slot {
 }
 
 /// Bounding boxes in pages of up to sixteen, laid out so that one pass of vectors measures a whole page. Page 0 is the root. A
-/// box contains all boxes of the page that it holds.
+/// box whose content is a page contains all boxes of that page.
 ///
-/// A search reads far more boxes than the caches hold. A side therefore keeps only the upper half of an `f32`, rounded
+/// A search reads far more boxes than fit into the caches. A side therefore keeps only the upper half of an `f32`, rounded
 /// outwards: a box is at most 2⁻⁷ of its coordinates wider than necessary, and takes half the memory.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct BoxPages {
@@ -39,7 +39,7 @@ pub(crate) struct BoxPages {
     sides: Vec<u32>,
     entries: Vec<[Entry; PAGE]>,
     lens: Vec<u8>,
-    /// Box that holds each page; `None` for the root.
+    /// Box whose content is each page; `None` for the root.
     owners: Vec<Option<Slot>>,
 }
 

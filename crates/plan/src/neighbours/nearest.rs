@@ -177,7 +177,7 @@ impl NearestNeighbours {
                 *sum += difference * difference;
             }
         }
-        // Most leaves hold nothing nearer, which the minimum of all sums shows at once.
+        // Most leaves contain no nearer point, which the minimum of all sums shows at once.
         if halves[0].min(halves[1]).reduce_min() > best.0 {
             return;
         }

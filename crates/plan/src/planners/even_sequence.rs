@@ -1,10 +1,10 @@
 use cranny_spatial::Stream;
 
 /// Sequence of points that fills the unit cube evenly from the first point on, where random points leave gaps and clusters:
-/// `p(n) = p(0) + n · (√2, √3, √5, …)` without the integer parts (Richtmyer 1951, "The evaluation of definite integrals, and a
-/// quasi-Monte-Carlo method based on the properties of algebraic numbers", whole). Even samples serve a search better than
-/// random ones (`LaValle`, Branicky & Lindemann 2004, "On the relationship between classical grid search and probabilistic
-/// roadmaps", whole).
+/// `p(n) = p(0) + n · (√2, √3, √5, …)` modulo 1 (Richtmyer 1951, "The evaluation of definite integrals, and a quasi-Monte-Carlo
+/// method based on the properties of algebraic numbers", whole). Even samples serve a search better than random ones
+/// (`LaValle`, Branicky & Lindemann 2004, "On the relationship between classical grid search and probabilistic roadmaps",
+/// whole).
 #[derive(Clone, Debug)]
 pub(crate) struct EvenSequence {
     point: Vec<f64>,

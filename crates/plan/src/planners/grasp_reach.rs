@@ -15,8 +15,7 @@ use crate::{Budget, Observer, PathSearch, PlanError, PlanReport, Planner, Ranges
 ///    ([`GraspMeasure::LEAST_SCORE`](cranny_task::GraspMeasure::LEAST_SCORE)) with every batch without a goal.
 /// 2. Batches of inverse kinematics go to the remaining grasps. A free configuration is a goal if the hand holds the target
 ///    there, by the same judge as in the audit of the path.
-/// 3. Everything else is as in [`Reach`]. There is always another grasp to try, so that only the budget ends an unsuccessful
-///    search.
+/// 3. Everything else is as in [`Reach`]. The supply of grasps never ends, so only the budget ends an unsuccessful search.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GraspReach {
     /// Settings of the search.

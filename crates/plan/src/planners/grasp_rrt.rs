@@ -13,21 +13,21 @@ use crate::search::search_state::Search;
 use crate::wall_clock::now;
 use crate::{Budget, Observer, Outcome, PlanError, PlanReport, Planner, Ranges};
 
-/// Grasp-RRT (Vahrenkamp, Asfour & Dillmann 2012, "Simultaneous grasp and motion planning: humanoid robot ARMAR-III",
-/// IEEE Robotics & Automation Magazine 19(2), whole, the planner for one arm): one tree from the start, with neither a
-/// set of grasps nor inverse kinematics.
+/// Grasp-RRT (Vahrenkamp, Asfour & Dillmann 2012, "Simultaneous grasp and motion planning: humanoid robot ARMAR-III", IEEE
+/// Robotics & Automation Magazine 19(2), whole, the planner for one arm): one tree from the start, with neither a set of grasps
+/// nor inverse kinematics.
 ///
 /// 1. With probability `1 − p_approach`, takes one step from the nearest node towards a uniform random configuration.
-/// 2. Otherwise takes a node near the target, evenly over all directions about it (the `ApproachSphere`). Its hand must point
-///    at the nearest point of the target, and move there. Steps of the pseudo-inverse of the Jacobian, each a new node, bring
-///    it there until it arrives, is blocked, meets a joint limit or comes no closer.
+/// 2. Otherwise chooses a node near the target, evenly over all directions about it (the `ApproachSphere`). The goal is the
+///    hand at the nearest point of the target, pointing towards it. Steps of the pseudo-inverse of the Jacobian, each a new
+///    node, move the hand until it arrives, is blocked, meets a joint limit or comes no closer.
 /// 3. The hand is tried at each of these nodes: if it closes on the target in a good enough grasp, the search ends.
 ///
 /// One iteration is one pass through 1, or 2 and 3. There are four differences from the publication. Edges are proven. A random
 /// extension is a single step. The score is that of two opposite contacts and the friction between them
-/// ([`GraspMeasure::score`](cranny_task::GraspMeasure::score)), not that of a wrench space. The fingers of the published hand
-/// close around the object near the palm, whereas the gripper frame of a parallel hand lies between the pads; it therefore
-/// moves on by `depth_m` beyond the surface, and the hand is tried at every step and not only at the end.
+/// ([`GraspMeasure::score`](cranny_task::GraspMeasure::score)), not that of a wrench space. The gripper moves on by `depth_m`
+/// beyond the surface, and the hand is tried at every step and not only at the end, because the gripper frame of a parallel
+/// hand lies between the pads, whereas the fingers of the published hand close around the object near the palm.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GraspRrt {
@@ -177,7 +177,7 @@ impl Approaches<'_> {
         }
     }
 
-    /// Runs steps 2 and 3; returns a path if that ends the search.
+    /// Runs 2 and 3 of [`GraspRrt`]; returns a path if that ends the search.
     fn approach(&mut self) -> Option<Path> {
         let mut node = self.sphere.take(&mut self.search.random)?;
         self.search.statistics.goals_tried += 1;
@@ -239,7 +239,7 @@ impl Approaches<'_> {
         let way = ways.min_by(|a, b| a.norm_squared().total_cmp(&b.norm_squared()))?;
         let approach_in_world = world_from_gripper.rotation * Vector::z();
         let direction = way.try_normalize(POINT_M)?;
-        // A hand that points the opposite direction has no unique shortest rotation, and is not rotated.
+        // For a hand that points in the opposite direction, no shortest rotation is unique: the approach is abandoned.
         let turn = Rotation::rotation_between(&approach_in_world, &direction)?;
         let at = origin.coords + way + direction * self.settings.depth_m;
         Some(Pose::from_parts(at.into(), turn * world_from_gripper.rotation))

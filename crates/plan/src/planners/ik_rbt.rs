@@ -14,11 +14,10 @@ use crate::{Budget, IkRrt, Observer, PlanError, PlanReport, Planner, Ranges, Rbt
 /// - its inverse kinematics;
 /// - the tree from the start keeps growing from goal to goal, and goals have their turns by the sequence of Luby, Sinclair &
 ///   Zuckerman (1993, "Optimal speedup of Las Vegas algorithms", whole: the strategy `S^univ`), short and long, because some
-///   goals are unreachable behind a wall, and others behind a narrow passage that takes long;
-/// - both trees grow towards the random configuration until they reach it or are blocked, as those of [`IkRrt`] do, where
-///   [`RbtConnect`] makes one bur, with which a narrow passage is found ten times later;
-/// - its critical distance is four times that of the released program, because near obstacles spines are short, and cost more
-///   than steps.
+///   goals behind a wall are unreachable, and others behind a narrow passage take long;
+/// - both trees grow towards the random configuration until they reach it or are blocked, as those of [`IkRrt`] do, whereas
+///   [`RbtConnect`] makes one bur, and thus finds a narrow passage ten times later;
+/// - its critical distance is four times the released one, because spines near obstacles are short, and cost more than steps.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct IkRbt {

@@ -10,8 +10,8 @@ use crate::{Budget, Observer, PlanError, PlanReport, Planner, Ranges};
 /// RRT; if that fails, continues with the next grasp, from the highest score down.
 ///
 /// 1. Grasps at which the hand alone collides are discarded (`exact`); if none is left, no grasp can be reached.
-/// 2. The next grasp in order, or its twin, round after round, yields a new configuration: free under `exact`, unchecked under
-///    `paper`, as released; first from the start with a pull towards it, then from random configurations.
+/// 2. Inverse kinematics finds a new configuration for the next grasp in order, or its twin, in rounds: first from the start
+///    with a pull towards it, then from random configurations. It is free under `exact`, unchecked under `paper`, as released.
 /// 3. A tree from the start and a tree from that goal both grow towards the same random configuration (with probability
 ///    `p_goal` towards the goal) until each reaches it or is blocked. If both reach it, they form a path.
 /// 4. After `goal_iterations` without a path, the search continues with 2.

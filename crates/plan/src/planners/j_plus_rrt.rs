@@ -7,24 +7,24 @@ use crate::search::jacobian_search::{GraspChoice, JacobianSettings, plan_by_jaco
 use crate::{Budget, Observer, PlanError, PlanReport, Planner, Ranges};
 
 /// J⁺-RRT (Vahrenkamp, Berenson, Asfour, Kuffner & Dillmann 2009, "Humanoid motion planning for dual-arm manipulation and
-/// re-grasping tasks", whole, the planner of this name; steps in task space also in Shkolnik & Tedrake 2009, "Path planning in
-/// 1000+ dimensions using a task-space Voronoi bias", §III; the paper's §V.A): one tree from the start that grows towards
-/// random configurations and, at times, towards a grasp by the pseudo-inverse of the Jacobian.
+/// re-grasping tasks", whole, the planner of this name; such steps also in Shkolnik & Tedrake 2009, "Path planning in 1000+
+/// dimensions using a task-space Voronoi bias", §III; the paper's §V.A): one tree from the start that grows towards random
+/// configurations and, at times, towards a grasp by steps of the pseudo-inverse of the Jacobian.
 ///
 /// 1. With probability `1 − p_goal`, takes one step from the nearest node towards a uniform random configuration.
 /// 2. Otherwise chooses a grasp, and takes pseudo-inverse steps from its nearest node until the gripper arrives, the motion is
-///    blocked, or it comes no closer.
+///    blocked, or the gripper comes no closer.
 /// 3. Every new node is measured against all grasps; the first that has arrived ends the search.
 ///
 /// One iteration is one pass through 1 or 2.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct JPlusRrt {
-    /// Probability of step 2, in [0, 1]. Default 0.01, the paper's.
+    /// Probability of growing towards a grasp, in [0, 1]. Default 0.01, the paper's.
     pub p_goal: f64,
     /// Maximum motion of the origin of any link frame in a step, in metres. Default 0.1, the released value.
     pub step_m: f64,
-    /// Choice of the grasp in step 2. Default: uniform.
+    /// Choice of the grasp to grow towards. Default: uniform.
     pub choice: GraspChoice,
     /// Damping λ of the pseudo-inverse. Default 0.05: enough to bound steps near singularities without slowing them elsewhere.
     pub damping: f64,

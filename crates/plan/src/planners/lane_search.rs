@@ -25,8 +25,8 @@ const ITERATIONS_PER_DETOUR: u64 = 100;
 const FIRST_EFFORT: u64 = 200;
 const EFFORT_PER_ITERATION: u64 = 2;
 
-/// Maximum cost of an unshortened path, as a multiple of the bound: shortening may bring it below, and another route is worth
-/// more than the last per cent of the same one.
+/// Maximum cost of an unshortened path, as a multiple of the bound: shortening may bring it below, and a new route is worth
+/// more than the last per cent of a known one.
 const SLACK: f64 = 3.0;
 
 /// Number of iterations after which there may be one goal more than [`Reach::goals`].
@@ -86,18 +86,18 @@ enum Stage {
     Growing,
 }
 
-/// Relation of a growth to the edge that leads to its beginning: it turns or prolongs it.
+/// Relation of a growth to the edge before it: a turn, or its prolongation.
 #[derive(Clone, Copy)]
 enum Way {
     Turns,
     GoesOn,
 }
 
-/// End of a growth towards a target.
+/// End of a growth.
 struct Growth {
     /// Last node that was reached; the first one if the growth is blocked.
     node: usize,
-    /// True if that is the target.
+    /// True if that node is the target.
     is_target: bool,
     /// True if nothing has blocked the growth.
     is_open: bool,
@@ -240,7 +240,7 @@ impl<'a> LaneSearch<'a> {
         })
     }
 
-    /// Adds a root to the goal forest, and checks whether the edge to it is free.
+    /// Adds a goal as a root, and grows the tree from the start towards it; returns a path if they meet.
     fn add_goal(&mut self, goal: &[f64], cost: f64, observer: &mut dyn Observer) -> Option<Path> {
         let root = self.remember_goal(goal, cost, observer)?;
         self.laps.begin();
@@ -304,7 +304,7 @@ impl<'a> LaneSearch<'a> {
         to_come + to_go < SLACK * self.bound
     }
 
-    /// Grows the other side to a node as far as possible; returns a path if it gets there.
+    /// Grows the other side towards a node as far as possible; returns a path if the sides meet.
     fn meet(&mut self, side: usize, node: usize, observer: &mut dyn Observer) -> Option<Path> {
         let meeting = self.sides[side].q(node).to_vec();
         let from = self.nearest(1 - side, &meeting);
@@ -325,8 +325,8 @@ impl<'a> LaneSearch<'a> {
         nearest
     }
 
-    /// Grows from a node towards `target` as far as one pass of checks extends, or to the first that is not free. Adds a node
-    /// for each whole step, and at the target.
+    /// Grows from a node towards `target` as far as one pass of checks extends, or to the first configuration that is not free.
+    /// Adds a node for each whole step, and at the target.
     fn grow(
         &mut self,
         side: usize,
@@ -368,7 +368,7 @@ impl<'a> LaneSearch<'a> {
         Growth { node, is_target, is_open }
     }
 
-    /// Step 4: returns the path through two nodes at the same configuration, or `None` if an edge cannot be proven.
+    /// Returns the path through two nodes at the same configuration, or `None` if an edge cannot be proven (4 of [`Reach`]).
     fn proven_path(&mut self, ends: [usize; 2], observer: &mut dyn Observer) -> Option<Path> {
         let begin = now();
         let mut refuted = None;
@@ -406,8 +406,8 @@ impl<'a> LaneSearch<'a> {
         Some(path)
     }
 
-    /// Cuts off a rejected goal after both sides have met. The branch to it helps its neighbours, and moves to the tree from
-    /// the start.
+    /// Cuts off a rejected goal where both sides met. Its branch moves to the tree from the start, where it helps its
+    /// neighbours.
     fn refuse(&mut self, ends: [usize; 2], observer: &mut dyn Observer) {
         let goals = &self.sides[1];
         let (nodes, turns) = (goals.nodes_to_root(ends[1]), goals.turns_to_root(ends[1]));

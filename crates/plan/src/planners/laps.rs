@@ -1,11 +1,10 @@
 use crate::wall_clock::now;
 use std::time::Instant;
 
-/// Timer for the sections of one in sixteen iterations, beginning with the first: reading the clock takes a tenth of the timed
-/// work.
+/// Timer for the intervals of the first of every sixteen iterations: reading the clock takes a tenth of the timed work.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Laps {
-    /// End of the last section; `None` in an iteration that is not timed.
+    /// End of the last interval; `None` in an iteration that is not timed.
     last: Option<Instant>,
     is_timed: bool,
     timed: u64,
@@ -20,12 +19,12 @@ impl Laps {
         self.timed += u64::from(self.is_timed);
     }
 
-    /// Begins a section.
+    /// Begins an interval.
     pub fn begin(&mut self) {
         self.last = self.is_timed.then(now);
     }
 
-    /// Returns the seconds of the section that ends, and begins the next one.
+    /// Returns the duration of the interval that ends, in seconds, and begins the next one.
     pub fn lap_s(&mut self) -> f64 {
         let Some(begin) = self.last else { return 0.0 };
         let end = now();

@@ -12,16 +12,14 @@ use crate::{Budget, Observer, PlanError, PlanReport, Planner, Ranges, Unobserved
 /// PRM (Kavraki, Švestka, Latombe & Overmars 1996, §3; in the simple form of Karaman & Frazzoli 2011, §3.2) with the goals
 /// of all grasps at once.
 ///
-/// 1. The roadmap is read from a file, or empty. The start becomes a node, and so do the goals, which inverse kinematics finds
-///    meanwhile.
+/// 1. The roadmap is read from a file, or empty. The start and the goals, which inverse kinematics finds later, become nodes.
 /// 2. If no goal is connected, an iteration adds a uniform random configuration, if it is free. A new node is joined to those
 ///    of the `neighbours` nearest (L2 in joint space) to which the edge is proven.
 /// 3. If the start and a goal are connected, the shortest path between them is taken. Its edges from a file are proven; an edge
 ///    without a proof is removed.
 ///
 /// One iteration is one random configuration, one checked edge, or one batch of inverse kinematics before there is a goal.
-/// Differs from the publication in 1 and 3: the roadmap grows until the query is answered, and is not enhanced in difficult
-/// regions.
+/// Differs from the publication in 1 and 3: the roadmap grows until the query is answered, and has no enhancement phase.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Prm {
@@ -143,7 +141,7 @@ impl<'a> Graph<'a> {
         }
     }
 
-    /// Runs step 3 once: proves a path, or removes an edge without a proof.
+    /// Runs 3 of [`Prm`] once: proves a path, or removes an edge without a proof.
     fn connected(&mut self, search: &mut Search) -> Option<Connected> {
         let start = self.start;
         let goals: Vec<usize> = self.goals.iter().copied().flatten().collect();
@@ -166,7 +164,7 @@ impl<'a> Graph<'a> {
     }
 }
 
-/// Result of a path in the roadmap from the start to a goal.
+/// Result of the proof of a path in the roadmap.
 enum Connected {
     Path(Path, usize),
     Refuted,
@@ -185,7 +183,7 @@ impl Connector for Graph<'_> {
     fn grow(&mut self, search: &mut Search) -> Option<(Path, usize)> {
         match self.connected(search) {
             Some(Connected::Path(path, goal)) => Some((path, goal)),
-            // A roadmap of another world has many such paths. Each is an iteration, so that time and observer are checked.
+            // A roadmap of another world has many refuted paths. Each is an iteration, so that time and observer are checked.
             Some(Connected::Refuted) => None,
             None => {
                 self.add_random(search);

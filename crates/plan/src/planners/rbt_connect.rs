@@ -17,9 +17,9 @@ use crate::{Budget, Observer, PlanError, PlanReport, Planner, Ranges};
 ///    spines towards the new node, or steps.
 ///
 /// One iteration is one random configuration, or one batch of inverse kinematics before there is a goal. There are two
-/// differences from the publication. Each pair has its own distance, where the publication takes the minimum. The pairs include
-/// those of the robot with itself. A robot is always closer to itself than the critical distance, so that this distance, and
-/// the length of the spine in 3, refer to the world alone.
+/// differences from the publication. Each pair has its own distance instead of their minimum. The pairs of the robot with
+/// itself are included; since they are always closer than the critical distance, that distance and the length of the spine in 3
+/// refer to the world alone.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RbtConnect {

@@ -5,29 +5,28 @@ use crate::{PlanError, Ranges};
 
 /// Main planner: one search for grasp and motion at exact tolerance.
 ///
-/// 1. Batches of inverse kinematics between the iterations add goal configurations, for random grasps or
-///    their twins, as further roots of one goal forest.
+/// 1. Batches of inverse kinematics between the iterations add goal configurations, for random grasps or their twins, as
+///    further roots of one goal forest.
 /// 2. A pose at which the hand alone collides is discarded; if none is left, no grasp can be reached.
 /// 3. Bidirectional growth: the smaller side grows towards a random configuration, then the other side as far as possible
-///    towards the new node. Random configurations lie in the box between the start and one of the goals, extended farther and
-///    farther with time. A sequence fills this box evenly, which takes a quarter off the slowest searches. A node that was
-///    blocked is not extended again towards distant configurations.
-/// 4. Growth checks a row of single configurations at once and ends before the first that is not free. If both sides meet,
-///    every straight edge of the path is proven as a whole. An edge without a proof is cut off at its fault, with all that grew
-///    from there.
+///    towards the new node. Random configurations lie in the box between the start and one of the goals, which widens with
+///    time. A sequence fills this box evenly, which makes the slowest searches a quarter shorter. A node that was blocked is
+///    not extended again towards distant configurations.
+/// 4. Growth checks a row of configurations at once and ends before the first that is not free. If both sides meet, every
+///    straight edge of the path is proven as a whole. An edge without a proof is cut off at its fault, with its descendants.
 ///
 /// One iteration is one random configuration.
 ///
 /// Sources:
 ///
-/// - alternate growth in 3: RRT-Connect (Kuffner & `LaValle` 2000, §II), with a forest in place of the tree of the goal, the
-///   smaller side first, and one pass of checks in place of one step;
+/// - alternate growth in 3: RRT-Connect (Kuffner & `LaValle` 2000, §II), with a forest instead of the tree of the goal, the
+///   smaller side first, and one pass of checks instead of one step;
 /// - sequence in 3: Richtmyer 1951, "The evaluation of definite integrals, and a quasi-Monte-Carlo method based on the
 ///   properties of algebraic numbers", whole;
 /// - domains in 3: Yershova, Jaillet, Siméon & `LaValle` 2005, "Dynamic-domain RRTs", whole; a sample that is dropped counts as
 ///   an iteration here, where they draw another;
 /// - checks in 4 along an edge in the lanes of one instruction: Thomason, Kingston & Kavraki 2024, "Motions in microseconds via
-///   vectorized sampling-based planning", Fig. 2; here in the order of the edge, and of exact bodies;
+///   vectorized sampling-based planning", Fig. 2; here in the order of the edge, and against exact solids;
 /// - proof in 4 after the growth: delayed checks as in SBL (Sánchez & Latombe 2003, "A single-query bi-directional
 ///   probabilistic roadmap planner with lazy collision checking", whole).
 ///
@@ -40,8 +39,7 @@ pub struct Reach {
     pub step: f64,
     /// Number of configurations checked between two nodes, including the second. One growth checks 16 (`LANES`). Default 4.
     pub looks: usize,
-    /// Number of goals that suffice at first. Default 100: more do not help, unless all are cut off, so one is added for every
-    /// 100 iterations.
+    /// Number of goals that suffice at first. Default 100: more help only if all are cut off, so each 100 iterations add one.
     pub goals: usize,
     /// Distance of each joint of a random configuration beyond start and goal at first (m, rad). It grows by the same amount
     /// for every 100 iterations, up to the joint limits. Default 0.5.

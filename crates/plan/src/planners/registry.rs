@@ -11,8 +11,7 @@ use crate::{
     RbtConnect, Reach, Rrt, RrtConnect, RrtStar, Unobserved,
 };
 
-/// Planners by name. [`Registry::default`] has the built-in ones, and [`Registry::with`] adds others. Users of a registry need
-/// not know the planners in it.
+/// Planners by name. [`Registry::default`] has the built-in ones, and [`Registry::with`] adds others.
 #[derive(Clone)]
 pub struct Registry {
     entries: Vec<Entry>,
@@ -110,7 +109,7 @@ impl Registry {
         self.entry(name).map(|entry| entry.default.clone())
     }
 
-    /// Creates the planner of that name, with `settings` in place of the defaults of the same names.
+    /// Creates the planner of that name, with `settings` instead of the defaults of the same names.
     ///
     /// # Errors
     /// As [`Self::planner`]; [`PlanError::UnknownSetting`], which lists the existing ones; [`PlanError::Setting`] for a value

@@ -10,9 +10,8 @@ use crate::{Budget, Observer, PlanError, PlanReport, Planner, Ranges};
 /// RRT-Connect (Kuffner & `LaValle` 2000, §II) with the goals of all grasps at once.
 ///
 /// 1. Inverse kinematics adds goal configurations, each the root of its own tree.
-/// 2. The tree from the start and the forest from the goals take turns: one is extended by a step from its nearest node (L2 in
-///    joint space) towards a uniform random configuration, then the other step by step towards the new node, until it arrives
-///    or is blocked.
+/// 2. The tree from the start and the forest from the goals grow in turn: one by a step from its nearest node (L2 in joint
+///    space) towards a uniform random configuration, the other by steps towards the new node until it arrives or is blocked.
 /// 3. Every step is proven when it is taken, so that a path needs no further proof.
 ///
 /// One iteration is one random configuration, or one batch of inverse kinematics before there is a goal. Differs from the

@@ -14,7 +14,7 @@ use crate::{Budget, NearestNeighbours, Observer, PlanError, PlanReport, Planner,
 /// RRT* with the k nearest (Karaman & Frazzoli 2011, Algorithm 6 and §3.3.3) to the goals of all grasps at once: its paths
 /// converge to the shortest ones (L2 in joint space).
 ///
-/// 1. As in [`Rrt`] inverse kinematics finds goals meanwhile, and a step is taken towards a goal or a random configuration.
+/// 1. As in [`Rrt`], inverse kinematics finds goals meanwhile, and a step is taken towards a goal or a random configuration.
 /// 2. Among the `k = ⌈e·(1 + 1/dof)·ln n⌉` nearest of n nodes, the parent of the new node is the one with the shortest path to
 ///    it and a proven edge. Each of the others is rewired to the new node if that shortens its path and the edge is proven.
 /// 3. The shortest path to any goal is returned `refinements` iterations after the first path, or when the budget is spent.
@@ -103,7 +103,7 @@ struct Tree<'a> {
 }
 
 impl Tree<'_> {
-    /// Runs steps 1 and 2.
+    /// Runs 1 and 2 of [`RrtStar`].
     fn extend(&mut self, search: &mut Search) -> Option<()> {
         let (target, goal) = self.goals.target(self.settings.p_goal, search);
         let begin = now();

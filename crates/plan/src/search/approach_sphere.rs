@@ -2,10 +2,9 @@ use std::collections::BTreeMap;
 
 use cranny_spatial::{Stream, Vector};
 
-/// Nodes of a tree by the direction of their grippers from an object, so that approaches to it come evenly from all sides (the
-/// `ApproachSphere` of Vahrenkamp, Asfour & Dillmann 2012, whole).
-///
-/// The sphere is divided as an octahedron whose faces are split three times into four: 512 triangles.
+/// Nodes of a tree by the direction of their grippers from an object, so that approaches come evenly from all sides (the
+/// `ApproachSphere` of Vahrenkamp, Asfour & Dillmann 2012, whole). The sphere is divided as an octahedron whose faces are split
+/// three times into four: 512 triangles.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ApproachSphere {
     faces: Vec<Face>,
@@ -18,7 +17,7 @@ type Triangle = ([bool; 3], [u32; 2], bool);
 
 #[derive(Clone, Debug, Default)]
 struct Face {
-    /// Number of times a node of it was taken.
+    /// Number of nodes that were taken from it.
     taken: u32,
     nodes: Vec<usize>,
 }
@@ -26,7 +25,7 @@ struct Face {
 /// Cells along an edge of the octahedron.
 const CELLS: u32 = 8;
 
-/// Number of triangles sampled to find one of which few nodes were taken.
+/// Number of triangles sampled to find one from which few nodes were taken.
 const LOOKS: u32 = 30;
 
 impl ApproachSphere {
@@ -44,7 +43,7 @@ impl ApproachSphere {
         self.faces[place].nodes.push(node);
     }
 
-    /// Removes and returns a random node, of a triangle of which few were taken before; `None` if none is left there.
+    /// Removes and returns a random node of a triangle from which few were taken; `None` if no sampled triangle has a node.
     pub fn take(&mut self, random: &mut Stream) -> Option<usize> {
         let mut best: Option<usize> = None;
         for _ in 0..LOOKS.min(u32::try_from(self.faces.len()).unwrap_or(LOOKS)) {

@@ -14,7 +14,7 @@ pub(crate) fn base_shift_m(problem: &Problem, goals: &GraspSet, way: &Vector) ->
     /// Number of lengths to try, and their spacing, in metres.
     const LENGTHS: u32 = 6;
     const STEP_M: f64 = 0.15;
-    /// Resolution of the shift, in steps per metre: a base is placed to the centimetre.
+    /// Multiples of the resolution per metre: shifts are rounded to the centimetre.
     const PER_METRE: f64 = 100.0;
     let parts: usize = problem.cell()?.world().bodies().iter().map(|body| body.parts.len()).sum();
     let across = Vector::new(way.x, way.y, 0.0);
@@ -29,7 +29,7 @@ pub(crate) fn base_shift_m(problem: &Problem, goals: &GraspSet, way: &Vector) ->
     })
 }
 
-/// Returns true if a grasp has a free configuration with the base shifted. Everything else is shifted the opposite direction.
+/// Returns true if a grasp has a free configuration with the base shifted: the world is shifted in the opposite direction.
 fn is_within_reach(problem: &Problem, goals: &GraspSet, [x, y]: [f64; 2]) -> bool {
     const SETTINGS: IkAnnotationSettings =
         IkAnnotationSettings { attempts: 192, ..IkAnnotationSettings::DEFAULT };

@@ -53,12 +53,12 @@ impl Forest {
         self.parents.len()
     }
 
-    /// Returns the number of nodes that can be grown from.
+    /// Returns the number of nodes that are not cut off.
     pub fn len(&self) -> usize {
         self.indexed.len()
     }
 
-    /// Returns true if there are none.
+    /// Returns true if [`Self::len`] is 0.
     pub fn is_empty(&self) -> bool {
         self.indexed.is_empty()
     }
@@ -124,7 +124,7 @@ impl Forest {
         std::iter::successors(Some(node), |&node| self.parents[node]).collect()
     }
 
-    /// Returns the configurations (m, rad; one value per joint) from the root of `node` to it.
+    /// Returns the configurations (m, rad; one value per joint) from the root of a node to the node.
     pub fn path_to(&self, node: usize) -> Vec<Vec<f64>> {
         self.nodes_to_root(node).into_iter().rev().map(|node| self.q(node).to_vec()).collect()
     }

@@ -1,8 +1,7 @@
 use cranny_grasp::{Grasp, GraspSet};
 use cranny_spatial::{EXACT_TRANSLATION_M, Pose, PoseDifference, Vector, nalgebra::Quaternion};
 
-/// Measures grippers against all grasps of a set by the released metric `d = ½·mm + ½·deg`, and stores the nearest node for
-/// each grasp.
+/// Measures grippers against all grasps of a set by the released metric `d = ½·mm + ½·deg`; stores the nearest node of each.
 #[derive(Clone, Debug)]
 pub(crate) struct GoalMeter {
     positions: Vec<Vector>,

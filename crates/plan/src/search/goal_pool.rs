@@ -8,10 +8,9 @@ use crate::search::grasp_source::GraspSource;
 use crate::wall_clock::now;
 use crate::{PlanError, Statistics};
 
-/// Number of attempts per open pose before another pose is checked: they cost as much as finding a pose at which the hand is
-/// free.
+/// Number of attempts per open pose before another pose is checked: they cost as much as finding an open pose.
 const ATTEMPTS_PER_POSE: usize = 16;
-/// Number of poses checked before the first attempt, so that it does not depend on a single one.
+/// Number of open poses found before the first attempt, so that it does not depend on a single one.
 const FIRST_POSES: usize = 8;
 /// Attempts per goal that delay the next batch by one iteration, once there is a goal.
 const ATTEMPTS_PER_ITERATION: u64 = 8;
@@ -20,9 +19,8 @@ const MOST_ITERATIONS: u64 = 8;
 
 /// Goal configurations of a problem, found in batches by inverse kinematics from random starts.
 ///
-/// 1. Poses are opened in random order, in proportion to the attempts made. A pose is discarded if the hand alone collides
-///    there, since no arm can hold it, or if it fails the filter of the problem. A source of grasps, if there is one, adds
-///    poses.
+/// 1. Poses are checked in random order, in proportion to the attempts made. A pose is open if the hand alone is free there and
+///    it passes the filter of the problem; otherwise it is discarded. A source of grasps, if there is one, adds poses.
 /// 2. Each attempt of a batch goes to a random open pose, from its own start.
 /// 3. A reached and free configuration is a goal. For grasps from a source the hand must also hold the target there. Joints
 ///    with a range of several turns are set near the start.
@@ -32,7 +30,7 @@ const MOST_ITERATIONS: u64 = 8;
 pub struct GoalPool<'a> {
     cell: &'a Cell,
     start: &'a [f64],
-    /// Grasps and poses that are not discarded; the first `open` are known to be open to the hand.
+    /// Grasps and poses that are not discarded; the first `open` are known to be open.
     poses: Vec<(usize, Pose)>,
     open: usize,
     /// Source of further grasps; `None` if all are given. Its grasps are recorded together, under number 0.
@@ -195,7 +193,7 @@ impl<'a> GoalPool<'a> {
             || self.waited * ATTEMPTS_PER_ITERATION * self.goals >= self.attempts
     }
 
-    /// Searches for poses that are open to the hand until their number matches the attempts.
+    /// Searches for open poses until their number matches the attempts.
     fn open_poses(&mut self, random: &mut Stream, scratch: &mut Scratch) {
         let wanted = FIRST_POSES + usize::try_from(self.attempts).unwrap_or(usize::MAX) / ATTEMPTS_PER_POSE;
         if let Some(source) = &mut self.source {
@@ -223,8 +221,7 @@ impl<'a> GoalPool<'a> {
         }
     }
 
-    /// Returns the obstacle between the robot and each given grasp, as far as one was found; for a source, the last one found
-    /// at any grasp.
+    /// Returns the reason for the failure of each given grasp; for a source, one reason for all its grasps, if it drew any.
     pub fn failures(&self, scratch: &mut Scratch) -> Vec<GraspFailure> {
         if self.source.is_some()
             && self.records.iter().all(|record| record.hand_contacts == 0 && record.attempts == 0)

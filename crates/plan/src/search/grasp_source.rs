@@ -6,12 +6,10 @@ use cranny_task::{GraspMeasure, TaskError, gripper_poses};
 
 use crate::PlanError;
 
-/// Maximum number of first contacts drawn per batch of inverse kinematics: about a millisecond if the hand collides almost
-/// everywhere.
+/// Maximum number of first contacts drawn per batch of inverse kinematics: about 1 ms if the hand nearly always collides.
 const DRAWS_PER_BATCH: usize = 128;
 
-/// Factor on the required score beyond the minimum after a batch without a goal, so that a search without success soon accepts
-/// any grasp.
+/// Factor of the required score beyond the minimum after a batch without a goal, so that soon any grasp is accepted.
 const LEFT_PER_BATCH: f64 = 0.95;
 
 /// Grasps sampled on the target as a search needs them.
@@ -32,7 +30,7 @@ impl<'a> GraspSource<'a> {
     /// [`GraspMeasure::LEAST_SCORE`] while they lead to no goals.
     ///
     /// # Errors
-    /// [`TaskError::NoGraspMeasure`] for a surface on which no grasp can be sampled, which has no measure.
+    /// [`TaskError::NoGraspMeasure`] for a surface on which no grasp can be sampled.
     pub fn new(measure: &'a GraspMeasure, first_score: f64) -> Result<Self, PlanError> {
         let sampler = Self::sampler(measure)?;
         let score_beyond = (first_score - GraspMeasure::LEAST_SCORE).max(0.0);

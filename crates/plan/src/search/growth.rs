@@ -28,7 +28,7 @@ impl Growth {
     }
 }
 
-/// New nodes of a tree from one of its nodes.
+/// Nodes grown from one node of a tree.
 pub(crate) struct Grown {
     /// Branch towards the target.
     pub ahead: Branch,
@@ -76,8 +76,7 @@ impl<'a> Grower<'a> {
         Self { check: BaselineCheck::of(problem), stepper: Stepper::new(robot), robot, growth }
     }
 
-    /// Grows from `q` towards `target`, another configuration (m, rad; one per joint). A bur has random spines only if it
-    /// `explores`.
+    /// Grows from `q` towards `target`, another configuration (m, rad; one per joint). A bur has random spines if `explores`.
     pub fn grow(&mut self, q: &[f64], target: &[f64], explores: bool, search: &mut Search) -> Grown {
         let bur = match self.growth {
             Growth::Step { .. } => None,
@@ -96,8 +95,7 @@ impl<'a> Grower<'a> {
         })
     }
 
-    /// Takes a step from `q` towards `target` (m, rad; one per joint), unless it is blocked; returns its end, and true if that
-    /// is the target.
+    /// Takes a step from `q` towards `target` (m, rad; one per joint) unless blocked; returns its end, and true at the target.
     pub fn step(&mut self, q: &[f64], target: &[f64], search: &mut Search) -> Option<(Vec<f64>, bool)> {
         let (_, is_target) = self.stepper.towards(self.robot, q, target, self.growth.step_m());
         let (to, frames) = (self.stepper.q(), self.stepper.frames());

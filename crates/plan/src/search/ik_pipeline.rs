@@ -29,7 +29,7 @@ pub(crate) struct PipelineSettings {
 /// Distribution of iterations among goals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Shares {
-    /// Equal shares, with two trees of its own per goal; given configurations are tried once.
+    /// Equal shares, with two separate trees per goal; given configurations are tried once.
     Equal,
     /// One goal after the other, repeatedly, by the sequence 1, 1, 2, 1, 1, 2, 4, … of Luby, Sinclair & Zuckerman (1993,
     /// "Optimal speedup of Las Vegas algorithms", whole: the strategy `S^univ`), while the tree from the start keeps growing.
@@ -43,7 +43,7 @@ fn luby_share(index: u64) -> u64 {
     if run == index + 1 { run / 2 } else { luby_share(index + 1 - run / 2) }
 }
 
-/// Plans for one goal after the other, each with a tree from the start and one from it ([`IkRrt`](crate::IkRrt)).
+/// Plans for one goal after the other, each with a tree from the start and one from the goal ([`IkRrt`](crate::IkRrt)).
 ///
 /// # Errors
 /// [`TaskError::NoGoal`].
@@ -151,7 +151,7 @@ impl Pipeline<'_> {
         })
     }
 
-    /// Steps 3 and 4 of [`IkRrt`](crate::IkRrt).
+    /// Runs 3 and 4 of [`IkRrt`](crate::IkRrt).
     fn connect(&mut self, goal: &[f64], search: &mut Search) -> Result<Option<Path>, Outcome> {
         let rooted = |index: usize, root: &[f64], search: &mut Search| {
             let mut tree = Forest::new(root.len(), JointMetric::plain(root.len()));

@@ -131,8 +131,7 @@ impl<'a> JacobianTree<'a> {
         None
     }
 
-    /// Takes pseudo-inverse steps towards a grasp, from its nearest node, until the gripper arrives, the motion is blocked, or
-    /// it comes no closer.
+    /// Takes pseudo-inverse steps to a grasp from its nearest node until the gripper arrives, is blocked or comes no closer.
     fn reach_for_a_grasp(&mut self, search: &mut Search) -> Option<usize> {
         let picked = self.pick(search);
         let goal = &self.grasps.grasps()[picked];
@@ -167,7 +166,7 @@ impl<'a> JacobianTree<'a> {
             }
             self.robot.jacobian(&frames, self.robot.tip(), &mut self.jacobian);
             if d > ROTATION_ENTERS_BELOW {
-                // Far away only the position counts: the rotation is free, not held.
+                // Far away only the position counts: the rotation is unconstrained.
                 self.jacobian.fixed_rows_mut::<3>(3).fill(0.0);
             }
             if !damped_pseudo_inverse_step(&self.jacobian, &twist, self.settings.damping, &mut step) {
@@ -185,7 +184,7 @@ impl<'a> JacobianTree<'a> {
         }
     }
 
-    /// Adds a node, and returns it, and true if the gripper has arrived at a grasp there.
+    /// Adds a node; returns it, and true if the gripper has arrived at a grasp there.
     fn add(&mut self, q: &[f64], parent: Option<usize>, search: &mut Search) -> (usize, bool) {
         search.observer.node_added(0, q, parent);
         let node = self.nodes.add(q, parent);
@@ -206,7 +205,7 @@ impl<'a> JacobianTree<'a> {
                     left -= weight(*index);
                     left < 0.0
                 };
-                // Without any score every grasp is as good as any other.
+                // Without any score all grasps are equally good.
                 match (0..self.grasps.len()).find(passes) {
                     Some(picked) => picked,
                     None => search.random.index(self.grasps.len()),

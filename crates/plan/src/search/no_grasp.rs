@@ -48,7 +48,7 @@ pub(crate) fn all_excluded(problem: &Problem) -> Option<Vec<GraspFailure>> {
         return is_excluded.then(Vec::new);
     }
     let grasps = problem.grasps().filter(|grasps| !grasps.is_empty())?.grasps();
-    // Most problems have a grasp that is not excluded, often the first.
+    // In most problems an early grasp is not excluded, which ends the iteration.
     let reach = robot.reach_bound();
     let failure = |(grasp, given): (usize, &Grasp)| {
         let at = Point::from(given.world_from_gripper.translation.vector);
@@ -107,7 +107,6 @@ impl NoGrasp {
     }
 }
 
-/// Samples a few grasps of the target.
 fn sampled(measure: &GraspMeasure) -> Vec<Grasp> {
     const COUNT: usize = 8;
     const DRAWS: usize = 1000;

@@ -11,8 +11,7 @@ use crate::PlanError;
 pub struct Budget {
     /// Maximum number of iterations (each planner defines one). Default: no limit.
     pub iterations: u64,
-    /// Maximum wall-clock time. It may only cut short the search that the seed and the iterations determine. Default: 120 s,
-    /// the limit of the paper.
+    /// Maximum wall-clock time; it only cuts short the search that seed and iterations determine. Default: 120 s (the paper's).
     pub time: Duration,
 }
 
@@ -124,8 +123,7 @@ pub struct PlanReport {
 }
 
 impl PlanReport {
-    /// Creates the report of a search that ended with a path of way points (m, rad; one value per joint), or with the reason
-    /// for its failure.
+    /// Creates the report of a search that ended with a path (m, rad; one value per joint), or with the reason for its failure.
     pub fn of(ended: Result<Vec<Vec<f64>>, Outcome>, statistics: Statistics) -> Self {
         let (outcome, path) = match ended {
             Ok(path) => (Outcome::Solved, path),
@@ -137,8 +135,7 @@ impl PlanReport {
 
 /// Observer of a search. Every method does nothing by default.
 pub trait Observer {
-    /// Reports a new node of tree `tree` (0: from the start) at `q` (m, rad; one per joint), below node `parent` of the same
-    /// tree.
+    /// Reports a new node of tree `tree` (0: from the start) at `q` (m, rad; one per joint), below node `parent` of this tree.
     fn node_added(&mut self, _tree: usize, _q: &[f64], _parent: Option<usize>) {}
 
     /// Reports that node `node` of tree `tree` was cut off with all its descendants. Nodes are numbered from 0 in the order in
@@ -163,10 +160,9 @@ pub struct Unobserved;
 
 impl Observer for Unobserved {}
 
-/// Search for paths to the goals of a problem, one after another. The caller decides about each path.
-///
-/// The caller pulls paths, because a task continues from the end of a path (closing the hand, carrying an object) with further
-/// searches, which need a budget and statistics of their own. A callback of the first search could not provide these.
+/// Search for paths to the goals of a problem, one after another. The caller decides about each path, because a task continues
+/// from the end of the path (closing the hand, carrying an object) with further searches, which need a budget and statistics of
+/// their own. A callback of the first search could not provide these.
 pub trait PathSearch {
     /// Returns the next path, or the reason why there is none, with the statistics of all calls. Budget and time carry over.
     ///

@@ -39,7 +39,6 @@ pub struct RoadmapFile {
     content: Arc<Content>,
 }
 
-/// Content of the file.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Content {
@@ -220,7 +219,6 @@ impl Roadmap {
         }
     }
 
-    /// Removes an edge.
     pub(crate) fn cut(&mut self, a: usize, b: usize) {
         for (a, b) in [(a, b), (b, a)] {
             self.neighbours[a].retain(|next| next.node != b);

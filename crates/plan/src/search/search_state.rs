@@ -45,7 +45,6 @@ impl<'a> Search<'a> {
         self.problem.robot().random_configuration(&mut self.random)
     }
 
-    /// Returns the report of the ended search.
     pub(crate) fn report(self, ended: Result<Vec<Vec<f64>>, Outcome>) -> PlanReport {
         let planning_time_s = self.clock.elapsed_s();
         PlanReport::of(ended, Statistics { planning_time_s, ..self.statistics })

@@ -1,4 +1,4 @@
-//! The tasks that the benchmarks of this crate share.
+//! The problems that the benchmarks of this crate share.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! Oracle for tasks that are not in the release: insertions and tasks of several steps. The shapes are those of the built-in
+//! Oracle for tasks that are not in the release: insertions and tasks of several stages. The shapes are those of the built-in
 //! scenarios; the check is the oracle's own.
 
 use cranny_collision::{Body, Margins, Part};
@@ -56,7 +56,7 @@ fn nothing_that_is_brought_in_touches_anything() {
         let answer = solve(&problem, &Request { stages, ..Request::default() }, &mut Unobserved).unwrap();
         assert!(answer.is_solved(), "{id}");
         let pieces = answer.segments.into_iter().map(|segment| segment.waypoints).collect();
-        // At the pose of the paper it rests on something, within 1 mm.
+        // At the pose of the paper the target rests on something, within 1 mm.
         judged(id, &oracle(&scenario), pieces, 1e-3)
     });
     assert!(faults.iter().all(Vec::is_empty), "{ids:?}: {faults:?}");

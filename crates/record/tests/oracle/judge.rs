@@ -42,7 +42,7 @@ pub struct Oracle {
     pub grasps: Vec<Matrix4<f64>>,
 }
 
-/// Hull of a part of a link, in the frame of the link.
+/// Closed mesh of a collision shape of a link, in the frame of the link.
 pub struct LinkMesh {
     pub link: usize,
     pub name: String,
@@ -341,7 +341,7 @@ impl Oracle {
         let distance_m = (gripper - grasp).fixed_view::<3, 1>(0, 3).norm();
         let relative = grasp.fixed_view::<3, 3>(0, 0).transpose() * gripper.fixed_view::<3, 3>(0, 0);
         let [x, y, z] = [0, 1, 2].map(|axis| relative[(axis, axis)]);
-        // The trace of a rotation is 1 + 2 cos; the twin's x and y axes point the other way.
+        // The trace of a rotation is 1 + 2 cos; the twin's x and y axes point in the opposite direction.
         let cosine = 0.5 * ((x + y + z).max(z - x - y) - 1.0);
         distance_m <= 1e-3 && cosine >= 1.0_f64.to_radians().cos()
     }

@@ -279,7 +279,7 @@ fn hulls_of_the_links_are_convex_and_hold_every_vertex() {
         let shape = &cell.robot().links()[link.link].collisions[0];
         let soup = shape.soup.iter().flat_map(|soup| &soup.vertices);
         let all: Vec<Point> = soup.map(|vertex| shape.link_from_shape * vertex).collect();
-        // Euler's formula for a body without a hole.
+        // Euler's formula for a closed surface without handles.
         assert_eq!(vertices.len() + triangles.len() - triangles.len() / 2 * 3, 2, "{}", link.name);
         for face in triangles {
             let is_outside = |vertex: &&Point| height_above(vertices, face, vertex) > 1e-8;

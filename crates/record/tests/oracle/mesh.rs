@@ -59,7 +59,7 @@ impl Mesh {
         Self::new((0..8).map(|k| corner(k).into()).collect(), triangles)
     }
 
-    /// Returns the parts that share no vertex, each closed.
+    /// Returns the pieces that share no vertex, each closed.
     pub fn pieces(&self) -> Vec<Self> {
         let mut label: Vec<usize> = (0..self.vertices.len()).collect();
         // Every edge passes the lower label on, until nothing changes.
@@ -115,7 +115,7 @@ impl Placed<'_> {
         self.bounds = Bounds::around(&self.vertices);
     }
 
-    /// Returns true if the two bodies share a point: their surfaces cross, or one lies inside the other.
+    /// Returns true if the two solids share a point: their surfaces cross, or one lies inside the other.
     pub fn meets(&self, other: &Self) -> bool {
         let shared = self.bounds.intersection(&other.bounds);
         !shared.is_empty()
@@ -149,8 +149,7 @@ impl Placed<'_> {
         })
     }
 
-    /// Returns true if the whole mesh lies inside `other`, given that their surfaces do not cross: then one vertex decides for
-    /// all.
+    /// Returns true if this mesh lies inside `other`, given that their surfaces do not cross, so that one vertex decides.
     fn lies_within(&self, other: &Self) -> bool {
         other.bounds.contain(&self.bounds) && other.contains(&self.vertices[0])
     }

@@ -69,7 +69,6 @@ fn narrow(limits: &mut JointLimits, mimic: &UrdfJoint, (multiplier, offset): (f6
     limits.jerk = slower(limits.jerk, motion.limits.jerk);
 }
 
-/// Returns `rate` times `share`.
 fn scaled(rate: Option<f64>, share: Option<f64>) -> Option<f64> {
     rate.map(|rate| rate * share.unwrap_or(1.0))
 }

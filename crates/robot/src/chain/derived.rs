@@ -39,7 +39,7 @@ mod tests {
         };
         assert_eq!((*dof(&robot), *dof(&robot), times.get()), (1, 1, 1));
         assert_eq!((*dof(&robot.clone()), times.get()), (1, 2));
-        // The cache holds one value.
+        // The cache stores one value.
         assert_eq!(*robot.derived(|robot| robot.name().to_owned()), "r");
         assert_eq!((*dof(&robot), times.get()), (1, 2));
     }

@@ -22,7 +22,7 @@ struct MovingBody {
     arms_m: Vec<f64>,
 }
 
-/// Joint forces along a path `q(s)`, per joint in N or N m: that of joint j is `inertia·s̈ + bend·ṡ² + weight`.
+/// Joint forces along a path `q(s)`, per joint in N or N m: the force at joint j is `inertia·s̈ + bend·ṡ² + weight`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PathForces {
     /// Coefficients of `s̈`.
@@ -59,10 +59,10 @@ impl Dynamics {
         Ok(Self { bodies, gravity: -GRAVITY_M_S2 * up, dof: robot.dof() })
     }
 
-    /// Bounds the change of each of [`PathForces`] per unit of `s`, one value per joint, given bounds on the absolute values
-    /// of the first three derivatives of the joints (m, rad) by `s` (one value per joint each).
+    /// Bounds the change of each coefficient of [`PathForces`] per unit of `s`, one value per joint, given bounds on the
+    /// absolute values of the first three derivatives of the joints (m, rad) by `s` (one value per joint each).
     ///
-    /// For a body with arms `ρ_j` (maximum distances of its centre from the joint axes over all joint values), let
+    /// For a link with arms `ρ_j` (maximum distances of its centre of mass from the joint axes over all joint values), let
     /// `P = Σ ρ_j |q_j'|`, `W = Σ |q_j'|` over the joints that turn, and `Z`, `Y`, `PZ`, `PY` the same sums with the second and
     /// third derivatives. A column of the Jacobian of the centre changes by at most `J' = Wρ_j + P`, the centre itself by
     /// `c' ≤ P`, `c'' ≤ C₂ = 2WP + PZ` and `c''' ≤ (3W² + Z)P + W(2WP + 2C₂) + 2(W·PZ + Z·P) + PY`; a moment of inertia λ
@@ -113,8 +113,8 @@ impl MovingBody {
         Self { link, inertial, greatest_moment, arms_m }
     }
 
-    /// Adds the joint forces that give the body its motion: joint values change with `rates` and `accelerations` (one value per
-    /// joint each); `gravity` acts on the body (m/s²).
+    /// Adds the joint forces that the motion of the link requires: joint values change with `rates` and `accelerations` (one
+    /// value per joint each); `gravity` acts on the link (m/s²).
     fn add_forces(
         &self,
         robot: &Robot,
@@ -128,7 +128,7 @@ impl MovingBody {
             let world_from_child: &Pose = frames.link(mover.child_link);
             (world_from_child.translation.vector, world_from_child.rotation * mover.axis_in_child)
         };
-        // The motion of the body is described by that of one of its points.
+        // The motion of one of its points describes the motion of the link.
         let mut motion = PointMotion::default();
         for mover in movers {
             let (origin, axis) = place(mover);
@@ -163,7 +163,7 @@ impl MovingBody {
     }
 }
 
-/// Acceleration of a point of a rigid body, with the body's angular velocity and acceleration.
+/// Acceleration of a point of a link, with the link's angular velocity and acceleration.
 #[derive(Clone, Copy, Default)]
 struct PointMotion {
     point: Vector,
@@ -173,7 +173,7 @@ struct PointMotion {
 }
 
 impl PointMotion {
-    /// Returns the motion of this body at another of its points.
+    /// Returns the motion of another point of the same link.
     fn at(self, point: Vector) -> Self {
         let arm = point - self.point;
         let acceleration =

@@ -2,15 +2,16 @@ use crate::JointKind;
 
 /// Bound on the rounding error of a computed frame, and of any point fixed to it.
 ///
-/// With a unit roundoff `u`, a frame is computed from that of its parent by a translation and a rotation; constants, products
-/// and sums are each off by `u` of their size. To first order, in the operator norm:
+/// With a unit roundoff `u`, a frame is computed from that of its parent by a translation and a rotation; each constant,
+/// product and sum has a relative error of `u`. To first order, in the operator norm:
 ///
-/// - the rotation of a frame is off by that of its parent, by the rounding of the constant rotation (√3 u), of the
-///   product with it (three columns of three products each: 9 u) and of the turn (4 u), together [`PER_TURN`],
-///   by the sine and the cosine, and by the rounding of the angle itself;
-/// - its origin is off by that of its parent, by the parent's rotation error times the offset to it, by the rounding of that
-///   offset and the products with it (√3 · 3 u + u, [`PER_WAY`]) and of the sum (u times its distance from the root);
-/// - a point of the frame is off by the same terms.
+/// - the rotation error of a frame is that of its parent, plus the rounding of the constant rotation (√3 u), of the product
+///   with it (three columns of three products each: 9 u) and of the turn (4 u), together [`PER_TURN`], plus the errors of the
+///   sine and the cosine, and of the angle itself;
+/// - the error of its origin is that of its parent's origin, plus the parent's rotation error times the offset to it, plus the
+///   rounding of that offset and the products with it (√3 · 3 u + u, [`PER_WAY`]) and of the sum (u times its distance from the
+///   root);
+/// - the error of a point of the frame has the same terms.
 ///
 /// [`HIGHER_ORDERS`] covers the higher-order terms, as long as the rotation error of no frame exceeds [`MOST_TURNED`].
 #[derive(Clone, Copy, Debug)]
@@ -22,7 +23,7 @@ pub(crate) struct FrameError {
     unit: f64,
 }
 
-/// Data of a joint that its rounding error depends on.
+/// Data of a joint that determine its rounding error.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MovedBy {
     pub kind: JointKind,
@@ -79,7 +80,6 @@ impl FrameError {
         HIGHER_ORDERS * (origin_m + own)
     }
 
-    /// Maximum distance of the frame's origin from the root's, in metres.
     pub fn farthest_m(&self) -> f64 {
         self.farthest_m
     }

@@ -5,9 +5,8 @@ use crate::description::urdf_model::{UrdfJoint, UrdfJointKind};
 use crate::{JointKind, JointLimits, Mover, Robot};
 
 impl Robot {
-    /// Turns joints of `q` (m, rad; one per joint) by whole turns, within their limits, to the values nearest to
-    /// `reference`; all links keep their poses. Joints without a full turn keep their values. Returns true if any joint
-    /// was turned.
+    /// Turns joints of `q` (m, rad; one per joint) by whole turns, within their limits, to the values nearest to `reference`;
+    /// all links keep their poses. Joints without a full turn keep their values. Returns true if any joint was turned.
     ///
     /// # Panics
     /// If either does not have one value per joint.
@@ -25,8 +24,8 @@ impl Robot {
         is_turned
     }
 
-    /// Turns endless joints of `q` (m, rad; one per joint) that are outside their limits by whole turns into them, as near
-    /// to the middle of the limits as possible. Other joints keep their values.
+    /// Turns endless joints of `q` (m, rad; one per joint) that are outside their limits by whole turns to values within them,
+    /// as near to the middle of the limits as possible. Other joints keep their values.
     ///
     /// # Panics
     /// If `q` does not have one value per joint.
@@ -83,8 +82,8 @@ impl Robot {
     }
 }
 
-/// Returns, per joint of the group, true if a full turn leaves all links in place: it turns, its range is at least 2π, and
-/// every joint that mimics it has an integer multiplier.
+/// Returns, per joint of the group, true if a full turn leaves the poses of all links unchanged: it turns, its range is at
+/// least 2π, and every joint that mimics it has an integer multiplier.
 pub(crate) fn full_turns(limits: &[JointLimits], movers: &[Vec<Mover>]) -> Vec<bool> {
     let keeps_its_place = |joint: usize| {
         let moved = movers.iter().flatten().filter(|mover| mover.joint == joint);

@@ -20,8 +20,7 @@ impl Robot {
     /// Writes the geometric Jacobian of `link`, at its origin and in the root frame, for the configuration at which `frames`
     /// were computed. The columns of mimic joints are added to that of the joint they follow.
     ///
-    /// Law: `frames(q + δ) ≈ twist(jacobian · δ) applied to frames(q)`
-    /// (test `jacobian_is_the_derivative_of_the_pose`).
+    /// Law: `frames(q + δ) ≈ twist(jacobian · δ) applied to frames(q)` (test `jacobian_is_the_derivative_of_the_pose`).
     ///
     /// # Panics
     /// If `jacobian` or `frames` belong to another robot, or `link` does not exist.
@@ -45,15 +44,14 @@ impl Robot {
     }
 }
 
-/// Writes to `step` the joint motion (m, rad; one per joint) `Jᵀ(JJᵀ + λ²I)⁻¹ v` that best follows the twist `v` in
-/// the sense of damped least squares (Wampler 1986, "Manipulator inverse kinematic solutions based on vector
-/// formulations and damped least-squares methods", whole; Nakamura & Hanafusa 1986, "Inverse kinematic solutions with
-/// singularity robustness for robot manipulator control", whole; as in Siciliano, Sciavicco, Villani & Oriolo 2009,
-/// "Robotics", §3.5.2), λ = `damping`: λ = 0 gives the step of the pseudo-inverse. Returns true if there is a step:
-/// always with λ > 0; with λ = 0 not if J is rank-deficient, and `step` is then unchanged.
+/// Writes to `step` the joint motion (m, rad; one per joint) `Jᵀ(JJᵀ + λ²I)⁻¹ v` that best follows the twist `v` in the sense
+/// of damped least squares (Wampler 1986, "Manipulator inverse kinematic solutions based on vector formulations and damped
+/// least-squares methods", whole; Nakamura & Hanafusa 1986, "Inverse kinematic solutions with singularity robustness for robot
+/// manipulator control", whole; as in Siciliano, Sciavicco, Villani & Oriolo 2009, "Robotics", §3.5.2), λ = `damping`: λ = 0
+/// gives the motion of the pseudo-inverse. Returns true unless λ = 0 and J is rank-deficient; `step` is then unchanged.
 ///
 /// # Panics
-/// If `step` does not hold one value per column.
+/// If `step` does not have one value per column.
 pub fn damped_pseudo_inverse_step(
     jacobian: &Jacobian,
     twist: &Twist,
@@ -65,7 +63,7 @@ pub fn damped_pseudo_inverse_step(
     true
 }
 
-/// Factorisation of `JJᵀ + λ²I` of a Jacobian J, reused by several operations. All methods take that J again.
+/// Factorisation of `JJᵀ + λ²I` of a Jacobian J, reused by several operations. All methods require the same J.
 #[derive(Clone, Debug)]
 pub struct DampedInverse {
     factors: Cholesky<f64, Const<6>>,
@@ -91,7 +89,7 @@ impl DampedInverse {
     /// Writes `Jᵀ(JJᵀ + λ²I)⁻¹ v` to `step` (m, rad; one per joint).
     ///
     /// # Panics
-    /// If `step` does not hold one value per column.
+    /// If `step` does not have one value per column.
     pub fn step(&self, jacobian: &Jacobian, twist: &Twist, step: &mut [f64]) {
         assert_eq!(step.len(), jacobian.ncols(), "one value for each column");
         let weights = self.dual(twist);
@@ -100,7 +98,7 @@ impl DampedInverse {
         }
     }
 
-    /// Returns `(JJᵀ + λ²I)⁻¹ v`: the weights of the rows of J whose sum is [`Self::step`].
+    /// Returns `(JJᵀ + λ²I)⁻¹ v`: the weights with which the rows of J sum to [`Self::step`].
     pub fn dual(&self, twist: &Twist) -> Twist {
         self.factors.solve(twist)
     }
@@ -109,7 +107,7 @@ impl DampedInverse {
     /// J⁺ = `Jᵀ(JJᵀ + λ²I)⁻¹` only approximates the pseudo-inverse, and a residual of the order of λ² remains.
     ///
     /// # Panics
-    /// If `motion` does not hold one value per column.
+    /// If `motion` does not have one value per column.
     pub fn project_to_null_space(&self, jacobian: &Jacobian, motion: &mut [f64]) {
         assert_eq!(motion.len(), jacobian.ncols(), "one value for each column");
         let mut twist = Twist::zeros();

@@ -24,7 +24,7 @@ pub(crate) struct Resolved {
 pub(crate) struct JointValue {
     pub(crate) follows: Option<(usize, f64)>,
     pub(crate) offset: f64,
-    /// True if the joint could move, but is held at a value.
+    /// True if the joint is movable, but fixed at a value.
     pub(crate) stands: bool,
 }
 
@@ -64,20 +64,18 @@ pub(crate) fn named_group(
     Ok(resolver.named_group()?.unwrap_or_default())
 }
 
-/// Returns the error for a joint `name` that is not in the file.
 pub(crate) fn unknown_joint(urdf: &Urdf, place: String, name: &str) -> RobotError {
     let nearest = nearest_names(name, urdf.joints.iter().map(|joint| joint.name.as_str()));
     RobotError::UnknownName { place, kind: "joint", name: name.to_owned(), nearest }
 }
 
-/// Returns the error for a link `name` that is not in the file.
 pub(crate) fn unknown_link(urdf: &Urdf, place: String, name: &str) -> RobotError {
     let nearest = nearest_names(name, urdf.links.iter().map(|link| link.name.as_str()));
     RobotError::UnknownName { place, kind: "link", name: name.to_owned(), nearest }
 }
 
-/// Groups that a walk through nested groups is inside of, and those it has finished: each is walked once, however many
-/// groups contain it.
+/// Groups on the current branch of a walk through nested groups, and the groups already finished: each is visited once, even if
+/// several groups contain it.
 #[derive(Default)]
 struct Inside<'s> {
     open: Vec<&'s str>,
@@ -92,8 +90,8 @@ struct Resolver<'a> {
 }
 
 impl Resolver<'_> {
-    /// Checks that every joint named by a mimic joint or the option `fixed` exists, that every chain of mimic joints ends,
-    /// and that held values are finite.
+    /// Checks that every joint named by a mimic joint or the option `fixed` exists, that every chain of mimic joints ends, and
+    /// that the values in `fixed` are finite.
     fn check_names(&self) -> Result<(), RobotError> {
         for joint in &self.urdf.joints {
             let mut follower = joint;
@@ -138,7 +136,7 @@ impl Resolver<'_> {
         self.tree.joint(name).ok_or_else(|| unknown_joint(self.urdf, place(), name))
     }
 
-    /// Returns the joint named `name`, or all joints that stand for the planar or floating joint of that name.
+    /// Returns the joint named `name`, or all joints that represent the planar or floating joint of that name.
     fn joint_or_its_parts(&self, name: &str, place: impl Fn() -> String) -> Result<Vec<usize>, RobotError> {
         let is_part =
             |joint: &UrdfJoint| joint.name.strip_prefix(name).is_some_and(|rest| rest.starts_with('/'));
@@ -152,7 +150,7 @@ impl Resolver<'_> {
         self.tree.joint(name).is_none() && self.srdf.is_some_and(|srdf| srdf.virtual_joint(name).is_some())
     }
 
-    /// Returns the base link of a chain: the parent frame of a virtual joint stands for the link attached to it.
+    /// Returns the base link of a chain: the parent frame of a virtual joint represents the link attached to it.
     fn chain_base(&self, name: &str, place: impl Fn() -> String) -> Result<usize, RobotError> {
         let virtual_joints = self.srdf.iter().flat_map(|srdf| &srdf.virtual_joints);
         let mut standing =
@@ -201,7 +199,7 @@ impl Resolver<'_> {
                     &mut Inside::default(),
                     &mut joints,
                 )?;
-                // A passive joint keeps the value it is held at.
+                // A passive joint with a value in `fixed` keeps this value.
                 joints
                     .retain(|&joint| self.is_free(joint) && !(self.is_passive(joint) && self.is_held(joint)));
                 joints.sort_by_key(|&joint| self.tree.node_of_joint[joint]);
@@ -349,13 +347,13 @@ impl Resolver<'_> {
             return Ok(JointValue { follows: Some((index, 1.0)), offset: 0.0, stands: false });
         }
         let (lower, upper) = range(motion);
-        // The value is not wrapped: a joint that follows it by a fraction of a turn would change with whole turns.
+        // The value is not changed by whole turns: they would move a joint that mimics this one with a fractional multiplier.
         let held = self.options.fixed.get(&described.name).copied();
         let offset = held.unwrap_or_else(|| 0.0_f64.clamp(lower, upper));
         Ok(JointValue { follows: None, offset, stands: true })
     }
 
-    /// Checks that held values lie within limits, also those of joints that mimic held ones, and agree with the mimicry.
+    /// Checks that the values in `fixed`, and those of joints that mimic them, lie within limits and agree with the mimicry.
     fn check_held(&self, values: &[JointValue]) -> Result<(), RobotError> {
         for (name, &value) in &self.options.fixed {
             let Some(index) = self.tree.joint(name) else { continue };
@@ -408,7 +406,7 @@ pub(crate) fn mimic_within_limits(joint: &UrdfJoint, master: &str, value: f64) -
     Err(not_free(joint, "held", hindrance))
 }
 
-/// Maximum absolute value at which an endless joint is held, in radians: its links are then accurate to within 1e-12 rad.
+/// Maximum absolute value at which an endless joint may be fixed, in radians: its links are then accurate to within 1e-12 rad.
 const FARTHEST_TURN_RAD: f64 = 1e4;
 
 /// Returns `value` of an endless joint wrapped nearest to 0 by whole turns within its limits; other values unchanged.
@@ -418,12 +416,11 @@ fn wrapped_if_endless(motion: &UrdfMotion, value: f64) -> f64 {
     if is_endless { wrapped(value, 0.0, [lower, upper]).unwrap_or(value) } else { value }
 }
 
-/// The limits of a movable joint.
 pub(crate) fn range(motion: &UrdfMotion) -> (f64, f64) {
     (motion.limits.lower, motion.limits.upper)
 }
 
-/// Returns true if a joint may be held at `value`; for a continuous joint, modulo whole turns.
+/// Returns true if a joint may be fixed at `value`; for a continuous joint, modulo whole turns.
 pub(crate) fn admits(motion: &UrdfMotion, value: f64) -> bool {
     let (lower, upper) = range(motion);
     (lower..=upper).contains(&wrapped_if_endless(motion, value))

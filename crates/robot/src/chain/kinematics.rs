@@ -41,7 +41,7 @@ impl Robot {
     /// it does not allocate.
     ///
     /// # Panics
-    /// If `q` does not hold [`dof`](Self::dof) values.
+    /// If `q` does not have [`dof`](Self::dof) values.
     pub fn frames_at(&self, q: &[f64]) -> LinkFrames {
         let mut frames = self.frames();
         self.forward_kinematics(q, &mut frames);
@@ -52,7 +52,7 @@ impl Robot {
     /// rounding errors do not accumulate. Limits are not checked.
     ///
     /// # Panics
-    /// If `q` does not hold [`dof`](Self::dof) values, or `frames` belong to another robot.
+    /// If `q` does not have [`dof`](Self::dof) values, or `frames` belong to another robot.
     pub fn forward_kinematics(&self, q: &[f64], frames: &mut LinkFrames) {
         assert_eq!(frames.root_from_link.len(), self.rest.len(), "frames of this robot");
         self.follow(&self.steps, q, frames);

@@ -5,8 +5,7 @@ use fearless_simd::{Simd, f32x16};
 
 use crate::{JointKind, Robot};
 
-/// Joints from the root to the tip, which gives the pose of the tip and its Jacobian at 16 configurations at once, in
-/// `f32`.
+/// Joints from the root to the tip; computes the pose of the tip and its Jacobian at 16 configurations at once, in `f32`.
 #[derive(Clone, Debug)]
 pub(crate) struct LaneChain {
     joints: Vec<ChainJoint>,

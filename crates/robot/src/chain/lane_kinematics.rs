@@ -18,11 +18,11 @@ use crate::{FARTHEST_HELD_M, Hold, JointKind, Robot};
 /// within the joint limits. Fused multiplication is not used, so every instruction set gives the same bits.
 #[derive(Clone, Debug)]
 pub struct LaneKinematics {
-    /// Parents before children; step `i` has frame number `i + 1`, the root has number 0.
+    /// Parents before children; element `i` has frame number `i + 1`, the root has number 0.
     steps: Vec<LaneStep>,
     /// Per link of the robot.
     placements: Vec<LanePlacement>,
-    /// Frame of the tip, and the tip in it; used if the robot holds something. The loose links have the last frames.
+    /// Frame of the tip, and pose of the tip in it; used if the robot holds an object. The loose links have the last frames.
     tip: LanePlacement,
     loose: usize,
     /// Per frame.
@@ -142,7 +142,7 @@ impl LaneKinematics {
         Self { steps, placements, tip, loose, errors }
     }
 
-    /// Writes the poses of the loose links of a robot that holds something to `places`, for [`Self::forward`].
+    /// Writes the poses of the loose links of a robot that holds an object to `places`, for [`Self::forward`].
     ///
     /// # Panics
     /// If `robot` is not the one that these kinematics were made for.

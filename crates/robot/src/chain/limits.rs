@@ -1,6 +1,6 @@
 use std::f64::consts::TAU;
 
-/// Limits of a continuous joint are ± this value, in radians: one and a half turns either way, so that from any start
+/// Limits of a continuous joint are ± this value, in radians: one and a half turns in either direction, so that from any start
 /// within a full turn the shortest rotation to every other angle stays inside, and cables are not wound up indefinitely.
 pub const CONTINUOUS_LIMIT_RAD: f64 = 3.0 * std::f64::consts::PI;
 
@@ -64,8 +64,7 @@ pub struct LimitViolation {
     pub upper: f64,
 }
 
-/// Default limits of a planar or floating joint, ± this value along each of its axes, in metres: the usual extent of a task's
-/// surroundings.
+/// Default limits of a planar or floating joint, ± this value along each of its axes, in metres: the usual extent of a scene.
 pub const FREE_JOINT_LIMIT_M: f64 = 2.0;
 
 /// Returns `value` plus whole turns, in [lower, upper] and as near to `reference` as possible; `None` if none is within.

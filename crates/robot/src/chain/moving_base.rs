@@ -2,8 +2,7 @@ use cranny_spatial::{Stream, Vector};
 
 use crate::{JointKind, Robot};
 
-/// Number of base positions drawn before the nearest of them is taken: for a target at the edge of the workspace, about a
-/// tenth of all positions are valid.
+/// Number of base positions drawn, of which the nearest is taken; at the edge of the workspace about a tenth are valid.
 const BASE_DRAWS: usize = 32;
 
 /// Maximum number of consecutive slides that are drawn together; three already reach every point.
@@ -46,8 +45,7 @@ impl Base {
         Some(Self { slides: slides.collect(), arm_in_root: origin(arm), reach_m })
     }
 
-    /// Redraws the slides of `q` (m, rad; one per joint) until the target is within reach, or keeps the nearest of
-    /// [`BASE_DRAWS`] draws.
+    /// Redraws the slides of `q` (m, rad; one per joint) until the target is in reach, or keeps the nearest of [`BASE_DRAWS`].
     pub fn draw_near(&self, robot: &Robot, target_in_root: &Vector, random: &mut Stream, q: &mut [f64]) {
         let mut nearest_m = f64::INFINITY;
         for _ in 0..BASE_DRAWS {

@@ -4,8 +4,7 @@ use crate::{JointKind, Robot};
 
 /// Outer bound on the reachable positions of the tip: a ball whose centre moves with the slides of the base.
 ///
-/// A point farther than the radius from every possible centre is unreachable; most points inside the bound are
-/// unreachable too.
+/// A point farther than the radius from every possible centre is unreachable; so are most points inside the bound.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReachBound {
     /// Centre of the ball with every slide of the base in the middle of its range, in the root frame.
@@ -21,15 +20,14 @@ const ROUNDING_M: f64 = 1e-9;
 /// Maximum cosine between the directions of two slides that count as perpendicular.
 const RIGHT_ANGLE: f64 = 1e-9;
 
-/// Number of rounds in which the points on the axes are moved in turn: for the dozen joints of an arm, the sum changes by
-/// less than a millimetre after a dozen rounds. The bound holds for any number of rounds.
+/// Number of rounds in which the points on the axes are moved in turn: for the dozen joints of an arm, the sum changes by less
+/// than a millimetre after a dozen rounds. The bound is valid for any number of rounds.
 const ROUNDS: usize = 24;
 
 impl Robot {
     /// Bounds the positions of the tip within the joint limits.
     ///
-    /// Law: `reach_bound().beyond_m(tip at q) = 0` for every q within limits
-    /// (`no_tip_is_ever_beyond_the_bound`).
+    /// Law: `reach_bound().beyond_m(tip at q) = 0` for every q within limits (`no_tip_is_ever_beyond_the_bound`).
     ///
     /// 1. The slides before the first revolute joint translate the arm without turning it.
     /// 2. A revolute joint leaves the points on its axis fixed in both links that it connects. The distance between a point

@@ -7,8 +7,8 @@ use crate::{Robot, RobotError};
 const UNIT: f64 = 0.5 * f64::EPSILON;
 
 impl Robot {
-    /// Checks that the bounds used in proofs hold for this robot: no point of it can be farther from the root than
-    /// [`FARTHEST_M`], and double-precision rounding displaces no two of its links by more than [`ROUNDING_M`] together.
+    /// Checks that the bounds used in proofs are valid for this robot: no point of it can be farther from the root than
+    /// [`FARTHEST_M`], and rounding in double precision displaces no two of its links by more than [`ROUNDING_M`] together.
     /// `file` is the robot's source, for errors.
     ///
     /// # Errors
@@ -24,7 +24,7 @@ impl Robot {
                 let moved_by = own_joint.map(|mover| {
                     let limits = &self.limits[mover.joint];
                     greatest = limits.lower.abs().max(limits.upper.abs()) * mover.multiplier.abs();
-                    // The midpoint of an interval is rounded; behind a gear, so are the product and the offset.
+                    // The midpoint of an interval is rounded; with a gear ratio, the product and the offset are rounded too.
                     let is_geared = (mover.multiplier - 1.0).abs() > 0.0;
                     let roundings = if is_geared { 3.0 } else { 1.0 };
                     MovedBy { kind: mover.kind, most: greatest, roundings, sine: UNIT }

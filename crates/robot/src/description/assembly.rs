@@ -185,7 +185,7 @@ impl From<UrdfJointKind> for JointKind {
     }
 }
 
-/// Returns the movers of each link, the steps of forward kinematics, and all poses at `q = 0`.
+/// Returns the movers of each link, the forward kinematics of each moving link, and all poses at `q = 0`.
 fn motions(urdf: &Urdf, tree: &Tree, resolved: &Resolved) -> (Vec<Vec<Mover>>, Vec<Step>, Vec<Pose>) {
     let mut movers: Vec<Vec<Mover>> = vec![Vec::new()];
     let mut rest = LinkFrames { root_from_link: vec![Pose::identity(); tree.nodes.len()], loose: Vec::new() };

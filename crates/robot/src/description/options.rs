@@ -24,12 +24,11 @@ pub struct RobotOptions {
     /// movable joints (joints in `fixed` and mimic joints do not count, and if a group is given only its joints do). Ties
     /// are broken in favour of a leaf without geometry (a frame added for this purpose), then of the last in the file.
     pub tip: Option<String>,
-    /// Values at which joints outside the group are held, in metres or radians. Default of a joint: 0, or the limit nearest
-    /// to it.
+    /// Values at which joints outside the group are fixed, in metres or radians. Default: 0, or the limit nearest to 0.
     pub fixed: BTreeMap<String, f64>,
     /// Description of the robot beyond its URDF ([`RobotDescription`](crate::RobotDescription)): group, tip and fixed joints
-    /// unless given here, start configuration, and hand, whose fingers are held open unless they are in `fixed` or belong to
-    /// the group. Default: `robot.yaml` beside the URDF, if there is one.
+    /// unless given here, start configuration, and hand, whose fingers stay open unless they are in `fixed` or belong to the
+    /// group. Default: `robot.yaml` beside the URDF, if there is one.
     pub description: Option<TextSource>,
     /// Additional hands that the robot may have; those whose links or joints it lacks are ignored.
     pub known_hands: Vec<HandDescription>,

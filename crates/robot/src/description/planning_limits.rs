@@ -9,7 +9,6 @@ use crate::{Location, RateScales, RobotError};
 /// Content of `MoveIt`'s `joint_limits.yaml`, which replaces the limits of the URDF.
 #[derive(Default)]
 pub(crate) struct PlanningLimits {
-    /// Limits by joint name.
     pub(crate) joints: BTreeMap<String, RateLimits>,
     defaults: RateScales,
 }

@@ -28,11 +28,11 @@ pub struct RobotDescription {
     /// Link for which grasp poses are planned. Default: that of the hand, else as of [`RobotOptions::tip`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tip: Option<String>,
-    /// Joints outside the group, and the values at which they are held (m, rad).
+    /// Joints outside the group, and the values at which they are fixed (m, rad).
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub fixed: BTreeMap<String, f64>,
     /// Links whose meshes represent the solid they enclose instead of their convex hull: those that an object reaches into,
-    /// such as a palm that is one body with a jaw. Planning is faster for the others.
+    /// such as a palm that is one link with a jaw. Planning is faster for the others.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub solid_meshes: Vec<String>,
     /// Start configuration if a scenario gives none (m, rad), by joint name; other joints are as near to 0 as possible.
@@ -78,7 +78,7 @@ impl RobotDescription {
     /// Returns the path of the URDF at `path`, or of the URDF named in the `robot.yaml` of the folder at `path`.
     ///
     /// # Errors
-    /// [`RobotError::NoDescription`] for a folder without one, or one that names no URDF; those of [`Self::parse`].
+    /// [`RobotError::NoDescription`] for a folder without a `robot.yaml` that names a URDF; those of [`Self::parse`].
     pub(crate) fn urdf_at(path: &Path) -> Result<PathBuf, RobotError> {
         if !path.is_dir() {
             return Ok(path.to_owned());
@@ -107,8 +107,8 @@ impl RobotDescription {
         }
     }
 
-    /// Checks that the robot has every joint and link named here, and that the held values are admissible; `text` is the text
-    /// of `file`.
+    /// Checks that the robot has every joint and link named here, and that the values in `fixed` are admissible; `text` is the
+    /// text of `file`.
     ///
     /// # Errors
     /// [`RobotError::UnknownName`], [`RobotError::NotFree`], [`RobotError::HeldOutsideLimits`], each with its line in `file`.

@@ -6,8 +6,8 @@ use crate::description::robot_description::{DESCRIPTION, LIMITS};
 use crate::description::xml::{XmlText, known_prefixes};
 use crate::{RobotDescription, RobotError, description::mesh_path};
 
-/// Files of a robot, collected: URDF, SRDF, limits and meshes under names in one folder, where the URDF refers to its
-/// meshes without any package.
+/// Collected files of a robot: URDF, SRDF, limits and meshes under names in one folder; the URDF refers to its meshes without
+/// any package.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RobotFiles {
     /// Content by file name, with slashes.

@@ -232,7 +232,7 @@ impl Srdf {
         self.any_group(group, |group| group.chains.iter().any(|(from, _)| from == base))
     }
 
-    /// Returns true if a condition holds for the group, or for one nested in it.
+    /// Returns true if the group, or one nested in it, satisfies a condition.
     fn any_group(&self, name: &str, holds: impl Fn(&SrdfGroup) -> bool) -> bool {
         let mut names = vec![name];
         // Nested groups may form a loop.

@@ -10,7 +10,7 @@ use crate::description::xml::{Element, XmlText};
 const KNOWN_ELEMENTS: [(&str, &[&str]); 6] = [
     ("*", &["gazebo", "material", "sensor", "transmission", "actuator"]),
     ("robot", &["ros2_control", "mujoco"]),
-    // A mesh stands for its hull by default, and otherwise for the more precise solid.
+    // By default a mesh represents its hull, and otherwise the more precise solid.
     ("mesh", &["drake:declare_convex"]),
     ("link", &["contact", "self_collision_checking"]),
     (
@@ -168,7 +168,6 @@ fn resembles_structure(element: Element<'_>) -> bool {
     })
 }
 
-/// Returns the error for `what` at `at` in `owner`, which is not understood.
 fn not_understood(at: Element<'_>, owner: Element<'_>, what: String) -> RobotError {
     let known = if what.starts_with("attribute") {
         owner.asked_attributes().iter().map(ToString::to_string).collect()

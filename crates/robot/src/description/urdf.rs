@@ -18,7 +18,6 @@ impl UrdfLink {
 }
 
 impl Urdf {
-    /// Parses the text of a URDF; `file` is its name in errors.
     pub(crate) fn parse(text: &str, file: &str) -> Result<Self, RobotError> {
         let text = known_prefixes(text);
         let xml = XmlText::parse(&text, file)?;

@@ -98,7 +98,7 @@ pub(crate) fn parse_limits(
     let effort = element.positive("effort").ok();
     let (faster, slower) = (optional("acceleration")?, optional("deceleration")?);
     let (foreign, jerk) = (optional("drake:acceleration")?, optional("jerk")?);
-    // One value holds for both directions: the smallest.
+    // One value applies to both directions: the smallest.
     let acceleration = [faster, slower, foreign].into_iter().flatten().reduce(f64::min);
     let limits = UrdfLimits { velocity, effort, acceleration, jerk, ..UrdfLimits::of_continuous() };
     if kind == UrdfJointKind::Continuous {

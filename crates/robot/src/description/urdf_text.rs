@@ -179,7 +179,6 @@ pub struct JointMotion {
     pub jerk: Option<f64>,
 }
 
-/// Escapes a text for XML.
 fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;")
 }

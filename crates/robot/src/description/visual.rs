@@ -4,17 +4,15 @@ use cranny_spatial::{Pose, Vector};
 
 /// Visual geometry of a link: a `<visual>` of the URDF, which collision tests ignore.
 ///
-/// Two attributes of `<visual>` are an extension to URDF. `rounding` rounds the edges of a cuboid or cylinder inwards.
-/// `blend` smoothly merges a primitive with the link's other primitives of the same colour that have it, so that they
-/// appear as one cast body.
+/// Two attributes of `<visual>` are an extension to URDF. `rounding` rounds the edges of a cuboid or cylinder inwards. `blend`
+/// joins all primitives of the link that have it and the same colour by fillets, so that they appear as one casting.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LinkVisual {
     /// Pose of the visual in the link frame.
     pub link_from_visual: Pose,
     /// Shape, in its own frame.
     pub form: LinkForm,
-    /// Red, green, blue and opacity of its material, 0 to 1, in the sRGB colour space; `None` if it has no material or one
-    /// without a colour.
+    /// Red, green, blue and opacity of its material, 0 to 1, sRGB; `None` if it has no material or one without a colour.
     pub colour: Option<[f64; 4]>,
     /// Radius of its edges, in metres; 0 for sharp ones.
     pub rounding_m: f64,
@@ -22,8 +20,7 @@ pub struct LinkVisual {
     pub blend_m: f64,
 }
 
-/// Shape of a `<visual>` or a `<collision>`; lengths in metres, all greater than zero. The axis of a cylinder or capsule
-/// is z.
+/// Shape of a `<visual>` or a `<collision>`; lengths in metres, all greater than zero. The axis of a cylinder or capsule is z.
 #[derive(Clone, Debug, PartialEq)]
 pub enum LinkForm {
     /// A cuboid.

@@ -100,7 +100,6 @@ impl<'a> XmlText<'a> {
     }
 }
 
-/// An element of an [`XmlText`].
 #[derive(Clone, Copy)]
 pub(crate) struct Element<'a> {
     node: Node<'a, 'a>,
@@ -218,7 +217,7 @@ impl<'a> Element<'a> {
         texts.map(str::trim).find(|text| !text.is_empty())
     }
 
-    /// Element name with its `name` or, if it has none, that of the nearest ancestor that does: ``<origin> of link `bar` ``.
+    /// Returns the element name with its `name` or that of its nearest ancestor with one: ``<origin> of link `bar` ``.
     pub(crate) fn title(&self) -> String {
         let named = |node: &Node<'a, 'a>| Some((node.tag_name().name(), node.attribute("name")?));
         match self.node.ancestors().skip(1).find_map(|node| named(&node)) {

@@ -25,8 +25,7 @@ pub struct RobotHand {
 }
 
 impl RobotHand {
-    /// Returns the first known hand of `options` whose fingers the robot has, if there is one. `links` have the poses `rest`,
-    /// with the hand open.
+    /// Returns the first known hand of `options` whose fingers the robot has, if any; `rest`: poses of `links` with it open.
     pub(crate) fn of(
         urdf: &Urdf,
         tree: &Tree,
@@ -85,7 +84,7 @@ fn stroke(urdf: &Urdf, tree: &Tree, fingers: &BTreeMap<String, FingerRange>, joi
     }
 }
 
-/// Assigns each joint to a finger by the side of the plane in which the pads meet that its bodies are on. Returns the
+/// Assigns each joint to a finger: all joints on one side of the plane in which the pads meet move one finger. Returns the
 /// number of fingers.
 fn sides(joints: &mut [HandJoint], links: &[Link], rest: &[Pose], tip: usize) -> usize {
     let tip_from_root = rest[tip].inverse();
@@ -95,7 +94,7 @@ fn sides(joints: &mut [HandJoint], links: &[Link], rest: &[Pose], tip: usize) ->
         }
         joint
     };
-    // For each joint attached to the palm, the largest y of the bodies beyond it, in the tip frame.
+    // For each joint attached to the palm, the y farthest from 0 of the shapes that it moves, in the tip frame.
     let mut reach_m = vec![0.0_f64; joints.len()];
     for (index, link) in links.iter().enumerate() {
         let mut above = std::iter::successors(Some(index), |&link| links[link].parent);

@@ -4,7 +4,7 @@ use cranny_spatial::{Pose, Rotation};
 use crate::gripper::hand_joint::HandJoint;
 use crate::link::JointKind;
 
-/// Hold of a hand on an object, fixed within a mode of a task for all motions of the arm (Hauser & Latombe 2010, §3).
+/// Pose of an object in the closed hand and opening of the fingers, constant in one mode (Hauser & Latombe 2010, §3).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hold {
     /// Pose of the object in the tip frame.
@@ -40,7 +40,7 @@ pub(crate) struct LooseJoint {
 }
 
 impl LooseJoint {
-    /// Returns the joints of a hand that is open in `rest`, which holds the `root_from_link` of every link.
+    /// Returns the joints of a hand that is open in `rest`, the poses `root_from_link` of all links.
     pub fn all(joints: &[HandJoint], rest: &[Pose], tip: usize) -> Vec<Self> {
         let loose = |joint: &HandJoint| {
             let parent = joint.parent.map_or(tip, |parent| joints[parent].link);

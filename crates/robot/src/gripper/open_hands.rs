@@ -32,7 +32,7 @@ impl RobotOptions {
         if let Some(own) = own.as_ref().and_then(|own| own.hand.clone()) {
             options.known_hands.insert(0, own);
         }
-        // A finger's joint that is in the group is not held; one that mimics another follows it.
+        // A finger's joint in the group is not fixed; one that mimics another follows it.
         let group = named_group(urdf, tree, srdf, &options)?;
         let is_held = |finger: &String| {
             let mimics = motion(finger).is_some_and(|motion| motion.mimic.is_some());

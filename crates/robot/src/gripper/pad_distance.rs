@@ -77,13 +77,12 @@ impl PadDistance {
         known
     }
 
-    /// Distance between the pads when the hand has closed by the share `closing`, from 0, open, to 1: in metres.
+    /// Distance between the pads, in metres, when the hand has closed by the share `closing` (0: open, 1: closed).
     pub fn opening_m(&self, closing: f64) -> f64 {
         if self.is_linear { self.opening_m * (1.0 - closing) } else { self.by_pads_m(closing).max(0.0) }
     }
 
-    /// Share of its travel, from 0, open, to 1, by which the hand has closed when the distance between its pads is
-    /// `opening_m`, in metres.
+    /// Share of its travel (0: open, 1: closed) by which the hand has closed at the distance `opening_m` (m) of its pads.
     pub fn closing(&self, opening_m: f64) -> f64 {
         if self.is_linear {
             return (1.0 - opening_m / self.opening_m).clamp(0.0, 1.0);
@@ -137,7 +136,7 @@ impl PadDistance {
     }
 }
 
-/// Radius of a sphere that stands for a point, in metres.
+/// Radius of a sphere that represents a point, in metres.
 const POINT_M: f64 = 1e-6;
 
 #[cfg(test)]

@@ -25,8 +25,7 @@ pub struct IkBatch<'robot> {
 }
 
 impl<'robot> IkBatch<'robot> {
-    /// Returns a batch for the tip of `robot`; `settings.pull` is ignored. Allocates; attempts do not, except for their
-    /// solutions.
+    /// Returns a batch for the tip of `robot`; `settings.pull` is ignored. Allocates; attempts allocate only their solutions.
     pub fn new(robot: &'robot Robot, settings: IkSettings) -> Self {
         Self {
             solver: IkSolver::new(robot, settings),

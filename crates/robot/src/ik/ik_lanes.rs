@@ -25,8 +25,7 @@ const MAX_ITERATIONS: usize = 12;
 /// near a half turn that the direction of the step is arbitrary.
 const LEAST_SINE: f32 = 1e-6;
 
-/// Damped least squares from 16 starts at once, one per SIMD lane, in `f32`: the steps of [`crate::IkSolver`] without a
-/// pull.
+/// Damped least squares from 16 starts at once, one per SIMD lane, in `f32`: the steps of [`crate::IkSolver`] without a pull.
 ///
 /// Every instruction set adds, multiplies, divides and takes roots in the same order, without fused operations, so all
 /// give the same bits; no lane depends on another.

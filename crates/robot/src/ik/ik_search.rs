@@ -109,7 +109,7 @@ impl<'robot> IkSearch<'robot> {
     /// one of this search, if it is new and `accept` accepts it.
     ///
     /// # Panics
-    /// If `start` does not hold one value for each joint of the group.
+    /// If `start` does not have one value for each joint of the group.
     pub fn next_from(
         &mut self,
         start: &[f64],

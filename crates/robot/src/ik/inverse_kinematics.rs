@@ -54,10 +54,9 @@ pub struct IkSolver<'robot> {
 pub(crate) const MAX_STEP_M: f64 = 0.3;
 /// Maximum rotation of the tip in one step of an attempt, in radians.
 pub(crate) const MAX_STEP_RAD: f64 = 0.8;
-/// Damping λ² = this · (squared error, m² + rad²) + `LEAST_DAMPING` (Sugihara 2011, "Solvability-unconcerned inverse
-/// kinematics by the Levenberg-Marquardt method", whole, with this factor added and one weight for all rows): strong
-/// far from the target, where a full step would overshoot, and negligible near it, where Newton's method converges
-/// quadratically.
+/// Damping λ² = this · (squared error, m² + rad²) + `LEAST_DAMPING` (Sugihara 2011, "Solvability-unconcerned inverse kinematics
+/// by the Levenberg-Marquardt method", whole, with this factor added and one weight for all rows): strong far from the target,
+/// where a full step would overshoot, and negligible near it, where Newton's method converges quadratically.
 pub(crate) const DAMPING_PER_ERROR: f64 = 0.02;
 /// Minimum damping λ²: keeps the factorisation positive definite at a singularity; below the squared tolerances.
 const LEAST_DAMPING: f64 = 1e-7;
@@ -97,7 +96,7 @@ impl<'robot> IkSolver<'robot> {
     /// tolerance (test `a_solution_reaches_its_target`).
     ///
     /// # Panics
-    /// If `start` does not hold one value for each joint of the group.
+    /// If `start` does not have one value for each joint of the group.
     pub fn solve_from(&mut self, root_from_tip: &Pose, start: &[f64]) -> Option<IkSolution> {
         self.q.copy_from_slice(start);
         self.attempt(root_from_tip, self.settings.pull, Some(start))
@@ -183,8 +182,7 @@ impl<'robot> IkSolver<'robot> {
             // 2. and 3.
             robot.jacobian(&self.frames, robot.tip(), &mut self.jacobian);
             let shrunk = shrink(twist, translation_error_m, rotation_error_rad);
-            // The pull fades with the error; otherwise its own second-order motion of the tip would keep the error from
-            // reaching zero.
+            // The pull fades with the error, because its second-order motion of the tip would keep the error above zero.
             let fading = pull * error.sqrt().min(1.0);
             self.step_within_limits(&shrunk, DAMPING_PER_ERROR * error + LEAST_DAMPING, fading, home)?;
         }
@@ -238,7 +236,7 @@ fn twist_between(root_from_a: &Pose, root_from_b: &Pose) -> Twist {
     let turn = root_from_b.rotation * root_from_a.rotation.conjugate();
     let imaginary = turn.imag();
     let sine = imaginary.norm();
-    // Of the two quaternions of a rotation, the one with positive real part has the smaller angle.
+    // Of the two quaternions of a rotation, the one with w ≥ 0 has the smaller angle.
     let angle = 2.0 * libm::atan2(sine, turn.w.abs());
     let rotation: Vector =
         if sine > 0.0 { imaginary * (angle / sine).copysign(turn.w) } else { Vector::zeros() };

@@ -96,8 +96,7 @@ impl Family {
         }
     }
 
-    /// Returns the minimum and maximum of the parameter, in metres: the object stays on its support, and walls and gate keep
-    /// their legs.
+    /// Returns the range of the parameter, in metres: the object stays on its support, and walls and gate keep their legs.
     pub fn range_m(self) -> [f64; 2] {
         match self {
             Self::Shelf => [0.02, 0.78],
@@ -223,8 +222,8 @@ impl Family {
         }
     }
 
-    /// Returns the maximum distance of the object behind the front of the obstacles, in metres, with a small reserve: the reach
-    /// that a robot needs if it drives up to them.
+    /// Returns the maximum distance of the object behind the front of the obstacles, in metres, with a small reserve: the
+    /// required reach of a robot that drives up to them.
     pub(crate) fn beyond_front_m(self) -> f64 {
         match self {
             Self::Shelf | Self::Gap => 0.55,

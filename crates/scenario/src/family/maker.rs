@@ -51,8 +51,8 @@ const GRASPS: usize = 200;
 /// Number of sampled grasps from which those are selected, as in the paper.
 const CANDIDATES: usize = 2000;
 
-/// Sampling stops if no more than this number is accepted after `PATIENT_WAVES` waves of contacts: the hand then fits few of
-/// the remaining ones, and each may cost milliseconds.
+/// Number of grasps; sampling stops if no more are accepted after `PATIENT_WAVES` waves of contacts, because the hand then fits
+/// few of the remaining ones, and each may cost milliseconds.
 const HOPELESS: usize = CANDIDATES / 20;
 const PATIENT_WAVES: usize = 40;
 
@@ -136,7 +136,7 @@ impl FamilyMaker {
         self.scenario(parameter_m, &placement, Vec::new(), GraspChoice::Covering)
     }
 
-    /// Returns the reversed scenario at a parameter value (m): the object starts outside and must be placed as in the paper
+    /// Returns the reversed scenario at a parameter value (m): the object starts outside and must be placed inside
     /// ([`Family::INSIDE`]).
     ///
     /// # Errors
@@ -153,8 +153,8 @@ impl FamilyMaker {
         self.with_grasps(Recipe { places, ..bare }, &placement, at.z, GraspChoice::Covering)
     }
 
-    /// Returns the scenario at a parameter value (m) with columns that block the access. They must be placed on the other side
-    /// before the object is placed outside.
+    /// Returns the scenario at a parameter value (m) with columns that block the access: they must first be placed on the other
+    /// side, then the object outside.
     ///
     /// # Errors
     /// [`FamilyError::Parameter`](crate::FamilyError::Parameter) for a value outside the range of the parameter.
@@ -178,8 +178,8 @@ impl FamilyMaker {
         Ok(Recipe { places, tasks, physics, ..recipe })
     }
 
-    /// Returns the scenario at a parameter value (m), with the object at `placement` and with `clutter`. Its grasps are the
-    /// collision-free ones for the hand there: at most 200, possibly none.
+    /// Returns the scenario at a parameter value (m), with the object at `placement`, `clutter`, and the grasps that are
+    /// collision-free for the hand there: at most 200, possibly none.
     ///
     /// # Errors
     /// [`FamilyError::Parameter`](crate::FamilyError::Parameter) for a value outside the range of the parameter.

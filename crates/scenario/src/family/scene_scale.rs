@@ -15,9 +15,8 @@ pub struct SceneScale {
     pub across: f64,
     /// Scale of the object, in (0, 1].
     pub object: f64,
-    /// Additional distance of the scene ahead of the robot, to its right and above its ground, in metres: ahead of a base that
-    /// would obstruct it, in front of an arm mounted on one side of the robot, on a platform if the arm does not reach the
-    /// ground.
+    /// Additional distance of the scene ahead of the robot, to its right and above its ground, in metres: ahead of an
+    /// obstructing base, in front of an arm mounted on one side, on a platform if the arm does not reach the ground.
     pub shift_m: [f64; 3],
 }
 
@@ -153,8 +152,7 @@ impl SceneScale {
         body
     }
 
-    /// Maps a clutter object to this scene: scaled in position and height, and in thickness by at least half the scale of the
-    /// object.
+    /// Maps a clutter object to this scene: position and height are scaled, and thickness by at least half the object's scale.
     pub(crate) fn clutter(&self, mut body: RecipeBody) -> RecipeBody {
         if self.is_of_the_paper() {
             return body;
@@ -192,7 +190,7 @@ enum Drive {
     Anywhere,
 }
 
-/// Base of a robot: the joints before the first link with a collision body.
+/// Base of a robot: the joints before the first link with collision geometry.
 struct Base {
     drive: Drive,
     joints: Vec<usize>,
@@ -239,7 +237,7 @@ impl Base {
     }
 }
 
-/// Positions of the tip for many random configurations in which the prismatic base joints are held.
+/// Positions of the tip for many random configurations with fixed prismatic base joints.
 struct Workspace {
     /// Maximum distance from the axis through the root, in metres.
     reach_m: f64,

@@ -162,8 +162,8 @@ impl SetMaker {
         &self.maker
     }
 
-    /// Returns the reason why a recipe is unsound, if it is: the start is in collision, or no grasp is collision-free.
-    /// Self-collision at the start does not depend on the recipe.
+    /// Returns the reason why a recipe is unsound, if any: the start is in collision, for which self-collision does not count,
+    /// or no grasp is collision-free.
     ///
     /// # Errors
     /// [`ScenarioError`] for an invalid shape.
@@ -181,7 +181,7 @@ impl SetMaker {
     }
 
     /// Returns member `index` of the set, the first sound draw of its own random stream, and the rejected draws. Members do not
-    /// depend on each other, so they can be generated in any order and by any number of threads.
+    /// depend on each other, so any number of threads can generate them in any order.
     ///
     /// # Errors
     /// None unless the built-in files are broken.
@@ -254,7 +254,7 @@ impl SetMaker {
 
 /// Returns true if the arm can hold the object at one of the grasps, as far as some attempts at some grasps show.
 fn is_held(recipe: &Recipe) -> Result<bool, ScenarioError> {
-    /// Number of grasps tried per turn, by descending score; the turns end when one is held.
+    /// Number of grasps tried per turn, by descending score; the turns end at the first success.
     const IN_TURN: usize = 20;
     const TURNS: usize = 3;
     let settings = IkAnnotationSettings { attempts: 400, ..IkAnnotationSettings::default() };

@@ -38,8 +38,7 @@ struct Line {
     grasps: usize,
 }
 
-/// Writes `count` random scenarios below `folder`, which must not exist, as `<family>-<index>`. The files do not depend on the
-/// number of threads.
+/// Writes `count` random scenarios below the new `folder` as `<family>-<index>`, the same with any number of threads.
 ///
 /// # Errors
 /// [`ScenarioError::Exists`], [`ScenarioError::Unwritable`].

@@ -58,8 +58,7 @@ pub fn check_free_folder(place: &Path) -> Result<(), ScenarioError> {
     }
 }
 
-/// Creates a folder and its missing parents, with everything that `fill` writes to the folder passed to it; creates nothing if
-/// that fails.
+/// Creates a folder and its missing parents, with everything that `fill` writes to the folder passed to it, or nothing.
 ///
 /// # Errors
 /// As [`check_free_folder`], [`ScenarioError::Unwritable`], and those of `fill`.

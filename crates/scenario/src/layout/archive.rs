@@ -53,8 +53,7 @@ struct Manifest {
 
 /// Packs the folder of a scenario in Cranny's layout: every file in it except hidden ones and plans. The archive is
 /// reproducible: the same folder gives the same bytes. A robot from outside the folder is included in `robot/`, and the packed
-/// `scenario.yaml` refers to it. The archive is test-opened before it is written, so an archive that depends on other files is
-/// never created.
+/// `scenario.yaml` refers to it. The archive is opened as a test before it is written, so it never depends on other files.
 ///
 /// # Errors
 /// [`ScenarioError`] for a folder that does not open, also by itself; [`ScenarioError::Content`] for a link in it.

@@ -12,8 +12,7 @@ use crate::ScenarioError;
 /// Maximum unpacked size of an archive, in bytes: the largest known scenario has 20 MiB, most of it meshes.
 const MOST_BYTES: u64 = 256 << 20;
 
-/// Maximum ratio of unpacked to packed size: meshes and tables as text shrink to a fourth or a tenth, an attack to a
-/// thousandth.
+/// Maximum ratio of unpacked to packed size: about 4 to 10 for meshes and tables as text, about a thousand for an attack.
 const MOST_SHRUNK: u64 = 100;
 
 /// Unpacked size, in bytes, up to which any compression ratio is accepted.
@@ -84,8 +83,8 @@ pub(crate) fn check_size(unpacked: u64, packed: u64) -> Result<(), String> {
     Ok(())
 }
 
-/// Checks that the files of an archive can be unpacked on any system, each to its own path in the folder; the error describes
-/// the first that cannot. Hidden files are never packed, so they are refused.
+/// Checks that the files of an archive are not hidden, as none are packed, and can be unpacked on any system, each to its own
+/// path in the folder; the error describes the first that cannot.
 pub(crate) fn check_names<'n>(names: impl Iterator<Item = &'n str>) -> Result<(), String> {
     let mut taken = HashSet::new();
     for name in names {

@@ -13,8 +13,8 @@ use crate::{ScenarioError, built_in, scenario};
 pub struct Identity {
     /// Built-in id, or name of the folder.
     pub id: String,
-    /// SHA-256 of names and contents of its files, in hexadecimal. A built-in scenario, its folder and its packed folder have
-    /// the same value; hidden files and plans do not count.
+    /// SHA-256 of names and contents of its files except hidden ones and plans, in hexadecimal. A built-in scenario, its folder
+    /// and its packed folder have the same value.
     pub sha256: String,
 }
 

@@ -74,12 +74,11 @@ pub fn check_folder(folder: &Path) -> Result<Vec<ScenarioError>, ScenarioError> 
 /// Readable content of a `scenario.yaml`.
 struct Legible {
     file: ScenarioFile,
-    /// Keys that were inserted in place of missing or unreadable ones.
+    /// Keys that were inserted instead of missing or unreadable ones.
     replaced: Vec<&'static str>,
 }
 
-/// Maximum number of lines that are read repeatedly, which takes some seconds: of a long file with many faults only the first
-/// are reported.
+/// Maximum number of lines that are read repeatedly, in some seconds: a long file with many faults is reported incompletely.
 const MOST_LINES_READ: usize = 1_000_000;
 
 /// Required keys, each with a readable stand-in.
@@ -189,8 +188,7 @@ fn indent(line: &str) -> usize {
     line.len() - line.trim_start().len()
 }
 
-/// Empties the list entry that contains `line`, or else the top-level key; lines keep their numbers. Returns true if there was
-/// anything to empty.
+/// Empties the list entry that contains `line`, or else the top-level key, keeping line numbers; returns true if not empty.
 fn leave_out(lines: &mut [String], line: usize) -> bool {
     let is_blank = |text: &str| text.trim().is_empty() || text.trim_start().starts_with('#');
     let Some(line) = (0..=line.min(lines.len().saturating_sub(1))).rev().find(|&l| !is_blank(&lines[l]))

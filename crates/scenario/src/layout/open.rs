@@ -10,8 +10,8 @@ use crate::layout::released;
 use crate::scenario::{OpenOptions, Scenario};
 use crate::{ScenarioError, built_in, catalogue};
 
-/// Returns true if [`Scenario::open`] recognizes `what` as a scenario: a built-in id, an archive, or a folder with a scenario
-/// file. Reads nothing.
+/// Returns true if [`Scenario::open`] recognizes `what`, unread, as a scenario: a built-in id, an archive, or a folder with a
+/// scenario file.
 pub fn is_scenario(what: &str) -> bool {
     let folder = Path::new(what);
     built_in().any(|entry| entry.id == what)

@@ -212,8 +212,7 @@ impl Layout<'_> {
         Ok((robot, source_of(RobotSource::Files(path))))
     }
 
-    /// Returns the default start of another robot than the scenario's own, unless it has none or the scenario names all of its
-    /// joints.
+    /// Returns the default start of another robot than the scenario's own, if any, unless the scenario names all its joints.
     fn start_of_other(
         &self,
         start: &Spanned<StartEntry>,
@@ -225,8 +224,7 @@ impl Layout<'_> {
         robot.default_start().filter(|_| !is_named).map(<[f64]>::to_vec)
     }
 
-    /// Returns the start of a scenario (m, rad): one value per joint if it names the joints, otherwise as many values as it
-    /// lists.
+    /// Returns the start of a scenario (m, rad): one value per joint if it names the joints, otherwise as many as it lists.
     pub fn start(&self, start: &Spanned<StartEntry>, robot: &Robot) -> Result<Vec<f64>, ScenarioError> {
         let number = |value: &Spanned<f64>| yaml::finite(self.path, value.value, value.referenced);
         let by_joint = match &start.value {
@@ -248,7 +246,7 @@ impl Layout<'_> {
         joints.iter().map(value_of).collect()
     }
 
-    /// Returns the maximum tilt of a held body, in radians.
+    /// Returns the maximum tilt of a held object, in radians.
     fn upright(&self, degrees: &Spanned<f64>) -> Result<f64, ScenarioError> {
         let degrees = yaml::positive(self.path, "upright_deg", degrees.value, degrees.referenced)?;
         Ok(degrees.min(180.0).to_radians())
@@ -378,8 +376,7 @@ impl Layout<'_> {
         faults
     }
 
-    /// Returns the pose of an entry: of a shape in the frame of its body, otherwise in the frame of the scene; the identity
-    /// without an entry.
+    /// Returns the pose of an entry, in the frame of its body for a shape, otherwise in the scene frame; default: the identity.
     pub fn pose(&self, entry: Option<&Spanned<PoseEntry>>) -> Result<Pose, ScenarioError> {
         let Some(Spanned { value: entry, referenced, .. }) = entry else { return Ok(Pose::identity()) };
         let given = [&entry.position[..], entry.rotation_rpy_deg.as_ref().map_or(&[], |rpy| &rpy[..])];

@@ -136,8 +136,8 @@ impl Layout<'_> {
     }
 }
 
-/// Returns the robot with joints that stay between two values (m, rad) each, in addition to their limits; each bound has the
-/// location that an error reports.
+/// Returns the robot with joints that stay between two values (m, rad) each, in addition to their limits; errors report the
+/// location of a bound.
 pub(crate) fn bounded<'a>(
     robot: Arc<Robot>,
     bounds: impl Iterator<Item = (&'a String, [f64; 2], &'a Location)>,

@@ -11,7 +11,7 @@ use crate::named_task::STEPS;
 use crate::{NamedTask, ScenarioError, TargetPhysics};
 
 impl Layout<'_> {
-    /// Returns the tasks of a file; its steps form one of them.
+    /// Returns the tasks of a file, among them the one that its `steps` form.
     pub fn tasks(
         &self,
         file: &ScenarioFile,
@@ -73,7 +73,7 @@ impl Layout<'_> {
         Err(ScenarioError::Place { at: self.at(at), problem })
     }
 
-    /// Returns mass and friction of bodies other than the target, as obstacles and steps state them.
+    /// Returns mass and friction of bodies other than the target, as the entries of obstacles and `steps` state them.
     pub fn physics_of_obstacles(
         &self,
         file: &ScenarioFile,

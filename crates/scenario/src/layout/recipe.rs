@@ -79,8 +79,7 @@ pub enum RecipeShape {
 }
 
 impl Recipe {
-    /// Returns a recipe for the files of a scenario in Cranny's layout: with its robot, bodies, start, grasps and known
-    /// configurations.
+    /// Returns a recipe for the files of a scenario in Cranny's layout: robot, bodies, start, grasps and known configurations.
     ///
     /// # Errors
     /// [`ScenarioError::OtherRobot`] if the files of the scenario's robot do not define it completely.
@@ -162,8 +161,8 @@ impl Recipe {
         .with_checked_start(id)
     }
 
-    /// Returns the recipe for another robot, with the start of that robot's files if they give one; the loads of grasps are
-    /// dropped, since they belong to the previous hand.
+    /// Returns the recipe for another robot, with the start of that robot's files if they give one, and without the loads of
+    /// grasps, which belong to the previous hand.
     fn for_robot(&self, robot: RecipeRobot) -> Self {
         let moved = robot.planning_from_scene() * self.robot.scene_from_root;
         let start = robot.robot.default_start().map_or_else(|| self.start.clone(), <[f64]>::to_vec);

@@ -21,8 +21,7 @@ const MESHES: &str = "meshes";
 const OBJECTS: &str = "objects";
 
 impl Recipe {
-    /// Writes the scenario as a folder, which is created if it does not exist. `scenario.yaml` is written last, so a folder
-    /// that contains it is complete.
+    /// Writes the scenario as a new or existing folder, `scenario.yaml` last: a folder that contains this file is complete.
     ///
     /// # Errors
     /// [`ScenarioError::Unwritable`], [`ScenarioError::ShapeFile`].

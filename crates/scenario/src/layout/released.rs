@@ -32,7 +32,6 @@ pub(crate) const FILE: &str = "scene.yaml";
 ///    robot.
 /// 2. Bodies: of the scene, or the exported mesh instead.
 /// 3. Start, grasps and IK solutions: the exported ones, which are in the planning frame.
-/// 3. Start, grasps and IK solutions: the exported ones, which are in the planning frame.
 pub(crate) fn open(folder: &Path, options: &OpenOptions) -> Result<Scenario, ScenarioError> {
     let criterion = options.criterion.unwrap_or_default();
     let robot = robot(folder, criterion, options)?;

@@ -45,7 +45,7 @@ impl Recipe {
         let physics = self.target_physics();
         let of_target =
             (physics.mass_kg.unwrap_or(OBJECT_MASS_KG), physics.friction.unwrap_or(PAPER_FRICTION));
-        // A simulator fixes a body without mass in space.
+        // A simulator fixes an object without mass in space.
         let of_obstacle = (0.0, PAPER_FRICTION);
         for (body, (mass_kg, friction)) in
             std::iter::once((target, of_target)).chain(self.obstacles.iter().map(|body| (body, of_obstacle)))

@@ -72,8 +72,7 @@ impl ObjectLibrary {
         self.objects.iter().map(|object| object.identifier.as_str()).collect::<Vec<_>>().join(", ")
     }
 
-    /// Returns the solids of an obstacle in its own frame: the cuboids of its mesh, twelve faces each; for any other mesh the
-    /// enclosed volume.
+    /// Returns the solids of an obstacle in its own frame: the cuboids of its mesh, twelve faces each, or the enclosed volume.
     pub fn obstacle(&self, object: &ObjectEntry) -> Result<Vec<(Pose, Solid)>, ShapeError> {
         let path = self.folder.join(&object.mesh_fn);
         let soup = TriangleSoup::load(&path, Vector::repeat(object.scale))?;
@@ -110,8 +109,8 @@ impl ObjectLibrary {
         })
     }
 
-    /// Returns the solid of an object to grasp, in its own frame: the volume that its simplified mesh encloses. The scans have
-    /// holes. The simplified mesh is closed but not convex, so it is used directly and not through its hull.
+    /// Returns the solid of an object to grasp, in its own frame: the volume that its simplified mesh encloses, not its hull;
+    /// the scans have holes.
     pub fn target(&self, object: &ObjectEntry) -> Result<Solid, ShapeError> {
         let path = self.folder.join(object.vhacd_fn.as_ref().unwrap_or(&object.mesh_fn));
         let soup = TriangleSoup::load(&path, Vector::repeat(object.scale))?;

@@ -71,8 +71,7 @@ impl TemplateRobot {
         }
     }
 
-    /// Returns the template with this robot's group, tip, ground and joints: each joint at the value of its files, otherwise at
-    /// 0 or the limit nearest to it.
+    /// Returns the template with this robot's group, tip, ground and joints, at the values of its files or else nearest to 0.
     fn named_in(&self, template: &str, model: &Robot) -> String {
         let mut text = String::new();
         let mut is_start = false;

@@ -7,7 +7,7 @@ use cranny_file::distinct;
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum MoveItDeviation {
-    /// A joint outside the group has a value beyond its limits and is held at the limit.
+    /// A joint outside the group has a value beyond its limits and is fixed at the limit.
     HeldAtLimit {
         /// Name of the joint.
         joint: String,

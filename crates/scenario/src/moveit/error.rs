@@ -3,8 +3,7 @@ use std::path::PathBuf;
 use cranny_file::distinct;
 use cranny_robot::Location;
 
-/// Errors of a `MoveIt` scene, a request, or the robot that they name. Each message is self-contained and names file and line
-/// if there are any.
+/// Errors of a `MoveIt` scene, a request, or their robot. Each message is self-contained and names file and line, if any.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum MoveItError {
@@ -76,7 +75,7 @@ pub enum MoveItError {
         /// Names of the virtual joints.
         known: String,
     },
-    /// A goal gives a value for a joint that follows others or is held, and that has another value.
+    /// A goal gives another value for a joint that is fixed or follows others.
     #[error(
         "{at}: the goal asks joint '{joint}' to be at {}, but it does not move freely, and is at {} there",
         distinct([*asked, *actual], 4)[0],

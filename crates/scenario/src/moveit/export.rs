@@ -14,15 +14,15 @@ use crate::moveit::message_file::MessageFile;
 use crate::moveit::world::bodies;
 use crate::{RecipeShape, ScenarioError, write_whole_file};
 
-/// Length and width of the box that represents a floor, in metres; its upper side is in the plane of the floor. `MoveIt`'s
-/// planes have no inside. No arm reaches that far from its base.
+/// Length and width of the box that represents a floor, in metres, beyond the reach of any arm; its upper side is in the plane
+/// of the floor. `MoveIt`'s planes have no inside.
 const FLOOR_SIDE_M: f64 = 20.0;
 
 /// Thickness of that box, in metres.
 const FLOOR_DEPTH_M: f64 = 1.0;
 
-/// Reads the collision objects of the planning scene in `path`, in the root frame of `robot`. The robot also defines the frames
-/// of the objects. The planning frame is the robot's root, unless the scene's robot state moves it.
+/// Reads the collision objects of the planning scene in `path`, in the root frame of `robot`, which also defines the frames of
+/// the objects. The planning frame is the robot's root, unless the scene's robot state moves it.
 ///
 /// # Errors
 /// As [`MoveItProblem::open`](crate::MoveItProblem::open) for the scene.

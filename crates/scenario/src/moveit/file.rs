@@ -197,8 +197,7 @@ pub(crate) enum NameOrNumber {
 }
 
 impl NameOrNumber {
-    /// Returns its lower-case name in `names`, the first of which has the number `first`. A byte may be written as a text of
-    /// one character, as in Python.
+    /// Returns its lower-case name in `names`, the first of which has the number `first`. A byte may be a text, as in Python.
     pub fn name(&self, names: &[&str], first: u8) -> String {
         let number = match self {
             Self::Number(number) => *number,

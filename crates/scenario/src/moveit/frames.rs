@@ -32,8 +32,7 @@ pub(crate) fn planning_frames(robot: &Robot) -> Vec<&str> {
 
 impl Frames {
     /// # Errors
-    /// [`MoveItError::FrameTwice`] for a fixed transform that contradicts a known frame, [`MoveItError::UnknownFrame`] for one
-    /// from an unknown frame.
+    /// [`MoveItError::FrameTwice`] for a fixed transform that contradicts a known frame, [`MoveItError::UnknownFrame`].
     pub fn new(
         file: &MessageFile<'_>,
         scene: &SceneFile,

@@ -26,8 +26,7 @@ impl MessageFile<'_> {
         yaml::finite(self.path, number.value, number.referenced)
     }
 
-    /// Returns the pose of an entry in the frame that its message defines for it. A quaternion of four zeros, the default of a
-    /// message, is the identity.
+    /// Returns the pose of an entry in the frame that its message defines; a quaternion of zeros, the default, is the identity.
     pub fn pose(&self, entry: &Spanned<PoseEntry>) -> Result<Pose, ScenarioError> {
         let position = entry.value.position.map_or([0.0; 3], |position| position.0);
         let orientation = entry.value.orientation.map_or([0.0; 4], |orientation| orientation.0);

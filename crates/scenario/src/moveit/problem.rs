@@ -37,11 +37,10 @@ pub struct MoveItProblem {
 /// Options that complete `MoveIt` files.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct MoveItOptions {
-    /// URDF of the robot. Default: `<model>_spherized.urdf`, otherwise `<model>.urdf`, in the scene's folder or the folder
-    /// above it, where `<model>` is the scene's `robot_model_name`.
+    /// URDF of the robot. Default: `<model>_spherized.urdf`, otherwise `<model>.urdf`, in the scene's folder or its parent,
+    /// where `<model>` is the scene's `robot_model_name`.
     pub robot: Option<PathBuf>,
-    /// SRDF of the robot. Default: beside the URDF, with its stem or as `<model>.srdf`; otherwise that in the scene's folder or
-    /// the folder above it.
+    /// SRDF of the robot. Default: beside the URDF, with its stem or as `<model>.srdf`; else near the scene, as the URDF.
     pub srdf: Option<PathBuf>,
 }
 
@@ -49,7 +48,7 @@ impl MoveItProblem {
     /// Opens a scene and a request.
     ///
     /// Every key of every message is known; keys that affect the problem are supported, or refused if their value is not
-    /// supported (docs/files.md lists all).
+    /// (docs/files.md lists all).
     ///
     /// 1. The robot moves the joints of the SRDF group that the request names. A joint outside it has the value of the start
     ///    state, within its limits; a joint that is fixed in the URDF, or follows another, has the value that the URDF gives.
@@ -59,11 +58,10 @@ impl MoveItProblem {
     ///    in the SRDF; the scene's `allowed_collision_matrix` can add checks of pairs that the SRDF disables, but removes none
     ///    (see [`MoveItDeviation`]).
     /// 2. The world consists of the scene's collision objects, at (frame · object pose · shape pose). The planning frame is
-    ///    that of the root link, moved by the inverse of the floating joint of the start state, or else of the scene's state,
-    ///    if there is one.
+    ///    that of the root link, moved by the inverse of the floating joint, if there is one, of the start state or else of the
+    ///    scene's state.
     /// 3. Start: the request's start state, and for joints missing there the scene's robot state.
-    /// 4. Goals: one configuration for each entry of `goal_constraints`. Tolerances are not used: a goal must be reached
-    ///    exactly.
+    /// 4. Goals: one configuration for each entry of `goal_constraints`, to be reached exactly: tolerances are not used.
     ///
     /// # Errors
     /// [`ScenarioError`], with file and line if there are any; among them [`ScenarioError::Unsupported`] for content that would

@@ -104,8 +104,7 @@ impl Files<'_> {
         }
     }
 
-    /// Returns the robot with the joint bounds of the path constraints: joints of the group stay within the tolerances at all
-    /// times.
+    /// Returns the robot with the joint bounds of the path constraints, whose tolerances joints of the group keep at all times.
     pub fn with_held_joints(&self, robot: Arc<Robot>) -> Result<Arc<Robot>, ScenarioError> {
         let file = &self.request_file;
         let Some(path) = self.request.path_constraints.as_ref().filter(|path| !path.value.joints.is_empty())
@@ -143,8 +142,7 @@ impl Files<'_> {
         Ok(Arc::new(held))
     }
 
-    /// Returns the shares of the velocity and acceleration limits that the request specifies; a factor of 0 counts as not
-    /// given.
+    /// Returns the shares of the velocity and acceleration limits that the request specifies; a factor of 0 means none.
     pub fn rate_scales(&self) -> Result<RateScales, ScenarioError> {
         let scale = |factor: Option<&Spanned<f64>>| match factor {
             Some(factor) if !(0.0..=1.0).contains(&factor.value) => {

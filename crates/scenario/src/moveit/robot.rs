@@ -13,8 +13,8 @@ use crate::{MoveItDeviation, MoveItError, MoveItOptions, ScenarioError};
 
 impl Files<'_> {
     /// Builds the robot of the request's group, in the given state. State values of joints of the group, of fixed and of
-    /// following joints are dropped, and values beyond a limit are corrected, one at a time. Each is detected before any mesh
-    /// is read, so this costs little.
+    /// following joints are dropped, and values beyond a limit are corrected, one at a time: each costs little, because it is
+    /// detected before any mesh is read.
     pub fn robot(
         &self,
         options: &MoveItOptions,
@@ -171,8 +171,7 @@ impl Files<'_> {
         options.srdf.clone().or_else(default)
     }
 
-    /// Returns the path of `MoveIt`'s joint limits: beside a file of the robot or the scene, or in a folder `config` beside
-    /// that file or its folder.
+    /// Returns the path of `MoveIt`'s joint limits: beside a file of robot or scene, or in `config` beside it or its folder.
     fn joint_limits(&self, of_robot: [Option<&Path>; 2]) -> Option<PathBuf> {
         let files = of_robot.into_iter().flatten().chain([self.scene_file.path]);
         let folders = files.map(|file| file.parent().unwrap_or(Path::new("")));

@@ -14,7 +14,7 @@ pub enum ObjectError {
     NoMass {
         /// The scenario.
         id: String,
-        /// Body to grasp.
+        /// Name of the target.
         target: String,
     },
     /// A mesh is too large or too small for an object to grasp.

@@ -123,11 +123,10 @@ const SHARE_ROUNDING: f64 = 0.01;
 const LEAST_SPREAD: f64 = 0.05;
 
 impl ObjectFile {
-    /// Compares the content of the file with that of the mesh; the error is the first key that differs, with its stated and its
+    /// Compares the content of the file with that of the mesh; the error is the first key that differs, with stated and
     /// expected value.
     ///
-    /// Centre of mass and inertia may be those of any density within the mesh's convex hull; stable poses are those for that
-    /// centre.
+    /// Centre of mass and inertia may be of any density in the mesh's convex hull, stable poses only those for that centre.
     fn check(&self, measured: &ObjectType) -> Result<(), (&'static str, String, String)> {
         let differs = |key, stated: &[f64], measured: &[f64], most: f64| {
             let is_near = |(a, b): (&f64, &f64)| (a - b).abs() <= most;

@@ -18,10 +18,10 @@ pub struct ObjectType {
     pub name: String,
     /// Surface: closed, normals outwards, in metres.
     pub mesh: TriangleSoup,
-    /// Convex bodies that approximate the mesh, with the error of the approximation.
+    /// Convex parts that approximate the mesh, with the error of the approximation.
     pub parts: ConvexParts,
-    /// Exact shape if it consists of boxes, balls, cylinders and capsules, each at its pose; otherwise empty. A ball that is a
-    /// mesh would roll from facet to facet.
+    /// Exact shape if it consists of boxes, balls, cylinders and capsules, each at its pose, or else empty; the mesh of a ball
+    /// would roll from facet to facet.
     pub solids: Vec<(Pose, Solid)>,
     /// Rotational symmetry.
     pub roundness: Roundness,
@@ -36,8 +36,7 @@ pub struct ObjectType {
     /// Inertia about the centre of mass, along the axes of the object's frame, in kg m².
     pub inertia_kg_m2: Matrix3<f64>,
     /// Stable poses, in order of decreasing probability; poses that differ by a rotation about the vertical and by the object's
-    /// symmetry count as one (see [`distinct_poses`]). If the probabilities sum to less than 1, the remaining poses are too
-    /// unlikely to be listed.
+    /// symmetry count as one (see [`distinct_poses`]). Poses that are too unlikely are not listed.
     pub stable_poses: Vec<StablePose>,
 }
 
@@ -52,7 +51,7 @@ pub struct ObjectSettings {
     pub friction: f64,
     /// Settings for cutting the mesh into convex parts.
     pub decomposition: DecompositionSettings,
-    /// Minimum probability of a listed stable pose; the most likely one is always listed. Default 0.005: a polyhedron with more
+    /// Minimum probability of a listed stable pose, unless it is the most likely one. Default 0.005: a polyhedron with more
     /// than 200 equal faces counts as round.
     pub least_probability: f64,
 }
@@ -73,8 +72,8 @@ impl ObjectSettings {
 /// Coefficient of friction of an object if none is stated.
 pub const DEFAULT_FRICTION: f64 = ASSUMED_FRICTION;
 
-/// Coefficient of friction of all objects in the paper's object library. It is the value that another tool assumes for unknown
-/// objects, and is used to evaluate the paper's grasps.
+/// Coefficient of friction of all objects in the paper's object library, which another tool assumes for unknown objects; used
+/// to evaluate the paper's grasps.
 pub const PAPER_FRICTION: f64 = 0.24;
 
 /// Maximum extent of a graspable object, in metres.
@@ -138,8 +137,7 @@ impl ObjectType {
         Ok(Self { mass_kg, friction, inertia_kg_m2, ..self })
     }
 
-    /// Returns the object in its own frame, as held by a hand ([`LoadMeasure`](cranny_grasp::LoadMeasure)); `None` for an
-    /// object without a surface.
+    /// Returns the held object in its own frame ([`LoadMeasure`](cranny_grasp::LoadMeasure)); `None` without a surface.
     pub fn held(&self) -> Option<HeldObject> {
         HeldObject::new(&self.mesh, &self.mass_moments(), Some(self.mass_kg), self.friction).ok()
     }

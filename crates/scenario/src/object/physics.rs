@@ -9,8 +9,7 @@ pub struct TargetPhysics {
     pub rolling_m: Option<f64>,
 }
 
-/// Rolling resistance of the built-in objects, in metres: 0.3 mm. With it a tennis ball on a hard floor stops at an incline of
-/// 0.5°.
+/// Rolling resistance of the built-in objects, in metres (0.3 mm): a tennis ball on a hard floor stops at an incline of 0.5°.
 pub(crate) const BUILTIN_ROLLING_M: f64 = 3e-4;
 
 impl TargetPhysics {

@@ -45,7 +45,7 @@ impl Scenario {
         Firmness::by_hand(&self.world, self.target?, &robot_hand(&self.robot), (friction, weight))
     }
 
-    /// Returns mass and rolling resistance of the target, and its mass distribution if the file of an object states it; `None`
+    /// Returns mass and rolling resistance of the target, and the mass distribution that the file of an object states; `None`
     /// without a target.
     pub fn target_weight(&self) -> Option<Weight> {
         self.target?;
@@ -82,8 +82,7 @@ impl Scenario {
         object_of_shapes(body, &settings).map(Some)
     }
 
-    /// Returns the frame of the target, `world_from_object`, if the target is one object with its own frame: that of the
-    /// object's mesh and of grasps on it.
+    /// Returns the frame of the target, `world_from_object`, if it is one object: that of the object's mesh and grasps.
     pub fn world_from_object(&self) -> Option<Pose> {
         self.placed_object().map(|(_, world_from_object)| world_from_object)
     }

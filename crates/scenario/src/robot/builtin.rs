@@ -19,7 +19,7 @@ pub struct BuiltinRobot {
     /// Short description, in one line.
     pub about: &'static str,
     urdf: &'static str,
-    /// Mounted components, one on top of the other: the link on which each is mounted, and its URDF.
+    /// Mounted components, each on top of the one before: the link on which it is mounted, and its URDF.
     carries: &'static [(&'static str, &'static str)],
     srdf: &'static str,
     limits: &'static [&'static str],
@@ -159,8 +159,7 @@ impl BuiltinRobot {
         Robot::from_urdf_text(&self.urdf()?, &self.urdf_name(), None, &options).map(Arc::new)
     }
 
-    /// Writes the robot's files into `folder`, for use by other programs, and returns the path of the URDF; SRDF, limits and
-    /// description are written beside it.
+    /// Writes the robot's files into `folder`, for use by other programs, and returns the path of the URDF beside the others.
     ///
     /// # Errors
     /// [`ScenarioError::Unwritable`].

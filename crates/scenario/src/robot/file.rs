@@ -7,11 +7,10 @@ use cranny_robot::{Robot, RobotOptions, UrdfFile};
 use crate::ScenarioError;
 use crate::robot::builtin::{BuiltinRobot, known_hands};
 
-/// Loads the robot that `what` names: a built-in one, a folder with a `robot.yaml`, or a URDF. A robot folder takes precedence
-/// over a built-in robot of the same name.
+/// Loads the robot that `what` names: a built-in one, a folder with a `robot.yaml`, which takes precedence, or a URDF.
 ///
-/// Its hand is open and its tip is the gripper frame, as defined by `robot.yaml` beside the URDF or by the known hands, unless
-/// `options` specify others.
+/// Unless `options` specify others, its hand is open and its tip is the gripper frame, as defined by `robot.yaml` beside the
+/// URDF or by the known hands.
 pub(crate) fn load(what: &Path, options: &RobotOptions) -> Result<Arc<Robot>, ScenarioError> {
     if let Some(builtin) = BuiltinRobot::of_path(what) {
         return Ok(builtin.robot(options)?);

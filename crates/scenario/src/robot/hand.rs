@@ -1,8 +1,7 @@
 use cranny_robot::{JointKind, Mover, Robot};
 use cranny_shape::{Solid, overlap};
 
-/// Hand without space between its fingers: the gripper frame, whose origin is between the finger pads, lies inside the convex
-/// hull of a mesh that moves with it.
+/// Hand without space between its fingers: the gripper frame, with its origin between the pads, lies inside the hull of a mesh.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error(
     "the gripper frame {tip} lies inside {link}: a link's mesh stands for its convex hull, and this one fills the \

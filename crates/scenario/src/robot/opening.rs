@@ -9,8 +9,7 @@ const WIDEST_M: f64 = 1.0;
 const TOUCHED_M: f64 = 1e-5;
 
 /// Returns the distance between the pads of a robot's open hand, measured on its collision geometry, in metres: along the y
-/// axis of the gripper frame, from its origin to either side. `None` if a side has no geometry, or the origin itself lies in a
-/// body.
+/// axis of the gripper frame, from its origin to either side. `None` if there is geometry at the origin, or none on a side.
 pub fn measured_opening_m(robot: &Robot) -> Option<f64> {
     // A tiny sphere represents the point.
     let point = Solid::sphere(1e-6).ok()?;
@@ -30,7 +29,7 @@ pub fn measured_opening_m(robot: &Robot) -> Option<f64> {
         };
         bodies.iter().map(to).fold(f64::INFINITY, f64::min)
     };
-    // The distance is a lower bound, so a step of that length passes through nothing.
+    // The distance is a lower bound, so an advance by it passes through nothing.
     let to_side_m = |side: f64| {
         let mut gone_m = 0.0;
         while gone_m < WIDEST_M {

@@ -45,8 +45,7 @@ pub struct RecipeRobot {
 }
 
 impl RecipeRobot {
-    /// Loads the robot that `what` names (a built-in one, a folder with a `robot.yaml`, a URDF), at the pose of the paper's
-    /// robot.
+    /// Loads the robot that `what` names (built in, a folder with a `robot.yaml`, a URDF), at the pose of the paper's robot.
     ///
     /// # Errors
     /// Any fault of its files.
@@ -123,8 +122,7 @@ impl RecipeRobot {
         self.scene_from_root.inverse()
     }
 
-    /// Returns the start configuration (m, rad; one per joint): that of its files, otherwise the joint values nearest 0 within
-    /// limits.
+    /// Returns the start configuration (m, rad; one per joint): that of its files, or else the permitted values nearest 0.
     pub fn start(&self) -> Vec<f64> {
         let near_zero = || self.robot.limits().iter().map(|limits| limits.clamp(0.0)).collect();
         self.robot.default_start().map_or_else(near_zero, <[f64]>::to_vec)

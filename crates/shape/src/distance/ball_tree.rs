@@ -9,8 +9,8 @@ use crate::{Ball, CoarseHull, Solid, TriangleSoup};
 
 /// Balls whose union contains a solid, as a binary tree.
 ///
-/// The balls of the leaves together contain the solid. The ball of an inner node contains all of the solid that the
-/// leaves below it cover. So a body that is clear of a node's ball is clear of that piece.
+/// The balls of the leaves together contain the solid. The ball of an inner node contains the piece of the solid that the
+/// leaves below it cover, so an object clear of the ball is clear of this piece.
 #[derive(Clone, Debug)]
 pub struct BallTree {
     nodes: Vec<BallNode>,
@@ -28,25 +28,25 @@ pub struct BallNode {
 /// Maximum number of times that a piece of the solid is halved.
 const DEEPEST: usize = 14;
 
-/// Slack added to every radius, in metres: a hundred times what each cut of a piece may lose to rounding
-/// ([`crate::hulls::cut`]), for at most [`DEEPEST`] cuts.
+/// Slack added to every radius, in metres: a hundred times the rounding of a cut ([`crate::hulls::cut`]), for at most
+/// [`DEEPEST`] cuts.
 const SLACK_M: f64 = 1e-7;
 
-/// Maximum number of corners of a hull, because the time of a cut is quadratic in them. A larger hull keeps this many,
-/// and the balls grow by how far the others protrude from their hull: some tenths of a millimetre.
+/// Maximum number of corners of a hull, because the time of a cut is quadratic in them. A larger hull is reduced to this many,
+/// and the balls grow by the protrusion of the others from their hull: some tenths of a millimetre.
 const MOST_CORNERS: usize = 64;
 
 impl BallTree {
     /// The tree around a solid, in the solid's frame. Halves a piece until its ball protrudes from the faces of the solid
     /// by at most `bulge_m` (metres). A mesh counts as its convex hull. `None` for a half-space.
     ///
-    /// Containment does not depend on a hull algorithm, whose faces may be wrong where a body is thin:
+    /// Containment does not depend on a hull algorithm, whose faces may be wrong where a solid is thin:
     ///
-    /// 1. Takes the corners of the solid's core, or some of them and a bound on how far the others protrude.
-    /// 2. Cuts their convex hull in half across the longest side of its box, repeatedly. The cuts are exact and use
-    ///    corners alone.
-    /// 3. Puts a small ball around the corners of each piece, grown by the radius that rounds the core. The faces of the
-    ///    hull only determine which ball protrudes least.
+    /// 1. Takes the corners of the solid's core, or some of them and a bound on the protrusion of the others.
+    /// 2. Cuts their convex hull in half across the longest side of its box, repeatedly. The cuts are exact and use corners
+    ///    alone.
+    /// 3. Puts a small ball around the corners of each piece, grown by the radius that rounds the core. The faces of the hull
+    ///    only determine which ball protrudes least.
     pub fn around(solid: &Solid, bulge_m: f64) -> Option<Self> {
         if let Some(coarse) = CoarseHull::of(solid, MOST_CORNERS) {
             return Some(Self::around_coarse(solid, &coarse, bulge_m));
@@ -87,7 +87,7 @@ impl BallTree {
         Some(tree)
     }
 
-    /// Joins many trees into one, each placed by `target_from_tree`.
+    /// Joins trees into one, each moved by `target_from_tree`.
     ///
     /// # Panics
     /// If there are no trees.
@@ -110,7 +110,7 @@ impl BallTree {
         self
     }
 
-    /// Covers the piece with these corners by steps 2 and 3; returns its node.
+    /// Covers the piece with these corners as in 2. and 3. of [`Self::around`]; returns its node.
     fn cover(
         &mut self,
         corners: &[Point],
@@ -187,12 +187,11 @@ impl BallTree {
     }
 }
 
-/// Approximate ball around the points that protrudes least from the planes, and by how much (m). The search stops at a
+/// Approximate ball around the points with the least protrusion from the planes, and this protrusion (m). The search stops at a
 /// ball that protrudes by at most `enough_m` (m).
 ///
-/// Both the radius that is needed and the height above the highest plane are convex in the centre. So the search descends
-/// their sum by subgradients with ever smaller steps (Shor 1985, "Minimization methods for non-differentiable functions",
-/// ch. 2).
+/// The required radius and the height above the highest plane are both convex in the centre, so the search descends their sum
+/// by subgradients with ever smaller steps (Shor 1985, "Minimization methods for non-differentiable functions", ch. 2).
 fn least_bulge(points: &[Point], planes: &[Plane], enough_m: f64) -> (Ball, f64) {
     const STEPS: usize = 16;
     /// Number of steps after which the search gives up if the ball protrudes more than `HOPELESS` times `enough_m`.
@@ -220,7 +219,7 @@ fn least_bulge(points: &[Point], planes: &[Plane], enough_m: f64) -> (Ball, f64)
                 break;
             }
         }
-        // No other centre will make one ball enough; the piece is cut anyway.
+        // No other centre makes one ball sufficient, so the piece is cut.
         if step == HOPEFUL_STEPS && best.1 > HOPELESS * enough_m {
             break;
         }
@@ -251,7 +250,7 @@ fn enclosing(points: &[Point], rounding_m: f64) -> Ball {
 }
 
 /// A small ball around balls: the centre moves towards the farthest ball by ever smaller steps (Bădoiu & Clarkson 2003,
-/// "Smaller core-sets for balls", whole, for balls in place of points). The radius follows from the centre.
+/// "Smaller core-sets for balls", whole, for balls instead of points). The radius follows from the centre.
 fn around_balls(balls: &[Ball]) -> Ball {
     /// Number of steps; leaves the radius within 2 % of the least.
     const STEPS: usize = 50;

@@ -5,12 +5,12 @@ use crate::distance::gjk::core_distance;
 use crate::solid::Kind;
 use crate::{Aabb, Range, Solid, distance::parry, separation};
 
-/// Margin beyond the distance found within which triangles are searched, in metres: above the error at which the
-/// iteration stalls on curved faces.
+/// Margin beyond the distance found within which triangles are searched, in metres: above the error at which the iteration
+/// stalls on curved faces.
 const SLACK_M: f64 = 1e-5;
 
-/// Closest points of two solids placed in a common frame, in that frame, accurate to about the contact tolerance; `None`
-/// if the solids touch.
+/// Closest points of two solids with poses in a common frame, in that frame, accurate to about the contact tolerance; `None` if
+/// the solids touch.
 ///
 /// For display only: use [`separation`] for certified distances.
 pub fn closest_points(
@@ -52,7 +52,7 @@ fn pieces_near<'a>(solid: &'a Solid, region: &Aabb) -> Vec<&'a Convex> {
     }
 }
 
-/// Closest points of two convex bodies, both in the frame of the first.
+/// Closest points of two convex solids, both in the frame of the first.
 fn convex_points(a: &Convex, b: &Convex, a_from_b: &Pose) -> Option<[Point; 2]> {
     let found = core_distance(&a.core, &b.core, &parry::pose(a_from_b), Range::to(f64::MAX));
     let [on_a, on_b] = found.way.map(parry::to_vector);

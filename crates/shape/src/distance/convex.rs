@@ -6,7 +6,7 @@ use fearless_simd::{Simd, dispatch, f64x8};
 use parry3d_f64::math::Vector as ParryVector;
 use parry3d_f64::shape::SupportMap;
 
-/// A convex body: a core given by its support function, and a radius by which the core is rounded.
+/// A convex solid: a core given by its support function, and a radius by which the core is rounded.
 ///
 /// Spheres and capsules are a point and a segment with a radius, so their distances are exact.
 #[derive(Clone, Debug)]
@@ -15,7 +15,7 @@ pub(crate) struct Convex {
     pub radius_m: f64,
 }
 
-/// Core of a convex body, before rounding. Segments and cylinders lie along z. All are centred at their origin.
+/// Core of a convex solid, before rounding. Segments and cylinders lie along z. All are centred at their origin.
 #[derive(Clone, Debug)]
 pub(crate) enum Core {
     Point,
@@ -31,8 +31,8 @@ impl Convex {
         Self { core, radius_m: 0.0 }
     }
 
-    /// Points whose convex hull, rounded by the radius, contains the body: exactly, except for the cylinder, which gets
-    /// the eight-sided prism around it.
+    /// Points whose convex hull, rounded by the radius, contains the solid: exactly, except for the cylinder, which gets the
+    /// eight-sided prism around it.
     pub fn bounding_points(&self) -> Vec<Point> {
         let signs = [-1.0, 1.0];
         match &self.core {
@@ -96,8 +96,7 @@ impl SupportMap for Core {
 /// Number of hull points that are compared at once.
 const LANES: usize = 8;
 
-/// Corners of a convex hull, stored coordinate by coordinate for vector instructions. The first corner fills up the last
-/// chunk.
+/// Corners of a convex hull, stored coordinate by coordinate for vector instructions. The first corner fills up the last chunk.
 #[derive(Clone, Debug)]
 pub(crate) struct HullPoints {
     chunks: Vec<[[f64; LANES]; 3]>,

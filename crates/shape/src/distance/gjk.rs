@@ -1,6 +1,6 @@
 //! Distance of two convex cores by the algorithm of Gilbert, Johnson & Keerthi (1988, "A fast procedure for computing the
-//! distance between complex objects in three-dimensional space", whole), with certified bounds: no error of the search
-//! can make either bound wrong by more than rounding itself.
+//! distance between complex objects in three-dimensional space", whole), with certified bounds: errors of the search make no
+//! bound wrong by more than rounding.
 
 use parry3d_f64::math::{Pose as ParryPose, Vector as ParryVector};
 use parry3d_f64::shape::SupportMap;
@@ -24,11 +24,10 @@ impl CoreDistance {
     const CONTACT: Self = Self { lower_m: 0.0, upper_m: 0.0, way: [ParryVector::ZERO; 2] };
 }
 
-/// Maximum number of steps of the search. Polytopes take some ten; two curved rims that are nearly tangent take the most,
-/// some fifty.
+/// Maximum number of iterations. Polytopes take some ten; two nearly tangent curved rims take the most, some fifty.
 const MOST_STEPS: usize = 200;
 
-/// Difference of the bounds at which the search ends, in metres: a tenth of what a proof subtracts from a distance
+/// Difference of the bounds at which the search ends, in metres: a tenth of the allowance of proofs for rounding
 /// ([`cranny_spatial::ROUNDING_M`]).
 const ENOUGH_M: f64 = 1e-10;
 
@@ -80,7 +79,7 @@ fn search(a: &Core, b: &Core, a_from_b: &ParryPose, is_decided: impl Fn(f64, f64
         simplex.add(corner);
         let Some(next) = simplex.reduce() else { return CoreDistance::CONTACT };
         let length = next.difference.length();
-        // A step that comes no closer is rounding, and so are all steps after it.
+        // If an iteration comes no closer, it and all later ones are only rounding.
         if length.is_nan() || length >= found.upper_m {
             break;
         }
@@ -185,7 +184,7 @@ impl Simplex {
 
     /// Returns true if the origin lies in the tetrahedron by more than rounding.
     fn has_origin(&self) -> bool {
-        /// Rounding of a volume, relative to the product of its lengths: some ten steps of 10⁻¹⁶.
+        /// Rounding of a volume, relative to the product of its lengths: some ten times 10⁻¹⁶.
         const ROUNDING: f64 = 1e-14;
         let [a, b, c, d] = self.corners.map(|corner| corner.difference);
         let volume = |p: ParryVector, q: ParryVector, r: ParryVector| {

@@ -19,7 +19,7 @@ impl Range {
         if upper_m < self.beyond_m { upper_m.min(self.exact_below_m) } else { self.beyond_m }
     }
 
-    /// Returns the range for the cores of bodies whose rounding shortens the distance by `by_m`, in metres.
+    /// Returns the range for the cores of solids whose rounding shortens the distance by `by_m`, in metres.
     pub(crate) fn grown(self, by_m: f64) -> Self {
         Self { beyond_m: self.beyond_m + by_m, exact_below_m: self.exact_below_m + by_m }
     }

@@ -13,7 +13,7 @@ use crate::{Aabb, Ball, Range, Solid, distance::parry};
 
 /// Bounds of the distance of two solids: `lower_m ≤ distance ≤ upper_m`.
 ///
-/// A plane between the two bodies certifies the lower bound, a point of each the upper one. So both hold even if the
+/// A plane between the two solids certifies the lower bound, a point of each the upper one, so both are valid even if the
 /// iteration that found them failed. Unless the search stopped early they agree to better than 10⁻⁷ m
 /// (`both_bounds_meet_where_contact_is_decided`).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,14 +35,14 @@ impl Separation {
 /// Overlap of two solids.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Overlap {
-    /// Distance by which one must move to separate the two, in metres, ≥ 0. Exact for two convex bodies; for a mesh the
-    /// largest depth of any of its triangles.
+    /// Distance by which one must move to separate the two, in metres, ≥ 0. Exact for two convex solids; for a mesh the largest
+    /// depth of any of its triangles.
     pub depth_m: f64,
     /// A point in the overlap, in the common frame.
     pub point: Point,
 }
 
-/// Distance of two solids placed in a common frame: [`separation_in`] all distances up to `beyond_m`, in metres.
+/// Distance of two solids with poses in a common frame: [`separation_in`] all distances up to `beyond_m`, in metres.
 pub fn separation(
     a: &Solid,
     common_from_a: &Pose,
@@ -53,11 +53,11 @@ pub fn separation(
     separation_in(a, common_from_a, b, common_from_b, Range::to(beyond_m))
 }
 
-/// Distance of two solids placed in a common frame, as exact as `range` requires.
+/// Distance of two solids with poses in a common frame, as exact as `range` requires.
 ///
-/// With an infinite `exact_below_m`, `lower_m ≥ beyond_m` exactly if the distance is certified to reach `beyond_m`.
-/// Otherwise `lower_m ≥ exact_below_m` exactly if it is certified to reach the lesser of the two. Solids are full: one
-/// inside the other is in contact.
+/// With an infinite `exact_below_m`, `lower_m ≥ beyond_m` exactly if the distance is certified to reach `beyond_m`. Otherwise
+/// `lower_m ≥ exact_below_m` exactly if it is certified to reach the lesser of the two. Solids are full: one inside the other
+/// is in contact.
 pub fn separation_in(
     a: &Solid,
     common_from_a: &Pose,
@@ -84,7 +84,7 @@ pub fn separation_in(
     }
 }
 
-/// Returns true if the distance of two solids placed in a common frame is certified to reach `distance_m` (m, above 0).
+/// Returns true if the distance of two solids with poses in a common frame is certified to reach `distance_m` (m, above 0).
 /// Agrees with `lower_m ≥ distance_m` of [`separation`], in less time if the distance is shorter.
 pub fn reaches(a: &Solid, common_from_a: &Pose, b: &Solid, common_from_b: &Pose, distance_m: f64) -> bool {
     match (a.kind(), b.kind()) {
@@ -171,7 +171,7 @@ fn mesh_convex_separation(
     if bound_m >= range.beyond_m.min(range.exact_below_m) {
         return Separation { lower_m: bound_m, upper_m: f64::INFINITY };
     }
-    // 2. A body wholly inside touches no triangle.
+    // 2. A convex solid wholly inside touches no triangle.
     if bound_m <= 0.0 && mesh.contains(&(mesh_from_convex * some_point(convex))) {
         return Separation::CONTACT;
     }
@@ -227,12 +227,12 @@ fn mesh_mesh_separation(a: &Mesh, b: &Mesh, a_from_b: &Pose, beyond_m: f64) -> S
 fn convex_overlap(a: &Convex, common_from_a: &Pose, b: &Convex, common_from_b: &Pose) -> Option<Overlap> {
     let radii = a.radius_m + b.radius_m;
     let relative = parry::pose(&common_from_a.inv_mul(common_from_b));
-    // Bodies that lie apart have no depth, even if the search for the deepest point returned one.
+    // Solids that lie apart have no depth, even if the search for the deepest point returned one.
     if core_reaches(&a.core, &b.core, &relative, radii.next_up()) {
         return None;
     }
     let contact = contact_support_map_support_map(&relative, &a.core, &b.core, radii)?;
-    // The depth is at most that along the normal found, measured on both bodies: moved by this much, they are apart.
+    // The depth is at most that along the normal found, measured on both solids: moved by this distance, they are apart.
     let direction = contact.normal1;
     let far_on_a = a.core.local_support_point(direction);
     let near_on_b = relative.rotation * b.core.local_support_point(relative.rotation.inverse() * -direction)
@@ -263,7 +263,7 @@ fn mesh_overlap(
         }
         let point = mesh_from_parts * some_point(part);
         if deepest.is_none() && mesh.contains(&point) {
-            // The body is wholly inside, and at least as deep as that point.
+            // The convex solid is wholly inside, and at least as deep as that point.
             let depth_m = mesh
                 .triangles()
                 .iter()
@@ -279,7 +279,7 @@ fn mesh_overlap(
     deepest
 }
 
-/// Any point of the body, in its frame.
+/// Any point of the solid, in its frame.
 fn some_point(convex: &Convex) -> Point {
     parry::to_vector(convex.core.local_support_point(ParryVector::X)).into()
 }

@@ -19,9 +19,8 @@ pub struct CoarseHull {
 }
 
 impl CoarseHull {
-    /// Coarse hull of a convex solid with at most `most` corners, chosen greedily: each step adds the corner that
-    /// protrudes farthest. `None` for a mesh, a half-space, or a hull so small or flat that its corners cannot be
-    /// distinguished.
+    /// Coarse hull of a convex solid with at most `most` corners, chosen greedily: always the corner that protrudes farthest.
+    /// `None` for a mesh, a half-space, or a hull so small or flat that its corners cannot be distinguished.
     ///
     /// # Panics
     /// If `most` is less than 32, the number of corners of the prism in a cylinder.
@@ -57,7 +56,7 @@ const SIDES: usize = 16;
 /// Bound on the displacement of a corner by rounding, in metres.
 const ROUNDING_M: f64 = 1e-9;
 
-/// Chooses some corners of a hull, and returns how far the others protrude from the hull of these, in metres.
+/// Chooses some corners of a hull, and returns the maximum protrusion of the others from the hull of these, in metres.
 pub(crate) fn chosen(corners: &[Point], most: usize) -> Option<(Vec<Point>, f64)> {
     if corners.len() <= most {
         return Some((corners.to_vec(), 0.0));
@@ -73,9 +72,9 @@ pub(crate) fn chosen(corners: &[Point], most: usize) -> Option<(Vec<Point>, f64)
         }
     }
     let mut hull = Solid::hull(&chosen).ok()?;
-    // Added corners only reduce how far the others protrude, so only the corner that protruded farthest at its last
-    // measurement is measured again. Ties go to the last corner. Outdated queue entries, of corners that were measured
-    // again or moved, are skipped.
+    // Added corners only reduce the protrusion of the others, so only the corner that protruded farthest at its last
+    // measurement is measured again. Ties go to the last corner. Outdated queue entries, of corners that were measured again or
+    // moved, are skipped.
     let mut queue: BinaryHeap<(i64, usize)> =
         left.iter().enumerate().map(|(index, (far_m, _))| (rank(*far_m), index)).collect();
     let mut measured = vec![0; left.len()];
@@ -110,7 +109,7 @@ fn rank(distance_m: f64) -> i64 {
 
 /// Upper bound of the distance of a point from a hull, in metres; never less than the true distance.
 fn standing_out_m(point: &Point, hull: &Solid) -> Option<f64> {
-    /// Radius of the ball that stands in for the point, in metres.
+    /// Radius of the ball that represents the point, in metres.
     const SPECK_M: f64 = 1e-7;
     let speck = Solid::sphere(SPECK_M).ok()?;
     let place = Pose::from_parts(point.coords.into(), cranny_spatial::Rotation::identity());
@@ -125,7 +124,7 @@ mod tests {
 
     use super::*;
 
-    /// Reference for [`chosen`] that scans all corners in each step.
+    /// Reference for [`chosen`] that scans all corners for each choice.
     fn chosen_one_by_one(corners: &[Point], most: usize) -> (Vec<Point>, f64) {
         let mut left: Vec<(f64, Point)> = corners.iter().map(|corner| (f64::INFINITY, *corner)).collect();
         let mut chosen = Vec::new();

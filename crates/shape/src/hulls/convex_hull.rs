@@ -49,8 +49,7 @@ impl TriangleSoup {
         if hull.signed_volume_m3() > 0.0 { Ok(hull) } else { Err(flat()) }
     }
 
-    /// Volume that the triangles enclose, in cubic metres: negative for normals inwards, meaningless for a mesh with a
-    /// hole.
+    /// Volume that the triangles enclose, in cubic metres: negative for normals inwards, meaningless for a mesh with a hole.
     pub fn signed_volume_m3(&self) -> f64 {
         let Some(eye) = self.vertices.first() else { return 0.0 };
         let of_tetrahedron = |index: usize| {

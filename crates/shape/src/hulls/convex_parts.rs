@@ -10,10 +10,9 @@ use crate::{ShapeError, Surface, TriangleSoup, distance::parry};
 pub struct DecompositionSettings {
     /// Number of voxels along the longest side of the mesh, 8 to 400. Default 64: 3 mm for a hand-sized object.
     pub resolution: u32,
-    /// Maximum concavity of a part, as a share of the mesh's volume, in (0, 1). Default 0.005: a banana gets about ten
-    /// parts.
+    /// Maximum concavity of a piece, as a share of the mesh's volume, in (0, 1). Default 0.005: a banana gets about ten pieces.
     pub concavity: f64,
-    /// Maximum number of parts. Default 32: more parts cost more in every collision check than they gain.
+    /// Maximum number of pieces. Default 32: more pieces cost more in every collision check than they gain.
     pub most_parts: u32,
 }
 
@@ -23,31 +22,31 @@ impl Default for DecompositionSettings {
     }
 }
 
-/// Convex bodies that together approximate a mesh.
+/// Convex solids that together approximate a mesh.
 #[derive(Clone, Debug)]
 pub struct ConvexParts {
-    /// The parts, each a closed convex mesh.
+    /// The pieces, each a closed convex mesh.
     pub parts: Vec<TriangleSoup>,
     /// Error of the approximation.
     pub error: VolumeError,
 }
 
-/// Difference between a union of convex parts and the volume of a mesh, as shares of the mesh's volume.
+/// Difference between a union of convex pieces and the volume of a mesh, as shares of the mesh's volume.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct VolumeError {
-    /// Volume of the parts outside the mesh.
+    /// Volume of the pieces outside the mesh.
     pub excess: f64,
-    /// Volume of the mesh outside all parts.
+    /// Volume of the mesh outside all pieces.
     pub missing: f64,
 }
 
 impl ConvexParts {
-    /// Decomposes the volume that `soup` encloses into convex parts (V-HACD as `parry` implements it; Mamou 2016,
-    /// "Volumetric hierarchical approximate convex decomposition", whole) and measures the error.
+    /// Decomposes the volume that `soup` encloses into convex pieces (V-HACD as `parry` implements it; Mamou 2016, "Volumetric
+    /// hierarchical approximate convex decomposition", whole) and measures the error.
     ///
     /// # Errors
-    /// [`ShapeError::Open`] and similar errors for a mesh that encloses no volume; [`ShapeError::NoVolume`] if no part is
+    /// [`ShapeError::Open`] and similar errors for a mesh that encloses no volume; [`ShapeError::NoVolume`] if no piece is
     /// found.
     pub fn of_mesh(soup: &TriangleSoup, settings: &DecompositionSettings) -> Result<Self, ShapeError> {
         check_indices(soup)?;
@@ -77,10 +76,10 @@ impl ConvexParts {
         Self::measured(soup, parts)
     }
 
-    /// Takes given parts, and measures their error against the volume that `soup` encloses.
+    /// Takes given pieces, and measures their error against the volume that `soup` encloses.
     ///
     /// # Errors
-    /// [`ShapeError::NoVolume`] if there is no part, or the mesh encloses nothing.
+    /// [`ShapeError::NoVolume`] if there is no piece, or the mesh encloses nothing.
     pub fn measured(soup: &TriangleSoup, parts: Vec<TriangleSoup>) -> Result<Self, ShapeError> {
         let error = volume_error(soup, &parts)?;
         Ok(Self { parts, error })
@@ -90,9 +89,9 @@ impl ConvexParts {
 /// Number of lines along which volumes are compared; a share of the volume is then off by some 0.003.
 const LINES: u32 = 4096;
 
-/// Compares the lengths of vertical lines inside the mesh and inside any part. The lines are spread evenly but not on a
-/// grid (R₂ of Roberts 2018, "The unreasonable effectiveness of quasirandom sequences", whole), so that none runs along
-/// the edges of a symmetric mesh.
+/// Compares the lengths of vertical lines inside the mesh and inside any piece. The lines are spread evenly but not on a grid
+/// (R₂ of Roberts 2018, "The unreasonable effectiveness of quasirandom sequences", whole), so that none runs along the edges of
+/// a symmetric mesh.
 fn volume_error(soup: &TriangleSoup, parts: &[TriangleSoup]) -> Result<VolumeError, ShapeError> {
     let mesh = Surface::new(soup)?;
     let parts: Vec<Surface> = parts.iter().map(Surface::new).collect::<Result<_, _>>()?;
@@ -124,10 +123,10 @@ fn volume_error(soup: &TriangleSoup, parts: &[TriangleSoup]) -> Result<VolumeErr
     }
 }
 
-/// Distance of the start of the lines below all bodies, in metres; no rounding moves a face below it.
+/// Distance of the start of the lines below all meshes, in metres; no rounding moves a face below it.
 const ROOM_M: f64 = 1e-3;
 
-/// Intervals of a vertical line inside a closed surface: those with more entries than exits behind them.
+/// Intervals of a vertical line inside a closed surface: those preceded by more entries than exits.
 fn intervals(surface: &Surface, foot: &Point, height_m: f64) -> Vec<[f64; 2]> {
     let (mut depth, mut begin, mut found) = (0_i32, 0.0, Vec::new());
     for hit in surface.ray_hits(foot, &Vector::z(), height_m) {

@@ -12,8 +12,8 @@ pub(crate) struct Cut {
     pub high: Vec<Point>,
 }
 
-/// Distance outside the outline of a cut beyond which points are kept, in metres, because rounding left them out of the
-/// outline. All other points off the outline are dropped.
+/// Distance from the outline of a cut above which outer points are kept, in metres: rounding excluded them from the outline.
+/// All other points off the outline are dropped.
 const ROUNDING_M: f64 = 1e-9;
 
 /// A point of the plane of a cut.
@@ -22,11 +22,11 @@ type PlanePoint = [f64; 2];
 impl Cut {
     /// Cuts the hull of `corners` across the longest side of the box around them; `None` if that side is too short.
     ///
-    /// The plane meets the hull in the hull of its intersections with all segments from a corner below to one above. So
-    /// no faces are needed, which are hard to determine where a hull is thin. If rounding moves an intersection along its
-    /// segment, nothing is lost, because both halves get the same point.
+    /// The plane meets the hull in the hull of its intersections with all segments from a corner below to one above, so no
+    /// faces are needed, which are hard to determine where a hull is thin. If rounding moves an intersection along its segment,
+    /// nothing is lost, because both halves get the same point.
     pub fn across(corners: &[Point]) -> Option<Self> {
-        /// Minimum length of the longest side, in metres: no bulge that is worth a ball is smaller.
+        /// Minimum length of the longest side, in metres: protrusions of smaller pieces are negligible.
         const SHORTEST_M: f64 = 1e-4;
         let (axis, low, high) = longest_side(corners);
         if high - low < SHORTEST_M {

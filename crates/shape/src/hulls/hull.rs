@@ -12,9 +12,8 @@ use crate::solid::Kind;
 use crate::{ShapeError, Solid, TriangleSoup, distance::parry, separation};
 
 impl Solid {
-    /// The convex hull of `points`. With more than [`MOST_HULL_CORNERS`] corners, it is the hull of 2000 of them, rounded
-    /// by how far the others protrude: some tenths of a millimetre for a sphere of 0.1 m. It contains every point in
-    /// either case.
+    /// The convex hull of `points`; it contains every point. With more than [`MOST_HULL_CORNERS`] corners, it is the hull of
+    /// 2000 of them, rounded by the protrusion of the others: some tenths of a millimetre for a sphere of 0.1 m.
     ///
     /// # Errors
     /// [`ShapeError::NotFinite`] or [`ShapeError::FlatHull`].
@@ -39,8 +38,8 @@ impl Solid {
         if volume.is_nan() || volume.abs() < LEAST_VOLUME_M3 {
             return Err(flat);
         }
-        // The library may merge nearly equal points. To contain all of them, the hull keeps every given point that its
-        // facets leave outside, and all points if the facets are not closed.
+        // The library may merge nearly equal points. To contain all of them, the hull keeps every given point outside its
+        // facets, and all points if the facets are not closed.
         let mut kept = hull.clone();
         let vertices = hull.iter().map(|p| parry::to_vector(*p).into()).collect();
         let is_closed = check_closed(&TriangleSoup { vertices, triangles: faces.clone() }).is_ok();

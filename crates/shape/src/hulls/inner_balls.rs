@@ -5,11 +5,11 @@ use crate::inside::closed_mesh::check_closed;
 use crate::solid::Kind;
 use crate::{Ball, Solid, TriangleSoup};
 
-/// At most `count` balls inside a convex solid that fill much of it, the largest first, in the solid's frame. Empty for a
-/// mesh or a half-space.
+/// At most `count` balls inside a convex solid that fill much of it, the largest first, in the solid's frame. Empty for a mesh
+/// or a half-space.
 ///
-/// The candidates are the largest inner balls around the points of a grid in the solid's box. Each step takes the
-/// candidate that protrudes farthest from those taken before.
+/// The candidates are the largest inner balls around the points of a grid in the solid's box. Always takes the candidate that
+/// protrudes farthest from those taken before.
 pub fn inner_balls(solid: &Solid, count: usize) -> Vec<Ball> {
     let Some(depth) = depth_below_surface(solid) else { return Vec::new() };
     let candidates: Vec<Ball> = grid(solid)
@@ -52,8 +52,8 @@ fn depth_below_surface(solid: &Solid) -> Option<Depth<'_>> {
             Box::new(move |p| (half_length - p.z.abs()).min(radius - (p.x * p.x + p.y * p.y).sqrt()))
         }
         Core::Hull(hull) => {
-            // A point below all faces lies in the hull only if the faces are closed. A hull algorithm may fail to close
-            // them where a body is thin.
+            // A point below all faces lies in the hull only if the faces are closed. A hull algorithm may fail to close them
+            // where a hull is thin.
             let faces = TriangleSoup::convex_hull(&hull.iter().collect::<Vec<_>>()).ok()?;
             check_closed(&faces).ok()?;
             let planes = faces.planes();

@@ -19,8 +19,8 @@ pub(crate) fn hull_faces(points: &[ParryVector]) -> Option<HullFaces> {
 /// (Shewchuk 1997, §4, in the crate `robust`). Its memory is linear in the number of points.
 ///
 /// 1. Builds a tetrahedron of extreme points. Each other point is assigned to one face that it is above, or is inside.
-/// 2. The farthest point of a face replaces all faces that it is above. It also replaces the faces of a plane that
-///    contains it if a new face would otherwise have no area.
+/// 2. The farthest point of a face replaces all faces that it is above. It also replaces the faces of a plane that contains it
+///    if a new face would otherwise have no area.
 /// 3. New faces join it to the rim of the gap. Points of the old faces are assigned to new ones, or are inside.
 struct Quickhull<'a> {
     points: &'a [ParryVector],

@@ -4,10 +4,10 @@ use crate::inside::self_crossing::SHALLOW_SHARE;
 use crate::inside::shell::Shell;
 use crate::{Aabb, TriangleSoup};
 
-/// Point that a body without inner walls winds around backwards, where it crosses itself by more than the noise of a
-/// scan. The volume that it encloses there could cancel elsewhere.
+/// Point that a closed surface without inner walls winds around backwards, because it crosses itself by more than the noise of
+/// a scan. The volume enclosed there could cancel elsewhere.
 ///
-/// Along evenly spaced lines through the box around the body, in the direction of each axis, the surface must be entered
+/// Along evenly spaced lines through the box around the surface, in the direction of each axis, the surface must be entered
 /// before it is left.
 pub(crate) fn wound_backwards(soup: &TriangleSoup, shell: &Shell, around: &Aabb) -> Option<Point> {
     (0..3).find_map(|axis| Lines { axis, around }.first_backwards(soup, shell))
@@ -19,7 +19,7 @@ struct Lines<'a> {
     around: &'a Aabb,
 }
 
-/// Number of lines in a row, and of rows: finds regions wider than a sixteenth of the body.
+/// Number of lines in a row, and of rows: finds regions wider than a sixteenth of the box.
 const COUNT: usize = 16;
 
 /// Position of a line in its cell, as a share; no mesh has edges there by design.
@@ -70,7 +70,7 @@ impl Lines<'_> {
                 let shares = [0, 1, 2].map(|i| cross(flat[(i + 1) % 3], flat[(i + 2) % 3], p) / area);
                 if shares.iter().all(|share| *share > 0.0) {
                     let at = (0..3).map(|i| shares[i] * corners[i][self.axis]).sum::<f64>();
-                    // The line leaves the body if the normal points along it.
+                    // The line leaves the enclosed volume if the normal points along it.
                     let step = if (area > 0.0) == is_inward { 1 } else { -1 };
                     hits[row * COUNT + column].push((at, step));
                 }

@@ -5,8 +5,8 @@ use crate::inside::disjoint_sets::DisjointSets;
 pub(crate) struct EdgeUse {
     /// The two vertices of the edge, the lower one in the high bits.
     pub edge: u64,
-    /// Side of the face that a right-handed turn about the edge, from its lower vertex to its higher one, meets last.
-    /// Sides are numbered: twice the triangle for its front, plus one for its back.
+    /// Side of the face that a right-handed turn about the edge, from its lower vertex to its higher one, meets last. Sides are
+    /// numbered: twice the triangle for its front, plus one for its back.
     pub ahead: u32,
 }
 
@@ -16,7 +16,7 @@ impl EdgeUse {
     }
 }
 
-/// Joins the sides that face each other, of faces in their order around an edge.
+/// Joins the sides that face each other; the faces are in their order around an edge.
 pub(crate) fn join_around(sides: &mut DisjointSets, ordered: &[EdgeUse]) {
     for (index, at) in ordered.iter().enumerate() {
         let next = ordered[(index + 1) % ordered.len()];

@@ -22,18 +22,17 @@ pub(crate) struct Enclosure {
 #[derive(Clone, Debug)]
 pub(crate) struct Inside {
     walls: Walls,
-    /// For each closed surface, the body of which it is the wall of a cavity, if any.
+    /// For each closed surface, the shell of which it is the wall of a cavity, if any.
     cavity_of: Vec<Option<u32>>,
 }
 
 impl Enclosure {
     /// Determines the volume that a soup encloses. Each shell counts by itself, so overlapping shells are all solid.
     ///
-    /// 1. Finds the shells of the mesh. If it has holes, merges vertices closer than
-    ///    [`VERTEX_MERGE_M`](crate::VERTEX_MERGE_M) first. If bodies that share edges cross, finds the shells of one body
-    ///    after the other.
-    /// 2. A shell is a cavity if all its faces point inwards, and a shell whose faces all point outwards contains it
-    ///    without touching it. Any other shell is solid.
+    /// 1. Finds the shells of the mesh. If it has holes, merges vertices closer than [`VERTEX_MERGE_M`](crate::VERTEX_MERGE_M)
+    ///    first. If components that share edges cross, finds the shells of one component after the other.
+    /// 2. A shell is a cavity if all its faces point inwards, and a shell whose faces all point outwards contains it without
+    ///    touching it. Any other shell is solid.
     /// 3. Turns the faces of other shells outwards, and leaves out duplicates.
     ///
     /// # Errors
@@ -55,7 +54,7 @@ impl Enclosure {
         let cavities = cavities(soup, &found);
         // 3.
         for (shell, cavity_of) in found.iter().zip(&cavities) {
-            // The outside of bodies that share faces sees the faces from outside.
+            // The outer shell of components that share faces sees the faces from outside.
             let is_outside = shell.volume_m3 < 0.0;
             if cavity_of.is_none() && (shell.is_alone || is_outside) {
                 for facet in &shell.facets {
@@ -102,7 +101,7 @@ impl Enclosure {
 }
 
 impl Inside {
-    /// Returns true if a point is in one of the bodies, and in no cavity of that body.
+    /// Returns true if a point is in one of the shells, and in no cavity of that shell.
     pub fn contains(&self, tree: &TriangleTree, corners: impl Fn(u32) -> [Point; 3], point: &Point) -> bool {
         let around = self.walls.around(tree, corners, point, None);
         let is_cavity_of =
@@ -135,12 +134,12 @@ fn joined_shells(soup: &TriangleSoup) -> Result<(Vec<Shell>, Vec<u32>, usize), S
     if found.is_empty() { Err(ShapeError::Empty) } else { Ok((found, first, merged_vertices)) }
 }
 
-/// Shells of bodies that follow each other in the file, each found without the others; `None` if this does not divide the
-/// file into closed bodies.
+/// Shells of closed components that follow each other in the file, each found without the others; `None` if the file cannot be
+/// divided in this manner.
 fn shells_of_runs(soup: &TriangleSoup) -> Option<(Vec<Shell>, Vec<u32>)> {
     let mut found = Vec::new();
     let mut first_copies = Vec::with_capacity(soup.triangles.len());
-    // Edges with an odd number of faces, and the faces, of the current body.
+    // Edges with an odd number of faces, and the faces, of the current component.
     let (mut odd, mut known) = (HashSet::new(), HashSet::new());
     let mut run = TriangleSoup { vertices: soup.vertices.clone(), triangles: Vec::new() };
     for &[a, b, c] in &soup.triangles {
@@ -157,7 +156,7 @@ fn shells_of_runs(soup: &TriangleSoup) -> Option<(Vec<Shell>, Vec<u32>)> {
         if odd.is_empty() {
             let begin = u32::try_from(first_copies.len()).ok()?;
             let (mut of_run, first_of_run) = shells(&run).ok()?;
-            // Two triangulations of one flat piece are closed too, but are only a part of some body.
+            // Two triangulations of one flat piece are closed too, but do not form a component.
             if of_run.iter().any(|shell| is_flat(&run, shell)) {
                 return None;
             }

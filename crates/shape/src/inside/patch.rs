@@ -73,8 +73,8 @@ impl Patches {
         is_any
     }
 
-    /// Joins the sides at the edges of more than two faces. Returns the number of faces of connected patches that meet
-    /// elsewhere, which leaves the space between them undefined.
+    /// Joins the sides at the edges of more than two faces. Returns the number of faces of connected patches that also meet
+    /// elsewhere, because the space between them is then undefined.
     pub fn join(
         &self,
         soup: &TriangleSoup,
@@ -110,7 +110,7 @@ impl Patches {
         self.side_of[side as usize].min(self.side_of[(side ^ 1) as usize])
     }
 
-    /// Patch of a face at an edge, if the patch is closed; one group for all open patches.
+    /// Patch of a face at an edge, if the patch is closed; [`OPEN`] for all open patches.
     fn group(&self, at: EdgeUse) -> u32 {
         let patch = self.patch(at.ahead);
         if self.is_closed[patch as usize] { patch } else { OPEN }
@@ -170,7 +170,6 @@ impl Patches {
     }
 }
 
-/// Group of all open patches.
 const OPEN: u32 = u32::MAX;
 
 /// Angle below which faces at one edge are in one plane, in radians. Flat sides read from a file in single precision

@@ -30,10 +30,10 @@ impl RepairedMesh {
     ///
     /// 1. Merges vertices closer than [`VERTEX_MERGE_M`](crate::VERTEX_MERGE_M).
     /// 2. Removes triangles with two equal corners, and duplicate triangles.
-    /// 3. Turns triangles so that neighbours agree, and each body so that it faces outwards, or inwards if it is the wall
+    /// 3. Turns triangles so that neighbours agree, and each component so that it faces outwards, or inwards if it is the wall
     ///    of a cavity ([`Solid::mesh`](crate::Solid::mesh) has the same cavities).
     /// 4. Rejects a mesh that has a hole, is one-sided, or passes through itself by more than the noise of a scan.
-    /// 5. Removes bodies wholly inside a solid region: they are not on the surface, and would count twice.
+    /// 5. Removes components wholly inside a solid region: they are not on the surface, and would count twice.
     ///
     /// # Errors
     /// [`ShapeError::Empty`], [`ShapeError::VertexIndex`], [`ShapeError::Open`], [`ShapeError::OneSided`],

@@ -40,7 +40,7 @@ pub(crate) fn shallow_crossings(soup: &TriangleSoup) -> Result<usize, ShapeError
 /// of a sugar box of 0.175 m has 21 of up to 1.1 mm among its 20 000 triangles.
 pub(crate) const SHALLOW_SHARE: f64 = 0.01;
 
-/// Minimum number of triangles per shallow crossing; more crossings mean two bodies in one mesh.
+/// Minimum number of triangles per shallow crossing; more crossings mean two solids in one mesh.
 const SHALLOW_TRIANGLES: usize = 100;
 
 /// Depth of the edges of one triangle through the inside of the other, in metres; 0 if none passes.
@@ -57,12 +57,12 @@ fn crossing_depth(soup: &TriangleSoup, corners: &[[Point; 3]], first: usize, sec
     depth_of(first, second).max(depth_of(second, first))
 }
 
-/// Distance of the nearer end of the edge from `p` to `q` behind a triangle whose inside the edge pierces, in metres; 0
-/// if it does not. Uses the signs of tetrahedra.
+/// Distance of the nearer end of the edge from `p` to `q` from the plane of a triangle, in metres; 0 unless the edge pierces
+/// the triangle's inside. Uses the signs of tetrahedra.
 fn depth_through(p: &Point, q: &Point, [a, b, c]: &[Point; 3]) -> f64 {
     let volume = |a: &Point, b: &Point, c: &Point, d: &Point| (b - a).cross(&(c - a)).dot(&(d - a));
     let (above, below) = (volume(a, b, c, p), volume(a, b, c, q));
-    // Six times the volume of a tetrahedron that rounding alone can produce.
+    // Six times the volume of a tetrahedron that may be due to rounding alone.
     let scale = (q - p).norm().max((b - a).norm()).max((c - a).norm());
     let least = FLAT * scale * scale * scale;
     if above.abs() <= least || below.abs() <= least || (above > 0.0) == (below > 0.0) {

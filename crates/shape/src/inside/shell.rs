@@ -1,4 +1,4 @@
-//! Closed surfaces of a mesh, whichever way its faces are wound, doubled or glued together.
+//! Closed surfaces of a mesh, even if its faces are reversed, doubled or glued together.
 
 use crate::inside::disjoint_sets::DisjointSets;
 use crate::inside::edge_use::{EdgeUse, join_around};
@@ -10,9 +10,9 @@ use crate::{ShapeError, TriangleSoup};
 pub(crate) struct Shell {
     /// Its faces, by triangle; of equal triangles the first.
     pub facets: Vec<Facet>,
-    /// Enclosed volume, in cubic metres; negative for the outside of bodies that share faces.
+    /// Enclosed volume, in cubic metres; negative for the outside of components that share faces.
     pub volume_m3: f64,
-    /// True if its faces belong to it alone: a body without inner walls.
+    /// True if its faces belong to it alone: a component without inner walls.
     pub is_alone: bool,
 }
 
@@ -26,16 +26,15 @@ pub(crate) struct Facet {
 /// Shells of a soup with valid indices, in the order of their first triangles, and the [`first_copies`] of its triangles,
 /// with equal flat patches counted as copies too.
 ///
-/// Separates space as Zhou et al. 2016 ("Mesh arrangements for solid geometry", §3.2) do: each face has two sides, and
-/// two sides that meet at an edge without a face between them bound the same space. So the windings of the file do not
-/// matter, and nothing can cancel.
+/// Separates space as in Zhou et al. 2016 ("Mesh arrangements for solid geometry", §3.2): each face has two sides, and two
+/// sides that meet at an edge without a face between them bound the same space. So the windings of the file do not matter, and
+/// nothing can cancel.
 ///
 /// 1. Keeps one of equal triangles as a face, and collects the faces of each edge.
-/// 2. Joins the sides across an edge of two faces. Faces connected so are a patch; of flat patches with the same rim one
-///    stays.
-/// 3. At an edge of more faces, a patch that is closed without the others is a body that touches them: joins its sides
+/// 2. Joins the sides across an edge of two faces. Faces connected so are a patch; of flat patches with the same rim one stays.
+/// 3. At an edge of more faces, a patch that is closed without the others is a component that touches them: joins its sides
 ///    among themselves. Joins those of the other patches around the edge, by angle; these must not meet elsewhere.
-/// 4. Joined sides are a shell. The two shells of a body that shares no face are one surface; keeps the one with positive
+/// 4. Joined sides are a shell. The two shells of a component that shares no face are one surface; keeps the one with positive
 ///    volume.
 ///
 /// # Errors
@@ -109,8 +108,7 @@ fn shells_of_sides(
     Ok(shells)
 }
 
-/// First triangle with the same corners, in either winding, for each triangle; [`DEGENERATE`] for one with two equal
-/// corners.
+/// First triangle with the same corners, in either winding, for each triangle; [`DEGENERATE`] for one with two equal corners.
 fn first_copies(triangles: &[[u32; 3]]) -> Vec<u32> {
     let mut sorted: Vec<([u32; 3], u32)> = (0..)
         .zip(triangles)

@@ -5,14 +5,13 @@ use cranny_spatial::Point;
 use crate::inside::same_place::merged;
 use crate::{Aabb, TriangleSoup};
 
-/// Maximum size of a hole that is closed, as a share of the mesh; sizes are the diagonals of boxes. Larger holes are
-/// openings that something may be meant to pass.
+/// Maximum size of a hole that is closed, as a share of the mesh; sizes are the diagonals of boxes. Larger holes are openings
+/// through which an object may be meant to pass.
 const SMALL_SHARE: f64 = 0.1;
 
 /// A mesh whose holes are closed.
 pub(crate) struct Closed {
     pub soup: TriangleSoup,
-    /// Number of holes closed.
     pub holes: usize,
 }
 

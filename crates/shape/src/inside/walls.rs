@@ -90,7 +90,7 @@ impl Walls {
     }
 }
 
-/// Number of directions. A second is tried only if a segment meets an edge within the last bit of its coordinates.
+/// Number of directions. Another is tried only if a segment meets an edge within the last bit of its coordinates.
 const DIRECTIONS: usize = 32;
 
 /// Direction with which no mesh is aligned by design: evenly spread over the sphere by the golden angle.

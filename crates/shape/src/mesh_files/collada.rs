@@ -1,9 +1,9 @@
 //! Triangles of a COLLADA file (`.dae`, version 1.4 or 1.5) as its scene shows them, in metres.
 //!
-//! Reads geometries of meshes (triangles, polylist, polygons, tristrips, trifans), the nodes that place them (matrix,
-//! translate, rotate, scale, lookat; library nodes), the unit, and the diffuse colours of materials. Ignores the up axis,
-//! as other readers of robots do, lines, cameras, lights and physics. Rejects all other visible content: skins and
-//! morphs, splines, skews, unknown tags.
+//! Reads geometries of meshes (triangles, polylist, polygons, tristrips, trifans), the nodes that position them (matrix,
+//! translate, rotate, scale, lookat; library nodes), the unit, and the diffuse colours of materials. Ignores the up axis, as
+//! other readers of robots do, lines, cameras, lights and physics. Rejects all other visible content: skins and morphs,
+//! splines, skews, unknown tags.
 
 mod element;
 mod motion;
@@ -83,7 +83,7 @@ fn unit(root: Node) -> Result<f64, String> {
     };
     let unit = child(root, "asset").and_then(|asset| child(asset, "unit"));
     let meters = unit.map_or(Ok(1.0), meter)?;
-    // Elements may have a unit of their own, which holds only inside them.
+    // Elements may have a unit of their own, which is valid only inside them.
     let is_unit = |node: &Node| {
         node.has_tag_name_of("unit")
             && node.parent_element().is_some_and(|asset| asset.has_tag_name_of("asset"))
@@ -111,7 +111,7 @@ fn only_scene<'a>(root: Node<'a, 'a>) -> Result<Option<Node<'a, 'a>>, String> {
 /// Maximum depth of nodes; deeper ones are a cycle of references.
 const MOST_DEPTH: usize = 64;
 
-/// Maximum number of nodes; more are references that multiply each other. Robots have some dozens.
+/// Maximum number of nodes; more are due to references that multiply each other. Robots have some dozens.
 const MOST_NODES: usize = 100_000;
 
 /// Maximum number of corners, more than any mesh of a robot has: 600 megabytes of them.
@@ -125,7 +125,7 @@ struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
-    /// Element with one of some tags that another refers to by `url` or `source`. Some exporters repeat an id in several
+    /// Element with one of some tags that another one refers to by `url` or `source`. Some exporters repeat an id in several
     /// geometries; the reference then means the element in the same geometry.
     fn target(&self, from: Node<'a, 'a>, tags: &[&str]) -> Result<Node<'a, 'a>, String> {
         let name = from.attribute("url").or(from.attribute("source")).unwrap_or_default();

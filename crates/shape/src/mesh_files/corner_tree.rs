@@ -76,7 +76,7 @@ impl CornerTree {
         }
     }
 
-    /// Finds a corner of the tree for which `is_it` holds. It may hold only inside the counterclockwise triangle.
+    /// Finds a corner of the tree that satisfies `is_it`; all such corners must lie inside the counterclockwise triangle.
     pub(crate) fn find(
         &self,
         triangle: [Coord<f64>; 3],

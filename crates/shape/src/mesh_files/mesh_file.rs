@@ -18,10 +18,9 @@ pub struct TriangleSoup {
 }
 
 impl TriangleSoup {
-    /// Loads the triangles of a mesh file (OBJ, STL, DAE, PLY), with coordinates multiplied by `scale`. Merges equal
-    /// vertices and keeps the order of the triangles. Triangulates polygons exactly; one that is not flat is cut as
-    /// projected along the axis nearest to its normal. A mirroring scale reverses the triangles, so that they still face
-    /// outwards.
+    /// Loads the triangles of a mesh file (OBJ, STL, DAE, PLY), with coordinates multiplied by `scale`. Merges equal vertices
+    /// and keeps the order of the triangles. Triangulates polygons exactly; one that is not flat is cut as projected along the
+    /// axis nearest to its normal. A mirroring scale reverses the triangles, so that they still face outwards.
     ///
     /// # Errors
     /// [`ShapeError`] with the file's path (and line, where the format has lines) if the file cannot be read, is no mesh,

@@ -8,13 +8,13 @@ use crate::mesh_files::side_sweep::crosses_itself;
 
 /// Triangulates a polygon, as indices into its corners. The triangles cover exactly the polygon.
 ///
-/// 1. Projects the polygon along the axis nearest to its normal (Newell's method). So a polygon that is not quite flat is
-///    cut as its projection, as in other readers.
+/// 1. Projects the polygon along the axis nearest to its normal (Newell's method). So a polygon that is not quite flat is cut
+///    as its projection, as in other readers.
 /// 2. Uses a fan from the first corner, if all of it lies in the polygon.
-/// 3. Otherwise cuts off ears (Meisters 1975, "Polygons have ears", whole): corners whose triangle holds no other corner.
+/// 3. Otherwise cuts off ears (Meisters 1975, "Polygons have ears", whole): corners whose triangle contains no other corner.
 ///    Exact predicates decide on which side of a line a corner lies.
 ///
-/// Collinear corners, and bridges to holes that run there and back, are valid. Returns `None` for a polygon that crosses
+/// Collinear corners, and bridges to holes traversed in both directions, are valid. Returns `None` for a polygon that crosses
 /// itself, whose interior is undefined.
 pub(crate) fn triangulate(polygon: &[Point]) -> Option<Vec<[usize; 3]>> {
     let fan = || (2..polygon.len()).map(|corner| [0, corner - 1, corner]).collect();
@@ -77,10 +77,10 @@ impl Shadow {
         })
     }
 
-    /// Triangulates by ears; `None` if a step finds no ear, which happens only if the polygon crosses itself.
+    /// Triangulates by ears; `None` if no ear is found, which happens only if the polygon crosses itself.
     ///
-    /// The next ear is the first one after the last cut, as if all corners were tried in turn. But a corner is tried
-    /// again only after its triangle has changed, or after the corner found in it no longer blocks it.
+    /// The next ear is the first one after the last cut, as if all corners were tried in turn. But a corner is tried again only
+    /// after its triangle has changed, or after the corner found in it no longer blocks it.
     fn ears(&self) -> Option<Vec<[usize; 3]>> {
         let mut cut = Cut::of(self);
         let mut triangles = Vec::with_capacity(self.0.len() - 2);
@@ -97,8 +97,7 @@ impl Shadow {
         Some(triangles)
     }
 
-    /// Returns true if a corner is inside a triangle, or on its side opposite the second corner, but not at one of its
-    /// corners.
+    /// Returns true if a corner is inside a triangle, or on its side opposite the second corner, but not at its corners.
     fn hinders(&self, [a, b, c]: [usize; 3], corner: usize) -> bool {
         let place = self.0[corner];
         ![a, b, c].iter().any(|&own| own == corner || self.0[own] == place)
@@ -362,7 +361,7 @@ mod tests {
 
     #[test]
     fn a_hole_with_a_bridge_stays_open() {
-        // A square of 4 with a square hole of 2, both joined by a bridge there and back.
+        // A square of 4 with a square hole of 2, joined by a bridge traversed in both directions.
         let outer = [(0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (0.0, 4.0), (0.0, 0.0)];
         let hole = [(1.0, 1.0), (1.0, 3.0), (3.0, 3.0), (3.0, 1.0), (1.0, 1.0)];
         let polygon = flat(&[&outer[..], &hole[..]].concat());

@@ -9,12 +9,12 @@ use robust::{Coord, orient2d};
 /// algorithms", §33.2).
 ///
 /// 1. Sweeps a line over the corners by x, by y where x is equal.
-/// 2. Keeps the sides that the line meets in their order on it. The order holds until two sides cross, which are
+/// 2. Keeps the sides that the line meets in their order on it. The order stays valid until two sides cross, which are
 ///    neighbours just before.
 /// 3. Compares sides that become neighbours, exactly. Where sides end and begin at one corner, those that end are removed
 ///    first, so that sides that cross there become neighbours.
 ///
-/// Sides that touch or coincide do not cross: they keep their order. n corners take n log n steps.
+/// Sides that touch or coincide do not cross: they keep their order. The time is O(n log n) for n corners.
 pub(crate) fn crosses_itself(corners: &[Coord<f64>]) -> bool {
     // 1.
     let mut events: Vec<(Coord<f64>, IsBegin, Side)> = Vec::with_capacity(2 * corners.len());

@@ -4,13 +4,12 @@ use crate::mesh_files::polygon::triangulate;
 
 /// Corners of the triangles of an STL file, three at a time.
 ///
-/// Some programs leave the count of a binary file at zero; the file is then read to its end. Zeros and blanks that pad a
-/// file are ignored. A text may have several solids, and letters of either case; only the name of a solid ends with its
-/// line.
+/// Some programs leave the count of a binary file at zero; the file is then read to its end. Zeros and blanks that pad a file
+/// are ignored. A text may have several solids, and letters of either case; only the name of a solid ends with its line.
 ///
 /// # Errors
-/// A message: a binary file with fewer triangles than its count, or with other bytes after them; a text without an end,
-/// or with words that are unknown or out of place.
+/// A message: a binary file with fewer triangles than its count, or with other bytes after them; a text without an end, or with
+/// words that are unknown or in the wrong order.
 pub(crate) fn corners(bytes: &[u8]) -> Result<Vec<Point>, String> {
     if let Some((triangles, rest)) = counted_triangles(bytes) {
         if !rest.iter().all(|byte| *byte == 0 || byte.is_ascii_whitespace()) {
@@ -47,8 +46,7 @@ const TRIANGLE_BYTES: usize = 50;
 
 const END: &[u8] = b"endsolid";
 
-/// Triangles of a binary file, and the bytes after them. No text is mistaken for one: its count would mean half a
-/// gigabyte of triangles.
+/// Triangles of a binary file, and the bytes after them. No text is mistaken for one: its count would mean half a gigabyte.
 fn counted_triangles(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
     let (header, triangles) = bytes.split_at_checked(HEADER_BYTES)?;
     let count = match usize::try_from(little_endian(&header[HEADER_BYTES - 4..])).ok()? {

@@ -37,7 +37,7 @@ impl VolumeMoments {
     pub fn of_mesh(soup: &TriangleSoup) -> Result<Self, ShapeError> {
         check_indices(soup)?;
         check_closed(soup)?;
-        // The eye is near the mesh, so that the sum does not cancel far from the origin.
+        // The reference point is near the mesh, so that the sum does not cancel far from the origin.
         let eye = soup.corners(0)[0];
         let (mut volume_m3, mut first, mut second) = (0.0, Vector::zeros(), Matrix3::zeros());
         for index in 0..soup.triangles.len() {

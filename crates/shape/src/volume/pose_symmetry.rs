@@ -4,15 +4,14 @@ use cranny_spatial::{Point, Pose, Rotation, Vector};
 
 use crate::{Aabb, ShapeError, StablePose, Surface, TriangleSoup, VolumeMoments};
 
-/// Stable poses of a body without those equal to a likelier one, the likeliest first, with the probabilities of equal
-/// ones added. So a bottle of 48 sides has one lying pose, not 48, and a cuboid stands on three sides, not on six.
+/// Stable poses of an object without those equal to a likelier one, the likeliest first, with the probabilities of equal ones
+/// added. So a bottle of 48 sides has one lying pose, not 48, and a cuboid stands on three sides, not on six.
 ///
-/// Two poses are equal if a turn about the vertical maps the body from one to the other: no vertex of one is then farther
-/// from the surface of the other than 0.2 % of the greatest extent of the body. The turns tried align the principal axes
-/// of inertia, or the vertex farthest from the vertical through the centre of mass with vertices equally far out and
-/// equally high.
+/// Two poses are equal if a turn about the vertical maps the object from one to the other: no vertex of one is then farther
+/// from the surface of the other than 0.2 % of the greatest extent of the object. The turns tried align the principal axes of
+/// inertia, or the vertex farthest from the vertical through the centre of mass with vertices equally far out and equally high.
 ///
-/// More than 512 poses are not merged: the body is round in all directions.
+/// More than 512 poses are not merged: the object is round in all directions.
 ///
 /// # Errors
 /// Those of [`VolumeMoments::of_mesh`].
@@ -49,7 +48,7 @@ pub fn equal_poses(poses: &[StablePose], mesh: &TriangleSoup) -> Result<Vec<usiz
     Ok(first)
 }
 
-/// Tolerance of equal poses, as a share of the body's greatest extent: 0.4 mm for a bottle of 0.2 m, half the noise of a
+/// Tolerance of equal poses, as a share of the object's greatest extent: 0.4 mm for a bottle of 0.2 m, half the noise of a
 /// scan.
 const TOLERANCE_SHARE: f64 = 0.002;
 
@@ -95,7 +94,7 @@ impl Body<'_> {
         turns
     }
 
-    /// Returns true if a motion maps the body onto itself.
+    /// Returns true if a motion maps the object onto itself.
     fn is_mapped_by(&self, motion: &Pose) -> bool {
         let back = motion.inverse();
         let stays = |v: &Point| self.is_near(&(motion * v)) && self.is_near(&(back * v));
@@ -123,8 +122,7 @@ impl Polar {
     }
 }
 
-/// Distance of a point from a triangle (m), by the region of the triangle in front of which it lies (Ericson 2005,
-/// §5.1.5).
+/// Distance of a point from a triangle (m), by the region of the triangle in front of which it lies (Ericson 2005, §5.1.5).
 pub(crate) fn distance_to_triangle(p: &Point, [a, b, c]: &[Point; 3]) -> f64 {
     let (ab, ac) = (b - a, c - a);
     let [from_a, from_b, from_c] = [a, b, c].map(|corner| p - corner);

@@ -6,13 +6,13 @@ use cranny_spatial::{Point, Pose, Rotation, Vector};
 use crate::volume::pose_symmetry::distance_to_triangle;
 use crate::{Aabb, ShapeError, Surface, TriangleSoup, VolumeMoments};
 
-/// Rotational symmetry of a body: the rotations that map its surface onto itself.
+/// Rotational symmetry of an object: the rotations that map its surface onto itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Roundness {
     /// No symmetry: every rotation is visible.
     #[default]
     None,
-    /// Symmetry about an axis, a unit vector in the frame of the body: a can.
+    /// Symmetry about an axis, a unit vector in the frame of the object: a can.
     About(Unit<Vector>),
     /// Symmetry under all rotations: a ball.
     Ball,
@@ -29,8 +29,8 @@ const TURNS: [f64; 5] = [0.0813, 0.1931, 0.3187, 0.4463, 0.6229];
 const MOST_VERTICES: usize = 400;
 
 impl Roundness {
-    /// Roundness of the body that a mesh encloses, about its centre of mass: the rotated surface deviates from itself by
-    /// at most 1 % of its greatest distance from the axis.
+    /// Roundness of the volume that a mesh encloses, about its centre of mass: the rotated surface deviates from itself by at
+    /// most 1 % of its greatest distance from the axis.
     ///
     /// # Errors
     /// Those of [`VolumeMoments::of_mesh`].
@@ -75,7 +75,7 @@ impl Roundness {
         Ok(found.map_or(Self::None, Self::About))
     }
 
-    /// Angle between two orientations of a body up to its rotational symmetry, in radians.
+    /// Angle between two orientations of an object up to its rotational symmetry, in radians.
     pub fn angle(&self, from: &Rotation, to: &Rotation) -> f64 {
         match self {
             Self::None => from.angle_to(to),

@@ -7,32 +7,31 @@ use crate::distance::ray::triangle_normal;
 use crate::mesh::signed_solid_angle;
 use crate::{ShapeError, TriangleSoup};
 
-/// Pose of a body at rest on level ground.
+/// Pose of an object at rest on level ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StablePose {
-    /// Pose of the body: ground at z = 0, centre of mass above the origin. Its turn about z is free; this is the pose
-    /// reached by the shortest rotation.
+    /// Pose of the object: ground at z = 0, centre of mass above the origin. Its turn about z is free; this is the pose reached
+    /// by the shortest rotation.
     pub ground_from_body: Pose,
-    /// Probability that the body, dropped with a uniformly random rotation, ends on this face.
+    /// Probability that the object, dropped with a uniformly random rotation, ends on this face.
     pub probability: f64,
-    /// Minimum angle by which the body must be tilted to fall onto another face, in radians; `None`: not computed.
+    /// Minimum angle by which the object must be tilted to fall onto another face, in radians; `None`: not computed.
     pub tilt_rad: Option<f64>,
 }
 
-/// Stable poses of a body with these `points` and this centre of mass, the likeliest first. Their probabilities sum to 1.
+/// Stable poses of an object with these `points` and this centre of mass, the likeliest first. Their probabilities sum to 1.
 ///
-/// Quasi-static method (Goldberg et al. 1999, "Part pose statistics: estimators and experiments", whole; Boothroyd et al.
-/// 1972, "Statistical distributions of natural resting aspects of parts for automatic handling", whole): a dropped body
-/// first meets the ground with the face of its convex hull that the vertical through its centre of mass crosses. The
-/// probability of a face is its solid angle over 4π.
+/// Quasi-static method (Goldberg et al. 1999, "Part pose statistics: estimators and experiments", whole; Boothroyd et al. 1972,
+/// "Statistical distributions of natural resting aspects of parts for automatic handling", whole): a dropped object first meets
+/// the ground with the face of its convex hull that the vertical through its centre of mass crosses. The probability of a face
+/// is its solid angle over 4π.
 /// 1. Finds the faces of the hull: coplanar facets are one face.
 /// 2. Computes the solid angle of each, seen from the centre of mass.
-/// 3. A face does not hold the body if the vertical from the centre of mass meets its plane outside the face. The body
-///    then rolls over the edge that the vertical is farthest beyond, and lies lower than before, until a face holds it.
+/// 3. The object rolls off a face if the vertical from the centre of mass meets its plane outside the face: over the edge that
+///    the vertical is farthest beyond, to a lower position, until it is stable on a face.
 ///
 /// # Errors
-/// [`ShapeError::FlatHull`], [`ShapeError::NotFinite`], or [`ShapeError::CenterOutside`] for a centre of mass
-/// outside the hull.
+/// [`ShapeError::FlatHull`], [`ShapeError::NotFinite`], or [`ShapeError::CenterOutside`] for a centre of mass outside the hull.
 pub fn stable_poses(points: &[Point], center: &Point) -> Result<Vec<StablePose>, ShapeError> {
     let hull = TriangleSoup::convex_hull(points)?;
     // 1.
@@ -73,7 +72,6 @@ pub fn stable_poses(points: &[Point], center: &Point) -> Result<Vec<StablePose>,
     Ok(poses)
 }
 
-/// The faces of a convex hull.
 struct Faces {
     of_triangle: Vec<usize>,
     /// Unit normals, outwards; `heights` are the distances of the planes from the origin along them, in metres.
@@ -146,12 +144,12 @@ impl Faces {
         faces
     }
 
-    /// Face onto which a body that stands on `face` rolls; `None` if it stays.
+    /// Face onto which an object that stands on `face` rolls; `None` if it stays.
     fn rolls_to(&self, hull: &TriangleSoup, face: usize, center: &Point) -> Option<usize> {
         (self.beyond(hull, face, center)).filter(|farthest| farthest.0 > 0.0).map(|farthest| farthest.1)
     }
 
-    /// Minimum angle, in radians, by which a body that stays on `face` must be tilted to roll over an edge of it.
+    /// Minimum angle, in radians, by which an object that stays on `face` must be tilted to roll over an edge of it.
     fn tilt_rad(&self, hull: &TriangleSoup, face: usize, center: &Point) -> f64 {
         let height_m = self.heights[face] - self.normals[face].dot(&center.coords);
         self.beyond(hull, face, center).map_or(0.0, |(beyond_m, _)| libm::atan2(-beyond_m, height_m))

@@ -14,7 +14,7 @@ pub struct UnionMoments {
 
 /// Number of lines in each of two directions that measure shared volume.
 const LINES: u32 = 256;
-/// Error of the centre from these lines, as a share of the greatest extent; the test found a 20th of it
+/// Error of the centre from these lines, as a share of the greatest extent: twenty times the error in the test
 /// (`the_centre_of_overlapping_boxes_is_that_of_their_union`).
 const ERROR_SHARE: f64 = 5e-4;
 /// Rotation of the lines, in radians: along no face of a usual model, so that lines spread over each face.

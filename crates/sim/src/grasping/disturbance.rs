@@ -29,7 +29,6 @@ impl Disturbance {
 }
 
 impl Default for Disturbance {
-    /// No disturbance.
     fn default() -> Self {
         Self { grasp_from_hand: Pose::identity(), friction: 1.0, mass: 1.0, closing_force: 1.0 }
     }

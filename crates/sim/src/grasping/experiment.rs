@@ -45,7 +45,7 @@ pub struct Experiment {
     pub closing_grace_s: f64,
     /// Share of the stroke before its end from which a hand counts as closed on nothing.
     pub closed_share: f64,
-    /// Speed below which a body counts as still, in m/s.
+    /// Speed below which the object counts as still, in m/s.
     pub still_speed: f64,
     /// Duration for which it must be still, in seconds.
     pub still_s: f64,

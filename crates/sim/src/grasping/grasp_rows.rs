@@ -80,8 +80,7 @@ impl GraspTest {
         Self::new(hand, object, world_from_object, &around, Physics::default(), Course::default())
     }
 
-    /// Returns the load of a grasp whose gripper frame is at a pose in the planning frame; `None` for a hand without two flat
-    /// pads.
+    /// Returns the load of a grasp at a pose in the planning frame; `None` for a hand without two flat pads.
     pub fn load_of(&self, world_from_gripper: &Pose) -> Option<Load> {
         let object_from_gripper = self.world_from_object().inverse() * world_from_gripper;
         self.load.as_ref().map(|measure| measure.of(&object_from_gripper))

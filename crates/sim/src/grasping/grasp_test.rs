@@ -11,7 +11,7 @@ use crate::{Disturbance, Physics, Piece, SimError, engine};
 
 /// Common setup of the tests of grasps: a hand, an object and its surroundings.
 ///
-/// A test has these steps:
+/// A test has these phases:
 /// 1. The object comes to rest without the hand; without a support, it floats until the hand has closed.
 /// 2. The open hand starts at the grasp, unless it would penetrate anything by more than 1 mm, which ends the test. It closes
 ///    with at most its closing force, until the fingers are still.
@@ -126,7 +126,7 @@ const SETTLING_S: f64 = 2.0;
 /// Damping while an object settles, in 1/s, as if in oil: an object placed slightly too high does not drift.
 const SETTLING_DAMPING: f64 = 20.0;
 
-/// Duration without motion after which a body is at rest, in seconds.
+/// Duration without motion after which the object is at rest, in seconds.
 pub(crate) const STILL_S: f64 = 0.04;
 
 /// Returns the number of steps of a time, rounded.

@@ -122,8 +122,7 @@ impl<'a> GraspTrial<'a> {
         self.grasp(Move { duration_s: course.duration_s(), advance: &mut advance }, None)
     }
 
-    /// Returns the outcome of a grasp whose open hand penetrates something: it has pushed the object away during the approach,
-    /// or cannot close there.
+    /// Returns the outcome if the open hand penetrates anything: it has pushed the object away on approach or cannot close.
     fn blocked(&self) -> Option<GraspOutcome> {
         let world = &self.world;
         let of_body = |body: RigidBodyHandle| {
@@ -140,7 +139,7 @@ impl<'a> GraspTrial<'a> {
         fingers().any(|own| around().any(|other| is_in(own, other))).then_some(GraspOutcome::NeverClosed)
     }
 
-    /// Closes the hand and, if it holds the object, moves it; if it still holds it then, the hand may open and move on.
+    /// Closes the hand. If it then holds the object, follows `held`, and after that `released`, unless the object was dropped.
     pub fn grasp(mut self, held: Move<'_, 'a>, released: Option<Move<'_, 'a>>) -> GraspRun {
         let gravity = self.world.gravity;
         if !self.test.is_carried() {
@@ -239,7 +238,7 @@ impl<'a> GraspTrial<'a> {
         None
     }
 
-    /// Moves the hand with the held object.
+    /// Moves the hand with the held object, then releases it if `released` is given.
     fn carry(
         mut self,
         Move { duration_s, advance }: Move<'_, 'a>,
@@ -275,7 +274,6 @@ impl<'a> GraspTrial<'a> {
         self.ended(outcome, error, held_s, contact_force_n)
     }
 
-    /// Returns true if a finger touches the object.
     fn is_touched(&self) -> bool {
         self.gripper.pressures(&self.world, self.object).iter().any(Option::is_some)
     }

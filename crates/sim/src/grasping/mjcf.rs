@@ -23,8 +23,8 @@ impl GraspTest {
     ///
     /// Its bodies are `palm`, `finger 1`, … and `object`, each with a joint of that name: the first and the last free, the
     /// others sliding from 0 (open) to the stroke. Each finger has a position actuator of its name, whose control is the target
-    /// position of the finger, in metres. The hand is at the origin of the planning frame: the runner of the model places it at
-    /// the grasp, and moves the palm by pose and velocity before every step. The object is at its resting pose.
+    /// position of the finger, in metres. The hand is at the origin of the planning frame: the runner of the model moves it to
+    /// the grasp, and sets pose and velocity of the palm before every step. The object is at its resting pose.
     ///
     /// The greater of two friction coefficients in contact applies, in MuJoCo as here.
     pub fn mjcf(&self) -> String {
@@ -240,5 +240,5 @@ const PALM_KG: f64 = 1e4;
 /// Radius of gyration of the palm, in metres.
 const PALM_RADIUS_M: f64 = 0.3;
 
-/// Mass of a finger body, in kilograms: MuJoCo requires one, but a finger has only the inertia of its drive.
+/// Mass of a finger, in kilograms: MuJoCo requires one, but a finger has only the inertia of its drive.
 const FINGER_KG: f64 = 1e-3;

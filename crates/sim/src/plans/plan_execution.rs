@@ -97,8 +97,7 @@ impl PlanExecution<'_> {
         Ok(None)
     }
 
-    /// Exports a plan with one pick for another engine; `None` for several picks, each of which begins at the result of the
-    /// previous one.
+    /// Exports a plan with one pick for another engine; `None` for several picks, because each begins at the previous result.
     ///
     /// # Errors
     /// Those of [`GraspTest::of_scenario`] and [`PlanExperiment::new`].

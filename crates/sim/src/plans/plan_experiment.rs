@@ -27,8 +27,7 @@ pub struct PlanExperiment {
 }
 
 impl PlanExperiment {
-    /// Creates the document from the timed path of a robot with the hand of a test; a lift follows a path that ends at the
-    /// grasp.
+    /// Creates the document of the timed path of a robot with the hand of a test; a lift follows a path that ends at the grasp.
     ///
     /// # Errors
     /// [`SimError::Figure`] for a lift out of range or a path that takes too long.

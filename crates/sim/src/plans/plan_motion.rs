@@ -60,7 +60,7 @@ impl<'a> PlanMotion<'a> {
         })
     }
 
-    /// Duration of holding the object, in seconds.
+    /// Duration for which the hand holds the object, in seconds.
     pub fn held_s(&self) -> f64 {
         self.moving_s + RESTING_S
     }

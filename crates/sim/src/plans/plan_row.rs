@@ -31,7 +31,7 @@ pub struct PlanRow {
     pub translation_error_m: f64,
     /// Rotation of the object in the hand, in radians.
     pub rotation_error_rad: f64,
-    /// Duration of the hold within the slip limits, in seconds.
+    /// Time for which the object stayed in the hand within the slip limits, in seconds.
     pub held_s: f64,
     /// Mean force of a finger, in newtons.
     pub contact_force_n: f64,

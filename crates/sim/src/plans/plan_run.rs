@@ -19,8 +19,7 @@ pub struct PlanRun {
     pub world_from_resting: Pose,
     /// Error of the object at its release, relative to the planned set-down pose; `None` if it was not released.
     pub released: Option<PlacedError>,
-    /// Error of the object 2 s after the arm has stopped, relative to the planned set-down pose; `None` if it was not released
-    /// there.
+    /// Error 2 s after the arm has stopped, relative to the planned set-down pose; `None` if the object was not released there.
     pub placed: Option<PlacedError>,
     /// Result of closing and lifting.
     pub grasp: GraspRun,

@@ -106,7 +106,6 @@ impl Prescribed {
     }
 }
 
-/// Plan under execution.
 struct Execution<'a> {
     test: &'a PlanTest,
     trial: GraspTrial<'a>,
@@ -142,7 +141,6 @@ impl<'a> Execution<'a> {
         Self { test: plan, trial, hand, contacts: Vec::new(), began_steps }
     }
 
-    /// Follows a trajectory.
     fn follow(&mut self, path: &Trajectory) {
         let steps = whole_steps(path.duration_s(), self.trial.test.physics.step_s).max(1);
         for step in 1..=steps {
@@ -154,8 +152,7 @@ impl<'a> Execution<'a> {
     }
 }
 
-/// Adds the current contacts of arm and hand: before the closing with object and surroundings, afterwards only with
-/// surroundings.
+/// Adds the current contacts of arm and hand with the surroundings, before the closing also with the object.
 fn touched(
     plan: &PlanTest,
     trial: &GraspTrial<'_>,
@@ -175,7 +172,7 @@ fn touched(
                 let points = pair.manifolds().iter().flat_map(|manifold| &manifold.points);
                 let depth_m = -points.map(|point| point.dist).fold(f64::INFINITY, f64::min);
                 let is_object = world.colliders[other].parent() == Some(trial.object);
-                // A body that is pushed away need not overlap at the end of a step.
+                // An object that is pushed away need not overlap at the end of a step.
                 let is_touched = depth_m > 0.0 || engine::normal_impulse(pair).norm() > 0.0;
                 if !is_touched || (is_object && is_lifting) {
                     continue;

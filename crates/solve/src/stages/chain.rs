@@ -30,8 +30,8 @@ const MOST_ENDS: usize = 4;
 /// 2. From the end of a candidate each next stage yields one candidate after another: a grasp and the path to it; a path; a
 ///    transfer to a placement, a set-down and a retreat. Searches after the first stage have short budgets that grow with the
 ///    number of those that failed ([`Effort`]).
-/// 3. A candidate after which the next stage has none is rejected, and the next one is tried. A placement after which a later
-///    pick failed is tried last from then on.
+/// 3. If the next stage yields no candidate after this one, this one is rejected and the next one is tried. A placement after
+///    which a later pick failed is tried last from then on.
 /// 4. If several objects are picked, the search restarts from another seed while time remains.
 pub(crate) struct Chain<'a> {
     problem: &'a Problem,
@@ -439,14 +439,13 @@ impl<'a> Chain<'a> {
         }
     }
 
-    /// Returns true if the hand holds the object at rest in each orientation of a path (m, rad; one value per joint) by the
-    /// required factor.
+    /// Returns true if the hold has the required factor at rest in each orientation of a path (m, rad; one value per joint).
     fn is_firm(&self, held: &Held<'_>, path: &[Vec<f64>]) -> bool {
         let demanded = self.request.hold.unwrap_or_default();
         held.grip.is_none_or(|grip| grip.at_rest(self.problem.robot(), path) >= demanded)
     }
 
-    /// Creates the placement search of the stage that puts down the object of a pick, if one does.
+    /// Creates the placement search of the stage that puts down the object of a pick; `None` if no stage does.
     fn places_after(
         &self,
         index: usize,
@@ -482,7 +481,6 @@ impl<'a> Chain<'a> {
         }
     }
 
-    /// Returns the seed of the next search of a stage.
     fn next_seed(&mut self, index: usize) -> u64 {
         let number = self.begun[index];
         self.begun[index] += 1;

@@ -12,7 +12,7 @@ const SEARCHES_PER_DOUBLING: u32 = 8;
 /// soon: short searches from many grasps beat long ones from few.
 const PLACE_ITERATIONS: u64 = 500;
 
-/// Length of the searches for a later object, as a multiple of those after a grasp.
+/// Iteration limit of the searches for a later object, as a multiple of that after a grasp.
 const PICK_SHARE: u64 = 8;
 /// Number of grasps of a later object without a continuation after which the shortest searches give it up.
 const MOST_GRASPS: u64 = 2;
@@ -24,7 +24,6 @@ pub(crate) struct Effort {
     time: Duration,
     /// True if an object is put down in the task.
     places: bool,
-    /// Number of searches that ended without a path.
     exhausted: u32,
     /// Statistics of all searches, successful ones included.
     pub spent: Statistics,
@@ -86,7 +85,6 @@ impl Effort {
         Ok((report.outcome == Outcome::Solved).then_some(report.path))
     }
 
-    /// Returns the seed of a search, by its number.
     pub fn seed_of(&self, number: u64) -> u64 {
         other_seed(self.seed, number)
     }

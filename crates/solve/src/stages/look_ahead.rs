@@ -10,7 +10,7 @@ const DRAWS: u32 = 64;
 /// Maximum number of evaluated placements of later objects for one placement.
 const MOST_LOOKS: u32 = 400;
 
-/// Necessary conditions for the picks and places that follow, without inverse kinematics.
+/// Necessary conditions for the following picks and placements, without inverse kinematics.
 pub(crate) struct LookAhead {
     problem: Problem,
     /// Later picks in the order of the task, from the second pick on.
@@ -31,7 +31,7 @@ struct Next {
 }
 
 impl LookAhead {
-    /// Creates the look-ahead over the stages of a task; computes everything that does not depend on the world.
+    /// Creates these conditions for the stages of a task; computes everything that does not depend on the world.
     ///
     /// # Errors
     /// Those of [`State::picking`] and [`Placer::new`].

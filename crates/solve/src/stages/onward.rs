@@ -14,7 +14,7 @@ const ENOUGH_CLEAR: usize = 8;
 const NEAREST_DRAW: f64 = 0.1;
 /// … and in the last ones.
 const FARTHEST_DRAW: f64 = 3.0;
-/// Step in joint space (m, rad) at which a path is checked for the required clearance.
+/// Distance in joint space (m, rad) between the samples of a path that are checked for the required clearance.
 const LOOK_EVERY: f64 = 0.05;
 
 /// Number of random starts of inverse kinematics at a pose.
@@ -43,8 +43,7 @@ pub(crate) enum Towards<'a> {
 }
 
 impl<'a> Towards<'a> {
-    /// Returns the goal of a move, with its remaining `ends` (m, rad; one value per joint) if it has a finite set of them;
-    /// `None` if none is left.
+    /// Returns the goal of a move; for a finite set, its remaining `ends` (m, rad; one value per joint), `None` if empty.
     pub fn of(goal: &'a Move, ends: Option<&'a [Vec<f64>]>) -> Option<Self> {
         match (ends, goal) {
             (Some(ends), _) => (!ends.is_empty()).then_some(Self::Ends(ends)),

@@ -9,7 +9,6 @@ use crate::{FailureReason, TaskError};
 pub struct ClosingHand {
     target: usize,
     world_from_target: Pose,
-    /// Cell with the target attached to the open hand, at any pose.
     holding: Cell,
 }
 
@@ -82,7 +81,7 @@ impl ClosingHand {
     /// touch nothing else. `scratch` is that of [`Self::holding`].
     ///
     /// # Errors
-    /// The reason why the hand does not hold the target then: a finger touches nothing, or meets something else while closing.
+    /// The reason why the hand does not hold the target: a finger touches nothing, or meets something else while closing.
     ///
     /// # Panics
     /// If `q` has not one value per joint.

@@ -47,8 +47,8 @@ impl Weights {
     }
 }
 
-/// The firmness of grasps of a body by a robot's hand: the factor by which loads may grow until it slips
-/// ([`LoadMeasure`]). Poses are in the planning frame, in which the body stands when the hand closes.
+/// The firmness of grasps of a body by a robot's hand: the factor by which loads may grow until the body slips
+/// ([`LoadMeasure`]). Poses are in the planning frame, with the body where it stands when the hand closes.
 #[derive(Clone)]
 pub struct Firmness {
     measure: LoadMeasure,
@@ -72,9 +72,8 @@ impl Firmness {
         Self::in_world(cell.world(), body, weights.pads(cell.robot())?, (friction, weights.of_body(body)))
     }
 
-    /// Creates the measure for grasps of a body of a world by a hand, with the friction and the weight of the body. Values that
-    /// are not stated are assumed: [`ASSUMED_FRICTION`] and, for the mass, [`ASSUMED_DENSITY`](cranny_grasp::ASSUMED_DENSITY).
-    /// `None` for a hand without two flat pads, or a body that encloses no volume.
+    /// Creates the measure for grasps of a body by a hand. Friction and mass that are not stated are assumed:
+    /// [`ASSUMED_FRICTION`], [`ASSUMED_DENSITY`](cranny_grasp::ASSUMED_DENSITY). `None` without two flat pads or volume.
     pub fn by_hand(
         world: &World,
         body: usize,

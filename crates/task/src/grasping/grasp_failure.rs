@@ -63,7 +63,7 @@ impl GraspFailure {
     }
 }
 
-/// Reason for the failure of a grasp. Only the first three are certain: the others state obstacles that the search met, which
+/// Reason for the failure of a grasp. Only the first three are certain: the others name obstacles that the search met, which
 /// does not prove that no path exists.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", tag = "reason")]

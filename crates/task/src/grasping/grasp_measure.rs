@@ -9,7 +9,6 @@ use crate::grasping::firmness::soup_in_world;
 use crate::grasping::pad_contact::PadSurfaces;
 
 /// Measure of grasps for a problem without a set of them: surface and friction of the target, and the hand that closes on it.
-/// It belongs to the problem and not to a search, like the bounding volume tree of an obstacle's mesh.
 #[derive(Clone, Debug)]
 pub struct GraspMeasure {
     hand: ClosingHand,

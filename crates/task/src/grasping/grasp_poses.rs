@@ -10,7 +10,7 @@ pub fn gripper_poses(grasp: &Grasp) -> [Pose; 2] {
     [grasp.world_from_gripper, grasp.twin().world_from_gripper]
 }
 
-/// Returns the poses of a grasp at which the hand alone is free; if neither is, its contact at the first.
+/// Returns those poses of a grasp and its twin at which the hand alone is free; if there are none, the contact at the grasp.
 pub(crate) fn open_poses(cell: &Cell, grasp: &Grasp, scratch: &mut Scratch) -> Result<Vec<Pose>, Contact> {
     let mut blocked = None;
     let mut open = Vec::new();

@@ -74,11 +74,10 @@ fn straight_stroke_m(robot: &Robot, link: usize) -> Vector {
     closed.translation.vector - open.translation.vector
 }
 
-/// Collision filter for a hand in a world: checks a grasp, and the last part of a straight approach to it, with open fingers.
+/// Collision filter for a hand in a world: checks a grasp, and the end of a straight approach to it, with open fingers.
 ///
-/// The filter checks the solids that the parts of the hand sweep, so one exact check decides the whole approach. However, a
-/// cylinder counts as a prism around it, and the surface of a mesh as the hulls of its pieces. A distance below [`CONTACT_M`]
-/// is contact, as everywhere.
+/// The filter checks the volumes that the solids of the hand sweep, so one exact check decides the whole approach. A cylinder
+/// counts as a prism around it, the surface of a mesh as the hulls of its pieces, a distance below [`CONTACT_M`] as contact.
 #[derive(Clone, Debug)]
 pub struct HandFilter {
     world: World,
@@ -101,8 +100,8 @@ impl HandFilter {
     /// along the gripper's z axis.
     ///
     /// # Errors
-    /// [`ShapeError::FlatHull`] for a part of the hand without extent, [`ShapeError::Size`] for an approach that is negative or
-    /// not a number.
+    /// [`ShapeError::FlatHull`] for a solid of the hand without extent, [`ShapeError::Size`] for an approach that is negative
+    /// or not a number.
     pub fn new(hand: &Hand, world: World, approach_m: f64) -> Result<Self, ShapeError> {
         if !(0.0..=cranny_spatial::FARTHEST_M).contains(&approach_m) {
             return Err(ShapeError::Size { what: "the length of an approach", value: approach_m });
@@ -115,7 +114,7 @@ impl HandFilter {
             for solid in solid.swept(&back_in_part) {
                 if let Some((points, radius_m)) = solid.bounding_points() {
                     let points = if radius_m > 0.0 { with_rounding(&points, radius_m) } else { points };
-                    // A part of a mesh may be flat.
+                    // A piece of a mesh may be flat.
                     let hull = TriangleSoup::convex_hull(&points)
                         .or_else(|_| TriangleSoup::convex_hull(&with_rounding(&points, CONTACT_M)))?;
                     swept_surfaces.push((*gripper_from_part, Surface::new(&hull)?));
@@ -127,7 +126,7 @@ impl HandFilter {
     }
 
     /// Returns this filter with one more obstacle that is only a surface: the scan of an object that has holes. For rounded
-    /// parts of the hand (spheres, capsules), octahedra inscribed in their balls are checked against it.
+    /// solids of the hand (spheres, capsules), octahedra inscribed in their balls are checked against it.
     #[must_use]
     pub fn with_surface(mut self, world_from_surface: Pose, surface: Surface) -> Self {
         self.open_surfaces.push((world_from_surface, surface));
@@ -144,8 +143,7 @@ impl HandFilter {
         self.blocking_body(world_from_gripper).is_none() && !self.meets_surface(world_from_gripper)
     }
 
-    /// Returns the first body of the world, by index, that the hand touches at `world_from_gripper` or along the approach to
-    /// it.
+    /// Returns the index of the first body that the hand touches at `world_from_gripper` or along the approach to it.
     pub fn blocking_body(&self, world_from_gripper: &Pose) -> Option<usize> {
         let touches = |pose: &Pose, hand: &Solid, other_pose: &Pose, other: &Solid| {
             quick_lower_bound(hand, pose, other, other_pose, CONTACT_M) < CONTACT_M

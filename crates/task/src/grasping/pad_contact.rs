@@ -147,7 +147,7 @@ struct Pressing<'a> {
     nearest: Contact,
     /// Closing direction, away from the target.
     outwards: Vector,
-    /// Triangles of the target on which the finger may press: their planes pass the nearest point.
+    /// Triangles of the target on which the finger may press: their planes pass near the nearest point.
     faces: Option<Surface>,
     /// Bounds of these triangles, in the frame of the tip.
     window: Option<Aabb>,
@@ -156,7 +156,7 @@ struct Pressing<'a> {
 }
 
 impl Pressing<'_> {
-    /// Returns false for a line along y of the frame of the tip without any contact.
+    /// Returns true if a line along y of the frame of the tip may have a contact.
     fn may_meet(&self, x: f64, z: f64) -> bool {
         let is_in = |window: &Aabb| {
             let (low, high) = (window.low(), window.high());
@@ -176,7 +176,7 @@ impl Pressing<'_> {
             .faces
             .as_ref()
             .map_or_else(Vec::new, |faces| faces.ray_hits(&begin, &outwards, 2.0 * reach_m));
-        // A finger may be between two parts of the target, so each exit point of the line counts.
+        // A finger may stand in a gap of the target, so each exit point of the line counts.
         let leaves = hits.iter().filter(|hit| hit.normal.dot(&outwards) > 0.0);
         let faces = leaves.map(|hit| Contact {
             point_in_object: middle + outwards * (hit.distance_m - reach_m),

@@ -10,8 +10,8 @@ use crate::{FailureReason, Firmness, Problem, TaskError};
 /// Settings of the lift-off of an object from its support.
 ///
 /// Until the end of the lift-off, the object comes at most `slack_m` nearer to each face that carries it ([`Resting`]) than at
-/// rest, and penetrates it no deeper than [`CONTACT_ALLOWANCE_M`](cranny_collision::CONTACT_ALLOWANCE_M). At the end it
-/// has a distance of `clear_m` from all of them; from then on they are ordinary obstacles. All other geometry, including bodies
+/// rest, and penetrates it no deeper than [`CONTACT_ALLOWANCE_M`](cranny_collision::CONTACT_ALLOWANCE_M). At the end it has a
+/// distance of `clear_m` from all these faces; from then on they are ordinary obstacles. All other geometry, including bodies
 /// beside the object and higher faces of the same support, is an obstacle throughout.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LiftOffSettings {
@@ -20,7 +20,7 @@ pub struct LiftOffSettings {
     /// Least distance of the object from its support at the end, in metres; the margin of the held object applies if larger.
     pub clear_m: f64,
     /// Tolerance by which the object may come nearer to its support than at rest, in metres: joint values are rounded, and
-    /// straight lines in joint space are not straight in task space.
+    /// straight lines in joint space are not straight in Cartesian space.
     pub slack_m: f64,
 }
 
@@ -32,13 +32,12 @@ impl Default for LiftOffSettings {
 
 /// Distance between two configurations of a lift-off, in metres.
 const RUNG_M: f64 = 0.005;
-/// Number of pieces of an edge used to approximate its length in task space.
+/// Number of samples along an edge by which its length in Cartesian space is approximated.
 const SAMPLES_ALONG: u32 = 8;
 
 /// The target of a problem and the hand that closes on it and carries it, in the same world.
 #[derive(Clone, Debug)]
 pub struct Carrier {
-    /// The open and empty hand, with the object where it stands.
     cell: Arc<Cell>,
     settings: LiftOffSettings,
     hand: ClosingHand,
@@ -121,11 +120,10 @@ impl Carrier {
         &self.lifting.world().bodies()[self.hand.target()].name
     }
 
-    /// Closes the fingers at a configuration (m, rad; one per joint) until the first touches the object at its pose in the
-    /// hand.
+    /// Closes the fingers at a configuration (m, rad; one per joint) until the first touches the object.
     ///
     /// # Errors
-    /// The reason why the hand does not hold the object then: a finger touches nothing, or meets something else while closing.
+    /// The reason why the hand does not hold the object: a finger touches nothing, or meets something else while closing.
     ///
     /// # Panics
     /// If `q` has not one value per joint.
@@ -191,7 +189,7 @@ impl Carrier {
     }
 
     /// Computes the path of a held object off its support, in straight edges, each of them proven; fails with the blocking pair
-    /// if it is known, or with `None` for the reach of the arm.
+    /// if it is known, or with `None` beyond the reach of the arm.
     pub(crate) fn way_off(
         &self,
         grip: &Grip,
@@ -262,14 +260,13 @@ impl Carrier {
         }
     }
 
-    /// Returns true if the object has the required distance from its support at the end of a lift-off. `q` (m, rad; one per
-    /// joint).
+    /// Returns true if the object is as far from its support at `q` (m, rad; one per joint) as a lift-off requires.
     pub fn is_off(&self, grip: &Grip, resting: &Resting, q: &[f64], scratch: &mut Scratch) -> bool {
         grip.carrying.lifted_m(resting, q, scratch) >= self.settings.clear_m
     }
 
     /// Returns the parameter in [0, 1] on an edge from `a` to `b` (m, rad; one per joint) at which the object may come nearer
-    /// to its support than allowed, and the index of that body; `None` if it is proven not to. `cell` is that of the motion.
+    /// to its support than allowed, and the index of that support; `None` if it is proven not to. `cell` is that of the motion.
     pub fn first_support_violation(
         &self,
         cell: &Cell,
@@ -295,7 +292,7 @@ impl Carrier {
         &self.cell
     }
 
-    /// Length of the path of the object in task space along a path (m, rad; one value per joint), in metres.
+    /// Length of the path of the object in Cartesian space along a path (m, rad; one value per joint), in metres.
     pub fn length_m(&self, grip: &Grip, path: &[Vec<f64>]) -> f64 {
         let robot = self.cell.robot();
         let place = |q: Vec<f64>| {

@@ -279,8 +279,7 @@ impl Placer {
         Pose::from_parts(place.coords.into(), turned.rotation)
     }
 
-    /// Returns the placements that are feasible for the object alone, each with the number of its draw: for a goal pose only
-    /// that pose, if feasible.
+    /// Returns the placements feasible for the object alone, each with the number of its draw; for a goal pose at most one.
     pub fn placements(&self) -> impl Iterator<Item = (usize, &Placement)> {
         self.draws.iter().filter_map(|draw| Some((draw.number, self.look_at(draw)?))).take(ENOUGH_PLACES)
     }
@@ -300,8 +299,7 @@ impl Placer {
         draw.placement.get_or_init(look).as_ref()
     }
 
-    /// Returns the placement of the object at a pose, with its supports. It shares the cell of an evaluated draw that applies
-    /// to this pose too, if there is one.
+    /// Returns the placement of the object at a pose; it shares the cell of an evaluated draw with the same supports, if any.
     fn placement(&self, world_from_held: &Pose) -> Placement {
         let known = self.draws.iter().filter_map(|draw| draw.placement.get()?.as_ref());
         self.carrier.placement_among(known, world_from_held)
@@ -401,9 +399,9 @@ impl Placer {
         self.clear_m
     }
 
-    /// Checks whether the hand alone, open and with its tip now at a pose in the planning frame, is free at one of the first
-    /// placements. Returns `None` if it is, otherwise the first contact found, or [`FailureReason::NoPlace`] without any. If
-    /// the hand is in the floor, other placements with the same stable rotation are skipped.
+    /// Returns `None` if the open hand alone, with its tip now at a pose in the planning frame, is free at one of the first
+    /// placements; otherwise the first contact found, or [`FailureReason::NoPlace`] without one. If the hand is in the floor,
+    /// other placements with the same stable rotation are skipped.
     pub fn blocked_at(&self, world_from_tip: &Pose) -> Option<FailureReason> {
         let tip_from_held = world_from_tip.inverse() * self.carrier.hand().world_from_target();
         let mut first = None;
@@ -440,8 +438,7 @@ impl Placer {
         Some(first.unwrap_or(FailureReason::NoPlace))
     }
 
-    /// Returns the pose `world_from_tip` of the tip at which a grip has the object at a placement, if the open hand is free
-    /// there.
+    /// Returns the pose `world_from_tip` that brings the object of a grip to a placement, if the open hand is free there.
     ///
     /// # Errors
     /// The first contact of the hand there.

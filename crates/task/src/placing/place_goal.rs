@@ -16,7 +16,7 @@ pub struct PlaceGoal {
 /// Region or pose at which an object can be put down.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PlaceRegion {
-    /// Anywhere wholly on a level rectangle, in a pose that is stable on level ground, with any turn about the vertical.
+    /// Any position wholly on a level rectangle, in a pose that is stable on level ground, with any turn about the vertical.
     Surface {
         /// Name of the body of the world that the rectangle lies on.
         on: String,

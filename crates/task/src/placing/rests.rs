@@ -6,7 +6,7 @@ use cranny_spatial::{Rotation, Vector};
 const LEAST_PROBABILITY: f64 = 0.05;
 /// Least tilt, in radians (5°), that a stable pose other than the present one must withstand.
 const LEAST_TILT_RAD: f64 = 0.0873;
-/// Maximum angle, as a chord (rad), between an object at rest and a stable pose that is tried first for this reason.
+/// Maximum angle, as a chord (rad), from the present pose within which a stable pose is always included and comes first.
 const AS_IT_RESTS_RAD: f64 = 0.1;
 
 /// Returns the rotations of a body's first solid, up to turns about the vertical, in which it rests on level ground, from a

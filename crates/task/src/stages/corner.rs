@@ -14,7 +14,7 @@ pub struct RoundedCorner {
     pub control_points: [Vec<f64>; 5],
 }
 
-/// Control points that differ by less are equal (m, rad): the rounding of numbers of some metres.
+/// Difference up to which control points count as equal (m, rad): the rounding of numbers of some metres.
 const SAME: f64 = 1e-9;
 
 impl RoundedCorner {

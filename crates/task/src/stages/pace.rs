@@ -23,7 +23,7 @@ impl Default for Pace {
 }
 
 impl Pace {
-    /// Returns true if it limits nothing.
+    /// Returns true if it adds no limit to those of the robot.
     pub fn is_full(&self) -> bool {
         *self == Self::default()
     }

@@ -31,7 +31,7 @@ impl Payload {
         }
     }
 
-    /// Returns the payload as a body in the gripper frame.
+    /// Returns the payload as a rigid body in the gripper frame.
     pub fn inertial(&self) -> Inertial {
         let [xx, xy, xz, yy, yz, zz] = self.inertia_kg_m2;
         Inertial {

@@ -7,7 +7,7 @@ use crate::stages::payload::Payload;
 
 /// Properties of a motion during which the fingers do not move (a mode: Hauser & Latombe 2010, §3).
 ///
-/// Code depends on these properties alone; the name is for files and people.
+/// Code depends on these properties alone; the name is for files and messages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(into = "String")]
 pub struct Mode {
@@ -96,7 +96,7 @@ pub struct Segment {
     /// Kind of curve between the way points.
     #[serde(default)]
     pub kind: SegmentKind,
-    /// Index of the stage of the task that it belongs to.
+    /// Index of its stage in the task.
     #[serde(default)]
     pub stage: usize,
     /// Its mode.
@@ -105,8 +105,7 @@ pub struct Segment {
     pub attached: Option<String>,
     /// Distance between the fingers, in metres; `None`: fully open.
     pub opening_m: Option<f64>,
-    /// Travel of the finger that touches last, after the first one touches, in metres; it pushes the object or the hand. `None`
-    /// while nothing is held.
+    /// Travel of the last finger after the first one touches, in metres, which pushes object or hand; `None` for an empty hand.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub uneven_m: Option<f64>,
     /// Mass and inertia of the object in the hand, if torque limits include it.

@@ -43,8 +43,7 @@ pub enum Move {
     Home,
     /// Any of these configurations (m, rad; one value per joint each).
     Configurations(Vec<Vec<f64>>),
-    /// Any configuration at which the object in the hand, or the hand if it is empty, is at least this far, in metres, from all
-    /// bodies but floors.
+    /// Any configuration with at least this distance of the object in the hand, or the empty hand, from all bodies but floors.
     Clear {
         /// Required distance, in metres.
         clear_m: f64,
@@ -123,8 +122,7 @@ impl Stage {
         }
     }
 
-    /// Returns true if another stage picks the same object, moves to the same goal or puts down at the same placement goal,
-    /// whether or not the required distances agree.
+    /// Returns true if another stage is of the same kind with the same object or goal, regardless of the required distances.
     pub fn is_like(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Pick(a), Self::Pick(b)) => a.object == b.object,
@@ -271,8 +269,7 @@ impl Move {
         }
     }
 
-    /// Returns the configurations at which the motion may end (m, rad; one value per joint); `None` if the goal is not a finite
-    /// set of them.
+    /// Returns the configurations at which the motion may end (m, rad; one value per joint); `None` if they are no finite set.
     pub fn ends(&self, problem: &Problem) -> Option<Vec<Vec<f64>>> {
         match self {
             Self::Home => Some(vec![problem.start().to_vec()]),

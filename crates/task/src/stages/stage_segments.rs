@@ -1,9 +1,9 @@
 use crate::stages::segment::{Mode, MotionEnd, Segment};
 use crate::stages::stage::Stage;
 
-/// Checks that segments match stages: they are in order; the hand closes in a pick that a stage follows, opens in a place, and
-/// moves nowhere else; only an object just grasped, or released next, may touch its support. [`are_complete`] checks that the
-/// segments reach the end of the last stage.
+/// Checks that segments match stages: they are in order; the hand closes only in a pick that a stage follows, and opens only in
+/// a place; only an object just grasped, or released next, may touch its support. [`are_complete`] checks that the segments
+/// reach the end of the last stage.
 ///
 /// # Errors
 /// A sentence that names the first segment that cannot follow.
@@ -130,7 +130,7 @@ fn fault_of(
 }
 
 /// Returns the fault of the rounded corners of a segment. Corners must be in the order of its way points and fit their edges.
-/// None is allowed where an object may touch its support. One at the end of the previous segment is allowed only if both
+/// No corner is allowed where an object may touch its support. One at the end of the previous segment is allowed only if both
 /// segments are one motion of a stage, or the previous one is a lift-off.
 fn corner_fault(before: Option<&Segment>, segment: &Segment) -> Option<&'static str> {
     /// Rounding of the shares of an edge that two corners cut off.

@@ -22,9 +22,7 @@ pub struct State {
     /// The open and empty hand; a held object stands where it was grasped.
     empty: Arc<Cell>,
     held: Option<Held>,
-    /// Body that the hand released last, by index, and the pose of its first solid in the planning frame.
     let_go: Option<(usize, Pose)>,
-    /// Support of the held object along the present segment.
     rest: Option<Rest>,
     /// Cell in which the hand keeps to a straight line along the present segment.
     line: Option<Arc<Cell>>,
@@ -63,7 +61,7 @@ impl State {
         Ok(Self { q: q.to_vec(), empty: Arc::new(after), held: None, let_go, rest: None, line: None })
     }
 
-    /// Robot and world, with the object in the hand as part of the robot.
+    /// Robot and world; an object in the hand moves with the robot.
     pub fn cell(&self) -> &Arc<Cell> {
         match (&self.rest, &self.line, &self.held) {
             (Some(rest), _, _) => &rest.near,
@@ -216,8 +214,7 @@ impl State {
         along
     }
 
-    /// Returns the problem of moving from here, with any object in the hand, to one of these configurations (m, rad; one value
-    /// per joint).
+    /// Returns the problem of moving from this state to one of these configurations (m, rad; one value per joint).
     ///
     /// # Errors
     /// [`TaskError::JointCount`] or [`TaskError::NotFinite`] for an invalid configuration.
@@ -228,7 +225,7 @@ impl State {
     /// Returns the state after the hand has closed on the object of a carrier.
     ///
     /// # Errors
-    /// The reason why the hand does not hold the object then.
+    /// The reason why the hand does not hold the object.
     pub fn closed_on(&self, carrier: &Arc<Carrier>) -> Result<Self, FailureReason> {
         let grip = carrier.close(&self.q)?;
         Ok(Self { held: Some(Held { carrier: carrier.clone(), grip }), ..self.clone() })
@@ -270,8 +267,8 @@ impl State {
     }
 
     /// Returns the state along a segment that begins here: the hand closes on the object or opens as its mode requires, and the
-    /// object may touch its support where the mode allows it. It uses the carrier `known` if that is of this state's cell,
-    /// because creating one is the costliest step.
+    /// object may touch its support where the mode allows it. It uses the carrier `known` if that belongs to the cell of this
+    /// state, because a new one is costly.
     ///
     /// # Errors
     /// The reason why the hand cannot close or open here.
@@ -301,7 +298,7 @@ impl State {
         Ok(Self { line: line.map(Arc::new), ..self })
     }
 
-    /// Returns the state at the end of a segment along which this state holds.
+    /// Returns the state at the end of a segment, from the state along it.
     #[must_use]
     pub fn after(&self, segment: &Segment) -> Self {
         segment.waypoints.last().map_or_else(|| self.clone(), |last| self.at(last))

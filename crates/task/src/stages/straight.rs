@@ -77,7 +77,7 @@ pub(crate) enum FarEnd {
 }
 
 /// Computes a path of way points (m, rad; one value per joint) on a [`StraightLine`] from `q`, at least `least_m` (m) long and
-/// until `is_far` holds there, in straight edges of joint space, each of them proven in the direction of travel.
+/// until `is_far` is true at its end, in straight edges of joint space, each of them proven in the direction of travel.
 ///
 /// # Errors
 /// The pair that blocks it; `None` if the arm, a bound or [`MOST_STRAIGHT_M`] does.
@@ -111,7 +111,7 @@ pub(crate) fn straight_path(
     in_long_edges(&keeping, &rungs)
 }
 
-/// Returns a path through as few of these way points (m, rad; one value per joint) as found, proven in a cell.
+/// Returns a path through some of these way points (m, rad; one value per joint), in long edges that are proven in a cell.
 fn in_long_edges(cell: &Cell, rungs: &[Vec<f64>]) -> Result<Vec<Vec<f64>>, Option<[String; 2]>> {
     let mut scratch = cell.scratch();
     let (mut path, mut at) = (rungs[..1].to_vec(), 0);

@@ -17,7 +17,7 @@ pub struct ClearanceProfile {
     /// Closest pair at each instant; a negative distance is the depth of the overlap.
     pub closest: Vec<Closest>,
     /// Clearances at each instant, in metres ([`Cell::clearances`]): of the robot with its held object to the world, and
-    /// between its own links.
+    /// between its links.
     pub apart_m: Vec<[f64; 2]>,
     /// Names of the pairs that occur, each once.
     names: Vec<(String, String)>,
@@ -27,12 +27,10 @@ pub struct ClearanceProfile {
 
 impl ClearanceProfile {
     /// Computes the profile at up to `most` instants, spread evenly over the samples of the path and including the first and
-    /// the last. It uses the exact check of single configurations, so nothing is known between the instants. `None` if there
-    /// are no pairs to check.
+    /// the last; `None` without pairs to check. Each is checked exactly, and nothing is known between them.
     ///
-    /// From the start of the closing on, the object counts as part of the robot, in the `states` along the segments. The
-    /// profile ends with the last of these. The support of an object counts from the end of the lift-off on, and until the
-    /// set-down.
+    /// From the start of the closing on, the object belongs to the robot, in the `states` along the segments, with the last of
+    /// which the profile ends. The support of an object counts from the end of the lift-off until the set-down.
     pub fn along(path: &SampledPath, cell: &Cell, states: &[State], most: usize) -> Option<Self> {
         let mut modes = path.carries.iter().flat_map(|carry| &carry.modes);
         let unknown = modes.find(|shown| shown.mode.holds && shown.segment >= states.len());

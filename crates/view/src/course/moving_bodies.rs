@@ -51,7 +51,7 @@ impl BodyRecording {
     /// Returns the recording reduced to at most `rate_hz` instants per second, beginning with the first.
     #[must_use]
     pub fn thinned(&self, rate_hz: f64) -> Self {
-        /// Tolerance for rounding: times are sums of steps.
+        /// Tolerance for rounding: times are sums of intervals.
         const ROUNDED_S: f64 = 1e-9;
         let mut kept: Vec<usize> = Vec::new();
         for (instant, time_s) in self.times_s.iter().enumerate() {

@@ -2,7 +2,7 @@ use cranny_robot::Robot;
 use cranny_task::{Mode, Segment, legs};
 
 /// Motion of one object that a path carries: it rests, the hand closes on it, it moves with the hand, and it stays where the
-/// hand opens again, if it does.
+/// hand opens, if it does.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CarriedObjectMotion {
     /// Name of the object.
@@ -34,7 +34,7 @@ pub struct ShownMode {
 pub(crate) type LegTimes = Vec<f64>;
 
 impl CarriedObjectMotion {
-    /// Returns the carries of all objects in order; `times_s` holds the way point times of each leg, in seconds.
+    /// Returns the carries of all objects in order; `times_s` contains the way point times of each leg, in seconds.
     pub(crate) fn all_of(robot: &Robot, segments: &[Segment], times_s: &[LegTimes]) -> Vec<Self> {
         let mut modes: Vec<ShownMode> = Vec::new();
         let mut first = 0;
@@ -85,8 +85,7 @@ impl CarriedObjectMotion {
         Some([change[0].until_s, change[1].from_s])
     }
 
-    /// Returns the closing of the fingers at an instant, from 0 (open) to 1. It changes at constant speed while the robot
-    /// stands.
+    /// Returns the closing of the fingers at an instant, from 0 (open) to 1; its speed is constant while the robot stands.
     pub fn closing_at(&self, time_s: f64) -> f64 {
         let share = |[from_s, until_s]: [f64; 2]| ((time_s - from_s) / (until_s - from_s)).clamp(0.0, 1.0);
         let opened = self.opens_s().map_or(0.0, share);

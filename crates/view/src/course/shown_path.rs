@@ -17,15 +17,14 @@ pub struct SampledPath {
     pub waypoint_times_s: Vec<f64>,
     /// Index of the grasp in the scenario at which the path ends, if known.
     pub grasp: Option<usize>,
-    /// True if the path is timed within the limits of the robot; otherwise it is shown at constant speed: a length of 1 (metres
-    /// and radians alike) per second.
+    /// True if the path is timed within the limits of the robot; otherwise its speed is 1 (m and rad alike) per second.
     pub is_timed: bool,
     /// Carried objects in order.
     pub carries: Vec<CarriedObjectMotion>,
 }
 
 /// Speed of a path without timing, in the Euclidean norm of `q` (m and rad alike) per second: about half the maximum velocity
-/// of a robot. At 1, the elapsed time equals the length passed.
+/// of a robot. At 1, the time equals the length.
 const UNTIMED_SPEED: f64 = 1.0;
 
 /// Maximum number of instants, an hour at 25 per second; a longer path gets a lower rate.
@@ -125,7 +124,7 @@ impl SampledPath {
         })
     }
 
-    /// Samples the path at constant speed, each edge in a whole number of steps.
+    /// Samples the path at constant speed, each edge in a whole number of intervals.
     fn even(waypoints: &[Vec<f64>], rate_hz: f64) -> Self {
         let mut path = Self {
             times_s: vec![0.0],

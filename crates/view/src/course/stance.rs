@@ -14,8 +14,7 @@ pub(crate) struct Stance<'a> {
 
 struct Carrying<'a> {
     shown: &'a CarriedObjectMotion,
-    /// Pose of the planning frame in the tip frame at the grasp. The held link carries this frame, so its later pose equals the
-    /// displacement of the object.
+    /// Pose of the planning frame in the tip frame at the grasp; with the tip, it becomes the displacement of the object.
     tip_from_held: Pose,
     /// Displacement of the object after the set-down.
     placed: Option<Pose>,

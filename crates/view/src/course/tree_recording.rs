@@ -8,8 +8,7 @@ use crate::viewer::number_row;
 
 /// Observer that records the position of the gripper frame at each node of the search trees, in the order of insertion.
 ///
-/// A second root of the start tree clears all trees: planners that try one goal after another number the nodes of each attempt
-/// from 0.
+/// A second root of the start tree clears all trees: planners that try goals in turn number the nodes of each attempt from 0.
 #[derive(Clone, Debug)]
 pub struct TreeRecording {
     robot: Arc<Robot>,

@@ -45,8 +45,7 @@ impl StandardView {
     }
 }
 
-/// Vertical field of view: slightly more than that of an 85 mm lens on 24 mm film, a portrait lens with little perspective
-/// distortion.
+/// Vertical field of view: slightly more than that of an 85 mm portrait lens on 24 mm film, with little perspective distortion.
 const HEIGHT_RAD: f64 = 0.42;
 
 /// Share of the half width or height of the picture that the scene may fill.
@@ -63,7 +62,7 @@ impl Camera {
         let (sin_turn, cos_turn) = sin_cos(turn_deg.to_radians());
         let (sin_rise, cos_rise) = sin_cos(rise_deg.to_radians());
         let back = Vector::new(cos_rise * cos_turn, cos_rise * sin_turn, sin_rise);
-        // This also holds straight from above, where the vertical gives no direction.
+        // This is also valid straight from above, where the vertical gives no direction.
         let right = Vector::new(-sin_turn, cos_turn, 0.0);
         let up = back.cross(&right);
         let half_height = libm::tan(0.5 * HEIGHT_RAD) * FILLED;

@@ -72,7 +72,7 @@ impl DrawList {
         self.triangles[triangle].corners.map(|corner| &self.positions[corner as usize])
     }
 
-    /// Quantizes the normal of a triangle in steps of about 20°.
+    /// Quantizes the normal of a triangle to about 20°.
     fn facing(&self, corners: &[u32; 3]) -> u16 {
         let [a, b, c] = corners.map(|corner| self.positions[corner as usize]);
         let normal = (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_else(DrawVector::z);

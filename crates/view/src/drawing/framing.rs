@@ -6,8 +6,7 @@ use crate::scene::{Node, Role};
 use crate::{Camera, Mesh, Scene, StandardView};
 
 impl Scene {
-    /// Returns the camera of a standard view, with all things and the robot at all instants of its motion in the picture.
-    /// `aspect` = width / height.
+    /// Returns the camera of a standard view, with all things and the robot's whole motion in it; `aspect` = width / height.
     pub fn camera(&self, view: StandardView, aspect: f64) -> Camera {
         self.camera_from(view.direction_deg(), aspect)
     }
@@ -85,8 +84,7 @@ impl Scene {
         (low.cast(), (reach_m as f32).max(0.01))
     }
 
-    /// Returns the nodes of obstacles between the eye and the target, or between the eye and the robot or the path of its
-    /// gripper.
+    /// Returns the nodes of obstacles between the eye and the target, the robot, or the path of its gripper.
     pub(crate) fn hiding(&self, camera: &Camera) -> Vec<usize> {
         let poses = self.world_from_nodes(None);
         let mut wanted: Vec<Point> = Vec::new();
@@ -94,7 +92,7 @@ impl Scene {
             if node.role == Role::Target
                 && let Some(around) = node.mesh.and_then(|mesh| mesh_box(&self.meshes[mesh]))
             {
-                // Only the upper half counts: the support of the target does not hide it.
+                // Only the upper half counts, so that the support of the target does not hide it.
                 let around = around.transformed(pose);
                 let (low, high) = (around.low(), around.high());
                 wanted.push(around.center);

@@ -59,8 +59,8 @@ impl Ground {
         Self { plane, page: color(PAGE), line: color(LINE), spacing_m, reach_m, middle, open_sun }
     }
 
-    /// Returns the reciprocal of the depth of the floor: at the first pixel, and its increments per pixel to the right and
-    /// down. It is negative where no floor is visible.
+    /// Returns the reciprocal of the depth of the floor, negative where it is invisible: at the first pixel, and its increments
+    /// to the right and down.
     pub fn nearness(&self, lens: &Lens) -> Option<[f32; 3]> {
         let plane = self.plane.as_ref()?;
         let height_m = (lens.eye - plane.origin).dot(&plane.normal);
@@ -69,8 +69,7 @@ impl Ground {
         (height_m > 0.0).then(|| [first, down(lens.ray(1.0, 0.0)) - first, down(lens.ray(0.0, 1.0)) - first])
     }
 
-    /// Returns the point of the floor at a position of the picture and its normal; `None` where the floor is absent or has
-    /// faded.
+    /// Returns the point of the floor at a position of the picture and its normal; `None` where it is absent or has faded.
     pub fn place(&self, lens: &Lens, x: f32, y: f32) -> Option<(DrawPoint, DrawVector)> {
         let (plane, place) = self.meet(lens, x, y)?;
         (self.fade(&place) > 0.0).then_some((place, plane.normal))

@@ -52,7 +52,7 @@ const HORIZON: [f32; 3] = [0.60, 0.60, 0.61];
 /// Light that the ground reflects upwards.
 const GROUND: [f32; 3] = [0.33, 0.32, 0.31];
 
-/// Number of sky directions, and texels along a side of their maps: the steps between shadows are too faint to see.
+/// Number of sky directions, and texels along a side of their maps: the edges between shadows are too faint to see.
 const SKY_PATCHES: u32 = 48;
 const SKY_SIDE: usize = 160;
 const SUN_SIDE: usize = 2048;
@@ -142,9 +142,8 @@ impl Light {
         let below = (0.5 - 0.5 * normal.z) * share.openness.sqrt();
         let arriving = self.open_sky(normal) * share.arriving + sun + DrawVector::from(GROUND) * below;
         let diffuse = albedo.component_mul(&arriving) * (1.0 - 0.85 * material.metallic);
-        // The sun's highlight (Blinn 1977, "Models of light reflection for computer synthesized pictures", whole), and
-        // the sky mirrored at grazing angles (Schlick 1994, "An inexpensive BRDF model for physically-based rendering",
-        // whole).
+        // The sun's highlight (Blinn 1977, "Models of light reflection for computer synthesized pictures", whole), and the sky
+        // mirrored at grazing angles (Schlick 1994, "An inexpensive BRDF model for physically-based rendering", whole).
         let cos_eye = normal.dot(to_eye).clamp(0.0, 1.0);
         let base = DrawVector::repeat(0.04).lerp(albedo, material.metallic);
         let grazing = (1.0 - cos_eye).powi(5) * (1.0 - material.roughness);
@@ -165,8 +164,8 @@ impl Light {
     }
 }
 
-/// Returns `base` to the power of `exponent` by repeated squaring. Powers of two are enough for a highlight, and give the same
-/// result on every machine.
+/// Returns `base` to the power of `exponent` by repeated squaring. Powers of two suffice for a highlight, and are the same on
+/// every machine.
 fn raised(base: f32, exponent: f32) -> f32 {
     let (mut power, mut reached) = (base, 1.0);
     while reached < exponent {
@@ -242,7 +241,7 @@ impl DepthMap {
         let texels: Vec<[f32; 3]> = casters.positions.iter().map(|place| self.texel(place)).collect();
         let grid = SampleGrid { width: self.side, rows: self.side, offsets: &[0.5] };
         // First sample to the right of and below each corner. A triangle whose corners all lie between the same rows or columns
-        // of samples covers none. For the sky, with its many directions, this holds for most triangles.
+        // of samples covers none, as most triangles for the sky with its many directions.
         let below = |[x, y, _]: &[f32; 3]| [ceiling(x - 0.5, self.side), ceiling(y - 0.5, self.side)];
         let samples: Vec<[usize; 2]> = texels.iter().map(below).collect();
         for triangle in casters.casters() {
@@ -263,8 +262,7 @@ impl DepthMap {
         }
     }
 
-    /// Offsets a point from its surface, so that the surface does not shadow it: by a number of texels that grows with the
-    /// angle of incidence.
+    /// Offsets a point from its surface, against self-shadowing, by texels whose number grows with the angle of incidence.
     fn lifted(&self, place: &DrawPoint, normal: &DrawVector, texels: f32) -> [f32; 3] {
         let cosine = normal.dot(&self.towards).abs();
         let lift_m = texels * (1.2 - cosine) / self.texels_per_m;

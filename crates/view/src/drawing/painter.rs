@@ -17,19 +17,17 @@ pub(crate) struct Translucency {
     pub opacity: f32,
     /// Increase of the opacity where seen at a grazing angle, so that the shape is visible.
     pub rim: f32,
-    /// True if its edges are drawn too: a flat body could otherwise not be distinguished from its background.
+    /// True if its edges are drawn too: a flat thing could otherwise not be distinguished from its background.
     pub has_edges: bool,
 }
 
-/// Cosine of the angle between normals above which two faces form an edge: 30°, more than between the triangles of a round
-/// body.
+/// Cosine of the angle between normals above which faces form an edge: 30°, more than between the triangles of round solids.
 const SMOOTH: f32 = 0.866;
 
 /// Share by which the outline of a thing is darker.
 const OUTLINE: f32 = 0.5;
 
-/// Opacity of the edges of a translucent thing, and the factor by which they are darker than it: on a bright floor its
-/// faces are hardly visible.
+/// Opacity of the edges of a translucent thing, and their darkening: on a bright floor its faces are hardly visible.
 const EDGE: [f32; 2] = [0.95, 0.75];
 
 /// Maximum number of surfaces distinguished in a pixel: the number of its samples.
@@ -115,8 +113,8 @@ impl Painter<'_> {
         self.ground.colour(self.lens, x, y, self.light, share)
     }
 
-    /// Returns the light from a triangle at a position of the picture, and the cosine between its normal and the ray. Without
-    /// `sky`, nothing casts shadows on it.
+    /// Returns the light from a triangle at a position of the picture, and the cosine between its normal and the ray; without
+    /// `sky`, there are no shadows.
     fn surface(
         &self,
         list: &DrawList,
@@ -139,7 +137,7 @@ impl Painter<'_> {
         let to_eye = -ray.normalize();
         let mut normal = normal.try_normalize(0.0).unwrap_or(to_eye);
         // Faces of a file may be wound in the wrong order; a visible face points to the eye. The face decides, because a smooth
-        // normal may point slightly away at the silhouette of a round body.
+        // normal may point slightly away at the silhouette of a round solid.
         let [a, b, c] = list.corners(triangle);
         let face = (b - a).cross(&(c - a));
         if (normal.dot(&face) < 0.0) != (face.dot(&to_eye) < 0.0) {

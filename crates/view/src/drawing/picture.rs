@@ -171,8 +171,7 @@ impl Scene {
     }
 }
 
-/// Upper end of the linear range of tone mapping. Above it, light approaches white ever more slowly, so that highlights keep
-/// their shape.
+/// Upper end of the linear range of tone mapping; above it, light approaches white slowly, and highlights keep their shape.
 const LINEAR_UP_TO: f32 = 0.72;
 
 fn toned(light: f32) -> f32 {

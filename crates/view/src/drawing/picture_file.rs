@@ -40,8 +40,7 @@ pub struct Animation {
 }
 
 impl Animation {
-    /// Renders instants of the motion of a scene on all cores. `each` receives every picture with its index in `frames`, in no
-    /// particular order.
+    /// Renders instants of the motion of a scene on all cores. `each` gets every picture, in any order, with its index.
     ///
     /// # Errors
     /// Those of [`Picture::of`] and of `each`.

@@ -33,8 +33,7 @@ impl SampleBuffer {
         Self { width, height, offsets, nearness: vec![0.0; count], triangle: vec![NOTHING; count] }
     }
 
-    /// Copies the depths of another buffer without its triangles. The depths are slightly reduced, so that coincident things
-    /// stay hidden.
+    /// Copies the depths of another buffer without its triangles, slightly reduced, so that coincident things stay hidden.
     pub fn restart(&mut self, nearness: &[f32]) {
         /// Factor of the reciprocal depth: 3 mm at 3 m.
         const NEARER: f32 = 1.001;
@@ -131,8 +130,8 @@ fn before_eye(corners: &[DrawVector; 3]) -> Vec<DrawVector> {
 }
 
 /// Intersects a ray with a triangle and returns the weights of the corners (Möller & Trumbore 1997, "Fast, minimum storage
-/// ray/triangle intersection", whole). If the ray misses, as a sample on the edge may, returns the weights clamped to the
-/// triangle; if it is parallel to the triangle, those of its centroid.
+/// ray/triangle intersection", whole): clamped to the triangle if the ray misses, as for samples on an edge; those of the
+/// centroid if it is parallel.
 pub(crate) fn weights(eye: &DrawPoint, ray: &DrawVector, [a, b, c]: [&DrawPoint; 3]) -> [f32; 3] {
     let (e1, e2) = (b - a, c - a);
     let p = ray.cross(&e2);

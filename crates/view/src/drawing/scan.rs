@@ -3,8 +3,8 @@
 /// Corner on the screen: right and down in pixels, then a depth that is linear across the screen.
 pub(crate) type ScreenCorner = [f32; 3];
 
-/// Positions of the samples: each pixel has as many rows of samples as there are offsets, with one sample per row at this
-/// offset from the left edge of the pixel. Offsets that all differ resolve vertical edges as finely as horizontal ones.
+/// Positions of the samples: each pixel has a row of samples for each offset, with one sample at this offset from its left
+/// edge. Offsets that all differ resolve vertical edges as finely as horizontal ones.
 #[derive(Clone, Copy)]
 pub(crate) struct SampleGrid<'a> {
     /// Width in pixels.
@@ -28,7 +28,7 @@ pub(crate) fn spans(corners: &[ScreenCorner; 3], grid: &SampleGrid<'_>, mut visi
     let row_below = |y: f32| ceiling(y * per_point - 0.5, grid.rows);
     let [a, b, c] = corners.map(|corner| corner[1]);
     let (first, beyond) = (row_below(a.min(b).min(c)), row_below(a.max(b).max(c)));
-    // Most of many small triangles lie between two rows; they end here.
+    // Most small triangles lie between two rows; they end here.
     if first >= beyond {
         return;
     }

@@ -66,9 +66,9 @@ impl ScreenTable {
     }
 }
 
-/// Returns the colour of a score between 0 and 1, from violet over green to yellow. Colour-blind readers can distinguish the
-/// colours, and grey print keeps their order, after viridis (Smith & van der Walt 2015, "A better default colormap for
-/// Matplotlib", whole) but lighter at the low end. Grey without a score.
+/// Returns the colour of a score between 0 and 1, from violet over green to yellow, distinguishable also with colour blindness
+/// and in grey print, after viridis (Smith & van der Walt 2015, "A better default colormap for Matplotlib", whole) but lighter
+/// at the low end. Grey without a score.
 pub(crate) fn of_score(score: Option<f64>) -> Colour {
     const STOPS: [u32; 6] = [0x004b_3ca8, 0x003a_6fd0, 0x002f_a1c4, 0x003c_c88f, 0x00a6_e04a, 0x00ff_e52b];
     let Some(score) = score else { return Colour::hex(0x9a_9a9a) };

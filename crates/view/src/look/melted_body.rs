@@ -1,10 +1,9 @@
-//! Primitives blended into one smooth body.
+//! Primitives blended into one smooth solid.
 //!
 //! 1. Each primitive is a signed distance; a polynomial smooth minimum joins them with fillets.
 //! 2. The distance is sampled on a grid, and each cell that the surface crosses gets a vertex (surface nets: Gibson 1998,
 //!    "Constrained elastic surface nets", whole).
-//! 3. The vertices are moved onto the surface along the gradient, which is also their normal, so that a coarse grid appears
-//!    smooth.
+//! 3. The vertices are moved onto the surface along the gradient, their normal, so that a coarse grid appears smooth.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -14,7 +13,7 @@ use cranny_spatial::{Point, Pose, Vector};
 
 use crate::MeshPiece;
 
-/// Primitive of a body.
+/// Primitive of a blended solid.
 #[derive(Clone, PartialEq)]
 pub(crate) struct Primitive {
     body_from_here: Pose,
@@ -96,7 +95,7 @@ impl Primitive {
     }
 }
 
-/// Signed distance from the blended body, in metres, negative inside; at most that from any primitive.
+/// Signed distance from the blended solid, in metres, negative inside; at most that from any primitive.
 fn distance(primitives: &[Primitive], point: &Point) -> f64 {
     let mut nearest = f64::INFINITY;
     for primitive in primitives {
@@ -121,22 +120,20 @@ fn gradient(primitives: &[Primitive], point: &Point) -> Vector {
     slopes.try_normalize(0.0).unwrap_or_else(Vector::z)
 }
 
-/// Minimum and maximum number of cells on the bounding box of a body: fine enough from a few metres away, few enough for a web
-/// page.
+/// Minimum and maximum number of cells on the bounding box of a solid: fine enough at a few metres, few enough for a page.
 const FEWEST_CELLS: f64 = 1700.0;
 const MOST_CELLS: f64 = 3200.0;
 
 /// Cells across a fillet, within the bounds above.
 const CELLS_ACROSS: f64 = 2.0;
 
-/// Cache of the blended bodies of this process by their primitives. The same robot appears in many scenes, and blending takes
-/// longer than drawing.
+/// Cache of the blended solids of this process by their primitives, as a robot appears in many scenes and blending is slow.
 static KNOWN: Mutex<Vec<(Vec<Primitive>, MeshPiece)>> = Mutex::new(Vec::new());
 
 /// Capacity of the cache: the links of a few robots.
 const MOST_KNOWN: usize = 128;
 
-/// Returns the blended body of primitives; empty for none.
+/// Returns the blended solid of primitives; empty for none.
 pub(crate) fn melted(primitives: &[Primitive], material: usize) -> MeshPiece {
     if primitives.is_empty() {
         return MeshPiece::default();
@@ -155,7 +152,7 @@ pub(crate) fn melted(primitives: &[Primitive], material: usize) -> MeshPiece {
     MeshPiece { material, ..piece }
 }
 
-/// Computes the blended body of `primitives`, which are not empty, with material 0.
+/// Computes the blended solid of `primitives`, which are not empty, with material 0.
 fn melt(primitives: &[Primitive]) -> MeshPiece {
     let corners: Vec<Point> =
         primitives.iter().map(Primitive::bounds).flat_map(|bounds| [bounds.low(), bounds.high()]).collect();
@@ -272,7 +269,7 @@ impl Net {
         if is_inside { vec![[a, b, c], [a, c, d]] } else { vec![[a, c, b], [a, d, c]] }
     }
 
-    /// Moves a point onto the surface, by at most a cell per step, and returns it with the normal there.
+    /// Moves a point onto the surface, by at most a cell per iteration, and returns it with the normal there.
     fn onto_surface(&self, primitives: &[Primitive], start: Point) -> (Point, Vector) {
         let mut point = start;
         let mut normal = gradient(primitives, &point);

@@ -30,8 +30,7 @@ pub struct MeshPiece {
     pub material: usize,
 }
 
-/// Cosine of the crease angle, 35°: faces that meet at a smaller angle form one smooth surface. It exceeds the 9° between faces
-/// of a round body here and is below any visible edge.
+/// Cosine of the crease angle, 35°: faces that meet at a smaller angle form one smooth surface, as those of round solids (9°).
 const CREASE_COSINE: f32 = 0.819;
 
 impl MeshPiece {

@@ -12,8 +12,7 @@ use crate::{Colour, Material, MeshPiece, Scene, ViewError, look::rounded};
 /// Colour of a link without a colour of its own.
 const BARE: u32 = 0x00b8_bec6;
 
-/// Creates the meshes of the links of a robot, by link; `None` for a link without geometry. A link without visuals is drawn as
-/// its collision geometry.
+/// Creates the meshes of the links of a robot, by link, of collision geometry if there are no visuals; `None` without any.
 ///
 /// # Errors
 /// [`ViewError::VisualNotFound`], [`ViewError::Shape`].
@@ -38,7 +37,7 @@ fn link_mesh(
         .visuals
         .iter()
         .partition(|visual| visual.blend_m > 0.0 && !matches!(visual.form, LinkForm::Mesh { .. }));
-    // There is one body for each colour, in order of appearance.
+    // There is one solid for each colour, in order of appearance.
     let mut colours: Vec<Option<[f64; 4]>> = melting.iter().map(|visual| visual.colour).collect();
     colours.dedup();
     for (index, colour) in colours.iter().enumerate() {

@@ -6,7 +6,7 @@ use cranny_spatial::{Point, Vector, sin_cos};
 
 use crate::MeshPiece;
 
-/// Steps of the rounding of an edge.
+/// Number of segments of the rounding of an edge.
 const STEPS: u32 = 2;
 
 /// Number of corners of a full circle.

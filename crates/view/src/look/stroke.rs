@@ -1,4 +1,4 @@
-//! Lines as bodies: thin tubes with round joints, which cast shadows and are visible from all sides.
+//! Lines as solids: thin tubes with round joints, which cast shadows and are visible from all sides.
 
 use std::f64::consts::TAU;
 
@@ -61,7 +61,7 @@ fn perpendicular(direction: &Vector) -> Vector {
     direction.cross(&axis).normalize()
 }
 
-/// Returns the symbol of a grasp in the gripper frame: two fingers that reach to the origin, the bar that holds them and a
+/// Returns the symbol of a grasp in the gripper frame: two fingers that reach to the origin, the bar that joins them and a
 /// stem. `scale` = 1 is the real opening of `opening_m`.
 pub(crate) fn small_gripper(opening_m: f64, radius_m: f64, material: usize) -> MeshPiece {
     /// Reach of the fingers ahead of the origin of the gripper frame, and distance back to the bar, in metres.

@@ -54,8 +54,7 @@ impl PagePlace {
 /// Settings of the data of a page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PageSettings {
-    /// Number of instants of each path at which the closest pair is computed, at least 2. Default 240: finer than the pixels of
-    /// the plot, in some tens of milliseconds.
+    /// Number of instants of each path with a computed closest pair, at least 2. Default 240: finer than the plot's pixels.
     pub clearance_instants: usize,
 }
 
@@ -66,8 +65,7 @@ impl Default for PageSettings {
 }
 
 impl PageData {
-    /// Collects the data of a page. Clearances are computed in `cell`; `statuses` holds the known result of inverse kinematics
-    /// of each grasp.
+    /// Collects the data of a page. Clearances are computed in `cell`; `statuses` contains known inverse kinematics results.
     ///
     /// # Errors
     /// See [`Scene::of_task`].

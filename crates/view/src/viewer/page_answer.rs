@@ -25,7 +25,7 @@ pub(crate) struct Served {
 
 type Answer = Response<Full<Bytes>>;
 
-/// Maximum size of a request body in bytes; a question holds some dozens of numbers.
+/// Maximum size of the content of a request in bytes; a question contains some dozens of numbers.
 const MOST_BODY_BYTES: usize = 64 * 1024;
 
 /// Content security policy: everything comes from this server, and nothing goes to another. Scripts also set styles.

@@ -22,8 +22,7 @@ pub(crate) struct PageAsset {
     pub kind: &'static str,
 }
 
-/// Returns the file at a path of the page, `/` being the page itself; `None` if there is none. Only files embedded in the
-/// program are served.
+/// Returns the file at a path of the page, `/` being the page itself; `None` if it is not embedded in the program.
 pub(crate) fn asset(path: &str) -> Option<PageAsset> {
     let name = path.strip_prefix('/')?;
     let name = if name.is_empty() { INDEX } else { name };

@@ -15,8 +15,8 @@ pub(crate) struct PageGrasp {
     ik: &'static str,
 }
 
-/// Returns all grasps with the names of their statuses. A grasp also counts as "solved" if a valid plan ends there, or a failed
-/// search found a free configuration that holds it.
+/// Returns all grasps with the names of their statuses. A grasp also counts as "solved" if a valid plan ends there, or if a
+/// failed search found a free configuration that reaches it.
 pub(crate) fn all(grasps: &GraspSet, statuses: &[IkStatus], plans: &[PagePlan]) -> Vec<PageGrasp> {
     let mut names: Vec<&'static str> = statuses.iter().map(IkStatus::name).collect();
     for plan in plans {

@@ -5,7 +5,7 @@ use std::time::Duration;
 pub struct PageLimits {
     /// Maximum number of simultaneous connections, at least 1; others wait. Default 64: ten times what a browser opens.
     pub connections: usize,
-    /// Timeout of the head of a request, and then of its body. Default 10 s: they normally arrive at once.
+    /// Timeout of the head of a request, and then of its content. Default 10 s: they normally arrive at once.
     pub request: Duration,
     /// Maximum duration of a connection. Default 2 min: enough for a large page over a forwarded port.
     pub connection: Duration,

@@ -48,8 +48,8 @@ pub(crate) fn rate_hz(duration_s: f64) -> f64 {
 }
 
 impl PagePlan {
-    /// Creates the plan of a file, with the times of [`PlanFile::trajectory`], the verdict of `verify` and the states along its
-    /// segments ([`PlanFile::states`]).
+    /// Creates the plan of a file, with the times of [`PlanFile::trajectory`], the verdict of `verify` and
+    /// [`PlanFile::states`].
     ///
     /// # Errors
     /// See [`SampledPath::of`].

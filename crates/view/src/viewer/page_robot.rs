@@ -62,8 +62,8 @@ impl PageRobot {
 }
 
 impl PageJoint {
-    /// Returns the joint between a link and its parent; `None` for the root. The constant offset of a mimic joint is included
-    /// in the pose at 0, so that every offset is 0.
+    /// Returns the joint between a link and its parent; `None` for the root. The pose at 0 includes the constant offset of a
+    /// mimic joint, so that every offset is 0.
     fn above(robot: &Robot, child: usize) -> Option<Self> {
         let parent = robot.links()[child].parent?;
         let at_zero = robot.frames();
@@ -146,5 +146,5 @@ impl FloorArea {
     }
 }
 
-/// Maximum height change of a base on a floor, in metres: far below any step.
+/// Maximum height change of a base on a floor, in metres: far below any stair.
 const LEVEL_M: f64 = 1e-6;

@@ -16,8 +16,8 @@ use crate::viewer::page_limits::PageLimits;
 use crate::viewer::page_token::PageToken;
 use crate::{PageCells, PageData, PageFeed, ViewError, viewer::page_bundle};
 
-/// Server of one page on the loopback interface, for clients that know its address: the files of the page, which are embedded
-/// in the program, its data, and verdicts on configurations.
+/// Server of one page on the loopback interface, for clients that know its address: files of the page, embedded in the program,
+/// its data, and verdicts on configurations.
 #[derive(Debug)]
 pub struct PageServer {
     listener: TcpListener,
@@ -44,8 +44,7 @@ impl PageServer {
     /// Binds a port of the loopback address 127.0.0.1; 0 selects a free one.
     ///
     /// # Errors
-    /// [`ViewError::Port`] if the port is taken or not allowed, [`ViewError::Server`] if the system has no random numbers for
-    /// the address.
+    /// [`ViewError::Port`] if the port is taken or not allowed, [`ViewError::Server`] without random numbers for the address.
     pub fn bind(port: u16, limits: PageLimits) -> Result<Self, ViewError> {
         let fault = |reason| ViewError::Port { port, reason };
         let token = PageToken::random().map_err(|reason| ViewError::Server { reason: reason.into() })?;
@@ -60,7 +59,7 @@ impl PageServer {
         format!("http://{}/{}/", self.address, self.token.text())
     }
 
-    /// Serves until `stop` completes, with verdicts if there are cells to check in. Pending responses then get one more second.
+    /// Serves until `stop` completes, and pending responses one more second, with verdicts if there are cells to check in.
     /// `ready` is called once requests can arrive.
     ///
     /// # Errors

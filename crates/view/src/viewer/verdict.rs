@@ -48,7 +48,7 @@ pub(crate) enum QuestionError {
     NotDone { plan: usize, segment: usize },
 }
 
-/// Answers the request in the body.
+/// Answers a request with the content `body`.
 pub(crate) fn answer(cells: &PageCells, body: &[u8]) -> Result<Verdict, QuestionError> {
     let VerdictQuestion { q, during } = serde_json::from_slice(body)?;
     let cell = match during {

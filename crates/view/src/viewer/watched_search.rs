@@ -20,8 +20,8 @@ pub struct WatchedSearch {
 }
 
 impl PageFeed {
-    /// Watches a search of the robot of the page. Until another page is shown, its trees replace those of earlier searches as
-    /// they grow. Only the first [`TreeRecording::MOST_NODES`] nodes are shown.
+    /// Watches a search of the robot of the page, whose first [`TreeRecording::MOST_NODES`] nodes replace the trees of earlier
+    /// searches until another page is shown.
     pub fn watch(&self, robot: Arc<Robot>) -> WatchedSearch {
         let recording = TreeRecording::new(robot, TreeRecording::MOST_NODES);
         WatchedSearch { feed: self.clone(), tree: self.begin_search(recording), told: Instant::now() }

@@ -8,8 +8,7 @@ const POSITION_GRID_M: f32 = 1.0 / 16384.0;
 /// Grid of the components of normals: half a degree.
 const NORMAL_GRID: f32 = 1.0 / 128.0;
 
-/// Cosine of 8°: coincident corners merge if their normals differ by less. Neighbouring faces of a cylinder of 40 faces differ
-/// by more and stay separate.
+/// Cosine of 8°: coincident corners merge if their normals differ by less, as the faces of a cylinder of 40 faces do not.
 const SAME_COSINE: f32 = 0.99;
 
 impl MeshPiece {
@@ -48,7 +47,7 @@ impl MeshPiece {
     }
 }
 
-/// Returns the index of the nearest step of a grid.
+/// Returns the index of the nearest line of a grid.
 #[allow(clippy::cast_possible_truncation, reason = "what is drawn is far smaller than the range")]
 fn steps(value: f32, grid: f32) -> i64 {
     (value / grid).round() as i64

@@ -42,8 +42,7 @@ impl Axis {
         }
     }
 
-    /// Creates a logarithmic axis from the power of ten at or below `least` to `greatest`; both are positive. Without
-    /// `least`, it shows the decade below `greatest`.
+    /// Creates a logarithmic axis from the power of ten up to `least` (default: a decade below) to `greatest`; both positive.
     pub fn decades(label: &str, least: Option<f64>, greatest: f64) -> Self {
         let greatest = if greatest > 0.0 { greatest } else { 1.0 };
         Self::logarithmic(label, least.unwrap_or(greatest).min(0.5 * greatest), greatest)
@@ -56,8 +55,7 @@ impl Axis {
         Self { label: String::new(), low: 0.0, high, scale: Scale::Linear, ticks, minor_ticks: Vec::new() }
     }
 
-    /// Creates an axis for non-negative amounts that covers `values` and `high`: linear from zero, or logarithmic if the
-    /// values are far apart.
+    /// Creates an axis of non-negative amounts that covers `values` and `high`: linear from zero, or logarithmic if wide.
     pub fn amounts(label: &str, values: impl Iterator<Item = f64> + Clone, high: f64) -> Self {
         let greatest = values.clone().fold(high, f64::max);
         let least = values.filter(|&value| value > 0.0).fold(f64::INFINITY, f64::min);
@@ -141,7 +139,7 @@ fn round_step(step: f64) -> f64 {
     times.unwrap_or(10.0) * power
 }
 
-/// Formats a value with the number of decimals of the step.
+/// Formats a value with the number of decimals of the tick interval.
 #[allow(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,

@@ -18,8 +18,7 @@ enum Surface {
 }
 
 /// Colours of the series, distinguishable also with colour blindness: Okabe & Ito 2008, "Color universal design", whole,
-/// without the yellow and the black, which are too light and too strong for a line on white; the purple is a darker one,
-/// and grey is added.
+/// without yellow (too light on white) and black (too strong), with a darker purple, and with grey added.
 pub const SERIES: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#aa4499", "#e69f00", "#56b4e9", "#5f5f5f"];
 
 /// Pixels of a PNG for each pixel of a drawing: 960 wide, sharp in print at the width of a column.
@@ -56,8 +55,7 @@ pub fn png(drawing: &Drawing) -> Result<Vec<u8>, String> {
     PngBackend::new().with_scale(PNG_SCALE).render_scene(&scene(&broken, Surface::Sheet))
 }
 
-/// Renders a PDF file, of one page as large as the drawing in points. It embeds the required letters of the font that comes
-/// with the library.
+/// Renders a PDF file of one page, as large as the drawing in points, with the required letters of the font of the library.
 ///
 /// # Errors
 /// Message of the library.

@@ -43,8 +43,8 @@ impl<'a> Scope<'a> {
         self.summary.rows.iter().filter(is_here)
     }
 
-    /// Returns the axis of times, identical in all plots of a report for visual comparison: logarithmic, from the power of
-    /// ten below the shortest time to the longest limit.
+    /// Returns the axis of times, the same in all plots of a report: logarithmic, from the power of ten below the shortest time
+    /// to the longest limit.
     pub fn time_axis(self, label: &str) -> Axis {
         let rows = &self.summary.rows;
         let times_s = rows.iter().filter_map(|row| row.least_s).filter(|time_s| *time_s > 0.0);
@@ -63,8 +63,7 @@ impl<'a> Scope<'a> {
         )
     }
 
-    /// Returns the names of the planners of these rows, in order, each with the index of its colour, which is the same in
-    /// all plots.
+    /// Returns the names of the planners of these rows, in order, each with the index of its colour, the same in all plots.
     pub fn planners(self) -> Vec<(usize, &'a str)> {
         let names = self.summary.planner_names().into_iter().enumerate();
         names.filter(|(_, name)| self.rows().any(|row| row.planner_name == *name)).collect()

@@ -16,8 +16,8 @@ pub enum Measure {
     Iterations,
 }
 
-/// Share of solved runs at each time or iteration: one minus the Kaplan–Meier estimate, with its Greenwood band. This is a
-/// step function: each share holds from its step on, and before the first step it is 0.
+/// Share of solved runs at each time or iteration: one minus the Kaplan–Meier estimate, with its Greenwood band. The curve is 0
+/// up to the first jump, and constant from each jump to the next.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SuccessCurve {
     /// Environment of the scenarios; `None` if the curve covers all scenarios that the planners share.
@@ -34,9 +34,9 @@ pub struct SuccessCurve {
     pub runs: usize,
     /// End of the follow-up of the longest run.
     pub until: f64,
-    /// Times or iterations of the steps.
+    /// Times or iterations of the jumps.
     pub at: Vec<f64>,
-    /// Share of solved runs from each step on.
+    /// Share of solved runs from each jump on.
     pub success: Vec<f64>,
     /// Lower end of its band.
     pub low: Vec<f64>,
@@ -61,7 +61,6 @@ pub fn success_curves(groups: &[Group], pools: &[Pool]) -> Vec<SuccessCurve> {
     environments.into_values().flat_map(|groups| of_environment(&groups)).chain(overall).collect()
 }
 
-/// Subject of a curve; `row` names planner and criterion.
 #[derive(Clone, Copy)]
 struct Subject<'a> {
     environment: Option<&'a str>,

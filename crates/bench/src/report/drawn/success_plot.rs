@@ -131,18 +131,18 @@ fn draw_band(frame: &mut Frame, shown: &Shown, opacity: f64) {
     let Some(&first) = curve.high.first() else { return };
     let mut points = staircase(frame, curve, &curve.high, first);
     let low = staircase(frame, curve, &curve.low, 0.0);
-    // The width of the band is undefined before the first step.
+    // The width of the band is undefined before the first jump.
     let start = frame.place(curve.at[0], 0.0).0;
     points.retain(|point| point.0 >= start);
     points.extend(low.into_iter().rev().filter(|point| point.0 >= start));
     frame.draw(Mark::Area { points, ink: Ink::Series(shown.series), opacity });
 }
 
-/// Distance in pixels below which steps are drawn as one.
+/// Distance in pixels below which jumps are drawn as one.
 const FINEST: f64 = 0.3;
 
-/// Returns the corners of a step function that begins at `before` and holds each value until the next, up to the end of the
-/// longest run, or to the end of the axis if all runs are solved.
+/// Returns the corners of a piecewise constant curve that starts at `before`, up to the end of the longest run, or to the end
+/// of the axis if all runs are solved.
 fn staircase(frame: &Frame, curve: &SuccessCurve, values: &[f64], before: f64) -> Vec<(f64, f64)> {
     let mut level = frame.place(0.0, before);
     let mut points = vec![level];

@@ -88,8 +88,8 @@ impl<'a> Markup<'a> {
         )
     }
 
-    /// Opens a table with column heads and a caption that stays visible while the table scrolls; heads that begin with `<`
-    /// mark columns of words, the others of numbers.
+    /// Opens a table with column heads and a caption that stays visible while the table scrolls; heads that begin with `<` are
+    /// those of columns of words, the others of numbers.
     pub fn open_table(&mut self, caption: &str, heads: &[&str]) {
         self.tables += 1;
         let number = self.tables;
@@ -107,8 +107,7 @@ impl<'a> Markup<'a> {
         self.text.push_str("</tr></thead>\n<tbody>\n");
     }
 
-    /// Adds a line of a table: its head, escaped here, and cells that are markup already; those that begin with `<td` have
-    /// their own tag.
+    /// Adds a line of a table: its head, escaped here, and cells of markup; cells that begin with `<td` have their own tag.
     pub fn table_line(&mut self, head: &str, cells: &[String]) {
         let _ = write!(self.text, "<tr><th scope=\"row\">{}</th>", escape(head));
         for cell in cells {

@@ -13,8 +13,7 @@ use crate::report::pages::page_overall::figures;
 use crate::report::pages::page_tables::{self, Rows};
 use cranny_file::counted;
 
-/// Adds one environment: its plots in one section, then each scenario in another. A large environment has joint tables for
-/// all scenarios.
+/// Adds one environment: a section with its plots, then one for each scenario. A large environment has joint tables for all.
 pub fn environment(page: &mut Markup, criterion: &str, name: &str, plots: &[&Plot], enclosure: &Enclosure) {
     let summary = page.summary;
     let is_here = |row: &crate::report::Row| row.criterion == criterion && row.environment == name;

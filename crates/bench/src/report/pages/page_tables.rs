@@ -361,7 +361,7 @@ pub fn estimate(page: &Markup, value: &str, low: &str, high: &str, shown: Shown)
     }
 }
 
-/// Text in place of tests for which there are too few runs.
+/// Text instead of tests for which there are too few runs.
 const TOO_FEW_RUNS: &str = "too few runs";
 
 /// Adds the rows that pool different conditions, split by condition.

@@ -20,7 +20,6 @@ pub struct Series {
 /// Colours that colour-blind readers can distinguish (Okabe & Ito 2008, "Color universal design", whole).
 const COLORS: [&str; 4] = ["#0072B2", "#D55E00", "#009E73", "#CC79A7"];
 
-/// Draws the panels side by side.
 pub fn svg(panels: &[Panel]) -> String {
     let plots: Vec<Vec<Plot>> = panels.iter().map(curves).collect();
     let layout = |(panel, plots): (&Panel, &Vec<Plot>)| {

@@ -21,12 +21,12 @@ impl LaneSearch<'_> {
         }
     }
 
-    /// Returns the number of iterations done.
+    /// Returns the number of completed iterations.
     pub fn iterations(&self) -> u64 {
         self.statistics.iterations
     }
 
-    /// Sets the costs of paths in addition to their length, one per grasp at their end, in the unit of the cost.
+    /// Sets the cost that each grasp adds to the length of the paths to it, in the unit of the cost.
     pub fn set_grasp_costs(&mut self, costs: Vec<f64>) {
         self.grasp_costs = costs;
     }
@@ -42,8 +42,8 @@ impl LaneSearch<'_> {
         );
     }
 
-    /// Draws goals of one more batch, about a known path of way points (m, rad; one value per joint), for the next search:
-    /// those to which a path may cost less than `bound`.
+    /// Draws one more batch of goals for the next search, about a known path of way points (m, rad; one value per joint): those
+    /// to which a path may cost less than `bound`.
     pub fn draw_goals(&mut self, pool: &mut GoalPool, path: &[Vec<f64>], bound: f64) {
         let Self { random, scratch, statistics, .. } = self;
         let found = pool.draw_batch(path, random, scratch, statistics);

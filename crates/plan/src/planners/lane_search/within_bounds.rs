@@ -6,14 +6,12 @@ use crate::planners::lane_search::{Growth, LaneSearch, Way};
 /// Maximum number of steps per growth.
 const MOST_STEPS: usize = 16;
 
-/// Minimum progress of a step towards the target, as a share of the step: sliding along a bound without progress would never
-/// end.
+/// Minimum progress of a step towards the target, as a share of the step: otherwise sliding along a bound might never end.
 const LEAST_PROGRESS: f64 = 0.05;
 
 impl LaneSearch<'_> {
-    /// Variant of [`Self::grow`] for a bounded tool: single steps, each projected to where the bounds hold (the constrained
-    /// extension of Berenson, Srinivasa & Kuffner 2011, "Task Space Regions", §5), up to the first that is not free or makes no
-    /// progress.
+    /// Variant of [`Self::grow`] for a bounded tool: single steps, each projected onto the bounds (the constrained extension of
+    /// Berenson, Srinivasa & Kuffner 2011, "Task Space Regions", §5), up to the first that is not free or makes no progress.
     pub(super) fn grow_within_bounds(
         &mut self,
         side: usize,

@@ -1,6 +1,6 @@
 use cranny_shape::{Solid, TriangleSoup};
 
-/// Mesh, and the convex bodies that it consists of.
+/// Mesh, and the convex parts that it consists of.
 pub(super) struct ObjectShape {
     pub mesh: TriangleSoup,
     pub parts: Vec<TriangleSoup>,
