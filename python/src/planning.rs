@@ -7,9 +7,9 @@ use std::time::Duration;
 use cranny_collision::Margins;
 use cranny_path::{AuditSettings, TimingMethod, audit_with};
 use cranny_plan::Observer;
-use cranny_record::{Ask, CarryGoal, PlanFile, SpeedOption, SpeedOptions, TaskSelection};
+use cranny_record::{CarryGoal, PlanFile, PlanOptions, SpeedOption, SpeedOptions, TaskSelection};
 use cranny_robot::Robot;
-use cranny_sim::{Tried, solve_in_physics};
+use cranny_sim::{SimulatedAnswer, solve_in_physics};
 use cranny_solve::{PoseRadius, solve};
 use cranny_view::WatchedSearch;
 use pyo3::prelude::*;
@@ -200,7 +200,7 @@ pub fn plan(
     let one_of = |what: &str, word: &str, known: &str| {
         bad_value(format!("{what} is '{word}', but {known} is expected"))
     };
-    let ask = Ask {
+    let ask = PlanOptions {
         planner: planner.map(str::to_owned),
         settings: settings_of(settings)?,
         seed,
@@ -245,7 +245,7 @@ pub fn plan(
         retreat_m,
         robust,
         hold,
-        ..Ask::default()
+        ..PlanOptions::default()
     };
     let (request, named) = ask.request(&asked.problem, asked.scenario.as_deref()).map_err(fault)?;
     asked.source.task = named;
@@ -260,13 +260,13 @@ pub fn plan(
         (Some(_), None) => Err(bad_value("try_in_physics needs a Scenario")),
         (None, _) => {
             let answer = solve(&task.problem, &request, &mut observer).map_err(fault)?;
-            Ok(Tried { answer, tries: Vec::new() })
+            Ok(SimulatedAnswer { answer, tries: Vec::new() })
         }
     });
     let PlanObserver { interrupt, watched } = observer;
     // Ctrl-C takes precedence over the result of the search.
     interrupt.result()?;
-    let Tried { answer, tries } = found?;
+    let SimulatedAnswer { answer, tries } = found?;
     let file = PlanFile { tries, ..PlanFile::of(&answer, &task.source) };
     let is_valid = answer.is_valid();
     let trajectory = answer.timed.map(|timed| Arc::new(timed.trajectory));

@@ -1,5 +1,6 @@
 //! Results: rows, files, shards of a campaign, exports.
 
+pub(crate) mod campaign_progress;
 pub(crate) mod exports;
 pub(crate) mod manifest;
 pub(crate) mod ompl_log;
@@ -9,5 +10,4 @@ pub(crate) mod results_row;
 pub(crate) mod run_information;
 pub(crate) mod shard;
 pub(crate) mod simulated_grasp;
-pub(crate) mod standing;
 pub(crate) mod stored_trial;

@@ -2,7 +2,9 @@
 
 #![allow(clippy::float_cmp, reason = "figures that are copied must be the same to the last bit")]
 
-use cranny_bench::report::{Comparison, Finding, Measure, Overall, Place, SuccessCurve, Summary, plots};
+use cranny_bench::report::{
+    Comparison, Finding, Measure, Overall, ScenarioClass, SuccessCurve, Summary, plots,
+};
 use cranny_bench::{BenchError, Run, StoredTrial, TrialOutcome};
 use cranny_task::Criterion;
 use proptest::prelude::*;
@@ -183,7 +185,7 @@ fn what_should_never_happen_stands_first_with_its_replay() {
 #[test]
 fn a_large_set_is_one_curve_a_planner_and_a_small_one_a_curve_a_scenario() {
     let summary = campaign().summary();
-    let environment = Place::of("gap-0.3").environment;
+    let environment = ScenarioClass::of("gap-0.3").environment;
     let sweep: Vec<_> =
         summary.curves.iter().filter(|curve| curve.environment.as_ref() == Some(&environment)).collect();
     assert_eq!(sweep.len(), 4, "two planners, over time and over iterations");

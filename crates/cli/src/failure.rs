@@ -105,7 +105,7 @@ impl From<SolveError> for Failure {
 impl From<RecordError> for Failure {
     fn from(fault: RecordError) -> Self {
         match fault {
-            RecordError::Ask { field, problem } => Self::Request { field, problem },
+            RecordError::PlanOptions { field, problem } => Self::Request { field, problem },
             RecordError::Scenario(fault) => Self::Scenario(*fault),
             fault => Self::Record(fault),
         }

@@ -3,7 +3,7 @@ use std::io::Write;
 use cranny_collision::Margins;
 use cranny_file::{counted, visible};
 use cranny_path::{AppliedMargin, ClearanceLimit};
-use cranny_task::{AllowedContact, NotChecked, NotCheckedReason, OwnGrasp};
+use cranny_task::{AllowedContact, FoundGrasp, NotChecked, NotCheckedReason};
 use serde::Serialize;
 
 use crate::arguments::Output;
@@ -101,8 +101,8 @@ pub fn score(score: Option<f64>) -> String {
 }
 
 /// Formats a grasp that the planner generated.
-pub fn own_grasp(grasp: &OwnGrasp) -> String {
-    let OwnGrasp { opening_m, score, uneven_m, .. } = grasp;
+pub fn own_grasp(grasp: &FoundGrasp) -> String {
+    let FoundGrasp { opening_m, score, uneven_m, .. } = grasp;
     let score = cranny_file::at_least(*score, 1.0, 2);
     let (opening, uneven) = (millimetres(*opening_m), uneven(*uneven_m));
     format!("of its own (score {score}), fingers {opening} apart when closed{uneven}")

@@ -5,7 +5,7 @@ use fearless_simd::Level;
 use crate::cell::{Cell, Scratch};
 use crate::lane::lane_bits::{first_lanes, lanes_of};
 use crate::lane::lanes::Interest;
-use crate::proof::course::Course;
+use crate::proof::joint_curve::JointCurve;
 
 impl Cell {
     /// Returns true if `q` (m, rad; one per joint) is within the joint limits, every pair keeps its distance, and the tool its
@@ -75,7 +75,7 @@ impl Cell {
         let count = places.len();
         assert!(count <= LANES, "{count} configurations, at most {LANES} at once");
         assert!(a.len() == self.robot().dof() && b.len() == a.len(), "one value per joint");
-        scratch.lanes.set_lanes_along(Course::Line([a, b]), places.iter().copied());
+        scratch.lanes.set_lanes_along(JointCurve::Line([a, b]), places.iter().copied());
         let exact = |lane: usize, q: &mut [f64]| {
             q.iter_mut().zip(between(a, b, places[lane])).for_each(|(q, exact)| *q = exact);
         };

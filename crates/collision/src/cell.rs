@@ -12,9 +12,9 @@ use crate::body::tool_bound::CellBound;
 use crate::body::world::{Part, World};
 use crate::lane::lane_scratch::{LaneScratch, as_index};
 use crate::lane::lanes::Lanes;
+use crate::pair::exempt_pair::ExemptPair;
 use crate::pair::pairs::{Held, Other, Pair, Pairs, PartPairs};
-use crate::pair::unchecked::Unchecked;
-use crate::proof::course::Rates;
+use crate::proof::joint_curve::Rates;
 use crate::proof::travel::Travel;
 use crate::proof::work_list::WorkList;
 use crate::touch::contact::{Collider, Contact};
@@ -33,7 +33,7 @@ pub struct Cell {
     pub(crate) held: Option<HeldBody>,
     pub(crate) bodies: Arc<[LinkBody]>,
     pub(crate) pairs: Arc<Pairs>,
-    pub(crate) unchecked: Arc<[Unchecked]>,
+    pub(crate) unchecked: Arc<[ExemptPair]>,
     /// Pairs of links that are checked on request, although they are exempt.
     pub(crate) asked_for: Arc<[(usize, usize)]>,
     pub(crate) lanes: Arc<Lanes>,
@@ -97,10 +97,10 @@ impl Cell {
         let of_held = held_link.map(|(held, link)| Held { link, body: held.body, spared: &held.spared });
         let pairs = Pairs::new(&robot, &bodies, checked, (parts, tree), &grasp_bodies, of_held, margins);
         let lanes = Lanes::new(&robot, &body, lanes.clone(), tree, &pairs);
-        let mut unchecked = Unchecked::of_links(&bodies, &left_out);
-        unchecked.extend(Unchecked::still_in_contact(&robot, &bodies, parts));
+        let mut unchecked = ExemptPair::of_links(&bodies, &left_out);
+        unchecked.extend(ExemptPair::still_in_contact(&robot, &bodies, parts));
         if let Some(held) = of_held {
-            unchecked.extend(Unchecked::resting(held.link, held.spared, parts));
+            unchecked.extend(ExemptPair::resting(held.link, held.spared, parts));
         }
         let mut cell = Self {
             robot,

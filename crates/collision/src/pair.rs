@@ -1,9 +1,9 @@
 //! Collision pairs: checked pairs, exempt pairs, and the nearest pair.
 
 pub(crate) mod closest;
+pub(crate) mod exempt_pair;
 pub(crate) mod pair_choice;
 pub(crate) mod pair_group;
 pub(crate) mod pair_range;
 pub(crate) mod pairs;
 pub(crate) mod self_pairs;
-pub(crate) mod unchecked;

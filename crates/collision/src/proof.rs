@@ -1,8 +1,8 @@
 //! Proofs that a whole motion is free, and bounds on its clearance.
 
 pub(crate) mod bubble;
-pub(crate) mod course;
 pub(crate) mod curve;
+pub(crate) mod joint_curve;
 pub(crate) mod joint_table;
 pub(crate) mod levers;
 pub(crate) mod link_sweep;

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use crate::fixture::{FOLDED, arm, cell, robot};
-use cranny_collision::{Cell, Collider, Unchecked, UncheckedReason};
+use cranny_collision::{Cell, Collider, ExemptPair, UncheckedReason};
 use cranny_robot::{JointGroup, RobotOptions, TextSource};
 
 /// Creates a base with a bare hub that carries two arms; the left one has a forearm of the given radius (m).
@@ -203,7 +203,7 @@ fn a_deep_contact_at_a_joint_hides_none_far_from_it() {
 }
 
 /// Returns the pairs that an answer lists as exceptions.
-fn unchecked(cell: &Cell) -> Vec<Unchecked> {
+fn unchecked(cell: &Cell) -> Vec<ExemptPair> {
     let exceptions = cell.unchecked().iter().filter(|pair| pair.reason != UncheckedReason::AdjacentFree);
     exceptions.copied().collect()
 }

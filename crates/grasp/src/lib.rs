@@ -26,12 +26,12 @@ pub use hand::{BoxHand, Finger, Hand, PadRectangle};
 pub use homogeneous::{pose_of_rows, rows_of_pose};
 pub use import::format::{ClosingAxis, FRANKA_PADS_M, FRANKA_TIPS_TO_PADS_M, GraspFormat, ImportSettings};
 pub use import::{Imported, import_grasps};
-pub use load::course::{Course, smooth_share};
 pub use load::limit_surface::{LoadedPoint, limit_factor};
 pub use load::load_state::LoadState;
 pub use load::measure::{ASSUMED_DENSITY, ASSUMED_FRICTION, GripForces, HeldObject, Load, LoadMeasure};
 pub use load::pads::Pads;
 pub use load::patch::LEAST_ARM_M;
+pub use load::shake_test::{ShakeTest, smooth_share};
 pub use metric::{COVERAGE_THRESHOLD, DistanceRange, coverage, grasp_distance, nearest_distances, spread};
 pub use robust_score::RobustScore;
 pub use sampler::{

@@ -1,7 +1,6 @@
 //! Load of a grasp: the factor by which loads may grow before the pads slip.
 
 pub(crate) mod between;
-pub(crate) mod course;
 pub(crate) mod limit_surface;
 pub(crate) mod load_state;
 #[cfg(test)]
@@ -10,3 +9,4 @@ pub(crate) mod measure;
 pub(crate) mod pads;
 pub(crate) mod patch;
 pub(crate) mod seat;
+pub(crate) mod shake_test;

@@ -4,7 +4,7 @@ use cranny_collision::{Cell, Collider, Contact, MeasureOptions, Motion, NearestP
 use cranny_grasp::GraspSet;
 use cranny_robot::{between, distance};
 use cranny_spatial::PoseDifference;
-use cranny_task::{Goal, NotChecked, OwnGrasp, Problem, Validity};
+use cranny_task::{FoundGrasp, Goal, NotChecked, Problem, Validity};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -24,7 +24,7 @@ pub struct Audit {
     pub goal: Option<GoalError>,
     /// Grasp at the end of the path, if the problem gives no set of grasps and the hand grasps the target there.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub own_grasp: Option<OwnGrasp>,
+    pub own_grasp: Option<FoundGrasp>,
     /// Grasps of all picks of a task with several picks; `goal` and `own_grasp` are those of the first.
     #[serde(skip_serializing_if = "is_one_pick")]
     pub picks: Vec<PickAudit>,
@@ -70,11 +70,11 @@ impl Audit {
 
     /// Adds a violation for each stated grasp (with the stage of its pick) that differs from the measured grasp.
     #[must_use]
-    pub fn with_stated_grasps(mut self, stated: &[(usize, OwnGrasp)]) -> Self {
+    pub fn with_stated_grasps(mut self, stated: &[(usize, FoundGrasp)]) -> Self {
         for (stage, grasp) in stated {
             let Some(pick) = self.picks.iter().find(|pick| pick.stage == *stage) else { continue };
             let way_point = pick.way_point;
-            if let Some(measured) = pick.own_grasp.filter(|measured| !measured.is_as_said(grasp)) {
+            if let Some(measured) = pick.own_grasp.filter(|measured| !measured.agrees_with(grasp)) {
                 let stated_and_measured = Box::new([*grasp, measured]);
                 let cause = Cause::StatedGrasp { stated_and_measured };
                 self.violations.push(Violation::at_way_point(way_point, cause));
@@ -264,7 +264,7 @@ fn judge_end(
     end: &End,
     offset: &dyn Fn(usize, f64) -> JointOffset,
     violations: &mut Vec<Violation>,
-) -> (Option<GoalError>, Option<OwnGrasp>) {
+) -> (Option<GoalError>, Option<FoundGrasp>) {
     let End { way_point, q: last, must_arrive } = *end;
     let mut own_grasp = None;
     let goal = match (problem.goal(), problem.grasp_measure()) {

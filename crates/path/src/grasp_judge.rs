@@ -1,6 +1,6 @@
 use cranny_collision::Scratch;
 use cranny_grasp::rows_of_pose;
-use cranny_task::{ClosedHand, FailureReason, GraspMeasure, OwnGrasp};
+use cranny_task::{ClosedHand, FailureReason, FoundGrasp, GraspMeasure};
 
 use crate::Cause;
 
@@ -28,7 +28,7 @@ impl<'a> GraspJudge<'a> {
     ///
     /// # Panics
     /// If `q` does not have one value per joint.
-    pub fn grasp_at(&mut self, q: &[f64]) -> Result<OwnGrasp, Cause> {
+    pub fn grasp_at(&mut self, q: &[f64]) -> Result<FoundGrasp, Cause> {
         let grip = |reason| Cause::Grip { reason };
         // 1.
         let robot = self.measure.hand().holding().robot();
@@ -46,6 +46,6 @@ impl<'a> GraspJudge<'a> {
         let rows = rows_of_pose(&world_from_gripper);
         let row = |row: usize| std::array::from_fn(|column| rows[4 * row + column]);
         let uneven_m = Some(uneven_m);
-        Ok(OwnGrasp { world_from_gripper: std::array::from_fn(row), opening_m, score, uneven_m })
+        Ok(FoundGrasp { world_from_gripper: std::array::from_fn(row), opening_m, score, uneven_m })
     }
 }

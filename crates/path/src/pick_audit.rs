@@ -1,4 +1,4 @@
-use cranny_task::OwnGrasp;
+use cranny_task::FoundGrasp;
 use serde::Serialize;
 
 use crate::GoalError;
@@ -12,7 +12,7 @@ pub struct PickAudit {
     pub goal: Option<GoalError>,
     /// Grasp that the hand takes, if no set of grasps is given.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub own_grasp: Option<OwnGrasp>,
+    pub own_grasp: Option<FoundGrasp>,
     /// Index of the way point.
     pub way_point: usize,
 }

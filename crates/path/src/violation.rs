@@ -4,7 +4,7 @@ use cranny_collision::{Cell, Contact, ToolBound, ToolRegion};
 use cranny_file::distinct;
 use cranny_robot::JointUnit;
 use cranny_spatial::CONTACT_M;
-use cranny_task::{FailureReason, OwnGrasp};
+use cranny_task::{FailureReason, FoundGrasp};
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Serialize, Serializer};
 use strum::IntoStaticStr;
@@ -92,7 +92,7 @@ pub enum Cause {
     #[strum(to_string = "grip")]
     StatedGrasp {
         /// Stated and measured grasp.
-        stated_and_measured: Box<[OwnGrasp; 2]>,
+        stated_and_measured: Box<[FoundGrasp; 2]>,
     },
     /// A plan file states a wrong value.
     Statement {

@@ -171,13 +171,13 @@ struct Best<'a> {
     first_time_s: f64,
     /// Instant at which the search ends; `None` for a time beyond the range of the clock.
     end: Option<Instant>,
-    steps: Vec<Step>,
+    steps: Vec<BestPath>,
     iterations: u64,
     searches: u64,
 }
 
 /// Path that was once the best.
-struct Step {
+struct BestPath {
     improvement: Improvement,
     path: Vec<Vec<f64>>,
     score: Option<f64>,
@@ -226,7 +226,7 @@ impl Best<'_> {
             if cost < least {
                 let time_s = self.first_time_s + self.begin.elapsed().as_secs_f64();
                 let improvement = Improvement { time_s, iterations: self.iterations, cost };
-                self.steps.push(Step { improvement, path: path.to_vec(), score });
+                self.steps.push(BestPath { improvement, path: path.to_vec(), score });
                 has_won = true;
             }
             if cost - least > worse * measured || before - measured < STILL * measured {

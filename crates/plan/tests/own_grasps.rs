@@ -6,7 +6,7 @@ use cranny_path::{Audit, Cause, Violation, audit};
 use cranny_plan::{Budget, Registry, Unobserved};
 use cranny_robot::Hold;
 use cranny_spatial::Pose;
-use cranny_task::{FailureReason, Goal, OwnGrasp, Problem, TaskError};
+use cranny_task::{FailureReason, FoundGrasp, Goal, Problem, TaskError};
 
 use crate::fixture::{
     GANTRY_START, OBJECT, arm, block, easy, exact, gantry, grasps, makes_grasps, paper, still_life,
@@ -148,14 +148,14 @@ fn what_is_said_of_a_grasp_must_be_so() {
     elsewhere[0][3] += 1e-3;
     nowhere[0][0] = f64::NAN;
     for lie in [
-        OwnGrasp { score: 0.99, ..truth },
-        OwnGrasp { score: f64::NAN, ..truth },
-        OwnGrasp { opening_m: truth.opening_m + 2e-4, ..truth },
-        OwnGrasp { opening_m: f64::INFINITY, ..truth },
-        OwnGrasp { uneven_m: Some(0.01), ..truth },
-        OwnGrasp { uneven_m: Some(f64::NAN), ..truth },
-        OwnGrasp { world_from_gripper: elsewhere, ..truth },
-        OwnGrasp { world_from_gripper: nowhere, ..truth },
+        FoundGrasp { score: 0.99, ..truth },
+        FoundGrasp { score: f64::NAN, ..truth },
+        FoundGrasp { opening_m: truth.opening_m + 2e-4, ..truth },
+        FoundGrasp { opening_m: f64::INFINITY, ..truth },
+        FoundGrasp { uneven_m: Some(0.01), ..truth },
+        FoundGrasp { uneven_m: Some(f64::NAN), ..truth },
+        FoundGrasp { world_from_gripper: elsewhere, ..truth },
+        FoundGrasp { world_from_gripper: nowhere, ..truth },
     ] {
         let audit = judged.clone().with_stated_grasps(&[(0, lie)]);
         assert!(
@@ -172,11 +172,11 @@ fn a_grasp_is_read_back_bit_by_bit_and_what_is_none_is_refused() {
     let q = at_object(0.05, [0.0; 3]);
     let grasp = standing_at(still_life(), &q).own_grasp.expect("a grasp");
     let text = serde_json::to_string(&grasp).expect("plain numbers");
-    let read: OwnGrasp = serde_json::from_str(&text).expect("a grasp");
+    let read: FoundGrasp = serde_json::from_str(&text).expect("a grasp");
     assert_eq!(read, grasp);
     for (from, to) in [("\"score\":", "\"score\":null,\"x\":"), ("[[", "[[1e999,"), ("[[", "[[1.0,")] {
         assert!(text.contains(from), "{text}");
-        assert!(serde_json::from_str::<OwnGrasp>(&text.replace(from, to)).is_err(), "{to}");
+        assert!(serde_json::from_str::<FoundGrasp>(&text.replace(from, to)).is_err(), "{to}");
     }
 }
 

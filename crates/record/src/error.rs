@@ -52,7 +52,7 @@ pub enum RecordError {
     Task(#[from] cranny_task::TaskError),
     /// An option does not fit another one, or the problem.
     #[error("{field}: {problem}")]
-    Ask {
+    PlanOptions {
         /// Name of the option, as in flags and keywords.
         field: &'static str,
         /// The fault, with a hint.
@@ -72,7 +72,7 @@ impl From<ScenarioError> for RecordError {
 impl From<SolveError> for RecordError {
     fn from(fault: SolveError) -> Self {
         match fault {
-            SolveError::Request { field, problem } => Self::Ask { field, problem },
+            SolveError::Request { field, problem } => Self::PlanOptions { field, problem },
             SolveError::Plan(fault) => Self::Plan(fault),
         }
     }

@@ -6,13 +6,13 @@ use cranny_grasp::ScoreKind;
 use cranny_path::{AuditSettings, Clearances, path_length};
 use cranny_plan::{Budget, NoGrasp, Outcome, Statistics};
 use cranny_scenario::{Geometry, GivenGrasps, NamedTask, ScenarioError, write_whole_file};
-use cranny_solve::{Answer, Hold, Paces, Request, Robustness, Tilt, Timing, ToolSlack};
-use cranny_task::{Criterion, GraspFailure, NotChecked, OwnGrasp, Segment, Stage};
+use cranny_solve::{Answer, HoldFactors, Paces, Request, Robustness, Tilt, Timing, ToolSlack};
+use cranny_task::{Criterion, FoundGrasp, GraspFailure, NotChecked, Segment, Stage};
 use serde::{Deserialize, Serialize};
 
 use crate::betterment::{PlanOptimisation, PlanShortening};
 use crate::timing::PlanTiming;
-use crate::{LeftOut, PlanPick, PlanTry, RecordError};
+use crate::{LeftOut, PlanAttempt, PlanPick, RecordError};
 
 /// Contents of a `*.plan.json`: an answer, with all data needed to audit it and to reproduce it.
 ///
@@ -75,7 +75,7 @@ pub struct PlanFile {
     pub rotation_error_rad: Option<f64>,
     /// Grasp at the end of the path that the planner generated, if no set was given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub own_grasp: Option<OwnGrasp>,
+    pub own_grasp: Option<FoundGrasp>,
     /// Grasps of the picks that follow the first.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub picks: Vec<PlanPick>,
@@ -130,10 +130,10 @@ pub struct PlanFile {
     pub hold_demanded: Option<f64>,
     /// Measured factor of the hold; `None` if nothing is carried, or it cannot be computed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub hold: Option<Hold>,
+    pub hold: Option<HoldFactors>,
     /// Plans that were tried in simulation, this one last; empty if none was.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub tries: Vec<PlanTry>,
+    pub tries: Vec<PlanAttempt>,
 }
 
 /// Source of a plan: the data that an [`Answer`] does not have.
@@ -333,7 +333,7 @@ mod tests {
             grasp: Some(7),
             translation_error_m: Some(1e-4 / 3.0),
             rotation_error_rad: Some(0.1 + 0.2),
-            own_grasp: Some(OwnGrasp {
+            own_grasp: Some(FoundGrasp {
                 world_from_gripper: [[0.1 + 0.2; 4]; 4],
                 opening_m: 0.1 / 3.0,
                 score: 1e-17,
@@ -383,7 +383,7 @@ mod tests {
             tilt: Some(Tilt { greatest_rad: 0.1 / 3.0, most_rad: 0.1 + 0.2 }),
             hold_demanded: Some(1.5),
             tries: Vec::new(),
-            hold: Some(Hold { factor: Some(0.1 + 0.2), at_rest: 0.1 / 3.0, mass_assumed: true }),
+            hold: Some(HoldFactors { factor: Some(0.1 + 0.2), at_rest: 0.1 / 3.0, mass_assumed: true }),
         }
     }
 

@@ -2,7 +2,7 @@ use cranny_collision::Margins;
 use cranny_path::{Audit, AuditSettings, Clearances, path_length};
 use cranny_plan::{Outcome, PlanError};
 use cranny_scenario::NamedTask;
-use cranny_solve::{Hold, Robustness, Tilt, ToolSlack, least_length};
+use cranny_solve::{HoldFactors, Robustness, Tilt, ToolSlack, least_length};
 use cranny_task::{NotChecked, Problem, Segment, Stage, StateSequence, give_clearances};
 use serde::Serialize;
 use serde_json::Value;
@@ -184,7 +184,7 @@ impl PlanFile {
         let robustness = robustness.filter(|_| audit.valid);
         let least_length = if audit.valid { self.measured_least_length(problem) } else { None };
         let hold = match along.filter(|_| self.hold.is_some() && audit.valid) {
-            Some(along) => Hold::of(problem, along, &self.segments, self.timing_asked())?,
+            Some(along) => HoldFactors::of(problem, along, &self.segments, self.timing_asked())?,
             None => None,
         };
         // The plan states the requirement, which must not exceed the measured factor.

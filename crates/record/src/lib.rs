@@ -1,13 +1,13 @@
 #![doc = include_str!("../README.md")]
 
-mod ask;
 mod betterment;
 mod error;
 mod file;
 mod judgement;
 mod old_formats;
+mod plan_attempt;
+mod plan_options;
 mod plan_pick;
-mod plan_try;
 mod planned_task;
 mod reading;
 mod speed_options;
@@ -17,13 +17,13 @@ mod trajectory;
 mod trajectory_csv;
 mod waypoints;
 
-pub use ask::{Ask, CarryGoal, TaskSelection, default_grasp_margin_m, margins_forgiving};
 pub use betterment::{PlanOptimisation, PlanShortening};
 pub use error::RecordError;
 pub use file::{PlanBudget, PlanFile, PlanSource};
 pub use judgement::{Demanded, Judgement};
+pub use plan_attempt::{LeftOut, PlanAttempt};
+pub use plan_options::{CarryGoal, PlanOptions, TaskSelection, default_grasp_margin_m, margins_forgiving};
 pub use plan_pick::PlanPick;
-pub use plan_try::{LeftOut, PlanTry};
 pub use speed_options::{SpeedOption, SpeedOptions};
 pub use statement::Statement;
 pub use timing::PlanTiming;

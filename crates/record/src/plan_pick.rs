@@ -1,5 +1,5 @@
 use cranny_path::{Audit, PickAudit};
-use cranny_task::OwnGrasp;
+use cranny_task::FoundGrasp;
 use serde::{Deserialize, Serialize};
 
 /// Grasp of a later pick, in the same form as that of the first in a plan file.
@@ -19,7 +19,7 @@ pub struct PlanPick {
     pub rotation_error_rad: Option<f64>,
     /// The grasp, if the planner generated it.
     #[serde(default)]
-    pub own_grasp: Option<OwnGrasp>,
+    pub own_grasp: Option<FoundGrasp>,
 }
 
 impl PlanPick {

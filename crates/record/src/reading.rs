@@ -2,7 +2,7 @@ use std::path::Path;
 
 use cranny_plan::Statistics;
 use cranny_scenario::ScenarioError;
-use cranny_task::{Criterion, Move, Pace, Stage, check_segments, joined};
+use cranny_task::{Criterion, Move, SpeedLimits, Stage, check_segments, joined};
 use serde::Deserialize;
 use serde_json::{Map, Value};
 
@@ -151,7 +151,7 @@ impl PlanFile {
         let hold = self.hold.iter().flat_map(|hold| hold.factor.into_iter().chain([hold.at_rest]));
         let speeds = self.segments.iter().flat_map(|segment| {
             let points = segment.corners.iter().flat_map(|corner| corner.control_points.iter().flatten());
-            let Pace { velocity, acceleration, tool_m_s, turn_rad_s } = segment.pace;
+            let SpeedLimits { velocity, acceleration, tool_m_s, turn_rad_s } = segment.pace;
             let paces = [velocity, acceleration].into_iter().chain(tool_m_s).chain(turn_rad_s);
             let load = segment
                 .payload

@@ -2,7 +2,7 @@ use std::str::FromStr;
 
 use cranny_scenario::StatedSpeed;
 use cranny_solve::Paces;
-use cranny_task::{Mode, Pace};
+use cranny_task::{Mode, SpeedLimits};
 
 use crate::RecordError;
 
@@ -42,7 +42,7 @@ pub struct SpeedOptions {
 }
 
 /// Function that sets one limit of a pace.
-type SetLimit = fn(&mut Pace, f64);
+type SetLimit = fn(&mut SpeedLimits, f64);
 
 impl SpeedOptions {
     /// Returns the words of a scenario followed by these.
@@ -63,7 +63,7 @@ impl SpeedOptions {
     /// all motions.
     ///
     /// # Errors
-    /// [`RecordError::Ask`] for an invalid number.
+    /// [`RecordError::PlanOptions`] for an invalid number.
     pub(crate) fn paces(&self, tool_m_s: Option<f64>) -> Result<Paces, RecordError> {
         let kinds: [(&'static str, &[SpeedOption], SetLimit); 4] = [
             ("speed", &self.speed, |pace, share| pace.velocity = share),
@@ -71,14 +71,14 @@ impl SpeedOptions {
             ("tool_speed", &self.tool_speed, |pace, speed| pace.tool_m_s = Some(speed)),
             ("turn_speed", &self.turn_speed, |pace, speed| pace.turn_rad_s = Some(speed.to_radians())),
         ];
-        let mut all = Pace { tool_m_s, ..Pace::default() };
+        let mut all = SpeedLimits { tool_m_s, ..SpeedLimits::default() };
         for (field, words, set) in kinds {
             for SpeedOption { mode, value } in words {
-                let mut alone = Pace::default();
+                let mut alone = SpeedLimits::default();
                 set(&mut alone, *value);
                 if let Some((_, _, values)) = alone.fault() {
                     let problem = format!("'{value}' is not a valid limit: expected a number {values}");
-                    return Err(RecordError::Ask { field, problem });
+                    return Err(RecordError::PlanOptions { field, problem });
                 }
                 if mode.is_none() {
                     set(&mut all, *value);
@@ -111,10 +111,14 @@ mod tests {
     #[test]
     fn words_for_a_mode_go_before_those_for_all() {
         let paces = words(&["carry=0.2", "0.5"], &["0.3"]).paces(None).unwrap();
-        let carry = Pace { velocity: 0.2, tool_m_s: Some(0.3), ..Pace::default() };
+        let carry = SpeedLimits { velocity: 0.2, tool_m_s: Some(0.3), ..SpeedLimits::default() };
         assert_eq!(paces.of(Mode::CARRY), carry);
-        assert_eq!(paces.of(Mode::REACH), Pace { velocity: 0.5, ..carry });
-        let set_down = Pace { velocity: 0.5, tool_m_s: Some(cranny_solve::SET_DOWN_M_S), ..Pace::default() };
+        assert_eq!(paces.of(Mode::REACH), SpeedLimits { velocity: 0.5, ..carry });
+        let set_down = SpeedLimits {
+            velocity: 0.5,
+            tool_m_s: Some(cranny_solve::SET_DOWN_M_S),
+            ..SpeedLimits::default()
+        };
         assert_eq!(paces.of(Mode::SET_DOWN), set_down);
         let faster = words(&[], &["set-down=0.4"]).paces(None).unwrap();
         assert_eq!(faster.of(Mode::SET_DOWN).tool_m_s, Some(0.4));
@@ -130,9 +134,12 @@ mod tests {
             turn_deg_s: None,
         });
         let paces = words(&["0.5"], &["carry=0.25"]).after(&stated).paces(None).unwrap();
-        let reach = Pace { velocity: 0.5, tool_m_s: Some(0.6), ..Pace::default() };
+        let reach = SpeedLimits { velocity: 0.5, tool_m_s: Some(0.6), ..SpeedLimits::default() };
         assert_eq!(paces.of(Mode::REACH), reach);
-        assert_eq!(paces.of(Mode::CARRY), Pace { velocity: 0.1, tool_m_s: Some(0.25), ..Pace::default() });
+        assert_eq!(
+            paces.of(Mode::CARRY),
+            SpeedLimits { velocity: 0.1, tool_m_s: Some(0.25), ..SpeedLimits::default() }
+        );
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use cranny_collision::Margins;
 use cranny_path::{AuditSettings, Clearances};
 use cranny_plan::Unobserved;
-use cranny_record::{Ask, PlanFile, PlanSource};
+use cranny_record::{PlanFile, PlanOptions, PlanSource};
 use cranny_robot::{Robot, between};
 use cranny_scenario::{OpenOptions, Scenario};
 use cranny_solve::solve;
@@ -20,7 +20,14 @@ fn open(id: &str) -> Problem {
 fn straight(problem: &Problem, seed: u64, place: Option<&str>) -> PlanFile {
     let place = place.map(str::to_owned);
     let retreat_m = place.as_ref().map(|_| RETREAT_M);
-    let ask = Ask { seed, place, approach_m: Some(APPROACH_M), retreat_m, hold: 0.0, ..Ask::default() };
+    let ask = PlanOptions {
+        seed,
+        place,
+        approach_m: Some(APPROACH_M),
+        retreat_m,
+        hold: 0.0,
+        ..PlanOptions::default()
+    };
     let (request, _) = ask.request(problem, None).unwrap();
     let answer = solve(problem, &request, &mut Unobserved).unwrap();
     assert!(answer.is_solved(), "{:?} {:?}", answer.outcome, answer.audit);
@@ -127,16 +134,16 @@ fn what_is_not_straight_is_refused() {
 #[test]
 fn lengths_that_are_none_and_tasks_without_them_are_refused() {
     let problem = open("012");
-    let fault = |ask: Ask| ask.request(&problem, None).unwrap_err().to_string();
+    let fault = |ask: PlanOptions| ask.request(&problem, None).unwrap_err().to_string();
     for length_m in [-0.01, 0.6, f64::NAN] {
-        let words = fault(Ask { approach_m: Some(length_m), ..Ask::default() });
+        let words = fault(PlanOptions { approach_m: Some(length_m), ..PlanOptions::default() });
         assert!(words.contains("not a valid length of an approach: expected 0 to 0.5 m"), "{words}");
     }
-    let words = fault(Ask { retreat_m: Some(0.05), ..Ask::default() });
+    let words = fault(PlanOptions { retreat_m: Some(0.05), ..PlanOptions::default() });
     assert!(words.contains("it is only valid with `place`"), "{words}");
     let moving =
         problem.with_goal(cranny_task::Goal::Configurations(vec![problem.start().to_vec()])).unwrap();
-    let ask = Ask { approach_m: Some(0.05), ..Ask::default() };
+    let ask = PlanOptions { approach_m: Some(0.05), ..PlanOptions::default() };
     let words = ask.request(&moving, None).unwrap_err().to_string();
     assert!(words.contains("nothing is grasped"), "{words}");
 }

@@ -3,13 +3,13 @@
 use cranny_collision::Margins;
 use cranny_path::{AuditSettings, Violation};
 use cranny_plan::{Outcome, Unobserved};
-use cranny_record::{Ask, Judgement, PlanFile, PlanSource, TaskSelection};
+use cranny_record::{Judgement, PlanFile, PlanOptions, PlanSource, TaskSelection};
 use cranny_scenario::{OpenOptions, STEPS, Scenario, sequences};
 use cranny_solve::{PoseRadius, solve};
 use cranny_spatial::{Pose, Vector};
 use cranny_task::{Move, Pick, Region, Stage};
 
-fn solved(id: &str, ask: &Ask) -> (Scenario, PlanFile) {
+fn solved(id: &str, ask: &PlanOptions) -> (Scenario, PlanFile) {
     let scenario = Scenario::open(id, &OpenOptions::default()).unwrap();
     let margins = cranny_record::margins_forgiving(&scenario, Margins::default(), ask.robust).unwrap();
     let problem = scenario.problem(margins).unwrap();
@@ -21,8 +21,8 @@ fn solved(id: &str, ask: &Ask) -> (Scenario, PlanFile) {
     (scenario, plan)
 }
 
-fn steps() -> Ask {
-    Ask { task: Some(TaskSelection::Named(STEPS.to_owned())), ..Ask::default() }
+fn steps() -> PlanOptions {
+    PlanOptions { task: Some(TaskSelection::Named(STEPS.to_owned())), ..PlanOptions::default() }
 }
 
 fn judged(scenario: &Scenario, plan: &PlanFile) -> Judgement {
@@ -99,7 +99,7 @@ fn a_file_of_several_stages_is_read_and_judged_and_lies_are_seen() {
 #[test]
 fn an_error_that_is_to_be_forgiven_is_demanded_of_every_pick() {
     let radius = PoseRadius { translation_m: 0.0005, rotation_rad: 0.001 };
-    let (scenario, plan) = solved("235", &Ask { robust: Some(radius), ..steps() });
+    let (scenario, plan) = solved("235", &PlanOptions { robust: Some(radius), ..steps() });
     let margins = plan.task.iter().filter_map(|stage| match stage {
         Stage::Pick(Pick { object_margin_m, .. }) => *object_margin_m,
         _ => None,
@@ -136,7 +136,7 @@ fn objects_are_put_so_that_there_is_room_for_the_later_ones() {
 
 #[test]
 fn cans_and_mugs_are_carried_upright() {
-    let ask = Ask { place: Some("tray".to_owned()), ..Ask::default() };
+    let ask = PlanOptions { place: Some("tray".to_owned()), ..PlanOptions::default() };
     for name in ["can_gap", "can_shelf", "mug_gap", "mug_shelf"] {
         let (scenario, plan) = solved(&example(name), &ask);
         assert!(judged(&scenario, &plan).audit.valid, "{name}");
@@ -146,7 +146,7 @@ fn cans_and_mugs_are_carried_upright() {
 
 #[test]
 fn an_object_is_brought_into_a_region_of_poses() {
-    let ask = Ask { task: Some(TaskSelection::Named("sort".to_owned())), ..Ask::default() };
+    let ask = PlanOptions { task: Some(TaskSelection::Named("sort".to_owned())), ..PlanOptions::default() };
     let (scenario, mut plan) = solved(&example("sort"), &ask);
     assert!(judged(&scenario, &plan).audit.valid);
     let Stage::Move(Move::Region(region)) = &plan.task[5] else { panic!("{:?}", plan.task) };
@@ -165,7 +165,10 @@ fn the_hand_is_moved_to_a_pose_and_to_none_that_is_no_pose() {
     let scenario = Scenario::open("021", &OpenOptions::default()).unwrap();
     let to = |row: &str| serde_json::from_str::<Stage>(&format!("{{\"move\": {row}}}"));
     let stage = to(r#"{"hand": {"position": [0.4, 0.2, 0.6], "quaternion_xyzw": [1, 0, 0, 0]}}"#).unwrap();
-    let ask = Ask { task: Some(TaskSelection::Stages(vec![stage, Stage::home()])), ..Ask::default() };
+    let ask = PlanOptions {
+        task: Some(TaskSelection::Stages(vec![stage, Stage::home()])),
+        ..PlanOptions::default()
+    };
     let problem = scenario.problem(Margins::default()).unwrap();
     let (request, _) = ask.request(&problem, Some(&scenario)).unwrap();
     let answer = solve(&problem, &request, &mut Unobserved).unwrap();
@@ -185,7 +188,7 @@ fn the_hand_is_moved_to_a_pose_and_to_none_that_is_no_pose() {
         assert!(error.contains(why), "{row}: {error}");
     }
     let held = to(r#"{"object": {"position": [0.4, 0.2, 0.6]}}"#).unwrap();
-    let ask = Ask { task: Some(TaskSelection::Stages(vec![held])), ..Ask::default() };
+    let ask = PlanOptions { task: Some(TaskSelection::Stages(vec![held])), ..PlanOptions::default() };
     let error = ask.request(&problem, Some(&scenario)).unwrap_err().to_string();
     assert!(error.contains("nothing is in the hand"), "{error}");
 }

@@ -3,7 +3,7 @@
 use cranny_collision::Margins;
 use cranny_path::TimingMethod;
 use cranny_plan::Unobserved;
-use cranny_record::{Ask, CarryGoal, PlanFile, PlanSource, SpeedOption, SpeedOptions};
+use cranny_record::{CarryGoal, PlanFile, PlanOptions, PlanSource, SpeedOption, SpeedOptions};
 use cranny_robot::{Dynamics, Robot};
 use cranny_scenario::{OpenOptions, Scenario};
 use cranny_solve::{Answer, solve};
@@ -28,7 +28,13 @@ fn open(id: &str, robot: Option<&str>, mass_kg: f64) -> Problem {
 }
 
 fn carried(problem: &Problem, torque: bool, timing: TimingMethod) -> Answer {
-    let ask = Ask { carry: Some(CarryGoal::Home), hold: 0.0, torque, timing: Some(timing), ..Ask::default() };
+    let ask = PlanOptions {
+        carry: Some(CarryGoal::Home),
+        hold: 0.0,
+        torque,
+        timing: Some(timing),
+        ..PlanOptions::default()
+    };
     let (request, _) = ask.request(problem, None).unwrap();
     let answer = solve(problem, &request, &mut Unobserved).unwrap();
     assert!(answer.is_solved(), "{:?}", answer.outcome);
@@ -112,7 +118,7 @@ fn what_a_plan_states_of_its_load_is_measured() {
 #[test]
 fn a_load_that_the_arm_may_not_hold_is_an_error_with_its_joint() {
     let problem = open("012", None, 40.0);
-    let ask = Ask { carry: Some(CarryGoal::Home), hold: 0.0, torque: true, ..Ask::default() };
+    let ask = PlanOptions { carry: Some(CarryGoal::Home), hold: 0.0, torque: true, ..PlanOptions::default() };
     let (request, _) = ask.request(&problem, None).unwrap();
     let fault = solve(&problem, &request, &mut Unobserved).unwrap_err().to_string();
     assert!(fault.contains("may be too weak to hold the arm on edge"), "{fault}");
@@ -127,7 +133,7 @@ fn the_hand_neither_goes_nor_turns_faster_than_is_asked() {
         let words = |value| vec![SpeedOption { mode: None, value }];
         let paces =
             SpeedOptions { tool_speed: words(0.3), turn_speed: words(40.0), ..SpeedOptions::default() };
-        let ask = Ask { paces, timing: Some(method), ..Ask::default() };
+        let ask = PlanOptions { paces, timing: Some(method), ..PlanOptions::default() };
         let (request, _) = ask.request(&problem, None).unwrap();
         let answer = solve(&problem, &request, &mut Unobserved).unwrap();
         let timed = answer.timed.unwrap();

@@ -3,7 +3,7 @@ use std::path::PathBuf;
 
 use cranny_shape::ShapeError;
 
-use crate::hindrance::Hindrance;
+use crate::joint_constraint::JointConstraint;
 
 /// Location in a text file. Displayed as `file:line`.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -352,7 +352,7 @@ pub enum RobotError {
         /// `moved` or `held at a value`.
         wanted: &'static str,
         /// Reason why it cannot.
-        hindrance: Hindrance,
+        hindrance: JointConstraint,
     },
     /// An SRDF contains unknown content.
     #[error("{at}: unknown {kind} `{name}` in an SRDF (known here: {known})")]

@@ -16,8 +16,8 @@ pub struct NamedTask {
 impl NamedTask {
     /// Returns the task in a new frame, in which the present frame has the pose `new_from_old`.
     #[must_use]
-    pub fn seen_from(&self, new_from_old: &Pose) -> Self {
-        let stages = self.stages.iter().map(|stage| stage.seen_from(new_from_old)).collect();
+    pub fn in_frame(&self, new_from_old: &Pose) -> Self {
+        let stages = self.stages.iter().map(|stage| stage.in_frame(new_from_old)).collect();
         Self { name: self.name.clone(), stages }
     }
 }

@@ -224,8 +224,8 @@ impl Scenario {
         for part in bodies.iter_mut().flat_map(|body| &mut body.parts) {
             part.world_from_solid = lower * part.world_from_solid;
         }
-        let places = self.places.iter().map(|place| place.seen_from(&lower)).collect();
-        let bounds = self.world.tool_bounds().iter().map(|bound| bound.seen_from(&lower)).collect();
+        let places = self.places.iter().map(|place| place.in_frame(&lower)).collect();
+        let bounds = self.world.tool_bounds().iter().map(|bound| bound.in_frame(&lower)).collect();
         let world = self.world.with_bodies(bodies)?.with_tool_bounds(bounds)?;
         Ok(Self { world, grasps: self.grasps.moved(&lower), places, ..self })
     }

@@ -1,4 +1,4 @@
-use cranny_task::{Mode, Pace};
+use cranny_task::{Mode, SpeedLimits};
 
 /// Speed limits that a scenario states for motions.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,8 +24,8 @@ impl StatedSpeed {
     /// Returns the first invalid value, with a description of the valid values.
     pub(crate) fn fault(&self) -> Option<(f64, &'static str)> {
         let Self { velocity, acceleration, tool_m_s, turn_deg_s, .. } = *self;
-        let full = Pace::default();
-        let pace = Pace {
+        let full = SpeedLimits::default();
+        let pace = SpeedLimits {
             velocity: velocity.unwrap_or(full.velocity),
             acceleration: acceleration.unwrap_or(full.acceleration),
             tool_m_s,

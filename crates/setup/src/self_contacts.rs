@@ -61,7 +61,7 @@ impl SelfContact {
     pub fn sample(robot: &Arc<Robot>) -> Result<Vec<Self>, CollisionError> {
         let cell = Cell::new(robot.clone(), World::new(Vec::new())?, Margins::default())?;
         let unchecked = |links: (usize, usize)| {
-            let is_of = |pair: &&cranny_collision::Unchecked| match (pair.first, pair.second) {
+            let is_of = |pair: &&cranny_collision::ExemptPair| match (pair.first, pair.second) {
                 (Collider::Link(a), Collider::Link(b)) => (a.min(b), a.max(b)) == links,
                 _ => false,
             };

@@ -11,5 +11,5 @@ pub(crate) mod repair;
 pub(crate) mod same_place;
 pub(crate) mod self_crossing;
 pub(crate) mod shell;
+pub(crate) mod shell_sides;
 pub(crate) mod small_holes;
-pub(crate) mod walls;

@@ -31,7 +31,7 @@ pub use crate::plans::plan_row::{ExecutedPick, ExecutedPlan, PlanRow, Released};
 pub use crate::plans::plan_run::{PlacedError, PlanContact, PlanOutcome, PlanRun};
 pub use crate::plans::plan_test::PlanTest;
 pub use crate::plans::replanning::Replanned;
-pub use crate::plans::tried::{Tried, solve_in_physics};
+pub use crate::plans::simulated_answer::{SimulatedAnswer, solve_in_physics};
 pub use crate::recording::{RecordedBody, Recording};
 pub use crate::rest::Rest;
 pub use crate::settling::{ChiSquared, SettledPose, Settling, settle};

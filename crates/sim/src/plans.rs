@@ -9,4 +9,4 @@ pub(crate) mod plan_row;
 pub(crate) mod plan_run;
 pub(crate) mod plan_test;
 pub(crate) mod replanning;
-pub(crate) mod tried;
+pub(crate) mod simulated_answer;

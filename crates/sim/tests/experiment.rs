@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use cranny_collision::Body;
-use cranny_grasp::{BoxHand, Course};
+use cranny_grasp::{BoxHand, ShakeTest};
 use cranny_scenario::{ObjectSettings, ObjectType};
 use cranny_shape::TriangleSoup;
 use cranny_sim::{Disturbance, GraspOutcome, GraspTest, Physics};
@@ -27,7 +27,8 @@ fn cube_test() -> GraspTest {
     let hand = BoxHand::default().hand().unwrap();
     let world_from_object = Pose::translation(0.0, 0.0, HALF_M);
     let floor = [Body::floor(0.0)];
-    GraspTest::new(&hand, &object, world_from_object, &floor, Physics::default(), Course::default()).unwrap()
+    GraspTest::new(&hand, &object, world_from_object, &floor, Physics::default(), ShakeTest::default())
+        .unwrap()
 }
 
 /// Grasps from above: one around the cube, one above it.

@@ -1,7 +1,7 @@
 //! Tests of grasps with known outcomes.
 
 use cranny_collision::Body;
-use cranny_grasp::{BoxHand, Course, Hand};
+use cranny_grasp::{BoxHand, Hand, ShakeTest};
 use cranny_scenario::{ObjectSettings, ObjectType};
 use cranny_shape::{Solid, Surface, TriangleSoup};
 use cranny_sim::{Disturbance, GraspOutcome, GraspRun, GraspTest, Physics, Uncertainty};
@@ -22,7 +22,7 @@ fn cube(mass_kg: f64, friction: f64) -> ObjectType {
 }
 
 fn floating(object: &ObjectType) -> GraspTest {
-    GraspTest::new(&hand(), object, Pose::identity(), &[], Physics::default(), Course::default()).unwrap()
+    GraspTest::new(&hand(), object, Pose::identity(), &[], Physics::default(), ShakeTest::default()).unwrap()
 }
 
 /// Pose of a grasp from above: z of the gripper down, its origin at this height in metres.
@@ -40,7 +40,7 @@ fn what_is_held_in_the_middle_stays_there() {
     let run = run(&floating(&cube(0.2, 0.5)), &from_above(0.0));
     assert_eq!(run.outcome, GraspOutcome::Held);
     assert!(run.translation_error_m < 1e-3 && run.rotation_error_rad < 0.02, "{run:?}");
-    assert!((run.held_s - Course::default().duration_s()).abs() < 1e-9);
+    assert!((run.held_s - ShakeTest::default().duration_s()).abs() < 1e-9);
     assert!((run.contact_force_n - 40.0).abs() < 0.8, "{} N", run.contact_force_n);
 }
 
@@ -77,7 +77,7 @@ fn an_open_hand_that_stands_in_something_begins_no_grasp() {
         Pose::identity(),
         &[floor],
         Physics::default(),
-        Course::default(),
+        ShakeTest::default(),
     );
     let in_floor = run(&standing.unwrap(), &from_above(-0.02));
     for (run, outcome) in [(in_cube, GraspOutcome::KnockedAway), (in_floor, GraspOutcome::NeverClosed)] {
@@ -93,7 +93,7 @@ fn what_lies_is_lifted_off_what_carries_it() {
     // The object starts 3 mm above the table, as in files of other projects, and settles first.
     let place = Pose::translation(0.0, 0.0, 0.523);
     let test =
-        GraspTest::new(&hand(), &object, place, &[floor], Physics::default(), Course::default()).unwrap();
+        GraspTest::new(&hand(), &object, place, &[floor], Physics::default(), ShakeTest::default()).unwrap();
     assert!((test.world_from_object().translation.z - 0.52).abs() < 5e-4);
     let run = test.run(&from_above(0.525), &Disturbance::default(), true);
     assert_eq!(run.outcome, GraspOutcome::Held, "{run:?}");
@@ -120,7 +120,7 @@ fn where_in_the_world_it_happens_makes_no_difference() {
             place,
             std::slice::from_ref(&floor),
             Physics::default(),
-            Course::default(),
+            ShakeTest::default(),
         )
         .unwrap();
         run(&test, &(moved * from_above(0.03)))

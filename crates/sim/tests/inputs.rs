@@ -1,13 +1,13 @@
 //! Tests of default inputs and of rejected ones.
 
-use cranny_grasp::{BoxHand, Course};
+use cranny_grasp::{BoxHand, ShakeTest};
 use cranny_scenario::builtin_object;
 use cranny_sim::{GraspTest, Physics, SimError, Uncertainty};
 use cranny_spatial::{Pose, PoseDifference};
 
-fn fault(change: impl Fn(&mut cranny_grasp::Hand, &mut Physics, &mut Course)) -> SimError {
+fn fault(change: impl Fn(&mut cranny_grasp::Hand, &mut Physics, &mut ShakeTest)) -> SimError {
     let mut hand = BoxHand::default().hand().unwrap();
-    let (mut physics, mut course) = (Physics::default(), Course::default());
+    let (mut physics, mut course) = (Physics::default(), ShakeTest::default());
     change(&mut hand, &mut physics, &mut course);
     let ball = builtin_object("tennis_ball").unwrap();
     GraspTest::new(&hand, &ball, Pose::identity(), &[], physics, course).unwrap_err()
@@ -39,7 +39,7 @@ fn constants_out_of_their_range_are_refused() {
 
 #[test]
 fn the_hand_goes_up_and_to_and_fro_without_a_jump() {
-    let course = Course::default();
+    let course = ShakeTest::default();
     let closed = Pose::translation(0.3, 0.0, 0.5);
     let at = |time_s| course.world_from_hand(&closed, time_s);
     assert!(PoseDifference::between(&closed, &at(0.0)).translation_m < 1e-12);

@@ -3,7 +3,7 @@
 use std::sync::{Arc, LazyLock};
 
 use cranny_collision::Body;
-use cranny_grasp::{Course, Hand};
+use cranny_grasp::{Hand, ShakeTest};
 use cranny_path::{MotionLimits, TimingMethod, Trajectory};
 use cranny_robot::{IkSearchSettings, Robot, RobotOptions, solve_restarts};
 use cranny_scenario::{ObjectSettings, ObjectType, panda_hand};
@@ -48,7 +48,7 @@ fn test(mass_kg: f64, friction: f64) -> GraspTest {
     let table = Solid::cuboid(half).unwrap();
     let table = Body::new("table", Pose::translation(0.6, 0.0, half.z), table);
     let place = Pose::translation(0.6, 0.0, TABLE_M + HALF_M);
-    GraspTest::new(&HAND_OF_PANDA, &cube, place, &[table], Physics::default(), Course::default()).unwrap()
+    GraspTest::new(&HAND_OF_PANDA, &cube, place, &[table], Physics::default(), ShakeTest::default()).unwrap()
 }
 
 /// Path from 10 cm above the cube down to it, `below_m` metres below its middle.

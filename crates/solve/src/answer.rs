@@ -3,7 +3,7 @@ use cranny_path::Audit;
 use cranny_plan::{Budget, Improvement, NoGrasp, OptimiseSettings, Outcome, Statistics};
 use cranny_task::{ConfigurationFault, Criterion, GraspFailure, NotChecked, Segment, Stage, joined};
 
-use crate::{Hold, Robustness, TaskTrajectory, Tilt, ToolSlack};
+use crate::{HoldFactors, Robustness, TaskTrajectory, Tilt, ToolSlack};
 
 /// Result of [`solve`](crate::solve()): path, proof, timing and statistics.
 #[derive(Clone, Debug)]
@@ -51,8 +51,8 @@ pub struct Answer {
     pub tool: Vec<ToolSlack>,
     /// Required factor of the hold, if there is one.
     pub hold_demanded: Option<f64>,
-    /// Firmness of the hold on the carried object along a valid path; `None` if nothing is carried, or it cannot be computed.
-    pub hold: Option<Hold>,
+    /// LoadModel of the hold on the carried object along a valid path; `None` if nothing is carried, or it cannot be computed.
+    pub hold: Option<HoldFactors>,
     /// Shortening of the path, if done.
     pub shortening: Option<Shortening>,
     /// Optimisation of the path after the first search, if done.

@@ -2,7 +2,7 @@
 
 mod answer;
 mod error;
-mod hold;
+mod hold_factors;
 mod ik_status;
 mod least_length;
 mod paces;
@@ -17,7 +17,7 @@ mod way_search;
 
 pub use answer::{Answer, Optimisation, Shortening, Timed};
 pub use error::SolveError;
-pub use hold::Hold;
+pub use hold_factors::HoldFactors;
 pub use ik_status::ik_statuses;
 pub use least_length::least_length;
 pub use paces::{Paces, SET_DOWN_M_S};

@@ -95,15 +95,14 @@ impl Robustness {
             let standing = [first.clone(), first.clone()];
             let path = if segment.waypoints.len() > 1 { &segment.waypoints[..] } else { &standing };
             let cell = state.cell();
-            let mut rooms = vec![Rooms::along(cell, path, 0.0)];
-            rooms.extend(
-                rounded_corners(cell, segment)
-                    .map(|Chords { waypoints, deviation_m }| Rooms::along(cell, &waypoints, deviation_m)),
-            );
+            let mut rooms = vec![ErrorClearances::along(cell, path, 0.0)];
+            rooms.extend(rounded_corners(cell, segment).map(|Chords { waypoints, deviation_m }| {
+                ErrorClearances::along(cell, &waypoints, deviation_m)
+            }));
             // If the hand closes or opens before the next segment, check this in the cell of the segment with the held object.
             let next = states().nth(index + 1).filter(|next| next.held().is_some() != state.held().is_some());
             let sweeping = next.map(|next| if next.held().is_some() { next.cell() } else { cell });
-            rooms.extend(sweeping.map(|cell| Rooms::while_closing(cell, last)));
+            rooms.extend(sweeping.map(|cell| ErrorClearances::while_closing(cell, last)));
             let object = cell.grasp_body().and_then(|body| cell.world().bodies()[body].ball());
             let object_m = object.map_or(0.0, |ball| ball.radius_m);
             for of_rooms in rooms.iter().map(|rooms| rooms.robustness(object_m)) {
@@ -138,7 +137,7 @@ fn rounded_corners(cell: &Cell, segment: &Segment) -> impl Iterator<Item = Chord
 
 /// Clearances, in metres and less the contact distance, of the pairs that an error moves against each other during a motion,
 /// and the levers of the errors.
-struct Rooms {
+struct ErrorClearances {
     /// Moving links against each other.
     links_m: f64,
     /// Moving links and the held object against the world.
@@ -150,7 +149,7 @@ struct Rooms {
     levers: Levers,
 }
 
-impl Rooms {
+impl ErrorClearances {
     /// Computes the clearances along a path, or a curve within `deviation_m` (m) of it.
     fn along(cell: &Cell, path: &[Vec<f64>], deviation_m: f64) -> Self {
         let scratch = &mut cell.scratch();

@@ -11,11 +11,13 @@ use cranny_task::{
     give_clearances, joined,
 };
 
-use crate::hold::hold_firmly;
+use crate::hold_factors::hold_firmly;
 use crate::least_length::least_length;
 use crate::rounding::smooth;
 use crate::way_search::{Found, found_alone, found_in_stages};
-use crate::{Answer, Hold, Request, Robustness, SolveError, TaskTrajectory, Tilt, Timed, Timing, ToolSlack};
+use crate::{
+    Answer, HoldFactors, Request, Robustness, SolveError, TaskTrajectory, Tilt, Timed, Timing, ToolSlack,
+};
 
 /// Solves a problem with the options of a request.
 ///
@@ -195,7 +197,7 @@ fn solve_asked(
 }
 
 /// Segments, the states along them, the firmness of the hold, and the seconds spent on rounding corners.
-type Firm = (Vec<Segment>, Option<StateSequence>, Option<Hold>, f64);
+type Firm = (Vec<Segment>, Option<StateSequence>, Option<HoldFactors>, f64);
 
 /// Performs 3 of [`solve`]: returns the first of these paths on which the hold is firm, slowed down as needed; `None` without
 /// one. The paths turn the object differently: if the hold on the shortened path is weak, the original one is tried.

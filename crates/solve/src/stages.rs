@@ -3,7 +3,7 @@
 mod approach;
 pub(crate) mod chain;
 mod effort;
-mod look_ahead;
+mod later_stage_checks;
 pub(crate) mod onward;
 mod place_search;
 mod refusals;

@@ -12,13 +12,13 @@ mod stages;
 pub use configuration_fault::ConfigurationFault;
 pub use error::TaskError;
 pub use grasping::closing_hand::{ClosedHand, ClosingHand};
-pub use grasping::firmness::{Firmness, Weight};
+pub use grasping::found_grasp::FoundGrasp;
 pub use grasping::grasp_failure::{FailureReason, GraspFailure};
 pub use grasping::grasp_filter::GraspFilter;
 pub use grasping::grasp_measure::GraspMeasure;
 pub use grasping::grasp_poses::{gripper_poses, open_gripper_poses};
 pub use grasping::hand_filter::{APPROACH_M, HandFilter, robot_hand};
-pub use grasping::own_grasp::OwnGrasp;
+pub use grasping::load_model::{LoadModel, Weight};
 pub use ik_annotation::{
     AnnotatedSolution, IkAnnotation, IkAnnotationSettings, IkMethod, IkStatus, annotate_ik,
 };
@@ -31,10 +31,10 @@ pub use placing::placement::Placement;
 pub use problem::Validity;
 pub use problem::{Criterion, Goal, PAPER_THRESHOLD, Problem};
 pub use stages::corner::RoundedCorner;
-pub use stages::pace::Pace;
 pub use stages::payload::Payload;
 pub use stages::region::{Moved, Region};
 pub use stages::segment::{Mode, MotionEnd, Segment, give_clearances, joined, joined_corners, legs};
+pub use stages::speed_limits::SpeedLimits;
 pub use stages::stage::{AfterPlacing, CLEAR_M, FARTHEST_CLEAR_M, Move, Pick, PlaceAt, Stage};
 pub use stages::stage_segments::{are_complete, are_joined, check_segments, number_stages, picks_apart};
 pub use stages::state::{State, StateSequence};

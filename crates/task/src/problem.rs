@@ -7,9 +7,9 @@ use cranny_spatial::PoseDifference;
 use serde::{Deserialize, Serialize};
 use strum::{EnumString, IntoStaticStr};
 
-use crate::grasping::firmness::{Firmness, Weight, Weights};
 use crate::grasping::grasp_filter::GraspFilter;
 use crate::grasping::grasp_poses;
+use crate::grasping::load_model::{LoadModel, Weight, Weights};
 use crate::{FailureReason, GraspMeasure, NotChecked, PlaceGoal, TaskError};
 
 /// A motion planning problem with its criterion of validity. Its start and goal are checked against the robot on creation.
@@ -175,15 +175,15 @@ impl Problem {
     }
 
     /// Returns the grasps of the target with the load of each; `None` if there are none, or no load can be computed
-    /// ([`Firmness`]).
+    /// ([`LoadModel`]).
     pub fn loaded_grasps(&self) -> Option<GraspSet> {
         let firmness = self.firmness(self.cell()?, self.target?)?;
         Some(self.grasps()?.with_loads(firmness.measure()))
     }
 
-    /// Returns the firmness of grasps of a body where it stands in a cell; `None` if it cannot be computed ([`Firmness`]).
-    pub(crate) fn firmness(&self, cell: &Cell, body: usize) -> Option<Firmness> {
-        Firmness::new(cell, body, self.frictions.get(body).copied().flatten(), &self.weights)
+    /// Returns the firmness of grasps of a body where it stands in a cell; `None` if it cannot be computed ([`LoadModel`]).
+    pub(crate) fn firmness(&self, cell: &Cell, body: usize) -> Option<LoadModel> {
+        LoadModel::new(cell, body, self.frictions.get(body).copied().flatten(), &self.weights)
     }
 
     /// Returns this problem in a cell that differs only in the bounds of the tool, from another start (m, rad; one per joint).

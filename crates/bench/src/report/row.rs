@@ -5,7 +5,7 @@ use serde_json::Value;
 
 use crate::report::configuration::{Configuration, Names};
 use crate::report::follow_up;
-use crate::report::place::Place;
+use crate::report::scenario_class::ScenarioClass;
 use crate::statistics::{FiveNumbers, Followed, KaplanMeier, SampleMoments, median_interval, wilson};
 use crate::{StoredTrial, TrialRecord};
 
@@ -235,7 +235,7 @@ fn goal_rows(configuration: &Configuration, names: &Names, runs: &[&StoredTrial]
 
 fn row(configuration: &Configuration, names: &Names, goals: &[GoalRow], runs: &[&StoredTrial]) -> Row {
     let figures = Figures::of(runs);
-    let place = Place::of(&configuration.scenario);
+    let place = ScenarioClass::of(&configuration.scenario);
     let followed: Vec<Followed> = runs.iter().map(|run| follow_up::over_time(&run.record)).collect();
     let time = KaplanMeier::of(&followed);
     let iterations = KaplanMeier::of(&over_iterations(runs));

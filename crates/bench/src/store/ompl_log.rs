@@ -1,7 +1,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use crate::report::{Configuration, Names, Place, SummarySource};
+use crate::report::{Configuration, Names, ScenarioClass, SummarySource};
 use crate::{BenchError, StoredTrial, TrialOutcome};
 
 /// Benchmark log of OMPL, which the statistics script of the `ompl` Python package converts to a database for Planner Arena.
@@ -129,7 +129,7 @@ fn experiments<'a>(
 
 /// Returns the problem parameters for Planner Arena.
 fn properties(configuration: &Configuration) -> Vec<(&'static str, &'static str, String)> {
-    let place = Place::of(&configuration.scenario);
+    let place = ScenarioClass::of(&configuration.scenario);
     let mut properties = vec![
         ("scenario", "VARCHAR(512)", configuration.scenario.clone()),
         ("environment", "VARCHAR(512)", place.environment),

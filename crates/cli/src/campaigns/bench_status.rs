@@ -3,7 +3,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use cranny_bench::{Results, Standing, Tally};
+use cranny_bench::{CampaignProgress, Results, Tally};
 use cranny_file::counted;
 use serde::Serialize;
 
@@ -64,7 +64,7 @@ struct TaskLine {
     task: String,
     state: State,
     #[serde(flatten)]
-    standing: Standing,
+    standing: CampaignProgress,
 }
 
 pub fn run(arguments: &StatusArguments, output: Output) -> Result<Answer, Failure> {
@@ -81,7 +81,7 @@ pub fn run(arguments: &StatusArguments, output: Output) -> Result<Answer, Failur
 fn of_folder(folder: &ClusterFolder) -> Result<Answered, Failure> {
     let campaign: ClusterCampaign = folder.campaign()?;
     let active = slurm::active_tasks(&campaign.jobs)?;
-    let state = |number: u64, standing: &Standing| match active.get(&number) {
+    let state = |number: u64, standing: &CampaignProgress| match active.get(&number) {
         _ if standing.is_done() => State::Done,
         Some(TaskState::Running) => State::Running,
         Some(TaskState::Waiting) => State::Waiting,
@@ -105,9 +105,9 @@ fn of_folder(folder: &ClusterFolder) -> Result<Answered, Failure> {
 
 fn of_files(files: &[PathBuf]) -> Result<Answered, Failure> {
     let task = |file: &PathBuf| -> Result<TaskLine, Failure> {
-        let standing = match Standing::read(&file.with_extension("json")) {
+        let standing = match CampaignProgress::read(&file.with_extension("json")) {
             Some(standing) => standing,
-            None => Standing::of_results(file)?,
+            None => CampaignProgress::of_results(file)?,
         };
         let state = match standing.trials {
             None => State::Unknown,

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use cranny_bench::{Manifest, Standing};
+use cranny_bench::{CampaignProgress, Manifest};
 use serde::{Deserialize, Serialize};
 
 use crate::failure::Failure;
@@ -38,7 +38,7 @@ pub struct ClusterFolder {
 #[derive(Clone, Debug)]
 pub struct Task {
     pub number: u64,
-    pub standing: Standing,
+    pub standing: CampaignProgress,
 }
 
 impl ClusterCampaign {
@@ -95,8 +95,8 @@ impl ClusterFolder {
     pub fn tasks(&self, campaign: &ClusterCampaign) -> Vec<Task> {
         let task = |number: u64| {
             let name = number.to_string();
-            let standing = Standing::read(&self.standing(&name));
-            let standing = standing.or_else(|| Standing::of_results(&self.results(&name)).ok());
+            let standing = CampaignProgress::read(&self.standing(&name));
+            let standing = standing.or_else(|| CampaignProgress::of_results(&self.results(&name)).ok());
             Task { number, standing: standing.unwrap_or_default() }
         };
         (1..=campaign.tasks).map(task).collect()

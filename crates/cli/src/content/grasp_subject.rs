@@ -9,7 +9,7 @@ use cranny_scenario::{
 };
 use cranny_shape::{Solid, Surface, TriangleSoup, UnionMoments, VolumeMoments};
 use cranny_spatial::{Pose, Vector};
-use cranny_task::{APPROACH_M, Firmness, HandFilter, Weight, robot_hand};
+use cranny_task::{APPROACH_M, HandFilter, LoadModel, Weight, robot_hand};
 
 use crate::choices::ScoreArgument;
 use crate::content::grasp_choice::GraspChoice;
@@ -223,7 +223,7 @@ impl Subject {
         let friction = arguments.friction.unwrap_or(self.friction);
         if let Place::Scene { world, target } = &self.place {
             let weight = Weight { mass_kg, moments: self.moments, rolling_m: None };
-            let firmness = Firmness::by_hand(world, *target, &self.hand, (Some(friction), weight));
+            let firmness = LoadModel::by_hand(world, *target, &self.hand, (Some(friction), weight));
             return match firmness {
                 Some(firmness) => Ok(Some((firmness.measure().clone(), firmness.is_mass_assumed))),
                 None => lacking("the object encloses no volume".to_owned()),

@@ -7,11 +7,11 @@ use cranny_grasp::ScoreKind;
 use cranny_path::TimingMethod;
 use cranny_plan::Registry;
 use cranny_record::{
-    Ask, CarryGoal, PlanFile, PlanSource, SpeedOptions, TaskSelection, default_grasp_margin_m,
+    CarryGoal, PlanFile, PlanOptions, PlanSource, SpeedOptions, TaskSelection, default_grasp_margin_m,
     read_waypoints, write_trajectory_csv,
 };
 use cranny_scenario::STEPS;
-use cranny_sim::{Tried, solve_in_physics};
+use cranny_sim::{SimulatedAnswer, solve_in_physics};
 use cranny_solve::solve;
 
 use crate::arguments::{Output, PlanArguments};
@@ -33,7 +33,7 @@ pub fn run(arguments: &PlanArguments, registry: &Registry, output: Output) -> Re
     let PlanTask { source, grasps, problem, deviations, tool_m_s, scenario } =
         PlanTask::open(&arguments.task, &arguments.moveit, demand, output)?;
     let preparation_time_s = begin.elapsed().as_secs_f64();
-    let ask = Ask { registry: registry.clone(), tool_m_s, ..ask(arguments, problem.robot().dof())? };
+    let ask = PlanOptions { registry: registry.clone(), tool_m_s, ..ask(arguments, problem.robot().dof())? };
     let (request, task) = ask.request(&problem, scenario.as_ref())?;
     let source = PlanSource { task, ..source };
     // Checks the output file before the search.
@@ -41,13 +41,13 @@ pub fn run(arguments: &PlanArguments, registry: &Registry, output: Output) -> Re
 
     let mut progress = SearchProgress::new(output.quiet, stop_on_interrupt()?);
     let tries = arguments.try_in_physics.zip(scenario.as_ref());
-    let Tried { answer, tries } = match tries {
+    let SimulatedAnswer { answer, tries } = match tries {
         Some((most, scenario)) => {
             let most = usize::try_from(most).unwrap_or(usize::MAX);
             let asked = (scenario, &problem);
             solve_in_physics(asked, (&request, &source), most, &mut progress, |_| {})?
         }
-        None => Tried { answer: solve(&problem, &request, &mut progress)?, tries: Vec::new() },
+        None => SimulatedAnswer { answer: solve(&problem, &request, &mut progress)?, tries: Vec::new() },
     };
     progress.finish();
 
@@ -123,8 +123,8 @@ fn carry(given: &str, joints: usize) -> Result<CarryGoal, Failure> {
 }
 
 /// Builds the request from the flags, for a robot with `joints` joints.
-fn ask(arguments: &PlanArguments, joints: usize) -> Result<Ask, Failure> {
-    Ok(Ask {
+fn ask(arguments: &PlanArguments, joints: usize) -> Result<PlanOptions, Failure> {
+    Ok(PlanOptions {
         planner: arguments.planner.clone(),
         settings: arguments.set.iter().cloned().collect(),
         seed: arguments.seed,
@@ -162,7 +162,7 @@ fn ask(arguments: &PlanArguments, joints: usize) -> Result<Ask, Failure> {
         retreat_m: arguments.retreat.map(|retreat_cm| retreat_cm / 100.0),
         robust: arguments.robust,
         hold: arguments.hold,
-        ..Ask::default()
+        ..PlanOptions::default()
     })
 }
 

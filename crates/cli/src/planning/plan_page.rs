@@ -5,8 +5,8 @@ use cranny_file::counted;
 use cranny_grasp::{GraspSet, ScoreKind};
 use cranny_path::ClearanceLimit;
 use cranny_plan::{Improvement, NoGrasp, Outcome, Statistics};
-use cranny_record::{PlanFile, PlanShortening, PlanTiming, PlanTry};
-use cranny_solve::{Hold, JointRadius, PoseRadius, Robustness, Tilt, ToolSlack};
+use cranny_record::{PlanAttempt, PlanFile, PlanShortening, PlanTiming};
+use cranny_solve::{HoldFactors, JointRadius, PoseRadius, Robustness, Tilt, ToolSlack};
 use cranny_task::{GraspFailure, Mode, MotionEnd, Move, Segment, Stage};
 use serde::Serialize;
 
@@ -106,7 +106,7 @@ fn beyond_least(plan: &PlanFile) -> String {
 /// Formats the hold of the carried object; `None` if nothing is carried.
 fn held(plan: &PlanFile) -> Option<String> {
     let carries = plan.segments.iter().any(|segment| segment.mode.holds);
-    let Some(Hold { factor, at_rest, mass_assumed }) = plan.hold else {
+    let Some(HoldFactors { factor, at_rest, mass_assumed }) = plan.hold else {
         let is_asked = carries && plan.hold_demanded.is_some();
         return is_asked.then(|| "not computed: the hand does not have two known flat pads".to_owned());
     };
@@ -354,7 +354,7 @@ pub fn page(answered: &Answered, grasps: &GraspSet) -> String {
     };
     about_path(answered, grasps, &mut line);
     for tried in &plan.tries {
-        let PlanTry { seed, outcome, as_planned, .. } = tried;
+        let PlanAttempt { seed, outcome, as_planned, .. } = tried;
         let result = if *as_planned { "as planned" } else { "not as planned" };
         line("physics", format!("seed {seed}: {outcome}, {result}"));
     }

@@ -70,7 +70,7 @@ impl ToolRegion {
 
     /// Returns this region in a new frame, in which its present frame has the pose `new_from_old`.
     #[must_use]
-    pub fn seen_from(&self, new_from_old: &Pose) -> Self {
+    pub fn in_frame(&self, new_from_old: &Pose) -> Self {
         match self.clone() {
             Self::Cone { axis_in_link, toward, most_rad } => {
                 Self::Cone { axis_in_link, toward: new_from_old.rotation * toward, most_rad }
@@ -94,10 +94,10 @@ impl ToolRegion {
 }
 
 impl ToolBound {
-    /// Returns this bound in a new frame, as [`ToolRegion::seen_from`].
+    /// Returns this bound in a new frame, as [`ToolRegion::in_frame`].
     #[must_use]
-    pub fn seen_from(&self, new_from_old: &Pose) -> Self {
-        Self { region: self.region.seen_from(new_from_old), ..self.clone() }
+    pub fn in_frame(&self, new_from_old: &Pose) -> Self {
+        Self { region: self.region.in_frame(new_from_old), ..self.clone() }
     }
 
     /// Checks that the bounded link exists and is not a finger, which the hand moves by itself.

@@ -3,7 +3,7 @@ use cranny_spatial::{LANES, LaneArray, LaneVector};
 use fearless_simd::Simd;
 
 use crate::lane::lane_vector::BoxLanes;
-use crate::proof::course::Course;
+use crate::proof::joint_curve::JointCurve;
 
 /// Bounds on the motion away from the checked configurations: all 0 for the configurations alone, positive for the motion
 /// between them.
@@ -130,19 +130,19 @@ impl LaneScratch {
         clippy::cast_possible_truncation,
         reason = "lanes are `f32` by design; the slack of every comparison covers it"
     )]
-    pub fn set_lanes_along(&mut self, course: Course<'_>, places: impl Iterator<Item = f64>) {
+    pub fn set_lanes_along(&mut self, course: JointCurve<'_>, places: impl Iterator<Item = f64>) {
         let mut all = [0.0; LANES];
         all.iter_mut().zip(places).for_each(|(known, place)| *known = place);
         let rates = &mut self.travel.motion.rates;
         rates.resize(self.q.len(), [0.0; LANES]);
         match course {
-            Course::Line([a, b]) => {
+            JointCurve::Line([a, b]) => {
                 for ((lanes, rates), (a, b)) in self.q.iter_mut().zip(rates).zip(a.iter().zip(b)) {
                     *lanes = all.map(|place| (a + (b - a) * place) as f32);
                     *rates = [(b - a) as f32; LANES];
                 }
             }
-            Course::Curve(_) => {
+            JointCurve::Curve(_) => {
                 let mut values = vec![0.0; self.q.len()];
                 for (lane, place) in all.into_iter().enumerate() {
                     course.place(place, &mut values);

@@ -1,9 +1,9 @@
 use crate::cell::Cell;
-use crate::pair::unchecked::Unchecked;
+use crate::pair::exempt_pair::ExemptPair;
 
 impl Cell {
     /// Returns the pairs that are not checked.
-    pub fn unchecked(&self) -> &[Unchecked] {
+    pub fn unchecked(&self) -> &[ExemptPair] {
         &self.unchecked
     }
 
@@ -12,6 +12,6 @@ impl Cell {
     #[must_use]
     pub fn with_all_pairs(&self) -> Self {
         let more = self.unchecked.iter().filter(|unchecked| !unchecked.reason.is_never_free());
-        self.with_pairs(&more.filter_map(Unchecked::links).collect::<Vec<_>>())
+        self.with_pairs(&more.filter_map(ExemptPair::links).collect::<Vec<_>>())
     }
 }

@@ -6,7 +6,7 @@ use cranny_spatial::{CONTACT_M, Pose, ROUNDING_M, Rotation, Vector};
 
 use crate::body::extent::is_round;
 use crate::body::link_body::{LinkBody, group_separation};
-use crate::proof::course::Rates;
+use crate::proof::joint_curve::Rates;
 use crate::proof::travel::{Travel, shared_joints};
 
 /// Proven result on two links for all values of the joints between them.

@@ -1,8 +1,8 @@
 use cranny_robot::Robot;
 
 use crate::body::link_body::LinkBody;
+use crate::pair::exempt_pair::{Exempt, ExemptIndices, UncheckedReason};
 use crate::pair::pair_range::{PairRange, PairRanges, Question};
-use crate::pair::unchecked::{Exempt, ExemptPair, UncheckedReason};
 
 /// Pairs of links with relative motion, as indices among the links with geometry, each with the reason if it is exempt.
 ///
@@ -58,7 +58,7 @@ impl SelfPairs {
         &self,
         bodies: &[LinkBody],
         asked_for: &[(usize, usize)],
-    ) -> (Vec<(usize, usize)>, Vec<ExemptPair>) {
+    ) -> (Vec<(usize, usize)>, Vec<ExemptIndices>) {
         let (mut checked, mut left_out) = (Vec::new(), Vec::new());
         for &(pair, exempt) in &self.0 {
             match exempt.filter(|_| !asked_for.contains(&links_of(bodies, pair))) {

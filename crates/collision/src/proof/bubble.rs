@@ -4,7 +4,7 @@ use cranny_spatial::{ROUNDING_M, Vector};
 use crate::cell::{Cell, Scratch};
 use crate::lane::lane_scratch::as_index;
 use crate::pair::pairs::{Other, Pair};
-use crate::proof::course::Course;
+use crate::proof::joint_curve::JointCurve;
 
 /// A free configuration with the excess of each distance there over the demanded one. These bound the free length of any
 /// straight motion that starts there, without another distance computation.
@@ -116,7 +116,7 @@ impl Cell {
     /// If `target` has not one value per joint.
     pub fn free_share(&self, bubble: &Bubble, target: &[f64], scratch: &mut Scratch) -> f64 {
         assert_eq!(target.len(), self.robot().dof(), "one value per joint");
-        let course = Course::Line([&bubble.q, target]);
+        let course = JointCurve::Line([&bubble.q, target]);
         scratch.rates.set(course);
         if !scratch.rates.now.iter().all(|slope| slope.is_finite()) {
             return 0.0;

@@ -3,7 +3,7 @@ use cranny_spatial::ROUNDING_M;
 
 use crate::body::tool_bound::CellBound;
 use crate::cell::{Cell, Scratch};
-use crate::proof::course::Course;
+use crate::proof::joint_curve::JointCurve;
 use crate::proof::motion::{Demand, Motion};
 use crate::proof::reach::Reach;
 use crate::proof::tool::{Excess, TOLERANCE};
@@ -94,7 +94,7 @@ impl Cell {
     /// For fewer than two control points, or one without one value per joint.
     pub fn curve_is_free(&self, control_points: &[Vec<f64>], reach: &Reach, scratch: &mut Scratch) -> Motion {
         let fault = self.fault_of_joints(control_points, FINEST_M, reach, scratch);
-        fault.unwrap_or_else(|| self.prove(Course::Curve(control_points), scratch, Demand::default()))
+        fault.unwrap_or_else(|| self.prove(JointCurve::Curve(control_points), scratch, Demand::default()))
     }
 
     /// Returns true if [`Self::curve_is_free`] is proven with limited effort (control points: m, rad; one value per joint
@@ -115,8 +115,8 @@ impl Cell {
         const EFFORT: u64 = 64;
         let demand = Demand { beyond_m, effort: EFFORT, ..Demand::default() };
         let course = match control_points {
-            [a, b] => Course::Line([a, b]),
-            points => Course::Curve(points),
+            [a, b] => JointCurve::Line([a, b]),
+            points => JointCurve::Curve(points),
         };
         self.fault_of_joints(control_points, FINE_M, reach, scratch).is_none()
             && self.first_failure(course, scratch, demand).is_none()
@@ -173,7 +173,7 @@ impl Cell {
     ) -> Result<(f64, Option<NearestPair>), Contact> {
         assert!(control_points.len() > 1, "a curve has two control points or more");
         let measuring = MeasureOptions { share, ..MeasureOptions::default() };
-        let measured = self.measure(Course::Curve(control_points), measuring, scratch);
+        let measured = self.measure(JointCurve::Curve(control_points), measuring, scratch);
         match measured.contradiction {
             Some((_, contact)) => Err(contact),
             None => Ok((measured.least_m, measured.nearest)),
@@ -301,7 +301,7 @@ mod tests {
                 refused += 1;
                 assert!(seen_m < 1e-2, "a curve that keeps {seen_m} m was refused");
                 let wrong = Demand { factor: 0.05, ..Demand::default() };
-                let proof = cell.prove(Course::Curve(&points), &mut scratch, wrong);
+                let proof = cell.prove(JointCurve::Curve(&points), &mut scratch, wrong);
                 false_proofs += u32::from(proof.is_proven());
             }
         }

@@ -7,7 +7,7 @@ use cranny_spatial::{ROUNDING_M, Vector};
 use crate::body::link_body::LinkBody;
 use crate::lane::single_frame::Verdict;
 use crate::pair::pairs::{Other, Pair};
-use crate::proof::course::Rates;
+use crate::proof::joint_curve::Rates;
 use crate::proof::travel::Travel;
 
 /// Table of pairs of links whose relative pose depends on the same one or two joints, as on either side of an elbow or a wrist.

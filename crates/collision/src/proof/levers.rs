@@ -2,7 +2,7 @@ use cranny_robot::JointKind;
 
 use crate::cell::{Cell, Scratch};
 use crate::pair::pairs::Other;
-use crate::proof::course::Course;
+use crate::proof::joint_curve::JointCurve;
 
 /// Levers by which errors of the joints, and of the robot's placement, move the collision geometry along a path.
 ///
@@ -66,7 +66,7 @@ impl Cell {
             }
         }
         for edge in path.windows(2) {
-            let course = Course::Line([&edge[0], &edge[1]]);
+            let course = JointCurve::Line([&edge[0], &edge[1]]);
             scratch.rates.set(course);
             let half_width = 0.5 / f64::from(PIECES);
             for piece in 0..PIECES {

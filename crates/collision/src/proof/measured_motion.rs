@@ -5,7 +5,7 @@ use crate::Collider;
 use crate::cell::{Cell, Scratch};
 use crate::pair::pair_group::PairGroup;
 use crate::pair::pairs::Pair;
-use crate::proof::course::Course;
+use crate::proof::joint_curve::JointCurve;
 use crate::proof::motion::travel_of;
 use crate::touch::contact::Contact;
 
@@ -90,13 +90,13 @@ impl Cell {
         measuring: MeasureOptions,
         scratch: &mut Scratch,
     ) -> MeasuredMotion {
-        self.measure(Course::Line([a, b]), measuring, scratch)
+        self.measure(JointCurve::Line([a, b]), measuring, scratch)
     }
 
     /// Runs [`Self::measure_motion`] along any motion.
     pub(crate) fn measure(
         &self,
-        course: Course<'_>,
+        course: JointCurve<'_>,
         measuring: MeasureOptions,
         scratch: &mut Scratch,
     ) -> MeasuredMotion {

@@ -6,11 +6,11 @@ use crate::lane::lane_bits::{first_lanes, lanes_of};
 use crate::lane::lane_scratch::{LaneMotion, LanePace};
 use crate::lane::lanes::Interest;
 use crate::pair::pairs::{Other, Pair};
-use crate::proof::course::Course;
+use crate::proof::joint_curve::JointCurve;
 #[cfg(doc)]
-use crate::proof::course::Rates;
+use crate::proof::joint_curve::Rates;
 use crate::proof::tool::Excess;
-use crate::proof::travel::Pace;
+use crate::proof::travel::LinkSpeed;
 use crate::proof::work_list::{Interval, WorkList};
 use crate::touch::contact::Contact;
 
@@ -121,7 +121,7 @@ impl Cell {
             }
         }
         let excess = self.out_of_bounds_at(a, b, &[], scratch);
-        excess.map_or_else(|| self.prove(Course::Line([a, b]), scratch, Demand::default()), Motion::from)
+        excess.map_or_else(|| self.prove(JointCurve::Line([a, b]), scratch, Demand::default()), Motion::from)
     }
 
     /// Returns the parameter in [0, 1] at which the proof of [`Self::motion_is_free`] from `a` to `b` (m, rad; one per joint)
@@ -135,13 +135,13 @@ impl Cell {
         let beyond = beyond.map(|(_, at)| at);
         beyond.or_else(|| self.out_of_bounds_at(a, b, &[], scratch).map(|excess| excess.at)).or_else(|| {
             let failure =
-                self.first_failure(Course::Line([a, b]), scratch, Demand { effort, ..Demand::default() });
+                self.first_failure(JointCurve::Line([a, b]), scratch, Demand { effort, ..Demand::default() });
             failure.map(|failure| failure.at)
         })
     }
 
     /// Proves [`Self::motion_is_free`] along any motion, without joint limits and bounds on the tool.
-    pub(crate) fn prove(&self, course: Course<'_>, scratch: &mut Scratch, demand: Demand) -> Motion {
+    pub(crate) fn prove(&self, course: JointCurve<'_>, scratch: &mut Scratch, demand: Demand) -> Motion {
         let mut failure = self.first_failure(course, scratch, demand);
         if let Some(Failure { at, pair: None, .. }) = failure {
             self.check_at(course, at, 0.0, scratch, demand.factor);
@@ -168,7 +168,7 @@ impl Cell {
     /// Returns the failure of the proof, if any; the frames of `scratch` are then at the configuration of a named pair.
     pub(crate) fn first_failure(
         &self,
-        course: Course<'_>,
+        course: JointCurve<'_>,
         scratch: &mut Scratch,
         demand: Demand,
     ) -> Option<Failure> {
@@ -183,7 +183,7 @@ impl Cell {
     fn certify_in_lanes(
         &self,
         level: Level,
-        course: Course<'_>,
+        course: JointCurve<'_>,
         scratch: &mut Scratch,
         demand: Demand,
     ) -> Option<f64> {
@@ -269,8 +269,8 @@ impl Cell {
         reason = "at most `MOST_FIRST_PASSES` passes"
     )]
     fn first_intervals(&self, scratch: &Scratch) -> usize {
-        // Solve `Pace::travel_m` for the number of intervals, by the velocity in the middle of the motion.
-        let intervals = |Pace { now, acceleration, .. }: Pace| {
+        // Solve `LinkSpeed::travel_m` for the number of intervals, by the velocity in the middle of the motion.
+        let intervals = |LinkSpeed { now, acceleration, .. }: LinkSpeed| {
             (now + (now * now + 2.0 * FIRST_TRAVEL_M * acceleration).sqrt()) / (4.0 * FIRST_TRAVEL_M)
         };
         let most =
@@ -292,7 +292,7 @@ impl Cell {
         let lane = |travel: f64| ((travel + beyond_m + ROUNDING_M) * (1.0 + 1e-6)) as f32;
         let half_width = 0.5 * share * factor;
         let pace = |body: usize| {
-            let Pace { most, acceleration, .. } = scratch.travel.pace(body);
+            let LinkSpeed { most, acceleration, .. } = scratch.travel.pace(body);
             let beside = half_width * (0.5 * half_width * acceleration + ROUNDED * most);
             LanePace { most_m: lane(half_width * most), beside_m: lane(beside) }
         };
@@ -311,7 +311,12 @@ impl Cell {
     }
 
     /// Runs phases 2 to 4 for `scratch.work`, with exact distances.
-    fn certify_exactly(&self, course: Course<'_>, scratch: &mut Scratch, demand: Demand) -> Option<Failure> {
+    fn certify_exactly(
+        &self,
+        course: JointCurve<'_>,
+        scratch: &mut Scratch,
+        demand: Demand,
+    ) -> Option<Failure> {
         let mut work = std::mem::take(&mut scratch.work);
         let mut next = std::mem::take(&mut scratch.next_work);
         let mut failure = None;
@@ -358,7 +363,7 @@ impl Cell {
     /// Computes the frames at `middle`, and the travel bounds within `half_width` of it.
     pub(crate) fn check_at(
         &self,
-        course: Course<'_>,
+        course: JointCurve<'_>,
         middle: f64,
         half_width: f64,
         scratch: &mut Scratch,
@@ -370,9 +375,9 @@ impl Cell {
     }
 
     /// Computes frames and rates at `middle` of a motion whose rates are already bounded ([`Rates::set`]).
-    fn place_at(&self, course: Course<'_>, middle: f64, scratch: &mut Scratch) {
+    fn place_at(&self, course: JointCurve<'_>, middle: f64, scratch: &mut Scratch) {
         course.place(middle, &mut scratch.q);
-        if let Course::Curve(_) = course {
+        if let JointCurve::Curve(_) = course {
             course.slope(middle, &mut scratch.rates.now);
         }
         self.robot().forward_kinematics(&scratch.q, &mut scratch.frames);

@@ -1,6 +1,6 @@
 use crate::cell::{Cell, Scratch};
 use crate::pair::pair_group::PairGroup;
-use crate::proof::course::Course;
+use crate::proof::joint_curve::JointCurve;
 use crate::proof::motion::Demand;
 use crate::{MeasureOptions, Motion};
 
@@ -33,7 +33,7 @@ impl Cell {
             let demand = Demand { beyond_m, ..Demand::default() };
             // 2.
             if beyond_m <= 0.0
-                || self.prove(Course::Line([&edge[0], &edge[1]]), scratch, demand) != Motion::Proven
+                || self.prove(JointCurve::Line([&edge[0], &edge[1]]), scratch, demand) != Motion::Proven
             {
                 // 3.
                 let ends = [&edge[0][..], &edge[1]];

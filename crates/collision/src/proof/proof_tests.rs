@@ -11,7 +11,7 @@ use proptest::prelude::*;
 
 use crate::lane::lane_bits::first_lanes;
 use crate::lane::lanes::Interest;
-use crate::proof::course::{Course, Rates};
+use crate::proof::joint_curve::{JointCurve, Rates};
 use crate::proof::motion::Demand;
 use crate::proof::travel::Travel;
 use crate::{Body, Cell, Margins, MeasureOptions, Motion, World};
@@ -157,8 +157,8 @@ fn random_points(robot: &Robot, seed: u64, random: &mut Stream) -> Vec<Vec<f64>>
     (0..2 + seed % 4).map(|_| robot.random_configuration(random)).collect()
 }
 
-fn course_of(points: &[Vec<f64>]) -> Course<'_> {
-    if let [a, b] = points { Course::Line([a, b]) } else { Course::Curve(points) }
+fn course_of(points: &[Vec<f64>]) -> JointCurve<'_> {
+    if let [a, b] = points { JointCurve::Line([a, b]) } else { JointCurve::Curve(points) }
 }
 
 /// Returns true if a point of a link moves farther than `factor` times its bound within `half_width` of a random motion's
@@ -200,7 +200,7 @@ fn bound_of_lanes_is_broken(seed: u64, half_width: f64, factor: f64) -> bool {
 }
 
 /// Returns the greatest distance of a point of a link from its position in the middle of an interval of a motion, at samples.
-fn most_moved_m(cell: &Cell, body: usize, course: Course<'_>, middle: f64, half_width: f64) -> f64 {
+fn most_moved_m(cell: &Cell, body: usize, course: JointCurve<'_>, middle: f64, half_width: f64) -> f64 {
     let (robot, link) = (cell.robot(), &cell.bodies[body]);
     let mut q = vec![0.0; robot.dof()];
     let mut at = |t: f64| {
@@ -240,8 +240,12 @@ fn half_of_the_bound_lets_thin_plates_through() {
         let plate = plate_in_the_way(&robot, &a, &b, at, &mut random);
         let cell = cell(&robot, vec![plate], 0.0);
         assert!(!cell.motion_is_free(&a, &b, &mut cell.scratch()).is_proven());
-        cell.prove(Course::Line([&a, &b]), &mut cell.scratch(), Demand { factor: 0.5, ..Demand::default() })
-            .is_proven()
+        cell.prove(
+            JointCurve::Line([&a, &b]),
+            &mut cell.scratch(),
+            Demand { factor: 0.5, ..Demand::default() },
+        )
+        .is_proven()
     });
     assert!(missed.count() > 0);
 }

@@ -2,7 +2,7 @@ use cranny_robot::{JointKind, LinkFrames, Robot};
 use cranny_spatial::Vector;
 
 use crate::body::link_body::LinkBody;
-use crate::proof::course::Rates;
+use crate::proof::joint_curve::Rates;
 
 /// Bounds on the motion of the links while the configuration runs along a motion.
 ///
@@ -28,7 +28,7 @@ pub(crate) struct Travel {
     /// link has joints.
     sums: Vec<Vec<f64>>,
     /// Bounds on the velocity of each link.
-    paces: Vec<Pace>,
+    paces: Vec<LinkSpeed>,
     travels_m: Vec<f64>,
     /// True if the bounds of a link have been computed since [`Self::forget`].
     is_known: Vec<bool>,
@@ -45,7 +45,7 @@ struct Axis {
 
 /// Bounds on the motion of a link, per unit of `t`, in metres.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Pace {
+pub(crate) struct LinkSpeed {
     /// Maximum velocity of any of its points within the interval.
     pub most: f64,
     /// Maximum velocity of any of its points at the configuration itself.
@@ -54,7 +54,7 @@ pub(crate) struct Pace {
     pub acceleration: f64,
 }
 
-impl Pace {
+impl LinkSpeed {
     /// Returns a bound on the motion of any point, for `t` up to `half_width` away, in metres.
     fn travel_m(&self, half_width: f64) -> f64 {
         half_width * self.most.min(self.now + 0.5 * half_width * self.acceleration)
@@ -65,7 +65,7 @@ impl Travel {
     pub fn new(robot: &Robot, bodies: &[LinkBody]) -> Self {
         Self {
             sums: bodies.iter().map(|b| vec![0.0; robot.ancestors(b.link).len() + 1]).collect(),
-            paces: vec![Pace::default(); bodies.len()],
+            paces: vec![LinkSpeed::default(); bodies.len()],
             travels_m: vec![0.0; bodies.len()],
             is_known: vec![false; bodies.len()],
             axes: vec![None; robot.links().len()],
@@ -111,7 +111,7 @@ impl Travel {
         let (body, sums) = (&bodies[index], &mut self.sums[index]);
         let center = (frames.link(body.link) * body.bounds.ball.center).coords;
         let radius_m = body.bounds.ball.radius_m;
-        let (mut velocity, mut turn, mut pace) = (Vector::zeros(), Vector::zeros(), Pace::default());
+        let (mut velocity, mut turn, mut pace) = (Vector::zeros(), Vector::zeros(), LinkSpeed::default());
         // Origin of the joint beyond, and maximum length from the current joint through these origins to a point of the link.
         let (mut beyond, mut way_m) = (center, radius_m);
         for (k, ancestor) in robot.ancestors(body.link).iter().enumerate().rev() {
@@ -153,7 +153,7 @@ impl Travel {
     }
 
     /// Returns the bounds on the velocity of a link against the world.
-    pub fn pace(&self, body: usize) -> Pace {
+    pub fn pace(&self, body: usize) -> LinkSpeed {
         self.paces[body]
     }
 

@@ -39,7 +39,7 @@ impl Cell {
         for finger in 0..fingers {
             let own = |body: &&LinkBody| self.robot().finger_of(body.link) == Some(finger);
             let bodies: Vec<&LinkBody> = self.bodies.iter().filter(own).collect();
-            let way_m = self.finger_way_m(finger);
+            let way_m = self.finger_travel_m(finger);
             let mut closing = 0.0;
             for _ in 0..MOST_STEPS {
                 let hold = Hold { closing, ..held.hold };
@@ -78,7 +78,7 @@ impl Cell {
     }
 
     /// Returns an upper bound on the motion of any point of a finger while the hand closes from open, in metres.
-    pub fn finger_way_m(&self, finger: usize) -> f64 {
+    pub fn finger_travel_m(&self, finger: usize) -> f64 {
         let own = self.bodies.iter().filter(|body| self.robot().finger_of(body.link) == Some(finger));
         own.map(|body| self.closing_motion_bound_m(body)).fold(0.0, f64::max)
     }

@@ -41,7 +41,7 @@ impl Cell {
 
     /// Returns this robot, with its held object, in the surroundings and with the margins of another cell.
     #[must_use]
-    pub fn amid(&self, other: &Self) -> Self {
+    pub fn with_surroundings_of(&self, other: &Self) -> Self {
         let (robot, body, held) = (self.robot.clone(), self.body.clone(), self.held.clone());
         Self::of(CellParts { robot, body, held, ..other.parts_of() })
     }

@@ -6,10 +6,10 @@ use crate::body::extent::Extent;
 use crate::body::link_body::group_separation;
 use crate::body::world::{Body, Part};
 use crate::cell::{Cell, Scratch};
-use crate::proof::course::Course;
+use crate::proof::joint_curve::JointCurve;
 use crate::touch::contact_patch::{Across, PlanePoint, distance_to_hull};
 use crate::touch::resting_face::{
-    CONTACT_ALLOWANCE_M, Face, MOST_GAP_M, RESOLUTION_M, Standing, UNEVEN_M, lip,
+    CONTACT_ALLOWANCE_M, Face, MOST_GAP_M, RESOLUTION_M, SupportedObject, UNEVEN_M, lip,
 };
 
 /// A body of the world on its support faces.
@@ -132,7 +132,7 @@ impl Cell {
         let required_m = self.margins().of_held_m();
         let near_m = required_m.max(MOST_GAP_M);
         let up = self.world().up();
-        let standing = Standing { extent, world_from_held, placed };
+        let standing = SupportedObject { extent, world_from_held, placed };
         let (mut candidates, mut beside) = (Vec::new(), Vec::new());
         for (index, (other, part)) in self.parts().iter().enumerate().filter(|(_, (other, _))| *other != body)
         {
@@ -228,7 +228,7 @@ impl Cell {
         assert!(a.len() == self.robot().dof() && b.len() == a.len(), "one value per joint");
         let held = self.bodies.iter().rposition(|body| Some(body.link) == self.robot().held_link());
         let held = held.expect("something is held");
-        let course = Course::Line([a, b]);
+        let course = JointCurve::Line([a, b]);
         scratch.rates.set(course);
         let deepest_m = -CONTACT_ALLOWANCE_M - 2.0 * RESOLUTION_M;
         let mut open = vec![(0.5, 0.5)];

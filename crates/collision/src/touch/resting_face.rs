@@ -8,7 +8,7 @@ use crate::touch::contact_patch::{Across, Overlap, OverlapCorner, PlanePoint, Se
 
 /// A body with its first solid at a pose.
 #[derive(Clone, Copy)]
-pub(crate) struct Standing<'a> {
+pub(crate) struct SupportedObject<'a> {
     pub extent: &'a Extent,
     pub world_from_held: &'a Pose,
     /// Its solids, at their poses there.
@@ -56,7 +56,7 @@ const SAME_M: f64 = 2e-6;
 impl Face {
     /// Returns the face by which a part may support a body: of the possible faces, the one whose contact regions are nearest to
     /// the body's centre of mass, as seen along gravity.
-    pub fn below(standing: Standing<'_>, part: &Part, up: &Vector) -> Option<Self> {
+    pub fn below(standing: SupportedObject<'_>, part: &Part, up: &Vector) -> Option<Self> {
         let surface = surface_near(part, standing.placed);
         let ground = Ground { part, surface: &surface };
         let gravity = Across::new(up);
@@ -83,8 +83,13 @@ impl Face {
 
     /// Returns the corners of the regions of [`Self::places`] in which the body's surface is on its convex hull, to
     /// [`CONTACT_ALLOWANCE_M`]: elsewhere it touches no plane in any orientation.
-    pub fn places_on_hull(&self, standing: Standing<'_>, gravity: &Across, gap_m: f64) -> Vec<PlanePoint> {
-        let Standing { extent, world_from_held, .. } = standing;
+    pub fn places_on_hull(
+        &self,
+        standing: SupportedObject<'_>,
+        gravity: &Across,
+        gap_m: f64,
+    ) -> Vec<PlanePoint> {
+        let SupportedObject { extent, world_from_held, .. } = standing;
         let within: Vec<_> = self.overlaps.iter().map(|overlap| overlap.within(gap_m)).collect();
         let planes = extent.lower_planes(world_from_held, &self.direction, self.top_m + gap_m);
         let on = |(normal, height_m): (Vector, f64)| {
@@ -127,7 +132,7 @@ impl Ground<'_> {
     /// 2. Take the plane through their highest points.
     /// 3. Check that the direction is a normal of the part there.
     /// 4. Check that the portion above the plane is apart from the body.
-    fn face(&self, standing: Standing<'_>, direction: Vector) -> Option<Face> {
+    fn face(&self, standing: SupportedObject<'_>, direction: Vector) -> Option<Face> {
         let low_m = standing.extent.lowest_along(standing.world_from_held, &direction);
         let ceiling_m = low_m + CONTACT_ALLOWANCE_M + RESOLUTION_M;
         let gaps_m = [-CONTACT_ALLOWANCE_M - RESOLUTION_M, REACH_M];
@@ -285,7 +290,7 @@ fn surface_near(part: &Part, placed: &[(Pose, &Solid)]) -> Vec<[Point; 3]> {
 /// also be a normal of an edge or a corner.
 fn directions<'a>(
     ground: &Ground<'a>,
-    standing: Standing<'a>,
+    standing: SupportedObject<'a>,
     up: &'a Vector,
 ) -> impl Iterator<Item = Vector> + use<'a> {
     let part = ground.part;

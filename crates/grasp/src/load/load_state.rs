@@ -3,7 +3,7 @@ use std::f64::consts::{PI, TAU};
 use cranny_spatial::nalgebra::Rotation3;
 use cranny_spatial::{Vector, sin_cos};
 
-use crate::Course;
+use crate::ShakeTest;
 
 /// Motion of the hand, with the object in it, at an instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,7 +33,7 @@ impl LoadState {
     };
 
     /// Motions of the hand along a course: every 20 ms while it lifts, every 4 ms while it shakes.
-    pub fn along(course: &Course) -> Vec<Self> {
+    pub fn along(course: &ShakeTest) -> Vec<Self> {
         let middles = |step_s: f64, duration_s: f64| {
             let times = (0u32..).map(move |step| (f64::from(step) + 0.5) * step_s);
             times.take_while(move |time_s| *time_s < duration_s)

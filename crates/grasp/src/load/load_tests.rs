@@ -2,7 +2,7 @@ use cranny_shape::{Surface, TriangleSoup};
 use cranny_spatial::nalgebra::{Matrix3, Rotation3};
 use cranny_spatial::{Point, Pose, Vector};
 
-use crate::{Course, HeldObject, Load, LoadMeasure, LoadState, Pads};
+use crate::{HeldObject, Load, LoadMeasure, LoadState, Pads, ShakeTest};
 
 /// Rubber tips of a Franka hand.
 const FRANKA: Pads =
@@ -112,14 +112,14 @@ fn a_lift_costs_as_much_as_it_accelerates() {
 #[test]
 fn hands_that_close_on_nothing_hold_nothing() {
     assert_eq!(
-        bar(0.5, 0.5, LoadState::along(&Course::default())),
+        bar(0.5, 0.5, LoadState::along(&ShakeTest::default())),
         Load { at_rest: 0.0, in_motion: 0.0, turn_rad: 0.0, shift_m: 0.0, width_m: 0.0 }
     );
 }
 
 #[test]
 fn the_twin_of_a_grasp_holds_as_firmly() {
-    let states = LoadState::along(&Course::default());
+    let states = LoadState::along(&ShakeTest::default());
     let soup = TriangleSoup::geodesic_sphere(0.03, 3);
     let object = HeldObject {
         surface: Surface::new(&soup).unwrap(),
@@ -139,7 +139,7 @@ fn the_twin_of_a_grasp_holds_as_firmly() {
 /// Motions of the hand are the derivatives of its pose on the course.
 #[test]
 fn the_states_of_a_course_are_its_derivatives() {
-    let course = Course::default();
+    let course = ShakeTest::default();
     let states = LoadState::along(&course);
     // 0.5 s of lifting, and two periods of 0.2 s on each of three axes.
     assert_eq!(states.len(), 25 + 3 * 100);

@@ -3,7 +3,7 @@
 use std::error::Error;
 use std::time::Instant;
 
-use cranny_grasp::{Course, LoadMeasure, LoadState, Pads};
+use cranny_grasp::{LoadMeasure, LoadState, Pads, ShakeTest};
 use cranny_scenario::{OpenOptions, Scenario, TargetObject, TargetPhysics};
 use cranny_spatial::Vector;
 use cranny_task::robot_hand;
@@ -22,7 +22,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let hand = robot_hand(&scenario.robot);
         let (held, pads) = object.held().zip(Pads::of(&hand)).ok_or("nothing to hold, or no pads")?;
         let up = world_from_object.rotation.inverse() * Vector::z();
-        let states = LoadState::along(&Course::default());
+        let states = LoadState::along(&ShakeTest::default());
         let measure = LoadMeasure::new(held, pads, hand.closing_force_n, up, states);
         let grasps = scenario.grasps.moved(&world_from_object.inverse());
         let begin = Instant::now();

@@ -1,6 +1,6 @@
 use cranny_robot::{JointKind, Robot};
 use cranny_spatial::Vector;
-use cranny_task::Pace;
+use cranny_task::SpeedLimits;
 
 use crate::timing::motion_limits::MotionLimits;
 use crate::timing::path_curve::{PathCurve, Piece};
@@ -24,14 +24,14 @@ pub(crate) struct PieceLimits {
 #[derive(Clone, Copy, Debug)]
 pub struct EdgePace {
     /// Requested limits.
-    pub pace: Pace,
+    pub pace: SpeedLimits,
     /// Speed factor: velocities, including that of the tool, scale with it, accelerations with its square, jerks with its cube.
     pub share: f64,
 }
 
 impl Default for EdgePace {
     fn default() -> Self {
-        Self { pace: Pace::default(), share: 1.0 }
+        Self { pace: SpeedLimits::default(), share: 1.0 }
     }
 }
 
@@ -54,7 +54,7 @@ impl PieceLimits {
         let acceleration = least(|edge| edge.share.powi(2) * edge.pace.acceleration);
         let jerk = least(|edge| edge.share.powi(3));
         let times = |limits: &[f64], share: f64| limits.iter().map(|limit| limit * share).collect();
-        let slowest = |of: fn(&Pace) -> Option<f64>| {
+        let slowest = |of: fn(&SpeedLimits) -> Option<f64>| {
             both.iter().filter_map(|edge| Some(edge.share * of(&edge.pace)?)).reduce(f64::min)
         };
         let most_speed = |speed: Option<f64>, greatest: fn(&Robot, &Piece) -> f64| {

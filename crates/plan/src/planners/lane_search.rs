@@ -69,7 +69,7 @@ pub(crate) struct LaneSearch<'a> {
     pool: Option<GoalPool<'a>>,
     /// Free goals that are not yet added, with the cost of each.
     waiting: VecDeque<(Vec<f64>, f64)>,
-    stage: Stage,
+    stage: SearchState,
     /// Nodes of both sides at which the last path was joined.
     joined: Option<[usize; 2]>,
     is_rejected: bool,
@@ -77,7 +77,7 @@ pub(crate) struct LaneSearch<'a> {
 
 /// Point at which a search continues.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Stage {
+enum SearchState {
     /// Before its first iteration.
     New,
     /// Between two iterations.
@@ -88,7 +88,7 @@ enum Stage {
 
 /// Relation of a growth to the edge before it: a turn, or its prolongation.
 #[derive(Clone, Copy)]
-enum Way {
+enum EdgeRelation {
     Turns,
     GoesOn,
 }
@@ -142,7 +142,7 @@ impl<'a> LaneSearch<'a> {
             statistics: Statistics::default(),
             pool: None,
             waiting: VecDeque::new(),
-            stage: Stage::New,
+            stage: SearchState::New,
             joined: None,
             is_rejected: false,
         })
@@ -155,7 +155,9 @@ impl<'a> LaneSearch<'a> {
 
     fn report(&mut self, ended: Result<Path, Outcome>) -> PlanReport {
         let failures = match &self.pool {
-            Some(pool) if ended.is_err() && self.stage != Stage::New => pool.failures(&mut self.scratch),
+            Some(pool) if ended.is_err() && self.stage != SearchState::New => {
+                pool.failures(&mut self.scratch)
+            }
             _ => Vec::new(),
         };
         let mut statistics = self.statistics;
@@ -181,7 +183,7 @@ impl<'a> LaneSearch<'a> {
         self.add_root(0, start, 0.0, observer);
         let goals = goals.iter().zip(&free[1..]).filter(|(_, is_free)| **is_free);
         self.waiting.extend(goals.map(|(goal, _)| (goal.clone(), 0.0)));
-        self.stage = Stage::Between;
+        self.stage = SearchState::Between;
         Ok(())
     }
 
@@ -193,8 +195,8 @@ impl<'a> LaneSearch<'a> {
                 }
             }
             // 3.
-            if self.stage == Stage::Growing {
-                self.stage = Stage::Between;
+            if self.stage == SearchState::Growing {
+                self.stage = SearchState::Between;
                 let smaller = usize::from(self.sides[1].len() < self.sides[0].len());
                 if !self.goals.is_empty()
                     && let Some(path) = self.grow_both(smaller, observer)
@@ -214,7 +216,7 @@ impl<'a> LaneSearch<'a> {
             }
             self.laps.choose(self.statistics.iterations);
             self.statistics.iterations += 1;
-            self.stage = Stage::Growing;
+            self.stage = SearchState::Growing;
             // 1. and 2.
             // Unreached goals may all be cut off from the start, so more goals are added later.
             let most = self.settings.goals + (self.statistics.iterations / ITERATIONS_PER_GOAL) as usize;
@@ -259,7 +261,7 @@ impl<'a> LaneSearch<'a> {
             self.sample = sample;
             return None;
         }
-        let Growth { node, .. } = self.grow(side, (nearest, Way::Turns), &sample, observer);
+        let Growth { node, .. } = self.grow(side, (nearest, EdgeRelation::Turns), &sample, observer);
         self.sample = sample;
         if node == nearest {
             let domains = &mut self.domains[side];
@@ -308,9 +310,9 @@ impl<'a> LaneSearch<'a> {
     fn meet(&mut self, side: usize, node: usize, observer: &mut dyn Observer) -> Option<Path> {
         let meeting = self.sides[side].q(node).to_vec();
         let from = self.nearest(1 - side, &meeting);
-        let mut other = self.grow(1 - side, (from, Way::Turns), &meeting, observer);
+        let mut other = self.grow(1 - side, (from, EdgeRelation::Turns), &meeting, observer);
         while other.is_open && !other.is_target {
-            other = self.grow(1 - side, (other.node, Way::GoesOn), &meeting, observer);
+            other = self.grow(1 - side, (other.node, EdgeRelation::GoesOn), &meeting, observer);
         }
         let cost = self.sides[side].cost(node) + self.sides[1 - side].cost(other.node);
         if !other.is_target || cost >= SLACK * self.bound {
@@ -330,7 +332,7 @@ impl<'a> LaneSearch<'a> {
     fn grow(
         &mut self,
         side: usize,
-        (from, mut way): (usize, Way),
+        (from, mut way): (usize, EdgeRelation),
         target: &[f64],
         observer: &mut dyn Observer,
     ) -> Growth {
@@ -363,7 +365,7 @@ impl<'a> LaneSearch<'a> {
             let q = std::mem::take(&mut self.q);
             node = self.add_node(side, &q, (node, way), observer);
             self.q = q;
-            way = Way::GoesOn;
+            way = EdgeRelation::GoesOn;
         }
         Growth { node, is_target, is_open }
     }
@@ -414,7 +416,7 @@ impl<'a> LaneSearch<'a> {
         let mut last = ends[0];
         for pair in nodes.windows(2) {
             let q = self.sides[1].q(pair[1]).to_vec();
-            let way = if turns.contains(&pair[0]) { Way::Turns } else { Way::GoesOn };
+            let way = if turns.contains(&pair[0]) { EdgeRelation::Turns } else { EdgeRelation::GoesOn };
             last = self.add_node(0, &q, (last, way), observer);
         }
         if let Some(root) = nodes.last() {
@@ -430,13 +432,13 @@ impl<'a> LaneSearch<'a> {
         &mut self,
         side: usize,
         q: &[f64],
-        (parent, way): (usize, Way),
+        (parent, way): (usize, EdgeRelation),
         observer: &mut dyn Observer,
     ) -> usize {
         observer.node_added(side, q, Some(parent));
         match way {
-            Way::Turns => self.sides[side].add(q, Some(parent)),
-            Way::GoesOn => self.sides[side].prolong(q, parent),
+            EdgeRelation::Turns => self.sides[side].add(q, Some(parent)),
+            EdgeRelation::GoesOn => self.sides[side].prolong(q, parent),
         }
     }
 
@@ -455,8 +457,8 @@ impl PathSearch for LaneSearch<'_> {
         }
         self.is_rejected = false;
         let ended = match self.stage {
-            Stage::New => self.begin(observer),
-            Stage::Between | Stage::Growing => Ok(()),
+            SearchState::New => self.begin(observer),
+            SearchState::Between | SearchState::Growing => Ok(()),
         };
         let ended = ended.and_then(|()| self.search(observer));
         Ok(self.report(ended))

@@ -41,7 +41,7 @@ fn is_within_reach(problem: &Problem, goals: &GraspSet, [x, y]: [f64; 2]) -> boo
         Body { parts: body.parts.iter().map(part).collect(), ..body.clone() }
     };
     let bodies = cell.world().bodies().iter().map(shifted).collect();
-    let bounds = cell.world().tool_bounds().iter().map(|bound| bound.seen_from(&new_from_old)).collect();
+    let bounds = cell.world().tool_bounds().iter().map(|bound| bound.in_frame(&new_from_old)).collect();
     let shifted = cell.world().with_bodies(bodies).and_then(|world| world.with_tool_bounds(bounds));
     let shifted = shifted.map_err(Into::into).and_then(|world| {
         let goal = Goal::Grasps(goals.moved(&new_from_old));

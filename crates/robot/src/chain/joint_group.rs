@@ -5,7 +5,7 @@ use cranny_file::nearest_names;
 use crate::chain::limits::wrapped;
 use crate::description::urdf_model::{Urdf, UrdfJoint, UrdfJointKind, UrdfMotion};
 use crate::tree::Tree;
-use crate::{Hindrance, JointGroup, Location, RobotError, RobotOptions, Srdf, SrdfGroup};
+use crate::{JointConstraint, JointGroup, Location, RobotError, RobotOptions, Srdf, SrdfGroup};
 
 /// Resolved joint group: the joints of `q`, the values of all other joints, and the tip link.
 pub(crate) struct Resolved {
@@ -113,10 +113,10 @@ impl Resolver<'_> {
             let index = self.known_joint(name, || format!("{}: joints held at a value", self.urdf.file))?;
             let joint = &self.urdf.joints[index];
             if joint.motion.is_none() {
-                return Err(not_free(joint, "held at a value", Hindrance::Fixed));
+                return Err(not_free(joint, "held at a value", JointConstraint::Fixed));
             }
             if !value.is_finite() {
-                return Err(not_free(joint, "held at a value", Hindrance::NotFinite { value }));
+                return Err(not_free(joint, "held at a value", JointConstraint::NotFinite { value }));
             }
         }
         Ok(())
@@ -208,7 +208,9 @@ impl Resolver<'_> {
             }
         };
         match group.iter().find(|&&joint| self.is_held(joint)) {
-            Some(&joint) => Err(not_free(&self.urdf.joints[joint], "held at a value", Hindrance::InGroup)),
+            Some(&joint) => {
+                Err(not_free(&self.urdf.joints[joint], "held at a value", JointConstraint::InGroup))
+            }
             None => Ok(Some(group)),
         }
     }
@@ -219,9 +221,9 @@ impl Resolver<'_> {
             let index = self.known_joint(name, || format!("{}: joint group", self.urdf.file))?;
             let joint = &self.urdf.joints[index];
             let hindrance = match &joint.motion {
-                None => Some(Hindrance::Fixed),
+                None => Some(JointConstraint::Fixed),
                 Some(UrdfMotion { mimic: Some(mimic), .. }) => {
-                    Some(Hindrance::Mimic { master: mimic.master.clone() })
+                    Some(JointConstraint::Mimic { master: mimic.master.clone() })
                 }
                 Some(_) => None,
             };
@@ -366,8 +368,8 @@ impl Resolver<'_> {
                 let agrees = followed.follows.is_none() && (followed.offset - value).abs() < 1e-12;
                 if !agrees {
                     let hindrance = match followed.follows {
-                        Some(_) => Hindrance::Mimic { master },
-                        None => Hindrance::MimicValue { master, value: followed.offset },
+                        Some(_) => JointConstraint::Mimic { master },
+                        None => JointConstraint::MimicValue { master, value: followed.offset },
                     };
                     return Err(not_free(joint, "held at a value", hindrance));
                 }
@@ -402,7 +404,7 @@ pub(crate) fn mimic_within_limits(joint: &UrdfJoint, master: &str, value: f64) -
         return Ok(());
     }
     let beyond = (value - upper).max(lower - value);
-    let hindrance = Hindrance::MimicOutsideLimits { master: master.to_owned(), beyond };
+    let hindrance = JointConstraint::MimicOutsideLimits { master: master.to_owned(), beyond };
     Err(not_free(joint, "held", hindrance))
 }
 
@@ -426,6 +428,6 @@ pub(crate) fn admits(motion: &UrdfMotion, value: f64) -> bool {
     (lower..=upper).contains(&wrapped_if_endless(motion, value))
 }
 
-fn not_free(joint: &UrdfJoint, wanted: &'static str, hindrance: Hindrance) -> RobotError {
+fn not_free(joint: &UrdfJoint, wanted: &'static str, hindrance: JointConstraint) -> RobotError {
     RobotError::NotFree { at: joint.at.clone(), joint: joint.name.clone(), wanted, hindrance }
 }

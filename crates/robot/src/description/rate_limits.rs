@@ -7,7 +7,7 @@ use serde_saphyr::Spanned;
 
 use crate::description::urdf_model::{UrdfJoint, UrdfJointKind};
 use crate::error::{Location, RobotError};
-use crate::hindrance::Hindrance;
+use crate::joint_constraint::JointConstraint;
 
 /// Limits of one joint from a `limits.yaml`, and their location in the file.
 pub(crate) struct RateLimits {
@@ -46,7 +46,12 @@ impl RateLimits {
         let Some(motion) = &mut joint.motion else {
             let Some(_) = given else { return Ok(()) };
             let (at, joint) = (self.at.clone(), self.joint.clone());
-            return Err(RobotError::NotFree { at, joint, wanted: "limited", hindrance: Hindrance::Fixed });
+            return Err(RobotError::NotFree {
+                at,
+                joint,
+                wanted: "limited",
+                hindrance: JointConstraint::Fixed,
+            });
         };
         let limits = &mut motion.limits;
         let widest = match motion.kind {

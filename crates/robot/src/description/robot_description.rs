@@ -9,7 +9,7 @@ use crate::description::rate_limits::parse_yaml;
 use crate::description::urdf_model::Urdf;
 use crate::gripper::hand_description::line_of;
 use crate::tree::Tree;
-use crate::{HandDescription, Hindrance, JointGroup, JointLimits, Location, RobotError, RobotOptions};
+use crate::{HandDescription, JointConstraint, JointGroup, JointLimits, Location, RobotError, RobotOptions};
 
 /// Names of the files beside a URDF that [`Robot::load`](crate::Robot::load) reads.
 pub(crate) const LIMITS: &str = "limits.yaml";
@@ -147,12 +147,12 @@ impl RobotDescription {
             };
             let master = mimic.master.clone();
             let Some(of_master) = hand.and_then(|hand| hand.fingers.get(&master)) else {
-                return not_free(Hindrance::Mimic { master });
+                return not_free(JointConstraint::Mimic { master });
             };
             for (own, of_master) in [(range.open, of_master.open), (range.closed, of_master.closed)] {
                 let value = of_master * mimic.multiplier + mimic.offset;
                 if (own - value).abs() > MIMIC_SLACK {
-                    return not_free(Hindrance::MimicValue { master, value });
+                    return not_free(JointConstraint::MimicValue { master, value });
                 }
             }
         }
@@ -163,7 +163,7 @@ impl RobotDescription {
             if let Some(open) =
                 finger.map(|range| range.open).filter(|&open| (open - value).abs() > MIMIC_SLACK)
             {
-                let hindrance = Hindrance::Finger { open };
+                let hindrance = JointConstraint::Finger { open };
                 return Err(RobotError::NotFree { at, joint, wanted: "held at another value", hindrance });
             }
             let Some(motion) = &urdf.joints[index].motion else {
@@ -171,7 +171,7 @@ impl RobotDescription {
                     at,
                     joint,
                     wanted: "held at a value",
-                    hindrance: Hindrance::Fixed,
+                    hindrance: JointConstraint::Fixed,
                 });
             };
             let (lower, upper) = range(motion);
@@ -196,7 +196,7 @@ impl RobotDescription {
         let other = self.start.keys().find(|name| !joints.contains(name)).filter(|_| is_own_group);
         if let Some((joint, at)) = other.zip(self.start_at.as_ref()) {
             let (at, joint) = (at.clone(), joint.clone());
-            let (wanted, hindrance) = ("in the start", Hindrance::NotInGroup);
+            let (wanted, hindrance) = ("in the start", JointConstraint::NotInGroup);
             return Err(RobotError::NotFree { at, joint, wanted, hindrance });
         }
         let stated: Vec<_> = joints.iter().map(|joint| self.start.get(joint).copied()).collect();

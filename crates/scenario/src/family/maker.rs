@@ -8,7 +8,7 @@ use cranny_robot::RobotError;
 use cranny_shape::{Solid, Surface};
 use cranny_spatial::{Pose, Stream, Vector};
 use cranny_task::{
-    APPROACH_M, Firmness, HandFilter, Pick, PlaceGoal, PlaceRegion, Stage, Weight, robot_hand,
+    APPROACH_M, HandFilter, LoadModel, Pick, PlaceGoal, PlaceRegion, Stage, Weight, robot_hand,
 };
 
 use crate::family::kind::Resting;
@@ -280,7 +280,7 @@ fn with_loads(resting: &Resting, hand: &Hand, grasps: Vec<Grasp>) -> Result<Vec<
     let world = World::new(vec![resting.body(&placement, 0.0).body(&Pose::identity())?])?;
     let physics = resting.physics;
     let weight = Weight { mass_kg: physics.mass_kg, ..Weight::default() };
-    let Some(firmness) = Firmness::by_hand(&world, 0, hand, (physics.friction, weight)) else {
+    let Some(firmness) = LoadModel::by_hand(&world, 0, hand, (physics.friction, weight)) else {
         return Ok(grasps);
     };
     let scene_from_object = resting.scene_from_object(&placement, 0.0);

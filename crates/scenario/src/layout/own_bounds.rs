@@ -55,7 +55,7 @@ impl Layout<'_> {
                 problem: fault.to_string(),
             };
             bound.check().map_err(refuse)?;
-            Ok(bound.seen_from(planning_from_scene))
+            Ok(bound.in_frame(planning_from_scene))
         });
         let bounds = bounds.collect::<Result<_, _>>()?;
         Ok(world.with_tool_bounds(bounds)?)

@@ -41,7 +41,7 @@ impl Layout<'_> {
             for Spanned { value, referenced, .. } in stages {
                 self.check_stage(value, *referenced, file)?;
             }
-            let stages = stages.iter().map(|stage| stage.value.seen_from(planning_from_scene)).collect();
+            let stages = stages.iter().map(|stage| stage.value.in_frame(planning_from_scene)).collect();
             tasks.push(NamedTask { name: name.value.clone(), stages });
         }
         Ok(tasks)

@@ -111,17 +111,17 @@ impl Recipe {
             start: scenario.start.clone(),
             grasps: scenario.grasps.clone(),
             ik: scenario.ik.clone(),
-            tasks: scenario.tasks.iter().map(|task| task.seen_from(&scene_from_planning)).collect(),
+            tasks: scenario.tasks.iter().map(|task| task.in_frame(&scene_from_planning)).collect(),
             physics: scenario.physics.clone(),
             tool_bounds: scenario
                 .world
                 .tool_bounds()
                 .iter()
-                .map(|b| b.seen_from(&scene_from_planning))
+                .map(|b| b.in_frame(&scene_from_planning))
                 .collect(),
             joint_bounds: scenario.joint_bounds.clone(),
             speeds: scenario.speeds.clone(),
-            places: scenario.places.iter().map(|place| place.seen_from(&scene_from_planning)).collect(),
+            places: scenario.places.iter().map(|place| place.in_frame(&scene_from_planning)).collect(),
         })
     }
 
@@ -150,11 +150,11 @@ impl Recipe {
             start: self.start.clone(),
             grasps: self.grasps.clone(),
             has_grasp_set: true,
-            tasks: self.tasks.iter().map(|task| task.seen_from(&planning_from_scene)).collect(),
+            tasks: self.tasks.iter().map(|task| task.in_frame(&planning_from_scene)).collect(),
             physics: self.physics.clone(),
             joint_bounds: self.joint_bounds.clone(),
             speeds: self.speeds.clone(),
-            places: self.places.iter().map(|place| place.seen_from(&planning_from_scene)).collect(),
+            places: self.places.iter().map(|place| place.in_frame(&planning_from_scene)).collect(),
             ik: self.ik.clone(),
             export: None,
         }
@@ -185,7 +185,7 @@ impl Recipe {
         let bodies = self.obstacles.iter().chain(&self.target).map(|body| body.body(&planning_from_scene));
         let mut bodies: Vec<Body> = bodies.collect::<Result<_, _>>()?;
         bodies.push(Body::floor(-self.robot.scene_from_root.translation.z));
-        let bounds = self.tool_bounds.iter().map(|bound| bound.seen_from(&planning_from_scene)).collect();
+        let bounds = self.tool_bounds.iter().map(|bound| bound.in_frame(&planning_from_scene)).collect();
         Ok(World::new(bodies)?.with_tool_bounds(bounds)?)
     }
 }

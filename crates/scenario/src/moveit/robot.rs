@@ -3,7 +3,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use cranny_robot::{
-    Hindrance, JointGroup, Robot, RobotError, RobotOptions, Srdf, TextSource, UrdfFile, VirtualJointKind,
+    JointConstraint, JointGroup, Robot, RobotError, RobotOptions, Srdf, TextSource, UrdfFile,
+    VirtualJointKind,
 };
 
 use crate::files::yaml;
@@ -55,10 +56,10 @@ impl Files<'_> {
                 Err(RobotError::NotFree {
                     joint,
                     hindrance:
-                        Hindrance::Fixed
-                        | Hindrance::Mimic { .. }
-                        | Hindrance::MimicValue { .. }
-                        | Hindrance::InGroup,
+                        JointConstraint::Fixed
+                        | JointConstraint::Mimic { .. }
+                        | JointConstraint::MimicValue { .. }
+                        | JointConstraint::InGroup,
                     ..
                 }) if wished.fixed.remove(&joint).is_some() => {
                     left_out.insert(joint);

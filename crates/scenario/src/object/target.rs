@@ -3,7 +3,7 @@
 use cranny_collision::{Body, Part};
 use cranny_shape::{ConvexParts, DecompositionSettings, Outline, TriangleSoup};
 use cranny_spatial::{Pose, Vector};
-use cranny_task::{Firmness, Weight, robot_hand};
+use cranny_task::{LoadModel, Weight, robot_hand};
 
 use crate::object::physics::TargetPhysics;
 use crate::{
@@ -38,11 +38,11 @@ impl Scenario {
     }
 
     /// Returns the firmness of grasps of the target by the robot's hand, for the mass and friction of [`Self::target_physics`];
-    /// `None` if it cannot be computed ([`Firmness`]).
-    pub fn firmness(&self) -> Option<Firmness> {
+    /// `None` if it cannot be computed ([`LoadModel`]).
+    pub fn firmness(&self) -> Option<LoadModel> {
         self.robot.hand()?;
         let (friction, weight) = (self.target_physics().friction, self.target_weight()?);
-        Firmness::by_hand(&self.world, self.target?, &robot_hand(&self.robot), (friction, weight))
+        LoadModel::by_hand(&self.world, self.target?, &robot_hand(&self.robot), (friction, weight))
     }
 
     /// Returns mass and rolling resistance of the target, and the mass distribution that the file of an object states; `None`

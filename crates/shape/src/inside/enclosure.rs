@@ -7,7 +7,7 @@ use crate::distance::triangle_tree::TriangleTree;
 use crate::inside::backwards::wound_backwards;
 use crate::inside::same_place::merged;
 use crate::inside::shell::{DEGENERATE, Facet, Shell, shells};
-use crate::inside::walls::Walls;
+use crate::inside::shell_sides::ShellSides;
 use crate::{Aabb, MeshRepairs, ShapeError, Surface, TriangleSoup};
 
 /// Mesh with a well-defined inside, independent of the windings in its file.
@@ -21,7 +21,7 @@ pub(crate) struct Enclosure {
 /// Volume that the triangles of a mesh enclose.
 #[derive(Clone, Debug)]
 pub(crate) struct Inside {
-    walls: Walls,
+    walls: ShellSides,
     /// For each closed surface, the shell of which it is the wall of a cavity, if any.
     cavity_of: Vec<Option<u32>>,
 }
@@ -95,7 +95,7 @@ impl Enclosure {
             shell.facets.into_iter().map(moved).collect::<Vec<_>>()
         };
         let facets: Vec<Vec<Facet>> = found.into_iter().map(facets).collect();
-        let walls = Walls::new(kept.triangles.len(), facets.iter().map(Vec::as_slice));
+        let walls = ShellSides::new(kept.triangles.len(), facets.iter().map(Vec::as_slice));
         Ok(Self { soup: kept, inside: Inside { walls, cavity_of: cavities }, repairs })
     }
 }
@@ -210,13 +210,13 @@ pub(crate) struct Nest<'a> {
     soup: &'a TriangleSoup,
     shells: &'a [Shell],
     tree: TriangleTree,
-    walls: Walls,
+    walls: ShellSides,
 }
 
 impl<'a> Nest<'a> {
     pub fn new(soup: &'a TriangleSoup, shells: &'a [Shell]) -> Self {
         let corners: Vec<[Point; 3]> = (0..soup.triangles.len()).map(|t| soup.corners(t)).collect();
-        let walls = Walls::new(soup.triangles.len(), shells.iter().map(|shell| shell.facets.as_slice()));
+        let walls = ShellSides::new(soup.triangles.len(), shells.iter().map(|shell| shell.facets.as_slice()));
         Self { soup, shells, tree: TriangleTree::new(&corners), walls }
     }
 

@@ -1,6 +1,6 @@
 use std::f64::consts::PI;
 
-use cranny_grasp::Course;
+use cranny_grasp::ShakeTest;
 
 use crate::SimError;
 
@@ -8,7 +8,7 @@ use crate::SimError;
 ///
 /// # Errors
 /// [`SimError::Figure`] for a parameter that is out of range.
-pub(crate) fn check_course(course: &Course) -> Result<(), SimError> {
+pub(crate) fn check_course(course: &ShakeTest) -> Result<(), SimError> {
     for (figure, value, range, (least, greatest)) in [
         ("closing speed", course.closing_speed, "from 0.001 to 1 m/s", (0.001, 1.0)),
         ("lift", course.lift_m, "from 0 to 1 m", (0.0, 1.0)),

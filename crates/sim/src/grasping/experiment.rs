@@ -1,4 +1,4 @@
-use cranny_grasp::Course;
+use cranny_grasp::ShakeTest;
 use cranny_shape::Roundness;
 use cranny_spatial::Pose;
 use serde::Serialize;
@@ -37,7 +37,7 @@ pub struct Experiment {
     /// Stroke of each finger, in metres.
     pub strokes_m: Vec<f64>,
     /// Motion of the hand, and limits of slip.
-    pub course: Course,
+    pub course: ShakeTest,
     /// Penetration depth above which an open hand, in the object or with a finger in the surroundings, does not begin a grasp,
     /// in metres.
     pub blocked_m: f64,

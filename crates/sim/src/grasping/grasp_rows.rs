@@ -1,5 +1,5 @@
 use cranny_collision::Body;
-use cranny_grasp::{Course, Grasp, Hand, Load, RobustScore};
+use cranny_grasp::{Grasp, Hand, Load, RobustScore, ShakeTest};
 use cranny_scenario::{ObjectType, Scenario, TargetObject, TargetPhysics};
 use cranny_shape::Solid;
 use cranny_spatial::Pose;
@@ -58,7 +58,7 @@ impl GraspTest {
         };
         let rolling_m = instead.or(scenario.target_physics()).rolling_m.unwrap_or_default();
         let physics = Physics { rolling_m, ..Physics::default() };
-        Self::new(hand, &object, world_from_object, &around, physics, Course::default())
+        Self::new(hand, &object, world_from_object, &around, physics, ShakeTest::default())
     }
 
     /// Creates a test of an object in one of its stable poses on level ground at z = 0, or floating in its own frame.
@@ -77,7 +77,7 @@ impl GraspTest {
                 (stable.ground_from_body, vec![Body::new("floor", Pose::identity(), Solid::half_space())])
             }
         };
-        Self::new(hand, object, world_from_object, &around, Physics::default(), Course::default())
+        Self::new(hand, object, world_from_object, &around, Physics::default(), ShakeTest::default())
     }
 
     /// Returns the load of a grasp at a pose in the planning frame; `None` for a hand without two flat pads.

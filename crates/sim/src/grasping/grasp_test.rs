@@ -1,5 +1,5 @@
 use cranny_collision::Body;
-use cranny_grasp::{Course, Hand, LoadMeasure, LoadState, Pads};
+use cranny_grasp::{Hand, LoadMeasure, LoadState, Pads, ShakeTest};
 use cranny_scenario::ObjectType;
 use cranny_spatial::{Pose, Vector};
 use rapier3d_f64::prelude::{Collider, PhysicsWorld, RigidBodyHandle};
@@ -15,7 +15,7 @@ use crate::{Disturbance, Physics, Piece, SimError, engine};
 /// 1. The object comes to rest without the hand; without a support, it floats until the hand has closed.
 /// 2. The open hand starts at the grasp, unless it would penetrate anything by more than 1 mm, which ends the test. It closes
 ///    with at most its closing force, until the fingers are still.
-/// 3. The hand follows its [`Course`] with the object, driven at the palm. Surroundings stop fingers and object, not the palm.
+/// 3. The hand follows its [`ShakeTest`] with the object, driven at the palm. Surroundings stop fingers and object, not the palm.
 /// 4. The outcome depends on the object in the hand at the end.
 #[derive(Clone, Debug)]
 pub struct GraspTest {
@@ -27,7 +27,7 @@ pub struct GraspTest {
     surroundings_colliders: Vec<Collider>,
     world_from_object: Pose,
     pub(crate) physics: Physics,
-    pub(crate) course: Course,
+    pub(crate) course: ShakeTest,
     /// Load measure, in the frame of the object; `None` for a hand without two flat pads.
     pub(crate) load: Option<LoadMeasure>,
 }
@@ -44,7 +44,7 @@ impl GraspTest {
         world_from_object: Pose,
         surroundings: &[Body],
         physics: Physics,
-        course: Course,
+        course: ShakeTest,
     ) -> Result<Self, SimError> {
         physics.check()?;
         check_course(&course)?;

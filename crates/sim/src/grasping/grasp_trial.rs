@@ -1,4 +1,4 @@
-use cranny_grasp::Course;
+use cranny_grasp::ShakeTest;
 use cranny_spatial::{FARTHEST_M, Pose, Vector};
 use rapier3d_f64::prelude::{Collider, PhysicsWorld, RigidBodyHandle};
 use rayon::prelude::*;
@@ -297,7 +297,7 @@ impl<'a> GraspTrial<'a> {
     }
 
     fn is_held(&self, (translation_m, rotation_rad): (f64, f64)) -> bool {
-        let Course { slip_m, slip_rad, .. } = self.test.course;
+        let ShakeTest { slip_m, slip_rad, .. } = self.test.course;
         translation_m <= slip_m && rotation_rad <= slip_rad
     }
 

@@ -8,10 +8,10 @@ use cranny_task::{
     Stage, State,
 };
 
-use crate::hold::FirmGrip;
+use crate::hold_factors::FirmGrip;
 use crate::stages::approach::{Approach, approach, blocked_approach};
 use crate::stages::effort::{Effort, First, Stop};
-use crate::stages::look_ahead::LookAhead;
+use crate::stages::later_stage_checks::LaterStageChecks;
 use crate::stages::onward::{Piece, Towards, Way, onward};
 use crate::stages::place_search::{PlaceSearch, PutDowns, Spoiled};
 use crate::stages::refusals::{Demanded, Refusals, add_failed};
@@ -39,7 +39,7 @@ pub(crate) struct Chain<'a> {
     request: &'a Request,
     start: State,
     effort: Effort,
-    ahead: LookAhead,
+    ahead: LaterStageChecks,
     failures: Vec<GraspFailure>,
     /// Spoiled placements, by stage.
     spoiled: Vec<Spoiled>,
@@ -63,7 +63,7 @@ struct Held<'a> {
 
 impl<'a> Chain<'a> {
     /// # Errors
-    /// [`TaskError::NothingToCarry`] under `paper`, and those of [`LookAhead::new`].
+    /// [`TaskError::NothingToCarry`] under `paper`, and those of [`LaterStageChecks::new`].
     pub fn new(problem: &'a Problem, stages: &'a [Stage], request: &'a Request) -> Result<Self, PlanError> {
         let start = State::start(problem)
             .ok_or(cranny_task::TaskError::NothingToCarry { needs: "the exact criterion" })?;
@@ -78,7 +78,7 @@ impl<'a> Chain<'a> {
         let effort = Effort::new((request.seed, request.budget.time), places);
         let (spoiled, begun) = (vec![Spoiled::new(); stages.len()], vec![0; stages.len()]);
         let (failures, outcome) = (Vec::new(), Outcome::BudgetExhausted);
-        let ahead = LookAhead::new(problem, stages, &start, request.seed)?;
+        let ahead = LaterStageChecks::new(problem, stages, &start, request.seed)?;
         Ok(Self {
             problem,
             stages,

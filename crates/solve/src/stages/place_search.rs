@@ -6,7 +6,7 @@ use cranny_spatial::{Pose, Stream};
 use cranny_task::{Carrier, FailureReason, Grip, PlaceAt, Placement, Placer, Problem, State};
 
 use crate::stages::effort::Effort;
-use crate::stages::look_ahead::LookAhead;
+use crate::stages::later_stage_checks::LaterStageChecks;
 use crate::stages::onward::{Towards, Way, ik_solutions, onward};
 
 /// Number of descents after which the transfer search starts.
@@ -59,7 +59,7 @@ impl PlaceSearch {
         problem: &Problem,
         carrier: &Arc<Carrier>,
         (stage, place): (usize, &PlaceAt),
-        ahead: &LookAhead,
+        ahead: &LaterStageChecks,
         effort: &Effort,
     ) -> Result<Self, PlanError> {
         let placer = Placer::new(carrier, problem.place(&place.place)?, place.clear_m)?;

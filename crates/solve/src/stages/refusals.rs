@@ -3,7 +3,7 @@ use std::sync::{Arc, OnceLock};
 
 use cranny_grasp::GraspSet;
 use cranny_spatial::Pose;
-use cranny_task::{FailureReason, Firmness, GraspFailure, GraspFilter, Problem, gripper_poses};
+use cranny_task::{FailureReason, GraspFailure, GraspFilter, LoadModel, Problem, gripper_poses};
 
 /// Number of refused grasps, without an accepted one, after which a later object is given up for another placement.
 const MOST_REFUSED: u32 = 24;
@@ -23,7 +23,7 @@ pub(crate) struct Refusals {
 /// Required firmness of a grasp.
 #[derive(Clone)]
 pub(crate) struct Demanded {
-    pub firmness: Arc<Firmness>,
+    pub firmness: Arc<LoadModel>,
     /// Least factor by which gravity may grow.
     pub factor: f64,
     /// True if the object is put down again.

@@ -48,8 +48,8 @@ impl ClosingHand {
 
     /// Returns this hand and target in the surroundings of another cell.
     #[must_use]
-    pub fn amid(&self, cell: &Cell) -> Self {
-        let holding = self.holding.amid(cell);
+    pub fn with_surroundings_of(&self, cell: &Cell) -> Self {
+        let holding = self.holding.with_surroundings_of(cell);
         Self { world_from_target: first_pose(cell, self.target), holding, ..*self }
     }
 

@@ -5,7 +5,7 @@ use cranny_spatial::{Pose, Vector};
 
 use crate::TaskError;
 use crate::grasping::closing_hand::ClosingHand;
-use crate::grasping::firmness::soup_in_world;
+use crate::grasping::load_model::soup_in_world;
 use crate::grasping::pad_contact::PadSurfaces;
 
 /// Measure of grasps for a problem without a set of them: surface and friction of the target, and the hand that closes on it.

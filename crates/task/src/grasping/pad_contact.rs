@@ -71,7 +71,7 @@ impl PadSurfaces {
         }
         // 1.
         let nearest = |finger: usize| {
-            let way_m = holding.finger_way_m(finger);
+            let way_m = holding.finger_travel_m(finger);
             let before = (touching[finger] - APPROACH_M / way_m.max(APPROACH_M)).max(0.0);
             let links = holding.finger_at(finger, before);
             let pairs = links.iter().flat_map(|(link, tip_from_link)| {

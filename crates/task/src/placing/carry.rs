@@ -5,7 +5,7 @@ use cranny_robot::{Hold, IkSettings, IkSolver, between};
 use cranny_spatial::{Pose, Rotation, Vector};
 
 use crate::grasping::closing_hand::{ClosedHand, ClosingHand};
-use crate::{FailureReason, Firmness, Problem, TaskError};
+use crate::{FailureReason, LoadModel, Problem, TaskError};
 
 /// Settings of the lift-off of an object from its support.
 ///
@@ -93,8 +93,8 @@ impl Carrier {
         })
     }
 
-    /// Returns the firmness of grasps of the object where it stands; `None` if it cannot be computed ([`Firmness`]).
-    pub fn firmness(&self, problem: &Problem) -> Option<Firmness> {
+    /// Returns the firmness of grasps of the object where it stands; `None` if it cannot be computed ([`LoadModel`]).
+    pub fn firmness(&self, problem: &Problem) -> Option<LoadModel> {
         problem.firmness(&self.cell, self.hand.target())
     }
 
@@ -102,8 +102,8 @@ impl Carrier {
     ///
     /// # Errors
     /// As [`Self::new`].
-    pub fn amid(&self, cell: &Arc<Cell>) -> Result<Self, TaskError> {
-        let hand = self.hand.amid(cell);
+    pub fn with_surroundings_of(&self, cell: &Arc<Cell>) -> Result<Self, TaskError> {
+        let hand = self.hand.with_surroundings_of(cell);
         let clear_m = self.settings.clear_m.max(cell.margins().of_held_m());
         let resting = cell.resting_with(hand.target(), self.resting.extent())?;
         Ok(Self {

@@ -203,7 +203,7 @@ impl Placer {
 
     /// Returns this placer in the surroundings of another carrier of the same object, with no draw evaluated yet.
     #[must_use]
-    pub fn amid(&self, carrier: &Carrier) -> Self {
+    pub fn with_surroundings_of(&self, carrier: &Carrier) -> Self {
         let draws = self.draws.iter().map(|draw| Draw { placement: OnceLock::new(), ..*draw });
         let (goal, extent, rests) = (self.goal.clone(), self.extent.clone(), self.rests.clone());
         let moved = Self {

@@ -2,7 +2,7 @@ use cranny_collision::World;
 use cranny_shape::Roundness;
 use cranny_spatial::Pose;
 
-use crate::grasping::firmness::soup_in_world;
+use crate::grasping::load_model::soup_in_world;
 
 /// Goal for putting an object down.
 #[derive(Clone, Debug, PartialEq)]
@@ -60,7 +60,7 @@ impl PlaceGoal {
 
     /// Returns this goal in a new frame; `new_from_old` is the pose of the present frame in it.
     #[must_use]
-    pub fn seen_from(&self, new_from_old: &Pose) -> Self {
+    pub fn in_frame(&self, new_from_old: &Pose) -> Self {
         let spot = match &self.spot {
             PlaceRegion::Surface { on, pose, size_m } => {
                 PlaceRegion::Surface { on: on.clone(), pose: new_from_old * pose, size_m: *size_m }

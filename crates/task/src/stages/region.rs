@@ -38,7 +38,7 @@ impl Region {
 
     /// Returns this region in a new frame; `new_from_old` is the pose of the present frame in it.
     #[must_use]
-    pub fn seen_from(&self, new_from_old: &Pose) -> Self {
+    pub fn in_frame(&self, new_from_old: &Pose) -> Self {
         Self { pose: new_from_old * self.pose, ..self.clone() }
     }
 

@@ -2,8 +2,8 @@ use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::stages::corner::RoundedCorner;
-use crate::stages::pace::Pace;
 use crate::stages::payload::Payload;
+use crate::stages::speed_limits::SpeedLimits;
 
 /// Properties of a motion during which the fingers do not move (a mode: Hauser & Latombe 2010, §3).
 ///
@@ -116,8 +116,8 @@ pub struct Segment {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub speed: Option<f64>,
     /// Requested limits, besides those of the robot.
-    #[serde(default, skip_serializing_if = "Pace::is_full")]
-    pub pace: Pace,
+    #[serde(default, skip_serializing_if = "SpeedLimits::is_full")]
+    pub pace: SpeedLimits,
     /// Way points: one value per joint each (m, rad).
     #[serde(default)]
     pub waypoints: Vec<Vec<f64>>,
@@ -167,7 +167,7 @@ impl Segment {
             uneven_m: None,
             payload: None,
             speed: None,
-            pace: Pace::default(),
+            pace: SpeedLimits::default(),
             waypoints,
             corners: Vec::new(),
             clearances_m: Vec::new(),

@@ -135,9 +135,9 @@ impl Stage {
 
     /// Returns this stage in a new frame; `new_from_old` is the pose of the present frame in it.
     #[must_use]
-    pub fn seen_from(&self, new_from_old: &Pose) -> Self {
+    pub fn in_frame(&self, new_from_old: &Pose) -> Self {
         match self {
-            Self::Move(Move::Region(region)) => Self::Move(Move::Region(region.seen_from(new_from_old))),
+            Self::Move(Move::Region(region)) => Self::Move(Move::Region(region.in_frame(new_from_old))),
             other => other.clone(),
         }
     }

@@ -5,7 +5,7 @@ use cranny_grasp::ASSUMED_DENSITY;
 use cranny_robot::{between, distance};
 use cranny_spatial::Pose;
 
-use crate::grasping::firmness::moments_of;
+use crate::grasping::load_model::moments_of;
 use crate::placing::placed::Placed;
 use crate::stages::payload::Payload;
 use crate::stages::segment::{Mode, MotionEnd, Segment};

@@ -2,7 +2,7 @@
 
 use cranny_robot::between;
 
-use super::{LaneSearch, Stage, Way, as_count};
+use super::{EdgeRelation, LaneSearch, SearchState, as_count};
 use crate::search::connector::Path;
 use crate::search::forest::Forest;
 use crate::search::goal_pool::GoalPool;
@@ -15,7 +15,7 @@ impl LaneSearch<'_> {
         self.domains = [Vec::new(), Vec::new()];
         self.add_root(0, self.problem.start(), 0.0, observer);
         self.goals.clear();
-        self.stage = Stage::Between;
+        self.stage = SearchState::Between;
         for (goal, cost) in std::mem::take(&mut self.known) {
             self.remember_goal(&goal, cost, observer);
         }
@@ -80,11 +80,11 @@ impl LaneSearch<'_> {
         let mut node = 0;
         for edge in path.windows(2) {
             let steps = (self.sides[0].distance(&edge[0], &edge[1]) / self.settings.step).ceil().max(1.0);
-            let mut way = Way::Turns;
+            let mut way = EdgeRelation::Turns;
             for step in 1..=as_count(steps) {
                 let q: Vec<f64> = between(&edge[0], &edge[1], step as f64 / steps).collect();
                 node = self.add_node(0, &q, (node, way), observer);
-                way = Way::GoesOn;
+                way = EdgeRelation::GoesOn;
             }
         }
     }

@@ -1,7 +1,7 @@
 use cranny_robot::between;
 
 use crate::Observer;
-use crate::planners::lane_search::{Growth, LaneSearch, Way};
+use crate::planners::lane_search::{EdgeRelation, Growth, LaneSearch};
 
 /// Maximum number of steps per growth.
 const MOST_STEPS: usize = 16;
@@ -15,7 +15,7 @@ impl LaneSearch<'_> {
     pub(super) fn grow_within_bounds(
         &mut self,
         side: usize,
-        (from, way): (usize, Way),
+        (from, way): (usize, EdgeRelation),
         target: &[f64],
         observer: &mut dyn Observer,
     ) -> Growth {
@@ -39,7 +39,7 @@ impl LaneSearch<'_> {
                 return Growth { node, is_target: false, is_open: false };
             }
             node = self.add_node(side, &next, (node, way), observer);
-            way = Way::Turns;
+            way = EdgeRelation::Turns;
             if is_target {
                 return Growth { node, is_target: true, is_open: true };
             }

@@ -11,7 +11,7 @@ use crate::touch::contact::Collider;
 ///
 /// Pairs that are exempt by declaration (in an SRDF, or by the caller) are not included.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Unchecked {
+pub struct ExemptPair {
     /// A link.
     pub first: Collider,
     /// Another link, or a body of the world.
@@ -51,7 +51,7 @@ pub(crate) struct Exempt {
 }
 
 /// A pair that is not compared, as indices among the links with geometry, with its exemption.
-pub(crate) type ExemptPair = ((usize, usize), Exempt);
+pub(crate) type ExemptIndices = ((usize, usize), Exempt);
 
 impl UncheckedReason {
     /// Returns true if the pair was found free at no value of its joint; if it were checked, no configuration would be free.
@@ -60,9 +60,9 @@ impl UncheckedReason {
     }
 }
 
-impl Unchecked {
-    pub(crate) fn of_links(bodies: &[LinkBody], pairs: &[ExemptPair]) -> Vec<Self> {
-        let of_pair = |&((first, second), exempt): &ExemptPair| Self {
+impl ExemptPair {
+    pub(crate) fn of_links(bodies: &[LinkBody], pairs: &[ExemptIndices]) -> Vec<Self> {
+        let of_pair = |&((first, second), exempt): &ExemptIndices| Self {
             first: Collider::Link(bodies[first].link),
             second: Collider::Link(bodies[second].link),
             depth_m: exempt.depth_m,

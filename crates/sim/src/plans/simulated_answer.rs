@@ -1,5 +1,5 @@
 use cranny_plan::Observer;
-use cranny_record::{LeftOut, PlanFile, PlanSource, PlanTry};
+use cranny_record::{LeftOut, PlanAttempt, PlanFile, PlanSource};
 use cranny_scenario::{ObjectError, Scenario, ScenarioError, TargetPhysics};
 use cranny_solve::{Answer, Request, solve};
 use cranny_task::{Mode, Pick, Problem, Stage, robot_hand};
@@ -8,11 +8,11 @@ use crate::{Disturbance, ExecutedPlan, PickPath, PickRun, PlanExecution, PlanRow
 
 /// Answer whose plans were executed in physics.
 #[derive(Clone, Debug)]
-pub struct Tried {
+pub struct SimulatedAnswer {
     /// Answer of the last attempt.
     pub answer: Answer,
     /// Attempts in order; empty if no path was found.
-    pub tries: Vec<PlanTry>,
+    pub tries: Vec<PlanAttempt>,
 }
 
 /// Distance of the lift of a plan that ends at its grasp, in metres.
@@ -29,11 +29,11 @@ pub fn solve_in_physics(
     (request, source): (&Request, &PlanSource),
     most: usize,
     observer: &mut dyn Observer,
-    mut tried: impl FnMut(&PlanTry),
-) -> Result<Tried, SimError> {
+    mut tried: impl FnMut(&PlanAttempt),
+) -> Result<SimulatedAnswer, SimError> {
     check_masses(scenario, &request.stages)?;
     let mut request = request.clone();
-    let mut last = Tried { answer: solve(problem, &request, observer)?, tries: Vec::new() };
+    let mut last = SimulatedAnswer { answer: solve(problem, &request, observer)?, tries: Vec::new() };
     while last.answer.is_solved() && last.tries.len() < most {
         let result = try_once(scenario, problem, &last.answer, source)?;
         tried(&result);
@@ -74,7 +74,7 @@ fn try_once(
     problem: &Problem,
     answer: &Answer,
     source: &PlanSource,
-) -> Result<PlanTry, SimError> {
+) -> Result<PlanAttempt, SimError> {
     let plan = PlanFile::of(answer, source);
     let picks = PickPath::all_of(&plan, problem)?;
     let execution = PlanExecution {
@@ -104,7 +104,7 @@ fn try_once(
         let tip = *robot.frames_at(reach.waypoints.last()?).link(robot.tip());
         Some(LeftOut::new(reach.stage, &tip))
     });
-    Ok(PlanTry {
+    Ok(PlanAttempt {
         seed: answer.seed,
         outcome: shown.map_or("never-closed", |row| rows[row].outcome.name()).to_owned(),
         kept,

@@ -6,16 +6,16 @@ use cranny_plan::PlanError;
 use cranny_robot::{Robot, between, distance};
 use cranny_spatial::nalgebra::Rotation3;
 use cranny_spatial::{Pose, Rotation, Vector};
-use cranny_task::{Carrier, FailureReason, Firmness, Problem, Segment, StateSequence, joined, legs};
+use cranny_task::{Carrier, FailureReason, LoadModel, Problem, Segment, StateSequence, joined, legs};
 use serde::{Deserialize, Serialize};
 
 use crate::{TaskTrajectory, Timing};
 
-/// Firmness of the hold on the carried object along a whole motion: factors by which loads may grow until a pad slips, as
+/// LoadModel of the hold on the carried object along a whole motion: factors by which loads may grow until a pad slips, as
 /// conservative lower bounds (limit surface of the pads: see `LoadMeasure` of `cranny-grasp`).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Hold {
+pub struct HoldFactors {
     /// Least factor for weight and inertia along the timed motion; `None` for a motion without times.
     pub factor: Option<f64>,
     /// Least factor for the weight alone, at rest in each orientation of the motion.
@@ -50,7 +50,7 @@ impl FirmGrip {
     }
 
     /// Creates the grip from a known firmness, the hand closed at a configuration (m, rad; one per joint).
-    pub fn of(firmness: &Firmness, robot: &Robot, closed_at: &[f64]) -> Option<Self> {
+    pub fn of(firmness: &LoadModel, robot: &Robot, closed_at: &[f64]) -> Option<Self> {
         let world_from_closed = *robot.frames_at(closed_at).link(robot.tip());
         let forces = firmness.grip(&world_from_closed)?;
         Some(Self { forces, is_mass_assumed: firmness.is_mass_assumed, world_from_closed })
@@ -159,7 +159,7 @@ pub(crate) fn hold_firmly(
     along: &StateSequence,
     segments: &mut [Segment],
     (timing, demanded): (Timing, f64),
-) -> Result<Result<Option<Hold>, FailureReason>, PlanError> {
+) -> Result<Result<Option<HoldFactors>, FailureReason>, PlanError> {
     let Some(grips) = grips(problem, along, segments) else { return Ok(Ok(None)) };
     for (range, grip) in &grips {
         let path = joined(&segments[range.clone()]);
@@ -194,7 +194,7 @@ pub(crate) fn hold_firmly(
     measured(problem, &grips, segments, timing).map(Ok)
 }
 
-impl Hold {
+impl HoldFactors {
     /// Measures the firmness along timed segments; `None` without a held object, or if it cannot be computed for each one.
     ///
     /// # Errors
@@ -232,14 +232,14 @@ fn measured(
     grips: &Legs,
     segments: &[Segment],
     timing: Timing,
-) -> Result<Option<Hold>, PlanError> {
-    let mut hold: Option<Hold> = None;
+) -> Result<Option<HoldFactors>, PlanError> {
+    let mut hold: Option<HoldFactors> = None;
     for (range, grip) in grips {
         let leg = &segments[range.clone()];
         let factor = grip.factor_of(problem, leg, timing)?;
         let at_rest = grip.at_rest(problem.robot(), &joined(leg));
-        let of_leg = Hold { factor, at_rest, mass_assumed: grip.is_mass_assumed };
-        hold = Some(hold.map_or(of_leg, |hold| Hold {
+        let of_leg = HoldFactors { factor, at_rest, mass_assumed: grip.is_mass_assumed };
+        hold = Some(hold.map_or(of_leg, |hold| HoldFactors {
             factor: hold.factor.zip(of_leg.factor).map(|(a, b)| a.min(b)),
             at_rest: hold.at_rest.min(of_leg.at_rest),
             mass_assumed: hold.mass_assumed || of_leg.mass_assumed,

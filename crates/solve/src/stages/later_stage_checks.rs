@@ -11,7 +11,7 @@ const DRAWS: u32 = 64;
 const MOST_LOOKS: u32 = 400;
 
 /// Necessary conditions for the following picks and placements, without inverse kinematics.
-pub(crate) struct LookAhead {
+pub(crate) struct LaterStageChecks {
     problem: Problem,
     /// Later picks in the order of the task, from the second pick on.
     nexts: Vec<Next>,
@@ -30,7 +30,7 @@ struct Next {
     placer: Option<Placer>,
 }
 
-impl LookAhead {
+impl LaterStageChecks {
     /// Creates these conditions for the stages of a task; computes everything that does not depend on the world.
     ///
     /// # Errors
@@ -90,8 +90,10 @@ impl LookAhead {
             }
         }
         let Some(placer) = &next.placer else { return true };
-        let Ok(carrier) = next.carrier.amid(&to_grasp(placed.empty_cell(), next.body)) else { return false };
-        let placer = placer.amid(&carrier);
+        let Ok(carrier) = next.carrier.with_surroundings_of(&to_grasp(placed.empty_cell(), next.body)) else {
+            return false;
+        };
+        let placer = placer.with_surroundings_of(&carrier);
         placer.placements().any(|(_, placement)| {
             *looks = looks.saturating_sub(1);
             *looks > 0 && self.fits(later, &carrier, &placement.world_from_held, looks)

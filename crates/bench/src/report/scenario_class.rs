@@ -2,7 +2,7 @@ use cranny_scenario::{Family, built_in};
 
 /// Classification of a scenario by its id alone.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Place {
+pub struct ScenarioClass {
     /// Environment, family or set of the scenario.
     pub environment: String,
     /// Value of its difficulty dial in metres (width of the gap, depth of the object), if it has one.
@@ -13,7 +13,7 @@ pub struct Place {
 
 const OTHERS: &str = "other scenarios";
 
-impl Place {
+impl ScenarioClass {
     /// Classifies the id of a built-in scenario (`034`), of one of a sweep (`gap-0.3200`), of a generated one
     /// (`gap-00017`), or of any whose ids differ in their last digits (`bookshelf0012`).
     pub fn of(scenario: &str) -> Self {
@@ -55,7 +55,11 @@ mod tests {
             ("0999", "other scenarios", None, None),
             ("", "other scenarios", None, None),
         ] {
-            assert_eq!(Place::of(id), Place { environment: environment.to_owned(), dial_m, dial }, "{id}");
+            assert_eq!(
+                ScenarioClass::of(id),
+                ScenarioClass { environment: environment.to_owned(), dial_m, dial },
+                "{id}"
+            );
         }
     }
 }

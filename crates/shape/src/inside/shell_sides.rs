@@ -6,7 +6,7 @@ use crate::inside::shell::Facet;
 
 /// Closed surfaces of which each triangle of a mesh is a wall.
 #[derive(Clone, Debug)]
-pub(crate) struct Walls {
+pub(crate) struct ShellSides {
     /// Shell behind the face of each triangle, and shell in front of it.
     sides: Vec<[Option<u32>; 2]>,
 }
@@ -24,8 +24,8 @@ enum Crossing {
     Undecided,
 }
 
-impl Walls {
-    /// Walls of a mesh of `triangles` triangles, in shells of these facets.
+impl ShellSides {
+    /// ShellSides of a mesh of `triangles` triangles, in shells of these facets.
     pub fn new<'a>(triangles: usize, shells: impl IntoIterator<Item = &'a [Facet]>) -> Self {
         let mut sides = vec![[None; 2]; triangles];
         for (shell, facets) in (0..).zip(shells) {
@@ -151,7 +151,7 @@ mod tests {
                 .push((begin..end).map(|triangle| Facet { triangle, is_inward: false }).collect::<Vec<_>>());
             begin = end;
         }
-        let walls = Walls::new(corners.len(), facets.iter().map(Vec::as_slice));
+        let walls = ShellSides::new(corners.len(), facets.iter().map(Vec::as_slice));
         let tree = TriangleTree::new(&corners);
         let mut random = Stream::new(5, 0);
         let mut draw = |_| {

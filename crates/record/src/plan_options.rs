@@ -15,7 +15,7 @@ use crate::{RecordError, SpeedOptions};
 /// Options of a plan, in the words of flags and keywords: only this type converts them to a [`Request`].
 #[derive(Clone, Debug)]
 #[expect(clippy::struct_excessive_bools, reason = "a flag or keyword each")]
-pub struct Ask {
+pub struct PlanOptions {
     /// Available planners.
     pub registry: Registry,
     /// Name of the planner; `None`: the best for the criterion.
@@ -94,7 +94,7 @@ pub enum CarryGoal {
     Configurations(Vec<Vec<f64>>),
 }
 
-impl Default for Ask {
+impl Default for PlanOptions {
     fn default() -> Self {
         let Request { budget, .. } = Request::default();
         Self {
@@ -130,12 +130,12 @@ impl Default for Ask {
     }
 }
 
-impl Ask {
+impl PlanOptions {
     /// Creates the request for a problem, from a scenario or from other files, and returns it with the scenario's task if one
     /// is requested by name.
     ///
     /// # Errors
-    /// [`RecordError::Ask`] for options that exclude each other, and those of [`Request::check`];
+    /// [`RecordError::PlanOptions`] for options that exclude each other, and those of [`Request::check`];
     /// [`ScenarioError::UnknownTask`](cranny_scenario::ScenarioError::UnknownTask).
     pub fn request(
         &self,
@@ -211,7 +211,8 @@ impl Ask {
                 Stage::Move(_) => {}
             }
         }
-        let refuse = |field, problem: &str| Err(RecordError::Ask { field, problem: problem.to_owned() });
+        let refuse =
+            |field, problem: &str| Err(RecordError::PlanOptions { field, problem: problem.to_owned() });
         if self.approach_m.is_some() && picks == 0 {
             return refuse("approach", "nothing is grasped in this task");
         }
@@ -223,7 +224,8 @@ impl Ask {
 
     /// Returns the requested stages, and the scenario's task if it was requested by name.
     fn stages(&self, scenario: Option<&Scenario>) -> Result<(Vec<Stage>, Option<NamedTask>), RecordError> {
-        let refuse = |field, problem: &str| Err(RecordError::Ask { field, problem: problem.to_owned() });
+        let refuse =
+            |field, problem: &str| Err(RecordError::PlanOptions { field, problem: problem.to_owned() });
         let asked =
             [("carry", self.carry.is_some()), ("place", self.place.is_some()), ("task", self.task.is_some())];
         let mut asked = asked.into_iter().filter(|(_, is_asked)| *is_asked).map(|(field, _)| field);

@@ -3,7 +3,7 @@ use serde::{Deserialize, Serialize};
 /// Limits of a motion besides those of the robot's joints.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
-pub struct Pace {
+pub struct SpeedLimits {
     /// Share of the limits of velocity, above 0 and at most 1.
     pub velocity: f64,
     /// Share of the limits of acceleration, above 0 and at most 1.
@@ -16,13 +16,13 @@ pub struct Pace {
     pub turn_rad_s: Option<f64>,
 }
 
-impl Default for Pace {
+impl Default for SpeedLimits {
     fn default() -> Self {
         Self { velocity: 1.0, acceleration: 1.0, tool_m_s: None, turn_rad_s: None }
     }
 }
 
-impl Pace {
+impl SpeedLimits {
     /// Returns true if it adds no limit to those of the robot.
     pub fn is_full(&self) -> bool {
         *self == Self::default()

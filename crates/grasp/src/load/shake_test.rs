@@ -8,7 +8,7 @@ use serde::Serialize;
 /// The hand lifts the object straight up and smoothly (fifth-degree polynomial, at rest at both ends). It then shakes it
 /// along and about each axis of the gripper frame in turn: `A sin²(π t / T) sin(2π f t)`. Then it is still.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Course {
+pub struct ShakeTest {
     /// Closing speed of the fingers, in m/s.
     pub closing_speed: f64,
     /// Height of the lift, in metres.
@@ -31,7 +31,7 @@ pub struct Course {
     pub slip_rad: f64,
 }
 
-impl Default for Course {
+impl Default for ShakeTest {
     fn default() -> Self {
         Self {
             closing_speed: 0.1,
@@ -48,7 +48,7 @@ impl Default for Course {
     }
 }
 
-impl Course {
+impl ShakeTest {
     /// Duration of the course after the hand has closed, in seconds.
     pub fn duration_s(&self) -> f64 {
         self.lift_s + 3.0 * self.shake_axis_s() + self.rest_s

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 /// A plan that was tried in simulation: one before the plan of a file, or that plan itself.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct PlanTry {
+pub struct PlanAttempt {
     /// Seed of the search.
     pub seed: u64,
     /// Fate of the object, or of the object of the first failed pick: `held`, `placed`, `misplaced`, `slipped`, …
@@ -39,7 +39,7 @@ impl LeftOut {
 
     /// Returns the grasps that the tries before the last one excluded: the stage of each, and the pose of its gripper frame in
     /// the planning frame (`world_from_gripper`).
-    pub fn before_last(tries: &[PlanTry]) -> Vec<(usize, Pose)> {
+    pub fn before_last(tries: &[PlanAttempt]) -> Vec<(usize, Pose)> {
         let before = tries.split_last().map_or(&[][..], |(_, before)| before);
         let left_out = before.iter().filter_map(|tried| tried.left_out.as_ref());
         left_out.filter_map(|grasp| Some((grasp.stage, grasp.pose()?))).collect()

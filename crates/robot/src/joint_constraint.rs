@@ -1,7 +1,7 @@
 /// Reason why the value of a joint cannot be chosen freely.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum Hindrance {
+pub enum JointConstraint {
     /// The joint is of type `fixed`.
     #[error("it is of type `fixed`")]
     Fixed,

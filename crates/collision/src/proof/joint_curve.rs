@@ -2,7 +2,7 @@ use cranny_robot::between;
 
 /// Configurations `q(t)` of a motion, for t in [0, 1]: one value per joint (m, rad).
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Course<'a> {
+pub(crate) enum JointCurve<'a> {
     /// Straight motion from one configuration to another.
     Line([&'a [f64]; 2]),
     /// Polynomial curve, given by the control points of its Bézier form, at least two.
@@ -19,7 +19,7 @@ pub(crate) struct Rates {
     pub bend: Vec<f64>,
 }
 
-impl Course<'_> {
+impl JointCurve<'_> {
     /// Writes `q(t)` (m, rad; one per joint).
     pub fn place(self, t: f64, q: &mut [f64]) {
         match self {
@@ -62,14 +62,14 @@ impl Rates {
 
     /// Computes the rates in the middle of a motion, and bounds along all of it: a derivative of a curve lies in the convex
     /// hull of its control points, which are differences of the control points of the curve.
-    pub fn set(&mut self, course: Course<'_>) {
-        if let Course::Curve(points) = course {
+    pub fn set(&mut self, course: JointCurve<'_>) {
+        if let JointCurve::Curve(points) = course {
             assert!(points.iter().all(|point| point.len() == self.now.len()), "one value per joint");
         }
         course.slope(0.5, &mut self.now);
         self.most.clear();
         self.bend.clear();
-        let Course::Curve(points) = course else { return };
+        let JointCurve::Curve(points) = course else { return };
         let degree = (points.len() - 1) as f64;
         for joint in 0..self.now.len() {
             let greatest = |values: &mut dyn Iterator<Item = f64>| values.map(f64::abs).fold(0.0, f64::max);

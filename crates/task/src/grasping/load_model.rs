@@ -50,22 +50,22 @@ impl Weights {
 /// The firmness of grasps of a body by a robot's hand: the factor by which loads may grow until the body slips
 /// ([`LoadMeasure`]). Poses are in the planning frame, with the body where it stands when the hand closes.
 #[derive(Clone)]
-pub struct Firmness {
+pub struct LoadModel {
     measure: LoadMeasure,
     /// True if the mass is not stated, and was assumed from the volume ([`ASSUMED_DENSITY`](cranny_grasp::ASSUMED_DENSITY)).
     pub is_mass_assumed: bool,
 }
 
-impl fmt::Debug for Firmness {
+impl fmt::Debug for LoadModel {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter
-            .debug_struct("Firmness")
+            .debug_struct("LoadModel")
             .field("is_mass_assumed", &self.is_mass_assumed)
             .finish_non_exhaustive()
     }
 }
 
-impl Firmness {
+impl LoadModel {
     /// Creates the measure for a body of the world of a cell; without a stated friction it assumes [`ASSUMED_FRICTION`]. `None`
     /// for a hand without two flat pads, or a body that encloses no volume.
     pub(crate) fn new(cell: &Cell, body: usize, friction: Option<f64>, weights: &Weights) -> Option<Self> {

@@ -11,7 +11,7 @@ use crate::{BenchError, CampaignObserver, Results, TrialRecord};
 /// progress is readable without opening results in use, possibly on another machine.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Standing {
+pub struct CampaignProgress {
     /// Number of its trials; `None` if only results are available.
     pub trials: Option<usize>,
     /// Numbers of ended and of solved trials, by planner.
@@ -28,7 +28,7 @@ pub struct Standing {
     pub machine: String,
 }
 
-impl Standing {
+impl CampaignProgress {
     /// Computes the progress from results, quickly.
     ///
     /// # Errors
@@ -60,10 +60,10 @@ impl Standing {
     }
 }
 
-/// Observer that updates a file with the [`Standing`] of a campaign, and forwards all events.
+/// Observer that updates a file with the [`CampaignProgress`] of a campaign, and forwards all events.
 pub struct StandingFile<'a> {
     path: &'a Path,
-    standing: Standing,
+    standing: CampaignProgress,
     begin: Instant,
     written: Option<Instant>,
     heard: &'a mut dyn CampaignObserver,
@@ -75,7 +75,8 @@ const WRITE_EVERY: Duration = Duration::from_secs(2);
 impl<'a> StandingFile<'a> {
     /// Creates the observer of a campaign with this number of `workers` on `machine`, for a file beside the results.
     pub fn new(path: &'a Path, workers: usize, machine: &str, heard: &'a mut dyn CampaignObserver) -> Self {
-        let standing = Standing { workers, machine: machine.to_owned(), ..Standing::default() };
+        let standing =
+            CampaignProgress { workers, machine: machine.to_owned(), ..CampaignProgress::default() };
         Self { path, standing, begin: Instant::now(), written: None, heard }
     }
 
@@ -92,7 +93,7 @@ impl<'a> StandingFile<'a> {
     }
 }
 
-impl Standing {
+impl CampaignProgress {
     fn count(&mut self, record: &TrialRecord) {
         let tally = self.planners.entry(record.trial.planner.clone()).or_default();
         tally.ended += 1;
