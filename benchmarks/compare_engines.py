@@ -1,10 +1,10 @@
-"""Grasps of scenarios in both engines: how often they hold, and how often the engines agree.
+"""Grasps of scenarios simulated in both engines: how often they hold, and how often the engines agree.
 
     python benchmarks/compare_engines.py CRANNY SCENARIO… [--support-only]
 
-CRANNY is the program; the package `cranny[mujoco]` must be installed. Prints a row of Markdown for each scenario, and for
-each kind of disagreement how many grasps and the first of them, which `cranny simulate grasps SCENARIO --grasp K --record
-k.gif` shows.
+CRANNY is the program; the package `cranny[mujoco]` must be installed. Prints a row of Markdown for each scenario. Each
+kind of disagreement has its number of grasps and the first of them, which `cranny simulate grasps SCENARIO --grasp K
+--record k.gif` shows.
 """
 
 from __future__ import annotations
@@ -22,25 +22,25 @@ from cranny import mujoco_grasps
 
 
 MODEL: mujoco_grasps.GraspModel
-"""That of the process."""
+"""Model of this process."""
 
 RARE = 0.1
-"""The share of the rarer outcome from which on κ says anything."""
+"""Share of the rarer outcome above which κ is meaningful."""
 
 
 def read_model(path: str) -> None:
-    """Makes the model of a process."""
+    """Creates the model of a process."""
     global MODEL
     MODEL = mujoco_grasps.GraspModel(mujoco_grasps.load(path))
 
 
 def second_opinion(index: int) -> str:
-    """What MuJoCo says of one grasp."""
+    """Outcome of one grasp in MuJoCo."""
     return MODEL.run(index).outcome
 
 
 def kappa(first: list[bool], second: list[bool]) -> tuple[float, float]:
-    """Raw agreement and Cohen's κ, NaN where one outcome is rare."""
+    """Raw agreement and Cohen's κ; NaN if one outcome is rare."""
     count = len(first)
     agreed = sum(a == b for a, b in zip(first, second)) / count
     chance = sum((first.count(kind) / count) * (second.count(kind) / count) for kind in (True, False))

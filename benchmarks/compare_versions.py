@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Compares two versions of Cranny: the median ratio of alternating pairs of runs, with its interval.
+"""Compares the speed of two versions of Cranny: the median ratio over alternating pairs of runs, with its interval.
 
     cargo build --release -p cranny-measure --bin check_rate --bin motion_bench --bin campaign
     benchmarks/compare_versions.py OLD NEW --pairs 15
 
-OLD and NEW are folders that hold those three programs (from target/release of each version). CRANNY_DATA
-names the data. Every run is bound to one core; which version goes first alternates. The interval holds the median of
-the ratios with 95 % (order statistics).
+OLD and NEW are folders with these three programs, from target/release of each version. CRANNY_DATA names the data.
+Each run is bound to one core, and the version that runs first alternates. The interval contains the median of the
+ratios with a probability of 95 % (order statistics).
 """
 
 import argparse
@@ -21,13 +21,13 @@ FAMILIES = ["bookshelf_small_panda", "bookshelf_tall_panda", "bookshelf_thin_pan
 
 
 def output(folder: Path, program: str, *arguments: str, core: int) -> list[str]:
-    """The lines that a program prints."""
+    """Output lines of a program."""
     command = ["taskset", "-c", str(core), str(folder / program), *arguments]
     return subprocess.run(command, check=True, capture_output=True, text=True).stdout.splitlines()
 
 
 def measured(folder: Path, data: Path, core: int) -> dict[str, float]:
-    """Each figure by its name: times, in units of their own."""
+    """Figures by name; times have different units."""
     scenarios = data / "jogramop/scenarios"
     figures: dict[str, float] = {}
     rates = output(folder, "check_rate", *(str(scenarios / name) for name in ("011", "044")), core=core)

@@ -1,9 +1,9 @@
-"""Rounded corners of plans before a judge from outside (`python/tests/outside_judge.py`: Pinocchio and Coal):
-`curves_judged.py CORNERS [SAMPLES]`, with the packages of `xtask/python-requirements.txt` but not `cranny`, and the command that
-`CRANNY_BIN` names or that in `target/release`.
+"""Rounded corners of plans, checked by an independent judge (`python/tests/outside_judge.py`: Pinocchio and Coal):
+`curves_judged.py CORNERS [SAMPLES]`. Needs the packages of `xtask/python-requirements.txt` but not `cranny`; runs the
+command named by `CRANNY_BIN`, or the one in `target/release`.
 
-Corners of motions to a grasp are evaluated here from their control points. Exits with 1 if a sample is in contact, nearer than
-the plan states or outside the joint limits, if an end of a corner lies off its edge, or if the judge misses a planted contact.
+Corners of motions to a grasp are evaluated here from their control points. Exits with 1 if a sample is in contact, closer
+than the plan states or outside the joint limits, if a corner ends off its edge, or if the judge misses a planted contact.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 
 ROOT = Path(__file__).resolve().parents[1]
-# The judge takes from the tests' conftest.py, which loads the package `cranny`, how packages are loaded, and nothing else.
+# The judge needs only `package` from the tests' conftest.py, which would also load the package `cranny`.
 sys.modules["conftest"] = ModuleType("conftest")
 vars(sys.modules["conftest"])["package"] = importlib.import_module
 sys.path.insert(0, str(ROOT / "python/tests"))
@@ -35,13 +35,13 @@ from outside_judge import ROUNDING_M, Floats, Robot, Tally, Task, distances  # n
 COMMAND = os.environ.get("CRANNY_BIN") or str(ROOT / "target/release/cranny")
 SCENARIOS = ["012", "013", "015", "023", "025", "031", "035", "041", "043", "045"]
 FAR_M, SHORT_M, ON_EDGE = 0.1, 1e-4, 1e-9
-"""Distances are not measured beyond the first; so much may one fall short of the clearance that is stated; and so far, in metres
-or radians, an end of a corner may lie beside its edge."""
+"""Limit of measured distances, tolerance for a stated clearance, and tolerance in metres or radians for the distance of
+a corner's end from its edge."""
 
 
 @dataclass
 class Seen:
-    """Figures of all corners: the least distance and the stated clearance of each, and numbers of samples."""
+    """Figures of all corners: measured and stated clearance of each, and numbers of samples."""
 
     least_m: list[float] = field(default_factory=list)
     stated_m: list[float] = field(default_factory=list)
@@ -52,29 +52,29 @@ class Seen:
 
 
 def cranny(*words: str | Path) -> int:
-    """Runs the command; 1 is an honest no."""
+    """Runs the command; 1 is its regular negative result."""
     code = subprocess.run([COMMAND, *map(str, words)], check=False, stdout=subprocess.DEVNULL).returncode
     assert code in (0, 1), words
     return code
 
 
 def curve(points: Floats, samples: int) -> Floats:
-    """Configurations of a Bézier curve at equal steps of its parameter, both ends among them (samples, joints)."""
+    """Configurations of a Bézier curve at equal steps of its parameter, including both ends (samples, joints)."""
     at, degree = np.linspace(0.0, 1.0, samples), len(points) - 1
     weights = [comb(degree, k) * at**k * (1.0 - at) ** (degree - k) for k in range(degree + 1)]
     return np.asarray(np.array(weights).T @ points)
 
 
 def off(point: Floats, a: Floats, b: Floats) -> float:
-    """Distance of a configuration to an edge."""
+    """Distance of a configuration from an edge."""
     share = float(np.clip((point - a) @ (b - a) / ((b - a) @ (b - a)), 0.0, 1.0))
     return float(np.linalg.norm(point - a - share * (b - a)))
 
 
 def apart(task: Task, poses: dict[str, Floats], named: set[frozenset[str]]) -> tuple[Floats, float]:
-    """Least distance of any two things that may not touch, in each sample, exact below 0.01 mm, and the least that counts for a
-    clearance: links that move as the hand does may not touch, no more. The pairs are those of `Task.judge`.
-    """
+    """Least distance in each sample between any two bodies that may not touch, exact below 0.01 mm, and the least that
+    counts for a clearance: links that move with the hand may not touch, but do not count. The pairs are those of
+    `Task.judge`."""
     robot, nearest, least_m = task.robot, np.full(len(poses[task.TIP]), np.inf), FAR_M
     pairs = [pair for pair in robot.pairs if frozenset(pair) not in named]
     for a, b in [*pairs, *((link, body) for link in robot.moved for body in task.things)]:
@@ -88,7 +88,7 @@ def apart(task: Task, poses: dict[str, Floats], named: set[frozenset[str]]) -> t
 
 
 def judge(plan: dict[str, Any], task: Task, case: str, samples: int, seen: Seen, most: int) -> None:
-    """The corners of the motion to a grasp, until there are so many."""
+    """Judges the corners of motions to a grasp, up to `most` in total."""
     joints, target = plan["joint_names"], task.entry["target"]["name"]
     named = {frozenset((one["first"], one["second"])) for one in plan["not_checked"]}
     for segment in [segment for segment in plan["segments"] if segment["mode"] == "reach"]:
@@ -100,20 +100,20 @@ def judge(plan: dict[str, Any], task: Task, case: str, samples: int, seen: Seen,
             nearest, least_m = apart(task, poses, named)
             seen.in_contact += int((nearest <= 0.0).sum())
             seen.outside += sum(bool(task.robot.outside_limits(dict(zip(joints, q, strict=True)))) for q in configurations)
-            # A corner counts for the clearances of both edges between which it lies: neither is more than its own.
+            # A corner lies between two edges; neither states more than its own clearance, so the larger value applies.
             stated_m = max(segment["clearances_m"][k - 1 : k + 1])
             seen.least_m, seen.stated_m = [*seen.least_m, least_m], [*seen.stated_m, stated_m]
             seen.off_edge += [off(points[0], *way_points[k - 1 : k + 1]), off(points[-1], *way_points[k : k + 2])]
             if least_m < stated_m - ROUNDING_M:
                 print(f"{case} corner at way point {k}: {1e3 * least_m:.5f} mm apart, {1e3 * stated_m:.5f} stated")
-            # A judge that finds no contact judges nothing: the target is put where a finger is in the middle of the corner.
+            # The judge must also find planted contacts: the target is moved to a finger in the middle of the corner.
             stood, task.poses[target] = task.poses[target], poses["panda_leftfinger"][samples // 2]
             seen.found += bool((apart(task, poses, named)[0] <= 0.0).any())
             task.poses[target] = stood
 
 
 def main(most: int, samples: int) -> bool:
-    """Plans, seed after seed, and says what was seen; whether all is as stated."""
+    """Plans for one seed after another and prints the figures; returns whether all statements are true."""
     seen, plans, corners = Seen(), 0, Counter[str]()
     with TemporaryDirectory() as temporary:
         folder = Path(temporary)

@@ -1,9 +1,9 @@
-"""Plans that carry and put down, in physics: how many keep their object, and how many stand.
+"""Simulation of plans that carry and put down: how many keep their object, and how many leave it standing.
 
     python benchmarks/holding.py place 10              32 tasks, rapier
     python benchmarks/holding.py place 4 --mujoco      the same in MuJoCo
-    python benchmarks/holding.py place 10 --disturb    with everything a little wrong
-    python benchmarks/holding.py home 10               20 scenarios, carried to where the robot started
+    python benchmarks/holding.py place 10 --disturb    with small random errors in all quantities
+    python benchmarks/holding.py home 10               20 scenarios, carried to the robot's start
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ INSERTIONS = [f"1{family}{level}" for family in range(1, 5) for level in (1, 3, 
 
 
 def tasks(which: str) -> Iterator[tuple[str, dict[str, Any]]]:
-    """Scenarios and keywords of `cranny.plan`."""
+    """Scenarios with keywords of `cranny.plan`."""
     if which == "home":
         yield from ((name, {"carry": "home"}) for name in TWENTY)
         return

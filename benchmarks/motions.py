@@ -1,5 +1,5 @@
-"""Duration of smooth trajectories against those with stops, and the search for upright motions: `motions.py smooth|upright|cups|bottles|straight
-SEEDS`, with the command in `target/release`."""
+"""Durations of smooth trajectories relative to those with stops, and the search for upright motions: `motions.py
+smooth|upright|cups|bottles|straight SEEDS`, with the command in `target/release`."""
 
 import json
 import statistics
@@ -17,7 +17,7 @@ SCENARIOS = ["011", "013", "015", "021", "023", "025", "031", "033", "035", "041
 
 
 def plan(folder: str, scenario: str, seed: int, flags: list[str]) -> dict[str, Any]:
-    """The plan file of a scenario and seed."""
+    """Plan file for a scenario and seed."""
     file = Path(folder) / "x.plan.json"
     command = [str(COMMAND), "plan", scenario, "--seed", str(seed), "--json", "-o", str(file), "--time-limit", "5", *flags]
     answer = json.loads(subprocess.run(command, check=False, capture_output=True).stdout)
@@ -25,7 +25,7 @@ def plan(folder: str, scenario: str, seed: int, flags: list[str]) -> dict[str, A
 
 
 def smooth(folder: str, seeds: int) -> None:
-    """Durations as a share of those with a stop at each corner."""
+    """Durations relative to those with a stop at each corner."""
     for kind, flags in KINDS.items():
         shares, rounding = [], []
         for scenario in SCENARIOS:
@@ -42,14 +42,14 @@ def smooth(folder: str, seeds: int) -> None:
 
 
 def of_plans(found: list[dict[str, Any]]) -> str:
-    """Number of plans that were found, and milliseconds of planning."""
+    """Number of plans found, and milliseconds of planning."""
     times = [1e3 * plan["statistics"]["planning_time_s"] for plan in found]
     solved = sum(plan["outcome"] == "solved" for plan in found)
     return f"{solved}/{len(found)}, median {statistics.median(times):.1f}, max {max(times):.0f} ms"
 
 
 def upright(folder: str, seeds: int) -> None:
-    """Plans that were found, and milliseconds of planning, without a bound on the tilt and with two."""
+    """Plans found and milliseconds of planning, without a tilt limit and with two limits."""
     for kind in ("carry", "place"):
         for scenario in ("011", "013", "015", "025", "035", "043"):
             row = []
@@ -61,7 +61,7 @@ def upright(folder: str, seeds: int) -> None:
 
 
 def bottles(folder: str, seeds: int) -> None:
-    """The same for a bottle of 0.5 l in the shelf of 011 to 015, in place of the screwdriver, put down outside."""
+    """The same for a 0.5 l bottle instead of the screwdriver in the shelf of 011 to 015, put down outside."""
     for number in range(1, 6):
         text = (SCENARIOS_OF_OURS / f"01{number}" / "scenario.yaml").read_text()
         before, after = text.split("target:")[0], text.split("places:")[1]
@@ -101,7 +101,8 @@ def cups(folder: str, seeds: int) -> None:
 
 
 def straight(folder: str, seeds: int) -> None:
-    """Plans of the twenty that were found, and milliseconds of planning, with and without straight lines and limits of torque."""
+    """Plans found in the twenty scenarios and planning times (ms), with and without straight lines and torque
+    limits."""
     kinds = {
         "reach": [],
         "reach, approach 5 cm": ["--approach", "5"],

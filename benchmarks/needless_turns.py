@@ -1,11 +1,11 @@
-"""How far delivered paths turn joints beyond need: arms with joints of ±2π or without an end.
+"""Joint travel of delivered paths beyond need, for arms with joints of ±2π or without limits.
 
     python benchmarks/needless_turns.py PROGRAM [--seeds 25] [--robot ur5e …] [--family shelf …]
 
-Beyond need is what a joint travels along the path, less the way from where it starts to the nearest of the values, whole
-turns apart and within its range, that hold the hand as the end of the path does. Prints a line for each robot and family:
-paths, how many of them turn some joint more than 180° beyond need, the most and the 95th percentile of it, and how many end
-a whole turn farther than they need to.
+The travel beyond need of a joint is its travel along the path, minus the distance from its start value to the nearest
+value, whole turns apart and within its range, that gives the hand the same pose as at the end of the path. Prints a line
+for each robot and family: number of paths, how many turn a joint more than 180° beyond need, the maximum and the 95th
+percentile, and how many end a whole turn farther away than needed.
 """
 
 import argparse
@@ -25,18 +25,18 @@ given = arguments.parse_args()
 
 
 Range = tuple[float, float, bool]
-"""Lower and upper limit of a joint, and whether it turns."""
+"""Lower and upper limit of a joint, and whether it is a revolute joint."""
 
 
 def ranges(robot: str) -> list[Range]:
-    """Of each joint of a robot, as `robot check` says them."""
+    """Ranges of a robot's joints from `robot check`."""
     checked = subprocess.run([given.program, "robot", "check", robot, "--json"], capture_output=True, text=True)
     said = (re.search(r": (\S+) to (\S+) (m|rad)", joint) for joint in json.loads(checked.stdout)["joints"])
     return [(float(one[1]), float(one[2]), one[3] == "rad") for one in said if one]
 
 
 def beyond_need(path: list[list[float]], joints: list[Range]) -> tuple[float, bool]:
-    """The most that a joint of a path travels beyond need, and whether it ends a whole turn too far."""
+    """Greatest travel beyond need of a path's joints, and whether a joint ends a whole turn too far away."""
     most, too_far = 0.0, False
     for values, (low, high, turns) in zip(zip(*path, strict=True), joints, strict=True):
         travel = sum(abs(b - a) for a, b in zip(values, values[1:]))

@@ -1,11 +1,11 @@
-"""OMPL's constrained planning beside `reach` on the same motions: `ompl_upright.py SEEDS`, with the command in
+"""OMPL's constrained planning compared with `reach` on the same motions: `ompl_upright.py SEEDS`, with the command in
 `target/release`, the package and `ompl==2.0.1`.
 
-A plan of `examples/tasks` with its object upright within 5° gives two configurations, the ends of its carry. Both planners get
-these, the same obstacles and joint limits, and the same demand: the axis of the gripper frame that is upright at both ends
-within 5° of up. OMPL's `ProjectedStateSpace` takes it as two equations, the horizontal components of the axis, with that
-tolerance, and RRTConnect; its states are valid if the cell says so, motions at steps of the space. Its path is judged by
-the proof of `reach`.
+A plan of `examples/tasks` that keeps its object upright within 5° gives two configurations, the ends of its carry motion.
+Both planners get these, the same obstacles and joint limits, and the same constraint: the axis of the gripper frame that is
+vertical at both ends stays within 5° of vertical. OMPL's `ProjectedStateSpace` gets it as two equations, the horizontal
+components of the axis, with that tolerance, and runs RRTConnect; the cell checks its states, and motions are checked at
+the steps of the space. Its path is judged by the proof of `reach`.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ LIMIT_S = 5.0
 
 
 def task_of(folder: Path, name: str, seed: int) -> tuple[cranny.Scenario, list[float], list[float], Any] | None:
-    """Scenario with the bound, start, goal and the axis of a carry."""
+    """Scenario with the constraint, and start, goal and axis of a carry motion."""
     file = folder / "x.plan.json"
     words = [str(COMMAND), "plan", str(TASKS / name), "--place", "tray", "--upright", str(WITHIN_DEG), "--seed", str(seed)]
     subprocess.run([*words, "-q", "-o", str(file)], check=False)
@@ -51,7 +51,7 @@ def task_of(folder: Path, name: str, seed: int) -> tuple[cranny.Scenario, list[f
 
 
 def by_ompl(scenario: cranny.Scenario, start: list[float], goal: list[float], axis: Any, seed: int) -> tuple[float, bool, bool]:
-    """Seconds, whether a path was found, and whether it is proven."""
+    """Time in seconds, whether a path was found, and whether it is proven."""
     from ompl import base, geometric, util
 
     util.setLogLevel(util.LogLevel.LOG_NONE)
@@ -60,7 +60,7 @@ def by_ompl(scenario: cranny.Scenario, start: list[float], goal: list[float], ax
     dof = robot.dof
 
     class Upright(base.Constraint):  # type: ignore[misc]
-        """The horizontal components of the axis."""
+        """Constraint on the horizontal components of the axis."""
 
         def __init__(self) -> None:
             super().__init__(dof, 2, math.sin(math.radians(WITHIN_DEG)))
@@ -106,7 +106,7 @@ def by_ompl(scenario: cranny.Scenario, start: list[float], goal: list[float], ax
 
 
 def main() -> None:
-    """One line for each scene."""
+    """Prints one line for each scene and planner."""
     with TemporaryDirectory() as temporary:
         for name in ("can_shelf", "can_gap", "mug_shelf", "mug_gap"):
             rows: dict[str, list[tuple[float, bool, bool]]] = {"reach": [], "OMPL": []}

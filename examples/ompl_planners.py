@@ -1,13 +1,13 @@
 """OMPL's RRTConnect, BIT* and KPIECE in one campaign with Cranny's planners.
 
-They get Cranny's IK goals and Cranny's checks: a configuration is valid if the cell says so, a motion if it is proven
-free. What differs is the search alone, and the language around it: OMPL asks through Python, one motion at a time, and
-its process starts anew for every trial, whose start and end belong to its time.
+They get Cranny's IK goals and Cranny's checks: a configuration is valid if the cell is free there, a motion if it is
+proven free. Only the search and its language differ: OMPL calls the checks through Python, one motion at a time, and its
+process starts anew for each trial; starting and ending it counts as time.
 
     $ pip install ./python ompl==2.0.1
     $ python examples/ompl_planners.py --runs 20 --page ompl.html
 
-BIT* looks for shorter paths until its time is spent; here it ends with its first one, like the others.
+BIT* improves its path until its time is spent; here it stops at its first path, like the others.
 """
 
 from __future__ import annotations
@@ -22,15 +22,15 @@ from cranny import bench
 from numpy.typing import NDArray
 
 GOALS = 10
-"""Configurations to aim at: one for each of the best grasps that have any."""
+"""Number of goal configurations: one for each of the best grasps that have one."""
 
 RESERVE_S = 1.0
-"""Kept back from the time limit, in seconds: the process began before this function, and OMPL looks at its clock only
-between two motions."""
+"""Seconds kept back from the time limit: the process began before this function, and OMPL reads its clock only between
+two motions."""
 
 
 def solve(problem: cranny.Problem, budget: cranny.Budget, seed: int, name: str) -> Any:
-    """Way points by the OMPL planner of that name, or None."""
+    """Way points from the OMPL planner with this name, or None."""
     from ompl import base, geometric, util
 
     util.setLogLevel(util.LogLevel.LOG_NONE)
@@ -51,7 +51,7 @@ def solve(problem: cranny.Problem, budget: cranny.Budget, seed: int, name: str) 
         return np.array([state[joint] for joint in range(robot.dof)])
 
     class Proof(base.MotionValidator):  # type: ignore[misc]
-        """A motion is valid if all of it is proven free."""
+        """Accepts a motion only if all of it is proven free."""
 
         def checkMotion(self, a: Any, b: Any, last_valid: Any = None) -> bool:  # noqa: N802
             return bool(cell.motion_is_free(values(a), values(b)))
@@ -92,18 +92,18 @@ def rrt_connect(problem: cranny.Problem, budget: cranny.Budget, seed: int) -> An
 
 @cranny.planner("ompl-bit-star")
 def bit_star(problem: cranny.Problem, budget: cranny.Budget, seed: int) -> Any:
-    """Batches of samples, searched in the order of the path's length (Gammell et al. 2015)."""
+    """Batches of samples, searched in the order of path length (Gammell et al. 2015)."""
     return solve(problem, budget, seed, "BITstar")
 
 
 @cranny.planner("ompl-kpiece")
 def kpiece(problem: cranny.Problem, budget: cranny.Budget, seed: int) -> Any:
-    """A tree that grows where a projection has seen little (Şucan & Kavraki 2008)."""
+    """A tree that grows where its projection has few samples (Şucan & Kavraki 2008)."""
     return solve(problem, budget, seed, "KPIECE1")
 
 
 def main() -> None:
-    """Runs the campaign and writes its page."""
+    """Runs the campaign and writes its report page."""
     words = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     words.add_argument("--scenarios", default="011,021,031,041", help="ids, comma-separated")
     words.add_argument("--runs", type=int, default=20, help="seeds for each planner in each scenario")

@@ -1,9 +1,7 @@
 import type { Plugin } from "vite";
 
-/**
- * Writes `single.html` beside `index.html`: the same page with script and style inside, so that it can be opened
- * from disk once its data are put into the element `page-data`.
- */
+/** Writes `single.html` next to `index.html`: the same page with script and style embedded, so that it can be opened
+ * from disk after its data are inserted into the element `page-data`. */
 export function singleFile(): Plugin {
   return {
     name: "cranny-single-file",
@@ -18,7 +16,7 @@ export function singleFile(): Plugin {
       };
       const html = String(page.source)
         .replace(/<script type="module"[^>]* src="([^"]+)"><\/script>/g, (_all, name: string) => {
-          // Nothing inside may end the element.
+          // No closing tag inside the code may end the element.
           const code = source(name).replace(/<\/(script)/gi, "<\\/$1");
           return `<script type="module">${code}</script>`;
         })

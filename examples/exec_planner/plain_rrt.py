@@ -1,14 +1,14 @@
-"""A plain planner for `cranny bench run --planner "exec:python3 plain_rrt.py"`: standard library and NumPy only.
+"""A simple planner for `cranny bench run --planner "exec:python3 plain_rrt.py"`: standard library and NumPy only.
 
-It shows the protocol (docs/exec_protocol.md), not how to plan well:
+It is an example of the protocol (docs/exec_protocol.md), not of good planning:
 
 1. Read the problem, the URDF, the triangles of the obstacles and the known goal configurations.
 2. Cover every link with balls. A configuration is free if no ball touches a triangle, the floor or a ball of
-   another link; pairs of links whose balls overlap at the start are left out.
-3. From each goal configuration back the hand out along its approach direction. On that last stretch hand and
-   wrist may come close to the object; whether they may come that close is left to the judge. Under `paper`, whose
-   goal is wide, the path ends before it.
-4. RRT-Connect (Kuffner and LaValle 2000) from the start to where the hand was backed out to.
+   another link; pairs of links whose balls overlap at the start are ignored.
+3. From each goal configuration, move the hand back along its approach direction. On this last stretch, hand and
+   wrist may come close to the object; only the judge checks this. Under `paper`, whose goal tolerance is wide, the
+   path ends before the stretch.
+4. RRT-Connect (Kuffner and LaValle 2000) from the start to the retracted configuration.
 5. Print the way points, close enough together for the `paper` criterion.
 """
 
@@ -22,21 +22,21 @@ import numpy as np
 FLOOR_M = -0.05
 """Height of the floor in the planning frame."""
 CELL_M = 0.08
-"""A ball covers at most so much of a link along each axis."""
+"""Greatest extent of a link along each axis that one ball covers."""
 RETREAT_M = 0.12
-"""How far the hand is backed out: a little more than the fingers are long."""
+"""Distance by which the hand moves back: slightly more than the length of the fingers."""
 STEP = 0.1
-"""Length of a step of the trees, in the norm of q."""
+"""Extension step of the trees, in the norm of q."""
 CHECK_STEP = 0.05
-"""Distance of two configurations that are checked, in the same norm."""
+"""Distance between checked configurations, in the same norm."""
 GROUP = 12
-"""So many triangles are looked at together."""
+"""Number of triangles in a group with a common bounding ball."""
 PAPER_HEIGHT_M = 0.04
-"""The `paper` criterion keeps the frames of the arm above this height."""
+"""Height above which the `paper` criterion keeps the frames of the arm."""
 PAPER_DISTANCE_M = 0.08
-"""The `paper` criterion takes the hand for arrived so far from a grasp: d = 40 where it wants 50."""
+"""Distance from a grasp that the `paper` criterion accepts, with a reserve: d = 40 of at most 50."""
 OUTPUT_STEP_M = 0.05
-"""No link frame moves farther between two way points; the `paper` criterion wants at most 0.1 m."""
+"""Greatest distance that a link frame moves between two way points; the `paper` criterion permits 0.1 m."""
 
 
 def rotation(roll, pitch, yaw):
@@ -60,7 +60,7 @@ def origin(element):
 
 
 def box_of(shape):
-    """The box around one collision element: its pose in the frame of its link, and its size."""
+    """The box around one collision element: its pose in the link's frame, and its size."""
     geometry = shape.find("geometry")[0]
     if geometry.tag == "box":
         return origin(shape), np.array([float(x) for x in geometry.get("size").split()])
@@ -72,7 +72,7 @@ def box_of(shape):
 
 
 def box_around(boxes):
-    """The box along the axes of a link around all its boxes: what the `paper` criterion takes for the link."""
+    """The box around all boxes of a link, along its axes, which the `paper` criterion uses as the link's shape."""
     reaches = [(pose[:3, 3], np.abs(pose[:3, :3]) @ size / 2) for pose, size in boxes]
     lower = np.min([middle - reach for middle, reach in reaches], axis=0)
     upper = np.max([middle + reach for middle, reach in reaches], axis=0)
@@ -91,7 +91,7 @@ def balls_of(pose, size):
 
 
 class Robot:
-    """Joints in the order of q, and balls of every link."""
+    """Joints in the order of q, and the balls of every link."""
 
     def __init__(self, urdf, joints, tip, is_paper):
         root = ElementTree.parse(urdf).getroot()
@@ -104,7 +104,7 @@ class Robot:
             number = index.get(joint.get("name"))
             fixed = 0.0
             if number is None and joint.get("type") == "prismatic":
-                # A finger, which stands open.
+                # A finger, kept open.
                 fixed = float(joint.find("limit").get("upper"))
             step = (joint.find("parent").get("link"), joint.get("type"), origin(joint), axis, number, fixed)
             steps[joint.find("child").get("link")] = step
@@ -125,16 +125,16 @@ class Robot:
         self.ball_radius = np.array([radius for _, _, radius in balls])
         wrist = set(list(self.ancestors(tip))[:4]) | {link for link in self.links if "finger" in link}
         self.is_wrist = np.array([self.links[link] in wrist for link in self.ball_link])
-        # The base and what stands on it cannot come lower.
+        # The base, and links that move only with it, cannot move lower.
         moved = [any(self.steps[a][1] == "revolute" for a in self.ancestors(self.links[l])) for l in self.ball_link]
         self.may_touch_floor = np.array(moved)
-        # What the `paper` criterion keeps above a height: frames from the second joint of the arm on.
+        # Frames that the `paper` criterion keeps above a height: from the second joint of the arm on.
         second = [joint["name"] for joint in joints if joint["lower"] != joints[0]["lower"]][1]
         carried = root.find(f"joint[@name='{second}']/child").get("link")
         self.is_kept_high = np.array([is_paper and carried in self.ancestors(link) for link in self.links])
 
     def ancestors(self, link):
-        """The link and all links that carry it, but the root."""
+        """The link and its chain of parents, without the root."""
         while link in self.steps:
             yield link
             link = self.steps[link][0]
@@ -166,13 +166,13 @@ class Robot:
         return np.stack([poses[link] for link in self.links])
 
     def balls(self, frames):
-        """The centres of all balls."""
+        """Centres of all balls."""
         frames = frames[self.ball_link]
         return np.einsum("nij,nj->ni", frames[:, :3, :3], self.ball_centre) + frames[:, :3, 3]
 
 
 def read_triangles(path):
-    """The corners (n, 3, 3) of the triangles of an OBJ file."""
+    """Corners (n, 3, 3) of the triangles of an OBJ file."""
     vertices, faces = [], []
     with open(path, encoding="utf-8") as file:
         for line in file:
@@ -186,7 +186,7 @@ def read_triangles(path):
 
 
 def distance_to_triangles(points, triangles):
-    """The distance of each point to the triangle of the same row (Ericson 2005, §5.1.5, by cases)."""
+    """Distance of each point from the triangle in the same row (Ericson 2005, §5.1.5, by cases)."""
     a, b, c = triangles[:, 0], triangles[:, 1], triangles[:, 2]
     normal = np.cross(b - a, c - a)
     square = np.maximum(np.einsum("ij,ij->i", normal, normal), 1e-300)
@@ -204,11 +204,11 @@ def distance_to_triangles(points, triangles):
 
 
 class Checker:
-    """Whether a configuration is free, conservatively."""
+    """Conservative collision check of configurations."""
 
     def __init__(self, robot, triangles, start):
         self.robot, self.triangles = robot, triangles
-        # Triangles that follow each other lie near each other: groups of them have a ball around them.
+        # Consecutive triangles are usually close together: each group gets a bounding ball.
         self.groups = [np.arange(i, min(i + GROUP, len(triangles))) for i in range(0, len(triangles), GROUP)]
         corners = [triangles[group].reshape(-1, 3) for group in self.groups]
         self.middles = np.array([(c.min(axis=0) + c.max(axis=0)) / 2 for c in corners])
@@ -253,7 +253,7 @@ class Checker:
 
 
 def retreat(robot, goal, length_m):
-    """Configurations from `goal` back to where the hand has moved out against its approach direction."""
+    """Configurations from `goal` back along the approach direction of the hand."""
     path, q = [goal], goal.copy()
     begin = robot.frames(goal)[robot.tip]
     for distance in np.arange(0.01, length_m + 1e-9, 0.01):
@@ -278,7 +278,7 @@ def retreat(robot, goal, length_m):
 
 
 def connect(checker, start, goal, random, deadline):
-    """RRT-Connect: a path from start to goal, or None, and the number of iterations."""
+    """RRT-Connect: returns a path from start to goal, or None, and the number of iterations."""
     trees = [([start], [-1]), ([goal], [-1])]
     iterations = 0
 
@@ -313,7 +313,7 @@ def connect(checker, start, goal, random, deadline):
         met, is_there = extend(trees[1], trees[0][0][grown])
         if is_there:
             halves = [back(trees[0], grown), back(trees[1], met)]
-            # The trees were exchanged after every iteration.
+            # The trees are swapped after every iteration.
             first, second = halves if np.array_equal(halves[0][-1], start) else halves[::-1]
             return first[::-1] + second[1:], iterations
         trees.reverse()
@@ -321,7 +321,7 @@ def connect(checker, start, goal, random, deadline):
 
 
 def densified(robot, path):
-    """The path with way points so close together that no link frame moves far between two."""
+    """The path with additional way points, so that no link frame moves far between two of them."""
     dense = [path[0]]
     for a, b in zip(path, path[1:]):
         parts = 1
@@ -357,7 +357,7 @@ def main():
             last_stretch = last_stretch[-1:]
         if not checker.is_free(last_stretch[-1]) or not all(checker.is_free(q, False) for q in last_stretch):
             continue
-        # A share of the time for each goal, and no end while there is time.
+        # Each goal gets a share of the time, and goals are tried as long as time remains.
         share = time.monotonic() + max(1.0, (deadline - time.monotonic()) / 4)
         path, tried = connect(checker, start, last_stretch[-1], random, min(deadline, share))
         iterations += tried

@@ -1,6 +1,6 @@
 """Writes mug.obj: a cup of 80 mm by 95 mm with walls of 4 mm and a handle, in metres, its bottom at z = 0.
 
-Needs manifold3d: cup and handle become one surface, as `cranny object add` wants it.
+Needs manifold3d to join cup and handle into one surface, as `cranny object add` requires.
 """
 
 from math import cos, pi, sin
@@ -9,11 +9,11 @@ from manifold3d import CrossSection, Manifold
 
 AROUND = 48
 
-# Half of the cup's section, turned about its axis.
+# Half of the cup's profile, rotated about its axis.
 CUP = [(0.0, 0.0), (0.038, 0.0), (0.040, 0.002), (0.040, 0.095), (0.036, 0.095), (0.036, 0.005), (0.0, 0.005)]
 cup = Manifold.revolve(CrossSection([CUP]), AROUND)
 
-# The handle: balls of 5 mm along half an ellipse, each joined with the next by their hull.
+# The handle: balls of 5 mm along half an ellipse, each joined with the next by their convex hull.
 steps = 16
 angles = [-pi / 2 + pi * step / steps for step in range(steps + 1)]
 balls = [Manifold.sphere(0.005, 16).translate((0.039 + 0.028 * cos(a), 0, 0.0475 + 0.030 * sin(a))) for a in angles]

@@ -6,12 +6,12 @@
 >>> bool(plan), plan.path.shape[1]
 (True, 9)
 
-Lengths are metres, angles radians, times seconds; poses are (4, 4) homogeneous matrices in the planning frame, the
-root frame of the robot; configurations `q` are (dof,), batches of them (N, dof). What is wrong with a call raises
-`TypeError` or `ValueError`; `CrannyError`, a `ValueError`, says what is wrong with a file or a scene.
+Lengths are in metres, angles in radians, times in seconds; poses are (4, 4) homogeneous matrices in the planning
+frame, which is the robot's root frame; a configuration `q` is (dof,), a batch of them (N, dof). Invalid arguments
+raise `TypeError` or `ValueError`; an invalid file or scene raises `CrannyError`, a `ValueError` that states the fault.
 
-`cranny.bench` runs campaigns and reads their results, `cranny.planner` brings a planner of one's own into them,
-`cranny.ros` writes trajectories as ROS 2 has them, `cranny.mujoco_grasps` repeats simulated grasps in MuJoCo.
+`cranny.bench` runs campaigns and reads their results, `cranny.planner` adds your own planner to them, `cranny.ros`
+writes trajectories as ROS 2 messages, `cranny.mujoco_grasps` repeats simulated grasps in MuJoCo.
 """
 
 from cranny import bench, ros

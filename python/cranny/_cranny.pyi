@@ -1,5 +1,5 @@
-# The types of the module that is written in Rust; `mypy.stubtest` holds the two equal. Hand-kept, because what one
-# configuration gives and what a batch gives differ, which no generator sees (docs/decisions).
+# Types of the module written in Rust; `mypy.stubtest` checks that both agree. Written by hand, because a single
+# configuration and a batch give different types, which no generator derives (docs/decisions).
 import os
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Final, Literal, Protocol, TypeAlias, final, overload
@@ -68,7 +68,7 @@ class CrannyError(ValueError): ...
 
 @final
 class Robot:
-    # There is no such robot: whoever calls it is told by what it is made.
+    # There is no constructor; the error of a call names the functions that make robots.
     def __new__(cls, *_arguments: Never, **_keywords: Never) -> Robot: ...
     @staticmethod
     def from_urdf(
@@ -119,7 +119,7 @@ class Robot:
         *,
         up: tuple[float, float, float] = (0, 0, 1),
     ) -> _Floats: ...
-    # Of one pose (4, 4) an array (K, dof); of a batch (N, 4, 4) a list of N arrays.
+    # One pose (4, 4) gives an array (K, dof), a batch (N, 4, 4) a list of N arrays.
     def ik(
         self,
         pose: ArrayLike,
@@ -195,7 +195,7 @@ class Cell:
     def world(self) -> list[Body]: ...
     @property
     def self_pairs(self) -> list[tuple[str, str]]: ...
-    # What is answered of a list depends on its shape; of an array it is taken for a batch, or is a scalar at run time.
+    # A flat list gives one result; for an array, the shape at run time decides between one result and a batch.
     @overload
     def is_free(self, q: Sequence[float], *, threads: int | None = 1) -> bool: ...
     @overload
@@ -617,7 +617,7 @@ def run_campaign(
 ) -> None: ...
 def serve_trials() -> None: ...
 
-# What pickles call.
+# Functions that pickles call.
 def _restored(function: Callable[..., Any], arguments: tuple[Any, ...], known: int, version: str) -> Any: ...
 def _restored_contact(
     first: str, second: str, lengths: tuple[float, float, float], point: Sequence[float]

@@ -1,4 +1,4 @@
-"""How well planners do: campaigns of trials, their results as tables and curves.
+"""Comparison of planners: campaigns of trials, with results as tables and curves.
 
 >>> from cranny import bench
 >>> results = bench.run(["021"], ["reach"], output="results.db", runs=10)  # doctest: +SKIP
@@ -23,53 +23,53 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 PlannerChoice = str | PlannerFunction | Sequence[str] | tuple[str, Mapping[str, Any]]
-"""A built-in planner or one of one's own by its name; a registered function; a built-in planner with settings, as
-(name, settings); or the words of a command that speaks the exec protocol."""
+"""Name of a built-in or registered planner; a registered function; a built-in planner with settings, as (name,
+settings); or the words of a command that speaks the exec protocol."""
 
 Heard = Callable[[int, int, int], None]
-"""Called with the trials that ended, those to run, and those solved."""
+"""Callback with three numbers: trials that have ended, trials to run, and trials solved."""
 
 
 class Results:
-    """The results of campaigns: a file that is open until `close`, or until the end of a `with` block."""
+    """Results of campaigns, in a file that stays open until `close` or until the end of a `with` block."""
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self._file = ResultsFile(Path(path))
 
     @property
     def path(self) -> Path:
-        """The file."""
+        """Path of the results file."""
         return Path(self._file.path)
 
     @property
     def trials(self) -> Any:
-        """All trials, one a row: a pandas data frame, or where there is no pandas a dictionary of lists."""
+        """All trials, one per row: a pandas data frame, or a dictionary of lists if pandas is not installed."""
         return _frame(self._file.trials())
 
     @property
     def summary(self) -> dict[str, Any]:
-        """Every figure of a report: `rows`, `curves`, `comparisons`, `worst`, … as `cranny bench report` gives them."""
+        """All figures of a report: `rows`, `curves`, `comparisons`, `worst`, …, as in `cranny bench report`."""
         return self._file.summary()
 
     @property
     def rows(self) -> Any:
         """One row for each planner on each scenario: success with Wilson intervals, times as censored data. A data
-        frame, or where there is no pandas a dictionary of lists."""
+        frame, or a dictionary of lists without pandas."""
         return _frame(_columns(self.summary["rows"]))
 
     @property
     def comparisons(self) -> Any:
-        """Each pair of planners on each scenario: one row with `finding` ("too-few-runs", "no-difference",
+        """One row for each pair of planners on each scenario: `finding` ("too-few-runs", "no-difference",
         "first-is-faster", "second-is-faster", "differ"), the p-values of two permutation tests, adjusted over all
-        comparisons, and the difference of restricted means with its interval (s); NaN or None where the runs support
-        none. A data frame, or where there is no pandas a dictionary of lists."""
+        comparisons, and the difference of restricted means with its interval (s); NaN or None if there are too few
+        runs. A data frame, or a dictionary of lists without pandas."""
         return _frame(_columns(self.summary["comparisons"]))
 
     @property
     def curves(self) -> Any:
-        """Which share of runs was solved when: one row a step, with `scenario_name`, `planner_name`, `criterion`,
-        `over` ("time" in seconds or "iterations"), `at`, `success`, `low` and `high`. A data frame, or where there
-        is no pandas a dictionary of lists."""
+        """Share of solved runs over time, one row for each step of a curve: `scenario_name`, `planner_name`,
+        `criterion`, `over` ("time" in seconds or "iterations"), `at`, `success`, `low` and `high`. A data frame, or a
+        dictionary of lists without pandas."""
         keys, steps = ("scenario_name", "environment", "planner_name", "criterion", "over"), ("at", "success", "low", "high")
         rows = [
             {**{key: curve[key] for key in keys}, **dict(zip(steps, step, strict=True))}
@@ -79,11 +79,11 @@ class Results:
         return _frame(_columns(rows, (*keys, *steps)))
 
     def path_of(self, trial: int) -> NDArray[np.float64]:
-        """The path that the planner of a trial gave, (N, dof); no rows where it gave none."""
+        """Path that the planner returned in a trial, (N, dof); no rows if it returned none."""
         return self._file.path_of(trial)
 
     def html(self) -> str:
-        """The report as one page that opens without a network."""
+        """The report as one self-contained HTML page."""
         return self._file.html()
 
     def save_html(self, path: str | os.PathLike[str]) -> None:
@@ -98,14 +98,14 @@ class Results:
         criterion: str | None = None,
         axes: Axes | None = None,
     ) -> Axes:
-        """Draws the curves of a scenario with matplotlib, one a planner: the share of runs solved over time (s) or
-        iterations, with its Greenwood band. None: the first scenario, and its first criterion."""
+        """Plots the curves of a scenario with matplotlib, one for each planner: the share of solved runs over time (s)
+        or iterations, with its Greenwood band. None: the first scenario, and its first criterion."""
         from cranny.plots import draw_curves
 
         return draw_curves(self.summary["curves"], scenario, over, criterion, axes)
 
     def close(self) -> None:
-        """Closes the file; whatever is asked afterwards raises ValueError."""
+        """Closes the file; later access raises ValueError."""
         self._file.close()
 
     def __enter__(self) -> Results:
@@ -121,7 +121,7 @@ class Results:
 
 
 def load(path: str | os.PathLike[str]) -> Results:
-    """Opens the results in a file, of `bench.run` or `cranny bench run`."""
+    """Opens a results file of `bench.run` or `cranny bench run`."""
     return Results(path)
 
 
@@ -151,24 +151,23 @@ def run(
     shard: tuple[int, int] | None = None,
     heard: Heard | None = None,
 ) -> Results:
-    """Runs a campaign: `scenarios` (ids, `01x`, `all`, folders, archives) by `planners` by `criteria` by `runs` seeds
-    from `first_seed` on, each trial in a worker process, at most `time_limit_s` seconds or `iterations`.
+    """Runs a campaign: each of `scenarios` (ids, `01x`, `all`, folders, archives) with each of `planners`, `criteria`
+    and `runs` seeds from `first_seed` on. Each trial runs in a worker process, for at most `time_limit_s` or `iterations`.
 
-    It goes on where it was stopped: trials that are in `output` are not run again. Ctrl-C stops it; what has ended
-    stays. With more than one of `workers`, times are not those of a machine at rest, and the results say so.
-    With `carry`, "home", "out" or "place", the target is carried on once it is grasped; with `task` the task of that name
-    is done in each scenario. `robust`: how far (m, rad) it may
-    be from where it is thought to be; `hold`: factor by which the hand of a built-in planner holds what it carries (None:
-    1.5). With `grasps`, "none", no set of grasps is
-    given, for planners that make grasps of their own. `margin_m` and `grasp_margin_m` are the
-    clearances (m) that each path must keep: between any two things, and between the hand and what it grasps.
-    `sandbox`: "auto" runs the programs of others within the walls that the machine has, "off" without, "require" within
-    all of them or not at all. Trials that ended in one of the outcomes `again` ("crashed", "killed", …) are run again.
-    In the process of a planner of one's own, its script is run up to the first call of this function.
-    With `shard`, (3, 8), only the third of eight parts is run, which `cranny bench merge` joins.
-    A mapping of `planners` gives them
-    names. `heard` is called whenever trials have ended, with the numbers of those that ended, that are to be run, and
-    that were solved.
+    The same call continues a stopped campaign: trials in `output` are not run again. Ctrl-C stops it and keeps finished
+    trials. With several `workers`, the results state that times are not those of an otherwise idle machine.
+
+    A mapping as `planners` gives them names. `carry` ("home", "out" or "place") also carries the grasped target; `task`
+    names a task that each scenario defines, which replaces the grasp. `robust` is the error (m, rad) of the target's pose
+    that each path must tolerate, `hold` the factor by which the hand of a built-in planner must hold what it carries
+    (None: 1.5), `margin_m` and `grasp_margin_m` the clearances (m) of each path between any two bodies, and between hand
+    and target. `grasps="none"` runs planners that make their own grasps.
+
+    `sandbox` runs external programs with the protection that the machine supports ("auto"), without it ("off"), or
+    refuses to run without all of it ("require"). `again` lists outcomes ("crashed", "killed", …) whose trials are run
+    again. `shard`, such as (3, 8), runs the third of eight shards, which `cranny bench merge` joins. `heard` is called
+    after trials end, with the numbers of trials that have ended, that are to run, and that are solved. The process of
+    your own planner runs its script only up to the first call of this function.
     """
     end_if_read_for_planner()
     for what, given in (("scenarios", scenarios), ("planners", planners)):
@@ -212,7 +211,7 @@ def run(
 def _call(
     name: str | None, choice: PlannerChoice, folder: Path
 ) -> tuple[str, str | list[str], dict[str, Any] | None]:
-    """Name, call and settings, as `run_campaign` takes them."""
+    """Name, call and settings for `run_campaign`."""
     if isinstance(choice, str) or callable(choice):
         own = registered(choice)
         if own is not None:

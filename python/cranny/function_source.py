@@ -1,4 +1,4 @@
-"""Functions of a notebook as the text of a module, with everything that they refer to."""
+"""Source code of notebook functions as a module, with everything that they refer to."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from typing import Any
 
 
 def source_of(function: Callable[..., Any]) -> str:
-    """A module that holds the function, the functions and classes beside it that it uses, the modules that it names
-    and the plain values that it reads.
+    """Source of a module with the function and with all notebook functions, classes, imports and plain values that it
+    uses.
 
-    Raises ValueError for what cannot be written down; put such a function into a file.
+    Raises ValueError for anything else that it uses; define such a function in a file.
     """
     module = _Module()
     module.gather(function.__name__, function)
@@ -23,7 +23,7 @@ def source_of(function: Callable[..., Any]) -> str:
 
 
 class _Module:
-    """The parts of a module, by the names that they define."""
+    """Statements of a module, by the names that they define."""
 
     def __init__(self) -> None:
         self.imports: dict[str, str] = {}
@@ -51,7 +51,7 @@ class _Module:
         except (OSError, TypeError) as reason:
             raise ValueError(f"the source of `{name}` is not known ({reason}); put it into a file") from reason
         lines = text.splitlines()
-        # Without decorators: the worker looks for the function itself, and registers nothing.
+        # Decorators are omitted, so that the worker, which finds the function by name, registers nothing.
         begin = next(index for index, line in enumerate(lines) if line.startswith(("def ", "class ")))
         self.definitions[name] = "\n".join(lines[begin:])
         functions = [value] if isinstance(value, types.FunctionType) else [
@@ -64,7 +64,7 @@ class _Module:
 
 
 def _names_of(code: types.CodeType) -> list[str]:
-    """The names that code reads from its module, those of the functions inside of it too; attributes are none."""
+    """Module-level names that code reads, including those of nested functions; attributes do not count."""
     names = [step.argval for step in dis.get_instructions(code) if step.opname in ("LOAD_GLOBAL", "LOAD_NAME")]
     for constant in code.co_consts:
         if isinstance(constant, types.CodeType):

@@ -1,7 +1,7 @@
-"""A second opinion on simulated grasps: runs in MuJoCo what Cranny runs in an engine of its own, by the same rules.
+"""Independent check of simulated grasps: repeats in MuJoCo, by the same rules, the runs of Cranny's own engine.
 
-An experiment is the document that `cranny simulate export` writes: the model of hand, object and
-surroundings, what the hand does, what counts as held, and the grasps.
+An experiment is the document that `cranny simulate export` writes: the model of hand, object and surroundings, the
+motion of the hand, the criterion for a held grasp, and the grasps.
 
 >>> from cranny import mujoco_grasps
 >>> runs = mujoco_grasps.run_all(mujoco_grasps.load("experiment.json"))  # doctest: +SKIP
@@ -29,43 +29,42 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class GraspRun:
-    """What came of a grasp."""
+    """Result of a simulated grasp."""
 
     outcome: str
     """`held`, `slipped`, `dropped`, `never-closed` or `knocked-away`."""
     translation_error_m: float
-    """How far the object's centre of mass is from where it was in the hand when that had closed; where it never closed,
-    from where it was in the world."""
+    """Displacement of the object's centre of mass since the hand closed: in the hand, or in the world if it never
+    closed."""
     rotation_error_rad: float
-    """How far it is turned against that."""
+    """Rotation of the object against the same reference."""
     held_s: float
-    """From the closing to the first moment when the object was elsewhere in the hand; to the end if there is none."""
+    """Time from the closing of the hand until the object exceeded the slip limit, or until the end of the run."""
     contact_force_n: float
-    """With what a finger pressed when the hand had closed: the mean of the fingers."""
+    """Contact force of a finger after closing: the mean over the fingers."""
 
 
 @dataclass(frozen=True)
 class PlanRun:
-    """What came of a plan, from where the hand closes."""
+    """Result of a simulated plan, from the closing of the hand."""
 
     grasp: GraspRun
-    """The object in the hand, up to where the plan ends or releases it."""
+    """Result for the object in the hand, until its release or the end of the plan."""
     released: tuple[float, float] | None
-    """How far (m) and how much turned (rad) the object was from where it is to be put down when it was released; None if it
-    was not."""
+    """Displacement (m) and rotation (rad) of the object from its planned goal at release; None without a release."""
     placed: tuple[float, float] | None
-    """The same 2 s after the arm has stopped."""
+    """The same errors 2 s after the arm has stopped."""
     stands: bool
-    """True if that is within the limits of the plan."""
+    """True if the errors in `placed` are within the plan's limits."""
 
     @property
     def is_kept(self) -> bool:
-        """True if the object was in the hand up to there, and slipped no farther than the limit."""
+        """True if the object stayed in the hand until then, within the slip limit."""
         return self.grasp.outcome == "held"
 
 
 def load(path: str | os.PathLike[str]) -> dict[str, Any]:
-    """The experiment in a file."""
+    """Reads an experiment from a file."""
     experiment = json.loads(Path(path).read_text(encoding="utf-8"))
     if not isinstance(experiment, dict) or "mjcf" not in experiment:
         raise ValueError(f"{os.fspath(path)} is no experiment: it has no model ('mjcf')")
@@ -73,13 +72,13 @@ def load(path: str | os.PathLike[str]) -> dict[str, Any]:
 
 
 def run_all(experiment: Mapping[str, Any]) -> list[GraspRun]:
-    """Runs all grasps of an experiment, one after the other, in their order."""
+    """Runs all grasps of an experiment in their order."""
     model = GraspModel(experiment)
     return [model.run(index) for index in range(len(experiment["grasps"]))]
 
 
 def run_plan(experiment: Mapping[str, Any]) -> PlanRun:
-    """Runs a plan of one pick that `cranny simulate plan --export` or `cranny.plan_experiment` wrote."""
+    """Runs the plan of one pick from `cranny simulate plan --export` or `cranny.plan_experiment`."""
     model = GraspModel(experiment)
     grasp = model.close_on(0)
     if not isinstance(grasp, float):
@@ -98,19 +97,19 @@ def run_plan(experiment: Mapping[str, Any]) -> PlanRun:
 
 @dataclass(frozen=True)
 class Pose:
-    """A pose in the planning frame, or in another body's."""
+    """Pose in the planning frame or in the frame of another body."""
 
     position: Array
     """(3,), in metres."""
     quaternion: Array
-    """(4,), of unit length, the real part first."""
+    """(4,), of unit length, the real component first."""
 
 
 class GraspModel:
-    """An experiment as a model of MuJoCo, and the state of its one world.
+    """MuJoCo model of an experiment, with the state of its simulation.
 
-    The palm is a body of great mass whose pose and velocity are set before every step: MuJoCo's own bodies that are
-    moved from outside have no velocity, so that friction would not carry anything with them.
+    The palm is a body of great mass, and its pose and velocity are set before each step: MuJoCo's mocap bodies have no
+    velocity, so their friction would not move the object.
     """
 
     def __init__(self, experiment: Mapping[str, Any]) -> None:
@@ -123,7 +122,7 @@ class GraspModel:
         self.data: Any = self._mujoco.MjData(self.model)
         """The `MjData`."""
         self.steps = 0
-        """How many steps of the drive were made."""
+        """Number of completed steps of the drive."""
         self._opens_from: tuple[int, float] | None = None
         self._strokes = np.array(experiment["strokes_m"], dtype=np.float64)
         names = [f"finger {number}" for number in range(1, len(self._strokes) + 1)]
@@ -137,7 +136,7 @@ class GraspModel:
         self._gravity = np.array([0.0, 0.0, -float(experiment["gravity"])])
 
     def run(self, index: int) -> GraspRun:
-        """Runs one of the experiment's grasps."""
+        """Simulates one of the experiment's grasps."""
         closed = self.close_on(index)
         if not isinstance(closed, float):
             return closed
@@ -149,7 +148,7 @@ class GraspModel:
         return self._follow(([self._on_course(world_from_grasp, time_s) for time_s in some] for some in times), closed)
 
     def close_on(self, index: int) -> float | GraspRun:
-        """Closes the hand at one of the grasps: with what a finger presses then (N), or how it ended."""
+        """Closes the hand at a grasp; returns the contact force of a finger (N), or the result if it does not close."""
         course = self.experiment["course"]
         self.open_at(self.grasp(index))
         blocked = self._blocked()
@@ -165,28 +164,28 @@ class GraspModel:
         return force_n
 
     def carry(self, poses: list[Pose], force_n: float) -> GraspRun:
-        """Takes the hand, and what it has closed on, to these poses, one for each step of the drive."""
+        """Moves the closed hand with the object through these poses, one for each step of the drive."""
         return self._follow(self._between(poses), force_n)
 
     def open(self, poses: list[Pose]) -> None:
-        """Opens the hand while it goes to these poses, one for each step of the drive."""
+        """Opens the hand while it moves through these poses, one for each step of the drive."""
         self._opens_from = (self.steps, self.closed()[0] * float(self._strokes.max()))
         for some in self._between(poses):
             self.step(some)
 
     def grasp(self, index: int) -> Pose:
-        """The pose of the gripper at one of the experiment's grasps."""
+        """Pose of the gripper at one of the experiment's grasps."""
         return _read_pose(self.experiment["grasps"][index])
 
     def open_at(self, world_from_palm: Pose) -> None:
-        """The open hand at a pose, the object at rest."""
+        """Resets the simulation: the open hand at a pose, the object at rest."""
         self._mujoco.mj_resetData(self.model, self.data)
         self.steps = 0
         self._opens_from = None
         self._world_from_palm = world_from_palm
 
     def step(self, next_poses: list[Pose] | None = None) -> None:
-        """A step of the drive; the palm goes through these poses, one for each step of the model, or stands still."""
+        """Advances the drive by one step; the palm follows these poses, one per step of the model, or stands still."""
         figures = self.experiment
         speed = figures["course"]["closing_speed"]
         driven_m = speed * self.time_s
@@ -194,7 +193,7 @@ class GraspModel:
             since, closed_m = self._opens_from
             driven_m = max(closed_m - speed * (self.steps - since) * figures["step_s"], 0.0)
         for finger, stroke_m in enumerate(self._strokes):
-            # Behind the end of the stroke the place goes on until the force is whole.
+            # Past the end of the stroke, the set point advances until the drive has its full force.
             end_m = stroke_m + figures["closing_force_n"] / figures["drive_stiffness"]
             self.data.ctrl[finger] = min(driven_m, end_m)
         for step in range(figures["model_steps"]):
@@ -204,17 +203,17 @@ class GraspModel:
 
     @property
     def time_s(self) -> float:
-        """Since the hand began to close."""
+        """Time since the hand began to close (s)."""
         return self.steps * float(self.experiment["step_s"])
 
     def closed(self) -> tuple[float, float]:
-        """How far the hand has closed, 0 to 1, and how fast it closes (1/s): the mean of the fingers."""
+        """Closed fraction of the hand, 0 to 1, and its rate (1/s): means over the fingers."""
         shares = self.data.qpos[self._finger_positions] / self._strokes
         rates = self.data.qvel[self._finger_velocities] / self._strokes
         return float(shares.mean()), float(rates.mean())
 
     def pressures(self) -> list[float | None]:
-        """With what each finger presses on the object (N); None where it does not touch it."""
+        """Contact force of each finger on the object (N); None without contact."""
         import numpy as np
 
         forces: list[Array | None] = [None] * len(self._strokes)
@@ -235,8 +234,8 @@ class GraspModel:
         return [None if force is None else float(np.linalg.norm(force)) for force in forces]
 
     def _blocked(self) -> str | None:
-        """How a grasp ends at which the open hand stands in something: it has pushed the object away on its way there, or
-        cannot close there."""
+        """Result if the open hand is in collision: it has knocked the object away or cannot close; None if it is
+        free."""
         self._move_palm(self._world_from_palm)
         self._mujoco.mj_forward(self.model, self.data)
         hand = {self.model.body("palm").id, *self._finger_of_body}
@@ -250,8 +249,8 @@ class GraspModel:
         return blocked
 
     def _close(self) -> float | None:
-        """Closes the hand. With what the fingers press while they are still, the mean (N); None if not all of them touch
-        the object."""
+        """Closes the hand; returns the mean contact force (N) of the fingers at rest, or None if not all touch the
+        object."""
         figures, speed = self.experiment, float(self.experiment["course"]["closing_speed"])
         stroke_m = float(self._strokes.max())
         lead_s = float(figures["closing_force_n"]) / float(figures["drive_stiffness"]) / speed
@@ -268,19 +267,19 @@ class GraspModel:
             if abs(share - still_share) * stroke_m > figures["still_speed"] * figures["still_s"] or self.time_s <= lead_s:
                 still_share, still = share, []
                 continue
-            # Contacts are asked only now, for they take longest.
+            # Contacts come last because they are the slowest to compute.
             pressed = [pressure for pressure in self.pressures() if pressure is not None]
             if len(pressed) < len(self._strokes):
                 still_share, still = share, []
                 continue
             still.append(sum(pressed) / len(pressed))
             if len(still) == lead_steps + full_steps:
-                # While its lead grew, the drive had not its whole force.
+                # The drive does not have its full force while its lead still grows.
                 return sum(still[lead_steps:]) / full_steps
         return None
 
     def _follow(self, ways: Iterable[list[Pose]], force_n: float) -> GraspRun:
-        """Follows a way, given for each step of the drive as a pose for each step of the model."""
+        """Follows a path, given for each step of the drive as one pose for each step of the model."""
         figures, course = self.experiment, self.experiment["course"]
         step_s = figures["step_s"]
         closed_from_object = self._hand_from_object()
@@ -301,7 +300,7 @@ class GraspModel:
         return GraspRun(outcome, *error, duration_s if held_s is None else held_s, force_n)
 
     def _between(self, poses: list[Pose]) -> Iterable[list[Pose]]:
-        """The way to each of these poses from the one before, in steps of the model."""
+        """Interpolated path from each pose to the next, in steps of the model."""
         import numpy as np
 
         parts = self.experiment["model_steps"]
@@ -316,7 +315,7 @@ class GraspModel:
             yield way
 
     def _on_course(self, world_from_closed: Pose, time_s: float) -> Pose:
-        """Where the hand is, that long after it has closed: lifted by a polynomial of the fifth degree, then shaken along
+        """Pose of the hand at a time after closing: it is lifted by a polynomial of the fifth degree, then shaken along
         and about each of its axes by A sin²(π t / T) sin(2π f t)."""
         import numpy as np
 
@@ -336,7 +335,7 @@ class GraspModel:
         return self._times(lifted, Pose(direction * wave * course["shake_m"], turn))
 
     def _move_palm(self, target: Pose) -> None:
-        """Gives the palm the velocity that takes it from where it is to `target` in the next step of the model."""
+        """Sets the velocity of the palm so that the next step of the model moves it to `target`."""
         import numpy as np
 
         start, dt = self._world_from_palm, self.model.opt.timestep
@@ -348,7 +347,7 @@ class GraspModel:
         self._world_from_palm = target
 
     def world_from_object(self) -> Pose:
-        """The pose of the object in the planning frame."""
+        """Pose of the object in the planning frame."""
         at = self._object.qposadr[0]
         return Pose(self.data.qpos[at : at + 3].copy(), self.data.qpos[at + 3 : at + 7].copy())
 
@@ -370,7 +369,7 @@ class GraspModel:
         return product
 
     def error(self, expected: Pose, actual: Pose) -> tuple[float, float]:
-        """How far the centre of mass is from where it should be (m), and how far the object is seen to be turned (rad)."""
+        """Distance of the centre of mass from its expected position (m), and visible rotation of the object (rad)."""
         import numpy as np
 
         turn, a, b = np.zeros(3), np.zeros(3), np.zeros(3)
@@ -391,7 +390,7 @@ class GraspModel:
 
 
 def _mujoco() -> Any:
-    """The package of that name."""
+    """Imports MuJoCo; raises ImportError with the command that installs it."""
     try:
         import mujoco
     except ImportError as reason:
@@ -407,7 +406,7 @@ def _read_pose(written: Mapping[str, Any]) -> Pose:
 
 
 def _duration_s(course: Mapping[str, float]) -> float:
-    """How long the course takes."""
+    """Duration of the course."""
     return course["lift_s"] + 3.0 * course["shake_periods"] / course["shake_hz"] + course["rest_s"]
 
 

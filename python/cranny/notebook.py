@@ -1,4 +1,4 @@
-"""What a notebook shows of a scenario and a plan."""
+"""Display of scenarios and plans in notebooks."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from typing import Literal, overload
 from cranny._cranny import LivePage, Plan, Scenario, moving_picture, page, picture
 
 NOTEBOOK_RATE_HZ = 4
-"""Pictures a second in a notebook: each takes some tenths of a second to draw."""
+"""Pictures per second in a notebook; each takes some tenths of a second to draw."""
 
 
 class View:
-    """A scenario as a notebook shows it, with a plan where there is one: what `scenario.show(plan)` gives.
+    """View of a scenario in a notebook, with a plan if there is one; returned by `scenario.show(plan)`.
 
-    A notebook calls `_repr_html_` and shows what it returns; a plan moves.
+    A notebook displays the result of `_repr_html_`, in which a plan moves.
     """
 
     def __init__(
@@ -36,11 +36,11 @@ class View:
         self._view, self._width, self._height = view, width, height
 
     def png(self) -> bytes:
-        """A still picture: the end of the plan with the way to it, or the scenario at its start."""
+        """PNG of the end of the plan with the path to it, or of the scenario at its start."""
         return picture(self._scenario, self._plan, view=self._view, width=self._width, height=self._height)
 
     def apng(self, rate: int = 10) -> bytes:
-        """The motion as an animated PNG, `rate` pictures a second, which browsers show like a picture."""
+        """Animated PNG of the motion with `rate` pictures per second, which browsers display like a picture."""
         if self._plan is None:
             raise ValueError("there is no plan to move along")
         return moving_picture(
@@ -48,7 +48,7 @@ class View:
         )
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes a picture: `.png`, or `.apng` for the motion; or the viewer as one file, `.html`."""
+        """Writes a picture (`.png`), a moving picture (`.apng`), or the viewer as one file (`.html`)."""
         path = Path(path)
         if path.suffix == ".html":
             viewer = page(self._scenario, self._plan)
@@ -61,8 +61,8 @@ class View:
             raise ValueError(f"{path}: views are .png, .apng or .html")
 
     def html(self) -> str:
-        """What stands in the notebook: the viewer in a frame of its own, or a picture where the package was
-        built without the viewer."""
+        """HTML for the notebook: the viewer in its own frame, or a picture if the package was built without the
+        viewer."""
         viewer = page(self._scenario, self._plan)
         if viewer is not None:
             return (
@@ -87,11 +87,11 @@ def show(scenario: Scenario, plan: Plan | None = None, *, live: Literal[True], o
 def show(
     scenario: Scenario, plan: Plan | None = None, *, live: bool = False, open_browser: bool = True
 ) -> View | LivePage:
-    """Shows a scenario, with a plan where one is given: a View, which a notebook draws.
+    """Shows a scenario, with its plan if given: returns a View, which a notebook displays.
 
-    With `live`, opens the viewer in the browser, and returns its page: `page.pose(q)` and `page.plan(plan)` show what
-    a script comes to, as it comes, `cranny.plan(scenario, watch=page)` shows how a search grows, `page.close()` (or the
-    end of a `with`) ends it. `open_browser=False` leaves it at `page.url`.
+    With `live`, opens the viewer in the browser and returns its page. `page.pose(q)` and `page.plan(plan)` update it
+    from a running script, `cranny.plan(scenario, watch=page)` shows the growth of a search, and `page.close()` or the end
+    of a `with` block closes it. With `open_browser=False` nothing opens; the address is `page.url`.
 
     >>> import cranny
     >>> scenario = cranny.Scenario("021")
@@ -108,7 +108,7 @@ def show(
 
 
 def _open(url: str) -> None:
-    """By a file of the user's own: every user of the machine can read with which words a browser is called."""
+    """Opens the address by a private file: other users of the machine can read a browser's command line."""
     number, name = tempfile.mkstemp(prefix="cranny-", suffix=".html")
     with os.fdopen(number, "w", encoding="utf-8") as file:
         file.write(f'<!doctype html><meta name="referrer" content="no-referrer">'

@@ -1,4 +1,4 @@
-"""A planner of one's own: a function, registered under a name, that campaigns call in a process of its own."""
+"""Support for your own planner: a function, registered under a name, that campaigns call in a separate process."""
 
 from __future__ import annotations
 
@@ -16,46 +16,47 @@ from cranny._cranny import Cell, Grasps, Robot, Scenario
 from cranny.function_source import source_of
 
 if TYPE_CHECKING:
-    # NumPy takes longer to load than all of this package: the first array brings it.
+    # NumPy takes longer to load than this package, so it is imported only when an array is needed.
     import numpy as np
     from numpy.typing import ArrayLike, NDArray
 
 PlannerFunction = Callable[["Problem", "Budget", int], "ArrayLike | None"]
-"""What a planner is: problem, budget and seed to way points (N, dof) from the start to a goal, or None."""
+"""Signature of a planner: from problem, budget and seed to way points (N, dof) from the start to a goal, or None."""
 
 _Function = TypeVar("_Function", bound=PlannerFunction)
 
 
 @dataclass(frozen=True)
 class Budget:
-    """How much a planner may spend. The campaign measures from outside; a path after the limit counts as none."""
+    """Limits of a planner. The campaign measures the time from outside; a path returned after the limit does not
+    count."""
 
     time_s: float
     """Seconds from the start of the process."""
     iterations: int | None = None
-    """Iterations, whatever the planner calls one; None: no limit."""
+    """Number of iterations, as the planner defines them; None: no limit."""
     begin: float = field(default_factory=time.monotonic, repr=False)
-    """When the clock began to run, as `time.monotonic` tells it."""
+    """Start of the clock, from `time.monotonic`."""
 
     def left_s(self) -> float:
-        """Seconds that are left, 0 at least."""
+        """Remaining time in seconds, at least 0."""
         return max(0.0, self.time_s - (time.monotonic() - self.begin))
 
     def is_spent(self) -> bool:
-        """Whether no time is left."""
+        """True if no time is left."""
         return self.left_s() <= 0.0
 
 
 @dataclass(frozen=True)
 class Problem:
-    """What a planner of one's own is asked: from `start` to any of `grasps`, free of collision all the way."""
+    """Problem for your own planner: find a collision-free path from `start` to one of `grasps`."""
 
     scenario: Scenario
-    """The scenario, for whatever else it tells."""
+    """The scenario, which gives access to all other data."""
     start: NDArray[np.float64]
-    """The configuration to start from, (dof,), m or rad."""
+    """Start configuration, (dof,), m or rad."""
     goal: NDArray[np.float64] | None = None
-    """The one configuration to aim at, (dof,); None: any grasp will do."""
+    """The only goal configuration, (dof,); None: any grasp is a goal."""
 
     @property
     def robot(self) -> Robot:
@@ -64,7 +65,7 @@ class Problem:
 
     @property
     def grasps(self) -> Grasps:
-        """How the target can be grasped."""
+        """Grasps of the target."""
         return self.scenario.grasps
 
     @cached_property
@@ -73,8 +74,8 @@ class Problem:
         return self.scenario.cell()
 
     def goals(self, count: int = 10, *, seed: int = 0, attempts: int = 100) -> NDArray[np.float64]:
-        """Free configurations that reach a grasp, (K, dof), K ≤ `count`, one for each grasp from the highest score
-        down; `attempts` random starts for each."""
+        """Free configurations that reach a grasp, (K, dof), K ≤ `count`, one per grasp in the order of falling scores;
+        `attempts` random starts for each."""
         import numpy as np
 
         if self.goal is not None:
@@ -90,29 +91,29 @@ class Problem:
 
 @dataclass(frozen=True)
 class OwnPlanner:
-    """A planner of one's own, as it was registered."""
+    """A registered planner."""
 
     name: str
-    """What reports call it."""
+    """Name in reports."""
     function: PlannerFunction
-    """What is called."""
+    """Function that is called."""
 
     def command(self, folder: Path) -> list[str]:
-        """The command that speaks the exec protocol for it. A function of a notebook is first written, with what it
-        refers to, to a file in `folder`."""
+        """Command that runs the function by the exec protocol. A notebook function is first written to a file in
+        `folder`, with everything that it refers to."""
         name = self.function.__name__
         file = Path(self.function.__code__.co_filename)
         if not file.is_file():
             text = source_of(self.function)
             folder.mkdir(parents=True, exist_ok=True)
-            # The content names the file: a planner that was changed is another one.
+            # The file name contains a hash of the source: a changed planner counts as another one.
             file = folder / f"{name}-{hashlib.sha256(text.encode()).hexdigest()[:12]}.py"
             file.write_text(text, encoding="utf-8")
         return [sys.executable, "-m", "cranny.worker", str(file.resolve()), name]
 
 
 class ScriptEnds(BaseException):
-    """A script that is read for its planner has come to where it runs a campaign: what it defines is known by then."""
+    """Ends a script that is read for its planner, as soon as it would run a campaign."""
 
 
 _is_read_for_planner = False
@@ -120,8 +121,7 @@ _is_read_for_planner = False
 
 @contextmanager
 def reading_for_planner() -> Iterator[None]:
-    """While a script is run for the planner that it defines, it runs no campaign: the one that asks would begin anew in
-    each of its trials."""
+    """Suppresses campaigns while a script is read for its planner; otherwise each trial would start a campaign."""
     global _is_read_for_planner
     _is_read_for_planner = True
     try:
@@ -132,7 +132,7 @@ def reading_for_planner() -> Iterator[None]:
 
 
 def end_if_read_for_planner() -> None:
-    """Ends a script that is read for its planner."""
+    """Raises ScriptEnds if the script is read for its planner."""
     if _is_read_for_planner:
         raise ScriptEnds
 
@@ -141,8 +141,8 @@ _registered: dict[str, OwnPlanner] = {}
 
 
 def planner(name: str) -> Callable[[_Function], _Function]:
-    """Registers a function of a module or a notebook cell as a planner: `bench.run` then takes its name like that of
-    a built-in one, calls it in a process of its own for every trial, and judges its path like anybody's.
+    """Registers a function of a module or a notebook cell as a planner: `bench.run` then accepts its name like that of
+    a built-in one, calls it in a separate process for each trial, and judges its paths by the same rules.
 
     >>> import cranny
     >>> @cranny.planner("straight")
@@ -169,16 +169,16 @@ def planner(name: str) -> Callable[[_Function], _Function]:
 
 
 def registered(what: str | PlannerFunction) -> OwnPlanner | None:
-    """The planner of that name, or of that function; None if it was not registered."""
+    """Registered planner with this name or function; None if there is none."""
     if isinstance(what, str):
         return _registered.get(what)
     return next((own for own in _registered.values() if own.function is what), None)
 
 
 def answer(function: PlannerFunction, question: dict[str, Any]) -> dict[str, Any]:
-    """Asks a planner as the exec protocol does, and returns what it prints.
+    """Runs a planner on a request of the exec protocol, and returns its answer.
 
-    `question` is the document of docs/exec_protocol.md.
+    `question` is the document described in docs/exec_protocol.md.
     """
     import numpy as np
 

@@ -1,4 +1,4 @@
-"""Curves of results with matplotlib."""
+"""Plots of results with matplotlib."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 LABELS = {"time": "time (s)", "iterations": "iterations"}
-"""What curves are drawn over."""
+"""Axis labels of the quantities over which curves are drawn."""
 
 
 def draw_curves(
@@ -19,7 +19,7 @@ def draw_curves(
     criterion: str | None = None,
     axes: Axes | None = None,
 ) -> Axes:
-    """Draws the curves of one scenario: a step function and its band for each planner."""
+    """Draws the curves of one scenario: a step function with its band for each planner."""
     try:
         import matplotlib.pyplot as plt
     except ImportError as reason:

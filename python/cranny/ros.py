@@ -1,4 +1,4 @@
-"""Trajectories as ROS 2 has them, without ROS: dictionaries and YAML of `trajectory_msgs/JointTrajectory`.
+"""Trajectories as ROS 2 messages, without ROS: dictionaries and YAML of `trajectory_msgs/JointTrajectory`.
 
 >>> import cranny
 >>> message = cranny.ros.joint_trajectory(cranny.plan(cranny.Scenario("021")), rate=50)
@@ -25,22 +25,22 @@ NANOSECONDS = 1_000_000_000
 
 
 def duration(seconds: float) -> dict[str, int]:
-    """`builtin_interfaces/Duration`: whole seconds and the nanoseconds beyond them."""
+    """`builtin_interfaces/Duration` with whole seconds and remaining nanoseconds."""
     sec, nanosec = divmod(round(seconds * NANOSECONDS), NANOSECONDS)
     return {"sec": sec, "nanosec": nanosec}
 
 
 def joint_trajectory(plan: Plan, rate: float = 100.0, *, frame_id: str = "") -> dict[str, Any]:
-    """A `trajectory_msgs/JointTrajectory` of a plan, sampled at `rate` (Hz): a dictionary of plain lists and numbers,
-    which `rosidl_runtime_py.set_message_fields` takes. Positions in m or rad, and their first two derivatives."""
+    """`trajectory_msgs/JointTrajectory` of a plan, sampled at `rate` (Hz): a dictionary of plain lists and numbers for
+    `rosidl_runtime_py.set_message_fields`. Contains positions in m or rad and their first two derivatives."""
     return of_samples(plan.sample(rate), frame_id=frame_id)
 
 
 def task(plan: Plan, rate: float = 100.0, *, frame_id: str = "") -> list[tuple[str, dict[str, Any]]]:
-    """What to send to whom, one after the other, each once the one before has ended: pairs of "arm" and a
-    `trajectory_msgs/JointTrajectory`, or "gripper" and a `control_msgs/GripperCommand` (`position`, between the fingers, in
-    m; `max_effort` in N). A plan that carries its target opens the hand, reaches, closes, and goes on; another one is its
-    way to the grasp."""
+    """Messages of a plan in the order in which to send them, each after the previous one has been executed: pairs of
+    "arm" and a `trajectory_msgs/JointTrajectory`, or "gripper" and a `control_msgs/GripperCommand` (`position`, the
+    distance between the fingers, in m; `max_effort` in N). A plan that carries its target opens the hand, reaches,
+    closes it and moves on; any other plan has only its path to the grasp."""
     ways = [("arm", of_samples(samples, frame_id=frame_id)) for samples in plan.sample_ways(rate)]
     closing = plan._closing()
     if closing is None:
@@ -51,21 +51,21 @@ def task(plan: Plan, rate: float = 100.0, *, frame_id: str = "") -> list[tuple[s
 
 
 FRANKA_LEAST_N = 30.0
-"""What a Franka hand presses with whatever less it is asked for, about (libfranka, issue 111)."""
+"""Approximate least gripping force (N) of a Franka hand, even if less is requested (libfranka, issue 111)."""
 FRANKA_MOST_N = 70.0
-"""What it can press with for long."""
+"""Greatest continuous gripping force (N) of a Franka hand."""
 
 
 def franka_task(
     plan: Plan, rate: float = 100.0, *, frame_id: str = "", speed: float = 0.1, tolerance: float = 0.005
 ) -> list[tuple[str, dict[str, Any]]]:
-    """The same for a Franka hand: pairs of "arm" and a `trajectory_msgs/JointTrajectory`, "move" and a goal of
-    `franka_msgs/action/Move` (`width` in m, `speed` in m/s), or "grasp" and one of `franka_msgs/action/Grasp`: `width` of
-    the object between the fingers, `epsilon` with `inner` and `outer` (m), `speed` and `force` (N).
+    """Messages like those of `task` for a Franka hand: pairs of "arm" and a `trajectory_msgs/JointTrajectory`, "move" and a
+    `franka_msgs/action/Move` goal (`width` in m, `speed` in m/s), or "grasp" and a `franka_msgs/action/Grasp` goal (`width`
+    of the object between the fingers, `epsilon` with `inner` and `outer` (m), `speed`, and `force` (N)).
 
-    A grasp that ends outside of width - inner to width + outer counts as failed, and the hand opens again: `tolerance` is
-    for both. The force is that by which the plan's hold was computed; a hand that does not press with it, from
-    `FRANKA_LEAST_N` to `FRANKA_MOST_N`, is refused."""
+    A grasp that ends outside `width - inner` to `width + outer` fails, and the hand opens again; `tolerance` sets both. The
+    force is the one for which the plan's hold was computed; ValueError unless it is from `FRANKA_LEAST_N` to
+    `FRANKA_MOST_N`, and `speed` and `tolerance` are positive."""
     closing = plan._closing()
     steps = task(plan, rate, frame_id=frame_id)
     if closing is None:
@@ -87,7 +87,7 @@ def franka_task(
 
 
 def of_samples(samples: Samples, *, frame_id: str = "") -> dict[str, Any]:
-    """The same of samples that are there already."""
+    """`trajectory_msgs/JointTrajectory` of existing samples, as `joint_trajectory` returns it."""
     rows = zip(samples.times, samples.positions, samples.velocities, samples.accelerations, strict=True)
     return {
         "header": {"stamp": duration(0.0), "frame_id": frame_id},
@@ -106,9 +106,9 @@ def of_samples(samples: Samples, *, frame_id: str = "") -> dict[str, Any]:
 
 
 class JointPositions:
-    """Positions (T, dof) in m and rad with the names of their joints, one a column. Everything in this package that takes
-    configurations puts the columns into the order of its robot by these names, and refuses names that the robot does not
-    have and joints without a name. `numpy.asarray(positions)` has the columns as they came; `in_order_of` reorders them."""
+    """Positions (T, dof) in m and rad, one column per joint, with the joints' names. All functions of this package that
+    accept configurations reorder the columns by these names for their robot, and refuse unknown and missing joints.
+    `numpy.asarray(positions)` has the columns in the original order; `in_order_of` reorders them."""
 
     def __init__(self, joint_names: Sequence[str], values: ArrayLike) -> None:
         import numpy as np
@@ -121,7 +121,7 @@ class JointPositions:
             raise ValueError(f"positions of shape {self._values.shape} for {len(self.joint_names)} joint names")
 
     def in_order_of(self, joint_names: Sequence[str]) -> NDArray[np.float64]:
-        """The same, (T, dof), with one column for each of these joints, in their order."""
+        """Positions (T, dof) with one column for each of these joints, in their order."""
         expected = list(joint_names)
         if set(expected) != set(self.joint_names):
             here = ", ".join(self.joint_names)
@@ -130,12 +130,12 @@ class JointPositions:
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Instants and joints."""
+        """Numbers of instants and joints."""
         instants, joints = self._values.shape
         return instants, joints
 
     def tolist(self) -> list[list[float]]:
-        """Lists of the values, the columns as they came."""
+        """Lists of the values, with columns in the original order."""
         rows: list[list[float]] = self._values.tolist()
         return rows
 
@@ -156,8 +156,8 @@ class JointPositions:
 
 
 def positions_of(message: dict[str, Any]) -> tuple[NDArray[np.float64], JointPositions]:
-    """Times (T,) in seconds and positions (T, dof) of such a message, from anybody, with the names of its joints:
-    `cranny.verify_path` judges them in the order of its robot. Times that decrease are a `ValueError`."""
+    """Times (T,) in seconds and positions (T, dof) of such a message from any source, with the names of its joints, by
+    which `cranny.verify_path` puts them into the order of its robot. Decreasing times raise ValueError."""
     import numpy as np
 
     names, points = list(message["joint_names"]), message["points"]
@@ -173,7 +173,7 @@ def positions_of(message: dict[str, Any]) -> tuple[NDArray[np.float64], JointPos
 
 
 def yaml_text(message: dict[str, Any]) -> str:
-    """The message as YAML, as `ros2 topic pub` takes and `ros2 topic echo` prints it."""
+    """YAML of the message, as `ros2 topic pub` accepts and `ros2 topic echo` prints it."""
     return "\n".join(_lines(message, "")) + "\n"
 
 
@@ -193,6 +193,6 @@ def _lines(value: dict[str, Any], indent: str) -> list[str]:
                 first, *rest = _lines(item, indent + "  ")
                 lines += [f"{indent}- {first.removeprefix(indent + '  ')}", *rest]
         else:
-            # JSON of numbers, strings and lists of them is YAML.
+            # Numbers, strings and lists of them have the same form in JSON and YAML.
             lines.append(f"{indent}{key}: {json.dumps(entry)}")
     return lines

@@ -1,7 +1,7 @@
-"""The processes of a campaign.
+"""Processes of a campaign.
 
-`python -m cranny.worker` serves trials; `python -m cranny.worker FILE FUNCTION` is a planner of one's own, which
-speaks the exec protocol (docs/exec_protocol.md).
+`python -m cranny.worker` serves trials; `python -m cranny.worker FILE FUNCTION` runs your own planner by the exec
+protocol (docs/exec_protocol.md).
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ from cranny._cranny import serve_trials
 from cranny.own_planner import PlannerFunction, answer, reading_for_planner
 
 MODULE = "__cranny_planner__"
-"""What the module of a planner is called in its process: not `__main__`, so that a script does not run itself."""
+"""Module name of a planner in its process; it is not `__main__`, so that a script does not run its main block."""
 
 
 def load(file: Path, function: str) -> PlannerFunction:
-    """The function of that name in a file of Python."""
+    """Loads the function with this name from a Python file."""
     specification = importlib.util.spec_from_file_location(MODULE, file)
     if specification is None or specification.loader is None:
         raise SystemExit(f"{file}: no file of Python")
@@ -36,13 +36,13 @@ def load(file: Path, function: str) -> PlannerFunction:
 
 
 def main(words: list[str]) -> None:
-    """Serves what `words` ask for."""
+    """Serves trials without `words`, or runs the planner that they name."""
     if not words:
         serve_trials()
         return
     if len(words) != 2:
         raise SystemExit("usage: python -m cranny.worker [FILE FUNCTION]")
-    # What a planner prints is no path.
+    # The planner's own output must not mix with the answer.
     with contextlib.redirect_stdout(sys.stderr):
         told = answer(load(Path(words[0]), words[1]), json.load(sys.stdin))
     json.dump(told, sys.stdout)

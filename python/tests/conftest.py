@@ -1,4 +1,4 @@
-"""What the tests share: the released data, packages of others, robots."""
+"""Shared resources of the tests: released data, external packages, robots."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ REPOSITORY = HERE.parents[1]
 
 
 def lacking(what: str) -> None:
-    """Skips a test, or fails it where nothing may be skipped."""
+    """Skips a test, or fails it if CRANNY_REQUIRE_ALL forbids skipping."""
     if os.environ.get("CRANNY_REQUIRE_ALL") == "1":
         pytest.fail(what)
     pytest.skip(what)
 
 
 def package(name: str) -> ModuleType:
-    """A package of others, or none of the test."""
+    """Imports an external package; skips the test without it."""
     try:
         return importlib.import_module(name)
     except ImportError as reason:
@@ -36,7 +36,7 @@ def package(name: str) -> ModuleType:
 
 
 def released_folder() -> Path:
-    """The folder of the paper's released data."""
+    """Folder of the paper's released data."""
     named = os.environ.get("CRANNY_DATA")
     if not named:
         lacking("CRANNY_DATA is unset: no released data")
@@ -51,21 +51,21 @@ def scenario() -> cranny.Scenario:
 
 @pytest.fixture(scope="session")
 def cell(scenario: cranny.Scenario) -> cranny.Cell:
-    """The built-in robot in it."""
+    """The built-in robot in the scenario."""
     return scenario.cell()
 
 
 @pytest.fixture(scope="session")
 def plan(scenario: cranny.Scenario) -> cranny.Plan:
-    """A plan of it."""
+    """A plan for the scenario."""
     return cranny.plan(scenario)
 
 
 class Reference:
-    """A robot as Pinocchio has it, with the joints of a Cranny robot."""
+    """Pinocchio's model of a robot, with the joints of a Cranny robot."""
 
     solid_meshes: Container[str] = ()
-    """Links whose meshes stand for what they enclose."""
+    """Links whose meshes represent solids."""
 
     def __init__(self, urdf: Path, robot: cranny.Robot, fixed: dict[str, float] | None = None) -> None:
         self.pin: Any = package("pinocchio")
@@ -83,7 +83,7 @@ class Reference:
         self.joints = [self.model.joints[self.model.getJointId(name)] for name in robot.joint_names]
 
     def configuration(self, q: NDArray[np.float64]) -> NDArray[np.float64]:
-        """As Pinocchio counts it: a continuous joint is a cosine and a sine."""
+        """Configuration in Pinocchio's format, in which a continuous joint is a cosine and a sine."""
         configuration = self.pin.neutral(self.model)
         for joint, value in zip(self.joints, q, strict=True):
             values = [value] if joint.nq == 1 else [np.cos(value), np.sin(value)]
@@ -96,7 +96,7 @@ class Reference:
         return np.asarray(self.data.oMf[self.model.getFrameId(link)].homogeneous)
 
     def forces(self, q: NDArray[np.float64], *rates: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Of each joint of the robot, at these velocities and accelerations."""
+        """Forces of the robot's joints at these velocities and accelerations."""
         velocity, acceleration = np.zeros(self.model.nv), np.zeros(self.model.nv)
         for joint, *of_joint in zip(self.joints, *rates, strict=True):
             velocity[joint.idx_v], acceleration[joint.idx_v] = of_joint
@@ -104,7 +104,7 @@ class Reference:
         return np.asarray(forces)[[joint.idx_v for joint in self.joints]]
 
     def jacobian(self, q: NDArray[np.float64], link: str) -> NDArray[np.float64]:
-        """(6, dof), at the link's origin, in the axes of the root, columns in the order of the robot."""
+        """(6, dof) at the link's origin, in the axes of the root frame, columns in the robot's order."""
         frame = self.model.getFrameId(link)
         axes = self.pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
         whole = self.pin.computeFrameJacobian(self.model, self.data, self.configuration(q), frame, axes)

@@ -1,12 +1,12 @@
-"""Do two closed triangle meshes touch? Decided in rational numbers, so that no rounding enters.
+"""Intersection test of two closed triangle meshes in rational numbers, without rounding.
 
-1. The coordinates, which are binary fractions, are taken as they are.
-2. Two triangles meet if an edge of one meets the other, or if they lie in one plane and an edge of one meets an edge
-   of the other or a corner lies inside (Möller 1997 does the same with floats).
-3. If no triangles meet, one mesh may hold the other: a ray from a point of each crosses the other's surface an odd
-   number of times. Point and ray are drawn anew if anything is in one plane.
+1. The coordinates, which are binary fractions, are used exactly.
+2. Two triangles meet if an edge of one meets the other, or if they are coplanar and an edge of one meets an edge of
+   the other or a corner is inside the other (Möller 1997 does the same with floats).
+3. If no triangles meet, one mesh may enclose the other: a ray from a point of each crosses the other's surface an odd
+   number of times. Degenerate cases are avoided by another random point and ray.
 
-Slow, and meant for the few configurations that two fast checks disagree on.
+It is slow, and meant for the few configurations on which two fast checks disagree.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ Mesh = tuple[NDArray[np.float64], NDArray[np.int64]]
 
 
 def meshes_touch(a: Mesh, b: Mesh) -> bool:
-    """Whether the solids that two closed meshes enclose have a point in common."""
+    """Whether the solids enclosed by two closed meshes have a common point."""
     near_a, near_b = _near(a, b), _near(b, a)
     if any(triangles_touch(s, t) for s in near_a for t in near_b if _boxes_meet(s, t)):
         return True
@@ -33,7 +33,7 @@ def meshes_touch(a: Mesh, b: Mesh) -> bool:
 
 
 def triangles_touch(s: Triangle, t: Triangle) -> bool:
-    """Whether two triangles have a point in common."""
+    """Whether two triangles have a common point."""
     for one, other in ((s, t), (t, s)):
         if any(_segment_meets(one[k], one[(k + 1) % 3], other) for k in range(3)):
             return True
@@ -51,7 +51,7 @@ def _triangles(mesh: Mesh) -> list[Triangle]:
 
 
 def _near(mesh: Mesh, other: Mesh) -> list[Triangle]:
-    """The triangles whose boxes meet the box of the other mesh."""
+    """Triangles whose boxes meet the box of the other mesh."""
     low, high = other[0].min(axis=0), other[0].max(axis=0)
     corners = mesh[0][mesh[1]]
     kept = ((corners.max(axis=1) >= low) & (corners.min(axis=1) <= high)).all(axis=1)
@@ -120,7 +120,7 @@ def _segment_meets_in_plane(p: Vector, q: Vector, triangle: Triangle) -> bool:
 
 
 def _holds(mesh: Mesh, triangle: Triangle) -> bool:
-    """Whether the mesh holds a triangle that does not meet its surface."""
+    """Whether a mesh encloses a triangle that does not meet its surface."""
     draws = random.Random(0)
     triangles = _triangles(mesh)
     while True:

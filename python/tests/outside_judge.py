@@ -1,8 +1,8 @@
-"""A judge of plans that shares nothing with Cranny but its files.
+"""Judge of plans that shares no code with Cranny, only its files.
 
-It reads URDF, SRDF, scenario.yaml, meshes and plans itself, takes kinematics from Pinocchio and distances from Coal, and
-samples what was called proven. Two bodies may touch only where an object rests: it and the shape below that carries it, by
-0.1 mm, while it is lifted off or set down. Pads may touch what they hold.
+It reads URDF, SRDF, scenario.yaml, meshes and plans itself, uses the kinematics of Pinocchio and the distances of Coal,
+and samples motions that Cranny calls proven. Two bodies may touch only if one rests on a supporting shape below it, by
+0.1 mm, during lift-off and set-down. Finger pads may touch the held object.
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 ROUNDING_M = 1e-5
-"""Deeper than this is contact, and so much may a distance fall short of a clearance."""
+"""Depth above which two bodies count as in contact, and tolerance for a stated clearance."""
 SUPPORT_M = 1e-4 + 5e-6
-"""So deep an object may be in the shape that carries it."""
+"""Permitted depth of an object in its support."""
 RESTING_M = 3.5e-4
-"""No farther above what carries it an object is let go."""
+"""Greatest height above the support at which an object may be released."""
 STEP_M = 5e-4
-"""How far a point of a link moves between two samples, as far as their number allows."""
+"""Movement of a link's point between two samples, unless their number is limited."""
 
 
 def pose_of(entry: dict[str, Any] | None) -> Floats:
@@ -44,12 +44,12 @@ def pose_of(entry: dict[str, Any] | None) -> Floats:
 
 
 def numbers(text: str | None, count: int) -> Floats:
-    """Numbers of an XML attribute, 0 where it is absent."""
+    """Numbers of an XML attribute; zeros if it is absent."""
     return np.array([float(word) for word in text.split()]) if text else np.zeros(count)
 
 
 class Thing:
-    """A rigid thing: Coal's shapes, each with its pose in the thing's frame and a box around it."""
+    """A rigid body: Coal's shapes, each with its pose in the body's frame and its bounding box."""
 
     def __init__(self, shapes: list[tuple[Any, Floats]]) -> None:
         self.shapes = [shape for shape, _ in shapes]
@@ -63,7 +63,7 @@ class Thing:
 
     @classmethod
     def of_body(cls, entry: dict[str, Any], mesh: Callable[[str], Any]) -> Thing:
-        """A body of scenario.yaml in its own frame; `mesh` gives the shape of a built-in object."""
+        """Body of scenario.yaml in its own frame; `mesh` returns the shape of a built-in object."""
         coal, shapes = package("coal"), []
         for shape in entry["shapes"]:
             if "box" in shape:
@@ -77,7 +77,7 @@ class Thing:
 
     @classmethod
     def of_link(cls, link: ElementTree.Element) -> Thing:
-        """The collision shapes of a link of a URDF, in its frame."""
+        """Collision shapes of a link of a URDF, in the link's frame."""
         pin, coal, shapes = package("pinocchio"), package("coal"), []
         for collision in link.findall("collision"):
             pose, origin = np.eye(4), collision.find("origin")
@@ -96,14 +96,13 @@ class Thing:
         return cls(shapes)
 
     def at(self, poses: Floats) -> Floats:
-        """The poses of its shapes (n, shapes, 4, 4) where it stands at `poses` (n, 4, 4)."""
+        """Poses of the shapes (n, shapes, 4, 4) for body poses `poses` (n, 4, 4)."""
         return np.asarray(poses[:, None] @ self.thing_from_shape)
 
 
 def gaps(a: Thing, at: Floats, b: Thing, there: Floats) -> Floats:
-    """A lower bound of the distance of each two shapes (n, shapes of a, shapes of b): of a ball around one to a box around
-    the other, whichever way is better.
-    """
+    """Lower bound of the distance of each pair of shapes (n, shapes of a, shapes of b): from the bounding ball of one
+    to the box of the other, the larger of both choices."""
 
     def one_way(ball: Thing, balls: Floats, box: Thing, boxes: Floats) -> Floats:
         middles = (balls[..., :3, :3] @ ball.middle[..., None])[..., 0] + balls[..., :3, 3]
@@ -116,9 +115,8 @@ def gaps(a: Thing, at: Floats, b: Thing, there: Floats) -> Floats:
 
 
 def distances(a: Thing, poses: Floats, b: Thing, others: Floats, limit_m: float) -> Floats:
-    """The signed distance of each two shapes in each sample (n, shapes of a, shapes of b), or a lower bound of at least the
-    limit.
-    """
+    """Signed distance of each pair of shapes in each sample (n, shapes of a, shapes of b), or a lower bound that is at
+    least the limit."""
     coal = package("coal")
     at, there = a.at(poses), b.at(others)
     found = gaps(a, at, b, there)
@@ -131,7 +129,7 @@ def distances(a: Thing, poses: Floats, b: Thing, others: Floats, limit_m: float)
 
 
 class Robot:
-    """A robot from its URDF, and which pairs of links its SRDF declares, with the reason."""
+    """Robot from its URDF, with the pairs of links that its SRDF disables and their reasons."""
 
     def __init__(self, urdf: Path, srdf: Path | None) -> None:
         self.pin = package("pinocchio")
@@ -149,7 +147,7 @@ class Robot:
         self.pairs = [pair for pair in self.all_pairs if frozenset(pair) not in self.declared]
 
     def poses(self, configurations: list[dict[str, float]], links: list[str]) -> dict[str, Floats]:
-        """`root_from_link` of each link (n, 4, 4), where joints have these values and others 0."""
+        """`root_from_link` of each link (n, 4, 4) at these joint values; other joints are at 0."""
         poses: dict[str, Floats] = {link: np.empty((len(configurations), 4, 4)) for link in links}
         for k, values in enumerate(configurations):
             q = self.pin.neutral(self.model)
@@ -162,39 +160,39 @@ class Robot:
         return poses
 
     def outside_limits(self, values: dict[str, float]) -> list[str]:
-        """Joints that stand outside their limits."""
+        """Joints outside their limits."""
         ids = {name: self.model.joints[self.model.getJointId(name)] for name in values}
         low, high = self.model.lowerPositionLimit, self.model.upperPositionLimit
         single = {name: joint.idx_q for name, joint in ids.items() if joint.nq == 1}
         return [name for name, at in single.items() if not low[at] - 1e-9 <= values[name] <= high[at] + 1e-9]
 
     def between(self, pair: tuple[str, str], poses: dict[str, Floats], limit_m: float) -> Floats:
-        """The signed distance of two links in each sample (n,)."""
+        """Signed distance of two links in each sample (n,)."""
         a, b = pair
         apart = distances(self.links[a], poses[a], self.links[b], poses[b], limit_m)
         return np.asarray(apart.min(axis=(1, 2)))
 
 
 def along(a: Floats, b: Floats, most: int) -> Floats:
-    """Samples of an edge (n, joints), both ends among them: a radian moves points by a metre or so."""
+    """Samples of an edge (n, joints) including both ends; a radian moves points by about a metre."""
     count = int(np.clip(np.abs(b - a).sum() / STEP_M, 8, most))
     return np.asarray(a + (b - a) * np.linspace(0.0, 1.0, count)[:, None])
 
 
 @dataclass
 class Tally:
-    """What was judged, and what is false: a kind of statement, with the case."""
+    """Numbers of checks by kind, and descriptions of the false statements."""
 
     counts: Counter[str] = field(default_factory=Counter)
     false: list[str] = field(default_factory=list)
 
     def check(self, kind: str, apart: Floats, least_m: float, what: str) -> None:
-        """Notes a distance that is less than was stated."""
+        """Records a distance that is less than stated."""
         if apart.size and (least := float(apart.min())) < least_m - ROUNDING_M:
             self.note(kind, f"{what}: {1e3 * least:.4f} mm apart, {1e3 * least_m:.4f} stated")
 
     def note(self, kind: str, what: str) -> None:
-        """Counts what is false, and prints it at once: a run that is cut off reports it."""
+        """Counts a false statement, and prints it at once, so that an interrupted run also reports it."""
         self.counts[f"false {kind}"] += 1
         self.false.append(f"{kind}: {what}")
         print(f"false {self.false[-1]}", file=sys.stderr, flush=True)
@@ -205,7 +203,7 @@ class Tally:
 
 
 class Task:
-    """A scenario of the built-in mobile Panda, as scenario.yaml has it, and the world as plans change it."""
+    """Scenario of the built-in mobile Panda from scenario.yaml, and its world as plans change it."""
 
     TIP, HAND = "panda_grasptarget", "panda_hand"
     FINGERS = ("panda_leftfinger", "panda_rightfinger")
@@ -214,7 +212,7 @@ class Task:
     def __init__(self, folder: Path, robot: Robot, mesh: Callable[[str], Any], tally: Tally, most: int) -> None:
         self.robot, self.tally, self.most = robot, tally, most
         self.carrying: dict[str, NDArray[np.bool_]] = {}
-        # The joint before the hand, and all that is fixed to what it moves while the fingers stand still.
+        # Links beyond the last joint before the hand: while the fingers rest, they move as one body.
         wrist = robot.model.frames[robot.frame[self.TIP]].parentJoint
         after = [name for name in robot.moved if wrist in robot.model.supports[robot.model.frames[robot.frame[name]].parentJoint]]
         self.moving_as_hand = set(after)
@@ -225,13 +223,13 @@ class Task:
         self.things = {body["name"]: Thing.of_body(body, mesh) for body in bodies}
         self.poses: dict[str, Floats] = {body["name"]: root_from_scene @ pose_of(body.get("pose")) for body in bodies}
         if self.entry.get("floor") is not None:
-            # Thick enough that no depth is measured to its lower face.
+            # Thick enough that its lower face affects no depth.
             below = pose_of({"position": [0.0, 0.0, self.entry["floor"] - 0.5]})
             self.things["floor"] = Thing([(package("coal").Box(20.0, 20.0, 1.0), below)])
             self.poses["floor"] = root_from_scene
 
     def judge(self, plan: dict[str, Any], target: str, name: str) -> None:
-        """Samples every edge of a plan of one step, and leaves the object where the plan puts it."""
+        """Samples all edges of a plan with one pick, and moves the object to the pose at which the plan leaves it."""
         joints, opening_m, was_held = plan["joint_names"], self.OPEN_M, False
         tip_from_object: Floats = np.eye(4)
         margin_m = plan["margins"]["margin_m"]
@@ -262,7 +260,7 @@ class Task:
                 poses = self.place(joints, along(a, b, self.most), opening_m)
                 case = f"{where} edge {k}"
                 for pair in pairs:
-                    # What moves as one keeps its distance: it counts for no clearance, but may not touch.
+                    # Links that move together keep their distance: they do not count for the clearance, but may not touch.
                     least_m = 0.0 if self.moving_as_hand.issuperset(pair) else max(stated_m, margin_m)
                     apart = self.robot.between(pair, poses, least_m)
                     self.tally.check("clearance of links", apart, least_m, f"{case}: {pair}")
@@ -274,7 +272,7 @@ class Task:
                 self.poses[target] = tip @ tip_from_object
 
     def place(self, joints: list[str], samples: Floats, opening_m: float | Floats) -> dict[str, Floats]:
-        """Poses of all links, with the hand this far open."""
+        """Poses of all links, with the hand opened by this distance."""
         openings = np.broadcast_to(opening_m, len(samples))
         values = [
             {**dict(zip(joints, q, strict=True)), "panda_finger_joint1": 0.5 * wide, "panda_finger_joint2": 0.5 * wide}
@@ -283,7 +281,7 @@ class Task:
         return self.robot.poses(values, [*self.robot.links, self.TIP])
 
     def to(self, thing: Thing, poses: Floats, body: str, limit_m: float) -> Floats:
-        """Distances of a thing's shapes to those of a body of the world (n, shapes, shapes)."""
+        """Distances of a body's shapes to those of a body of the world (n, shapes, shapes)."""
         others = np.broadcast_to(self.poses[body], poses.shape)
         return distances(thing, poses, self.things[body], others, limit_m)
 
@@ -295,14 +293,14 @@ class Task:
         demand: tuple[float, float],
         case: str,
     ) -> None:
-        """Links against everything that stands in the world; the hand has a margin of its own to the target."""
+        """Checks links against all bodies of the world; the hand has its own margin to the target."""
         stated_m, _ = demand
         for link in self.robot.moved:
             in_hand = link in (self.HAND, *self.FINGERS)
             for body in self.things:
                 if body == held:
                     continue
-                # The margin of the hand to the target and to what carries it is another, which is 0 here.
+                # The hand has a separate margin to the target and its support, which is 0 here.
                 least_m = stated_m if in_hand and body in spared else max(demand)
                 apart = self.to(self.robot.links[link], poses[link], body, least_m)
                 self.tally.check("clearance of links and world", apart, least_m, f"{case}: {link} and {body}")
@@ -316,7 +314,7 @@ class Task:
         demand: tuple[float, float],
         case: str,
     ) -> None:
-        """What is held against world and links; the shape that carries it alone may touch it."""
+        """Checks the held object against world and links; only the supporting shape may touch it."""
         thing, at = self.things[held], poses[self.TIP] @ tip_from_object
         for body in self.things:
             if body == held:
@@ -334,7 +332,8 @@ class Task:
                 self.tally.check("clearance of held", apart, least_m, f"{case}: {link} and held {held}")
 
     def carries(self, body: str, held: str, poses: dict[str, Floats], tip_from_object: Floats, where: str) -> None:
-        """Finds the shapes of a body that carry the object at rest. They lie below it: a lift frees it by as much."""
+        """Finds the shapes of a body that support the object at rest: they are below it, so a lift increases their
+        distance."""
         thing, at = self.things[held], poses[self.TIP] @ tip_from_object
         rest = np.argmin([self.to(thing, pose[None], body, 0.1).min() for pose in at])
         apart = self.to(thing, at[rest][None], body, 0.1).min(axis=(0, 1))
@@ -345,14 +344,14 @@ class Task:
         touching = apart < RESTING_M
         self.carrying[body] = touching
         self.tally.counts["supports"] += 1
-        # The face is within 45 degrees of level.
+        # The supporting face is within 45 degrees of level.
         if not touching.any() or (freed - apart)[touching].min() < 0.7 * lift_m:
             self.tally.note("support", f"{where}: {body} does not carry {held}: {apart} m apart, {freed} m lifted by 1 mm")
 
     def fingers(
         self, joints: list[str], q: Floats, openings: tuple[float, float], target: str, where: str
     ) -> None:
-        """The hand closes or opens: fingers against all but the object between them."""
+        """Checks the fingers against everything except the object between them, while the hand closes or opens."""
         count = 20
         poses = self.place(joints, np.tile(q, (count, 1)), np.linspace(*openings, count, dtype=np.float64))
         self.tally.counts["closings and openings"] += 1

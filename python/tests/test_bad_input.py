@@ -1,4 +1,4 @@
-"""Whatever a caller passes ends in a Python exception that says what was found and what is expected."""
+"""Any invalid argument raises a Python exception that states the given and the expected value."""
 
 from __future__ import annotations
 
@@ -148,7 +148,7 @@ def test_values_that_are_none_are_refused(scenario: cranny.Scenario, call: Calla
 
 
 HUGE = 10**5000
-"""Which Python itself does not write."""
+"""Too large for Python itself to print."""
 
 
 @pytest.mark.parametrize(
@@ -266,14 +266,14 @@ ANYTHING = st.one_of(
 )
 
 CRASHING = (SystemError, MemoryError, RecursionError)
-"""What a caller never sees; that a panic never crosses is seen by its class, which is no Exception."""
+"""Exceptions that must never reach a caller; a panic is noticed by its class, which is not an Exception."""
 
 
 @settings(
     max_examples=300,
     deadline=None,
     suppress_health_check=list(HealthCheck),
-    # The same cases in each plain run; others with CRANNY_LONG=1.
+    # Plain runs repeat the same cases; runs with CRANNY_LONG=1 draw others.
     derandomize=os.environ.get("CRANNY_LONG") != "1",
 )
 @given(data=st.data())
@@ -329,8 +329,7 @@ def test_nothing_that_a_caller_passes_crashes_the_interpreter(
     except CRASHING:
         raise
     except (ValueError, TypeError, KeyError, OSError, DeprecationWarning):
-        # A KeyError is a link that is not there, an OSError a path that is none. NumPy warns of an array of one element
-        # in place of a number.
+        # KeyError: an unknown link; OSError: an invalid path. NumPy warns of a one-element array used as a number.
         pass
 
 

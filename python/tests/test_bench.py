@@ -1,4 +1,4 @@
-"""Campaigns: built-in planners and one's own, results as tables, curves and pages."""
+"""Campaigns with built-in and custom planners; results as tables, curves and pages."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from cranny.function_source import source_of
 
 @cranny.planner("straight")
 def straight(problem: cranny.Problem, budget: cranny.Budget, seed: int) -> Any:
-    """Straight to the first goal that can be reached so, or by way of a random configuration."""
+    """Moves straight to the first goal that it can reach, or through a random configuration."""
     goals = problem.goals(5, seed=seed)
     draws = np.vstack([problem.start, problem.robot.sample(50, seed=seed)])
     print("this is no path")
@@ -35,7 +35,7 @@ def straight(problem: cranny.Problem, budget: cranny.Budget, seed: int) -> Any:
 
 @cranny.planner("through-walls")
 def through_walls(problem: cranny.Problem, budget: cranny.Budget, seed: int) -> Any:
-    """Straight through whatever is in the way."""
+    """Moves straight, regardless of collisions."""
     return [problem.start, problem.start + 0.5]
 
 
@@ -47,7 +47,7 @@ def broken(problem: cranny.Problem, budget: cranny.Budget, seed: int) -> Any:
 
 @pytest.fixture(scope="module")
 def results(tmp_path_factory: pytest.TempPathFactory) -> bench.Results:
-    """Two built-in planners and three of one's own, two seeds each."""
+    """Two built-in and three custom planners, with two seeds each."""
     told: list[tuple[int, int, int]] = []
     planners: list[Any] = ["reach", ("ik-rrt", {"p_goal": 0.2}), straight, "through-walls", "broken"]
     output = tmp_path_factory.mktemp("bench") / "results.db"
@@ -204,7 +204,7 @@ def test_an_interrupt_ends_a_campaign_and_its_workers(tmp_path: Path) -> None:
 
 
 def test_a_script_that_runs_its_own_campaign_does_not_begin_anew_in_each_trial(tmp_path: Path) -> None:
-    """Guards plain scripts without `if __name__ == "__main__"`: their planners hung until the limit."""
+    """Scripts without `if __name__ == "__main__"` must work; earlier, their planners hung until the time limit."""
     script = tmp_path / "script.py"
     script.write_text(
         "import cranny\n"

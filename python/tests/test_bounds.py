@@ -1,4 +1,4 @@
-"""Bounds of tool, joints and speeds of a scenario.yaml, and the lower bound of a path's length."""
+"""Bounds of tool, joints and speeds in scenario.yaml, and the lower bound of a path's length."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ speeds: {all: {speed: 0.5}}
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    """The scenario that `cranny scenario new` writes, a can on a board."""
+    """Scenario of `cranny scenario new`: a can on a board."""
     template = Path(__file__).parents[2] / "crates/scenario/src/layout/template"
     return Path(shutil.copytree(template, tmp_path / "own"))
 

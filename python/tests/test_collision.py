@@ -1,9 +1,9 @@
-"""Collision verdicts, against Coal's convex shapes and primitives, on random configurations of every released scenario.
+"""Collision verdicts compared with Coal's convex shapes and primitives, on random configurations of all released scenarios.
 
-Coal gets the robot from the URDF through Pinocchio, link meshes as their convex hulls, and the bodies of the world by
-their kinds and sizes; which pairs of links are checked at all it is told. Contact is contact below 10 µm here and
-below 0 there, so disagreements within 0.1 mm of contact say nothing. Each of the others is settled by triangles in
-rational numbers (exact_triangles.py) and listed; none may be Cranny's.
+Coal gets the robot from the URDF through Pinocchio, with convex hulls as link meshes, the bodies of the world by their
+kinds and sizes, and the list of checked link pairs. Contact begins below 10 µm here and below 0 in Coal, so
+disagreements within 0.1 mm of contact do not count. All others are decided by triangles in rational numbers
+(exact_triangles.py) and listed; none may be Cranny's fault.
 """
 
 from __future__ import annotations
@@ -23,13 +23,13 @@ from numpy.typing import NDArray
 
 CONFIGURATIONS = 10_000
 NEAR_M = 1e-4
-"""Disagreements nearer to contact than this are a matter of tolerance."""
+"""Disagreements closer to contact than this are within tolerance."""
 
 IDS = [f"0{environment}{level}" for environment in range(1, 5) for level in range(1, 6)]
 
 
 class CoalCell:
-    """A robot in a world, as Coal has them."""
+    """Coal's model of a robot in a world."""
 
     def __init__(self, reference: Reference, cell: cranny.Cell) -> None:
         self.coal, self.pin = package("coal"), reference.pin
@@ -60,7 +60,7 @@ class CoalCell:
         self.data, self.geometry_data = self.model.createData(), self.pin.GeometryData(self.geometry)
 
     def shapes(self, body: cranny.Body) -> Iterator[tuple[Any, NDArray[np.float64]]]:
-        """Coal's shapes of a body, each with its pose."""
+        """Coal's shapes of a body with their poses."""
         for kind, sizes, pose in zip(body.kinds, body.sizes, body.poses, strict=True):
             if kind == "box":
                 yield self.coal.Box(*sizes), pose
@@ -88,7 +88,7 @@ class CoalCell:
         )
 
     def distances(self, q: NDArray[np.float64]) -> list[tuple[float, int, int]]:
-        """The signed distance of every pair (m), nearest first; and which, by the numbers of their geometries."""
+        """Signed distance (m) of every pair, nearest first, with the numbers of the two geometries."""
         self.pin.computeDistances(
             self.model, self.data, self.geometry, self.geometry_data, self.reference.configuration(q)
         )
@@ -101,7 +101,7 @@ class CoalCell:
         return sorted(found)
 
     def mesh(self, number: int) -> Mesh | None:
-        """The triangles of a geometry at the last configuration, in the root frame; None where it is not flat-faced."""
+        """Triangles of a geometry at the last configuration, in the root frame; None for curved shapes."""
         shape = self.geometry.geometryObjects[number].geometry
         placement = self.geometry_data.oMg[number]
         if isinstance(shape, self.coal.Box):
@@ -124,14 +124,14 @@ BOX_FACES = [
     [0, 1, 3], [0, 3, 2], [4, 7, 5], [4, 6, 7], [0, 5, 1], [0, 4, 5],
     [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3],
 ]  # fmt: skip
-"""Of corners in the order of their coordinates."""
+"""Triangles of a box whose corners are ordered by their coordinates."""
 
 
 def settled(cell: cranny.Cell, coal_cell: CoalCell, q: NDArray[np.float64]) -> list[dict[str, Any]]:
-    """Who is right about each pair that two checks disagree on, farther than 0.1 mm from contact."""
+    """Correct verdict on each pair on which the two checks disagree by more than 0.1 mm from contact."""
     touching = {(contact.first, contact.second) for contact in cell.contacts(q)}
     name_of = {number: name for group in (coal_cell.links, coal_cell.bodies) for name in group for number in group[name]}
-    # A link and a body are a pair, however many solids they are made of.
+    # A link and a body count as one pair, regardless of their numbers of solids.
     nearest: dict[tuple[str, str], float] = {}
     solids: dict[tuple[str, str], list[tuple[int, int]]] = {}
     for distance, first, second in coal_cell.distances(q):
@@ -151,7 +151,7 @@ def settled(cell: cranny.Cell, coal_cell: CoalCell, q: NDArray[np.float64]) -> l
 
 
 def compare(cell: cranny.Cell, coal_cell: CoalCell, configurations: NDArray[np.float64]) -> list[dict[str, Any]]:
-    """Every disagreement farther than 0.1 mm from contact, settled."""
+    """All disagreements more than 0.1 mm from contact, with the correct verdicts."""
     verdicts = cell.is_free(configurations)
     disagreements: list[dict[str, Any]] = []
     for q, is_free in zip(configurations, verdicts, strict=True):
@@ -161,7 +161,7 @@ def compare(cell: cranny.Cell, coal_cell: CoalCell, configurations: NDArray[np.f
 
 
 def report(name: str, disagreements: list[dict[str, Any]]) -> None:
-    """Lists disagreements, on the terminal and in the folder that CRANNY_DISAGREEMENTS names."""
+    """Lists disagreements on the terminal, and in the folder named by CRANNY_DISAGREEMENTS."""
     for one in disagreements:
         print(f"{name}: {one}")
     folder = os.environ.get("CRANNY_DISAGREEMENTS")
@@ -178,7 +178,7 @@ def test_verdicts_in_a_released_scenario_agree_with_coal(scenario_id: str) -> No
     cell = scenario.cell()
     coal_cell = CoalCell(Reference(urdf, scenario.robot, fingers), cell)
     configurations = scenario.robot.sample(CONFIGURATIONS, seed=int(scenario_id))
-    # Half of them near the start, where most of the robot is free.
+    # Half of them are near the start, where the robot is mostly free.
     span = scenario.robot.upper - scenario.robot.lower
     near = scenario.start + 0.15 * span * (configurations[1::2] - scenario.robot.lower) / span - 0.075 * span
     configurations[1::2] = np.clip(near, scenario.robot.lower, scenario.robot.upper)

@@ -1,4 +1,4 @@
-"""The command line and the package answer the same request with the same plan file."""
+"""Command line and package produce the same plan file for the same request."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ PAPER: list[Request] = [
 
 
 def program() -> str:
-    """The command."""
+    """Path of the program."""
     named = os.environ.get("CRANNY_BIN")
     if not named:
         lacking("CRANNY_BIN does not name the cranny command")
@@ -61,12 +61,12 @@ def program() -> str:
 
 
 def without_times(path: Path) -> str:
-    """A plan file as it stands, but for the seconds that were measured."""
+    """A plan file without measured times."""
     return re.sub(r'("(?:\w+_)?time_s": )[-+.e\d]+', r"\1-", path.read_text())
 
 
 def both(folder: Path, task: list[str], scenario: cranny.Scenario, request: Request) -> tuple[str, str]:
-    """What the two front ends write."""
+    """Plan files of both front ends."""
     flags, keywords = request
     theirs, ours = folder / "cli.plan.json", folder / "python.plan.json"
     command = [program(), "plan", *task, *flags, "--quiet", "--force", "-o", str(theirs)]

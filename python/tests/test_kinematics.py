@@ -1,4 +1,4 @@
-"""Forward kinematics, Jacobians and inverse kinematics, against Pinocchio."""
+"""Forward kinematics, Jacobians and inverse kinematics, compared with Pinocchio."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from conftest import HERE, ROBOTS, Reference, released_folder
 ROBOT_NAMES = ["ur5_like", "fetch_like", "released"]
 CONFIGURATIONS = 500
 AGREEMENT = 1e-9
-"""Metres, or entries of a rotation or a Jacobian."""
+"""Tolerance in metres, or for entries of a rotation or a Jacobian."""
 
 
 def open_robot(name: str) -> tuple[cranny.Robot, Reference]:
-    """A robot as Cranny and as Pinocchio read it."""
+    """A robot as read by Cranny and by Pinocchio."""
     if name == "released":
         urdf = released_folder() / "robots/franka_panda/mobile_panda.urdf"
         fingers = {f"panda_finger_joint{k}": 0.04 for k in (1, 2)}

@@ -1,4 +1,4 @@
-"""Grasps in MuJoCo: Coulomb's law in the model that Cranny writes, with the figures of its own engine's tests."""
+"""Grasps in MuJoCo: Coulomb's law in Cranny's exported model, with the figures from the tests of its own engine."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ def cube() -> GraspModel:
 
 
 def with_friction(cube: GraspModel, friction: float) -> None:
-    """Gives the object another friction; what resists turning grows with it."""
+    """Changes the object's friction, and its torsional and rolling friction in proportion."""
     of_object = cube.model.geom_bodyid == cube.model.body("object").id
     cube.model.geom_friction[of_object] *= friction / cube.model.geom_friction[of_object][:, :1]
 
 
 def slip_begins(cube: GraspModel, limit_s: float, before_step: Callable[[float], None]) -> float:
-    """Steps until the cube has moved at 1 mm/s for 0.1 s; the time when that began (s)."""
+    """Simulates until the cube has moved at 1 mm/s for 0.1 s; returns the time at which that began (s)."""
     at = cube.model.joint("object").dofadr[0]
     slow_s, step_s = 0.0, float(cube.experiment["step_s"])
     while cube.time_s < limit_s:
@@ -74,7 +74,7 @@ def test_in_a_hand_slip_begins_at_twice_the_friction_times_the_closing_force(
     body = cube.model.body("object").id
     pressed: list[float | None] = []
 
-    # The hand closes for a second; then the pull grows to one and a half of the limit in two.
+    # The hand closes for 1 s; then the pull grows to 1.5 times the limit within 2 s.
     def pull_n(time_s: float) -> float:
         return 0.75 * limit_n * max(0.0, time_s - 1.0)
 

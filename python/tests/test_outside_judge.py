@@ -1,8 +1,8 @@
-"""What is called proven, sampled by a judge from outside (outside_judge.py): robots with narrow windows, held objects next to
-near neighbours, plans of several steps. Cranny is used by its commands alone.
+"""Proven motions, sampled by an independent judge (outside_judge.py): robots with narrow windows, held objects close to
+obstacles, plans of several steps. Only the command line of Cranny is used.
 
-`CRANNY_LONG=1` judges the full counts: 50 robots, 2000 edges with a held object, 200 plans of steps. Cases that are false are
-kept in the folder that `CRANNY_CASES` names.
+`CRANNY_LONG=1` judges the full numbers: 50 robots, 2000 edges with a held object, 200 plans of steps. False cases are
+copied to the folder named by `CRANNY_CASES`.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ IS_LONG = os.environ.get("CRANNY_LONG") == "1"
 ROBOTS, EDGES, STEPS, SAMPLES = (50, 2000, 200, 200) if IS_LONG else (3, 16, 1, 40)
 ROBOT_EDGES, TIME_LIMIT_S = (200, "5") if IS_LONG else (40, "0.5")
 GRASPS = "t00,t01,t02,t03,t10,t11,t12,t13,t20,t21,t22,t23,t30,t31,t32,t33,score\n1,0,0,9,0,1,0,0,0,0,1,0,0,0,0,1,1\n"
-"""A grasp far away."""
+"""One distant grasp."""
 SCENARIOS = REPOSITORY / "crates/scenario/scenarios"
 
 
@@ -39,12 +39,12 @@ def run(*words: str | Path) -> subprocess.CompletedProcess[str]:
 
 
 def progress(what: str, tally: Tally) -> None:
-    """A line at once: a run that is cut off reports what it has judged."""
+    """Prints progress at once, so that an interrupted run reports its checks."""
     print(f"{what}: {tally}", file=sys.stderr, flush=True)
 
 
 def keep(case: Path) -> None:
-    """Keeps what belongs to a false answer."""
+    """Saves the files of a false answer."""
     if folder := os.environ.get("CRANNY_CASES"):
         for path in case.parent.glob(f"{case.name}*"):
             kept = Path(folder) / path.name
@@ -53,12 +53,12 @@ def keep(case: Path) -> None:
 
 
 class WindowCase:
-    """A robot that `robot add` made, in a scenario with boxes."""
+    """Robot made by `robot add`, in a scenario with boxes."""
 
     def __init__(self, made: WindowRobot, folder: Path, case: Path, rng: np.random.Generator) -> None:
         yaml, coal = package("yaml"), package("coal")
         self.made, self.case, self.rng = made, case, rng
-        # The URDF as it was drawn; of the folder only what is declared.
+        # The original URDF; only the declared link pairs come from the folder.
         self.robot = Robot(case.with_suffix(".urdf"), next(folder.glob("*.srdf"), None))
         start = yaml.safe_load((folder / "robot.yaml").read_text())["start"]
         self.joints = [name for name in self.robot.model.names if name in start]
@@ -78,7 +78,7 @@ class WindowCase:
         target = {"name": "far", "pose": {"position": [9.0, 0.0, 0.0]}, "shapes": [{"sphere": {"radius": 0.01}}]}
         self.scenario = case.parent / f"{case.name}.scene"
         self.scenario.mkdir()
-        # A scenario without a hand needs a grasp; paths may end anywhere.
+        # A scenario without a hand needs a grasp; its paths may end anywhere.
         (self.scenario / "grasps.csv").write_text(GRASPS)
         scene = {"robot": str(folder), "start": self.start.tolist(), "floor": None, "obstacles": entries, "target": target}
         (self.scenario / "scenario.yaml").write_text(yaml.safe_dump(scene))
@@ -87,12 +87,12 @@ class WindowCase:
         return self.robot.poses([dict(zip(self.joints, q, strict=True)) for q in samples], list(self.robot.links))
 
     def to_box(self, link: str, box: str, poses: dict[str, Floats], limit_m: float) -> Floats:
-        """Distances of a link to a box of the scenario, in each sample."""
+        """Distances of a link to a box of the scenario in each sample."""
         thing, pose = self.boxes[box]
         return distances(self.robot.links[link], poses[link], thing, np.broadcast_to(pose, poses[link].shape), limit_m)
 
     def least(self, poses: dict[str, Floats], pairs: list[tuple[str, str]]) -> float:
-        """A number of at most 0 where anything touches."""
+        """A number that is at most 0 if anything touches."""
         links = [self.robot.between(pair, poses, 0.0).min() for pair in pairs]
         return float(min(*links, *(self.to_box(link, box, poses, 0.0).min() for link in self.robot.moved for box in self.boxes)))
 
@@ -100,7 +100,7 @@ class WindowCase:
         return self.least(self.poses(q[None]), self.robot.pairs) > 0.0
 
     def drawn(self) -> Floats:
-        """A configuration in windows, not seldom in others than before."""
+        """Random configuration inside windows, often other windows than the last one."""
         q: Floats = self.rng.uniform(*np.array([self.made.limits[name] for name in self.joints]).T)
         for k, name in enumerate(self.joints):
             if name in self.made.windows:
@@ -109,7 +109,7 @@ class WindowCase:
         return q
 
     def path(self, count: int) -> Floats:
-        """Way points: small moves, jumps from window to window, and some that end in contact."""
+        """Way points: small moves, jumps between windows, and some that end in contact."""
         limits = np.array([self.made.limits[name] for name in self.joints]).T
         wide = {name: windows[0][1] for name, windows in self.made.windows.items()}
         reach = np.array([wide.get(name, 1.0) for name in self.joints])
@@ -130,7 +130,7 @@ class WindowCase:
     def judge(self, tally: Tally) -> None:
         path, csv = self.path(ROBOT_EDGES), self.case.parent / f"{self.case.name}.csv"
         np.savetxt(csv, path, delimiter=",", fmt="%.17g")
-        # As Cranny reads them.
+        # Rounded as Cranny reads them.
         path = np.loadtxt(csv, delimiter=",", ndmin=2)
         done = run("verify", self.scenario, csv, "--any-end", "--json")
         assert done.returncode in (0, 1), done.stderr
@@ -160,7 +160,7 @@ class WindowCase:
                 self.judge_dropped(pair, dropped[frozenset(pair)], seen, tally)
 
     def judge_dropped(self, pair: tuple[str, str], reason: str, seen: list[dict[str, Floats]], tally: Tally) -> None:
-        """A pair that is not compared is always deep or never, or is named as one of which nothing is proven."""
+        """Checks that an omitted pair always or never touches, or is reported as a pair without proof."""
         tally.counts[f"pairs not compared ({reason})"] += 1
         apart = np.concatenate([self.robot.between(pair, poses, 1e-3) for poses in seen])
         is_free, is_deep = bool(apart.max() > ROUNDING_M), bool(apart.min() < -ROUNDING_M)
@@ -171,7 +171,7 @@ class WindowCase:
 
 
 def test_robots_with_narrow_windows_are_never_called_free_where_coal_finds_contact(tmp_path: Path) -> None:
-    """0.5 to 5 % of a joint's range is free, of adjacent links and of others."""
+    """Windows of 0.5 to 5 % of a joint's range, between adjacent and other links."""
     tally = Tally()
     for seed in range(3 * ROBOTS):
         rng, case = np.random.default_rng(seed), tmp_path / f"w{seed}"
@@ -193,14 +193,14 @@ def test_robots_with_narrow_windows_are_never_called_free_where_coal_finds_conta
             break
     progress("robots", tally)
     assert tally.counts["edges, proven"] > 10 * ROBOTS
-    # A judge that finds no contact at all judges nothing.
+    # The judge must find contacts, otherwise it would test nothing.
     assert tally.counts["of these in contact"] > 0
     assert not tally.false, "\n".join(tally.false[:20])
 
 
 @pytest.fixture(scope="module")
 def panda(tmp_path_factory: pytest.TempPathFactory) -> Robot:
-    """The built-in mobile Panda, as it is exported."""
+    """The built-in mobile Panda, exported."""
     folder = tmp_path_factory.mktemp("robot") / "panda_mobile"
     assert run("robot", "export", "panda_mobile", "-o", folder).returncode == 0
     return Robot(folder / "panda_mobile.urdf", folder / "panda_mobile.srdf")
@@ -208,7 +208,7 @@ def panda(tmp_path_factory: pytest.TempPathFactory) -> Robot:
 
 @pytest.fixture(scope="module")
 def mesh(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Any]:
-    """The surface of a built-in object, as it is exported."""
+    """Surface of a built-in object, exported."""
     folder = tmp_path_factory.mktemp("objects")
 
     @cache
@@ -226,7 +226,7 @@ def mesh(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Any]:
 
 
 def beside(name: str, position: list[float], half: float, rng: np.random.Generator) -> dict[str, Any]:
-    """A post 0.5 to 5 mm beside something that reaches so far to all sides."""
+    """A post 0.5 to 5 mm beside an object that extends by `half` to all sides."""
     size, turn = rng.uniform(0.005, 0.03, 2), rng.uniform(-np.pi, np.pi)
     away = half + rng.uniform(0.0005, 0.005) + 0.5 * size[0]
     x, y, z = position
@@ -241,7 +241,7 @@ def beside(name: str, position: list[float], half: float, rng: np.random.Generat
 
 
 def variant(scenario: str, rng: np.random.Generator, folder: Path, of: str) -> Path:
-    """A built-in scenario with one or two posts beside a body, and one where the target is to be put down."""
+    """Built-in scenario with one or two posts beside a body, and one at each goal pose of the target."""
     yaml = package("yaml")
     source = SCENARIOS / scenario
     entry = yaml.safe_load((source / "scenario.yaml").read_text())
@@ -253,7 +253,7 @@ def variant(scenario: str, rng: np.random.Generator, folder: Path, of: str) -> P
     shutil.copy(source / "grasps.csv", folder)
     [body] = [body for body in [*entry["obstacles"], entry["target"]] if body["name"] == of]
     shape = body["shapes"][0]
-    # The built-in boxes lie with their y axis up.
+    # The y axis of the built-in boxes points up.
     sides = [shape["sphere"]["radius"]] * 3 if "sphere" in shape else 0.5 * np.array(shape.get("box", {}).get("size", [0.06] * 3))
     around = float(sides[0] if "sphere" in shape else np.hypot(sides[0], sides[2] if of == "box" else sides[1]))
     posts = [beside(f"post {k}", body["pose"]["position"], around, rng) for k in range(rng.integers(1, 3))]
@@ -261,7 +261,7 @@ def variant(scenario: str, rng: np.random.Generator, folder: Path, of: str) -> P
         if "target_pose" in place:
             posts.append(beside(f"post at {place['name']}", place["target_pose"]["position"], around, rng))
         elif rng.random() < 0.5 and "sphere" in shape:
-            # So small a place that the post stands beside what is put down in it.
+            # The goal area is small, so that the post is next to the object that is put down.
             place["size"] = [0.01, 0.01]
             posts.append(beside(f"post at {place['name']}", place["pose"]["position"], around, rng))
             posts[-1]["pose"]["position"][2] += 0.0255
@@ -271,7 +271,7 @@ def variant(scenario: str, rng: np.random.Generator, folder: Path, of: str) -> P
 
 
 def plans_with_held_objects(tmp_path: Path) -> Iterator[tuple[Path, Path, str]]:
-    """Plans next to posts, the scenario of each, and its object. A third of them demands a margin."""
+    """Plans next to posts, each with its scenario and object; a third of them demand a margin."""
     kinds = ["021", "031", "123", "133", "023", "035", "121", "135", "025", "033", "012", "043"]
     for number in range(10_000):
         rng, scenario = np.random.default_rng(number), kinds[number % len(kinds)]
@@ -307,7 +307,7 @@ def test_held_objects_beside_near_neighbours_touch_nothing_but_their_support(
 
 
 def test_the_judge_finds_what_is_false(panda: Robot, mesh: Callable[[str], Any], tmp_path: Path) -> None:
-    """A plan with larger clearances than there are, an object that begins deeper in its support, a post in the way."""
+    """Planted faults: clearances that are too large, an object too deep in its support, a post in the path."""
     folder, path = variant("021", np.random.default_rng(0), tmp_path / "p.scene", "ball"), tmp_path / "p.plan.json"
     assert run("plan", folder, "--place", "outside", "-o", path).returncode == 0
     plan = json.loads(path.read_text())

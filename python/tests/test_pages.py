@@ -1,4 +1,4 @@
-"""The Python of README and docs runs as it stands: a page's blocks one after the other, in a folder of their own."""
+"""The Python code of README and docs runs unchanged: the blocks of each page in order, in their own folder."""
 
 import re
 import subprocess
@@ -12,7 +12,7 @@ PAGES = [ROOT / "README.md", ROOT / "python" / "README.md", *sorted((ROOT / "doc
 
 
 def script(page: Path) -> str:
-    """All blocks of Python of a page, as one program, but those that a comment leaves out."""
+    """All Python blocks of a page as one program, except those that a comment excludes."""
     blocks = re.findall(r"^(<!-- not run: [^\n]*\n)?```python\n(.*?)^```", page.read_text(encoding="utf-8"), re.M | re.S)
     return "\n".join(block for left_out, block in blocks if not left_out)
 

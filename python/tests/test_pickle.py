@@ -1,4 +1,4 @@
-"""What is sent to another process is there what it was here, or an error says what to send instead."""
+"""Objects sent to another process arrive unchanged, or an error names what to send instead."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ Thing = TypeVar("Thing")
 
 
 def again(thing: Thing) -> Thing:
-    """The same through a pickle."""
+    """The object after a round trip through pickle."""
     copy: Thing = pickle.loads(pickle.dumps(thing))
     return copy
 
 
 def verdicts(cell: cranny.Cell, q: NDArray[np.float64]) -> Any:
-    """In another process."""
+    """Verdicts from another process."""
     return cell.is_free(q)
 
 
@@ -45,7 +45,7 @@ def test_an_altered_scenario_keeps_every_alteration(scenario: cranny.Scenario) -
     altered = altered.with_body(cranny.Body.capsule("post", 0.03, length=0.4, pose=[0.0, 1.5, 0.2])).with_object_moved(shift)
     start[0] += 0.1
     altered = altered.with_start(start).without_body("floor").with_grasps(altered.grasps).with_criterion("paper")
-    # What a caller does with an array afterwards is none of the scenario's business.
+    # Later changes of the caller's array must not affect the scenario.
     start[:], shift[:] = 0.0, 9.0
     copy = again(altered)
     assert repr(copy) == repr(altered) and copy.criterion == "paper"
@@ -110,7 +110,7 @@ def test_files_that_have_changed_are_noticed(tmp_path: Path, monkeypatch: pytest
     cranny.Scenario("021").save(tmp_path / "mine")
     monkeypatch.chdir(tmp_path)
     kept = pickle.dumps(cranny.Scenario("mine"))
-    # Paths mean the same in another folder.
+    # Relative paths keep their meaning in another folder.
     monkeypatch.chdir("/")
     assert pickle.loads(kept).id == "mine"
     text = (tmp_path / "mine/scenario.yaml").read_text()

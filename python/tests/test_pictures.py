@@ -1,4 +1,4 @@
-"""What a notebook shows."""
+"""Display in notebooks."""
 
 from __future__ import annotations
 

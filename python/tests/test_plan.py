@@ -1,4 +1,4 @@
-"""Plans: found, timed, judged, kept, stopped."""
+"""Plans: search, timing, verdicts, saving, interruption."""
 
 from __future__ import annotations
 
@@ -236,7 +236,7 @@ def test_a_loaded_plan_shows_what_was_measured(scenario: cranny.Scenario, plan: 
     file.write_text(json.dumps(text))
     loaded = cranny.Plan.load(file, scenario)
     assert loaded and [row["key"] for row in loaded.differs] == ["clearance_m", "robustness.base.translation_m"]
-    # Of a path nothing is believed but how it was found.
+    # Of a loaded path, only the record of the search remains unchecked.
     assert "seed" in loaded.unjudged and "outcome" not in loaded.unjudged and plan.unjudged == []
     with pytest.raises(ValueError, match="whose world differs"):
         cranny.Scenario("012").show(plan).html()

@@ -1,4 +1,4 @@
-"""Inputs after problems that users of other tools reported, each with the command that its README gives, and the answer."""
+"""Inputs based on problems reported by users of other tools, each with the command and the answer from its README."""
 
 import csv
 import math
@@ -69,7 +69,7 @@ def run(folder: Path, words: str) -> subprocess.CompletedProcess[str]:
     program = os.environ.get("CRANNY_BIN")
     if not program:
         lacking("CRANNY_BIN is unset: no program")
-    # The xacro of the tests.
+    # The xacro of the test environment.
     path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
     command = [str(program), *words.split(" ")]
     return subprocess.run(
@@ -79,7 +79,7 @@ def run(folder: Path, words: str) -> subprocess.CompletedProcess[str]:
 
 @pytest.fixture(scope="module")
 def reports(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A copy in which plans and tables may be written."""
+    """A copy in which the tests may write plans and tables."""
     return Path(shutil.copytree(REPORTS, tmp_path_factory.mktemp("reports") / "reports"))
 
 
@@ -98,7 +98,7 @@ def test_a_package_is_found_above_a_xacro_file(reports: Path) -> None:
 
 def test_a_joint_keeps_the_limits_of_what_mimics_it(reports: Path) -> None:
     robot = cranny.Robot.from_urdf(reports / "mimic_limits/lift.urdf", tip="stage2")
-    # The lower joint goes 1.5 times as far, at most 0.25 m and 0.1 m/s.
+    # The lower joint moves 1.5 times as far, at most 0.25 m and 0.1 m/s.
     assert np.allclose([robot.upper[0], robot.velocity[0]], [0.25 / 1.5, 0.1 / 1.5])
     scene = cranny.Scenario.of(robot, [cranny.Body.sphere("far", 0.03, pose=[3, 0, 0.8])], start=[0.0])
     refused = cranny.plan(scene.with_goals([[0.4]]))
@@ -131,5 +131,5 @@ def test_no_grasp_is_on_a_face_that_is_sealed_inside(reports: Path) -> None:
     assert ended.returncode == 0, ended.stderr
     with (reports / "inner_faces/x.csv").open(encoding="utf-8") as file:
         widths = [float(row["width_m"]) for row in csv.DictReader(file)]
-    # The outer box is 50 mm wide at least, the inner one 20 mm.
+    # The outer box is at least 50 mm wide, the inner one 20 mm.
     assert len(widths) == 200 and min(widths) > 0.03

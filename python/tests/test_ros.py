@@ -1,4 +1,4 @@
-"""Trajectories as ROS 2 has them, and MoveIt's planning scenes."""
+"""Trajectories as ROS 2 messages, and MoveIt's planning scenes."""
 
 from __future__ import annotations
 
@@ -117,7 +117,7 @@ def test_a_world_survives_a_planning_scene(scenario_id: str, tmp_path: Path) -> 
     q = scenario.robot.sample(5000, seed=9)
     here, there = scenario.cell(), read.cell()
     differ = here.is_free(q) != there.is_free(q)
-    # The floor has become a box; nothing else may differ, save for what touches within rounding.
+    # The floor is now a box; all other verdicts must agree, except for contacts within rounding.
     assert (np.abs(here.clearance(q[differ]) - there.clearance(q[differ])) < 1e-6).all()
     assert cranny.plan(read).solved
 

@@ -1,4 +1,4 @@
-"""Scenarios: opened, looked at, altered, saved; grasps sampled on meshes."""
+"""Scenarios: opening, display, changes, saving; grasps sampled on meshes."""
 
 from __future__ import annotations
 

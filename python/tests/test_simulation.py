@@ -1,4 +1,4 @@
-"""Grasps in physics."""
+"""Grasps in simulation."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def test_the_package_and_the_command_line_give_the_same_rows() -> None:
     answer = subprocess.run([program(), *words], check=True, capture_output=True)
     (row,) = json.loads(answer.stdout)["rows"]
     assert (row["outcome"], row["robust"]) == (rows[1]["outcome"], rows[1]["robust"])
-    # A pose went through a matrix.
+    # The pose was converted to a matrix and back.
     assert row["translation_error_m"] == pytest.approx(rows[1]["translation_error_m"], abs=1e-5)
 
 
@@ -79,7 +79,7 @@ def test_the_package_and_the_command_line_execute_a_plan_alike(tmp_path: Path) -
     answer = subprocess.run([program(), *words], check=False, capture_output=True)
     assert row == json.loads(answer.stdout)
     assert row["scenario"] == "021"
-    # A batch has a row for each, in their order.
+    # A batch returns one row per plan, in the same order.
     heavy, light = (cranny.simulate_plan([plan, plan], lift_m=lift_m, mass_kg=mass_kg) for lift_m, mass_kg in [(0, 50), (0.05, None)])
     assert light == [row, row]
     assert heavy[0] == heavy[1] != row

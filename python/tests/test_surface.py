@@ -1,4 +1,4 @@
-"""The package as a whole: help, types, what a wheel weighs."""
+"""The package as a whole: help texts, types, content of the wheel."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ MODULES = ["cranny", *(f"cranny.{module.name}" for module in pkgutil.iter_module
 
 
 def public_names() -> list[tuple[str, object]]:
-    """Every public name, members of classes included."""
+    """All public names, including members of classes."""
     names: list[tuple[str, object]] = []
     for module_name in MODULES:
         module = importlib.import_module(module_name)
@@ -58,7 +58,7 @@ def test_examples_in_help_texts_run(name: str) -> None:
 
 
 def mypy(*words: str) -> None:
-    """Runs mypy or stubtest, as the project is configured."""
+    """Runs mypy or stubtest with the project's configuration."""
     package("mypy")
     environment = {**os.environ, "MYPYPATH": str(HERE)}
     told = subprocess.run(
@@ -76,7 +76,7 @@ def test_examples_and_the_package_have_strict_types() -> None:
 
 
 def test_the_code_in_the_readme_has_strict_types(tmp_path: Path) -> None:
-    """What the README shows is what people begin with, and their editors check."""
+    """Users begin with the code of the README, which their editors check."""
     package("pandas"), package("matplotlib")
     blocks = re.findall(r"^```python\n(.*?)^```$", (REPOSITORY / "README.md").read_text(encoding="utf-8"), re.M | re.S)
     assert blocks and "import cranny" in blocks[0]

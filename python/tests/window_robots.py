@@ -1,4 +1,4 @@
-"""URDFs of random arms whose links pass each other through windows of their joints alone."""
+"""URDFs of random arms whose links can pass each other only through narrow windows of their joints."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ Floats = NDArray[np.float64]
 
 
 def shape(kind: str, sizes: list[float], xyz: list[float], rpy: list[float] | None = None) -> str:
-    """A collision shape of a URDF."""
+    """Collision shape of a URDF."""
     names = {"box": ["size"], "sphere": ["radius"], "cylinder": ["radius", "length"]}[kind]
     values = [" ".join(map(str, sizes))] if kind == "box" else [str(size) for size in sizes]
     figures = " ".join(f'{name}="{value}"' for name, value in zip(names, values, strict=True))
@@ -18,7 +18,7 @@ def shape(kind: str, sizes: list[float], xyz: list[float], rpy: list[float] | No
 
 
 def joint(name: str, kind: str, links: tuple[str, str], xyz: list[float], rpy: list[float], limits: tuple[float, float]) -> str:
-    """A joint of a URDF about or along z."""
+    """Joint of a URDF about or along z."""
     return (
         f'<joint name="{name}" type="{kind}"><parent link="{links[0]}"/><child link="{links[1]}"/>'
         f'<origin xyz="{" ".join(map(str, xyz))}" rpy="{" ".join(map(str, rpy))}"/><axis xyz="0 0 1"/>'
@@ -27,10 +27,9 @@ def joint(name: str, kind: str, links: tuple[str, str], xyz: list[float], rpy: l
 
 
 class WindowRobot:
-    """An arm of 3 to 6 joints, one or two of which turn a fin within a ring that is open for 0.5 to 5 % of their range, once
-    or twice.
+    """Arm of 3 to 6 joints. One or two rotate a fin in a ring that is open in one or two windows, 0.5 to 5 % of their range.
 
-    `limits` of each joint, and of a joint with a ring its `windows`: middle and width.
+    `limits` has the limits of each joint, and `windows` the middle and width of each window of a joint with a ring.
     """
 
     def __init__(self, rng: np.random.Generator) -> None:
@@ -48,17 +47,17 @@ class WindowRobot:
             xyz, rpy = [0.0, 0.0, height], [*rng.uniform(-0.6, 0.6, 2).tolist(), 0.0]
             links[f"l{k + 1}"] = self.body(height)
             if k not in with_ring and rng.random() < 0.4:
-                # Links that meet at their joint: always, or by blocks beside the axis for a part of the turn.
+                # Shapes at a joint that always touch, or blocks beside the axis that touch for some of the rotation.
                 off = float(rng.choice([0.0, 0.03]))
                 links[parent] += shape("sphere", [0.012], [off, 0.0, height])
                 links[f"l{k + 1}"] += shape("cylinder", [0.012, 0.02], [off, 0.0, 0.0])
             if k in with_ring:
-                # The ring is fixed to the parent by a frame at the joint.
+                # The ring is fixed to the parent in the joint's frame.
                 links[f"ring{k}"], links[f"l{k + 1}"] = self.ring(name, links[f"l{k + 1}"])
                 at = joint(f"f{k}", "fixed", (parent, f"ring{k}"), xyz, rpy, (0.0, 0.0))
                 text += at
                 parent, xyz, rpy = f"ring{k}", [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]
-                # A link between, by a joint too short to matter: the two are not adjacent.
+                # A joint of negligible range inserts a link, so that the two are not adjacent.
                 if rng.random() < 0.5:
                     links[f"between{k}"] = shape("sphere", [0.006], [0.0, 0.0, 0.0])
                     kind = str(rng.choice(["prismatic", "revolute"]))
@@ -70,14 +69,15 @@ class WindowRobot:
         self.urdf = f'<robot name="windows">{bodies}{text}</robot>'
 
     def body(self, height: float) -> str:
-        """What reaches from one joint towards the next."""
+        """Body of a link that extends from its joint towards the next."""
         kind, long = str(self.rng.choice(["box", "sphere", "cylinder"])), 0.5 * height
         thick = float(self.rng.uniform(0.01, 0.025))
         sizes = {"box": [thick, 2.0 * thick, long], "sphere": [2.0 * thick], "cylinder": [thick, long]}[kind]
         return shape(kind, sizes, [0.0, 0.0, 0.2 * height + 0.25 * height])
 
     def ring(self, name: str, body: str) -> tuple[str, str]:
-        """Blocks about the axis of a joint, and the child's body with a fin or lever that they stop outside the windows."""
+        """Blocks around the axis of a joint, and the child's body with a fin or lever that they block outside the
+        windows."""
         rng, (_, reach) = self.rng, self.limits[name]
         radius, count = float(rng.uniform(0.08, 0.16)), int(rng.integers(1, 3))
         thick = float(rng.uniform(0.001, 0.003))
@@ -87,7 +87,7 @@ class WindowRobot:
         middles = rng.uniform(-0.4, 0.4) * reach + np.arange(count) * reach * 0.5
         widths = rng.uniform(0.005, 0.05, count) / count * 2.0 * reach
         self.windows[name] = [(float(middle), float(width)) for middle, width in zip(middles, widths, strict=True)]
-        # Open from one edge to the other, shut between: by upright blocks that overlap.
+        # Open within the windows, closed between them by overlapping upright blocks.
         far = min(reach + 0.3, np.pi)
         edges = [-far]
         for middle, width in self.windows[name]:

@@ -1,17 +1,17 @@
-// Is every .glb that is named valid by the Khronos validator, does three.js load it, and does the gripper end
-// at the grasp that was taken?
+// Checks that the Khronos validator accepts each .glb file, that three.js loads it, and that the gripper ends at the
+// selected grasp.
 //
-// node check/gltf.mjs FILE.glb…      exit 0: yes; 1: no, with the reasons
+// node check/gltf.mjs FILE.glb…      exit 0: all pass; 1: faults, with reasons
 import { readFileSync } from 'node:fs';
 import { AnimationMixer, Quaternion, Vector3 } from 'three';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
 import { validateBytes } from 'gltf-validator';
 
-// The exact criterion's 1 mm and 1°, and what single precision adds.
+// Tolerances of the exact criterion, 1 mm and 1°, plus the error of single precision.
 const ARRIVED_M = 1.01e-3;
 const ARRIVED_RAD = (1.01 * Math.PI) / 180;
 
-// Three.js asks a browser for these when it loads; nothing here has a texture.
+// Three.js expects these browser globals when it loads; no file here has a texture.
 globalThis.self ??= globalThis;
 
 const files = process.argv.slice(2);
@@ -28,7 +28,7 @@ for (const file of files) {
 }
 process.exit(faults === 0 ? 0 : 1);
 
-/** What the validator has against the file, warnings included. */
+/** The validator's complaints about the file, including warnings. */
 async function invalid(bytes) {
   const report = await validateBytes(bytes, { maxIssues: 20 });
   return report.issues.messages
@@ -36,7 +36,7 @@ async function invalid(bytes) {
     .map((message) => `${message.code} at ${message.pointer}: ${message.message}`);
 }
 
-/** Why the file is not what it should be for who looks at it. */
+/** Faults in the file that a viewer would see. */
 async function notShown(bytes) {
   const gltf = await new GLTFLoader().parseAsync(bytes.buffer, '');
   let taken = null;

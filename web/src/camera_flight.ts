@@ -2,10 +2,10 @@ import { Vector3 } from "three";
 import type { Stage } from "./stage.ts";
 import type { Eye, View } from "./data/view_state.ts";
 
-/** Long enough to see from where to where. */
+/** Long enough for a viewer to follow the change of viewpoint. */
 const FLIGHT_S = 0.45;
 
-/** Brings the eye from one place to another, and tells the view where it is when it rests. */
+/** Animates the camera from one viewpoint to another, and stores the viewpoint in the view state once it is at rest. */
 export class CameraFlight {
   private readonly stage: Stage;
   private flight: { from: [Vector3, Vector3]; to: [Vector3, Vector3]; share: number } | null = null;
@@ -17,7 +17,7 @@ export class CameraFlight {
     stage.controls.addEventListener("end", () => view.set({ eye: this.eye }));
   }
 
-  /** Where it is, or flies to. */
+  /** Current viewpoint, or the destination of the flight under way. */
   get eye(): Eye {
     if (this.flight) {
       const [position, target] = this.flight.to;
@@ -26,7 +26,7 @@ export class CameraFlight {
     return { position: this.stage.camera.position.toArray(), target: this.stage.controls.target.toArray() };
   }
 
-  /** At once where motion is not wanted. */
+  /** Starts a flight; jumps at once if the user prefers reduced motion. */
   fly(to: Eye, isAtOnce = false): void {
     const ends: [Vector3, Vector3] = [new Vector3(...to.position), new Vector3(...to.target)];
     const isStill = isAtOnce || matchMedia("(prefers-reduced-motion: reduce)").matches;
@@ -46,7 +46,7 @@ export class CameraFlight {
     return true;
   }
 
-  /** About the point that is looked at: an arc, not a line through the robot. */
+  /** Moves the camera on an arc around the viewed point, not on a straight line through the robot. */
   private place(share: number): void {
     if (!this.flight) return;
     const { from, to } = this.flight;

@@ -1,6 +1,6 @@
 import type { Mode } from "./data/page_data.ts";
 
-/** `#rrggbb` as numbers from 0 to 1, as a screen takes them. */
+/** Red, green and blue between 0 and 1, from `#rrggbb`. */
 export type Screen = [number, number, number];
 
 const channels = (hex: string): Screen => [
@@ -18,13 +18,11 @@ const hex = (colour: Screen): string =>
     )
     .join("")}`;
 
-/**
- * From violet over green to yellow, which colour-blind people can tell apart and grey print keeps in order: as in
- * Cranny's pictures.
- */
+/** From violet over green to yellow: colour-blind people can distinguish the colours, and greyscale print keeps their
+ * order. Cranny's pictures use the same scale. */
 export const SCORE_STOPS = ["#4b3ca8", "#3a6fd0", "#2fa1c4", "#3cc88f", "#a6e04a", "#ffe52b"];
 
-/** What is not known. */
+/** Colour of unknown values. */
 export const UNKNOWN = "#9a9aa2";
 
 /** A score between 0 and 1 as a colour; grey for none. */
@@ -36,22 +34,22 @@ export function ofScore(score: number | null): string {
   return hex(low.map((value, i) => value + (high[i] - value) * (place - index)) as Screen);
 }
 
-/** Of plans, the first being the one in Cranny's pictures; told apart also by who sees red and green alike. */
+/** Colours of plans, the first as in Cranny's pictures; people with red-green blindness can distinguish them. */
 const PLANS = ["#e83f6f", "#2f7de1", "#f0962e", "#12a48b", "#8a5cd6", "#5b6b7f"];
 
 export function ofPlan(index: number): string {
   return PLANS[index % PLANS.length];
 }
 
-/** What a plan does with the object in its hand: its colour lighter as long as it is lifted off or set down, between
- * these darker, and a little so once it has left it; as in pictures. */
+/** Colour of a stretch of a plan's path: lighter than the plan during lift-off and set-down, darker while the object is
+ * carried, slightly darker after it is released; as in Cranny's pictures. */
 export function ofMode(plan: string, { holds, touches, leaves }: Pick<Mode, "holds" | "touches" | "leaves">): string {
   const [towards, share] = touches ? ["#ffffff", 0.6] : holds ? ["#201838", 0.6] : leaves ? ["#201838", 0.3] : [plan, 0];
   const [from, to] = [channels(plan), channels(towards)];
   return hex(from.map((value, i) => value + (to[i] - value) * share) as Screen);
 }
 
-/** Of what inverse kinematics knows of a grasp. */
+/** Colour of the result of inverse kinematics for a grasp. */
 export function ofIk(status: string): string {
   return (
     { solved: "#2fae6b", "hand-collides": "#e0483e", "out-of-reach": "#e9a13b", "no-solution": "#8a5cd6" }[status] ??
@@ -59,17 +57,17 @@ export function ofIk(status: string): string {
   );
 }
 
-/** What says nothing of a grasp. */
+/** Reason that gives no information about a grasp. */
 export const NOT_TRIED = "not tried";
 
-/** Of reasons, in the order in which they are counted. */
+/** Colours of the reasons that blocked grasps, in the order in which they are counted. */
 const REASONS = ["#e0483e", "#e9a13b", "#3a7bd5", "#8a5cd6", "#12a48b", "#c65b9b", "#7f8c3a", "#5b6b7f"];
 
 export function ofReason(index: number): string {
   return index < 0 ? UNKNOWN : REASONS[index % REASONS.length];
 }
 
-/** Of trees: the one from the start, and those from goals. */
+/** Colours of the tree from the start, and of those from goals. */
 const START_TREE = "#2f7de1";
 const GOAL_TREES = ["#f0962e", "#e83f6f", "#12a48b", "#8a5cd6", "#d4a017", "#c65b9b"];
 

@@ -2,15 +2,15 @@ import type { Player } from "./motion/player.ts";
 import type { Stage } from "./stage.ts";
 import type { View } from "./data/view_state.ts";
 
-/** What browsers record, the best first. */
+/** Formats that browsers record, the best first. */
 const KINDS = ["video/mp4;codecs=avc1.640028", "video/webm;codecs=vp9", "video/webm;codecs=vp8", "video/webm"];
 
 const PICTURES_A_SECOND = 30;
 
-/** Bits a second: edges stay sharp. */
+/** Bits per second at which edges stay sharp. */
 const RATE = 12_000_000;
 
-/** Records the motion from its begin to its end, as it is seen, and gives it to whoever sits there as a file. */
+/** Records the motion from beginning to end as it is shown, and downloads it as a file. */
 export class Film {
   private readonly view: View;
   private readonly stage: Stage;
@@ -30,7 +30,7 @@ export class Film {
     });
   }
 
-  /** What to tell who asked for it, once the file is there. */
+  /** Records a video; returns the message for the user once the file exists. */
   async record(): Promise<string> {
     const kind = typeof MediaRecorder === "undefined" ? undefined : KINDS.find((each) => MediaRecorder.isTypeSupported(each));
     if (kind === undefined) return "This browser records no video";

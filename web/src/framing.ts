@@ -1,13 +1,13 @@
 import type { Point } from "./data/page_data.ts";
 import type { Eye } from "./data/view_state.ts";
 
-/** The height of the picture in angle: a portrait lens, which neither bulges nor flattens. */
+/** Vertical field of view, as of a portrait lens, for little distortion. */
 export const HEIGHT_RAD = 0.42;
 
-/** How much of the free half width or height things may fill. */
+/** Share of the free half width or height that the content may fill. */
 const FILLED = 0.93;
 
-/** Where the eye is as seen from what it looks at, in degrees: turned about z from x, and above the ground. */
+/** Direction of the camera from the viewed point, in degrees: rotation about z from x, and elevation. */
 export interface StandardView {
   name: string;
   key: string;
@@ -15,7 +15,7 @@ export interface StandardView {
   rise_deg: number;
 }
 
-/** The same as in Cranny's pictures. Right from above, a camera that turns about z would not know where up is. */
+/** The same views as in Cranny's pictures; exactly from above, rotation about z would leave "up" undefined. */
 export const STANDARD_VIEWS: StandardView[] = [
   { name: "Three-quarter", key: "1", turn_deg: -75, rise_deg: 22 },
   { name: "Front", key: "2", turn_deg: 180, rise_deg: 14 },
@@ -27,11 +27,11 @@ const radians = (degrees: number): number => (degrees * Math.PI) / 180;
 const dot = (a: Point, b: Point): number => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 
 /**
- * An eye that looks from a direction and stands just so far away that all `points` are in the picture. `width`
- * and `height`: of what is free of panels, as shares of the height of the whole canvas.
+ * Camera that looks from a direction, just far enough away for all `points` to be in the picture. `width` and
+ * `height`: of the area free of panels, as shares of the height of the whole canvas.
  *
- * The eye in the frame of the camera follows from the four planes of its pyramid, each of which one of the points
- * touches; the narrower pair decides the distance.
+ * The position in the camera's frame follows from the four planes of its view pyramid, each of which touches one of
+ * the points; the narrower pair determines the distance.
  */
 export function framing(view: StandardView, points: Point[], width: number, height: number): Eye {
   const [turn, rise] = [radians(view.turn_deg), radians(view.rise_deg)];

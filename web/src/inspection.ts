@@ -4,46 +4,42 @@ import type { SceneView } from "./views/scene_view.ts";
 import type { Stage } from "./stage.ts";
 import type { View } from "./data/view_state.ts";
 
-/**
- * `window.cranny`: what the page shows, as figures, for tests and for who is curious. It can be looked at and not
- * changed; what is written here stays.
- */
+/** `window.cranny`: read-only figures of what the page shows, for tests and the curious; assignments have no effect. */
 export interface Inspection {
-  /** Along the path, in seconds. */
+  /** Time along the path, in seconds. */
   readonly time: number;
   readonly isPlaying: boolean;
-  /** Index of the plan that has the robot. */
+  /** Index of the plan that moves the robot. */
   readonly plan: number;
-  /** The robot's variables, as it is shown. */
+  /** The robot's variables as shown. */
   readonly q: number[];
   /** The gripper frame, in 64 bits: x, y, z, qx, qy, qz, qw; empty without a robot. */
   readonly worldFromGripper: Pose;
-  /** The frame of the target's first part; null without a target. */
+  /** The frame of the target's first body; null without a target. */
   readonly worldFromTarget: Pose | null;
-  /** What the robot does, of a plan that carries its object away: "reach", "close", "lift-off", "carry" and so
-   * on; else empty. */
+  /** Current stage of a plan that carries its object: "reach", "close", "lift-off", "carry" and others; else empty. */
   readonly mode: string;
-  /** Draw calls of the last frame, those of shadows among them. */
+  /** Draw calls of the last frame, including those for shadows. */
   readonly drawCalls: number;
-  /** Script time of the last frame in milliseconds, the graphics card's not counted. */
+  /** Script time of the last frame in milliseconds, without the graphics card's. */
   readonly frameScriptMs: number;
-  /** Frames drawn so far. */
+  /** Number of frames drawn. */
   readonly frames: number;
-  /** Whether no frame is drawn or due. */
+  /** Whether no frame is being drawn or due. */
   readonly isIdle: boolean;
-  /** Nodes of the search tree that are shown, of the plan or of a search that is going on; 0 without one. */
+  /** Shown nodes of the search tree, of the plan or of a search under way; 0 without one. */
   readonly treeNodes: number;
-  /** From the call of the page's address to its first frame, in milliseconds. */
+  /** Time from the request for the page to its first frame, in milliseconds. */
   readonly loadMs: number;
-  /** What the server says of the posture. */
+  /** The server's verdict on the posture. */
   readonly standing: Standing;
-  /** The grasp that is pointed at. */
+  /** The grasp under the pointer. */
   readonly grasp: number | null;
-  /** How many grasps are shown as small grippers. */
+  /** Number of grasps shown as small grippers. */
   readonly shownGrasps: number;
-  /** Where a grasp (by place in the list) is seen, in points of the canvas. */
+  /** Position of a grasp (by list position) on the screen, in points of the canvas. */
   graspOnScreen(place: number): { x: number; y: number };
-  /** Where the gripper frame is seen. */
+  /** Position of the gripper frame on the screen. */
   gripperOnScreen(): { x: number; y: number };
 }
 

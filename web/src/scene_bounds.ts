@@ -6,20 +6,20 @@ import { type Movers, postureAlong, postureOf } from "./motion/posture.ts";
 import type { ShownPlan } from "./motion/trajectory.ts";
 import { INITIAL, type ViewState } from "./data/view_state.ts";
 
-/** Obstacles farther away from robot and target than this, in metres, may lie outside the picture. */
+/** Obstacles farther than this from robot and target, in metres, may be outside the picture. */
 const NEAR_M = 0.3;
 
-/** Points of the gripper's way that should be seen. */
+/** Number of points on the gripper's path that should be visible. */
 const PATH_POINTS = 12;
 
-/** What the view has to show: where things are, and where they come to. */
+/** Bounds of the content that the view must show, over all its motions. */
 export class SceneBounds {
-  /** Corners of boxes around robot and target, wherever they move, and around what of the obstacles is near. */
+  /** Corners of boxes around robot and target in all their postures, and around the nearby sections of obstacles. */
   readonly focus: Point[];
   readonly middle: Point;
-  /** How far everything reaches from the middle. */
+  /** Radius in metres around `middle` that contains everything. */
   readonly reach_m: number;
-  /** Points of target, gripper and the robot at its start that should not be hidden. */
+  /** Points of target, gripper path and robot at the start that should not be hidden. */
   readonly wanted: Point[];
 
   constructor(view: NodeView, movers: Movers) {
@@ -38,7 +38,7 @@ export class SceneBounds {
     const corners = (counts: (node: Node) => boolean): Point[][] =>
       postures.flatMap((posture, index) => {
         view.pose(posture);
-        // What does not move is looked at once.
+        // Bodies that do not move need one check.
         return view.nodes.flatMap((node, i) =>
           counts(node) && (index === 0 || node.role !== "obstacle") ? [boxCorners(view, i)] : [],
         );
@@ -89,7 +89,7 @@ function common(a: Box, b: Box): Box {
   };
 }
 
-/** None of an empty box. */
+/** Corners of a box; none if it is empty. */
 function cornersOf({ low, high }: Box): Point[] {
   if (low.some((value, i) => value > high[i])) return [];
   return Array.from(
@@ -103,7 +103,7 @@ function boxCorners(view: NodeView, index: number): Point[] {
   return box ? cornersOf(box).map((corner) => transformed(view.worldFromNodes[index], corner)) : [];
 }
 
-/** The upper half of the target: what it lies on does not hide it. */
+/** Points in the upper half of the target, which its support does not hide. */
 function targetPoints(view: NodeView): Point[] {
   return view.nodes.flatMap((node, index) => {
     const corners = node.role === "target" ? boxCorners(view, index) : [];

@@ -3,7 +3,7 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { HEIGHT_RAD } from "./framing.ts";
 import type { Point } from "./data/page_data.ts";
 
-/** Space at the edges of the canvas that panels lie over, in points. */
+/** Margins of the canvas covered by panels, in points. */
 export interface Insets {
   left: number;
   top: number;
@@ -11,26 +11,23 @@ export interface Insets {
   bottom: number;
 }
 
-/** Where a point is on the screen. */
+/** Projects a point to the screen. */
 export type Lens = (point: Point) => { x: number; y: number; depth: number };
 
-/** Moves something on by the time since the last frame; true if it wants another frame. */
+/** Advances an animation by the time since the last frame; returns true if it needs another frame. */
 export type Step = (elapsed_s: number) => boolean;
 
-/**
- * The canvas, its camera and its frames. A frame is drawn when something has changed and never else: a page that
- * stands still costs nothing.
- */
+/** The canvas, its camera and its frames. A frame is drawn only after a change, so that an idle page costs nothing. */
 export class Stage {
   readonly scene = new Scene();
   readonly camera: PerspectiveCamera;
   readonly controls: OrbitControls;
   readonly renderer: WebGLRenderer;
   readonly canvas: HTMLCanvasElement;
-  /** Of the last frame, until the graphics card has its work. */
+  /** Script time of the last frame, until its commands are with the graphics card. */
   frameScript_ms = 0;
   frames = 0;
-  /** Whether the machine draws without a graphics card. */
+  /** Whether the machine renders without a graphics card. */
   readonly isSlow: boolean;
   private insets: Insets = { left: 0, top: 0, right: 0, bottom: 0 };
   private readonly steps: Step[] = [];
@@ -68,7 +65,7 @@ export class Stage {
     this.fit();
   }
 
-  /** Called in every frame. */
+  /** Registers a callback for every frame. */
   onFrame(step: Step): void {
     this.steps.push(step);
   }
@@ -77,19 +74,19 @@ export class Stage {
     this.beforeDraw.push(callback);
   }
 
-  /** Asks for a frame. */
+  /** Requests a frame. */
   invalidate(): void {
     this.isDue = true;
     this.schedule();
   }
 
-  /** The same, and things that throw shadows have moved. */
+  /** Requests a frame after objects that cast shadows have moved. */
   invalidateShadows(): void {
     this.renderer.shadowMap.needsUpdate = true;
     this.invalidate();
   }
 
-  /** Whether nothing moves and nothing is about to be drawn. */
+  /** Whether no frame is due. */
   get isIdle(): boolean {
     return !this.isScheduled;
   }
@@ -99,19 +96,19 @@ export class Stage {
     this.invalidate();
   }
 
-  /** Whether the background is part of the picture, or what lies behind the canvas. */
+  /** Whether the canvas draws its background or is transparent. */
   setOpaque(isOpaque: boolean): void {
     this.renderer.setClearAlpha(isOpaque ? 1 : 0);
     this.invalidate();
   }
 
-  /** Where panels lie over the canvas: the middle of the view moves to the middle of what is free. */
+  /** Sets the margins covered by panels, and centres the view in the free area. */
   setInsets(insets: Insets): void {
     this.insets = insets;
     this.fit();
   }
 
-  /** Width and height of what is free of panels, and the whole height, in points. */
+  /** Width and height of the area free of panels, and the whole height, in points. */
   get free(): { width: number; height: number; wholeHeight: number } {
     const { clientWidth, clientHeight } = this.canvas;
     const { left, right, top, bottom } = this.insets;
@@ -122,14 +119,14 @@ export class Stage {
     };
   }
 
-  /** How points are seen now, in points from the upper left corner of the canvas; depth is below 1 for what is. */
+  /** Current projection, in points from the upper left corner of the canvas; depth is below 1 for visible points. */
   get lens(): Lens {
     const { clientWidth: width, clientHeight: height } = this.canvas;
     const { projectionMatrix, matrixWorldInverse } = this.camera;
     const m = projectionMatrix.clone().multiply(matrixWorldInverse).elements;
     return ([x, y, z]) => {
       const w = m[3] * x + m[7] * y + m[11] * z + m[15];
-      // What lies behind the eye is not seen.
+      // Points behind the camera are invisible.
       if (w <= 0) return { x: 0, y: 0, depth: Infinity };
       const across = (m[0] * x + m[4] * y + m[8] * z + m[12]) / w;
       const upwards = (m[1] * x + m[5] * y + m[9] * z + m[13]) / w;
@@ -164,7 +161,7 @@ export class Stage {
     this.isDue = false;
     let goesOn = false;
     for (const step of this.steps) goesOn = step(elapsed_s) || goesOn;
-    // Says by its event if it goes on.
+    // Sends a "change" event if the camera is still moving.
     this.controls.update();
     this.renderer.info.reset();
     for (const callback of this.beforeDraw) callback();
@@ -177,13 +174,13 @@ export class Stage {
   }
 }
 
-/** A page that was out of sight goes on where it was. */
+/** A page that was in the background continues where it stopped. */
 const LONGEST_S = 1;
 
-/** Finer than that nobody sees, and it costs. */
+/** Higher resolutions cost time without a visible gain. */
 const MOST_PIXELS_PER_POINT = 2;
 
-/** Names of programs that draw on the processor: Chromium's, Mesa's, Windows'. */
+/** Names of software renderers: Chromium's, Mesa's, Windows'. */
 const SOFTWARE = /swiftshader|llvmpipe|softpipe|software|basic render/i;
 
 function drawsInSoftware(renderer: WebGLRenderer): boolean {

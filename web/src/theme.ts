@@ -1,6 +1,6 @@
 export type ThemeName = "light" | "dark";
 
-/** Colours of what is drawn; those of panels stand in the style sheet. */
+/** Colours of the scene; those of panels are in the style sheet. */
 export interface Palette {
   page: string;
   gridLine: number;
@@ -31,7 +31,7 @@ const PALETTES: Record<ThemeName, Palette> = {
 
 const KEY = "cranny-theme";
 
-/** Light or dark: as the system has it, until somebody chooses. */
+/** Light or dark: the system's setting unless the user chooses. */
 export class Theme {
   private chosen: ThemeName | null;
   private readonly system = matchMedia("(prefers-color-scheme: dark)");
@@ -51,7 +51,7 @@ export class Theme {
     return PALETTES[this.name];
   }
 
-  /** Calls `listener` now and whenever it changes. */
+  /** Calls `listener` now and at each change. */
   on(listener: (palette: Palette, name: ThemeName) => void): void {
     this.listeners.push(listener);
     listener(this.palette, this.name);
@@ -62,7 +62,7 @@ export class Theme {
     try {
       localStorage.setItem(KEY, this.chosen);
     } catch {
-      // A file opened from disk may have no storage; the choice then lasts as long as the page.
+      // A page opened from disk may have no storage; the choice then lasts until it is closed.
     }
     this.apply();
   }

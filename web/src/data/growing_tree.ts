@@ -3,23 +3,23 @@ import { floats32, unsigned32 } from "./numbers.ts";
 import type { SearchTree } from "./page_data.ts";
 import { paint } from "../views/tree_view.ts";
 
-/** New nodes of a search, as the server hands them out (`tree?search=S&after=N`). */
+/** New nodes of a search, as the server returns them (`tree?search=S&after=N`). */
 export interface NewNodes extends SearchTree {
   search: number;
-  /** How many nodes were before them. */
+  /** Number of nodes before these. */
   from: number;
 }
 
-/** There is room for so many nodes at first; it doubles. */
+/** Initial capacity in nodes; it doubles when exceeded. */
 const FIRST_NODES = 1024;
 
 const OPACITY = 0.6;
 const ORDER = 1.2;
 
-/** The trees of a search that is going on elsewhere, a line from each node to its parent: one draw call. */
+/** The trees of a search under way in another process, one line from each node to its parent: one draw call. */
 export class GrowingTree {
   readonly lines: LineSegments<BufferGeometry, LineBasicMaterial>;
-  /** Which search of the server; null before the first. */
+  /** Number of the search on the server; null before the first. */
   search: number | null = null;
   count = 0;
   private positions = new Float32Array(3 * FIRST_NODES);
@@ -34,7 +34,7 @@ export class GrowingTree {
     this.begin(null);
   }
 
-  /** Forgets all nodes, for those of another search; of none where there is none. */
+  /** Forgets all nodes and expects those of another search; null: of none. */
   begin(search: number | null): void {
     this.search = search;
     this.count = 0;
@@ -42,14 +42,14 @@ export class GrowingTree {
     this.show(this.isAsked);
   }
 
-  /** Without nodes there is nothing to draw. */
+  /** Shows or hides the lines; hidden while there are no nodes. */
   show(isAsked: boolean): void {
     this.isAsked = isAsked;
     this.lines.visible = isAsked && this.count > 0;
   }
 
   add({ search, from, positions, parents, trees }: NewNodes): void {
-    // What was asked for before another search began.
+    // The answer belongs to an earlier request or search.
     if (search !== this.search || from !== this.count) return;
     const [points, above, of] = [floats32(positions), unsigned32(parents), unsigned32(trees)];
     const count = from + above.length;

@@ -1,22 +1,22 @@
 import { toHash } from "./view_link.ts";
 import type { Eye, View } from "./view_state.ts";
 
-/** A browser complains of addresses that change more often than it can count. */
+/** Browsers warn about pages that change their address too often. */
 const REST_MS = 300;
 
-/** Keeps the address of the page at what is seen, and gives a link to it. */
+/** Keeps the page's address up to date with the view, and copies it as a link. */
 export class LinkKeeper {
   private readonly view: View;
   private readonly eye: () => Eye;
   private readonly canPlay: boolean;
   private timer = 0;
 
-  /** `canPlay`: whether there is a motion, which a page without a time in its address begins with. */
+  /** `canPlay`: whether the page has a motion; it plays at once if the address states no time. */
   constructor(view: View, eye: () => Eye, canPlay: boolean) {
     this.view = view;
     this.eye = eye;
     this.canPlay = canPlay;
-    // A link to another view of this page; the page itself changes its address without this event.
+    // A link to another view of this page was opened; the page's own changes of its address cause no such event.
     window.addEventListener("hashchange", () => location.reload());
     view.on(
       ["plan", "time_s", "speed", "q", "layers", "ghosts", "treeNodes", "graspColour", "eye", "isPlaying"],
@@ -28,7 +28,7 @@ export class LinkKeeper {
     );
   }
 
-  /** Puts a link to this very view on the clipboard; what to tell who asked for it. */
+  /** Copies a link to the current view to the clipboard; returns the message for the user. */
   async copy(): Promise<string> {
     this.view.set({ eye: this.eye() });
     this.keep();
@@ -41,7 +41,7 @@ export class LinkKeeper {
   }
 
   private keep(): void {
-    // An eye that was let go glides on a little.
+    // The camera still glides a little after it is released.
     const { state } = this.view;
     const hash = toHash({ ...state, eye: state.eye && this.eye() }, this.canPlay);
     try {

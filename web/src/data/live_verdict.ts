@@ -2,7 +2,7 @@ import type { Verdict } from "./page_data.ts";
 import type { Posture } from "../motion/posture.ts";
 import { askServer, VerdictClient } from "./verdict_client.ts";
 
-/** What is known of the posture that is shown. */
+/** State of the verdict on the shown posture. */
 export type Standing =
   | { kind: "unasked" }
   | { kind: "not-live" }
@@ -34,7 +34,7 @@ export class LiveVerdict {
     this.client?.ask(q, during);
   }
 
-  /** What was known is of another posture than the one that is shown. */
+  /** Discards a verdict that belongs to another posture. */
   forget(): void {
     this.client?.cancel();
     if (this.client && this.standing.kind !== "unasked") this.tell({ kind: "unasked" });

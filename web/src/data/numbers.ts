@@ -1,24 +1,22 @@
 import type { Floats32, Floats64, Unsigned32 } from "./page_data.ts";
 
-/**
- * The numbers of a base64 text. Every machine that runs a browser keeps numbers as the page does, the least
- * significant byte first; a text that is no base64, or not whole numbers, throws.
- */
+/** Decodes base64 into 32-bit floats; throws on malformed base64 or an incomplete number. The page stores the least
+ * significant byte first, as do all machines that run a browser. */
 export function floats32(text: Floats32): Float32Array {
   return new Float32Array(bytes(text, 4));
 }
 
-/** The same for numbers of 64 bits. */
+/** Decodes 64-bit floats in the same way. */
 export function floats64(text: Floats64): Float64Array {
   return new Float64Array(bytes(text, 8));
 }
 
-/** The same for whole numbers. */
+/** Decodes unsigned 32-bit integers in the same way. */
 export function unsigned32(text: Unsigned32): Uint32Array {
   return new Uint32Array(bytes(text, 4));
 }
 
-/** Numbers as base64, the inverse of the above: `floats64(base64(row)) = row`. */
+/** Encodes numbers as base64, the inverse of the functions above: `floats64(base64(row)) = row`. */
 export function base64(row: Float32Array | Float64Array | Uint32Array): string {
   const all = new Uint8Array(row.buffer, row.byteOffset, row.byteLength);
   const parts: string[] = [];
@@ -28,7 +26,7 @@ export function base64(row: Float32Array | Float64Array | Uint32Array): string {
   return btoa(parts.join(""));
 }
 
-/** Bytes of a base64 text, a multiple of `size` of them. */
+/** Decodes base64 into bytes; throws unless their number is a multiple of `size`. */
 export function bytes(text: string, size = 1): ArrayBuffer {
   const binary = atob(text);
   if (binary.length % size !== 0) {
@@ -39,5 +37,5 @@ export function bytes(text: string, size = 1): ArrayBuffer {
   return all.buffer;
 }
 
-/** As many arguments as every engine lets a function have. */
+/** Number of arguments that every JavaScript engine accepts for one call. */
 const PART = 8192;

@@ -30,12 +30,12 @@ import { Film } from "../film.ts";
 import { fromHash } from "./view_link.ts";
 import { INITIAL, type Layer, View, type ViewState } from "./view_state.ts";
 
-/** What a person has told the system. */
+/** The system's setting for reduced motion. */
 const STILL = matchMedia("(prefers-reduced-motion: reduce)");
 
-/** Puts the page together: one scene, one view of it, and the panels that change the view. */
+/** Builds the page: one scene, one view of it, and the panels that change the view. */
 export function openPage(host: HTMLElement, data: PageData): void {
-  // 1. What there is to show.
+  // 1. The content.
   const root = data.robot.links.findIndex(({ parent }) => parent === null);
   const kinematics = new Kinematics(data.robot, data.nodes[root]?.parent_from_node);
   const plans = shownPlans(data, kinematics);
@@ -77,12 +77,12 @@ export function openPage(host: HTMLElement, data: PageData): void {
   shell.viewport.append(tip.element);
   shell.element.append(help.element);
 
-  // 4. What hands and keys do.
+  // 4. Mouse and keyboard.
   const links = new LinkKeeper(view, () => flight.eye, player.canPlay);
   const actions = {
     look: (standard: (typeof STANDARD_VIEWS)[number]) => {
       flight.fly(scene.eye(standard));
-      // The standard view again wherever the link is opened, if it is the first of them.
+      // A link stores the first standard view as "standard", so that it adapts to the window in which it is opened.
       view.set({ eye: standard === STANDARD_VIEWS[0] ? null : scene.eye(standard) });
     },
     stepGrasp: (by: number) => tip.step(by),
@@ -95,7 +95,7 @@ export function openPage(host: HTMLElement, data: PageData): void {
   shell.addTools(actions, theme, player.canPlay);
   listenToKeys(view, player, plans.length, available, actions);
 
-  // 5. The first look. Without a chosen eye, the view follows the size of the window.
+  // 5. The first view. Unless the user has chosen a viewpoint, it follows the size of the window.
   const first = view.state.eye ?? scene.eye(STANDARD_VIEWS[0]);
   flight.fly(first, true);
   shell.onInsets(() => {
@@ -109,7 +109,7 @@ export function openPage(host: HTMLElement, data: PageData): void {
   };
   view.on(["plan", "isPlaying"], describe);
   describe(view.state);
-  // A motion shows itself, but for who has stopped it before, asked for a moment of it or wants none.
+  // A motion plays at once, unless the link states a time or a posture, or the user prefers reduced motion.
   const isStill = asked.time_s !== undefined || asked.q !== undefined || STILL.matches;
   let isFirst = true;
   stage.onFrame(() => {
@@ -143,7 +143,7 @@ function shownPlans(data: PageData, kinematics: Kinematics): ShownPlan[] {
   }));
 }
 
-/** The layers in which there is something to see. */
+/** The layers with visible content. */
 function availableLayers(data: PageData, plans: ShownPlan[]): Set<Layer> {
   const hasPath = plans.some(({ trajectory }) => !trajectory.isEmpty);
   const layers: [Layer, boolean][] = [
@@ -164,7 +164,7 @@ function availableLayers(data: PageData, plans: ShownPlan[]): Set<Layer> {
   return new Set(layers.flatMap(([layer, isThere]) => (isThere ? [layer] : [])));
 }
 
-/** What the link asks for, as far as these data have it; of a failed plan first what blocked the grasps. */
+/** Initial view from the link, limited to the available data; for a failed plan the reasons that blocked the grasps. */
 function firstView(
   data: PageData,
   plans: ShownPlan[],

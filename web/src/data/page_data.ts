@@ -1,9 +1,9 @@
 /**
- * What a page is told: one JSON document, written by the Rust crate `cranny-view` and read here.
+ * Data of a page: one JSON document, written by the Rust crate `cranny-view` and read here.
  *
- * Lengths in metres, angles in radians, times in seconds, z up, everything in the planning frame unless it says
- * otherwise. A pose is `[x, y, z, qx, qy, qz, qw]`, target-from-source. Long rows of numbers are base64 of
- * little-endian values, row by row.
+ * Lengths in metres, angles in radians, times in seconds, z up; all in the planning frame unless stated otherwise.
+ * A pose is `[x, y, z, qx, qy, qz, qw]`, target-from-source. Long rows of numbers are base64 of little-endian values,
+ * row by row.
  */
 
 /** Base64 of little-endian 32-bit floats. */
@@ -18,31 +18,31 @@ export type Point = [number, number, number];
 
 export interface PageData {
   format: "cranny-page/1";
-  /** The id of the scenario, or what a recording is of. */
+  /** Id of the scenario, or subject of a recording. */
   name: string;
-  /** Without links in a page of a recording. */
+  /** Has no links in a page that shows only a recording. */
   robot: Robot;
   materials: Material[];
   meshes: Mesh[];
-  /** What is seen; links first, so that node i < links.length is link i. Parents before children. */
+  /** Visible bodies. The links come first, so that node i < links.length is link i; parents precede children. */
   nodes: Node[];
-  /** What is checked for collision, as surfaces: same form, same meshes and materials; a parent is one of `nodes`. */
+  /** Shapes for collision checking, in the same form, with the same meshes and materials; each parent is in `nodes`. */
   collision_shapes: Node[];
-  /** The outer spheres of each link, in the frame of the link: rows x, y, z, radius. */
+  /** The outer spheres of each link in its own frame: rows x, y, z, radius. */
   link_spheres: Floats32[];
   world_from_floor: Pose | null;
-  /** Where the base may be placed: x and y of its two translational joints, if it has them. */
+  /** Permitted base positions: limits of its two translational joints x and y, if it has them. */
   floor_area: { low: [number, number]; high: [number, number] } | null;
-  /** Where something can be put down. */
+  /** Targets on which an object can be put down. */
   places: Place[];
-  /** The grasps of the scenario, all of them. */
+  /** All grasps of the scenario. */
   grasps: Grasp[];
   plans: Plan[];
-  /** What moved where, of a page that shows that alone. */
+  /** Recorded motion of bodies, in a page that shows only a recording. */
   recording?: Recording;
-  /** Whether the server behind this page answers `POST verdict`. False in a page that is one file. */
+  /** Whether the server behind this page answers `POST verdict`; false in a page that is one file. */
   is_live: boolean;
-  /** The number of this page, where the server may show another in its place. */
+  /** Number of this page, if the server can replace it by another. */
   feed?: number;
 }
 
@@ -51,15 +51,15 @@ export interface Robot {
   joints: Joint[];
   /** The link whose frame is the gripper frame. */
   tip: number;
-  /** Values of the variable joints where the scenario starts. */
+  /** Values of the joint variables at the start of the scenario. */
   start: number[];
 }
 
-/** How a link hangs on its parent. One for each link but the root. */
+/** Connection of a link to its parent; one for each link except the root. */
 export interface Joint {
   name: string;
   child: number;
-  /** The pose of the child at the value 0. */
+  /** Pose of the child at the value 0. */
   parent_from_child: Pose;
   kind: "fixed" | "revolute" | "prismatic";
   /** In the frame of the child: `parent_from_child · motion along or about the axis by the value`. */
@@ -68,10 +68,10 @@ export interface Joint {
   variable: number | null;
   factor: number;
   offset: number;
-  /** Of the variable (null: unbounded). */
+  /** Limit of the variable (null: unbounded). */
   lower: number | null;
   upper: number | null;
-  /** Of a finger: how far its joint goes while the hand closes from open, where it stands at 0, to closed. */
+  /** For a finger: travel of its joint from the open hand, where its value is 0, to the closed hand. */
   stroke?: number;
 }
 
@@ -86,7 +86,7 @@ export interface Material {
 
 export interface Mesh {
   name: string;
-  /** `colours`, if there: linear red, green, blue per corner, which the material's colour is multiplied by. */
+  /** `colours`, if present: linear red, green, blue per vertex, by which the material's colour is multiplied. */
   pieces: {
     material: number;
     positions: Floats32;
@@ -106,9 +106,9 @@ export interface Node {
 
 export interface Place {
   name: string;
-  /** Of the middle of a rectangle, z upwards; else of the target's first part. */
+  /** Frame at the centre of a rectangle, z up; without a rectangle, the frame of the target's first body. */
   world_from_place: Pose;
-  /** Along the x and y of the rectangle. */
+  /** Lengths along x and y of the rectangle. */
   size_m?: [number, number];
 }
 
@@ -116,55 +116,55 @@ export interface Grasp {
   index: number;
   world_from_gripper: Pose;
   score: number | null;
-  /** Of the fingers' opening. */
+  /** Opening between the fingers. */
   width_m: number | null;
-  /** Factor by which gravity may grow before a pad slips. */
+  /** Factor by which gravity can grow before a pad slips. */
   load: number | null;
-  /** What is known of inverse kinematics there. */
+  /** Result of inverse kinematics for the grasp. */
   ik: "solved" | "hand-collides" | "out-of-reach" | "no-solution" | "unknown" | string;
 }
 
 export interface Plan {
   name: string;
   planner: string;
-  /** How the search ended, in words; empty for bare way points. */
+  /** Result of the search in words; empty for a path without a plan file. */
   outcome: string;
-  /** One line: what `verify` says of it. */
+  /** Verdict of `verify` in one line. */
   verdict: string;
   is_valid: boolean;
-  /** The row is empty if there is no path. */
+  /** Empty if there is no path. */
   times_s: Floats64;
-  /** One row of the robot's variables per instant. */
+  /** One row of joint variables per instant. */
   configurations: Floats64;
   waypoint_times_s: Floats64;
-  /** Whether the robot's limits give the path its time; else it has none, and its length passes at 1 a second. */
+  /** Whether the robot's limits determine the timing of the path; if not, it plays at a path length of 1 per second. */
   is_timed: boolean;
-  /** Sum over the edges of the plain norm of what q changes by, metres and radians alike. */
+  /** Sum over the edges of the Euclidean norm of the change of q; metres and radians count alike. */
   path_length: number;
-  /** What becomes of each object that the plan carries away, one after the other. */
+  /** The objects that the plan carries, one after the other. */
   carries: Carry[];
-  /** The scenario's grasp that the path ends at. */
+  /** Index of the scenario's grasp at which the path ends. */
   grasp: number | null;
   clearance: Clearance | null;
-  /** What blocked each grasp, if the plan says so: one row per grasp. */
+  /** Reason that blocked each grasp, if the plan states it: one row per grasp. */
   blocked: { grasp: number; reason: string }[];
-  /** Whole numbers by reason, as the plan file counts them. */
+  /** Number of grasps by reason, as in the plan file. */
   blocked_counts: { reason: string; count: number }[];
   search_tree: SearchTree | null;
 }
 
-/** The object stands, the hand closes on it, and from then on it goes with the hand. */
+/** One object that is carried: it stands, the hand closes on it, and from then on it moves with the hand. */
 export interface Carry {
-  /** What it is called. */
+  /** Name of the object. */
   object: string;
   /** The robot's variables while the hand closes. */
   grasp: number[];
-  /** How far it has closed then, from 0, open, to 1. */
+  /** Closed fraction of the fingers then, from 0 (open) to 1. */
   closing: number;
-  /** The robot's variables where the hand opens again, of an object that is put down. */
+  /** The robot's variables where the hand opens again, if the object is put down. */
   placed?: number[];
-  /** What the robot does, one after the other; where the object comes into the hand, or leaves it, it stands, and the
-   * hand moves evenly. */
+  /** Consecutive stages of the motion. The robot stands between two of them while the hand closes or opens, at constant
+   * speed. */
   modes: Mode[];
 }
 
@@ -172,9 +172,9 @@ export interface Mode {
   name: string;
   /** Whether an object is in the closed hand. */
   holds: boolean;
-  /** Whether it may touch what carries it. */
+  /** Whether the object may touch its support. */
   touches: boolean;
-  /** Whether the hand has let one go before. */
+  /** Whether the hand has already released an object. */
   leaves: boolean;
   /** Index of the segment of the plan. */
   segment: number;
@@ -182,42 +182,40 @@ export interface Mode {
   until_s: number;
 }
 
-/** Bodies and where they go, whatever moved them. */
+/** Recorded motion of bodies, from any source. */
 export interface Recording {
   times_s: Floats64;
-  /** Of each node that moves its pose at each instant, row by row. */
+  /** The pose at each instant, row by row, of each node that moves. */
   tracks: { node: number; poses: Floats64 }[];
 }
 
-/**
- * Least distance between the robot and anything else, or between two of its links, at instants of the path;
- * negative for how deep they overlap.
- */
+/** Least distance between the robot and anything else, or between two of its links, at instants of the path; negative:
+ * penetration depth. */
 export interface Clearance {
   times_s: Floats64;
   distances_m: Floats64;
-  /** The same between the robot, with what it holds, and the world, and between its own links; at least 0, infinite
-   * where there is no such pair. */
+  /** Least distance from the world to the robot with the object in its hand, and between the robot's own links; at
+   * least 0, infinite if there is no such pair. */
   world_m: Floats64;
   own_m: Floats64;
   /** Indices into `pairs`, one per instant. */
   closest: Unsigned32;
   pairs: { first: string; second: string }[];
-  /** Rows ax, ay, az, bx, by, bz: the closest points at each instant. */
+  /** The closest points at each instant: rows ax, ay, az, bx, by, bz. */
   points: Floats32;
 }
 
 /** The nodes of a search in the order in which they were added. */
 export interface SearchTree {
-  /** Where the gripper frame is: rows x, y, z. */
+  /** Positions of the gripper frame: rows x, y, z. */
   positions: Floats32;
-  /** The parent of each node by index; its own index for a root. */
+  /** Index of each node's parent; a root's is its own index. */
   parents: Unsigned32;
-  /** The tree of each node; 0: from the start. */
+  /** Tree of each node; 0: the tree from the start. */
   trees: Unsigned32;
 }
 
-/** What a plan does, by index and step: what is in the hand and where everything else stands is as it is then. */
+/** Segment of a plan, which determines the object in the hand and the poses of all other objects. */
 export interface During {
   plan: number;
   segment: number;
@@ -226,17 +224,17 @@ export interface During {
 /** Body of `POST verdict`. */
 export interface VerdictQuestion {
   q: number[];
-  /** Left out as long as nothing has moved, and where the robot was posed by hand. */
+  /** Absent until an object has moved, and if the robot was posed by hand. */
   during?: During;
 }
 
-/** Its answer; 400 with `{ error: string }` for a malformed question. */
+/** Answer to the question; for a malformed one 400 with `{ error: string }`. */
 export interface Verdict {
   is_free: boolean;
-  /** Signed: negative is depth, as far as it is known. */
+  /** Negative: penetration depth, if known. */
   clearance_m: number | null;
-  /** Names of what touches, empty if free. */
+  /** Pairs in contact; empty if free. */
   contacts: { first: string; second: string }[];
-  /** Gripper frame, by the server's forward kinematics. */
+  /** Gripper frame from the server's forward kinematics. */
   world_from_gripper: Pose;
 }

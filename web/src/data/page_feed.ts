@@ -1,27 +1,25 @@
 import type { GrowingTree, NewNodes } from "./growing_tree.ts";
 import type { View } from "./view_state.ts";
 
-/** What the server of a page that can change says (`news?after=N`). */
+/** Answer of a server whose page can change (`news?after=N`). */
 interface News {
   changes: number;
   page: number;
-  /** How often the robot was told how to stand; `q` is the last of these. */
+  /** Number of postures that the server has received; `q` is the last. */
   poses: number;
   q: number[] | null;
-  /** The search that is watched. */
+  /** The search that is shown live. */
   tree: { search: number; nodes: number } | null;
 }
 
-/** Until the next question after a server that does not answer, in milliseconds. */
+/** Pause in milliseconds after a request that the server did not answer. */
 const PAUSE_MS = 1000;
 
-/** Questions without an answer, after which nobody is thought to be there. */
+/** Unanswered requests after which the server counts as stopped. */
 const MOST_FAILURES = 5;
 
-/**
- * Follows what the server of the page shows: postures at once, the nodes of a search as they come, another page by
- * loading it. `onGrowth` is called when a search has begun or has new nodes.
- */
+/** Follows the server's changes: sets new postures at once, adds the nodes of a search as they arrive, reloads for
+ * another page. Calls `onGrowth` if a search has begun or has new nodes. */
 export async function followFeed(page: number, view: View, tree: GrowingTree, onGrowth: () => void): Promise<void> {
   let [after, poses] = [0, 0];
   for (let failures = 0; failures < MOST_FAILURES; ) {
@@ -35,7 +33,7 @@ export async function followFeed(page: number, view: View, tree: GrowingTree, on
       if (news.tree) {
         if (news.tree.search !== tree.search) {
           tree.begin(news.tree.search);
-          // Whoever watches a search wants to see it, and then the tree of its plan.
+          // During a live search its tree is shown, and afterwards the tree of the plan.
           view.setLayer("tree", true);
         }
         await grow(tree, news.tree, onGrowth);
@@ -48,23 +46,23 @@ export async function followFeed(page: number, view: View, tree: GrowingTree, on
   }
 }
 
-/** Fetches the nodes that are new. */
+/** Fetches the new nodes. */
 async function grow(tree: GrowingTree, news: { search: number; nodes: number }, onGrowth: () => void): Promise<void> {
   if (news.nodes > tree.count) {
     const nodes = await asked<NewNodes>(`tree?search=${news.search}&after=${tree.count}`);
-    // Another search may have begun since, or another page be shown: the next news say so.
+    // By now another search or page may have begun; the next news report it.
     if (nodes) tree.add(nodes);
   }
   onGrowth();
 }
 
-/** What the server answers; null where it refuses. */
+/** Answer of the server; null if it refuses. */
 async function asked<Answer>(address: string): Promise<Answer | null> {
   const answer = await fetch(address);
   return answer.ok ? ((await answer.json()) as Answer) : null;
 }
 
-/** The same view of the new page, but from the begin of its motion. */
+/** Reloads the page with the same view, but from the beginning of its motion. */
 function reload(): void {
   const asked = new URLSearchParams(location.hash.slice(1));
   for (const key of ["t", "q", "plan"]) asked.delete(key);

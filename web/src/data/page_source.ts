@@ -3,11 +3,8 @@ import { bytes } from "./numbers.ts";
 
 const FORMAT = "cranny-page/1";
 
-/**
- * The data of this page: packed into it if it is one file, else from the server.
- *
- * Throws an error whose message can be shown as it is.
- */
+/** Loads the data of this page: embedded if the page is one file, otherwise from the server. Throws an error whose
+ * message can be shown unchanged. */
 export async function loadPageData(): Promise<PageData> {
   const packed = document.getElementById("page-data")?.textContent?.trim() ?? "";
   const data: unknown = packed === "" ? await fetched() : JSON.parse(await unpacked(packed));
@@ -27,7 +24,7 @@ async function fetched(): Promise<unknown> {
   return answer.json();
 }
 
-/** Text of base64(gzip(text)). */
+/** Decodes base64(gzip(text)). */
 export async function unpacked(packed: string): Promise<string> {
   const stream = new Blob([bytes(packed)]).stream().pipeThrough(new DecompressionStream("gzip"));
   return new Response(stream).text();

@@ -3,7 +3,7 @@ import type * as data from "./page_data.ts";
 import type { Pose } from "./page_data.ts";
 import { indexAt } from "../motion/trajectory.ts";
 
-/** Bodies and where they go, whatever moved them. */
+/** Recorded motion of bodies, from any source. */
 export class Recording {
   readonly times_s: Float64Array;
   private readonly tracks: { node: number; poses: Float64Array }[];
@@ -19,7 +19,7 @@ export class Recording {
     return this.times_s.at(-1) ?? 0;
   }
 
-  /** The poses of the nodes that move, by node; before the first instant and after the last they stand still. */
+  /** Poses of the moving nodes, by node, at a time; constant before the first and after the last instant. */
   at(time_s: number): Map<number, Pose> {
     const index = indexAt(this.times_s, time_s);
     const next = Math.min(index + 1, this.times_s.length - 1);
@@ -34,7 +34,7 @@ export class Recording {
   }
 }
 
-/** Straight from a to b, and turned the shorter way, which between two instants is as good as evenly. */
+/** Interpolates linearly from a to b and rotates the shorter way; nearly at constant speed. */
 function between(a: Pose, b: Pose, share: number): Pose {
   const isOpposite = a[3] * b[3] + a[4] * b[4] + a[5] * b[5] + a[6] * b[6] < 0;
   const mixed = a.map((value, i) => value * (1 - share) + (i > 2 && isOpposite ? -b[i] : b[i]) * share) as Pose;

@@ -1,18 +1,16 @@
 import type { During, Verdict, VerdictQuestion } from "./page_data.ts";
 
-/** Asks somebody who knows; rejects if there is no answer. */
+/** Requests a verdict; rejects if there is no answer. */
 export type Ask = (question: VerdictQuestion) => Promise<Verdict>;
 
 export interface VerdictListener {
-  /** `q` is what was asked about. */
+  /** `q` is the configuration of the question. */
   onVerdict(verdict: Verdict, q: number[]): void;
   onFailure(message: string): void;
 }
 
-/**
- * Live verdicts while a slider moves: one question is under way at a time, and of those that come meanwhile only
- * the newest is asked next. The last question is always answered; what was asked on the way may not be.
- */
+/** Live verdicts while a slider moves: one request at a time, and only the newest of those that arrive meanwhile is
+ * sent next. The last question is always answered; earlier ones may not be. */
 export class VerdictClient {
   private readonly askServer: Ask;
   private readonly listener: VerdictListener;
@@ -20,20 +18,20 @@ export class VerdictClient {
   private waiting: VerdictQuestion | null = null;
   private isBusy = false;
 
-  /** `pause_ms`: the least time between an answer and the next question. */
+  /** `pause_ms`: least time between an answer and the next question. */
   constructor(ask: Ask, listener: VerdictListener, pause_ms = PAUSE_MS) {
     this.askServer = ask;
     this.listener = listener;
     this.pause_ms = pause_ms;
   }
 
-  /** `during`: what a plan does there, if one has moved anything. */
+  /** `during`: segment of the plan, if it has moved an object. */
   ask(q: ArrayLike<number>, during: During | null = null): void {
     this.waiting = { q: Array.from(q), ...(during ? { during } : {}) };
     if (!this.isBusy) void this.work();
   }
 
-  /** Forgets what waits. An answer under way is not reported either. */
+  /** Drops the waiting question and the answer to the one under way. */
   cancel(): void {
     this.waiting = null;
     this.isCancelled = this.isBusy;
@@ -59,10 +57,10 @@ export class VerdictClient {
   }
 }
 
-/** About a frame of a display: more answers than that cannot be seen. */
+/** About one frame of a display: more frequent answers would not be visible. */
 const PAUSE_MS = 15;
 
-/** The server behind the page. */
+/** Sends the question to the server behind the page. */
 export async function askServer(question: VerdictQuestion): Promise<Verdict> {
   let answer: Response;
   try {

@@ -1,9 +1,9 @@
 import { type Eye, type GraspColour, INITIAL, type Layer, MOST_GHOSTS, type ViewState } from "./view_state.ts";
 
 /**
- * The part of an address after `#` that brings back a view. Only what differs from the first view is named:
- * `fromHash(toHash(view)) = view`, but for what moves or is only pointed at. Where something can play, the time
- * is always named: what has a time stands still when it opens.
+ * The fragment of an address after `#` that restores a view. It states only differences from the initial view:
+ * `fromHash(toHash(view)) = view`, except for motions under way and the item under the pointer. If the page has a
+ * motion, the time is always stated, because a page whose address states a time does not play when it opens.
  */
 export function toHash(state: ViewState, canPlay = false): string {
   const parts: string[] = [];
@@ -27,7 +27,7 @@ export function toHash(state: ViewState, canPlay = false): string {
   return parts.join("&");
 }
 
-/** What a link asks for. What it says wrongly is left out: a damaged link shows the scene all the same. */
+/** Decodes a link. Invalid values are omitted, so that a damaged link still shows the scene. */
 export function fromHash(hash: string): Partial<ViewState> {
   const asked = new URLSearchParams(hash.replace(/^#/, ""));
   const found: Partial<ViewState> = {};

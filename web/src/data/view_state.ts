@@ -1,4 +1,4 @@
-/** What can be shown or not. */
+/** Layers that can be shown or hidden. */
 export type Layer =
   | "visual"
   | "collision"
@@ -14,36 +14,36 @@ export type Layer =
   | "floor"
   | "places";
 
-/** What the colour of a grasp says. */
+/** Quantity that the colour of a grasp shows. */
 export type GraspColour = "score" | "ik" | "reason";
 
 export interface Eye {
   position: [number, number, number];
-  /** What is looked at. */
+  /** Point at the centre of the view. */
   target: [number, number, number];
 }
 
-/** All that a person has chosen, and all that a link to this view holds. */
+/** All choices of the user, which a link to the view contains. */
 export interface ViewState {
-  /** Index of the plan that has the robot; the others are shown beside it. */
+  /** Index of the plan that moves the robot; the others are shown next to it. */
   plan: number;
   time_s: number;
   isPlaying: boolean;
-  /** Whether a motion begins again when it has ended. */
+  /** Whether a motion restarts after its end. */
   isLooping: boolean;
-  /** Seconds of the path in a second of the clock. */
+  /** Seconds of the path per second of the clock. */
   speed: number;
-  /** The robot as it was posed by hand; null: where the path has it. */
+  /** The robot as posed by hand; null: as on the path. */
   q: number[] | null;
   layers: Record<Layer, boolean>;
   ghosts: number;
-  /** How many nodes of the search tree are shown; null: all. */
+  /** Number of shown nodes of the search tree; null: all. */
   treeNodes: number | null;
   isTreeGrowing: boolean;
   graspColour: GraspColour;
-  /** The grasp that is pointed at. */
+  /** The grasp under the pointer. */
   grasp: number | null;
-  /** The reason that is pointed at in the list. */
+  /** The reason under the pointer in the list. */
   reason: string | null;
   /** Null: the standard view. */
   eye: Eye | null;
@@ -86,7 +86,7 @@ export const INITIAL: ViewState = {
 
 type Changed = ReadonlySet<keyof ViewState>;
 
-/** The one place where the state of the view is kept. Whoever shows a part of it is told when it changes. */
+/** The only store of the view's state; it notifies its listeners of changes. */
 export class View {
   private current: ViewState;
   private readonly listeners: ((state: ViewState, changed: Changed) => void)[] = [];
@@ -99,7 +99,7 @@ export class View {
     return this.current;
   }
 
-  /** Calls `listener` with every change of one of the keys. */
+  /** Calls `listener` at each change of one of the keys. */
   on(keys: (keyof ViewState)[], listener: (state: ViewState) => void): void {
     this.listeners.push((state, changed) => {
       if (keys.some((key) => changed.has(key))) listener(state);

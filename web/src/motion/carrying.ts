@@ -2,28 +2,28 @@ import type { Kinematics } from "./kinematics.ts";
 import type { Carry, Mode, Node, Pose } from "../data/page_data.ts";
 import { compose, inverse } from "./pose.ts";
 
-/** By how much each body has moved that does not stand where the scenario has it, by name, in the planning frame. */
+/** Displacement in the planning frame of each body that is not at its pose in the scenario, by name. */
 export type Moved = ReadonlyMap<string, Pose>;
 
-/** What the robot does from when to when; "close" and "open" while it stands and its hand moves. */
+/** Stage of a plan over time; "close" and "open" while the robot stands and its hand moves. */
 export interface Stretch extends Mode {
-  /** Which of the objects that its plan carries this belongs to. */
+  /** Index, among the plan's carried objects, of the one to which this belongs. */
   step: number;
 }
 
-/** What becomes of the objects that a plan carries away, one after the other, over time. */
+/** Motion over time of the objects that a plan carries, one after the other. */
 export class Carrying {
-  /** What the robot does, one after the other, but for when its hand moves. */
+  /** Consecutive stages, except those in which the hand closes or opens. */
   readonly modes: Stretch[];
-  /** The same with when the hand moves. */
+  /** All stages, including those in which the hand closes or opens. */
   readonly stretches: Stretch[];
-  /** What is carried, by name. */
+  /** Names of the carried objects. */
   readonly objects: ReadonlySet<string>;
   readonly stepCount: number;
   private readonly stops: Stretch[];
   private readonly transfers: Transfer[];
 
-  /** What no node is called is the target. */
+  /** An object whose name matches no node is the target. */
   constructor(carries: Carry[], kinematics: Kinematics, nodes: Node[]) {
     const target = nodes.find(({ role }) => role === "target")?.name ?? "";
     this.transfers = carries.map((carry) => {
@@ -41,12 +41,12 @@ export class Carrying {
     this.stepCount = carries.length;
   }
 
-  /** How far the fingers have closed, from 0, open, to 1. */
+  /** Closed fraction of the fingers, from 0 (open) to 1. */
   closingAt(time_s: number): number {
     return Math.max(...this.transfers.map((transfer) => transfer.closingAt(time_s)));
   }
 
-  /** So long the robot has stood while its hand moved, in seconds. */
+  /** Total time in seconds, up to `time_s`, during which the robot stood while its hand moved. */
   stoodUntil(time_s: number): number {
     return this.stops.reduce((sum, stop) => sum + stood(stop, time_s), 0);
   }
@@ -68,11 +68,11 @@ export class Carrying {
   }
 }
 
-/** One object that is taken, and perhaps put down. */
+/** Transport of one object: it is picked up and perhaps put down. */
 class Transfer {
   readonly object: string;
   readonly modes: Mode[];
-  /** When the robot stands and its hand moves: it closes, and opens again if the object is put down. */
+  /** Stops of the robot while its hand closes, and while it opens again if the object is put down. */
   readonly stops: Mode[];
   private readonly closing: number;
   private readonly graspFromWorld: Pose;
@@ -81,7 +81,7 @@ class Transfer {
   constructor(carry: Carry, object: string, kinematics: Kinematics) {
     this.object = object;
     this.modes = carry.modes;
-    // Postures are judged as along the segment before.
+    // During a stop, a posture is judged as on the segment before it.
     this.stops = carry.modes.slice(1).flatMap(({ holds, from_s }, index) => {
       const before = carry.modes[index];
       if (before.holds === holds) return [];
@@ -97,7 +97,7 @@ class Transfer {
     return this.closing * share(this.stops[0]) * (1 - share(this.stops[1]));
   }
 
-  /** By how much this has moved the object, in the planning frame; null as long as it has not. */
+  /** Displacement of the object by this transfer, in the planning frame; null until it has moved. */
   motionAt(time_s: number, worldFromGripper: Pose): Pose | null {
     const [close, open] = this.stops;
     if (!close || time_s < close.until_s) return null;
@@ -105,7 +105,7 @@ class Transfer {
   }
 }
 
-/** What any of several plans carries, by name. */
+/** Names of all objects that any of several plans carries. */
 export function carriedBy(plans: { carrying: Carrying | null }[]): ReadonlySet<string> {
   return new Set(plans.flatMap(({ carrying }) => [...(carrying?.objects ?? [])]));
 }

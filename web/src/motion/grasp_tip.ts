@@ -7,16 +7,16 @@ import type { Stage } from "../stage.ts";
 import type { ShownPlan } from "./trajectory.ts";
 import type { View } from "../data/view_state.ts";
 
-/** How near to a grasp counts, in points: for a mouse and for a finger. */
+/** Distance in points within which the pointer selects a grasp: for a mouse and for a finger. */
 const REACH = { mouse: 7, touch: 20 };
 
-/** A press that moves farther than this turns the view and means no grasp. */
+/** A press that moves farther than this, in points, rotates the view and selects no grasp. */
 const STILL = 6;
 
-/** From the pointer to the words, in points. */
+/** Distance from the pointer to the tooltip, in points. */
 const AWAY = 14;
 
-/** Says of the grasp under the pointer what is known of it. */
+/** Tooltip with the data of the grasp under the pointer. */
 export class GraspTip {
   readonly element = element("div", { class: "tip", role: "tooltip", "aria-live": "polite" });
   private readonly grasps: Grasp[];
@@ -37,7 +37,7 @@ export class GraspTip {
     const { canvas } = stage;
     canvas.addEventListener("pointermove", (event) => {
       if (event.buttons !== 0 || event.pointerType === "touch") return;
-      // Once a frame is often enough.
+      // One update per frame is enough.
       if (!this.pending) requestAnimationFrame(() => this.look());
       this.pending = event;
     });
@@ -71,7 +71,7 @@ export class GraspTip {
     this.tell(found, x, y);
   }
 
-  /** Points at the next grasp, or the one before: for who has no pointer. They come by their scores. */
+  /** Selects the next or previous grasp in the order of the scores, for users without a pointer. */
   step(by: number): void {
     if (this.grasps.length === 0) return;
     this.view.setLayer("grasps", true);

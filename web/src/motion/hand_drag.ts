@@ -7,7 +7,7 @@ import type { SceneView } from "../views/scene_view.ts";
 import type { Stage } from "../stage.ts";
 import type { View } from "../data/view_state.ts";
 
-/** Arrows and rings at the gripper: the arm follows by inverse kinematics, as far as it reaches. */
+/** Arrows and rings at the gripper: the arm follows by inverse kinematics as far as it can reach. */
 export class HandDrag {
   readonly element: HTMLElement;
   private readonly controls: TransformControls;
@@ -28,7 +28,7 @@ export class HandDrag {
     this.controls.addEventListener("change", () => stage.invalidate());
     this.controls.addEventListener("dragging-changed", ({ value }) => {
       stage.controls.enabled = !value;
-      // What could not be reached is let go.
+      // After the drag, the handle returns to the pose that the gripper has reached.
       if (!value) this.place();
     });
     this.controls.addEventListener("objectChange", () => {
@@ -42,7 +42,7 @@ export class HandDrag {
     this.show();
   }
 
-  /** Shows arrows or rings; the same again takes them away. */
+  /** Shows arrows or rings; the same button hides them again. */
   private choose(mode: "translate" | "rotate"): void {
     const isOff = this.controls.object === undefined || this.controls.mode !== mode;
     this.controls.setMode(mode);

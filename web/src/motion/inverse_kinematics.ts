@@ -2,25 +2,23 @@ import type { Kinematics } from "./kinematics.ts";
 import type { Point, Pose } from "../data/page_data.ts";
 import { compose, inverse } from "./pose.ts";
 
-/** Steps of one search; a hand that is dragged goes on from where the last one ended. */
+/** Iterations of one search; while the hand is dragged, the next search continues from the last result. */
 const MOST_STEPS = 60;
 
-/** There is no nearer than this, in metres and radians together. */
+/** Error at which the search ends, in metres and weighted radians together. */
 const CLOSE_ENOUGH = 1e-7;
 
-/** Steps are shortened by this, squared, near postures from which the hand cannot move in some direction. */
+/** Initial damping; it shortens iterations near singular postures. */
 const DAMPING = 0.02;
 
-/** What a radian counts beside a metre. */
+/** Weight of a radian relative to a metre. */
 const RADIAN_M = 0.3;
 
-/** A change of a joint by which its effect is measured. */
+/** Change of a joint for the numerical derivative. */
 const DIFFERENCE = 1e-6;
 
-/**
- * A configuration that brings the gripper to a pose, or as near as it gets from `q` without turning back, within the
- * limits: damped least squares (Buss 2009, "Introduction to Inverse Kinematics", §6), joints held at their limits.
- */
+/** A configuration within the limits that brings the gripper to a pose, or as close to it as a descent from `q` gets:
+ * damped least squares (Buss 2009, "Introduction to Inverse Kinematics", §6), joints clamped to their limits. */
 export function broughtTo(kinematics: Kinematics, target: Pose, q: number[]): number[] {
   const limits = kinematics.variables.map(({ lower, upper }) => [lower ?? -Infinity, upper ?? Infinity]);
   let best = [...q];
@@ -45,7 +43,7 @@ export function broughtTo(kinematics: Kinematics, target: Pose, q: number[]): nu
   return best;
 }
 
-/** From one pose to another: by how much to move (m) and to turn (rad, as a vector, scaled to metres). */
+/** Translation (m) and rotation (rad, as a vector, scaled to metres) from one pose to another. */
 function twist(from: Pose, to: Pose): number[] {
   const turn = compose(to, inverse(from));
   const sine = Math.hypot(turn[3], turn[4], turn[5]);
@@ -64,7 +62,7 @@ function damped(columns: number[][], error: number[], damping: number): number[]
     value,
   ]);
   rows.forEach((pivot, i) => {
-    // Positive definite: no pivot is zero, and none needs to be looked for.
+    // The matrix is positive definite: no pivot is zero, so no pivoting is needed.
     rows.forEach((row, j) => {
       if (j === i) return;
       const factor = row[i] / pivot[i];

@@ -1,19 +1,16 @@
 import type { Joint, Pose, Robot } from "../data/page_data.ts";
 import { IDENTITY, compose, rotation, translation } from "./pose.ts";
 
-/** One number of a configuration, as a person moves it. */
+/** One variable of a configuration, as a slider moves it. */
 export interface Variable {
   name: string;
   kind: "revolute" | "prismatic";
-  /** In radians or metres, where it is bounded. */
+  /** Limits in radians or metres, if bounded. */
   lower: number | null;
   upper: number | null;
 }
 
-/**
- * Where the links of a robot are. All of it in 64 bits: the gripper frame is that of the program's own forward
- * kinematics to 1e-6.
- */
+/** Forward kinematics of a robot in 64 bits: its gripper frame agrees with the program's to 1e-6. */
 export class Kinematics {
   readonly robot: Robot;
   readonly variables: Variable[];
@@ -21,7 +18,7 @@ export class Kinematics {
   private readonly order: number[];
   private readonly worldFromRoot: Pose;
 
-  /** `worldFromRoot`: where the link without a parent stands. */
+  /** `worldFromRoot`: pose of the link without a parent. */
   constructor(robot: Robot, worldFromRoot: Pose = IDENTITY) {
     this.robot = robot;
     this.worldFromRoot = worldFromRoot;
@@ -30,7 +27,7 @@ export class Kinematics {
     this.variables = robot.start.map((_, index) => variable(robot.joints, index));
   }
 
-  /** The pose of every link, by link. `q` has one value per variable; `closing` of the hand is from 0, open, to 1. */
+  /** Poses of all links. `q` has one value per variable; `closing` of the hand is from 0 (open) to 1. */
   worldFromLinks(q: ArrayLike<number>, closing = 0): Pose[] {
     const poses: Pose[] = new Array(this.order.length);
     for (const link of this.order) {
@@ -55,7 +52,7 @@ function parentFromChild(joint: Joint, q: ArrayLike<number>, closing: number): P
   return compose(joint.parent_from_child, motion(joint.axis, value));
 }
 
-/** The joint that a variable moves without a gear, if there is one; others follow it. */
+/** The joint that a variable moves directly, if there is one; else a joint that follows it by a factor. */
 function variable(joints: Joint[], index: number): Variable {
   const moved = joints.filter((joint) => joint.variable === index);
   const joint = moved.find((each) => each.factor === 1 && each.offset === 0) ?? moved[0];

@@ -3,9 +3,9 @@ import type { ShownPlan } from "./trajectory.ts";
 import type { Stage } from "../stage.ts";
 import type { View } from "../data/view_state.ts";
 
-/** Lets time pass: all plans play in step, each stands still at its end. */
+/** Advances the time: all plans play in step, and each stands still at its end. */
 export class Player {
-  /** Of the longest plan, or of the recording. */
+  /** Duration of the longest plan, or of the recording. */
   readonly duration_s: number;
   private readonly view: View;
 
@@ -20,7 +20,7 @@ export class Player {
     return this.duration_s > 0;
   }
 
-  /** From the start again if it stands at the end. */
+  /** Plays or pauses; restarts from the beginning if the time is at the end. */
   toggle(): void {
     const { isPlaying, time_s } = this.view.state;
     if (!this.canPlay) return;
@@ -28,7 +28,7 @@ export class Player {
     this.view.set({ isPlaying: !isPlaying, q: null, ...(!isPlaying && isAtEnd ? { time_s: 0 } : {}) });
   }
 
-  /** To a time; whoever asks for that wants to look at it. */
+  /** Sets the time and pauses. */
   seek(time_s: number): void {
     if (!this.canPlay) return;
     this.view.set({ time_s: Math.min(Math.max(time_s, 0), this.duration_s), isPlaying: false, q: null });

@@ -6,7 +6,7 @@ import type { Recording } from "../data/recording.ts";
 import type { ShownPlan } from "./trajectory.ts";
 import type { ViewState } from "../data/view_state.ts";
 
-/** What there is that can move. */
+/** Sources of motion on the page. */
 export interface Movers {
   nodes: Node[];
   plans: ShownPlan[];
@@ -14,19 +14,19 @@ export interface Movers {
   recording: Recording | null;
 }
 
-/** How everything stands now. */
+/** Current poses of everything. */
 export interface Posture {
   q: number[];
   worldFromLinks: Pose[];
-  /** Null where there is no robot. */
+  /** Null without a robot. */
   worldFromGripper: Pose | null;
   worldFromNodes: Pose[];
   moved: Moved;
-  /** What is done; null as long as nothing has moved. */
+  /** Current segment of the plan; null until an object has moved. */
   during: During | null;
 }
 
-/** As the robot was posed by hand, nothing moved; else as the path or the recording has it, else as the scenario starts. */
+/** Posture as set by hand, without moved objects; else from path or recording, else from the scenario's start. */
 export function postureOf(state: ViewState, movers: Movers): Posture {
   const { plans, kinematics } = movers;
   const plan = plans[state.plan];
@@ -34,7 +34,7 @@ export function postureOf(state: ViewState, movers: Movers): Posture {
   return standing(state.q ?? kinematics.robot.start, state.time_s, movers);
 }
 
-/** As a plan has it at a time. */
+/** Posture of a plan at a time. */
 export function postureAlong(plan: ShownPlan, time_s: number, { nodes, kinematics }: Movers): Posture {
   const { carrying, trajectory, index } = plan;
   const q = Array.from(trajectory.at(time_s));
@@ -55,5 +55,5 @@ function standing(at: ArrayLike<number>, time_s: number, { nodes, kinematics, re
   return { q, worldFromLinks, worldFromGripper, worldFromNodes: places, moved: NOTHING, during: null };
 }
 
-/** Everything stands where it was. */
+/** No body has moved. */
 const NOTHING: Moved = new Map();

@@ -2,7 +2,7 @@ import type { Carrying } from "./carrying.ts";
 import type { Clearance, Plan, SearchTree } from "../data/page_data.ts";
 import { floats32, floats64, unsigned32 } from "../data/numbers.ts";
 
-/** The index of the last of ascending `times` that is not after `time`; 0 if all are. */
+/** Index of the last of ascending `times` that is not after `time`; 0 if all are after it. */
 export function indexAt(times: ArrayLike<number>, time: number): number {
   let low = 0;
   let high = times.length;
@@ -14,14 +14,14 @@ export function indexAt(times: ArrayLike<number>, time: number): number {
   return low;
 }
 
-/** Where the robot is when. */
+/** Configurations of the robot over time. */
 export class Trajectory {
   readonly times_s: Float64Array;
   readonly waypointTimes_s: Float64Array;
   private readonly rows: Float64Array;
   private readonly width: number;
 
-  /** `width`: numbers in a configuration. */
+  /** `width`: number of variables in a configuration. */
   constructor(plan: Plan, width: number) {
     this.times_s = floats64(plan.times_s);
     this.rows = floats64(plan.configurations);
@@ -46,23 +46,23 @@ export class Trajectory {
     return this.rows.subarray(index * this.width, (index + 1) * this.width);
   }
 
-  /** The configuration at a time; before the start and after the end the robot stands still. */
+  /** The configuration at a time; constant before the start and after the end. */
   at(time_s: number): Float64Array {
     const index = indexAt(this.times_s, time_s);
     const next = Math.min(index + 1, this.times_s.length - 1);
     const step_s = this.times_s[next] - this.times_s[index];
     const share = step_s > 0 ? Math.min(Math.max((time_s - this.times_s[index]) / step_s, 0), 1) : 0;
     const [a, b] = [this.row(index), this.row(next)];
-    // Exactly b at share 1.
+    // Gives exactly b at share 1.
     return a.map((value, i) => value * (1 - share) + b[i] * share);
   }
 }
 
-/** How near the robot comes to anything, over time. */
+/** Clearance of the robot over time. */
 export class ClearanceCurve {
   readonly times_s: Float64Array;
   readonly distances_m: Float64Array;
-  /** From the world, and of the robot's own links from each other. */
+  /** Distances from the world, and between the robot's own links. */
   readonly world_m: Float64Array;
   readonly own_m: Float64Array;
   private readonly closest: Uint32Array;
@@ -79,7 +79,7 @@ export class ClearanceCurve {
     this.pairs = clearance.pairs;
   }
 
-  /** What is closest at the measured instant next to a time. */
+  /** The closest pair at the measured instant nearest to a time. */
   at(time_s: number): Closest | null {
     if (this.times_s.length === 0) return null;
     const before = indexAt(this.times_s, time_s);
@@ -88,7 +88,7 @@ export class ClearanceCurve {
     return this.row(isAfter ? after : before);
   }
 
-  /** The instant at which the robot comes closest. */
+  /** The instant with the least clearance. */
   get least(): Closest | null {
     if (this.times_s.length === 0) return null;
     return this.row(this.distances_m.reduce((least, x, i) => (x < this.distances_m[least] ? i : least), 0));
@@ -115,17 +115,17 @@ export interface Closest {
   points: Float32Array;
 }
 
-/** A plan with its numbers unpacked. */
+/** A plan with decoded numbers. */
 export interface ShownPlan {
   index: number;
   plan: Plan;
   trajectory: Trajectory;
   clearance: ClearanceCurve | null;
-  /** Of a plan that takes its object away. */
+  /** Null unless the plan carries its object. */
   carrying: Carrying | null;
   tree: SearchTree | null;
   /** `#rrggbb` */
   colour: string;
-  /** By grasp. */
+  /** Reason that blocked each grasp, by index. */
   reasons: Map<number, string>;
 }

@@ -1,21 +1,21 @@
 import { millimetres, progress } from "../figures.ts";
 import type { ClearanceCurve, ShownPlan } from "../motion/trajectory.ts";
 
-/** What is farther away than this, in metres, need not be told apart. */
+/** Clearances above this, in metres, are drawn alike. */
 const MOST_M = 0.25;
 
-/** The scale ends at one of these, in metres. */
+/** Possible maxima of the scale, in metres. */
 const SCALES_M = [0.01, 0.02, 0.05, 0.1, 0.15, 0.25];
 
-/** Space above the highest line and below the lowest, in points. */
+/** Margins above the highest and below the lowest line, in points. */
 const TOP = 6;
 const BOTTOM = 3;
 
-/** How the line of the robot's own links is dashed, in points. */
+/** Dash pattern of the line for the robot's own links, in points. */
 const DASH = [3, 3];
 
-/** Clearance from the world over time: a line for each plan, the one that is looked at filled; of that one the distance
- * between the robot's own links too, dashed, which would hide it; and where the time is. */
+/** Clearance from the world over time, one line per plan. The selected plan is filled, and a dashed line shows the
+ * distance between its robot's own links, which would else hide the first. A cursor marks the time. */
 export class ClearancePlot {
   readonly canvas = document.createElement("canvas");
   private readonly duration_s: number;
@@ -24,7 +24,7 @@ export class ClearancePlot {
   private span = { left: 0, right: 0 };
   private last: { plan: number; shown: ShownPlan[]; time_s: number } | null = null;
 
-  /** `onTime` is called with the time at a place that was pressed. */
+  /** `onTime` is called with the time at the pressed position. */
   constructor(plans: ShownPlan[], duration_s: number, onTime: (time_s: number) => void) {
     this.plans = plans;
     this.duration_s = duration_s;
@@ -49,13 +49,13 @@ export class ClearancePlot {
     return this.plans.every(({ clearance }) => !clearance);
   }
 
-  /** How far inside its edges the line begins and ends, in points: below the way of a slider's thumb. */
+  /** Horizontal margins of the plot in points, so that it lines up with the travel of the slider's thumb. */
   setSpan(left: number, right: number): void {
     this.span = { left, right };
     this.redraw();
   }
 
-  /** `shown`: the plans whose lines are drawn, by index of the one that is filled. */
+  /** `shown`: the plans with lines; `plan`: index of the filled one. */
   draw(plan: number, shown: ShownPlan[], time_s: number): void {
     this.last = { plan, shown, time_s };
     const { clientWidth: width, clientHeight: height } = this.canvas;
@@ -120,7 +120,7 @@ export class ClearancePlot {
       const text = `${1000 * share * this.scale_m}${share === 1 ? " mm" : ""}`;
       pen.fillStyle = ink;
       pen.textAlign = "left";
-      // Beside the lines, below the choice of speed.
+      // To the right of the lines, below the choice of speed.
       pen.fillText(text, to + 8, Math.min(Math.max(height, 6), this.canvas.clientHeight - 6));
     }
   }
@@ -147,7 +147,7 @@ export class ClearancePlot {
     pen.globalAlpha = 1;
   }
 
-  /** Which line is which, in the upper left corner. */
+  /** Legend in the upper left corner. */
   private legend(pen: CanvasRenderingContext2D, plan: ShownPlan, from: number, ink: string): void {
     if (!plan.clearance || !hasBoth(plan.clearance)) return;
     pen.font = "10px system-ui, sans-serif";
@@ -226,13 +226,13 @@ export class ClearancePlot {
   }
 }
 
-/** Whether there are pairs of both kinds. */
+/** Whether there are pairs with the world and pairs of own links. */
 function hasBoth({ world_m, own_m }: ClearanceCurve): boolean {
   return world_m.some(Number.isFinite) && own_m.some(Number.isFinite);
 }
 
-/** What the line of a plan shows: the distance from the world, where something in it can be touched, the least of all where
- * something is touched, with how deep. */
+/** Values of a plan's line: the distance from the world, if the world can be touched; in contact the least distance of
+ * all pairs, as a negative depth. */
 function drawn({ distances_m, world_m }: ClearanceCurve): Float64Array {
   const hasWorld = world_m.some(Number.isFinite);
   return distances_m.map((distance, i) => (hasWorld && distance >= 0 ? world_m[i] : distance));

@@ -1,6 +1,6 @@
 type Attributes = Record<string, string | number | boolean | undefined>;
 
-/** An element with attributes and content. An attribute that is false or undefined is left out. */
+/** Creates an element with attributes and content. An attribute that is false or undefined is omitted. */
 export function element<Tag extends keyof HTMLElementTagNameMap>(
   tag: Tag,
   attributes: Attributes = {},
@@ -14,21 +14,21 @@ export function element<Tag extends keyof HTMLElementTagNameMap>(
   return made;
 }
 
-/** A button that says what it does. */
+/** Creates a button with a label. */
 export function button(label: string, icon: Node | string, onPress: () => void, style = "icon"): HTMLButtonElement {
   const made = element("button", { type: "button", class: style, "aria-label": label, title: label }, icon);
   made.addEventListener("click", onPress);
   return made;
 }
 
-/** A part of the panel that can be folded. */
+/** Creates a collapsible section of the panel. */
 export function section(title: Node | string, isOpen: boolean, ...content: Node[]): HTMLDetailsElement {
   const details = element("details", { class: "section" }, element("summary", {}, title), ...content);
   details.open = isOpen;
   return details;
 }
 
-/** A spot of colour; says nothing to who listens. */
+/** Creates a spot of colour, which screen readers skip. */
 export function swatch(colour: string): HTMLElement {
   const made = element("span", { class: "swatch", "aria-hidden": "true" });
   made.style.background = colour;

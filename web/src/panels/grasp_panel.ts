@@ -8,7 +8,7 @@ import type { GraspColour, View, ViewState } from "../data/view_state.ts";
 
 const BY: Record<GraspColour, string> = { score: "Score", ik: "IK", reason: "Why not" };
 
-/** What colours grasps have, and what stood in the way of each. */
+/** Colours of the grasps, and the reasons that blocked them. */
 export class GraspPanel {
   readonly element: HTMLElement;
   private readonly legend = element("div", { class: "legend" });
@@ -58,7 +58,7 @@ export class GraspPanel {
       return [element("p", { class: "soft said" }, "This plan does not say what stood in the way.")];
     const named = new Set(chosen.blocked.map(({ reason }) => reason));
     return counts.map(({ reason, count: number }) => {
-      // A reason that no grasp is known by has no colour in the scene.
+      // A reason without a known grasp has no colour in the scene.
       const colour = colours.ofReason(named.has(reason) ? this.reasons.indexOf(reason) : -1);
       const line = row(colour, words(reason), number);
       if (!named.has(reason)) return line;
@@ -88,7 +88,7 @@ export class GraspPanel {
   }
 }
 
-/** As the plan counts them; else counted here. The commonest first, what was not tried last. */
+/** Number of grasps by reason, from the plan file if it has them; the most frequent first, untried grasps last. */
 export function blockedCounts(plan: Plan): { reason: string; count: number }[] {
   const counts = new Map(plan.blocked_counts.map(({ reason, count: number }) => [reason, number]));
   if (counts.size === 0) {

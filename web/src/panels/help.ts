@@ -27,7 +27,7 @@ const HANDS: [string, string][] = [
   ["hover", "What is known of a grasp (tap)"],
 ];
 
-/** What keys and hands do. */
+/** Overview of keys and mouse actions. */
 export class Help {
   readonly element: HTMLDialogElement;
 
@@ -60,7 +60,7 @@ export class Help {
         part("Show", layers),
       ),
     );
-    // A press beside it.
+    // A press outside the dialogue closes it.
     this.element.addEventListener("click", (event) => {
       if (event.target === this.element) this.element.close();
     });

@@ -7,13 +7,13 @@ import type { SceneView } from "../views/scene_view.ts";
 import type { Stage } from "../stage.ts";
 import type { View } from "../data/view_state.ts";
 
-/** Of a joint without limits: once around, or a metre. */
+/** Slider range of a joint without limits: half a turn or a metre in each direction. */
 const UNBOUNDED = { revolute: Math.PI, prismatic: 1 };
 
-/** Contacts that are listed; the rest is counted. */
+/** Number of listed contacts; others are only counted. */
 const MOST_CONTACTS = 6;
 
-/** A slider for each joint, and what the server says of the posture. */
+/** A slider for each joint, and the server's verdict on the posture. */
 export class JointPanel {
   readonly element: HTMLDetailsElement;
   private readonly sliders: { input: HTMLInputElement; value: HTMLOutputElement; variable: Variable }[];
@@ -34,7 +34,7 @@ export class JointPanel {
         "aria-label": variable.name,
         "data-joint": index,
       });
-      // Arrow keys of a slider without steps would jump a tenth of its range.
+      // By default, an arrow key moves a slider with `step="any"` by a tenth of its range.
       input.addEventListener("keydown", (event) => {
         const direction = { ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1 }[event.key];
         if (direction === undefined) return;
@@ -72,7 +72,7 @@ export class JointPanel {
     const show = (): void => {
       const { q } = scene.posture;
       this.sliders.forEach(({ input, value, variable }, index) => {
-        // The slider under a hand already says so.
+        // The slider under the pointer already has this value.
         if (document.activeElement !== input || Number(input.value) !== q[index]) input.value = String(q[index]);
         value.value = jointValue(variable.kind, q[index]);
       });
@@ -99,7 +99,7 @@ export class JointPanel {
       scene.setTouching(new Set(names));
     });
     show();
-    // A link to a posture.
+    // A link to a posture opens the panel.
     if (view.state.q !== null) {
       this.element.open = true;
       ask();

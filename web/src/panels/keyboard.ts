@@ -3,7 +3,7 @@ import { LAYERS } from "./layer_panel.ts";
 import type { Player } from "../motion/player.ts";
 import type { Layer, View } from "../data/view_state.ts";
 
-/** What an arrow moves the time by, in seconds. */
+/** Change of time per arrow key, in seconds. */
 const STEP_S = 0.05;
 const LARGE_STEP_S = 0.5;
 
@@ -17,7 +17,7 @@ export interface KeyActions {
   toggleHelp(): void;
 }
 
-/** Keys that work wherever the focus is, but where keys mean something else. */
+/** Handles keys regardless of focus, unless the focused element uses the key itself. */
 export function listenToKeys(
   view: View,
   player: Player,
@@ -59,14 +59,14 @@ export function listenToKeys(
   });
 }
 
-/** Sliders and choices take arrows, buttons and switches the space bar, a dialogue everything but what closes it. */
+/** Whether an element uses the key itself: sliders and selections use arrows, buttons space, dialogues all but `?`. */
 function isMeantElsewhere({ key, target }: KeyboardEvent): boolean {
   const at = target as HTMLElement | null;
   if (document.querySelector("dialog[open]")) return key !== "?";
   if (at instanceof HTMLSelectElement) return [" ", "ArrowLeft", "ArrowRight", "Home", "End"].includes(key);
   if (at instanceof HTMLInputElement && at.type === "radio") return ["ArrowLeft", "ArrowRight"].includes(key);
   if (at instanceof HTMLInputElement && at.type === "range") {
-    // The time line does what the keys say anyway.
+    // On the time line, these keys already have the intended effect.
     return !at.classList.contains("scrub") && ["ArrowLeft", "ArrowRight", "Home", "End"].includes(key);
   }
   return key === " " && at !== null && at.closest("button, input, summary") !== null;

@@ -1,7 +1,7 @@
 import { element, section } from "./element.ts";
 import { type Layer, MOST_GHOSTS, type View, type ViewState } from "../data/view_state.ts";
 
-/** What can be switched on and off, with the key that does it. */
+/** Layers that can be switched, with their keys. */
 export const LAYERS: { layer: Layer; label: string; key: string }[] = [
   { layer: "visual", label: "Visual meshes", key: "v" },
   { layer: "collision", label: "Collision shapes", key: "c" },
@@ -18,12 +18,12 @@ export const LAYERS: { layer: Layer; label: string; key: string }[] = [
   { layer: "glass", label: "See through walls", key: "w" },
 ];
 
-/** Switches for what is shown. */
+/** Switches for the layers. */
 export class LayerPanel {
   readonly element: HTMLElement;
   private readonly boxes = new Map<Layer, HTMLInputElement>();
 
-  /** `available`: the layers in which there is something to see. */
+  /** `available`: the layers with visible content. */
   constructor(view: View, available: ReadonlySet<Layer>) {
     const rows = LAYERS.filter(({ layer }) => available.has(layer)).map(({ layer, label, key }) => {
       const box = element("input", { type: "checkbox", role: "switch" });

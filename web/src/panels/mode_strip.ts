@@ -3,7 +3,7 @@ import { button, element } from "./element.ts";
 import type { Stretch } from "../motion/carrying.ts";
 import type { ShownPlan } from "../motion/trajectory.ts";
 
-/** What the robot does when, of several steps where each begins, below the slider of the time; what is pressed shows its beginning. */
+/** Stages of the plan below the time slider (with several objects, where each begins); pressing one jumps there. */
 export class ModeStrip {
   readonly element = element("div", { class: "modes", role: "group", "aria-label": "What the robot does" });
   private readonly duration_s: number;
@@ -11,7 +11,7 @@ export class ModeStrip {
   private shown: ShownPlan | null = null;
   private marks: { stretch: Stretch; mark: HTMLButtonElement }[] = [];
 
-  /** `onTime` is called with the time at which something begins that was pressed. */
+  /** `onTime` is called with the time at which the pressed stage begins. */
   constructor(duration_s: number, onTime: (time_s: number) => void) {
     this.duration_s = duration_s;
     this.onTime = onTime;
@@ -47,8 +47,8 @@ export class ModeStrip {
   }
 }
 
-/** What the hand does while the robot stands. */
+/** Labels of the hand's motions while the robot stands. */
 const HAND: Record<string, string> = { close: "The hand closes", open: "The hand opens" };
 
-/** Where something ends and the next begins, it is shown that the next does. */
+/** Offset in seconds after a boundary, so that the later stage is shown. */
 const AFTER_S = 1e-6;

@@ -3,7 +3,7 @@ import { progress } from "../figures.ts";
 import type { ShownPlan } from "../motion/trajectory.ts";
 import type { View, ViewState } from "../data/view_state.ts";
 
-/** Which plan has the robot, and what is said of it. */
+/** Selection of the plan that moves the robot, and its verdict. */
 export class PlanPanel {
   readonly element: HTMLElement;
 
@@ -49,15 +49,15 @@ export class PlanPanel {
   }
 }
 
-/** Of a path without time. */
+/** Note on a path without timing. */
 const UNTIMED = "It has no time, for the robot has no limits of acceleration; it plays at a nominal pace, a length of 1 a second";
 
-/** How long it takes or is, or why there is none. */
+/** Duration or length of a plan, or the reason why it has no path. */
 function ending({ plan, trajectory }: ShownPlan): string {
   return trajectory.isEmpty ? plan.outcome : progress(plan.is_timed ? trajectory.duration_s : plan.path_length, plan.is_timed);
 }
 
-/** What became of a plan, in one or two words. */
+/** Verdict on a plan in one or two words. */
 export function verdictMark({ plan, trajectory }: ShownPlan): HTMLElement {
   if (plan.is_valid) return element("span", { class: "mark", "data-kind": "free" }, "valid");
   if (trajectory.isEmpty) return element("span", { class: "mark", "data-kind": "failed" }, "no path");

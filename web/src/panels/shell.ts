@@ -8,12 +8,12 @@ import type { Insets } from "../stage.ts";
 import type { Theme } from "../theme.ts";
 import type { ShownPlan } from "../motion/trajectory.ts";
 
-/** Below this width the panel lies below the scene and is closed at first. */
+/** Below this width the panel is under the scene, and closed at first. */
 const NARROW = matchMedia("(max-width: 760px)");
 
 const SAID_MS = 2400;
 
-/** The frame of the page: scene, title, tools, panel, time line. */
+/** Layout of the page: scene, title, tools, panel, time line. */
 export class Shell {
   readonly element: HTMLElement;
   readonly viewport = element("main", { class: "viewport" });
@@ -57,17 +57,17 @@ export class Shell {
     });
   }
 
-  /** Says that a search is going on, and how many nodes it has. */
+  /** Shows that a search is under way, and its number of nodes. */
   tellSearch(nodes: number): void {
     this.searching.textContent = `searching: ${count(nodes)} ${nodes === 1 ? "node" : "nodes"}`;
   }
 
-  /** Names what is shown as glass. */
+  /** Lists the obstacles that are shown as glass. */
   captionSeenThrough(names: string[]): void {
     this.caption.textContent = names.length > 0 ? `seen through: ${names.join(", ")}` : "";
   }
 
-  /** Calls `listener` now and whenever panels cover more or less of the scene. */
+  /** Calls `listener` now and whenever the area covered by panels changes. */
   onInsets(listener: (insets: Insets) => void): void {
     const tell = (): void => {
       this.element.style.setProperty("--dock", `${this.dock.offsetHeight}px`);
@@ -114,7 +114,7 @@ export class Shell {
     this.showPanel();
   }
 
-  /** Says something for a moment. */
+  /** Shows a message briefly. */
   say(text: string): void {
     this.said.textContent = text;
     this.said.classList.add("shown");

@@ -8,10 +8,10 @@ import type { Theme } from "../theme.ts";
 import type { ShownPlan } from "../motion/trajectory.ts";
 import { SPEEDS, type View, type ViewState } from "../data/view_state.ts";
 
-/** The thumb of a slider is so wide, in points, and stays inside. */
+/** Width of a slider's thumb in points; it stays inside the track. */
 const THUMB = 14;
 
-/** Play, pause, scrub, speed; and how near the robot comes to anything on the way. */
+/** Play, pause, scrub and speed, with the clearance along the path. */
 export class TimeLine {
   readonly element: HTMLElement;
   private readonly play: HTMLButtonElement;
@@ -76,7 +76,7 @@ export class TimeLine {
     this.scrub.style.setProperty("--done", `${(100 * time_s) / (this.player.duration_s || 1)}%`);
     const shownPlan = this.plans[state.plan];
     const isTimed = shownPlan?.plan.is_timed ?? true;
-    // A path without time has a length of its own, which the time of other plans is not.
+    // A path without timing has its own length, which does not apply to other plans.
     const last_s = isTimed ? this.player.duration_s : shownPlan.trajectory.duration_s;
     const gone = (at_s: number): number => at_s - (isTimed ? 0 : (shownPlan.carrying?.stoodUntil(at_s) ?? 0));
     const [now, end] = [gone(Math.min(time_s, last_s)), gone(last_s)];

@@ -6,13 +6,13 @@ import type { SceneView } from "../views/scene_view.ts";
 import type { Stage } from "../stage.ts";
 import type { View, ViewState } from "../data/view_state.ts";
 
-/** A whole search grows in so many seconds, whatever its size. */
+/** Duration in seconds of the growth of a whole search, regardless of its size. */
 const GROWTH_S = 8;
 
-/** Trees that are listed; the rest is counted. */
+/** Number of listed trees; others are only counted. */
 const MOST_TREES = 5;
 
-/** Lets the search tree grow. */
+/** Animates the growth of the search tree. */
 export class TreePanel {
   readonly element: HTMLDetailsElement;
 

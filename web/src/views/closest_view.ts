@@ -10,7 +10,7 @@ import {
 } from "three";
 import type { Closest } from "../motion/trajectory.ts";
 
-/** The line between the closest points of robot and surroundings; seen through everything. */
+/** The line between the closest points of robot and surroundings, drawn over everything. */
 export class ClosestView {
   readonly group = new Group();
   private readonly ends = new BufferAttribute(new Float32Array(6), 3).setUsage(DynamicDrawUsage);
@@ -29,7 +29,7 @@ export class ClosestView {
   }
 
   show(closest: Closest | null): void {
-    // Where two things touch without a point in common, there is no line.
+    // There is no line if two bodies touch without a common point.
     this.group.visible = closest !== null && closest.points.length === 6 && closest.points.every(Number.isFinite);
     if (!closest || !this.group.visible) return;
     this.ends.set(closest.points);
@@ -39,7 +39,7 @@ export class ClosestView {
 
 const COLOUR = 0xe0342b;
 
-/** Points are squares; only what is in the circle is drawn. */
+/** Points are drawn as squares; this discards fragments outside the circle. */
 function round(material: PointsMaterial): PointsMaterial {
   material.onBeforeCompile = (shader) => {
     shader.fragmentShader = shader.fragmentShader.replace(

@@ -4,14 +4,14 @@ import type { PageData, Point } from "../data/page_data.ts";
 import { compose, inverse, transformed } from "../motion/pose.ts";
 import { rectangle } from "./rectangle.ts";
 
-/** The floor: a grid that fades into the page, and the shadows that fall on it; and where the base may stand. */
+/** The floor: a grid that fades into the page, shadows, and the permitted area of the base. */
 export class FloorView {
   readonly group = new Group();
   readonly area: Group | null;
   private readonly grid: ShaderMaterial;
   private readonly shadow: ShadowMaterial;
 
-  /** `middle` and `reach_m`: of everything that is seen. */
+  /** `middle` and `reach_m`: centre and radius of all visible bodies. */
   constructor(data: PageData, middle: Point, reach_m: number) {
     this.grid = new ShaderMaterial({
       transparent: true,
@@ -36,7 +36,7 @@ export class FloorView {
     plane.add(grid, shadow);
     if (data.world_from_floor) {
       const pose = data.world_from_floor;
-      // Around what is seen, on the lines of the grid.
+      // Centred near the visible bodies, on a crossing of grid lines.
       const [x, y] = transformed(inverse(pose), middle);
       const shifted = compose(pose, [Math.round(x), Math.round(y), 0, 0, 0, 0, 1]);
       setMatrix(plane.matrix, shifted).decompose(plane.position, plane.quaternion, plane.scale);
@@ -70,7 +70,7 @@ const GRID_VERTEX = `
   }
 `;
 
-// Lines every quarter metre, every fourth stronger; one point wide at any distance, fainter where they get dense.
+// Lines every quarter metre, every fourth stronger; one point wide at any distance, fainter where they are dense.
 const GRID_FRAGMENT = `
   uniform vec3 line;
   uniform vec3 ground;

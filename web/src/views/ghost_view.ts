@@ -12,17 +12,17 @@ const GHOST = "#468ad0";
 const GHOST_OPACITY = 0.3;
 const GHOST_RIM = 0.9;
 
-/** A robot beside the one that is looked at. */
+/** Appearance of the robots of plans that are not selected. */
 const OTHER_OPACITY = 0.55;
 const OTHER_RIM = 0.5;
 
-/** A copy is shown if one of its joints is so far away from the robot's, in metres or radians. */
+/** A copy is shown if one of its joints differs from the robot's by more than this, in metres or radians. */
 const AWAY = 0.08;
 
-/** The robot of another plan is seen fully where it is so much farther away. */
+/** Additional difference at which the robot of another plan has its full opacity. */
 const FULLY_AWAY = 0.4;
 
-/** Translucent robots, with what they carry: on the way of the plan that is looked at, and those of the other plans. */
+/** Translucent robots with the objects that they carry: along the selected plan's path, and those of other plans. */
 export class GhostView {
   readonly ghosts = new Group();
   readonly others = new Group();
@@ -30,7 +30,7 @@ export class GhostView {
   private readonly ofPlans = new Map<number, Ghost>();
   private places: { copy: RobotCopy; at: Pose }[] = [];
   private readonly movers: Movers;
-  /** The nodes that a copy is of, in their order: the links, and what a plan carries. */
+  /** Indices of the copied nodes, in order: the links, and carried objects. */
   private readonly copied: number[];
   private readonly geometry: () => BufferGeometry;
   private known: BufferGeometry | null = null;
@@ -40,11 +40,11 @@ export class GhostView {
     const carried = carriedBy(movers.plans);
     const isCopied = ({ role, name }: Node): boolean => role === "link" || carried.has(name);
     this.copied = movers.nodes.flatMap((node, index) => (isCopied(node) ? [index] : []));
-    // When the first copy is wanted.
+    // Evaluated when the first copy is needed.
     this.geometry = () => robotGeometry(this.copied.map((index) => movers.nodes[index]), geometries);
   }
 
-  /** `count` ghosts on the way of a plan, equally far apart along the way of the gripper. */
+  /** Shows `count` ghosts of a plan, equally spaced along the path of the gripper. */
   showWay(plan: ShownPlan | null, count: number): void {
     const instants = plan && count > 0 ? ghostInstants(plan, this.movers.kinematics, count) : [];
     while (this.onWay.length < instants.length) {
@@ -58,7 +58,7 @@ export class GhostView {
     });
   }
 
-  /** No copy stands where the robot is: at the start, where all plans begin, one sees the robot alone. */
+  /** Hides copies at the robot's own posture: at the start, common to all plans, only the robot itself is visible. */
   makeWay(q: ArrayLike<number>): void {
     const away = (copy: number[]): number => Math.max(...copy.map((value, i) => Math.abs(value - q[i])));
     for (const ghost of this.onWay) ghost.copy.group.visible = ghost.q.length > 0 && away(ghost.q) > AWAY;
@@ -69,7 +69,7 @@ export class GhostView {
     }
   }
 
-  /** The robots of plans beside the one that is looked at, at a time; `makeWay` says how much is seen of them. */
+  /** Shows the robots of other plans at a time; `makeWay` sets their opacity. */
   showOthers(plans: ShownPlan[], time_s: number): void {
     for (const other of this.ofPlans.values()) other.q = [];
     for (const plan of plans) {
@@ -84,7 +84,7 @@ export class GhostView {
     }
   }
 
-  /** Nearer copies over farther ones. */
+  /** Draws nearer copies over farther ones. */
   sort(eye: Vector3): void {
     const from: Pose = [eye.x, eye.y, eye.z, 0, 0, 0, 1];
     this.places.sort((a, b) => distanceBetween(b.at, from) - distanceBetween(a.at, from));
@@ -95,7 +95,7 @@ export class GhostView {
     const { q, worldFromNodes, worldFromGripper, moved } = postureAlong(plan, time_s, this.movers);
     const { copy } = ghost;
     ghost.q = q;
-    // An object that stands is no ghost.
+    // Objects at their poses in the scenario need no ghost.
     const isThere = ({ role, name }: Node): boolean => role === "link" || moved.has(name);
     copy.pose(this.copied.map((node) => (isThere(this.movers.nodes[node]) ? worldFromNodes[node] : null)));
     const at = worldFromGripper ?? worldFromNodes[0];
@@ -110,13 +110,13 @@ export class GhostView {
   }
 }
 
-/** A copy, and the configuration at which it stands; without one it is not seen. */
+/** A copy and its configuration; hidden if the configuration is empty. */
 interface Ghost {
   copy: RobotCopy;
   q: number[];
 }
 
-/** Rows of a trajectory: from the start on, equally far apart along the way of the gripper, the end among them. */
+/** Rows of a trajectory from start to end, equally spaced along the path of the gripper. */
 export function ghostInstants(plan: ShownPlan, kinematics: Kinematics, count: number): number[] {
   const { trajectory } = plan;
   const travelled: number[] = [];

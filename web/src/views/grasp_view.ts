@@ -8,19 +8,19 @@ import type { Lens } from "../stage.ts";
 import type { ShownPlan } from "../motion/trajectory.ts";
 import type { GraspColour } from "../data/view_state.ts";
 
-/** Of few; of more than this, thinner, so that one sees what they hold. */
+/** Thickness of up to `FEW` grippers; more are drawn thinner, so that the object stays visible. */
 const THICKNESS_M = 0.0026;
 const THIN_M = 0.0014;
 const FEW = 40;
 const STRONG_THICKNESS_M = 0.005;
 
-/** What is pointed at. */
+/** Colour of the grasp under the pointer. */
 const POINTED = "#ffffff";
 
-/** How much of its colour a grasp keeps that is not meant. */
+/** Share of its colour that a grasp keeps when another reason is highlighted. */
 const DIMMED = 0.22;
 
-/** Grasps as small grippers, in one draw call; and the few that stand out, in another. */
+/** Grasps as small grippers in one draw call, and the highlighted few in another. */
 export class GraspView {
   readonly group = new Group();
   private readonly grasps: Grasp[];
@@ -28,16 +28,16 @@ export class GraspView {
   private readonly strong: InstancedMesh;
   private readonly matrix = new Matrix4();
   private readonly colour = new Color();
-  /** Points of the rods in the planning frame, six numbers each. */
+  /** End points of the rods in the planning frame, six numbers each. */
   private readonly rods: Float64Array;
-  /** Of those that are shown, in the list. */
+  /** List positions of the shown grasps. */
   private places: number[] = [];
 
   constructor(grasps: Grasp[], plans: number) {
     this.grasps = grasps;
     const material = (): MeshLambertMaterial => new MeshLambertMaterial({ emissive: 0xffffff, emissiveIntensity: 0 });
     this.plain = new InstancedMesh(gripperGeometry(THICKNESS_M), material(), grasps.length);
-    // One of each plan, and the one that is pointed at.
+    // One for each plan, and one for the grasp under the pointer.
     this.strong = new InstancedMesh(gripperGeometry(STRONG_THICKNESS_M), material(), plans + 1);
     this.strong.count = 0;
     for (const mesh of [this.plain, this.strong]) {
@@ -53,7 +53,7 @@ export class GraspView {
     });
   }
 
-  /** Shows the grasps at these places of the list, which `paint` colours. */
+  /** Shows the grasps at these list positions; `paint` colours them. */
   show(places: number[]): void {
     if (places.length === this.places.length && places.every((place, i) => place === this.places[i])) return;
     this.places = places;
@@ -68,12 +68,12 @@ export class GraspView {
     );
   }
 
-  /** How many are shown. */
+  /** Number of shown grasps. */
   get shown(): number {
     return this.places.length;
   }
 
-  /** Colours what is shown; `only`: the reason that is meant, the others are dimmed. */
+  /** Colours the shown grasps; `only`: the highlighted reason, grasps with others are dimmed. */
   paint(by: GraspColour, plan: ShownPlan | null, reasons: string[], only: string | null, page: string): void {
     const background = new Color(page);
     this.places.forEach((place, index) => {
@@ -92,7 +92,7 @@ export class GraspView {
     if (this.plain.instanceColor) this.plain.instanceColor.needsUpdate = true;
   }
 
-  /** Lets grasps stand out: those that plans end at, and the one that is pointed at. */
+  /** Highlights the grasps at which plans end, and the one under the pointer. */
   emphasise(plans: ShownPlan[], pointed: number | null): void {
     const strong = plans.flatMap(({ plan, colour }) => (plan.grasp === null ? [] : [{ grasp: plan.grasp, colour }]));
     if (pointed !== null) strong.push({ grasp: pointed, colour: POINTED });
@@ -108,11 +108,8 @@ export class GraspView {
     if (this.strong.instanceColor) this.strong.instanceColor.needsUpdate = true;
   }
 
-  /**
-   * The index (in the page's list) of the grasp nearest to a place of the screen, at most `reach` points away; of
-   * several equally near the one in front. Looking at rods on the screen, not at triangles, lets a finger hit
-   * what is two points wide.
-   */
+  /** Index (in the page's list) of the grasp nearest to a screen position, at most `reach` points away; of equally near
+   * ones the one in front. Measuring from rods, not triangles, lets a finger hit grippers two points wide. */
   at(x: number, y: number, reach: number, lens: Lens): number | null {
     let best: { index: number; away: number; depth: number } | null = null;
     const rods = this.places.flatMap((place) => RODS.map((_, rod) => ({ place, rod: place * RODS.length + rod })));
@@ -120,7 +117,7 @@ export class GraspView {
       const points = this.rods.subarray(6 * rod, 6 * rod + 6);
       const [a, b] = [lens([points[0], points[1], points[2]]), lens([points[3], points[4], points[5]])];
       if (a.depth > 1 || b.depth > 1) continue;
-      // In whole points: what is nearer by less than that is not nearer for a hand.
+      // Rounded to whole points: smaller differences do not matter for a pointer.
       const away = Math.round(distanceToSegment(x, y, a, b));
       if (away > reach) continue;
       const depth = Math.min(a.depth, b.depth);
@@ -131,7 +128,7 @@ export class GraspView {
     return best?.index ?? null;
   }
 
-  /** The middle of a small gripper's palm. */
+  /** The midpoint of a small gripper's palm. */
   middle(index: number): Point {
     const palm = this.rods.subarray((index * RODS.length + 2) * 6);
     return [(palm[0] + palm[3]) / 2, (palm[1] + palm[4]) / 2, (palm[2] + palm[5]) / 2];

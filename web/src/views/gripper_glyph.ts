@@ -2,17 +2,17 @@ import { BoxGeometry, type BufferGeometry, Quaternion, Vector3 } from "three";
 import { mergeGeometries } from "three/addons/utils/BufferGeometryUtils.js";
 import type { Point } from "../data/page_data.ts";
 
-/** Half of the small gripper's opening: half the real one, so that it does not hide what it holds. */
+/** Half of the small gripper's opening, which is half the real one so that it does not hide the object. */
 const HALF_OPENING_M = 0.022;
 
-/** From the gripper frame back to the palm and to the end of the stem. */
+/** Distances from the gripper frame back to the palm and to the end of the stem. */
 const PALM_M = -0.042;
 const STEM_M = -0.07;
 
-/** Fingers reach a little past the gripper frame. */
+/** Fingers extend slightly past the gripper frame. */
 const TIP_M = 0.006;
 
-/** A small gripper as rods, in the gripper frame: y is the axis along which it closes, z points out of the palm. */
+/** A small gripper as rods, in the gripper frame: it closes along y, and z points out of the palm. */
 export const RODS: [Point, Point][] = [
   [
     [0, HALF_OPENING_M, TIP_M],
@@ -32,7 +32,7 @@ export const RODS: [Point, Point][] = [
   ],
 ];
 
-/** The same with a thickness. */
+/** Geometry of the rods with a thickness. */
 export function gripperGeometry(thickness_m: number): BufferGeometry {
   const rods = RODS.map(([from, to]) => {
     const [a, b] = [new Vector3(...from), new Vector3(...to)];

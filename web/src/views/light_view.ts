@@ -1,14 +1,14 @@
 import { DirectionalLight, Group, HemisphereLight } from "three";
 
-/** Where the sun stands, in degrees: from behind the robot on the right, as in Cranny's pictures. */
+/** Direction of the sun in degrees: from behind the robot on the right, as in Cranny's pictures. */
 const SUN_TURN_DEG = -152;
 const SUN_RISE_DEG = 52;
 
-/** Texels along a side of the map of its shadows; fewer without a graphics card. */
+/** Texels per side of the shadow map; fewer without a graphics card. */
 const SHADOW_SIDE = 2048;
 const SLOW_SHADOW_SIDE = 1024;
 
-/** A sun that throws shadows, a sky, and a faint light from the other side. */
+/** A sun that casts shadows, a sky, and a faint light from the other side. */
 export class LightView {
   readonly group = new Group();
   private readonly sun = new DirectionalLight(0xfff6ea, 1);
@@ -35,7 +35,7 @@ export class LightView {
     shadow.camera.right = shadow.camera.top = reach_m;
     shadow.camera.near = away - 1.5 * reach_m;
     shadow.camera.far = away + 1.5 * reach_m;
-    // A surface does not shadow itself: by three texels.
+    // An offset of three texels prevents a surface from shadowing itself.
     shadow.normalBias = (6 * reach_m) / side;
     shadow.bias = -0.0008;
     shadow.radius = 3;

@@ -2,13 +2,13 @@ import { BufferAttribute, BufferGeometry, Matrix4, Quaternion, Vector3 } from "t
 import type { Mesh, PageData, Pose } from "../data/page_data.ts";
 import { floats32, unsigned32 } from "../data/numbers.ts";
 
-/** A part of a mesh that is of one material. */
+/** Section of a mesh with one material. */
 export interface Piece {
   material: number;
   geometry: BufferGeometry;
 }
 
-/** The meshes of a page, each unpacked once. */
+/** The meshes of a page, each decoded once. */
 export class MeshGeometries {
   private readonly meshes: Mesh[];
   private readonly known = new Map<number, Piece[]>();

@@ -16,43 +16,43 @@ import { setMatrix } from "./mesh_geometry.ts";
 import type { Material, Node, Pose } from "../data/page_data.ts";
 import { compose } from "../motion/pose.ts";
 
-/** How a node looks beside what it is made of. */
+/** Appearance of a node in addition to its material. */
 interface Look {
   isLink: boolean;
   isTouching: boolean;
   isGlass: boolean;
 }
 
-/** What touches something; a wall is large and needs less of it. */
+/** Tint of bodies in contact; large bodies such as walls need less of it. */
 const CONTACT = 0xe0342b;
 const LINK_TINT = 0.8;
 const BODY_TINT = 0.4;
 
-/** Obstacles between the eye and what matters. */
+/** Opacity of obstacles that hide points of interest. */
 const GLASS_OPACITY = 0.32;
 
-/** Corners flatter than this, in degrees, get no line. */
+/** Edges flatter than this, in degrees, get no line. */
 const EDGE_DEG = 35;
 
-/** Where nodes are whose first ones are the links: with the links, where the hand has `moved` them, or where they stand. */
+/** Poses of all nodes, of which the links come first; other bodies as `moved` by the hand, or as in the scenario. */
 export function worldFromNodes(nodes: Node[], worldFromLinks: Pose[], moved: Moved): Pose[] {
   const poses: Pose[] = [];
   nodes.forEach((node, index) => poses.push(worldFromLinks[index] ?? onParent(node, poses, moved)));
   return poses;
 }
 
-/** Where something is that hangs on one of `parents`, or on nothing, and may have `moved`. */
+/** Pose of a node attached to one of `parents` or to none, which may have `moved`. */
 export function onParent(node: Node, parents: Pose[], moved: Moved): Pose {
   if (node.parent !== null) return compose(parents[node.parent], node.parent_from_node);
   const motion = moved.get(node.name);
   return motion ? compose(motion, node.parent_from_node) : node.parent_from_node;
 }
 
-/** Robot and bodies as meshes: what is seen, or what is checked for collision. */
+/** Robot and bodies as meshes: visible ones, or collision shapes. */
 export class NodeView {
   readonly group = new Group();
   readonly nodes: Node[];
-  /** Of every node, as it was last shown. */
+  /** Poses of all nodes as last shown. */
   worldFromNodes: Pose[] = [];
   private readonly meshes: Mesh[][];
   private readonly edges: (LineSegments | null)[];
@@ -62,7 +62,7 @@ export class NodeView {
   private readonly edgeMaterial = new LineBasicMaterial({ transparent: true, opacity: 0.35 });
   private readonly opacity: number;
 
-  /** `opacity`: how much of it hides what is behind; with 1 as its materials have it, and shadows fall. */
+  /** `opacity`: factor for the materials' own; only at 1 are shadows drawn. */
   constructor(nodes: Node[], materials: Material[], geometries: MeshGeometries, opacity = 1) {
     this.nodes = nodes;
     this.materials = materials;
@@ -87,7 +87,7 @@ export class NodeView {
     });
   }
 
-  /** Puts all nodes where they are; `worldFromNodes` by node. */
+  /** Sets the poses of all nodes; `worldFromNodes` is by node. */
   pose(worldFromNodes: Pose[]): void {
     this.worldFromNodes = worldFromNodes;
     worldFromNodes.forEach((world, index) => {
@@ -99,12 +99,12 @@ export class NodeView {
     });
   }
 
-  /** Tints what touches something, by name. */
+  /** Tints the named bodies as in contact. */
   setTouching(names: ReadonlySet<string>): void {
     this.change((node) => ({ isTouching: names.has(node.name) }));
   }
 
-  /** Turns nodes to glass, by index. */
+  /** Shows nodes as glass, by index. */
   setGlass(hiding: ReadonlySet<number>): void {
     this.change((_, index) => ({ isGlass: hiding.has(index) }));
   }
@@ -113,7 +113,7 @@ export class NodeView {
     this.edgeMaterial.color.setHex(colour);
   }
 
-  /** The box around a node's mesh, in its own frame. */
+  /** Bounding box of a node's mesh, in its own frame. */
   box(index: number): { low: [number, number, number]; high: [number, number, number] } | null {
     const low: [number, number, number] = [Infinity, Infinity, Infinity];
     const high: [number, number, number] = [-Infinity, -Infinity, -Infinity];
@@ -134,7 +134,7 @@ export class NodeView {
       this.looks[index] = next;
       for (const mesh of this.meshes[index]) {
         mesh.material = this.material(mesh.userData["material"] as number, mesh.geometry, next);
-        // Glass over what is not: farther things first, and all of it after the robot.
+        // Glass is drawn after everything else, farther objects first.
         mesh.renderOrder = next.isGlass ? 1 : 0;
       }
     });
@@ -153,13 +153,13 @@ export class NodeView {
       const seen = opacity * (isGlass ? GLASS_OPACITY : this.opacity);
       found = new MeshStandardMaterial({
         vertexColors,
-        // There is little around here for a metal to mirror.
+        // The scene has little for a metal to reflect.
         metalness: metallic * 0.5,
         roughness,
         opacity: seen,
         transparent: seen < 1,
         depthWrite: !isGlass,
-        // Faces of a file may be the wrong way round; glass is seen from the front alone.
+        // Faces in files may have the wrong orientation; glass shows only front faces.
         side: isGlass || this.opacity < 1 ? FrontSide : DoubleSide,
         polygonOffset: true,
         polygonOffsetFactor: this.opacity < 1 ? -1 : 1,

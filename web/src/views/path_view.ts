@@ -5,19 +5,19 @@ import { indexAt, type ShownPlan } from "../motion/trajectory.ts";
 
 const RADIUS_M = 0.004;
 
-/** Where the robot comes back as it went, the way back is seen. */
+/** Larger, so that the way back stays visible where it retraces the way out. */
 const IN_HAND_RADIUS_M = 1.2 * RADIUS_M;
 
-/** Sides of the tube. */
+/** Number of sides of the tube. */
 const SIDES = 8;
 
-/** Points along the tube; more cannot be seen. */
+/** Maximum number of points along the tube; more would not be visible. */
 const MOST_STEPS = 400;
 
 const AHEAD_OPACITY = 0.3;
 const OTHER_OPACITY = 0.55;
 
-/** The way of the gripper of a plan, piece by piece as the robot does this or that: what lies behind is solid, what lies ahead faint. */
+/** Path of the gripper in one section per stage of the plan: travelled sections are solid, those ahead are faint. */
 export class PathView {
   readonly group = new Group();
   readonly plan: ShownPlan;
@@ -41,7 +41,7 @@ export class PathView {
     for (const piece of this.pieces) this.group.add(piece.behind, piece.ahead);
   }
 
-  /** `isChosen`: whether this plan has the robot. */
+  /** `isChosen`: whether this plan moves the robot. */
   show(time_s: number, isChosen: boolean): void {
     for (const piece of this.pieces) piece.show(this.plan.trajectory.times_s, time_s, isChosen ? 1 : OTHER_OPACITY);
   }
@@ -55,14 +55,14 @@ interface Look {
 
 type Tube = Mesh<TubeGeometry, MeshLambertMaterial>;
 
-/** A part of the way, of one colour. */
+/** A section of the path with one colour. */
 class Piece {
   readonly behind: Tube;
   readonly ahead: Tube;
   private readonly steps: number;
-  /** The first instant. */
+  /** Index of its first instant. */
   private readonly first: number;
-  /** How far along each instant is from there on, from 0 to 1. */
+  /** Fraction of the section's length at each instant, from 0 to 1. */
   private readonly share: number[];
 
   private constructor(points: Vector3[], first: number, share: number[], { colour, radius_m }: Look) {
@@ -81,7 +81,7 @@ class Piece {
     this.ahead.renderOrder = 1.5;
   }
 
-  /** Null where the gripper rests. */
+  /** Null if the gripper rests. */
   static of(
     { trajectory }: ShownPlan,
     kinematics: Kinematics,
@@ -98,7 +98,7 @@ class Piece {
       const step = before ? before.distanceTo(point) : 1;
       if (before) way += step;
       travelled.push(way);
-      // Where the gripper rests, the tube would have no direction.
+      // A tube has no direction where the gripper rests.
       if (step > 1e-5) points.push(point);
     }
     if (points.length < 2) return null;

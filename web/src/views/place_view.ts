@@ -9,7 +9,7 @@ import { rectangle } from "./rectangle.ts";
 const PLACE = 0x12a48b;
 const TARGET_OPACITY = 0.35;
 
-/** Where something can be put down: rectangles, and the target where it is to be. */
+/** Targets of put-down: rectangles, or the target body at its goal pose. */
 export class PlaceView {
   readonly group = new Group();
 

@@ -9,10 +9,10 @@ import {
   PlaneGeometry,
 } from "three";
 
-/** Above what it lies on, in metres, so that both can be seen. */
+/** Distance above the support, in metres, so that both are visible. */
 const LIFT_M = 0.003;
 
-/** A translucent rectangle with an edge, around the origin, along x and y. */
+/** A translucent rectangle with an edge, centred at the origin in the xy plane. */
 export function rectangle(width_m: number, depth_m: number, colour: number): Group {
   const group = new Group();
   const plane = new Mesh(

@@ -15,10 +15,8 @@ import type { MeshGeometries } from "./mesh_geometry.ts";
 import { setMatrix } from "./mesh_geometry.ts";
 import type { Node, Pose } from "../data/page_data.ts";
 
-/**
- * Nodes as one geometry, each corner with the number of its node: a copy of the robot, and of what it carries, is then
- * two draw calls, whatever it is made of.
- */
+/** Merges nodes into one geometry in which each vertex stores the index of its node: a copy of the robot with carried
+ * objects then needs only two draw calls. */
 export function robotGeometry(nodes: Node[], geometries: MeshGeometries): BufferGeometry {
   const positions: number[] = [];
   const normals: number[] = [];
@@ -47,14 +45,12 @@ export function robotGeometry(nodes: Node[], geometries: MeshGeometries): Buffer
 
 export interface CopyLook {
   colour: string;
-  /** How much it hides where it is seen from the front, and how much more where from the side. */
+  /** Opacity as seen from the front, and its increase towards grazing views. */
   opacity: number;
   rim: number;
 }
 
-/**
- * The robot once more, of coloured glass. Its depth is drawn first: one sees its skin and not its entrails.
- */
+/** A copy of the robot in coloured glass. Its depth is drawn first, so that only its outer surface is visible. */
 export class RobotCopy {
   readonly group = new Group();
   private readonly rows: Float32Array;
@@ -63,7 +59,7 @@ export class RobotCopy {
   private readonly matrix = new Matrix4();
   private readonly opacity: { value: number };
 
-  /** `nodes`: how many the geometry is of. */
+  /** `nodes`: number of nodes in the geometry. */
   constructor(geometry: BufferGeometry, nodes: number, look: CopyLook) {
     this.rows = new Float32Array(16 * nodes);
     this.poses = new DataTexture(this.rows, 4, nodes, RGBAFormat, FloatType);
@@ -87,7 +83,7 @@ export class RobotCopy {
     this.setOrder(0);
   }
 
-  /** What is nowhere is not seen. */
+  /** Sets the poses of all nodes; a node without a pose is hidden. */
   pose(worldFromNodes: (Pose | null)[]): void {
     worldFromNodes.forEach((pose, node) => {
       const matrix = pose ? setMatrix(this.matrix, pose) : this.matrix.makeScale(0, 0, 0);
@@ -100,7 +96,7 @@ export class RobotCopy {
     this.opacity.value = opacity;
   }
 
-  /** Of several copies the farthest is drawn first: the higher its `order`, the later. */
+  /** Drawing order of several copies: the farthest comes first, a higher `order` later. */
   setOrder(order: number): void {
     this.parts.forEach((part, index) => (part.renderOrder = 2 + 0.01 * order + 0.001 * index));
   }

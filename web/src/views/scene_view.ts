@@ -22,17 +22,17 @@ import type { ShownPlan } from "../motion/trajectory.ts";
 import { TreeView } from "./tree_view.ts";
 import type { Eye, View, ViewState } from "../data/view_state.ts";
 
-/** How much of a collision shape hides what is behind it. */
+/** Opacity of collision shapes. */
 const COLLISION_OPACITY = 0.5;
 
-/** Everything that is drawn, kept as the view has it. */
+/** Everything that is drawn, kept up to date with the view. */
 export class SceneView {
   readonly grasps: GraspView;
   readonly spheres: SphereView;
   readonly bounds: SceneBounds;
-  /** Of the plans that recorded their search, by index of the plan. */
+  /** Search trees of the plans that recorded them, by index of the plan. */
   readonly trees = new Map<number, TreeView>();
-  /** Of a search that is going on. */
+  /** Tree of a search under way. */
   readonly growing = new GrowingTree();
   posture: Posture;
   private readonly nodes: NodeView;
@@ -48,7 +48,7 @@ export class SceneView {
   private readonly view: View;
   private readonly plans: ShownPlan[];
   private readonly movers: Movers;
-  /** What any of the plans takes away, by name. */
+  /** Names of all objects that any plan carries. */
   private readonly carried: ReadonlySet<string>;
   private readonly reasons: string[];
   private readonly few: number[];
@@ -111,7 +111,7 @@ export class SceneView {
     }
   }
 
-  /** Is called with the names of the obstacles that are shown as glass, whenever these change. */
+  /** Called with the names of the obstacles shown as glass, whenever they change. */
   onSeenThrough: (names: string[]) => void = () => {};
   private seenThrough: string[] = [];
 
@@ -125,25 +125,25 @@ export class SceneView {
     this.showGrasps(this.view.state);
   }
 
-  /** Tints what touches something, by name. */
+  /** Tints the named bodies as in contact. */
   setTouching(names: ReadonlySet<string>): void {
     this.nodes.setTouching(names);
     this.collision.setTouching(names);
     this.stage.invalidate();
   }
 
-  /** The frame of the target's first part. */
+  /** The frame of the target's first body. */
   get worldFromTarget(): Pose | null {
     return this.posture.worldFromNodes[this.nodes.nodes.findIndex(({ role }) => role === "target")] ?? null;
   }
 
-  /** What the plan that has the robot does, if it says so. */
+  /** Current stage of the plan that moves the robot, if the plan states it. */
   get mode(): string {
     const { plan, time_s } = this.view.state;
     return this.plans[plan]?.carrying?.at(time_s).name ?? "";
   }
 
-  /** Where the eye stands for a standard view. */
+  /** Viewpoint of a standard view. */
   eye(view: StandardView): Eye {
     const { width, height, wholeHeight } = this.stage.free;
     return framing(view, this.bounds.focus, width / wholeHeight, height / wholeHeight);
@@ -193,7 +193,7 @@ export class SceneView {
     this.grasps.show(this.graspIndices.flatMap((index, place) => (isShown(index, place) ? [place] : [])));
     this.grasps.paint(graspColour, shown, this.reasons, reason, this.palette?.page ?? "#ffffff");
     const ends = this.plans.filter(({ index }) => layers.others || index === plan);
-    // The plan that is looked at last, over the others.
+    // The selected plan comes last, and is thus drawn over the others.
     this.grasps.emphasise(
       ends.sort((a, b) => Number(a.index === plan) - Number(b.index === plan)),
       grasp,
@@ -210,7 +210,7 @@ export class SceneView {
     this.stage.invalidate();
   }
 
-  /** Obstacles in the way of the eye turn to glass. */
+  /** Shows obstacles that block the view as glass. */
   private seeThrough(): void {
     const { position } = this.stage.camera;
     const { layers } = this.view.state;

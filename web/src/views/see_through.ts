@@ -2,7 +2,7 @@ import type { Point, Pose } from "../data/page_data.ts";
 import type { NodeView } from "./node_view.ts";
 import { inverse, transformed } from "../motion/pose.ts";
 
-/** The nodes of obstacles that lie between the eye and points that should be seen, but for what is `carried`. */
+/** Nodes of obstacles between the camera and points that should be visible, except `carried` objects. */
 export function hidingNodes(view: NodeView, eye: Point, wanted: Point[], carried: ReadonlySet<string>): Set<number> {
   const hiding = new Set<number>();
   view.nodes.forEach((node, index) => {

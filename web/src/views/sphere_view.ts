@@ -6,10 +6,10 @@ import type { PageData, Pose } from "../data/page_data.ts";
 const SPHERES = 0x12a48b;
 const OPACITY = 0.32;
 
-/** Fine enough to look round at the size of a link. */
+/** Fine enough for a link's sphere to appear round. */
 const DETAIL = 2;
 
-/** The outer spheres of the links, which a check looks at first: one draw call. */
+/** The outer spheres of the links, with which a collision check begins: one draw call. */
 export class SphereView {
   readonly group = new Group();
   readonly count: number;

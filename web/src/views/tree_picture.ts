@@ -13,10 +13,8 @@ import {
   WebGLRenderTarget,
 } from "three";
 
-/**
- * A tree drawn once and shown again as long as the eye rests, with the depth of its lines: robots move before and
- * behind it. It is for machines without a graphics card, where 10⁵ lines cost more than all else.
- */
+/** A tree rendered once, with depth, and shown again as long as the camera rests; robots move in front of it and behind
+ * it. For machines without a graphics card, on which 10⁵ lines cost more than everything else. */
 export class TreePicture {
   readonly quad: Mesh<PlaneGeometry, ShaderMaterial>;
   private readonly target = new WebGLRenderTarget(1, 1, { minFilter: NearestFilter, magFilter: NearestFilter });
@@ -38,7 +36,7 @@ export class TreePicture {
     this.quad.frustumCulled = false;
   }
 
-  /** Whether the eye is where it was when this was asked last. */
+  /** Whether the camera is where it was at the last call. */
   isResting(camera: PerspectiveCamera, renderer: WebGLRenderer): boolean {
     const eye = camera.projectionMatrix.clone().multiply(camera.matrixWorldInverse);
     const size = renderer.getDrawingBufferSize(new Vector2());
@@ -52,7 +50,7 @@ export class TreePicture {
     return isSame;
   }
 
-  /** Draws the first `nodes` of the lines; of a tree that grows, only what is new. */
+  /** Draws the first `nodes` lines; for a growing tree, only the new ones. */
   draw(lines: LineSegments, nodes: number, camera: PerspectiveCamera, renderer: WebGLRenderer): void {
     if (nodes === this.drawn) return;
     const isAnew = this.drawn === 0 || nodes < this.drawn;
@@ -80,7 +78,7 @@ export class TreePicture {
   }
 }
 
-/** Turning about a point shakes the eye in its last digits, also at rest. */
+/** Orbiting a point changes the camera's matrix in its last digits even at rest. */
 const SHAKE = 1e-7;
 
 function isNear(a: Matrix4, b: Matrix4): boolean {

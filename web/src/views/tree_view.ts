@@ -5,31 +5,28 @@ import type { SearchTree } from "../data/page_data.ts";
 import type { Stage } from "../stage.ts";
 import { TreePicture } from "./tree_picture.ts";
 
-/** Of a line where a tree is small, and where its lines lie over each other. */
+/** Opacity of a line in a small tree, and in one whose lines overlap. */
 const OPACITY = 0.7;
 const DENSE_OPACITY = 0.16;
 const DENSE_NODES = 50_000;
 
-/** Of a tree that is a picture every point is covered once: the robot is seen through it. */
+/** Opacity of a tree shown as a picture, which covers each point only once: the robot stays visible through it. */
 const PICTURE_OPACITY = 0.7;
 const DENSE_PICTURE_OPACITY = 0.36;
 
-/** So many lines are drawn while the eye moves and the machine is slow. */
+/** Number of lines drawn while the camera moves on a slow machine. */
 const SPARSE_NODES = 10_000;
 
 const ORDER = 1.2;
 
-/**
- * The trees of a search, a line from each node to its parent: one draw call, and growth costs nothing.
- *
- * Without a graphics card: a picture while the eye rests, an even share of the lines while it moves.
- */
+/** The trees of a search, one line from each node to its parent: one draw call, and growth costs nothing. Without a
+ * graphics card it is a picture while the camera rests, and an even subset of the lines while it moves. */
 export class TreeView {
   readonly group = new Group();
   readonly count: number;
-  /** How many nodes each tree has. */
+  /** Number of nodes of each tree. */
   readonly sizes = new Map<number, number>();
-  /** How many nodes are shown, in the order in which they were added. */
+  /** Number of shown nodes, in the order in which they were added. */
   shown: number;
   private readonly lines: LineSegments<BufferGeometry, LineBasicMaterial>;
   private readonly slow: { picture: TreePicture; sparse: LineSegments; stride: number } | null = null;
@@ -53,7 +50,7 @@ export class TreeView {
     );
     this.group.add(this.lines);
     if (!stage.isSlow) return;
-    // Lines of the picture hide each other; the picture as a whole is seen through.
+    // Lines in the picture hide each other; the picture as a whole is translucent.
     Object.assign(this.lines.material, { transparent: false, opacity: 1, depthWrite: true });
     const stride = Math.max(Math.ceil(this.count / SPARSE_NODES), 1);
     const share = new BufferGeometry().setAttribute("position", geometry.getAttribute("position"));
@@ -77,7 +74,7 @@ export class TreeView {
     this.slow?.sparse.geometry.setDrawRange(0, 2 * Math.floor(this.shown / this.slow.stride));
   }
 
-  /** The picture where the eye rests. */
+  /** Shows the picture if the camera rests, else a subset of the lines. */
   private choose(stage: Stage): void {
     if (!this.slow || !this.group.visible) return;
     const { picture, sparse } = this.slow;
@@ -101,7 +98,7 @@ function line<Look extends LineBasicMaterial>(
   return lines;
 }
 
-/** Parent and node, for each node. A root's line has no length: nothing is seen of it. */
+/** Positions of parent and node, for each node. The line of a root has no length and is invisible. */
 function ends(positions: Float32Array, parents: Uint32Array): Float32Array {
   const both = new Float32Array(6 * parents.length);
   parents.forEach((parent, node) => {
@@ -111,14 +108,14 @@ function ends(positions: Float32Array, parents: Uint32Array): Float32Array {
   return both;
 }
 
-/** The colour of its tree for both ends of each line. */
+/** Colour of the node's tree for both ends of each line. */
 export function paint(trees: Uint32Array): Uint8Array {
   const palette = new Map<number, number[]>();
   const both = new Uint8Array(6 * trees.length);
   trees.forEach((tree, node) => {
     let colour = palette.get(tree);
     if (!colour) {
-      // Corners of a geometry have amounts of light.
+      // Vertex colours are linear.
       const { r, g, b } = new Color(ofTree(tree));
       colour = [r, g, b, r, g, b].map((value) => Math.round(255 * value));
       palette.set(tree, colour);

@@ -13,12 +13,12 @@ export const WEB = join(dirname(fileURLToPath(import.meta.url)), "..", "..", "..
 export const DIST = join(WEB, "dist");
 export const SCREENSHOTS = join(WEB, "screenshots");
 
-/** The program, if this run has it; tests against the real thing are skipped without it. */
+/** The program; if it is not set, tests that need it are skipped. */
 export const CRANNY = process.env["CRANNY_BIN"] ?? "";
 
 const CHROMIUM = process.env["CRANNY_CHROMIUM"] ?? "/usr/bin/chromium";
 
-/** Slow machines draw without a graphics card. */
+/** Long, because slow machines render without a graphics card. */
 export const PATIENCE_MS = 30_000;
 
 export function launch(): Promise<Browser> {
@@ -28,7 +28,7 @@ export function launch(): Promise<Browser> {
   });
 }
 
-/** The policy with which the program serves the page. */
+/** Content security policy with which the program serves the page. */
 const POLICY = [
   "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:",
   "font-src 'self' data:; connect-src 'self'; worker-src 'self' blob:; base-uri 'none'; form-action 'none'",
@@ -37,7 +37,7 @@ const POLICY = [
 
 const TYPES: Record<string, string> = { html: "text/html", js: "text/javascript", css: "text/css" };
 
-/** Serves the built page with data, as the program would. */
+/** Serves the built page with data, as the program does. */
 export async function serve(
   data: PageData,
   judge?: (q: number[]) => Verdict,
@@ -102,19 +102,19 @@ export async function view(...args: string[]): Promise<{ address: string; stop()
 
 export interface Opened {
   page: Page;
-  /** What the console complained of, and what failed to load. */
+  /** Warnings and errors of the console, and failed requests. */
   complaints: string[];
 }
 
 export async function open(browser: Browser, address: string, options: BrowserContextOptions = {}): Promise<Opened> {
-  // Whoever wants no motion has a page that stands still when it opens.
+  // With reduced motion, a page stands still when it opens.
   const still = { viewport: { width: 960, height: 640 }, reducedMotion: "reduce" as const };
   const context = await browser.newContext({ ...still, ...options });
   const page = await context.newPage();
   page.setDefaultTimeout(PATIENCE_MS);
   const complaints: string[] = [];
   page.on("console", (message) => {
-    // Software drawing is slow, and the driver says so.
+    // The driver warns that software rendering is slow.
     const isOfDriver = /GPU stall|GL Driver Message|swiftshader/i.test(message.text());
     if (["error", "warning"].includes(message.type()) && !isOfDriver) complaints.push(message.text());
   });
@@ -126,17 +126,17 @@ export async function open(browser: Browser, address: string, options: BrowserCo
   return { page, complaints };
 }
 
-/** Waits until the page has drawn what it was asked to. */
+/** Waits until the page has drawn all changes. */
 export async function rest(page: Page): Promise<void> {
   await page.waitForFunction(() => window.cranny?.isIdle === true);
 }
 
-/** Figures of the page. */
+/** Reads one of the figures that the page provides. */
 export function look<Name extends keyof Inspection>(page: Page, name: Name): Promise<Inspection[Name]> {
   return page.evaluate((key) => window.cranny![key] as never, name);
 }
 
-/** Keeps a picture for people to look at. */
+/** Saves a screenshot for inspection. */
 export async function picture(page: Page, name: string): Promise<void> {
   mkdirSync(SCREENSHOTS, { recursive: true });
   await page.screenshot({ path: join(SCREENSHOTS, `${name}.png`) });

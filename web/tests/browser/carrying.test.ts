@@ -56,7 +56,7 @@ test("the time line says what the robot does, and what is pressed shows its begi
     assert.ok(Math.abs((await look(page, "time")) - LIFTED_S) < 1e-3);
     await marks.getByRole("button", { name: "The hand closes" }).click();
     assert.equal(await look(page, "mode"), "close");
-    // Each mark stands where its time is.
+    // Each mark's width is proportional to its duration.
     const [reach, carry] = await Promise.all(
       ["reach", "carry"].map((name) => marks.getByRole("button", { name: `beginning of ${name}` }).boundingBox()),
     );
@@ -78,7 +78,7 @@ test("the object stands until the hand has closed, and then goes with it", () =>
       assert.ok(distanceBetween(target!, expected) < 1e-9 && angleBetween(target!, expected) < 1e-6, `${time}`);
     }
     assert.ok(distanceBetween((await look(page, "worldFromTarget"))!, standing!) > 0.3);
-    // Posed by hand, the hand is empty.
+    // After posing by hand, the hand is empty.
     await page.getByText("Joints", { exact: true }).click();
     await page.getByRole("slider", { name: "elbow" }).fill("0.2");
     assert.deepEqual(await look(page, "worldFromTarget"), standing);

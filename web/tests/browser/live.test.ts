@@ -11,19 +11,19 @@ import { angleBetween, distanceBetween } from "../../src/motion/pose.ts";
 import { CRANNY, launch, look, type Opened, open, picture, rest, view } from "./browser.ts";
 import { difference } from "./pixels.ts";
 
-/** Against the program itself. */
+/** These tests need the program itself. */
 const skip = CRANNY === "" ? "CRANNY_BIN names no program" : false;
 
 const SCENARIO = "021";
 
-/** What the page may differ from the program by: in metres and radians. */
+/** Tolerance between page and program, in metres and radians. */
 const SAME = 1e-6;
 
-/** The criterion `exact`, and what a plan's last digits add. */
+/** The criterion `exact`, plus the rounding of a plan's last digits. */
 const ARRIVED_M = 1.001e-3;
 const ARRIVED_RAD = (1.001 * Math.PI) / 180;
 
-/** What is shared as one file. */
+/** Size limit of a page that is shared as one file. */
 const MOST_BYTES = 3_000_000;
 
 let browser: Browser;
@@ -101,7 +101,7 @@ test("the page's gripper is that of the program's kinematics, at the end it is a
     assert.ok(worst < SAME, `${worst}`);
     const gripper = await look(page, "worldFromGripper");
     assert.ok(distanceBetween(gripper, grasp) < ARRIVED_M);
-    // A parallel gripper turned half around its approach is the same grasp.
+    // With a parallel gripper, half a turn about the approach axis gives the same grasp.
     const turn = angleBetween(gripper, grasp);
     assert.ok(Math.min(turn, Math.PI - turn) < ARRIVED_RAD, `${turn}`);
   }),
@@ -137,7 +137,7 @@ test("a slider turns the verdict red where cranny verify says contact", { skip }
     const standing = await look(page, "standing");
     assert.equal(standing.kind, "known");
     const { contacts } = (standing as { verdict: Verdict }).verdict;
-    // The same posture as a path that goes there and stays: its last edge touches what the posture touches.
+    // The same posture as a path that moves there and stays: its last edge has the same contacts as the posture.
     const path = join(folder, "contact.csv");
     const q = await look(page, "q");
     writeFileSync(path, [data.robot.start, q, q].map((row) => row.join(",")).join("\n"));

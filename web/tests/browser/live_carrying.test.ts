@@ -9,7 +9,7 @@ import type { PageData } from "../../src/data/page_data.ts";
 import { compose, distanceBetween, inverse } from "../../src/motion/pose.ts";
 import { CRANNY, launch, look, type Opened, open, picture, rest, view } from "./browser.ts";
 
-/** Against the program itself. */
+/** These tests need the program itself. */
 const skip = CRANNY === "" ? "CRANNY_BIN names no program" : false;
 
 let browser: Browser;
@@ -83,10 +83,10 @@ test("the steps of a plan are one motion, and postures are judged in the world t
         await page.waitForFunction(() => window.cranny?.standing.kind === "known");
         const judged = await look(page, "standing");
         const isFree = judged.kind === "known" && judged.verdict.is_free;
-        // What is lifted off or set down touches what it rests on.
+        // During lift-off and set-down, the object touches its support.
         assert.ok(isFree || ["lift-off", "set-down"].includes(name), `${object}, ${name}: ${JSON.stringify(judged)}`);
       }
-      // While the hand closes, too.
+      // The same holds while the hand closes.
       await page.getByRole("slider", { name: "Time along the path" }).fill(String(modes[0].until_s + 0.01));
       await page.waitForFunction(() => window.cranny?.standing.kind === "known" && window.cranny.mode === "close");
       await page.getByRole("slider", { name: "Time along the path" }).fill(String(modes.at(-1)!.until_s));

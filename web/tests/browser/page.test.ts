@@ -14,10 +14,10 @@ before(async () => {
 });
 after(() => browser.close());
 
-/** What no panel lies over. */
+/** Area that no panel covers. */
 const SCENE = { x: 0, y: 60, width: 620, height: 420 };
 
-/** Opens a page, looks at it, and wants no complaint of it. */
+/** Opens a page, runs `body` on it, and requires a console without complaints. */
 async function withPage(
   data: PageData,
   body: (opened: Opened) => Promise<void>,
@@ -118,7 +118,7 @@ test("a grasp that is pointed at says its score, its width and what IK knows", (
     await page.mouse.move(5, 300);
     await page.getByRole("tooltip").waitFor({ state: "hidden" });
     assert.equal(await look(page, "grasp"), null);
-    // Without a pointer: the best, the next, the best again, the one without score.
+    // Selected by keys: the best, the next, the best again, and the one without a score.
     const seen: (number | null)[] = [];
     for (const key of [".", ".", ",", ","]) {
       await page.keyboard.press(key);
@@ -128,7 +128,7 @@ test("a grasp that is pointed at says its score, its width and what IK knows", (
   });
 });
 
-/** Two hundred small grippers hide what they hold, and the hand. */
+/** Two hundred small grippers would hide the object and the hand. */
 test("of many grasps the taken one and the best are shown, all when asked for", () => {
   const data = twoJointPage({ grasps: 200 });
   data.plans[0].grasp = 150;
@@ -146,7 +146,7 @@ test("of many grasps the taken one and the best are shown, all when asked for", 
   });
 });
 
-/** A path of a robot without limits of acceleration was shown as lasting as many seconds as it is long. */
+/** Earlier, the length of a path without acceleration limits was displayed as seconds. */
 test("a path without time has a length and no seconds", () => {
   const data = twoJointPage({ plans: 2 });
   data.plans[0] = { ...data.plans[0], is_timed: false, path_length: 2 };
@@ -181,7 +181,7 @@ test("a failed plan is shown with what blocked each grasp", () =>
 
 test("several plans play in step, and each can have the robot", () =>
   withPage(twoJointPage({ plans: 3 }), async ({ page }) => {
-    /** How much of the scene the other robots are, without the ways of their grippers. */
+    /** Share of the scene covered by the other robots, without the paths of their grippers. */
     const others = async (time: string): Promise<number> => {
       await page.getByRole("slider", { name: "Time along the path" }).fill(time);
       await page.keyboard.press("p");
@@ -195,7 +195,7 @@ test("several plans play in step, and each can have the robot", () =>
       return difference(browser, both, alone);
     };
     assert.ok((await others("1")) > 0.005);
-    // Where all begin, the robot that is looked at is not covered by the others.
+    // At the common start, the other robots do not cover the selected one.
     assert.equal(await others("0"), 0);
     await page.keyboard.press("]");
     assert.equal(await look(page, "plan"), 1);
@@ -204,7 +204,7 @@ test("several plans play in step, and each can have the robot", () =>
     await page.keyboard.press("End");
     assert.equal(await look(page, "time"), 3);
     await page.getByText("two-joint-0").click();
-    // The shorter plan stands at its end.
+    // The shorter plan rests at its end.
     const grasp = twoJointPage().grasps[0].world_from_gripper;
     assert.ok(distanceBetween(await look(page, "worldFromGripper"), grasp) < 1e-6);
     await picture(page, "several_plans");
@@ -218,7 +218,7 @@ test("a press on the plot of the clearance goes there and names the closest pair
       await page.getByRole("slider", { name: "Time along" }).boundingBox(),
     ];
     assert.ok(box && scrub);
-    // Below the middle of the slider's thumb.
+    // Centred on the slider's thumb.
     const thumb = 14;
     const x = scrub.x - box.x + thumb / 2 + 0.75 * (scrub.width - thumb);
     await plot.click({ position: { x, y: box.height / 2 } });
@@ -312,7 +312,7 @@ test("a screen of the size of a hand has room for all", () =>
       await page.touchscreen.tap(x + 4, y + 4);
       await page.getByRole("tooltip").waitFor();
       await picture(page, "hand");
-      // The words of the scale stand beside the curve.
+      // The labels of the scale are next to the curve.
       const [plot, scrub] = [
         await page.getByRole("img", { name: /Clearance over time/ }).boundingBox(),
         await page.getByRole("slider", { name: "Time along" }).boundingBox(),
@@ -338,7 +338,7 @@ test("what is seen through is named, until nothing is", () => {
   const data = twoJointPage({ plans: 0 });
   const target = data.nodes.find(({ role }) => role === "target")!;
   const table = data.nodes.find(({ name }) => name === "table")!;
-  // The target lies inside it: whatever the eye does, it is in the way.
+  // The crate encloses the target, and therefore hides it from every viewpoint.
   const [x, y, z, ...turn] = target.parent_from_node;
   const crate = { ...table, name: "crate", parent_from_node: [x, y, z + 0.02, ...turn] as typeof target.parent_from_node };
   return withPage({ ...data, nodes: [...data.nodes, crate] }, async ({ page }) => {

@@ -1,9 +1,9 @@
 import type { Browser } from "playwright-core";
 
-/** A change of a channel below this is the noise of drawing. */
+/** Channel differences below this are rendering noise. */
 const SEEN = 12;
 
-/** The share of points in which two pictures of one size differ. */
+/** Fraction of pixels that differ between two pictures of the same size. */
 export async function difference(browser: Browser, a: Buffer, b: Buffer): Promise<number> {
   const page = await browser.newPage();
   const share = await page.evaluate(

@@ -90,7 +90,7 @@ test("a search that is going on is seen growing, and what stands there stays", a
   await server.close();
 });
 
-/** The nodes of a tree between two counts, as the server hands them out. */
+/** The nodes of a tree between two counts, as the server returns them. */
 function nodesAfter(all: number, until: number, after: number): unknown {
   const { positions, parents, trees } = searchTree(all);
   return {

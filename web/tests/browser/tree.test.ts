@@ -40,7 +40,7 @@ test("a search of 10⁵ nodes is one draw call and grows with its slider", async
   }
 });
 
-/** A scenario of the program's with a plan of it, where there is a program, and a tree of just that size. */
+/** One of the program's scenarios with a plan, if the program is available, and a tree of exactly this size. */
 async function pageWithTree(): Promise<PageData> {
   if (CRANNY === "") return twoJointPage({ treeNodes: NODES });
   const folder = mkdtempSync(join(tmpdir(), "cranny-tree-"));
@@ -54,7 +54,7 @@ async function pageWithTree(): Promise<PageData> {
   return { ...data, plans, is_live: false };
 }
 
-/** Draw calls with the tree switched on or off, of a frame in which nothing but the eye might have moved. */
+/** Draw calls of a frame in which no object has moved, after the tree is switched on or off. */
 async function afterSwitch(page: Page): Promise<number> {
   for (const key of ["t", "1", "1"]) {
     await page.keyboard.press(key);
@@ -63,12 +63,12 @@ async function afterSwitch(page: Page): Promise<number> {
   return look(page, "drawCalls");
 }
 
-/** What a frame costs. A busy machine lowers the rate; processor times stay nearly what they are. */
+/** Cost of a frame. On a busy machine the rate falls, but processor times remain almost the same. */
 interface Watched {
   rate: number;
-  /** Of the page's own work, by the clock; the middle one of all frames. */
+  /** Wall-clock time of the page's own script; median over all frames. */
   script_ms: number;
-  /** Of the page's scripts and of the drawing, by the processor. */
+  /** Processor times of the page's scripts and of rendering. */
   scriptProcessor_ms: number;
   drawProcessor_ms: number;
 }
@@ -83,7 +83,7 @@ function words(watched: Watched): string {
   return `${rate} frames a second; a frame: script ${clock} ms (${script} ms of processor), drawing ${draw} ms of processor`;
 }
 
-/** Plays slowly for a while and counts. */
+/** Measures slow playback for a while. */
 async function watched(browser: Browser, page: Page): Promise<Watched> {
   await page.getByRole("combobox", { name: "Speed" }).selectOption("0.1");
   await page.keyboard.press("Home");

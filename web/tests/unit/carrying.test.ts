@@ -79,7 +79,7 @@ test("between two instants of a recording a body goes straight, and turns the sh
   const [x, y, z, , , qz, qw] = recording.at(0.25).get(1)!;
   assert.deepEqual([x, y], [0, 0]);
   assert.ok(Math.abs(z - 0.525) < 1e-12 && Math.abs(2 * Math.atan2(qz, qw) - Math.PI / 4) < 1e-9);
-  // The same turn, written as its negative.
+  // The negated quaternion of the same rotation.
   const [, , , , , later, rest] = recording.at(0.75).get(1)!;
   assert.ok(Math.abs(2 * Math.atan2(Math.abs(later), Math.abs(rest)) - (3 * Math.PI) / 4) < 1e-9);
   assert.deepEqual([recording.at(-1).get(1), recording.at(9).get(1)], [

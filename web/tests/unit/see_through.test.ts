@@ -9,7 +9,7 @@ const UNIT_BOX: { low: Point; high: Point } = { low: [0, 0, 0], high: [1, 1, 1] 
 test("a line crosses a box or passes it", () => {
   assert.ok(isCrossed(UNIT_BOX, [-1, 0.5, 0.5], [2, 0.5, 0.5]));
   assert.ok(!isCrossed(UNIT_BOX, [-1, 1.5, 0.5], [2, 1.5, 0.5]));
-  // It ends before the box.
+  // The segment ends before the box.
   assert.ok(!isCrossed(UNIT_BOX, [-1, 0.5, 0.5], [-0.1, 0.5, 0.5]));
 });
 

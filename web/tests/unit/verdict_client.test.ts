@@ -6,7 +6,7 @@ import { VerdictClient } from "../../src/data/verdict_client.ts";
 
 const FREE: Verdict = { is_free: true, clearance_m: 0.1, contacts: [], world_from_gripper: [0, 0, 0, 0, 0, 0, 1] };
 
-/** A server that answers when it is told to. */
+/** A server that answers on command. */
 function server(pause_ms = 0) {
   const asked: number[][] = [];
   const answers: { resolve(verdict: Verdict): void; reject(error: Error): void }[] = [];
