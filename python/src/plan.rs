@@ -103,7 +103,7 @@ impl PyPlan {
         python_of(py, &self.measured.tool)
     }
 
-    /// LoadModel of the hold on the carried object: a dictionary of "factor" (by which all loads may grow before a pad slips,
+    /// Firmness of the hold on the carried object: a dictionary of "factor" (by which all loads may grow before a pad slips,
     /// the minimum along the motion; None without times), "at_rest" (for the weight alone) and "mass_assumed"; None if no
     /// object is carried, or if it cannot be computed.
     #[getter]

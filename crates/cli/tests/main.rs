@@ -35,6 +35,8 @@ mod pages;
 mod pictures;
 mod roadmap;
 mod robots;
+#[cfg(target_os = "linux")]
+mod sabotaging_planners;
 mod scenarios;
 mod simulation;
 #[cfg(unix)]

@@ -7,23 +7,29 @@
 //! | a changed file is noticed even if its times were set back | yes | yes | by its length and time alone |
 //! | a program is ended with its descendants | yes, however often it forked | those still in its group | it alone |
 //! | its memory is measured and limited | yes | no | no |
-//! | sandbox around it | Landlock, namespaces | none | none |
+//! | sandbox around it | Landlock, namespaces, filter of system calls | none | none |
 //! | how it ended | signal or exit code | signal or exit code | exit code |
 //! | names of machine and processor | both | the machine's | both |
 //!
 //! Only the Linux column is tested during development.
 
+mod call_filter;
+mod enclosure;
 mod file_kind;
 mod file_stamp;
 mod machine;
+#[cfg(target_os = "linux")]
+mod mounts;
 mod process;
 mod walls;
 
+pub use call_filter::{filter_calls, has_call_filter};
+pub use enclosure::{Restrictions, begin_session, restrict_self, status_of_shell, wait_for, wait_for_input};
 pub use file_kind::{is_stream, kind_name};
 pub use file_stamp::FileStamp;
 pub use machine::{machine_name, processor_name};
 pub use process::{
     ProcessMemory, adopt_orphans, beginning, children, close_to_others, ending, is_killed, kill_group,
-    kill_process, lead_group, memory, reap,
+    kill_process, memory, reap, stop_process,
 };
 pub use walls::{SHARED_MEMORY, can_have_namespaces, has_file_walls, shared_memory_bytes, write_only_in};

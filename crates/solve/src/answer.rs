@@ -51,7 +51,7 @@ pub struct Answer {
     pub tool: Vec<ToolSlack>,
     /// Required factor of the hold, if there is one.
     pub hold_demanded: Option<f64>,
-    /// LoadModel of the hold on the carried object along a valid path; `None` if nothing is carried, or it cannot be computed.
+    /// Firmness of the hold on the carried object along a valid path; `None` if nothing is carried, or it cannot be computed.
     pub hold: Option<HoldFactors>,
     /// Shortening of the path, if done.
     pub shortening: Option<Shortening>,

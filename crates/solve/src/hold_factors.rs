@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{TaskTrajectory, Timing};
 
-/// LoadModel of the hold on the carried object along a whole motion: factors by which loads may grow until a pad slips, as
+/// Firmness of the hold on the carried object along a whole motion: factors by which loads may grow until a pad slips, as
 /// conservative lower bounds (limit surface of the pads: see `LoadMeasure` of `cranny-grasp`).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

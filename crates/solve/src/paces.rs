@@ -3,7 +3,7 @@ use cranny_task::{Mode, SpeedLimits};
 /// Requested speeds of motions: for all, and for those of single modes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Paces {
-    /// SpeedLimits of all modes that have none of their own.
+    /// Limits of all modes that have none of their own.
     pub all: SpeedLimits,
     /// Paces of single modes, which take precedence over `all`; the last entry for a mode counts.
     pub of_modes: Vec<(Mode, SpeedLimits)>,

@@ -11,9 +11,11 @@ use cranny_task::{AfterPlacing, Criterion, LiftOffSettings, PlaceRegion, Problem
 use serde_json::json;
 use tempfile::TempDir;
 
+use crate::foreign::enclosure::MOST_PROCESSES;
 use crate::foreign::foreign_answer::{self, ForeignAnswer};
 use crate::foreign::foreign_process::{self, Ending, Limits, MOST_OUTPUT_BYTES, Ran};
 use crate::foreign::process_group::Leash;
+use crate::foreign::sandbox::Isolation;
 use crate::running::opened_scenario::OpenedScenario;
 use crate::running::worker_message::Request;
 use crate::{BenchError, CarryTo, PathDemand, PlannerCall, TrialOutcome, TrialRecord};
@@ -55,7 +57,7 @@ pub struct ForeignTask<'a> {
 const GRACE: Duration = Duration::from_secs(1);
 
 /// System messages about denied write access.
-const DENIALS: [&str; 2] = ["ermission denied", "Errno 13"];
+const DENIALS: [&str; 4] = ["ermission denied", "Errno 13", "ead-only file system", "Errno 30"];
 
 /// Command line of the released program with its authors' settings, as in its own scripts. `-max_iters` cannot be reached
 /// within minutes.
@@ -100,7 +102,8 @@ impl ForeignPlanner {
             time: time.saturating_add(GRACE),
             memory_bytes: task.request.memory_limit_bytes,
             scratch: scratch.path(),
-            walls: task.request.walls,
+            isolation: task.request.isolation,
+            worker: &task.request.worker,
         };
         let (scratch, prefix) = (scratch.path(), scratch.path().join("trial"));
         let words = self.command.iter().map(|word| self.filled(word, task, scratch)).collect::<Vec<_>>();
@@ -110,7 +113,7 @@ impl ForeignPlanner {
         command.args(arguments).current_dir(scratch).env("TMPDIR", scratch);
         let input = self.files.problem(task, scratch).to_string() + "\n";
         let Ran { ending, elapsed_s, memory_bytes } =
-            foreign_process::run(&mut command, input, limits, leash).map_err(|reason| {
+            foreign_process::run(&command, input, limits, leash).map_err(|reason| {
                 BenchError::NotRunnable { program: program.clone(), reason: reason.to_string() }
             })?;
         let statistics = Statistics { planning_time_s: elapsed_s, ..Statistics::default() };
@@ -121,6 +124,10 @@ impl ForeignPlanner {
             Ending::OutOfMemory(bytes) => {
                 without(TrialOutcome::OutOfMemory, Some(format!("held {} MiB", bytes >> 20)))
             }
+            Ending::Crowd(processes) => {
+                let detail = format!("had {processes} processes; at most {MOST_PROCESSES} are allowed");
+                without(TrialOutcome::Crashed, Some(detail))
+            }
             Ending::Flood => {
                 let detail = format!("printed more than {} MiB", MOST_OUTPUT_BYTES >> 20);
                 without(TrialOutcome::Garbled, Some(detail))
@@ -130,7 +137,9 @@ impl ForeignPlanner {
                 if !complaint.is_empty() {
                     detail = format!("{detail}: {complaint}");
                 }
-                if limits.walls.landlock && DENIALS.iter().any(|denial| complaint.contains(denial)) {
+                if limits.isolation != Isolation::default()
+                    && DENIALS.iter().any(|denial| complaint.contains(denial))
+                {
                     detail = format!(
                         "{detail} (it may write only in its scratch folder; --sandbox off lifts this limit)"
                     );

@@ -6,7 +6,7 @@ use crate::foreign::foreign_planner::{ForeignFiles, ForeignTask, mark_of_the_who
 use crate::foreign::sandbox::Isolation;
 use crate::running::opened_scenario::OpenedScenario;
 use crate::running::worker_message::Request;
-use crate::{BenchError, PathDemand, Question};
+use crate::{BenchError, PathDemand, Question, WorkerProgram};
 
 /// Writes the files of a trial for an external program into a new folder: `problem.json`, the document for its standard
 /// input, and the files named in it. Returns the path of the document.
@@ -29,7 +29,8 @@ pub fn write_problem(question: &Question, folder: &Path) -> Result<PathBuf, Benc
         question: question.clone(),
         exports: folder.clone(),
         memory_limit_bytes: 0,
-        walls: Isolation::default(),
+        isolation: Isolation::default(),
+        worker: WorkerProgram { program: PathBuf::new(), arguments: Vec::new() },
     };
     let task =
         ForeignTask { request: &request, opened: &opened, goal: None, carry: demand.carry, stages: &stages };

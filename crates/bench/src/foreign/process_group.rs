@@ -1,6 +1,6 @@
 //! Tracking of processes with their descendants, within the limits of the operating system.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
@@ -8,25 +8,29 @@ use std::time::{Duration, Instant};
 
 use cranny_file::system;
 
-use crate::foreign::sandbox::Isolation;
-
 /// Handle for ending the external program that is running.
 #[derive(Clone, Debug, Default)]
 pub struct Leash {
-    leader: Arc<Mutex<Option<u32>>>,
+    enclosing: Arc<Mutex<Vec<u32>>>,
 }
 
 impl Leash {
-    /// Sets the process group by its `leader`, or clears it.
-    pub fn hold(&self, leader: Option<u32>) {
-        *self.leader.lock().unwrap_or_else(PoisonError::into_inner) = leader;
+    /// Sets the processes that enclose a program, the innermost last, or clears them.
+    pub fn attach(&self, enclosing: Vec<u32>) {
+        *self.enclosing.lock().unwrap_or_else(PoisonError::into_inner) = enclosing;
     }
 
-    /// Ends the process group, if there is one, and all descendants of a worker.
-    pub fn kill(&self) {
-        if let Some(leader) = *self.leader.lock().unwrap_or_else(PoisonError::into_inner) {
-            system::kill_group(leader);
+    /// Ends the program, if there is one. A PID namespace ends with the process that encloses the program.
+    pub fn end(&self) {
+        for process in self.enclosing.lock().unwrap_or_else(PoisonError::into_inner).iter().rev() {
+            system::kill_group(*process);
+            system::kill_process(*process);
         }
+    }
+
+    /// Ends the program, if there is one, and all descendants of a worker.
+    pub fn kill(&self) {
+        self.end();
         end_descendants();
     }
 }
@@ -59,46 +63,70 @@ pub fn end_descendants() {
 #[derive(Clone, Debug)]
 pub struct Family {
     root: u32,
+    /// Processes between the root and an external program.
+    enclosing: Vec<u32>,
     /// Observed processes by process id, with their start times, because ids are reused.
     seen: BTreeMap<u32, u64>,
+}
+
+/// Number of processes of a family, and their memory.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Census {
+    pub processes: usize,
+    pub bytes: u64,
 }
 
 impl Family {
     /// Creates the family of `root`, which is not a member itself.
     pub fn of(root: u32) -> Self {
-        Self { root, seen: BTreeMap::new() }
+        Self { root, enclosing: Vec::new(), seen: BTreeMap::new() }
     }
 
-    /// Creates the family of an external program in a worker: all orphans adopted by the worker are members.
-    pub fn of_program(program: u32) -> Self {
-        Self::of(if IS_ADOPTING.load(Ordering::Relaxed) { std::process::id() } else { program })
+    /// Creates the family of an external program in a worker: all descendants of the worker, which adopts orphans, apart from
+    /// the processes that enclose the program.
+    pub fn of_program(enclosing: &[u32]) -> Self {
+        let adopter = IS_ADOPTING.load(Ordering::Relaxed).then(std::process::id);
+        let root = adopter.or_else(|| enclosing.last().copied()).unwrap_or_default();
+        Self { enclosing: enclosing.to_vec(), ..Self::of(root) }
     }
 
-    /// Updates the members and returns their memory, in bytes, with unmapped shared memory if only this family can own it.
-    pub fn look(&mut self, walls: Isolation) -> u64 {
-        let (mut bytes, mut shared_bytes) = (0, 0);
+    /// Updates the members and counts those that do not enclose a program. Unmapped shared memory counts if only this family
+    /// can own it.
+    pub fn count(&mut self) -> Census {
+        let mut census = Census::default();
+        let mut shared_bytes = 0;
         self.seen.retain(|process, began| system::beginning(*process) == Some(*began));
         let mut left: Vec<u32> = self.seen.keys().copied().chain([self.root]).collect();
-        let mut counted = Vec::new();
+        let mut counted = BTreeSet::new();
         while let Some(process) = left.pop() {
-            if counted.contains(&process) {
+            if !counted.insert(process) {
                 continue;
             }
-            counted.push(process);
             left.extend(system::children(process));
             if let Some(began) = system::beginning(process).filter(|_| process != self.root) {
                 self.seen.insert(process, began);
-                let memory = system::memory(process).unwrap_or_default();
-                bytes += memory.resident_bytes;
-                shared_bytes += memory.shared_bytes;
+                if !self.enclosing.contains(&process) {
+                    let memory = system::memory(process).unwrap_or_default();
+                    census.bytes += memory.resident_bytes;
+                    shared_bytes += memory.shared_bytes;
+                    census.processes += 1;
+                }
             }
         }
-        bytes + walls.shared_memory_bytes().saturating_sub(shared_bytes)
+        // With namespaces there are two enclosing processes; the inner one has shared memory of its own.
+        if let [_, inner] = self.enclosing[..] {
+            census.bytes += system::shared_memory_bytes(inner).saturating_sub(shared_bytes);
+        }
+        census
     }
 
-    /// Ends all members and returns true if there were any.
+    /// Ends all members and returns true if there were any. They are stopped first, so that none starts another one meanwhile.
     pub fn end(&mut self) -> bool {
-        self.look(Isolation::default());
+        self.count();
+        for process in self.seen.keys() {
+            system::stop_process(*process);
+        }
+        self.count();
         for process in self.seen.keys() {
             system::kill_process(*process);
         }

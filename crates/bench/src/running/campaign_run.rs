@@ -100,10 +100,10 @@ pub fn run_campaign(
     if open.is_empty() {
         return Ok(summary);
     }
-    let walls = walls(open.iter().copied(), settings.sandbox)?;
+    let isolation = isolation(open.iter().copied(), settings)?;
     let information = RunInformation {
         memory_limit_bytes: Some(settings.memory_limit_bytes),
-        sandbox: walls.text(),
+        sandbox: isolation.text(),
         ..settings.information.clone()
     };
     let run = results.begin_run(&information)?;
@@ -131,7 +131,7 @@ pub fn run_campaign(
                     let index = next.fetch_add(1, Ordering::Relaxed);
                     let Some(question) = open.get(index) else { return };
                     // 2.
-                    let asked = ask(&mut worker, question, settings, walls, exports, stop);
+                    let asked = ask(&mut worker, question, settings, isolation, exports, stop);
                     let is_end = !matches!(asked, Ok(Some(_)));
                     if sender.send(asked).is_err() || is_end {
                         return;
@@ -166,20 +166,21 @@ fn ask(
     worker: &mut Option<WorkerProcess>,
     question: &Question,
     settings: &CampaignSettings,
-    walls: Isolation,
+    isolation: Isolation,
     exports: &Path,
     stop: &AtomicBool,
 ) -> Result<Option<TrialRun>, BenchError> {
     // A worker that ended between two trials is replaced without losing a trial.
     if !worker.as_mut().is_some_and(WorkerProcess::is_alive) {
-        *worker = Some(WorkerProcess::start(&settings.worker, walls, settings.memory_limit_bytes, exports)?);
+        *worker = Some(WorkerProcess::start(&settings.worker, exports)?);
     }
     let Some(serving) = worker else { return Ok(None) };
     let request = Request {
         question: question.clone(),
         exports: serving.exports().to_owned(),
         memory_limit_bytes: settings.memory_limit_bytes,
-        walls,
+        isolation,
+        worker: settings.worker.clone(),
     };
     match serving.serve(&request, stop) {
         Served::Answered(record, path) => Ok(Some((record, path))),
@@ -206,15 +207,19 @@ pub(crate) fn ask_once(
     stop: &AtomicBool,
 ) -> Result<Option<TrialRun>, BenchError> {
     let exports = Exports::new()?;
-    let walls = walls(std::iter::once(question), settings.sandbox)?;
-    ask(&mut None, question, settings, walls, exports.path(), stop)
+    let isolation = isolation(std::iter::once(question), settings)?;
+    ask(&mut None, question, settings, isolation, exports.path(), stop)
 }
 
 /// Returns the isolation of the trials; none if all planners are built in.
-fn walls<'a>(
+fn isolation<'a>(
     mut questions: impl Iterator<Item = &'a Question>,
-    sandbox: Sandbox,
+    settings: &CampaignSettings,
 ) -> Result<Isolation, BenchError> {
     let is_foreign = |question: &Question| !matches!(question.call, PlannerCall::BuiltIn { .. });
-    if questions.any(is_foreign) { Isolation::of(sandbox) } else { Ok(Isolation::default()) }
+    if questions.any(is_foreign) {
+        Isolation::of(settings.sandbox, &settings.worker)
+    } else {
+        Ok(Isolation::default())
+    }
 }

@@ -5,13 +5,15 @@ use std::thread;
 use cranny_file::system;
 use cranny_plan::Registry;
 
+use crate::foreign::enclosure::Start;
 use crate::foreign::process_group::{self, Leash};
 use crate::running::opened_scenario::OpenedScenarios;
 use crate::running::worker_message::{Message, Request};
 use crate::{BenchError, running::trial_run};
 
 /// Serves the trials of a campaign with the planners of a registry, one line of `input` each. At the end of `input` it
-/// kills any running external program and exits the process: a campaign that has ended needs no answer.
+/// kills any running external program and exits the process: a campaign that has ended needs no answer. If the first line
+/// requests it, the process encloses an external program instead, and exits with its exit code.
 ///
 /// # Errors
 /// [`BenchError::Message`] for a line that is no request, or if the answers cannot be written.
@@ -20,13 +22,20 @@ pub fn serve(
     input: impl BufRead + Send + 'static,
     output: &mut impl Write,
 ) -> Result<(), BenchError> {
+    let mut lines = input.lines();
+    let first = lines.next().and_then(Result::ok).unwrap_or_default();
+    if let Ok(Start::Enclose(enclosure)) = serde_json::from_str(&first) {
+        std::process::exit(enclosure.run(output));
+    }
+    system::begin_session();
     system::close_to_others();
     process_group::adopt();
     let leash = Leash::default();
     let (sender, requests) = mpsc::channel();
     let last_will = leash.clone();
     thread::spawn(move || {
-        for line in input.lines().map_while(Result::ok) {
+        let first = std::iter::once(first).filter(|line| !line.is_empty());
+        for line in first.chain(lines.map_while(Result::ok)) {
             if sender.send(line).is_err() {
                 return;
             }

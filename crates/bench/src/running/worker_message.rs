@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 
 use crate::foreign::sandbox::Isolation;
-use crate::{Question, TrialRecord};
+use crate::{Question, TrialRecord, WorkerProgram};
 
 /// Request to a worker.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -17,7 +17,9 @@ pub struct Request {
     /// Memory limit of the external planner, in bytes.
     pub memory_limit_bytes: u64,
     /// Isolation of the worker and of that program.
-    pub walls: Isolation,
+    pub isolation: Isolation,
+    /// Program of the process that encloses it.
+    pub worker: WorkerProgram,
 }
 
 /// Record of a trial and path of its planner.

@@ -1,6 +1,6 @@
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::path::Path;
-use std::process::{Child, ChildStdin, Stdio};
+use std::process::{Child, ChildStdin, Command, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -13,7 +13,6 @@ use tempfile::TempDir;
 
 use crate::foreign::foreign_process::LOOK_EVERY;
 use crate::foreign::process_group::Family;
-use crate::foreign::sandbox::Isolation;
 use crate::running::worker_message::{Message, Request};
 use crate::running::worker_program::WorkerProgram;
 use crate::{BenchError, Trial, TrialOutcome, TrialRecord};
@@ -21,7 +20,6 @@ use crate::{BenchError, Trial, TrialOutcome, TrialRecord};
 /// Process that serves trials one after the other, and may end during any of them.
 pub struct WorkerProcess {
     child: Child,
-    walls: Isolation,
     /// Descendants observed until now.
     family: Family,
     requests: Option<ChildStdin>,
@@ -29,8 +27,7 @@ pub struct WorkerProcess {
     complaint: Arc<Mutex<String>>,
     /// Thread that reads standard error until the worker ends.
     listener: Option<JoinHandle<()>>,
-    /// Folder for the scenarios that it exports for external planners, used by no other worker. Process ids do not distinguish
-    /// the workers: each may be process 1 of its namespace.
+    /// Folder for the scenarios that it exports for external planners, used by no other worker.
     exports: TempDir,
 }
 
@@ -62,20 +59,15 @@ const LOOK_OUT_EVERY: Duration = Duration::from_millis(5);
 
 impl WorkerProcess {
     /// Starts a worker, with a new folder of its own within `exports`.
-    pub fn start(
-        worker: &WorkerProgram,
-        walls: Isolation,
-        memory_limit_bytes: u64,
-        exports: &Path,
-    ) -> Result<Self, BenchError> {
+    pub fn start(worker: &WorkerProgram, exports: &Path) -> Result<Self, BenchError> {
         let fault = |reason: std::io::Error| BenchError::NotRunnable {
             program: worker.program.display().to_string(),
             reason: reason.to_string(),
         };
         let exports = tempfile::Builder::new().prefix("worker-").tempdir_in(exports).map_err(fault)?;
-        let mut command = walls.worker(worker, memory_limit_bytes);
-        command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
-        let mut child = system::lead_group(&mut command).spawn().map_err(fault)?;
+        let mut command = Command::new(&worker.program);
+        command.args(&worker.arguments).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let mut child = command.spawn().map_err(fault)?;
         let (sender, lines) = mpsc::channel();
         if let Some(stdout) = child.stdout.take() {
             thread::spawn(move || {
@@ -102,7 +94,7 @@ impl WorkerProcess {
         });
         let requests = child.stdin.take();
         let family = Family::of(child.id());
-        Ok(Self { child, walls, family, requests, lines, complaint, listener, exports })
+        Ok(Self { child, family, requests, lines, complaint, listener, exports })
     }
 
     /// Requests a trial and waits for the answer, at most as long as the trial may take.
@@ -149,7 +141,7 @@ impl WorkerProcess {
                         let detail = format!("ended after {:.1} s", begin.elapsed().as_secs_f64());
                         return self.ended(trial, TrialOutcome::Hung, detail, begin);
                     }
-                    self.family.look(Isolation::default());
+                    self.family.count();
                     let held = self.resident_bytes();
                     if let (Some(held), Some(most)) = (held, memory_bytes)
                         && held > most
@@ -213,10 +205,7 @@ impl WorkerProcess {
 
     /// Returns the memory of the worker alone, in bytes.
     fn resident_bytes(&self) -> Option<u64> {
-        // The process that creates the namespaces stays outside of them.
-        let inner =
-            if self.walls.namespaces { system::children(self.child.id()).first().copied() } else { None };
-        system::memory(inner.unwrap_or(self.child.id())).map(|memory| memory.resident_bytes)
+        system::memory(self.child.id()).map(|memory| memory.resident_bytes)
     }
 
     /// Returns the folder that it exports scenarios to.

@@ -14,6 +14,7 @@ use serde::Serialize;
 use sha2::{Digest as _, Sha256};
 
 use crate::arguments::Output;
+use crate::campaigns::bench_worker;
 use crate::failure::Failure;
 use crate::program::version::{COMMIT, TARGET};
 use crate::{Answer, campaigns::slurm, text};
@@ -76,7 +77,7 @@ pub fn run(output: Output) -> Result<Answer, Failure> {
 }
 
 fn parts() -> Result<Vec<Part>, Failure> {
-    let walls = Isolation::of(Sandbox::Auto)?;
+    let isolation = Isolation::of(Sandbox::Auto, &bench_worker::worker()?)?;
     let part = |name, is_there, [there, missing]: [&'static str; 2]| {
         let remark = if is_there { there } else { missing };
         Part { name, is_there, remark }
@@ -92,7 +93,7 @@ fn parts() -> Result<Vec<Part>, Failure> {
         ),
         part(
             "Landlock",
-            walls.landlock,
+            isolation.landlock,
             [
                 "`bench run` with external planners",
                 "external planners can write anywhere (needs Linux 5.13 or newer)",
@@ -100,10 +101,18 @@ fn parts() -> Result<Vec<Part>, Failure> {
         ),
         part(
             "namespaces",
-            walls.namespaces,
+            isolation.namespaces,
             [
                 "`bench run` with external planners",
                 "external planners see other processes (needs user namespaces and util-linux)",
+            ],
+        ),
+        part(
+            "call filter",
+            isolation.call_filter,
+            [
+                "`bench run` with external planners",
+                "external planners can leave keys and memory in the kernel (needs seccomp)",
             ],
         ),
         part(

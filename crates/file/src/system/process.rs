@@ -1,5 +1,6 @@
 use std::fs;
-use std::process::{Command, ExitStatus};
+use std::path::Path;
+use std::process::ExitStatus;
 
 /// Memory of a process, in bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -39,14 +40,23 @@ pub fn reap() {
     while let Ok(Some(_)) = rustix::process::wait(rustix::process::WaitOptions::NOHANG) {}
 }
 
-/// Returns the start time of a process, in ticks since boot; `None` if it has ended, and on systems other than Linux.
+/// Returns the start time of a process, in ticks since the machine started; `None` for a process of which all threads have
+/// ended, and on systems other than Linux.
 pub fn beginning(process: u32) -> Option<u64> {
     let stat = fs::read_to_string(format!("/proc/{process}/stat")).ok()?;
     // The name, in parentheses, may contain any character.
     let (_, fields) = stat.rsplit_once(") ")?;
     let mut fields = fields.split_whitespace();
     let is_gone = matches!(fields.next(), Some("Z" | "X"));
-    fields.nth(18).filter(|_| !is_gone)?.parse().ok()
+    let began = fields.nth(18)?.parse().ok();
+    // The first thread of a process may end before the others; it then looks like a process that has ended.
+    if is_gone && thread_memory(process).is_none() { None } else { began }
+}
+
+/// Returns the memory of a process by one of its threads that has not ended; `None` if there is none.
+fn thread_memory(process: u32) -> Option<ProcessMemory> {
+    let threads = fs::read_dir(format!("/proc/{process}/task")).ok()?;
+    threads.flatten().find_map(|thread| memory_in(&thread.path().join("status")))
 }
 
 /// Returns the children of all threads of a process; empty on systems other than Linux.
@@ -63,7 +73,12 @@ pub fn children(process: u32) -> Vec<u32> {
 
 /// Returns the memory of a process; `None` for a process that has ended, and on systems other than Linux.
 pub fn memory(process: u32) -> Option<ProcessMemory> {
-    let status = fs::read_to_string(format!("/proc/{process}/status")).ok()?;
+    memory_in(Path::new(&format!("/proc/{process}/status"))).or_else(|| thread_memory(process))
+}
+
+/// Reads the memory in a status file, which has none after the end of its process or thread.
+fn memory_in(status: &Path) -> Option<ProcessMemory> {
+    let status = fs::read_to_string(status).ok()?;
     let bytes = |name: &str| -> Option<u64> {
         let line = status.lines().find_map(|line| line.strip_prefix(name))?;
         let kibibytes: u64 = line.trim().trim_end_matches("kB").trim().parse().ok()?;
@@ -73,14 +88,6 @@ pub fn memory(process: u32) -> Option<ProcessMemory> {
         resident_bytes: bytes("VmRSS:")?,
         shared_bytes: bytes("RssShmem:").unwrap_or_default(),
     })
-}
-
-/// Makes a command the leader of its own process group (Unix): Ctrl-C at the terminal does not reach it, and [`kill_group`]
-/// ends all processes that it starts and leaves in the group.
-pub fn lead_group(command: &mut Command) -> &mut Command {
-    #[cfg(unix)]
-    std::os::unix::process::CommandExt::process_group(command, 0);
-    command
 }
 
 /// Ends all processes of the group of `leader` (Unix). Elsewhere it does nothing: the process that started the leader ends it.
@@ -97,12 +104,25 @@ pub fn kill_group(leader: u32) {
 /// Ends one process (Unix). Elsewhere it does nothing: process ids are unknown there, see [`children`].
 pub fn kill_process(process: u32) {
     #[cfg(unix)]
-    if let Some(process) = unix_id(process) {
-        // The process may have ended already.
-        let _ = rustix::process::kill_process(process, rustix::process::Signal::KILL);
-    }
+    send(process, rustix::process::Signal::KILL);
     #[cfg(not(unix))]
     let _ = process;
+}
+
+/// Stops one process, until it is ended (Unix): it starts no other process meanwhile.
+pub fn stop_process(process: u32) {
+    #[cfg(unix)]
+    send(process, rustix::process::Signal::STOP);
+    #[cfg(not(unix))]
+    let _ = process;
+}
+
+#[cfg(unix)]
+fn send(process: u32, signal: rustix::process::Signal) {
+    if let Some(process) = unix_id(process) {
+        // The process may have ended already.
+        let _ = rustix::process::kill_process(process, signal);
+    }
 }
 
 #[cfg(unix)]

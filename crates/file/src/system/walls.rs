@@ -1,3 +1,5 @@
+#[cfg(target_os = "linux")]
+use std::fs;
 use std::io;
 use std::path::Path;
 
@@ -9,12 +11,13 @@ pub fn can_have_namespaces() -> bool {
     cfg!(target_os = "linux")
 }
 
-/// Returns the used size of [`SHARED_MEMORY`], in bytes; 0 where there is none.
-pub fn shared_memory_bytes() -> u64 {
+/// Returns the used size of [`SHARED_MEMORY`] as `process` sees it, in bytes; 0 where there is none.
+pub fn shared_memory_bytes(process: u32) -> u64 {
     #[cfg(target_os = "linux")]
-    if let Ok(facts) = rustix::fs::statvfs(SHARED_MEMORY) {
+    if let Ok(facts) = rustix::fs::statvfs(format!("/proc/{process}/root{SHARED_MEMORY}")) {
         return facts.f_blocks.saturating_sub(facts.f_bfree) * facts.f_frsize;
     }
+    let _ = process;
     0
 }
 
@@ -48,6 +51,10 @@ pub fn write_only_in(folder: &Path) -> io::Result<()> {
     Ok(())
 }
 
+/// Devices for all programs, terminals of their own, and graphics processors, which also compute.
+#[cfg(target_os = "linux")]
+const DEVICES: [&str; 10] = ["null", "zero", "full", "random", "urandom", "tty", "ptmx", "pts", "dri", "kfd"];
+
 #[cfg(target_os = "linux")]
 fn landlocked(folder: &Path) -> Result<(), landlock::RulesetError> {
     use landlock::{
@@ -55,16 +62,20 @@ fn landlocked(folder: &Path) -> Result<(), landlock::RulesetError> {
         RulesetCreatedAttr as _, Scope, path_beneath_rules,
     };
     let writing = AccessFs::from_write(ABI::V5);
-    // Devices may be written and controlled, not created.
+    // These devices may be written and controlled, not created. Root could write to others, such as disks.
     let device = AccessFs::WriteFile | AccessFs::Truncate | AccessFs::IoctlDev;
+    let devices = fs::read_dir("/dev").into_iter().flatten().flatten();
+    let devices = devices.filter(|entry| {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        DEVICES.contains(&name.as_str()) || name.starts_with("nvidia")
+    });
     let rules: RulesetCreated = Ruleset::default()
         .handle_access(writing)?
         .scope(Scope::from_all(ABI::V6))?
         .create()?
         .add_rules(path_beneath_rules([folder, Path::new(SHARED_MEMORY)], writing))?;
-    let rules = match PathFd::new("/dev") {
-        Ok(devices) => rules.add_rule(PathBeneath::new(devices, device))?,
-        Err(_) => rules,
-    };
+    let rules = devices
+        .filter_map(|entry| PathFd::new(entry.path()).ok())
+        .try_fold(rules, |rules, path| rules.add_rule(PathBeneath::new(path, device)))?;
     rules.restrict_self().map(drop)
 }

@@ -99,7 +99,7 @@ fn plans(end: &str, seeds: u64, margins: Margins, scenarios: &[&str]) {
 }
 
 fn grasps(place: &str, every: usize, iterations: u64, scenarios: &[&str]) {
-    println!("| scenario | grasps | reached | carried home | put down | what stops the others there |");
+    println!("| scenario | grasps | reached | carried home | put down | causes of failure there |");
     println!("|---|---|---|---|---|---|");
     for scenario in scenarios {
         let (id, problem) = opened(scenario, Margins::default());

@@ -21,7 +21,7 @@ fn main() -> Result<(), Failure> {
     let seed = arguments.next().map_or(Ok(0), |seed| seed.parse())?;
     println!(
         "| object | scenario | 2000: time | 20 000: time | covering 2000 of them: time | **covering** | holdable | \
-         farthest | random | palm not asked |"
+         farthest | random | without the palm rule |"
     );
     println!("|---|---|---|---|---|---|---|---|---|---|");
     for environment in 1..=4 {
