@@ -26,7 +26,7 @@ impl LaneSearch<'_> {
         self.statistics.iterations
     }
 
-    /// Sets the cost that each grasp adds to the length of the paths to it, in the unit of the cost.
+    /// Sets the costs that the grasps add to the length of the paths to them (one per grasp), in the unit of the cost.
     pub fn set_grasp_costs(&mut self, costs: Vec<f64>) {
         self.grasp_costs = costs;
     }
