@@ -6,6 +6,7 @@ mod checked_arithmetic;
 mod checkout;
 mod comment_words;
 mod gltf;
+mod hardship;
 mod latex;
 mod member;
 mod own_planner;
@@ -31,7 +32,8 @@ Tasks:
   test           everything a change must pass: format, lints, tidy, tests, doc tests, glTF,
                  web (the viewer's page in a browser), Python, pages
   test --long    the same, with the tests that have a longer form in it, the site, a report's LaTeX
-                 compiled by pdflatex, a planner from a crate outside, and checked arithmetic
+                 compiled by pdflatex, a planner from a crate outside, checked arithmetic,
+                 interrupted commands, and a minute of damaged input for each reader
   test --step STEP…
                  these steps alone, of both; a name that is none lists them
   site           the pages of docs/ and benchmarks/, commands, gallery and API as one folder,

@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use crate::checked_arithmetic;
 use crate::gltf;
+use crate::hardship;
 use crate::latex;
 use crate::member;
 use crate::own_planner;
@@ -44,7 +45,7 @@ const STEPS: [Step; 9] = [
 ];
 
 /// Additional checks of a long run: those that rarely fail, or whose tools are rarely installed.
-const LONG_STEPS: [Step; 4] = [
+const LONG_STEPS: [Step; 6] = [
     Step { name: "site", needs: site::readiness, action: site::check },
     Step { name: "LaTeX", needs: latex::readiness, action: latex::check },
     Step { name: "a planner from outside", needs: own_planner::readiness, action: own_planner::check },
@@ -53,6 +54,8 @@ const LONG_STEPS: [Step; 4] = [
         needs: checked_arithmetic::readiness,
         action: checked_arithmetic::check,
     },
+    Step { name: "interruptions", needs: hardship::interruption_readiness, action: hardship::interrupt },
+    Step { name: "fuzzing", needs: hardship::fuzzing_readiness, action: hardship::fuzz },
 ];
 
 /// Runs the checks of these names, including those of a long run; returns true if they passed.

@@ -7,6 +7,7 @@ use cranny_spatial::{CONTACT_M, Pose};
 use crate::body::cell_parts::{CellParts, Surroundings};
 use crate::body::held_body::HeldBody;
 use crate::body::link_body::{LinkBody, group_reaches, group_separation, group_separation_in};
+use crate::body::part_tree::FEW;
 use crate::body::robot_body::RobotBody;
 use crate::body::tool_bound::CellBound;
 use crate::body::world::{Part, World};
@@ -19,6 +20,10 @@ use crate::proof::travel::Travel;
 use crate::proof::work_list::WorkList;
 use crate::touch::contact::{Collider, Contact};
 use crate::{CollisionError, Margins, ToolBound};
+
+/// First reach of a search for the nearest pair, and the reach after which all pairs are searched, in metres.
+const NEAR_M: f64 = 0.1;
+const FAR_M: f64 = 10.0;
 
 /// A robot in a world: immutable and shared between threads, each of which uses its own [`Scratch`].
 #[derive(Clone, Debug)]
@@ -221,15 +226,20 @@ impl Cell {
 
     /// Returns the first pair that does not keep its distance.
     pub(crate) fn first_close_pair(&self, frames: &LinkFrames) -> Option<u32> {
-        self.near_pairs(frames).find(|&pair| !self.keeps_distance(&self.pairs.get(pair), frames))
+        self.near_pairs(frames, |_| 0.0).find(|&pair| !self.keeps_distance(&self.pairs.get(pair), frames))
     }
 
-    /// Returns, in order, the pairs of links with parts that may be too close, then all pairs of links.
-    fn near_pairs<'a>(&'a self, frames: &'a LinkFrames) -> impl Iterator<Item = u32> + 'a {
+    /// Returns, in order, the pairs of links with parts that may be closer than required plus `beyond_m` (m) of the link's index
+    /// among the links with geometry, then all pairs of links.
+    pub(crate) fn near_pairs<'a>(
+        &'a self,
+        frames: &'a LinkFrames,
+        beyond_m: impl Fn(usize) -> f64 + 'a,
+    ) -> impl Iterator<Item = u32> + 'a {
         let links = self.pairs.of_links().1..self.pairs.len();
-        let with_parts = self.pairs.with_parts().flat_map(|pairs| {
+        let with_parts = self.pairs.with_parts().flat_map(move |pairs| {
             let world_from_link = frames.link(self.bodies[pairs.body].link);
-            self.near_parts(pairs, world_from_link, 0.0)
+            self.near_parts(pairs, world_from_link, beyond_m(pairs.body))
         });
         with_parts.chain(links).map(as_index)
     }
@@ -306,23 +316,36 @@ impl Cell {
     ) -> (f64, Option<Pair>) {
         self.robot.forward_kinematics(q, &mut scratch.frames);
         let frames = &scratch.frames;
-        let asked = || self.pairs.iter().filter(is_asked);
+        // The tree skips the parts beyond a reach. It grows until a pair is within it, which excludes all others.
+        let mut reach_m = if self.around.parts.len() > FEW { NEAR_M } else { f64::INFINITY };
+        loop {
+            let near = self.near_pairs(frames, |_| reach_m).map(|pair| self.pairs.get(pair)).filter(is_asked);
+            let found = self.nearest_of(&near.collect::<Vec<_>>(), below_m, frames);
+            if reach_m >= below_m || (found.1.is_some() && found.0 <= reach_m) {
+                return found;
+            }
+            reach_m = if reach_m < FAR_M { 4.0 * reach_m } else { f64::INFINITY };
+        }
+    }
+
+    /// Returns the least distance of `pairs`, and its pair; `below_m` (m) and `None` if none is less.
+    fn nearest_of(&self, pairs: &[Pair], below_m: f64, frames: &LinkFrames) -> (f64, Option<Pair>) {
         // Evaluate the pair that seems nearest first: it excludes most others.
         let (mut least_bound, mut first) = (below_m, None);
-        for pair in asked() {
-            let bound = self.quick_bound(&pair, frames, least_bound);
+        for pair in pairs {
+            let bound = self.quick_bound(pair, frames, least_bound);
             if bound < least_bound {
                 (least_bound, first) = (bound, Some(pair));
             }
         }
         let (mut least, mut nearest) = (below_m, None);
-        for pair in first.into_iter().chain(asked()) {
-            let is_farther = self.quick_bound(&pair, frames, least) >= least;
+        for pair in first.into_iter().chain(pairs) {
+            let is_farther = self.quick_bound(pair, frames, least) >= least;
             // NaN does not count as farther: the pair is measured, and found in contact.
             if !is_farther {
-                let lower_m = self.distance(&pair, frames, least).lower_m;
+                let lower_m = self.distance(pair, frames, least).lower_m;
                 if lower_m < least {
-                    (least, nearest) = (lower_m, Some(pair));
+                    (least, nearest) = (lower_m, Some(*pair));
                 }
             }
             if least <= 0.0 {
@@ -350,7 +373,7 @@ impl Cell {
     pub fn contacts(&self, q: &[f64], scratch: &mut Scratch) -> Vec<Contact> {
         self.robot.forward_kinematics(q, &mut scratch.frames);
         let mut contacts: Vec<Contact> = Vec::new();
-        for pair in self.near_pairs(&scratch.frames) {
+        for pair in self.near_pairs(&scratch.frames, |_| 0.0) {
             let pair = self.pairs.get(pair);
             if self.keeps_distance(&pair, &scratch.frames) {
                 continue;

@@ -26,7 +26,7 @@ pub(crate) struct PartNode {
 }
 
 /// Maximum number of parts that are checked one by one: the released scenarios have 6 to 12, for which a tree would be slower.
-const FEW: usize = 16;
+pub(crate) const FEW: usize = 16;
 
 /// Maximum number of parts of a leaf. Checks among 100 and 1000 boxes are no faster with 2, and slower with 8.
 const LEAF: usize = 4;

@@ -109,7 +109,11 @@ impl Cell {
         let at_b = self.nearest_where(b, at_a.0, &is_asked, scratch);
         let (mut least, mut nearest) = if at_b.0 < at_a.0 { at_b } else { at_a };
         let mut contradiction = None;
-        let all: Vec<u32> = self.all_pairs().filter(|pair| is_asked(&self.pairs.get(*pair))).collect();
+        self.check_at(course, 0.5, 0.5, scratch, 1.0);
+        // No point of a farther part comes as near during the motion.
+        let reach_m = |body: usize| least + scratch.travel.of(body) + ROUNDING_M;
+        let near = self.near_pairs(&scratch.frames, reach_m);
+        let all: Vec<u32> = near.filter(|pair| is_asked(&self.pairs.get(*pair))).collect();
         let mut open = std::collections::VecDeque::from([(0.5, 0.5, all)]);
         let tolerance_m = |least: f64| {
             let finest = if least < CLOSE_M { FINE_TOLERANCE_M } else { CLEARANCE_TOLERANCE_M };

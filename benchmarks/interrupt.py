@@ -1,0 +1,108 @@
+"""Interrupts each command that runs longer than a second at random moments, by Ctrl-C and by `kill -9`.
+
+usage: interrupt.py CRANNY [MOMENTS [NAME…]]   the program; moments of each kind (10); commands (default: all)
+
+After each interruption, the same command is run to its end. It must succeed, and leave no hidden file or folder, in its folder
+or in the temporary folder.
+"""
+
+from __future__ import annotations
+
+import os
+import random
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+COMMANDS = {
+    "plan": "plan 045 --optimise 2 -o p.plan.json",
+    "plan --try-in-physics": "plan 011 --place outside --try-in-physics 3 -o p.plan.json",
+    "scenario generate": "scenario generate --family shelf --seed 1 --count 40 -o set",
+    "ik": "ik 045",
+    "roadmap": "roadmap 021 -o roadmap.prm --nodes 4000",
+    "grasps sample": "grasps sample 011 --count 20000 -o grasps.csv",
+    "simulate grasps": "simulate grasps 011 --trials 2 -o simulated.csv",
+    "simulate plan": "simulate plan 011 plan.plan.json",
+    "bench run": "bench run -o r.db --scenarios 021,031,045 --planner reach --planner rrt-connect --runs 5 --time-limit 1",
+    "bench report": "bench report results.db -o report.html",
+    "render picture": "render 021 plan.plan.json -o picture.png --size 4096x3072",
+    "render film": "render 011 plan.plan.json -o film.gif",
+    "render page": "render 021 -o page.html",
+    "verify": "verify 011 plan.plan.json",
+}
+"""Commands by name; files that they read are made first by `prepare`."""
+
+
+def run(program: str, words: str, folder: Path, environment: dict[str, str], moment: float = 0.0, number: int = 0) -> subprocess.CompletedProcess[str]:
+    """Runs a command; after `moment` seconds it gets the signal `number`, unless that is 0."""
+    process = subprocess.Popen(
+        [program, *words.split()], cwd=folder, env=environment, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    )
+    if number:
+        try:
+            process.wait(moment)
+        except subprocess.TimeoutExpired:
+            process.send_signal(number)
+    output, error = process.communicate(timeout=600)
+    return subprocess.CompletedProcess(process.args, process.returncode, output, error)
+
+
+def hidden(folder: Path, program_files: bool) -> list[str]:
+    """Returns the hidden files below a folder, and all files in a temporary folder of the program."""
+    paths = sorted(str(path.relative_to(folder)) for path in folder.rglob("*"))
+    return paths if program_files else [path for path in paths if any(name.startswith(".") for name in path.split("/"))]
+
+
+def main(program: str, moments: str = "10", *names: str) -> int:
+    """Prints a line for each command and returns the number of faults."""
+    program = str(Path(program).resolve())
+    draw = random.Random(1)
+    faults = 0
+    for name, words in COMMANDS.items():
+        if names and name not in names:
+            continue
+        problems: list[str] = []
+        with tempfile.TemporaryDirectory() as top:
+            folder, scratch = Path(top) / "work", Path(top) / "tmp"
+
+            def fresh() -> dict[str, str]:
+                subprocess.run(["rm", "-rf", str(folder), str(scratch)], check=True)
+                folder.mkdir()
+                scratch.mkdir()
+                environment = {**os.environ, "TMPDIR": str(scratch)}
+                if "plan.plan.json" in words:
+                    source = words.split()[2 if words.startswith("simulate") else 1]
+                    run(program, f"plan {source} -q -o plan.plan.json", folder, environment)
+                if "results.db" in words:
+                    run(program, "bench run -q -o results.db --scenarios 021 --planner reach --runs 20 --time-limit 1", folder, environment)
+                return environment
+
+            environment = fresh()
+            begin = time.monotonic()
+            whole = run(program, words, folder, environment)
+            duration = time.monotonic() - begin
+            if whole.returncode not in (0, 1):
+                problems.append(f"exit code {whole.returncode}: {whole.stderr.strip()[-200:]}")
+            for number in (signal.SIGINT, signal.SIGKILL) if not problems else ():
+                for _ in range(int(moments)):
+                    environment = fresh()
+                    moment = draw.uniform(0.0, duration)
+                    stopped = run(program, words, folder, environment, moment, number)
+                    mark = f"{signal.Signals(number).name} after {moment:.2f} s"
+                    if number == signal.SIGINT and stopped.returncode not in (0, 1):
+                        problems.append(f"{mark}: exit code {stopped.returncode}")
+                    again = run(program, words, folder, environment)
+                    if again.returncode != whole.returncode:
+                        problems.append(f"{mark}, then: exit code {again.returncode}: {again.stderr.strip()[-200:]}")
+                    if left := hidden(folder, False) + hidden(scratch, True):
+                        problems.append(f"{mark}, then: left {left[:4]}")
+        faults += len(problems)
+        print(f"{name}: {duration:.1f} s, {'; '.join(problems[:4]) if problems else 'sound'}", flush=True)
+    return faults
+
+
+if __name__ == "__main__":
+    sys.exit(1 if main(*sys.argv[1:]) else 0)
