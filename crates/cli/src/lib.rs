@@ -43,6 +43,10 @@ pub fn main(registry: &Registry) -> ExitCode {
     if cli.large_files {
         cranny_file::lift_limits();
     }
+    // A worker ends with its campaign, which tells a killed one from one that has ended.
+    if !matches!(&cli.command, Chosen::Bench(arguments) if arguments.is_worker()) {
+        progress::end_on_interrupt();
+    }
     let answer = match &cli.command {
         Chosen::List => content::list::run(registry, cli.output),
         Chosen::Info(arguments) => content::info::run(arguments, cli.output),

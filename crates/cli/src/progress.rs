@@ -1,8 +1,10 @@
+use std::io::Write as _;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
 use cranny_plan::Observer;
+use cranny_scenario::exit_without_temporaries;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::failure::Failure;
@@ -13,16 +15,35 @@ const PATIENCE: Duration = Duration::from_secs(1);
 /// Interval at which a page server checks the stop flag.
 const ASK_EVERY: Duration = Duration::from_millis(50);
 
-/// Returns the flag that Ctrl-C, SIGTERM and SIGHUP set; every call returns the same one.
+/// Flag that Ctrl-C, SIGTERM and SIGHUP set, once a command has requested it.
+static STOP: OnceLock<Arc<AtomicBool>> = OnceLock::new();
+
+/// Lets Ctrl-C, SIGTERM and SIGHUP end the program with exit code 1 and without its temporary files, until a command takes
+/// over by [`stop_on_interrupt`].
+pub fn end_on_interrupt() {
+    // Where one of the signals is ignored, as SIGHUP under `nohup`, the program does not change that.
+    let _ = ctrlc::try_set_handler(interrupt);
+}
+
+/// Returns the flag that Ctrl-C, SIGTERM and SIGHUP set from now on, for a command that ends by itself and keeps what it has
+/// finished; every call returns the same one.
 pub fn stop_on_interrupt() -> Result<Arc<AtomicBool>, Failure> {
-    static STOP: OnceLock<Arc<AtomicBool>> = OnceLock::new();
-    if let Some(stop) = STOP.get() {
-        return Ok(stop.clone());
-    }
     let stop = STOP.get_or_init(Arc::default).clone();
-    let flag = stop.clone();
-    ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed))?;
-    Ok(stop)
+    match ctrlc::set_handler(interrupt) {
+        Ok(()) | Err(ctrlc::Error::MultipleHandlers) => Ok(stop),
+        Err(fault) => Err(fault.into()),
+    }
+}
+
+/// Handles a signal, in a thread of its own.
+fn interrupt() {
+    if let Some(stop) = STOP.get() {
+        stop.store(true, Ordering::Relaxed);
+        return;
+    }
+    // If stderr cannot be written, the exit code still reports the end.
+    let _ = writeln!(std::io::stderr(), "stopped");
+    exit_without_temporaries(1)
 }
 
 /// Completes when the flag is set.
@@ -71,6 +92,7 @@ pub struct SearchProgress {
 }
 
 impl SearchProgress {
+    /// Creates the progress of a search that the flag stops.
     pub fn new(quiet: bool, stop: Arc<AtomicBool>) -> Self {
         let spinner = if quiet { ProgressBar::hidden() } else { ProgressBar::new_spinner() };
         spinner.set_style(style("{spinner} searching: {pos} iterations, {elapsed}  (Ctrl-C stops)"));

@@ -1,4 +1,4 @@
-//! Commands that are stopped by Ctrl-C: finished results stay, and the same command resumes from them.
+//! Commands that are stopped by Ctrl-C: finished results stay, and the same command resumes from them. Others leave nothing.
 
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
@@ -10,7 +10,7 @@ use cranny_scenario::{OpenOptions, Scenario};
 fn command(folder: &Path, arguments: &str) -> Command {
     let mut command = Command::new(assert_cmd::cargo::cargo_bin("cranny"));
     command.current_dir(folder).args(arguments.split(' ')).arg("--json");
-    command.stdout(Stdio::piped()).stderr(Stdio::piped());
+    command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
     command
 }
 
@@ -103,4 +103,53 @@ fn a_sampling_goes_on_where_it_was_stopped_while_candidates_are_chosen_too() {
     assert_eq!(grasps("banana.csv"), grasps("whole.csv"));
     let files = std::fs::read_dir(folder).expect("a folder").count();
     assert_eq!(files, 2, "nothing is left that was unfinished");
+}
+
+/// Returns a recording of a tile that rises for 400 s: each film of it takes minutes.
+#[cfg(unix)]
+fn long_recording() -> String {
+    use cranny_shape::TriangleSoup;
+    use cranny_spatial::{Point, Pose};
+    use cranny_view::{BodyRecording, MovingBody};
+
+    let surface = TriangleSoup {
+        vertices: [[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.0, 0.1, 0.0]].map(Point::from).to_vec(),
+        triangles: vec![[0, 1, 2]],
+    };
+    let times_s: Vec<f64> = (0..8000).map(|instant| f64::from(instant) / 20.0).collect();
+    let world_from_body = times_s.iter().map(|time_s| Pose::translation(0.0, 0.0, 0.001 * time_s)).collect();
+    let tile = MovingBody { name: "tile".to_owned(), surface, is_grasped: true, world_from_body };
+    let recording =
+        BodyRecording { name: "tile".to_owned(), times_s, bodies: vec![tile], ..Default::default() };
+    recording.json().expect("finite")
+}
+
+#[cfg(unix)]
+#[test]
+fn a_command_without_results_to_keep_ends_with_1_and_leaves_nothing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    std::fs::write(folder.join("run.json"), long_recording()).expect("written");
+    std::os::unix::fs::symlink("/dev/stdin", folder.join("wait.plan.json")).expect("a link");
+    let names = || {
+        let entries = std::fs::read_dir(folder).expect("a folder");
+        let mut names: Vec<_> = entries.map(|entry| entry.expect("an entry").file_name()).collect();
+        names.sort();
+        names
+    };
+    let before = names();
+    for arguments in [
+        "render run.json -o run.gif --size 320x240",
+        "render run.json -o frames/",
+        // These read a pipe that does not end.
+        "verify 021 wait.plan.json",
+        "simulate plan 021 wait.plan.json",
+        "render 021 wait.plan.json -o 021.png",
+    ] {
+        let output = stopped_once(1.0, folder, arguments);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!((output.status.code(), &output.stdout[..]), (Some(1), &b""[..]), "{arguments}: {said}");
+        assert!(said.contains("stopped"), "{arguments}: {said}");
+        assert_eq!(names(), before, "{arguments}");
+    }
 }

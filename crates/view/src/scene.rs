@@ -1,3 +1,5 @@
+use std::collections::HashMap;
+
 use cranny_spatial::{Point, Pose};
 
 use crate::{Colour, Mesh, ShownMode};
@@ -20,7 +22,12 @@ pub struct Scene {
     pub world_from_floor: Option<Pose>,
     /// Motion of the robot; `None` if it stands at its start.
     pub motion: Option<SceneMotion>,
+    /// Index of each of the materials that were added.
+    pub(crate) known_materials: HashMap<MaterialKey, usize>,
 }
+
+/// Values of a material: its name, and the bits of colour, opacity, metalness and roughness.
+pub(crate) type MaterialKey = (String, [u32; 6]);
 
 /// Appearance of a surface: the metallic-roughness model of glTF 2.0, §3.9.2.
 #[derive(Clone, Debug, PartialEq)]
@@ -132,11 +139,17 @@ impl Scene {
 
     /// Returns the index of a material, which is added unless an equal one exists.
     pub(crate) fn material(&mut self, material: Material) -> usize {
-        if let Some(known) = self.materials.iter().position(|other| *other == material) {
+        let key = material.key();
+        if let Some(&known) = self.known_materials.get(&key)
+            // The materials are public, and may have been changed.
+            && self.materials.get(known) == Some(&material)
+        {
             return known;
         }
+        let index = self.materials.len();
+        self.known_materials.insert(key, index);
         self.materials.push(material);
-        self.materials.len() - 1
+        index
     }
 
     /// Adds a mesh and returns its index.
@@ -150,5 +163,11 @@ impl Material {
     /// Creates an opaque matt material, such as painted metal or plastic.
     pub fn matt(name: impl Into<String>, colour: Colour) -> Self {
         Self { name: name.into(), colour, opacity: 1.0, metallic: 0.0, roughness: 0.6 }
+    }
+
+    fn key(&self) -> MaterialKey {
+        let Colour([red, green, blue]) = self.colour;
+        let values = [red, green, blue, self.opacity, self.metallic, self.roughness];
+        (self.name.clone(), values.map(f32::to_bits))
     }
 }

@@ -1,3 +1,5 @@
+use std::collections::HashMap;
+
 use cranny_collision::Body;
 use cranny_scenario::{ObjectType, Scenario};
 use cranny_shape::TriangleSoup;
@@ -61,12 +63,7 @@ impl Scene {
         let objects: Vec<&str> =
             path.iter().flat_map(|path| &path.carries).map(|carry| carry.object.as_str()).collect();
         scene.add_bodies(scenario.world.bodies(), scenario.target);
-        for (index, (object, moved)) in objects.iter().zip(&carried).enumerate() {
-            // The last motion of an object includes the earlier ones.
-            if !objects[index + 1..].contains(object) {
-                scene.carry(scenario, object, moved);
-            }
-        }
+        scene.carry(scenario, &objects, &carried);
         scene.add_grasps(scenario, path.and_then(|path| path.grasp), settings.grasps);
         scene.add_gripper_path();
         Ok(scene)
@@ -153,25 +150,42 @@ impl Scene {
         Ok((0..path.carries.len()).map(of_one).collect())
     }
 
-    /// Moves a body with the hand; `moved` is its displacement at each instant. Without a body of this name it is the target.
-    fn carry(&mut self, scenario: &Scenario, object: &str, moved: &[Pose]) {
-        let Some(motion) = &mut self.motion else { return };
-        let body = scenario.world.bodies().iter().position(|body| body.name == object).or(scenario.target);
-        let is_it = |role: Role| match role {
-            Role::Target => body == scenario.target,
-            Role::Obstacle(index) => body == Some(index),
-            _ => false,
-        };
-        let nodes = self.nodes.iter().enumerate().filter(|(_, node)| is_it(node.role));
-        motion.tracks.extend(nodes.map(|(index, node)| Track {
-            node: index,
-            poses: moved.iter().map(|moved| moved * node.parent_from_node).collect(),
-        }));
+    /// Moves bodies with the hand; `carried` contains the displacement of each of the objects at each instant. An object without
+    /// a body of its name is the target.
+    fn carry(&mut self, scenario: &Scenario, objects: &[&str], carried: &[Vec<Pose>]) {
+        let Some(motion) = self.motion.as_mut().filter(|_| !objects.is_empty()) else { return };
+        // Of several bodies of one name, the first is carried.
+        let named = scenario.world.bodies().iter().enumerate().rev();
+        let bodies: HashMap<&str, usize> = named.map(|(index, body)| (body.name.as_str(), index)).collect();
+        let mut nodes: HashMap<usize, Vec<usize>> = HashMap::new();
+        for (index, node) in self.nodes.iter().enumerate() {
+            let body = match node.role {
+                Role::Target => scenario.target,
+                Role::Obstacle(body) => Some(body),
+                _ => None,
+            };
+            if let Some(body) = body {
+                nodes.entry(body).or_default().push(index);
+            }
+        }
+        let last: HashMap<&str, usize> =
+            objects.iter().enumerate().map(|(index, object)| (*object, index)).collect();
+        for (index, (object, moved)) in objects.iter().zip(carried).enumerate() {
+            let body = bodies.get(object).copied().or(scenario.target);
+            // The last motion of an object includes the earlier ones.
+            let Some(nodes) = body.filter(|_| last[object] == index).and_then(|body| nodes.get(&body)) else {
+                continue;
+            };
+            motion.tracks.extend(nodes.iter().map(|&node| Track {
+                node,
+                poses: moved.iter().map(|moved| moved * self.nodes[node].parent_from_node).collect(),
+            }));
+        }
     }
 
     /// Adds the bodies of a world, `target` among them.
     pub(crate) fn add_bodies(&mut self, bodies: &[Body], target: Option<usize>) {
-        let mut kinds: Vec<&str> = Vec::new();
+        let mut kinds = HashMap::new();
         for (index, body) in bodies.iter().enumerate() {
             let is_target = target == Some(index);
             for part in &body.parts {
@@ -191,18 +205,15 @@ impl Scene {
         }
     }
 
-    /// Creates the pieces of an obstacle. Obstacles of one kind share a colour; `kinds` are the kinds seen before.
+    /// Creates the pieces of an obstacle. Obstacles of one kind share a colour; `kinds` numbers the kinds seen before.
     pub(crate) fn obstacle<'a>(
         &mut self,
         name: &'a str,
         soup: &TriangleSoup,
-        kinds: &mut Vec<&'a str>,
+        kinds: &mut HashMap<&'a str, usize>,
     ) -> Vec<MeshPiece> {
-        let kind = kind_of(name);
-        let turn = kinds.iter().position(|known| *known == kind).unwrap_or_else(|| {
-            kinds.push(kind);
-            kinds.len() - 1
-        });
+        let next = kinds.len();
+        let turn = *kinds.entry(kind_of(name)).or_insert(next);
         let colour = Colour::hex(OBSTACLES[turn % OBSTACLES.len()]);
         let material = self.material(Material { roughness: 0.75, ..Material::matt(name, colour) });
         vec![MeshPiece::of_soup(soup, material)]
@@ -212,7 +223,7 @@ impl Scene {
         let order = scenario.grasps.by_score();
         let stride = order.len().div_ceil(shown.max(1)).max(1);
         let some = order.iter().copied().step_by(stride).take(shown).filter(|&index| Some(index) != chosen);
-        let mut meshes: Vec<(usize, usize)> = Vec::new();
+        let mut meshes: HashMap<usize, usize> = HashMap::new();
         for index in some.chain(chosen) {
             let Some(grasp) = scenario.grasps.grasps().get(index) else { continue };
             let is_chosen = Some(index) == chosen;
@@ -223,11 +234,9 @@ impl Scene {
             };
             let name = if is_chosen { "grasp, taken".to_owned() } else { score_name(grasp.score) };
             let material = self.material(Material::matt(name, colour));
-            let mesh = match meshes.iter().find(|(known, _)| *known == material) {
-                Some(&(_, mesh)) => mesh,
-                None => self.mesh("grasp", vec![small_gripper(opening_m, radius_m, material)]),
-            };
-            meshes.push((material, mesh));
+            let mesh = *meshes
+                .entry(material)
+                .or_insert_with(|| self.mesh("grasp", vec![small_gripper(opening_m, radius_m, material)]));
             self.nodes.push(Node {
                 name: format!("grasp {index}"),
                 parent: None,

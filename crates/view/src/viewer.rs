@@ -1,6 +1,7 @@
 //! Data and server of the viewer page.
 
 pub(crate) mod number_row;
+pub(crate) mod open_connections;
 pub(crate) mod page;
 pub(crate) mod page_answer;
 pub(crate) mod page_bundle;

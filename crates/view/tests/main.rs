@@ -3,6 +3,7 @@
 #![allow(clippy::disallowed_methods, reason = "what is compared to may come from the system")]
 
 mod carrying;
+mod many_bodies;
 mod page_data;
 mod page_server;
 mod pictures;

@@ -298,19 +298,61 @@ fn who_sends_slowly_is_cut() {
     assert_eq!(server.get("/page.json", &host).0, 200);
 }
 
+/// Few connections, none of which ends by a timeout within the test.
+const PATIENT: PageLimits =
+    PageLimits { connections: 8, request: Duration::from_hours(1), connection: Duration::from_hours(1) };
+
+/// Returns the number of connections that the server has not closed.
+fn open(connections: &mut [TcpStream]) -> usize {
+    let is_open = |stream: &mut TcpStream| {
+        stream.set_nonblocking(true).expect("a socket");
+        loop {
+            match stream.read(&mut [0; 8192]) {
+                Ok(0) => return false,
+                Ok(_) => {}
+                Err(reason) => return reason.kind() == std::io::ErrorKind::WouldBlock,
+            }
+        }
+    };
+    connections.iter_mut().map(is_open).filter(|is_open| *is_open).count()
+}
+
+/// With connections that wait for a free one, nine silent clients would block the user until their timeout.
 #[test]
-fn who_says_nothing_or_reads_nothing_holds_no_place_for_long() {
-    let server = Running::with(QUICK);
+fn a_user_is_answered_whatever_many_others_leave_undone() {
+    let server = Running::with(PATIENT);
     let (host, inside) = (server.host(), &server.inside);
-    let mut idle: Vec<TcpStream> = (0..8).map(|_| server.connect()).collect();
-    for reader in idle.iter_mut().take(4) {
-        reader
-            .write_all(format!("GET {inside}/page.json HTTP/1.1\r\nHost: {host}\r\n\r\n").as_bytes())
-            .expect("it reads");
+    let whole = format!("GET {inside}/page.json HTTP/1.1\r\nHost: {host}\r\n\r\n");
+    let question = format!("POST {inside}/verdict HTTP/1.1\r\nHost: {host}\r\nContent-Length: 9\r\n\r\n{{");
+    // Silent clients, a byte, half a head, half a question, and clients that do not read the answer.
+    for sent in ["", "G", &whole[..whole.len() - 2], &question, &whole] {
+        let mut others: Vec<TcpStream> = (0..100).map(|_| server.connect()).collect();
+        for other in &mut others {
+            // The server may have closed it meanwhile.
+            let _ = other.write_all(sent.as_bytes());
+        }
+        for _ in 0..3 {
+            assert_eq!(server.get("/page.json", &host).0, 200, "'{sent}'");
+        }
+        assert!(open(&mut others) <= PATIENT.connections, "'{sent}'");
     }
-    // All connections were taken; this request is served once the earlier ones are cut.
-    assert_eq!(server.get("/page.json", &host).0, 200);
-    drop(idle);
+}
+
+#[test]
+fn a_silent_client_does_not_displace_one_that_waits_for_news() {
+    let server = Running::with(PATIENT);
+    let mut waiting = server.connect();
+    let news = format!("GET {}/news?after=0 HTTP/1.1\r\nHost: {}\r\n\r\n", server.inside, server.host());
+    waiting.write_all(news.as_bytes()).expect("it reads");
+    // Its request has arrived once a later one is answered.
+    assert_eq!(server.get("/news", &server.host()).0, 400);
+    let silent: Vec<TcpStream> = (0..100).map(|_| server.connect()).collect();
+    assert_eq!(server.get("/news", &server.host()).0, 400);
+    server.feed.pose(None);
+    let mut answer = String::new();
+    waiting.read_to_string(&mut answer).expect("it answers");
+    assert!(answer.starts_with("HTTP/1.1 200"), "{answer}");
+    drop(silent);
 }
 
 #[test]

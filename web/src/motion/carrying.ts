@@ -26,10 +26,10 @@ export class Carrying {
   /** An object whose name matches no node is the target. */
   constructor(carries: Carry[], kinematics: Kinematics, nodes: Node[]) {
     const target = nodes.find(({ role }) => role === "target")?.name ?? "";
-    this.transfers = carries.map((carry) => {
-      const isThere = nodes.some(({ name, role }) => name === carry.object && role !== "link");
-      return new Transfer(carry, isThere ? carry.object : target, kinematics);
-    });
+    const bodies = new Set(nodes.flatMap(({ name, role }) => (role === "link" ? [] : [name])));
+    this.transfers = carries.map(
+      (carry) => new Transfer(carry, bodies.has(carry.object) ? carry.object : target, kinematics),
+    );
     const stretches = (of: (transfer: Transfer) => Mode[]): Stretch[] =>
       this.transfers.flatMap((transfer, step) =>
         of(transfer).map((mode) => ({ ...mode, step })),

@@ -22,9 +22,11 @@ export class Kinematics {
   constructor(robot: Robot, worldFromRoot: Pose = IDENTITY) {
     this.robot = robot;
     this.worldFromRoot = worldFromRoot;
-    this.jointOf = robot.links.map((_, link) => robot.joints.find((joint) => joint.child === link));
+    const joints = new Map(robot.joints.map((joint) => [joint.child, joint]));
+    this.jointOf = robot.links.map((_, link) => joints.get(link));
     this.order = parentsFirst(robot);
-    this.variables = robot.start.map((_, index) => variable(robot.joints, index));
+    const moved = grouped(robot.joints, (joint) => joint.variable);
+    this.variables = robot.start.map((_, index) => variable(moved.get(index) ?? [], index));
   }
 
   /** Poses of all links. `q` has one value per variable; `closing` of the hand is from 0 (open) to 1. */
@@ -53,24 +55,28 @@ function parentFromChild(joint: Joint, q: ArrayLike<number>, closing: number): P
 }
 
 /** The joint that a variable moves directly, if there is one; else a joint that follows it by a factor. */
-function variable(joints: Joint[], index: number): Variable {
-  const moved = joints.filter((joint) => joint.variable === index);
+function variable(moved: Joint[], index: number): Variable {
   const joint = moved.find((each) => each.factor === 1 && each.offset === 0) ?? moved[0];
   if (!joint || joint.kind === "fixed") throw new Error(`no joint moves with variable ${index}`);
   return { name: joint.name, kind: joint.kind, lower: joint.lower, upper: joint.upper };
 }
 
-function parentsFirst(robot: Robot): number[] {
-  const order: number[] = [];
-  const isPlaced = robot.links.map(() => false);
-  while (order.length < robot.links.length) {
-    const before = order.length;
-    robot.links.forEach((link, index) => {
-      if (isPlaced[index] || (link.parent !== null && !isPlaced[link.parent])) return;
-      isPlaced[index] = true;
-      order.push(index);
-    });
-    if (order.length === before) throw new Error("the links of the robot hang on each other in a circle");
+/** Items by a key, in their order. */
+function grouped<Key, Item>(items: Item[], keyOf: (item: Item) => Key): Map<Key, Item[]> {
+  const groups = new Map<Key, Item[]>();
+  for (const item of items) {
+    const known = groups.get(keyOf(item));
+    if (known) known.push(item);
+    else groups.set(keyOf(item), [item]);
   }
+  return groups;
+}
+
+function parentsFirst(robot: Robot): number[] {
+  const children = grouped([...robot.links.keys()], (link) => robot.links[link].parent);
+  const order = [...(children.get(null) ?? [])];
+  // The list grows while it is read.
+  for (const link of order) for (const child of children.get(link) ?? []) order.push(child);
+  if (order.length < robot.links.length) throw new Error("the links of the robot hang on each other in a circle");
   return order;
 }

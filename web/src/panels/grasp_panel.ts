@@ -57,9 +57,10 @@ export class GraspPanel {
     if (counts.length === 0)
       return [element("p", { class: "soft said" }, "This plan does not say what stood in the way.")];
     const named = new Set(chosen.blocked.map(({ reason }) => reason));
+    const order = new Map(this.reasons.map((reason, index) => [reason, index]));
     return counts.map(({ reason, count: number }) => {
       // A reason without a known grasp has no colour in the scene.
-      const colour = colours.ofReason(named.has(reason) ? this.reasons.indexOf(reason) : -1);
+      const colour = colours.ofReason(named.has(reason) ? (order.get(reason) ?? -1) : -1);
       const line = row(colour, words(reason), number);
       if (!named.has(reason)) return line;
       line.tabIndex = 0;

@@ -30,12 +30,14 @@ export class ModeStrip {
 
   private marksOf({ carrying, colour }: ShownPlan): typeof this.marks {
     if (!carrying) return [];
+    const begun = new Set<number>();
     return carrying.stretches.map((stretch) => {
       const { name, from_s, until_s, step } = stretch;
       const said = HAND[name] ?? `To the beginning of ${name}`;
       const isOne = carrying.stepCount === 1;
       const label = isOne ? said : `${said}, step ${step + 1}`;
-      const isFirst = carrying.stretches.find((other) => other.step === step) === stretch;
+      const isFirst = !begun.has(step);
+      begun.add(step);
       const text = isOne || !isFirst ? name : `step ${step + 1}`;
       const mark = button(label, element("span", {}, text), () => this.onTime(from_s + (from_s > 0 ? AFTER_S : 0)), "mode");
       mark.dataset["mode"] = name;

@@ -24,6 +24,8 @@ const DIMMED = 0.22;
 export class GraspView {
   readonly group = new Group();
   private readonly grasps: Grasp[];
+  /** The grasps by their index in the scenario. */
+  private readonly byIndex: ReadonlyMap<number, Grasp>;
   private readonly plain: InstancedMesh;
   private readonly strong: InstancedMesh;
   private readonly matrix = new Matrix4();
@@ -35,6 +37,7 @@ export class GraspView {
 
   constructor(grasps: Grasp[], plans: number) {
     this.grasps = grasps;
+    this.byIndex = new Map(grasps.map((grasp) => [grasp.index, grasp]));
     const material = (): MeshLambertMaterial => new MeshLambertMaterial({ emissive: 0xffffff, emissiveIntensity: 0 });
     this.plain = new InstancedMesh(gripperGeometry(THICKNESS_M), material(), grasps.length);
     // One for each plan, and one for the grasp under the pointer.
@@ -76,6 +79,7 @@ export class GraspView {
   /** Colours the shown grasps; `only`: the highlighted reason, grasps with others are dimmed. */
   paint(by: GraspColour, plan: ShownPlan | null, reasons: string[], only: string | null, page: string): void {
     const background = new Color(page);
+    const order = new Map(reasons.map((reason, index) => [reason, index]));
     this.places.forEach((place, index) => {
       const grasp = this.grasps[place];
       const reason = plan?.reasons.get(grasp.index) ?? null;
@@ -84,7 +88,7 @@ export class GraspView {
           ? colours.ofScore(grasp.score)
           : by === "ik"
             ? colours.ofIk(grasp.ik)
-            : colours.ofReason(reason === null ? -1 : reasons.indexOf(reason));
+            : colours.ofReason(reason === null ? -1 : (order.get(reason) ?? -1));
       this.colour.set(name);
       if (only !== null && reason !== only) this.colour.lerp(background, 1 - DIMMED);
       this.plain.setColorAt(index, this.colour);
@@ -98,7 +102,7 @@ export class GraspView {
     if (pointed !== null) strong.push({ grasp: pointed, colour: POINTED });
     this.strong.count = 0;
     for (const { grasp, colour } of strong) {
-      const found = this.grasps.find(({ index }) => index === grasp);
+      const found = this.byIndex.get(grasp);
       if (!found) continue;
       this.strong.setMatrixAt(this.strong.count, setMatrix(this.matrix, found.world_from_gripper));
       this.strong.setColorAt(this.strong.count, this.colour.set(colour));

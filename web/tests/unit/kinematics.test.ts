@@ -45,6 +45,18 @@ test("links may come in any order, but not in a circle", () => {
   assert.throws(() => new Kinematics({ ...circle, start: [] }), /circle/);
 });
 
+/** With a search through all joints or links for each of them, this would take minutes. */
+test("a chain of very many links, each before its parent, has all of them", () => {
+  const count = 200_000;
+  const links = Array.from({ length: count }, (_, link) => ({
+    name: `link ${link}`,
+    parent: link + 1 < count ? link + 1 : null,
+  }));
+  const joints = links.slice(1).map((_, child) => ({ ...ROBOT.joints[0], kind: "fixed" as const, child }));
+  const chain = new Kinematics({ ...ROBOT, links, joints, tip: 0, start: [] });
+  assert.equal(chain.worldFromLinks([]).length, count);
+});
+
 test("a pose and its inverse cancel, and composing is applying one after the other", () => {
   const a: Pose = compose([0.3, -1, 2, 0, 0, 0, 1], rotation([0.6, 0, 0.8], 1.3));
   const b: Pose = compose([-2, 0.1, 0.7, 0, 0, 0, 1], rotation([0, 1, 0], -2.2));

@@ -2,8 +2,8 @@ use std::collections::BTreeMap;
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 
+use cranny_scenario::Temporary;
 use rusqlite::{Connection, OptionalExtension as _, params};
-use tempfile::TempDir;
 
 use crate::store::results_row::{self, Present};
 use crate::store::stored_trial::StoredTrial;
@@ -20,7 +20,7 @@ pub struct Results {
     /// Lock owned while a campaign writes; the system releases it at any end of the campaign.
     claim: Option<File>,
     /// Copy that is read instead, if the results are on a read-only medium.
-    copy: Option<TempDir>,
+    copy: Option<Temporary>,
 }
 
 /// Run of a campaign in the results: restarting the campaign makes another run.

@@ -6,10 +6,10 @@ use std::io::ErrorKind;
 use std::path::Path;
 use std::time::Duration;
 
+use cranny_scenario::Temporary;
 use rusqlite::config::DbConfig;
 use rusqlite::limits::Limit;
 use rusqlite::{Connection, ErrorCode, OpenFlags, TransactionBehavior};
-use tempfile::TempDir;
 
 use crate::BenchError;
 
@@ -119,9 +119,9 @@ pub fn begin(path: &Path) -> Result<(), BenchError> {
 }
 
 /// Creates a temporary folder beside a file, for building its replacement.
-pub fn folder_beside(path: &Path) -> Result<TempDir, BenchError> {
+pub fn folder_beside(path: &Path) -> Result<Temporary, BenchError> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let made = tempfile::Builder::new().prefix(".results-").suffix(".partial").tempdir_in(folder);
+    let made = Temporary::folder_in(folder, ".results-", ".partial");
     made.map_err(|reason| BenchError::Unwritable { path: path.to_owned(), reason })
 }
 
@@ -196,10 +196,10 @@ pub fn is_writable(path: &Path) -> bool {
 pub const COPY: &str = "results.db";
 
 /// Copies results with their log to a temporary folder.
-pub fn copied(path: &Path) -> Result<(TempDir, std::path::PathBuf), BenchError> {
+pub fn copied(path: &Path) -> Result<(Temporary, std::path::PathBuf), BenchError> {
     let copy = || -> std::io::Result<_> {
         let read = |path: &Path| fs::OpenOptions::new().read(true).open(path);
-        let folder = tempfile::tempdir()?;
+        let folder = Temporary::folder()?;
         let file = folder.path().join(COPY);
         std::io::copy(&mut read(path)?, &mut fs::File::create(&file)?)?;
         let beside = |path: &Path| {

@@ -46,6 +46,13 @@ enum BenchCommand {
     Worker,
 }
 
+impl BenchArguments {
+    /// Returns true for the worker of a campaign.
+    pub fn is_worker(&self) -> bool {
+        matches!(self.command, BenchCommand::Worker)
+    }
+}
+
 pub fn run(arguments: &BenchArguments, registry: &Registry, output: Output) -> Result<Answer, Failure> {
     match &arguments.command {
         BenchCommand::Run(arguments) => bench_run::run(arguments, registry, output),

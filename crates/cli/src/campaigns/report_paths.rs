@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use cranny_bench::report::Summary;
 use cranny_bench::{PathDemand, Results, StoredTrial, source_of};
 use cranny_record::write_waypoints_csv;
+use cranny_scenario::Temporary;
 use rayon::prelude::*;
 
 use crate::arguments::Output;
@@ -87,7 +88,7 @@ fn address_of(name: &str) -> String {
 
 fn content(shown: &Shown, output: Output) -> Result<String, Failure> {
     let trial = &shown.trial.record.trial;
-    let folder = tempfile::tempdir()?;
+    let folder = Temporary::folder()?;
     // The page names a path by its file.
     let letter = |c: char| if c.is_alphanumeric() || "-._ ".contains(c) { c } else { '-' };
     let planner: String = trial.planner.chars().map(letter).take(60).collect();

@@ -14,8 +14,7 @@ use crate::choices::GeometryArgument;
 use crate::failure::Failure;
 use crate::planning::plan_task::{check_plan, read_plan};
 use crate::planning::task::open_scenario;
-use crate::progress::{self, stop_on_interrupt};
-use crate::{physics::recording, pictures::search_replay, text};
+use crate::{physics::recording, pictures::search_replay, progress, text};
 
 /// Content of a viewer page.
 pub struct PageRequest<'a> {
@@ -77,10 +76,6 @@ impl PageTask {
         source.scenario.clone_from(&shown.id);
         let exact = tasks.problem(Criterion::Exact, Margins::default(), None)?;
         let cell = exact.cell().ok_or(cranny_task::TaskError::Annotation)?;
-        let trees = match request.search_trees {
-            Some(registry) => Some((registry, stop_on_interrupt()?)),
-            None => None,
-        };
         let mut plans = Vec::new();
         for (file, read) in request.plans.iter().zip(&files) {
             let name = file.file_name().unwrap_or(file.as_os_str()).to_string_lossy().into_owned();
@@ -103,8 +98,8 @@ impl PageTask {
             let along = if plan.task.len() > 1 { plan.states(&problem)? } else { None };
             let states = along.map_or_else(Vec::new, |along| along.states);
             let mut shown_plan = PagePlan::of_file(name, plan, robot, timed.as_ref(), verification, states)?;
-            if let Some((registry, stop)) = &trees {
-                let tree = search_replay::replay(file, plan, &problem, registry, stop, output)?;
+            if let Some(registry) = request.search_trees {
+                let tree = search_replay::replay(file, plan, &problem, registry, output)?;
                 shown_plan.search_tree = Some(tree);
             }
             plans.push(shown_plan);

@@ -1,9 +1,8 @@
 use std::path::Path;
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use cranny_file::counted;
-use cranny_plan::{Observer, Outcome, Registry};
+use cranny_plan::{Observer, Registry};
 use cranny_record::PlanFile;
 use cranny_solve::{Answer, Request, solve};
 use cranny_task::Problem;
@@ -21,21 +20,18 @@ pub fn replay(
     plan: &PlanFile,
     problem: &Problem,
     registry: &Registry,
-    stop: &Arc<AtomicBool>,
     output: Output,
 ) -> Result<TreeRecording, Failure> {
     let mut watched = Watched {
         recording: TreeRecording::new(problem.robot().clone(), TreeRecording::MOST_NODES),
-        progress: SearchProgress::new(output.quiet, stop.clone()),
+        progress: SearchProgress::new(output.quiet, Arc::default()),
     };
     let request = Request { registry: registry.clone(), ..plan.request() };
     let answer = solve(problem, &request, &mut watched)?;
     watched.progress.finish();
     let recording = watched.recording;
     let note = |text: String| text::note(&format!("{}: {text}", file.display()));
-    if answer.outcome == Outcome::Cancelled {
-        note("its search was stopped; the trees end there".to_owned())?;
-    } else if plan.optimisation.is_some() {
+    if plan.optimisation.is_some() {
         note("the trees are those of its first search; later searches improved the path".to_owned())?;
     } else if !is_same(plan, &answer) {
         note(format!(
@@ -58,7 +54,8 @@ fn is_same(plan: &PlanFile, answer: &Answer) -> bool {
         && answer.waypoints().iter().map(bits).eq(plan.waypoints.iter().map(bits))
 }
 
-/// Observer that records the trees, shows the progress and stops on Ctrl-C.
+/// Observer that records the trees and shows the progress. Ctrl-C ends the program: a page with incomplete trees would
+/// pass for a complete one.
 struct Watched {
     recording: TreeRecording,
     progress: SearchProgress,
@@ -71,9 +68,5 @@ impl Observer for Watched {
 
     fn progress(&mut self, iterations: u64) {
         self.progress.progress(iterations);
-    }
-
-    fn should_stop(&self) -> bool {
-        self.progress.should_stop()
     }
 }

@@ -1,13 +1,14 @@
 //! Files and folders that are written atomically.
 //!
 //! All content is written next to its destination under a hidden name (`.NAME.PID.partial`) and renamed when it is complete. A
-//! failure before that (a full disk, a quota) leaves nothing behind and does not change what existed there.
+//! failure before that (a full disk, a quota, Ctrl-C) leaves nothing behind and does not change what existed there.
 
 use std::fs::{self, File};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use crate::ScenarioError;
+use crate::files::temporary::Temporary;
 
 /// Writes a file atomically. If `path` is a link, its target is replaced and the link stays.
 ///
@@ -16,18 +17,14 @@ use crate::ScenarioError;
 pub fn write_whole_file(path: &Path, content: &[u8]) -> Result<(), ScenarioError> {
     let unwritable = |reason| ScenarioError::Unwritable { path: path.to_owned(), reason };
     let place = place_of(path).map_err(unwritable)?;
-    let partial = partial_of(&place);
-    let written = File::create(&partial)
+    let partial = Temporary::at(partial_of(&place));
+    let written = File::create(partial.path())
         .and_then(|mut file| {
             file.write_all(content)?;
             file.sync_all()
         })
-        .and_then(|()| fs::rename(&partial, &place));
-    written.map_err(|reason| {
-        // Removes the remainder of a failed attempt; a failure to remove it is not reported.
-        let _ = fs::remove_file(&partial);
-        unwritable(reason)
-    })
+        .and_then(|()| partial.settle(|partial| fs::rename(partial, &place)));
+    written.map_err(unwritable)
 }
 
 /// Checks that a file can be written at `path`, without touching an existing file.
@@ -36,8 +33,8 @@ pub fn write_whole_file(path: &Path, content: &[u8]) -> Result<(), ScenarioError
 /// As [`write_whole_file`].
 pub fn check_writable(path: &Path) -> Result<(), ScenarioError> {
     let unwritable = |reason| ScenarioError::Unwritable { path: path.to_owned(), reason };
-    let partial = partial_of(&place_of(path).map_err(unwritable)?);
-    File::create(&partial).and_then(|_| fs::remove_file(&partial)).map_err(unwritable)
+    let partial = Temporary::at(partial_of(&place_of(path).map_err(unwritable)?));
+    File::create(partial.path()).map(|_| ()).map_err(unwritable)
 }
 
 /// Checks that a folder can be created at `place`: it does not exist, or is an empty folder.
@@ -73,17 +70,15 @@ pub fn write_whole_folder<T>(
     // The topmost new folder: all folders below it appear with it.
     let is_new = |path: &&Path| !path.as_os_str().is_empty() && !path.exists();
     let top = place.ancestors().take_while(is_new).last().unwrap_or(&place);
-    let partial = partial_of(top);
-    let inside = place.strip_prefix(top).map_or_else(|_| partial.clone(), |below| partial.join(below));
-    let written = fs::create_dir_all(&inside)
-        .map_err(unwritable)
-        .and_then(|()| fill(&inside))
-        .and_then(|filled| put_in_place(&partial, top).map(|()| filled).map_err(unwritable));
-    written.map_err(|fault| {
-        // The remainder is removed as for a file.
-        let _ = fs::remove_dir_all(&partial);
-        moved(fault, &inside, &place)
-    })
+    let partial = Temporary::at(partial_of(top));
+    let inside = place
+        .strip_prefix(top)
+        .map_or_else(|_| partial.path().to_owned(), |below| partial.path().join(below));
+    let written =
+        fs::create_dir_all(&inside).map_err(unwritable).and_then(|()| fill(&inside)).and_then(|filled| {
+            partial.settle(|partial| put_in_place(partial, top)).map(|()| filled).map_err(unwritable)
+        });
+    written.map_err(|fault| moved(fault, &inside, &place))
 }
 
 /// Renames a folder to a free path, or to an empty folder, which not every system lets a rename replace.

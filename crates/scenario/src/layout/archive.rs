@@ -20,7 +20,8 @@ use crate::layout::own;
 use crate::layout::own_file::{AboutEntry, ScenarioFile};
 use crate::robot::in_folder::{RobotInFolder, is_named_by_place};
 use crate::{
-    BuiltinRobot, OpenOptions, Scenario, ScenarioError, scenario, write_whole_file, write_whole_folder,
+    BuiltinRobot, OpenOptions, Scenario, ScenarioError, Temporary, scenario, write_whole_file,
+    write_whole_folder,
 };
 
 const MANIFEST: &str = "manifest.json";
@@ -113,7 +114,7 @@ pub fn unpack(archive: &Path, folder: &Path) -> Result<Vec<String>, ScenarioErro
 /// Checks that the files form a complete scenario in a folder of their own.
 fn open_alone(id: &str, contents: &BTreeMap<String, Vec<u8>>) -> Result<(), ScenarioError> {
     let unwritable = |reason| ScenarioError::Unwritable { path: std::env::temp_dir(), reason };
-    let root = tempfile::tempdir().map_err(unwritable)?;
+    let root = Temporary::folder().map_err(unwritable)?;
     let folder = root.path().join(id);
     write_all(&folder, contents)?;
     Scenario::open(&folder.to_string_lossy(), &OpenOptions::default()).map(|_| ())
@@ -139,7 +140,7 @@ fn bring_robot(
 
 /// Temporary folder with the content of an archive; it is removed on drop.
 pub(crate) struct Unpacked {
-    root: tempfile::TempDir,
+    root: Temporary,
     id: String,
 }
 
@@ -151,7 +152,7 @@ impl Unpacked {
     fn of(archive: &Path, bytes: &[u8]) -> Result<Self, ScenarioError> {
         let contents = read(archive, bytes)?;
         let unwritable = |reason| ScenarioError::Unwritable { path: std::env::temp_dir(), reason };
-        let root = tempfile::tempdir().map_err(unwritable)?;
+        let root = Temporary::folder().map_err(unwritable)?;
         let id = archive.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let unpacked = Self { root, id };
         write_all(&unpacked.folder(), &contents)?;

@@ -1,3 +1,5 @@
+use std::collections::BTreeMap;
+
 use cranny_file::distinct;
 use cranny_grasp::Grasp;
 use cranny_robot::Robot;
@@ -50,14 +52,11 @@ impl GraspFailure {
 
     /// Returns the number of grasps that failed for each reason, most frequent first.
     pub fn counted(failures: &[Self]) -> Vec<(String, usize)> {
-        let mut counts: Vec<(String, usize)> = Vec::new();
+        let mut known: BTreeMap<String, usize> = BTreeMap::new();
         for failure in failures {
-            let reason = failure.reason.sentence();
-            match counts.iter_mut().find(|(known, _)| *known == reason) {
-                Some((_, count)) => *count += 1,
-                None => counts.push((reason, 1)),
-            }
+            *known.entry(failure.reason.sentence()).or_default() += 1;
         }
+        let mut counts: Vec<(String, usize)> = known.into_iter().collect();
         counts.sort_by(|(a, m), (b, n)| n.cmp(m).then_with(|| a.cmp(b)));
         counts
     }

@@ -1,4 +1,5 @@
 use std::borrow::Cow;
+use std::collections::HashMap;
 
 use cranny_collision::{Cell, Closest, Collider};
 use cranny_robot::Hold;
@@ -45,6 +46,7 @@ impl ClearanceProfile {
         places.dedup();
         let (mut closest, mut names, mut name_indices) = (Vec::new(), Vec::new(), Vec::new());
         let mut apart_m = Vec::new();
+        let mut known: HashMap<(String, String), usize> = HashMap::new();
         for Stretch { cell, places } in stretches(path, cell, states, &places) {
             let nearest = places.par_iter().map_init(
                 || cell.scratch(),
@@ -58,11 +60,11 @@ impl ClearanceProfile {
             apart_m.extend(apart);
             let name = |collider: Collider| cell.name(collider).to_owned();
             for pair in nearest.iter().map(|pair| (name(pair.first), name(pair.second))) {
-                let known = names.iter().position(|other| *other == pair).unwrap_or_else(|| {
-                    names.push(pair);
+                let index = *known.entry(pair).or_insert_with_key(|pair| {
+                    names.push(pair.clone());
                     names.len() - 1
                 });
-                name_indices.push(number_row::index(known));
+                name_indices.push(number_row::index(index));
             }
             closest.extend(nearest);
         }

@@ -1,3 +1,5 @@
+use std::collections::HashMap;
+
 use cranny_collision::Body;
 use cranny_shape::TriangleSoup;
 use cranny_spatial::Pose;
@@ -82,7 +84,7 @@ impl Scene {
         let BodyRecording { name, times_s, world_from_floor, bodies } = recording;
         let mut scene = Self { name: name.clone(), world_from_floor: *world_from_floor, ..Self::default() };
         let is_obstacle = |body: &&MovingBody| body.world_from_body.len() == 1 && !body.is_grasped;
-        let mut kinds = Vec::new();
+        let mut kinds = HashMap::new();
         for (index, body) in bodies.iter().filter(is_obstacle).enumerate() {
             let pieces = scene.obstacle(&body.name, &body.surface, &mut kinds);
             scene.add_body(body, pieces, Role::Obstacle(index));

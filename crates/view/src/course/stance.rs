@@ -1,4 +1,5 @@
 use std::borrow::Cow;
+use std::collections::HashMap;
 
 use cranny_robot::{Hold, Link, LinkFrames, Robot};
 use cranny_spatial::{Point, Pose};
@@ -18,6 +19,8 @@ struct Carrying<'a> {
     tip_from_held: Pose,
     /// Displacement of the object after the set-down.
     placed: Option<Pose>,
+    /// Index of the previous carry of the same object.
+    before: Option<usize>,
 }
 
 /// Poses of robot and objects at an instant.
@@ -32,12 +35,14 @@ pub(crate) struct Placed {
 
 impl<'a> Stance<'a> {
     pub fn of(robot: &'a Robot, carries: &'a [CarriedObjectMotion]) -> Self {
-        let carrying = |shown: &'a CarriedObjectMotion| {
+        let mut known: HashMap<&str, usize> = HashMap::new();
+        let carrying = |(index, shown): (usize, &'a CarriedObjectMotion)| {
             let tip_from_held = robot.frames_at(&shown.grasp).link(robot.tip()).inverse();
             let put_down = |q: &Vec<f64>| robot.frames_at(q).link(robot.tip()) * tip_from_held;
-            Carrying { shown, tip_from_held, placed: shown.placed.as_ref().map(put_down) }
+            let before = known.insert(&shown.object, index);
+            Carrying { shown, tip_from_held, placed: shown.placed.as_ref().map(put_down), before }
         };
-        let all = carries.iter().map(carrying).collect();
+        let all = carries.iter().enumerate().map(carrying).collect();
         let robot =
             carries.first().map_or(Cow::Borrowed(robot), |carry| Cow::Owned(robot.holding(&carry.object)));
         Self { frames: robot.frames(), robot, carries: all }
@@ -69,11 +74,11 @@ impl<'a> Stance<'a> {
             carried: {
                 let mut carried: Vec<Pose> = carries.iter().map(moved).collect();
                 // An object that is carried again begins where it was set down before.
-                for later in 1..carries.len() {
-                    let object = &carries[later].shown.object;
-                    let before = carries[..later].iter().rposition(|carry| carry.shown.object == *object);
-                    let moved_before = before.map_or_else(Pose::identity, |before| carried[before]);
-                    carried[later] *= moved_before;
+                for (later, Carrying { before, .. }) in carries.iter().enumerate() {
+                    if let Some(before) = before {
+                        let moved_before = carried[*before];
+                        carried[later] *= moved_before;
+                    }
                 }
                 carried
             },

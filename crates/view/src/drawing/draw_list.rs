@@ -32,6 +32,7 @@ pub(crate) struct DrawTriangle {
 pub(crate) const UNLINED: u32 = 3_000_000;
 
 /// Instance of a mesh piece.
+#[derive(Clone)]
 pub(crate) struct Surface {
     pub material: Material,
     /// Number of the thing it belongs to; outlines are drawn between things.
@@ -66,6 +67,21 @@ impl DrawList {
                 self.triangles.push(DrawTriangle { corners, surface, facing });
             }
         }
+    }
+
+    /// Appends all surfaces of another list.
+    pub fn append(&mut self, other: &Self) {
+        let count = |items: usize| u32::try_from(items).unwrap_or(u32::MAX);
+        let (first, surface) = (count(self.positions.len()), count(self.surfaces.len()));
+        self.positions.extend_from_slice(&other.positions);
+        self.normals.extend_from_slice(&other.normals);
+        self.colours.extend_from_slice(&other.colours);
+        self.surfaces.extend_from_slice(&other.surfaces);
+        self.triangles.extend(other.triangles.iter().map(|triangle| DrawTriangle {
+            corners: triangle.corners.map(|corner| corner + first),
+            surface: triangle.surface + surface,
+            facing: triangle.facing,
+        }));
     }
 
     pub fn corners(&self, triangle: usize) -> [&DrawPoint; 3] {

@@ -84,7 +84,7 @@ impl Scene {
         (low.cast(), (reach_m as f32).max(0.01))
     }
 
-    /// Returns the nodes of obstacles between the eye and the target, the robot, or the path of its gripper.
+    /// Returns the nodes of obstacles between the eye and the target, the robot, or the path of its gripper, in ascending order.
     pub(crate) fn hiding(&self, camera: &Camera) -> Vec<usize> {
         let poses = self.world_from_nodes(None);
         let mut wanted: Vec<Point> = Vec::new();
@@ -114,11 +114,14 @@ impl Scene {
             let stride = (motion.gripper_path.len() / PATH_POINTS).max(1);
             wanted.extend(motion.gripper_path.iter().rev().step_by(stride));
         }
+        let stride = wanted.len().div_ceil(MOST_WANTED).max(1);
+        let wanted: Vec<Point> = wanted.into_iter().step_by(stride).collect();
         let hides = |(index, node): &(usize, &Node)| {
             let (Role::Obstacle(_), Some(mesh)) = (node.role, node.mesh) else { return false };
             let Some(around) = mesh_box(&self.meshes[mesh]) else { return false };
-            let eye = poses[*index].inverse() * camera.eye;
-            wanted.iter().any(|point| is_crossed(&around, &eye, &(poses[*index].inverse() * point)))
+            let node_from_world = poses[*index].inverse();
+            let eye = node_from_world * camera.eye;
+            wanted.iter().any(|point| is_crossed(&around, &eye, &(node_from_world * point)))
         };
         self.nodes.iter().enumerate().filter(hides).map(|(index, _)| index).collect()
     }
@@ -159,6 +162,10 @@ const NEAR_M: f64 = 0.3;
 
 /// Number of sampled points of the gripper path that should be visible.
 const PATH_POINTS: usize = 12;
+
+/// Maximum number of points that should be visible, so that a robot of many links, or a target of many components, among many
+/// obstacles takes no more time than others: ten times those of a usual scene.
+const MOST_WANTED: usize = 256;
 
 /// Returns the bounding box of a mesh; `None` for a mesh without corners.
 fn mesh_box(mesh: &Mesh) -> Option<Aabb> {

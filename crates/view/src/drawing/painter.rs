@@ -11,7 +11,7 @@ pub(crate) struct Painter<'a> {
 }
 
 /// Translucency of a thing.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Translucency {
     /// Share of the light behind it that it blocks where seen head-on.
     pub opacity: f32,

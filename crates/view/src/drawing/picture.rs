@@ -6,7 +6,7 @@ use crate::drawing::draw_list::{DrawList, DrawVector, Lens, UNLINED};
 use crate::drawing::ground::Ground;
 use crate::drawing::light::Light;
 use crate::drawing::painter::{Painter, Translucency};
-use crate::drawing::sample_buffer::SampleBuffer;
+use crate::drawing::sample_buffer::{Region, SampleBuffer};
 use crate::look::colour::ScreenTable;
 use crate::scene::Role;
 use crate::{Camera, Colour, Material, Scene, StandardView, ViewError};
@@ -113,9 +113,10 @@ impl Picture {
         painter.paint_solid(&stage.solid, &buffer, &mut canvas);
         // 4. Blend translucent things from the farthest on, each at most once per ray.
         let depth = buffer.nearness.clone();
+        let mut region = Region::whole(&buffer);
         for (list, translucency) in &stage.translucent {
-            buffer.restart(&depth);
-            let region = buffer.draw(list, &lens);
+            buffer.restart(&depth, &region);
+            region = buffer.draw(list, &lens);
             painter.paint_translucent(list, &buffer, &region, *translucency, &mut canvas);
         }
         // 5. Convert light to screen values.
@@ -204,7 +205,7 @@ impl Stage {
             let thing = thing_of(index, node.role);
             let pose = &world_from_nodes[index];
             let is_glass = mesh.pieces.iter().any(|piece| scene.materials[piece.material].opacity < 1.0);
-            if hiding.contains(&index) || is_glass {
+            if hiding.binary_search(&index).is_ok() || is_glass {
                 let mut list = DrawList::default();
                 list.add(mesh, pose, thing, &scene.materials, Material::clone);
                 let opacity = if is_glass { scene.opacity(mesh) } else { GLASS_OPACITY };
@@ -246,9 +247,29 @@ impl Stage {
             translucent.push((far, list, translucency));
         }
         translucent.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let translucent = translucent.into_iter().map(|(_, list, look)| (list, look)).collect();
-        Self { solid, translucent }
+        let layers = translucent.into_iter().map(|(_, list, look)| (list, look)).collect();
+        Self { solid, translucent: joined(layers) }
     }
+}
+
+/// Maximum number of translucent things of equal translucency that are drawn one by one: each may cover the whole picture.
+const MOST_LAYERS: usize = 256;
+
+/// Joins consecutive layers of equal translucency if there are too many. Things of one layer do not show through each other.
+fn joined(layers: Vec<(DrawList, Translucency)>) -> Vec<(DrawList, Translucency)> {
+    let at_once = layers.len().div_ceil(MOST_LAYERS);
+    let mut joined: Vec<(DrawList, Translucency)> = Vec::new();
+    let mut count = 0;
+    for (list, look) in layers {
+        if let Some((known, _)) = joined.last_mut().filter(|(_, known)| *known == look && count < at_once) {
+            known.append(&list);
+            count += 1;
+        } else {
+            joined.push((list, look));
+            count = 1;
+        }
+    }
+    joined
 }
 
 /// Number of the thing that a node belongs to: outlines are drawn between links, and around whole bodies.
@@ -260,4 +281,20 @@ fn thing_of(node: usize, role: Role) -> u32 {
         Role::Link(_) => node,
     };
     u32::try_from(whole).unwrap_or(u32::MAX)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn many_translucent_things_become_few_layers_of_one_look() {
+        let look = |opacity| Translucency { opacity, rim: GLASS_RIM, has_edges: true };
+        let layers = |count: usize, opacity| (0..count).map(move |_| (DrawList::default(), look(opacity)));
+        assert_eq!(joined(layers(MOST_LAYERS, 0.5).collect()).len(), MOST_LAYERS);
+        let many: Vec<_> = layers(100_000, 0.5).chain(layers(1, 0.25)).chain(layers(100_000, 0.5)).collect();
+        let few = joined(many);
+        assert!(few.len() <= MOST_LAYERS + 2, "{}", few.len());
+        assert_eq!(few.iter().filter(|(_, own)| *own == look(0.25)).count(), 1);
+    }
 }

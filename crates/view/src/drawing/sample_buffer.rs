@@ -33,14 +33,19 @@ impl SampleBuffer {
         Self { width, height, offsets, nearness: vec![0.0; count], triangle: vec![NOTHING; count] }
     }
 
-    /// Copies the depths of another buffer without its triangles, slightly reduced, so that coincident things stay hidden.
-    pub fn restart(&mut self, nearness: &[f32]) {
+    /// Copies the depths of another buffer in a region without its triangles, slightly reduced, so that coincident things stay
+    /// hidden.
+    pub fn restart(&mut self, nearness: &[f32], region: &Region) {
         /// Factor of the reciprocal depth: 3 mm at 3 m.
         const NEARER: f32 = 1.001;
-        for (own, given) in self.nearness.iter_mut().zip(nearness) {
-            *own = given * NEARER;
+        let samples = self.offsets.len();
+        for row in region.rows.start * samples..region.rows.end * samples {
+            let range = row * self.width + region.columns.start..row * self.width + region.columns.end;
+            for (own, given) in self.nearness[range.clone()].iter_mut().zip(&nearness[range.clone()]) {
+                *own = given * NEARER;
+            }
+            self.triangle[range].fill(NOTHING);
         }
-        self.triangle.fill(NOTHING);
     }
 
     /// Draws the floor from its reciprocal depth at the upper left corner and its increments to the right and down.
@@ -104,6 +109,11 @@ pub(crate) struct Region {
 }
 
 impl Region {
+    /// Returns the region of all pixels.
+    pub fn whole(buffer: &SampleBuffer) -> Self {
+        Self { rows: 0..buffer.height, columns: 0..buffer.width }
+    }
+
     fn none(buffer: &SampleBuffer) -> Self {
         Self { rows: buffer.height..0, columns: buffer.width..0 }
     }

@@ -1,4 +1,4 @@
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 use cranny_shape::{PaintedPiece, TriangleSoup};
 use cranny_spatial::nalgebra::Vector3;
@@ -32,6 +32,13 @@ pub struct MeshPiece {
 
 /// Cosine of the crease angle, 35°: faces that meet at a smaller angle form one smooth surface, as those of round solids (9°).
 const CREASE_COSINE: f32 = 0.819;
+
+/// Number of triangles around a point up to which each is compared with each other one; more are grouped by direction. No usual
+/// mesh has so many.
+const MOST_AROUND: usize = 128;
+
+/// Number of directions of a group along half an axis: groups are 14° wide, and there are some 300 at most.
+const DIRECTIONS: f32 = 4.0;
 
 impl MeshPiece {
     /// Creates a piece with normals that are smooth over flat angles and break at edges.
@@ -100,6 +107,9 @@ impl MeshPiece {
 
 /// Computes normals as the mean of the faces around a point within the crease angle of each face, weighted by their area.
 /// Corners with equal normals are shared.
+///
+/// Around a point of many triangles, the sum is over groups of triangles of similar direction, which belong to it or not as a
+/// whole. The work is thus proportional to the number of triangles, also if all of them meet in one point.
 fn smoothed(
     vertices: &[[f32; 3]],
     vertex_colours: &[Colour],
@@ -110,22 +120,23 @@ fn smoothed(
     let area_normals: Vec<Vector3<f32>> =
         triangles.iter().map(|&[a, b, c]| (point(b) - point(a)).cross(&(point(c) - point(a)))).collect();
     // Coincident vertices count as one, so that a soup of separate triangles is smooth too.
-    let mut places: HashMap<[u32; 3], Vec<usize>> = HashMap::new();
+    let mut normals_at: HashMap<[u32; 3], Vec<Vector3<f32>>> = HashMap::new();
     let place = |vertex: u32| vertices[vertex as usize].map(|x| (x + 0.0).to_bits());
-    for (triangle, corners) in triangles.iter().enumerate() {
+    for (corners, normal) in triangles.iter().zip(&area_normals) {
         for &corner in corners {
-            places.entry(place(corner)).or_default().push(triangle);
+            normals_at.entry(place(corner)).or_default().push(*normal);
         }
+    }
+    for normals in normals_at.values_mut().filter(|normals| normals.len() > MOST_AROUND) {
+        *normals = by_direction(normals);
     }
     let mut piece = MeshPiece { material, ..MeshPiece::default() };
     let mut known: HashMap<(u32, [u32; 3]), u32> = HashMap::new();
     for (triangle, corners) in triangles.iter().enumerate() {
         let Some(face) = area_normals[triangle].try_normalize(0.0) else { continue };
         let corners = corners.map(|corner| {
-            let around = &places[&place(corner)];
-            let sum: Vector3<f32> = around
+            let sum: Vector3<f32> = normals_at[&place(corner)]
                 .iter()
-                .map(|&other| &area_normals[other])
                 .filter(|normal| normal.dot(&face) >= CREASE_COSINE * normal.norm())
                 .sum();
             let normal: [f32; 3] = sum.try_normalize(0.0).unwrap_or(face).into();
@@ -138,11 +149,64 @@ fn smoothed(
     piece
 }
 
+/// Returns the sums of the normals in each group of similar directions.
+fn by_direction(normals: &[Vector3<f32>]) -> Vec<Vector3<f32>> {
+    // Ordered, so that the sums are the same on every machine.
+    let mut sums: BTreeMap<[u32; 3], Vector3<f32>> = BTreeMap::new();
+    for normal in normals {
+        let Some(direction) = normal.try_normalize(0.0) else { continue };
+        let group = <[f32; 3]>::from(direction).map(|x| ((x * DIRECTIONS).round() + 0.0).to_bits());
+        *sums.entry(group).or_default() += normal;
+    }
+    sums.into_values().collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use cranny_shape::Surface;
-    use cranny_spatial::Vector;
+    use cranny_spatial::{Vector, sin_cos};
+
+    /// Returns a cone along z about its tip at the origin, or a disk if it has no depth.
+    fn cone(triangles: u32, depth: f64) -> TriangleSoup {
+        let corner = |index: u32| {
+            let angle = std::f64::consts::TAU * f64::from(index % triangles) / f64::from(triangles);
+            let (sine, cosine) = sin_cos(angle);
+            Point::new(cosine, sine, -depth)
+        };
+        let tip = Point::origin();
+        TriangleSoup {
+            vertices: std::iter::once(tip).chain((0..triangles).map(corner)).collect(),
+            triangles: (0..triangles).map(|index| [0, index + 1, (index + 1) % triangles + 1]).collect(),
+        }
+    }
+
+    /// Without groups, these triangles in one point would be compared 10¹¹ times.
+    #[test]
+    fn a_point_of_many_triangles_takes_little_work() {
+        let count = 300_000;
+        let disk = MeshPiece::of_soup(&cone(count, 0.0), 0);
+        assert_eq!((disk.positions.len(), disk.triangles.len()), (300_001, 300_000));
+        assert!(disk.normals.iter().all(|normal| normal[2] > 0.999));
+    }
+
+    #[test]
+    fn the_normals_of_groups_are_near_those_of_single_triangles() {
+        let count = 1000_u32;
+        let piece = MeshPiece::of_soup(&cone(count, 1.0), 0);
+        let normals: Vec<Vector3<f32>> = piece
+            .triangles
+            .iter()
+            .map(|corners| corners.map(|corner| Vector3::from(piece.positions[corner as usize])))
+            .map(|[a, b, c]| (b - a).cross(&(c - a)).normalize())
+            .collect();
+        for (corners, face) in piece.triangles.iter().zip(&normals) {
+            let around = normals.iter().filter(|normal| normal.dot(face) >= CREASE_COSINE);
+            let expected = around.sum::<Vector3<f32>>().normalize();
+            let cosine = Vector3::from(piece.normals[corners[0] as usize]).dot(&expected);
+            assert!(cosine > 0.97, "{cosine}");
+        }
+    }
 
     #[test]
     fn a_box_has_sharp_edges_and_a_ball_is_smooth() {

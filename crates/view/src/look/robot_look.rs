@@ -1,4 +1,5 @@
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::path::PathBuf;
 
 use cranny_robot::{Link, LinkForm, LinkVisual, Robot};
@@ -38,14 +39,16 @@ fn link_mesh(
         .iter()
         .partition(|visual| visual.blend_m > 0.0 && !matches!(visual.form, LinkForm::Mesh { .. }));
     // There is one solid for each colour, in order of appearance.
-    let mut colours: Vec<Option<[f64; 4]>> = melting.iter().map(|visual| visual.colour).collect();
-    colours.dedup();
-    for (index, colour) in colours.iter().enumerate() {
-        if colours[..index].contains(colour) {
-            continue;
-        }
-        let own = melting.iter().filter(|visual| visual.colour == *colour);
-        let primitives: Vec<Primitive> = own.filter_map(|visual| Primitive::of(visual)).collect();
+    let mut solids: Vec<(Option<[f64; 4]>, Vec<Primitive>)> = Vec::new();
+    let mut known: HashMap<Option<[u64; 4]>, usize> = HashMap::new();
+    for visual in melting {
+        let solid = *known.entry(visual.colour.map(|colour| colour.map(f64::to_bits))).or_insert_with(|| {
+            solids.push((visual.colour, Vec::new()));
+            solids.len() - 1
+        });
+        solids[solid].1.extend(Primitive::of(visual));
+    }
+    for (colour, primitives) in solids {
         let material = scene.material(plastic(colour.unwrap_or_default(), colour.is_none()));
         pieces.push(melted(&primitives, material));
     }
@@ -73,9 +76,9 @@ fn visual_pieces(
                     tried: candidates.clone(),
                 });
             };
-            let mesh = match files.get(path) {
-                Some(known) => known.clone(),
-                None => PaintedMesh::load(path, *scale)?,
+            let mesh = match files.entry(path.clone()) {
+                Entry::Occupied(known) => known.into_mut(),
+                Entry::Vacant(new) => new.insert(PaintedMesh::load(path, *scale)?),
             };
             let pieces = mesh.pieces.iter().map(|piece| {
                 let colour = piece.colour.map(|colour| colour.map(f64::from));
@@ -86,9 +89,7 @@ fn visual_pieces(
                 };
                 placed(MeshPiece::of_painted(piece, material), &visual.link_from_visual)
             });
-            let pieces = pieces.collect();
-            files.insert(path.clone(), mesh);
-            return Ok(pieces);
+            return Ok(pieces.collect());
         }
         LinkForm::Cuboid { size } if visual.rounding_m > 0.0 => {
             rounded::cuboid(&(size * 0.5), visual.rounding_m, material)
@@ -139,13 +140,14 @@ pub(crate) fn placed(mut piece: MeshPiece, target_from_piece: &Pose) -> MeshPiec
 /// Merges pieces of one material and drops empty ones.
 pub(crate) fn by_material(pieces: Vec<MeshPiece>) -> Vec<MeshPiece> {
     let mut merged: Vec<MeshPiece> = Vec::new();
+    let mut known: HashMap<(usize, bool), usize> = HashMap::new();
     for piece in pieces.into_iter().filter(|piece| !piece.triangles.is_empty()) {
-        let same = |other: &&mut MeshPiece| {
-            other.material == piece.material && other.colours.is_empty() == piece.colours.is_empty()
-        };
-        match merged.iter_mut().find(same) {
-            Some(known) => known.append(&piece),
-            None => merged.push(piece),
+        match known.entry((piece.material, piece.colours.is_empty())) {
+            Entry::Occupied(known) => merged[*known.get()].append(&piece),
+            Entry::Vacant(new) => {
+                new.insert(merged.len());
+                merged.push(piece);
+            }
         }
     }
     merged

@@ -125,7 +125,7 @@ impl PageData {
     /// # Errors
     /// [`ViewError::PageData`] for a number that JSON cannot represent.
     pub fn to_json(&self) -> Result<Vec<u8>, ViewError> {
-        self.served(false, None)
+        serde_json::to_vec(self).map_err(|reason| ViewError::PageData { reason })
     }
 
     /// Serializes the document of a served page. `is_live` is true if the server answers verdict requests; `feed` is the number

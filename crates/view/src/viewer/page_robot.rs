@@ -1,4 +1,6 @@
-use cranny_robot::{HandJoint, JointKind, Robot};
+use std::collections::HashMap;
+
+use cranny_robot::{HandJoint, JointKind, LinkFrames, Robot};
 use cranny_scenario::Scenario;
 use cranny_spatial::Pose;
 use serde::Serialize;
@@ -54,7 +56,7 @@ impl PageRobot {
         let link = |link: &cranny_robot::Link| PageLink { name: link.name.clone(), parent: link.parent };
         Self {
             links: robot.links().iter().map(link).collect(),
-            joints: (1..robot.links().len()).filter_map(|child| PageJoint::above(robot, child)).collect(),
+            joints: PageJoint::all(robot),
             tip: robot.tip(),
             start: scenario.start.clone(),
         }
@@ -62,11 +64,27 @@ impl PageRobot {
 }
 
 impl PageJoint {
-    /// Returns the joint between a link and its parent; `None` for the root. The pose at 0 includes the constant offset of a
-    /// mimic joint, so that every offset is 0.
-    fn above(robot: &Robot, child: usize) -> Option<Self> {
-        let parent = robot.links()[child].parent?;
+    /// Returns the joints between links and their parents. The pose at 0 includes the constant offset of a mimic joint, so that
+    /// every offset is 0.
+    fn all(robot: &Robot) -> Vec<Self> {
         let at_zero = robot.frames();
+        let names: HashMap<usize, &str> =
+            robot.joints().iter().map(|joint| (joint.child_link, joint.name.as_str())).collect();
+        let of_hand = robot.hand().into_iter().flat_map(|hand| &hand.joints);
+        let fingers: HashMap<usize, &HandJoint> = of_hand.map(|joint| (joint.link, joint)).collect();
+        let above = |child| Self::above(robot, child, &at_zero, &names, &fingers);
+        (1..robot.links().len()).filter_map(above).collect()
+    }
+
+    /// Returns the joint between a link and its parent; `None` for the root.
+    fn above(
+        robot: &Robot,
+        child: usize,
+        at_zero: &LinkFrames,
+        names: &HashMap<usize, &str>,
+        fingers: &HashMap<usize, &HandJoint>,
+    ) -> Option<Self> {
+        let parent = robot.links()[child].parent?;
         let parent_from_child = at_zero.link(parent).inv_mul(at_zero.link(child));
         let fixed = Self {
             name: robot.links()[child].name.clone(),
@@ -82,8 +100,7 @@ impl PageJoint {
             stroke: None,
         };
         let Some(mover) = robot.ancestors(child).last().filter(|mover| mover.child_link == child) else {
-            let mut joints = robot.hand().into_iter().flat_map(|hand| &hand.joints);
-            return Some(match joints.find(|joint| joint.link == child) {
+            return Some(match fingers.get(&child) {
                 Some(HandJoint { kind, axis_in_link, stroke, .. }) => Self {
                     kind: kind_name(*kind),
                     axis: (*axis_in_link).into(),
@@ -93,10 +110,9 @@ impl PageJoint {
                 None => fixed,
             });
         };
-        let own = robot.joints().iter().find(|joint| joint.child_link == child);
         let limits = &robot.limits()[mover.joint];
         Some(Self {
-            name: own.map_or(fixed.name, |joint| joint.name.clone()),
+            name: names.get(&child).map_or(fixed.name, |name| (*name).to_owned()),
             kind: kind_name(mover.kind),
             axis: mover.axis_in_child.into(),
             variable: Some(mover.joint),

@@ -8,9 +8,10 @@ use hyper::server::conn::http1;
 use hyper::service::service_fn;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::server::graceful::GracefulShutdown;
-use tokio::sync::Semaphore;
+use tokio::task::yield_now;
 use tokio::time::{sleep, timeout};
 
+use crate::viewer::open_connections::OpenConnections;
 use crate::viewer::page_answer::Served;
 use crate::viewer::page_limits::PageLimits;
 use crate::viewer::page_token::PageToken;
@@ -109,28 +110,39 @@ impl PageServer {
     }
 }
 
-/// Accepts connections within the limits.
+/// Maximum size of the head of a request in bytes, with all cookies of this machine's other servers.
+const MOST_HEAD_BYTES: usize = 64 * 1024;
+
+/// Accepts every connection at once, so that no client waits for others, and closes those beyond the limits.
 async fn accept(listener: tokio::net::TcpListener, served: Arc<Served>, under_way: Arc<GracefulShutdown>) {
     let limits = served.limits;
-    let places = Arc::new(Semaphore::new(limits.connections.max(1)));
+    let open = Arc::new(OpenConnections::new(limits.connections));
     // Each connection carries one request, so that a slow one delays only itself, and only it is cut.
     let mut protocol = http1::Builder::new();
     protocol.timer(TokioTimer::new()).header_read_timeout(limits.request).keep_alive(false);
-    while let Ok(place) = places.clone().acquire_owned().await {
+    protocol.max_buf_size(MOST_HEAD_BYTES);
+    loop {
         let Ok((stream, _)) = listener.accept().await else {
+            // The system may have no free descriptor.
+            open.close_one();
             sleep(PAUSE).await;
             continue;
         };
-        let served = served.clone();
+        let number = open.number();
+        let (served, requested, ended) = (served.clone(), open.clone(), open.clone());
         let answer = service_fn(move |request| {
+            requested.requested(number);
             let served = served.clone();
             async move { Ok::<_, Infallible>(served.answer(request).await) }
         });
         let connection = under_way.watch(protocol.serve_connection(TokioIo::new(stream), answer));
-        tokio::spawn(async move {
+        let task = tokio::spawn(async move {
             let _ = timeout(limits.connection, connection).await;
-            drop(place);
+            ended.ended(number);
         });
+        open.add(number, task.abort_handle());
+        // A request that has arrived is read before the next connection may displace it.
+        yield_now().await;
     }
 }
 

@@ -11,6 +11,9 @@ const NORMAL_GRID: f32 = 1.0 / 128.0;
 /// Cosine of 8°: coincident corners merge if their normals differ by less, as the faces of a cylinder of 40 faces do not.
 const SAME_COSINE: f32 = 0.99;
 
+/// Number of corners in one point with which others are compared: more than any usual mesh has. Further ones stay apart.
+const MOST_COMPARED: usize = 64;
+
 impl MeshPiece {
     /// Returns the surface with few corners and few digits, for transmission: many mesh files repeat each corner for each
     /// triangle. Triangles that vanish on the grid are left out.
@@ -31,7 +34,9 @@ impl MeshPiece {
             let index = here.iter().copied().find(is_same).unwrap_or_else(|| {
                 #[allow(clippy::cast_precision_loss, reason = "few enough digits for `f32`")]
                 let index = piece.push(place.map(|step| step as f32 * POSITION_GRID_M), *normal, colour);
-                here.push(index);
+                if here.len() < MOST_COMPARED {
+                    here.push(index);
+                }
                 index
             });
             welded.push(index);
