@@ -7,6 +7,7 @@
 //! | a changed file is noticed even if its times were set back | yes | yes | by its length and time alone |
 //! | a program is ended with its descendants | yes, however often it forked | those still in its group | it alone |
 //! | its memory is measured and limited | yes | no | no |
+//! | growth of this process's memory is measured | yes | no | no |
 //! | sandbox around it | Landlock, namespaces | none | none |
 //! | how it ended | signal or exit code | signal or exit code | exit code |
 //! | names of machine and processor | both | the machine's | both |
@@ -23,7 +24,7 @@ pub use file_kind::{is_stream, kind_name};
 pub use file_stamp::FileStamp;
 pub use machine::{machine_name, processor_name};
 pub use process::{
-    ProcessMemory, adopt_orphans, beginning, children, close_to_others, ending, is_killed, kill_group,
-    kill_process, lead_group, memory, reap,
+    PeakMemory, ProcessMemory, adopt_orphans, beginning, children, close_to_others, ending, is_killed,
+    kill_group, kill_process, lead_group, memory, own_memory, reap,
 };
 pub use walls::{SHARED_MEMORY, can_have_namespaces, has_file_walls, shared_memory_bytes, write_only_in};
