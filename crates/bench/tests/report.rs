@@ -90,6 +90,36 @@ fn a_search_that_iterations_cut_short_is_censored_where_it_stopped() {
     assert_eq!(row.median_iterations, Some(40.0));
 }
 
+/// With three of nine solved, a median would be that of the solved trials alone.
+#[test]
+fn what_a_program_states_of_its_iterations_or_does_to_its_worker_is_not_censored() {
+    for (outcome, iterations, says) in [
+        (TrialOutcome::BudgetExhausted, 1_000_000, None),
+        (TrialOutcome::GaveUp, 100, Some("whatever the program states about its iterations")),
+        (TrialOutcome::Killed, 0, Some("a signal killed their worker")),
+        (TrialOutcome::Undecided, 0, Some("the judge reached no verdict")),
+        (TrialOutcome::Cancelled, 0, None),
+        (TrialOutcome::Crashed, 0, None),
+    ] {
+        let mut campaign = plain();
+        campaign.trials.truncate(9);
+        for (index, trial) in campaign.trials.iter_mut().enumerate() {
+            let time_s = [0.02, 0.05, 0.07].get(index).copied();
+            end(trial, time_s.map_or(outcome, |_| TrialOutcome::Solved), time_s.unwrap_or(0.01));
+            trial.record.trial.settings = r#"{"exec":["sh","x.sh"],"files":{}}"#.to_owned();
+            trial.record.trial.iteration_limit = Some(100);
+            trial.record.statistics.iterations = if time_s.is_some() { 1 } else { iterations };
+        }
+        let summary = campaign.summary();
+        let row = &summary.rows[0];
+        assert_eq!((row.solved, row.median_s, row.median_iterations), (3, None, None), "{outcome:?}");
+        assert_near(row.restricted_mean_s.unwrap(), (0.14 + 60.0) / 9.0);
+        let warning = summary.warnings.iter().find(|warning| warning.starts_with("6 of 9 trials of reach "));
+        assert_eq!(warning.is_some(), says.is_some(), "{:?}", summary.warnings);
+        assert!(says.is_none_or(|says| warning.is_some_and(|warning| warning.contains(says))));
+    }
+}
+
 #[test]
 fn a_planner_that_counts_no_iterations_has_no_curve_over_them() {
     let mut campaign = plain();
@@ -423,10 +453,7 @@ proptest! {
     ) {
         let mut campaign = plain();
         for (trial, (outcome, time_s)) in campaign.trials.iter_mut().zip(ends) {
-            // A search that was cancelled, or killed with its worker, is censored too.
-            let outcome = TrialOutcome::VARIANTS[outcome];
-            let is_cut_short = matches!(outcome, TrialOutcome::Cancelled | TrialOutcome::Killed);
-            end(trial, if is_cut_short { TrialOutcome::GaveUp } else { outcome }, time_s);
+            end(trial, TrialOutcome::VARIANTS[outcome], time_s);
         }
         let summary = campaign.summary();
         let curve = summary.curves.iter().find(|curve| curve.over == Measure::Time).expect("a curve over time");

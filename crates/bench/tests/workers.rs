@@ -81,6 +81,27 @@ fn a_worker_that_eats_memory_is_ended() {
     }
 }
 
+/// Time and memory of the judge are not those of the planner.
+#[test]
+fn a_worker_that_is_lost_while_it_judges_leaves_its_trial_undecided() {
+    let searched = "read line; echo '\"opened\"'; echo '\"planned\"'; sleep 0.3; ";
+    for (outcome, detail) in outcomes(&format!("{searched}echo out of luck >&2; exit 3")) {
+        assert_eq!(outcome, TrialOutcome::Undecided, "{detail}");
+        assert_eq!(detail, "the judge gave no verdict: ended with exit code 3: out of luck");
+    }
+    for (outcome, detail) in outcomes(&format!("{searched}kill -9 $$")) {
+        assert_eq!(outcome, TrialOutcome::Killed, "{detail}");
+    }
+    #[cfg(target_os = "linux")]
+    {
+        let eating = "exec awk 'BEGIN {s = \"xxxxxxxxxxxxxxxx\"; while (1) s = s s}'";
+        for (outcome, detail) in outcomes(&format!("{searched}{eating}")) {
+            assert_eq!(outcome, TrialOutcome::Undecided, "{detail}");
+            assert!(detail.starts_with("the judge gave no verdict: held "), "{detail}");
+        }
+    }
+}
+
 #[test]
 fn a_worker_that_talks_nonsense_is_ended() {
     for (outcome, detail) in outcomes("read line; echo hello; sleep 1000") {

@@ -213,6 +213,48 @@ fn trials_of_killed_workers_are_run_again_when_asked() {
     );
 }
 
+/// Reports of a planner that solves some trials, and otherwise pretends that its iterations are spent, or kills its worker.
+#[test]
+fn nothing_is_gained_by_a_spent_budget_or_a_killed_worker() {
+    let pretence = "echo '{\"outcome\": \"budget-exhausted\", \"statistics\": {\"iterations\": 1000}}'\n";
+    for (text, outcome, says) in [
+        (pretence, TrialOutcome::GaveUp, "whatever the program states about its iterations"),
+        ("kill -9 $PPID\nsleep 5\n", TrialOutcome::Killed, "a signal killed their worker"),
+    ] {
+        let folder = folder();
+        let path = folder.path();
+        let planner = script(path, "cheat.sh", text);
+        let limits = ["--runs", "3", "--iterations", "1000", "--time-limit", "5"];
+        assert_eq!(run(path, &words(&planner, &limits)).status.code(), Some(0));
+        assert!(stored(path).iter().all(|trial| trial.record.outcome == outcome), "{:?}", stored(path));
+        let output = run(path, &["bench", "report", "results.db", "-o", "report.json"]);
+        assert_eq!(output.status.code(), Some(0), "{}", error(&output));
+        let report = std::fs::read_to_string(path.join("report.json")).expect("a report");
+        let report: serde_json::Value = serde_json::from_str(&report).expect("JSON");
+        assert_eq!(report["rows"][0]["restricted_mean_s"], 5.0, "{report}");
+        assert!(report["warnings"].to_string().contains(says), "{report}");
+    }
+}
+
+/// Judging such paths takes longer than all trials of a campaign.
+#[test]
+fn a_path_that_is_expensive_to_judge_is_refused_at_once() {
+    let many = "yes 0,0,0,0,0,0,0,0,0 | head -150000\n";
+    for trial in trials(many, &["--time-limit", "5"]) {
+        assert_eq!(trial.record.outcome, TrialOutcome::Garbled, "{}", said(&trial));
+        assert!(said(&trial).contains("150000 way points, but at most 10000"), "{}", said(&trial));
+    }
+    let far = "paste -sd, \"$1\"\necho 1000000,0,0,0,0,0,0,0,0\npaste -sd, \"$1\"\n";
+    let folder = folder();
+    let planner = script(folder.path(), "far.sh", far) + " {start}";
+    let output = run(folder.path(), &words(&planner, &["--time-limit", "5"]));
+    assert_eq!(output.status.code(), Some(0), "{}", error(&output));
+    for trial in stored(folder.path()) {
+        assert_eq!(trial.record.outcome, TrialOutcome::Rejected, "{}", said(&trial));
+        assert!(said(&trial).contains("beyond its limit"), "{}", said(&trial));
+    }
+}
+
 #[test]
 fn two_campaigns_do_not_write_one_file_and_either_can_be_told_to_end() {
     let folder = folder();

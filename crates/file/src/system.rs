@@ -5,9 +5,10 @@
 //! |---|---|---|---|
 //! | pipes, devices and sockets are distinguished from files | yes | yes | a pipe is read if a person names it |
 //! | a changed file is noticed even if its times were set back | yes | yes | by its length and time alone |
-//! | a program is ended with its descendants | yes, however often it forked | those still in its group | it alone |
+//! | a program is ended with its descendants | yes, however often it forked | those still in its group | no |
 //! | its memory is measured and limited | yes | no | no |
 //! | sandbox around it | Landlock, namespaces, filter of system calls | none | none |
+//! | growth of this process's memory is measured | yes | no | no |
 //! | how it ended | signal or exit code | signal or exit code | exit code |
 //! | names of machine and processor | both | the machine's | both |
 //!
@@ -29,7 +30,7 @@ pub use file_kind::{is_stream, kind_name};
 pub use file_stamp::FileStamp;
 pub use machine::{machine_name, processor_name};
 pub use process::{
-    ProcessMemory, adopt_orphans, beginning, children, close_to_others, ending, is_killed, kill_group,
-    kill_process, memory, reap, stop_process,
+    PeakMemory, ProcessMemory, adopt_orphans, beginning, children, close_to_others, ending, is_killed,
+    kill_group, kill_process, memory, own_memory, reap, stop_process,
 };
 pub use walls::{SHARED_MEMORY, can_have_namespaces, has_file_walls, shared_memory_bytes, write_only_in};

@@ -8,17 +8,19 @@ use cranny_task::{FoundGrasp, Goal, NotChecked, Problem, Validity};
 use rayon::prelude::*;
 use serde::Serialize;
 
+use crate::audit_limits::{first_violations, joint_offset};
 use crate::clearance_limit::ClearanceLimit;
 use crate::grasp_judge::GraspJudge;
 use crate::step::{RELEASED_STEP_M, Stepper};
-use crate::{Cause, GoalError, JointOffset, Location, PathError, PickAudit, Violation};
+use crate::{AuditLimits, Cause, GoalError, Location, PathError, PickAudit, Violation};
 
 /// Verdict on a path.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Audit {
     /// True if the path meets the criterion, that is, has no violation.
     pub valid: bool,
-    /// Violations in path order. The first thousand or so faulty edges list every pair in contact, further ones a single pair.
+    /// Violations in path order, up to [`AuditLimits::violations`] or a few more. The first thousand or so faulty edges list
+    /// every pair in contact, further ones a single pair. The edges of a path far beyond a joint limit are not judged.
     pub violations: Vec<Violation>,
     /// Error at the end of the path relative to the nearest grasp.
     pub goal: Option<GoalError>,
@@ -32,7 +34,8 @@ pub struct Audit {
     pub clearance_m: Option<f64>,
     /// Pair that limits the clearance; `None` if the clearance is 0, infinite, or not measured per edge.
     pub clearance_limit: Option<ClearanceLimit>,
-    /// Clearance of each edge in metres, a certified lower bound (`exact` only); 0 for an edge that is not proven.
+    /// Clearance of each edge in metres, a certified lower bound (`exact` only); 0 for an edge that is not proven. Empty if the
+    /// audit ended before the last edge.
     pub clearances_per_edge_m: Vec<Option<f64>>,
     /// Pairs in contact that were not checked (`exact` only). The verdict excludes these.
     pub not_checked: Vec<NotChecked>,
@@ -105,6 +108,8 @@ pub struct AuditSettings {
     pub at_goal: bool,
     /// Clearances to measure. Default: those of edges.
     pub clearances: Clearances,
+    /// Limits of the path and of the audit. Default: [`AuditLimits::default`].
+    pub limits: AuditLimits,
 }
 
 /// Clearances to measure in addition to the verdict, under the exact criterion.
@@ -123,7 +128,7 @@ const PATH_SHARE: f64 = 0.1;
 
 impl Default for AuditSettings {
     fn default() -> Self {
-        Self { at_goal: true, clearances: Clearances::OfEdges }
+        Self { at_goal: true, clearances: Clearances::OfEdges, limits: AuditLimits::default() }
     }
 }
 
@@ -140,7 +145,7 @@ pub fn audit(problem: &Problem, path: &[Vec<f64>]) -> Result<Audit, PathError> {
 /// not depend on `settings.clearances`, except that a measured clearance can refute the proof of its edge.
 ///
 /// 1. The path begins at the start.
-/// 2. Every way point is within the joint limits.
+/// 2. Every way point is within the joint limits; if one is more than 10 m or rad beyond, the audit ends here.
 /// 3. Under `exact` every edge is proven, for every pair of links that is free at any way point. Under `paper` every way point
 ///    except the first and the last (the released planners do not check a goal root) passes the released check, and no edge is
 ///    longer than the step of those planners.
@@ -149,35 +154,16 @@ pub fn audit(problem: &Problem, path: &[Vec<f64>]) -> Result<Audit, PathError> {
 ///
 /// # Errors
 /// [`TaskError::JointCount`](cranny_task::TaskError::JointCount) or [`TaskError::NotFinite`](cranny_task::TaskError::NotFinite)
-/// for a way point that is not a configuration of the robot, [`PathError::EmptyPath`] for a path without way points.
+/// for a way point that is not a configuration of the robot, [`PathError::EmptyPath`] for a path without way points,
+/// [`PathError::TooManyWayPoints`] and [`PathError::TooMuchTravel`] for a path beyond [`AuditSettings::limits`].
 pub fn audit_with(problem: &Problem, path: &[Vec<f64>], settings: AuditSettings) -> Result<Audit, PathError> {
-    for q in path {
-        problem.check_configuration("way point", q)?;
-    }
+    // 1. and 2.
+    let (mut violations, is_over) = first_violations(problem, path, settings.limits)?;
     let (Some(first), Some(last)) = (path.first(), path.last()) else { return Err(PathError::EmptyPath) };
-    let mut violations = Vec::new();
-    // 1.
-    let (joint_names, limits) = (problem.robot().joint_names(), problem.robot().limits());
-    let offset = |joint: usize, off: f64| {
-        let (joint, unit) = (joint_names[joint].clone(), limits[joint].unit);
-        JointOffset { joint, off, unit }
-    };
-    for (joint, (a, b)) in first.iter().zip(problem.start()).enumerate() {
-        let off = (a - b).abs();
-        if off > START_TOLERANCE {
-            violations.push(Violation::at_way_point(0, Cause::Start(offset(joint, off))));
-        }
+    if is_over {
+        return Ok(Audit::ended(problem, violations, settings));
     }
-    // 2.
-    for (way_point, q) in path.iter().enumerate() {
-        for (joint, (value, limits)) in q.iter().zip(limits).enumerate() {
-            let excess = (limits.lower - value).max(value - limits.upper);
-            if excess > 0.0 {
-                let cause = Cause::JointLimit(offset(joint, excess));
-                violations.push(Violation::at_way_point(way_point, cause));
-            }
-        }
-    }
+    let most = settings.limits.violations;
     // 3.
     let (mut clearances_per_edge_m, mut clearance_m, mut clearance_limit) = (Vec::new(), None, None);
     let mut not_checked = Vec::new();
@@ -193,10 +179,15 @@ pub fn audit_with(problem: &Problem, path: &[Vec<f64>], settings: AuditSettings)
             let single = [first.clone(), first.clone()];
             let path = if path.len() == 1 { &single[..] } else { path };
             let mut faulty = 0;
-            for begin in (0..path.len() - 1).step_by(EDGES_AT_ONCE) {
+            // A batch of one thread ends at the first violation.
+            let at_once = if most == 1 { EDGES_PER_THREAD } else { EDGES_AT_ONCE };
+            for begin in (0..path.len() - 1).step_by(at_once) {
+                if violations.len() >= most {
+                    break;
+                }
                 let detail = if faulty < MOST_DETAILED { Detail::EveryPair } else { Detail::FirstPair };
-                let edges = begin..(begin + EDGES_AT_ONCE).min(path.len() - 1);
-                for (found, measured) in judge_edges(cell, path, edges, settings.clearances, detail) {
+                let edges = begin..(begin + at_once).min(path.len() - 1);
+                for (found, measured) in judge_edges(cell, path, edges, settings, detail) {
                     let measured = measured.filter(|(least_m, _)| least_m.is_finite());
                     let least_m = measured.map(|(least_m, _)| least_m);
                     if let Some((least_m, nearest)) =
@@ -212,15 +203,23 @@ pub fn audit_with(problem: &Problem, path: &[Vec<f64>], settings: AuditSettings)
                     violations.extend(found.err().into_iter().flatten());
                 }
             }
+            if clearances_per_edge_m.len() < path.len() - 1 {
+                clearances_per_edge_m.clear();
+            }
             if settings.clearances == Clearances::OfPath {
-                let found = cell.path_clearance(path, PATH_SHARE, &mut cell.scratch());
-                clearance_m = Some(if faulty > 0 { 0.0 } else { found }).filter(|found| found.is_finite());
+                let is_proven = faulty == 0 && violations.len() < most;
+                let measured = || cell.path_clearance(path, PATH_SHARE, &mut cell.scratch());
+                clearance_m = Some(if is_proven { measured() } else { 0.0 });
+                clearance_m = clearance_m.filter(|found| found.is_finite());
             }
         }
         Validity::Paper { check, .. } => {
             let mut scratch = check.scratch();
             let mut stepper = Stepper::new(problem.robot());
             for (edge, pair) in path.windows(2).enumerate() {
+                if violations.len() >= most {
+                    break;
+                }
                 let moved_m = stepper.displacement_between(problem.robot(), &pair[0], &pair[1]);
                 if moved_m > RELEASED_STEP_M * (1.0 + 1e-9) {
                     let excess_m = moved_m - RELEASED_STEP_M;
@@ -228,6 +227,9 @@ pub fn audit_with(problem: &Problem, path: &[Vec<f64>], settings: AuditSettings)
                 }
             }
             for (way_point, q) in path.iter().enumerate().take(path.len() - 1).skip(1) {
+                if violations.len() >= most {
+                    break;
+                }
                 if problem.robot().within_limits(q) && !check.is_free(q, &mut scratch) {
                     violations.push(Violation::at_way_point(way_point, Cause::NotFree));
                 }
@@ -236,7 +238,8 @@ pub fn audit_with(problem: &Problem, path: &[Vec<f64>], settings: AuditSettings)
     }
     // 4.
     let end = End { way_point: path.len() - 1, q: last, must_arrive: settings.at_goal };
-    let (goal, own_grasp) = judge_end(problem, &end, &offset, &mut violations);
+    let is_over = violations.len() >= most;
+    let (goal, own_grasp) = if is_over { (None, None) } else { judge_end(problem, &end, &mut violations) };
     let valid = violations.is_empty();
     Ok(Audit {
         valid,
@@ -262,7 +265,6 @@ struct End<'a> {
 fn judge_end(
     problem: &Problem,
     end: &End,
-    offset: &dyn Fn(usize, f64) -> JointOffset,
     violations: &mut Vec<Violation>,
 ) -> (Option<GoalError>, Option<FoundGrasp>) {
     let End { way_point, q: last, must_arrive } = *end;
@@ -298,7 +300,7 @@ fn judge_end(
             };
             let nearest = goals.iter().filter_map(worst).min_by(|a, b| a.1.total_cmp(&b.1));
             if let Some((joint, off)) = nearest.filter(|(_, off)| must_arrive && *off > START_TOLERANCE) {
-                let cause = Cause::Configuration { farthest: offset(joint, off) };
+                let cause = Cause::Configuration { farthest: joint_offset(problem, joint, off) };
                 violations.push(Violation::at_way_point(way_point, cause));
             }
             None
@@ -372,13 +374,13 @@ fn judge_edges(
     cell: &Cell,
     path: &[Vec<f64>],
     edges: Range<usize>,
-    clearances: Clearances,
+    settings: AuditSettings,
     detail: Detail,
 ) -> Vec<JudgedEdge> {
     let judge = |scratch: &mut Scratch, edge: usize| {
         let (a, b) = (&path[edge], &path[edge + 1]);
         let found = judge_edge(cell, edge, [a, b], detail, scratch);
-        if clearances != Clearances::OfEdges {
+        if settings.clearances != Clearances::OfEdges {
             return (found, None);
         }
         if found.is_err() {
@@ -393,8 +395,14 @@ fn judge_edges(
         }
     };
     if edges.len() <= EDGES_PER_THREAD {
-        let mut scratch = cell.scratch();
-        return edges.map(|edge| judge(&mut scratch, edge)).collect();
+        let (mut scratch, mut judged) = (cell.scratch(), Vec::with_capacity(edges.len()));
+        for edge in edges {
+            judged.push(judge(&mut scratch, edge));
+            if settings.limits.violations == 1 && judged.last().is_some_and(|(found, _)| found.is_err()) {
+                break;
+            }
+        }
+        return judged;
     }
     edges.into_par_iter().with_min_len(EDGES_PER_THREAD).map_init(|| cell.scratch(), judge).collect()
 }

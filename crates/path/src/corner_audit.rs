@@ -25,6 +25,9 @@ pub(crate) fn audit_corners(
         if !segment.corners.is_empty() {
             let judge = CornerJudge { cell: state.cell(), settings };
             for corner in &segment.corners {
+                if audit.violations.len() >= settings.limits.violations {
+                    break;
+                }
                 judge.judge(audit, corner, before + corner.waypoint);
             }
         }

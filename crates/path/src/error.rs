@@ -5,6 +5,27 @@ pub enum PathError {
     /// A path has no way point.
     #[error("the path has no way points")]
     EmptyPath,
+    /// A path has too many way points to be judged.
+    #[error("the path has {actual} way points, but at most {most} are judged")]
+    TooManyWayPoints {
+        /// Number of way points, those of all segments together.
+        actual: usize,
+        /// Maximum number.
+        most: usize,
+    },
+    /// The joints travel too far for a path to be judged.
+    #[error(
+        "the joints travel {travel:.1} (rad, m) from the start to the end of edge {edge} of the path, but paths of at \
+         most {most} are judged"
+    )]
+    TooMuchTravel {
+        /// Index of the edge at which the limit is exceeded, from 0.
+        edge: usize,
+        /// Travel up to its end, in rad or m.
+        travel: f64,
+        /// Maximum travel, in rad or m.
+        most: u32,
+    },
     /// The weight of the grasp score is invalid.
     #[error("{weight} is not a valid weight of the score: it must be finite and at least 0")]
     ScoreWeight {

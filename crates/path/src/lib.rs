@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 mod audit;
+mod audit_limits;
 mod clearance_limit;
 mod corner_audit;
 mod error;
@@ -19,6 +20,7 @@ mod violation;
 mod wall_clock;
 
 pub use audit::{Audit, AuditSettings, Clearances, arrival_at, audit, audit_with, path_length};
+pub use audit_limits::{AuditLimits, audit_without_proof};
 pub use clearance_limit::{AppliedMargin, ClearanceLimit};
 pub use error::PathError;
 pub use grasp_judge::GraspJudge;

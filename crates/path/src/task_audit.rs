@@ -5,7 +5,9 @@ use cranny_task::{
 };
 
 use crate::corner_audit::audit_corners;
-use crate::{Audit, AuditSettings, Cause, Location, PathError, PickAudit, Violation, audit_with};
+use crate::{
+    Audit, AuditSettings, Cause, Location, PathError, PickAudit, Violation, audit_with, audit_without_proof,
+};
 
 /// Tolerance on the stated finger opening, in metres.
 const OPENING_TOLERANCE_M: f64 = 1e-4;
@@ -23,6 +25,10 @@ pub fn audit_task(
     segments: &[Segment],
     settings: AuditSettings,
 ) -> Result<Audit, PathError> {
+    // This precedes the states, because the hand closes and opens in them.
+    if let Some(audit) = audit_without_proof(problem, segments, settings)? {
+        return Ok(audit);
+    }
     if let Some(along) = StateSequence::of(problem, stages, segments)? {
         return audit_along(problem, stages, (segments, &along), settings);
     }
@@ -40,8 +46,8 @@ pub fn audit_along(
     (segments, along): (&[Segment], &StateSequence),
     settings: AuditSettings,
 ) -> Result<Audit, PathError> {
-    if segments.is_empty() {
-        return Err(PathError::EmptyPath);
+    if let Some(audit) = audit_without_proof(problem, segments, settings)? {
+        return Ok(audit);
     }
     check_segments(stages, segments).map_err(|problem| cranny_task::TaskError::Segments { problem })?;
     let task = TaskJudge { problem, stages, settings };
@@ -50,6 +56,10 @@ pub fn audit_along(
     let mut first = 0;
     let known = &segments[..along.states.len()];
     for run in known.chunk_by(is_one_motion) {
+        if audit.violations.len() >= settings.limits.violations {
+            audit.clearances_per_edge_m.clear();
+            return Ok(audit);
+        }
         let (state, next) = (&along.states[first], segments.get(first + run.len()));
         let segment = Segment { waypoints: joined(run), ..run[0].clone() };
         first += run.len();
@@ -250,7 +260,7 @@ impl TaskJudge<'_> {
         match (state.resting().zip(run.segment.mode.rests_at), stage) {
             (Some((resting, end)), _) => {
                 let near = Near { carrier, grip, resting, end, state, run };
-                near.judge(audit, self.anywhere(state, run)?);
+                near.judge(audit, self.anywhere(state, run)?, self.settings.limits.violations);
                 Ok(())
             }
             (None, Stage::Move(goal)) if run.ends_stage() => self.moved(audit, state, goal, run),
@@ -284,9 +294,9 @@ struct Near<'a> {
 }
 
 impl Near<'_> {
-    /// Adds the audit of its edges, and checks that the object comes no closer to its support than at rest, travels no farther
-    /// than allowed, and is off its support at the other end.
-    fn judge(&self, audit: &mut Audit, mut judged: Audit) {
+    /// Adds the audit of its edges, and checks that the object comes no closer to its support than at rest (until there are
+    /// `most` violations), travels no farther than allowed, and is off its support at the other end.
+    fn judge(&self, audit: &mut Audit, mut judged: Audit, most: usize) {
         let Self { carrier, grip, resting, run, .. } = *self;
         let (kind, off_at, off_way_point) = match self.end {
             MotionEnd::First => (ContactSegment::LiftOff, run.end(), run.last()),
@@ -297,6 +307,9 @@ impl Near<'_> {
         let cell = self.state.cell();
         let mut scratch = cell.scratch();
         for (edge, ends) in run.path().windows(2).enumerate() {
+            if audit.violations.len() >= most {
+                break;
+            }
             let ends = [&ends[0][..], &ends[1]];
             if let Some((along, body)) = carrier.first_support_violation(cell, resting, ends, &mut scratch) {
                 let pair = Some([carrier.object().to_owned(), carrier.body_name(body)]);

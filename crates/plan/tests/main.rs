@@ -6,6 +6,7 @@ mod excluded_grasps;
 mod fixture;
 
 mod audit;
+mod audit_limits;
 mod bad_input;
 mod full_turns;
 mod grasp_choice;

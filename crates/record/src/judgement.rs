@@ -1,5 +1,5 @@
 use cranny_collision::Margins;
-use cranny_path::{Audit, AuditSettings, Clearances, path_length};
+use cranny_path::{Audit, AuditSettings, Clearances, audit_without_proof, path_length};
 use cranny_plan::{Outcome, PlanError};
 use cranny_scenario::NamedTask;
 use cranny_solve::{HoldFactors, Robustness, Tilt, ToolSlack, least_length};
@@ -175,7 +175,10 @@ impl PlanFile {
         problem: &Problem,
         settings: AuditSettings,
     ) -> Result<Option<Judgement>, PlanError> {
-        let along = self.states(problem)?;
+        // The states and radii of a path far beyond the joint limits are not computed.
+        let has_path = !self.waypoints.is_empty();
+        let is_refused = has_path && audit_without_proof(problem, &self.segments, settings)?.is_some();
+        let along = if is_refused { None } else { self.states(problem)? };
         let along = along.as_ref();
         // The radii take as long as the verdict.
         let (audit, robustness) =

@@ -52,9 +52,10 @@ impl PlanFile {
     /// # Errors
     /// As [`audit_task`].
     pub fn audit(&self, problem: &Problem, settings: AuditSettings) -> Result<Option<Audit>, PlanError> {
-        self.audit_along(self.states(problem)?.as_ref(), problem, settings)
+        self.audit_along(None, problem, settings)
     }
 
+    /// Audits the path along known states; without them, they are computed.
     pub(crate) fn audit_along(
         &self,
         along: Option<&StateSequence>,

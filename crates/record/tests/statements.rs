@@ -5,7 +5,7 @@ use cranny_plan::Unobserved;
 use cranny_record::{Judgement, PlanFile, PlanSource, RecordError};
 use cranny_scenario::{OpenOptions, Scenario};
 use cranny_solve::{Request, Timing, solve};
-use cranny_task::{Problem, Segment, Stage};
+use cranny_task::{Problem, Segment, Stage, joined};
 use serde_json::{Value, json};
 
 fn planned(id: &str, stages: Vec<Stage>) -> (Problem, PlanSource, Value) {
@@ -254,4 +254,25 @@ fn ends_and_times_that_no_path_can_have_are_refused() {
     let mut failed = plan;
     failed["failures"] = json!([{"grasp": 1, "reason": "no-ik", "attempts": 3, "clearence_m": 1}]);
     refused(failed, "clearence_m");
+}
+
+/// Radii, states of the hand and figures are not computed for such a path, which takes minutes.
+#[test]
+fn a_plan_beyond_a_joint_limit_is_refused_before_any_figure_is_measured() {
+    for (stages, segment) in [(Vec::new(), 0), (carry(), 1)] {
+        let (problem, source, plan) = planned("021", stages);
+        let mut plan = read(&plan).unwrap();
+        let way_point = plan.segments[segment].waypoints.last_mut().unwrap();
+        way_point[2] = 1e6;
+        if let Some(next) = plan.segments.get_mut(segment + 1) {
+            next.waypoints[0][2] = 1e6;
+        }
+        plan.segments.iter_mut().for_each(|segment| segment.corners.clear());
+        plan.waypoints = joined(&plan.segments);
+        let found = plan.judge(&source, &problem, AuditSettings::default()).unwrap().unwrap();
+        let kinds: Vec<_> = found.audit.violations.iter().map(Violation::kind).collect();
+        assert_eq!((kinds, found.audit.valid), (vec!["joint-limit"], false));
+        assert!(found.measured.robustness.is_none());
+        assert_eq!(plan.audit(&problem, AuditSettings::default()).unwrap().unwrap(), found.audit);
+    }
 }

@@ -32,6 +32,18 @@ impl Trial {
     pub fn key(&self) -> String {
         serde_json::json!(self).to_string()
     }
+
+    /// Returns true unless the planner is an external program, whose statements about its own search are not trusted.
+    pub fn is_built_in(&self) -> bool {
+        /// Keys that only external programs have among their settings ([`PlannerCall::settings`](crate::PlannerCall::settings)).
+        #[derive(Deserialize)]
+        struct Program {
+            exec: Option<serde::de::IgnoredAny>,
+            released: Option<serde::de::IgnoredAny>,
+        }
+        let program = serde_json::from_str::<Program>(&self.settings);
+        program.is_ok_and(|program| program.exec.is_none() && program.released.is_none())
+    }
 }
 
 /// Outcome of a trial. The judge decides about "solved", not the planner.
@@ -61,11 +73,13 @@ pub enum TrialOutcome {
     Garbled,
     /// The planner's process ended by itself.
     Crashed,
+    /// The judge exceeded its limits of time or memory before a verdict, or crashed.
+    Undecided,
     /// The planner exceeded its time limit and was stopped.
     Hung,
     /// The planner exceeded its memory limit.
     OutOfMemory,
-    /// A signal from outside ended the worker; the result of the trial is unknown.
+    /// A signal ended the worker, from outside or from an external program.
     Killed,
 }
 
@@ -111,8 +125,8 @@ pub struct TrialRecord {
     /// True if the path also meets the other criterion; `None` if this was not checked.
     pub also_solved: Option<bool>,
     /// Memory, in bytes. For an external program: peak of the program and its children, sampled every 20 ms. For a built-in
-    /// planner: memory of its process at the end of the search, including the scenario and leftovers of earlier trials.
-    /// `None` if unknown, and in older results.
+    /// planner: growth of the resident set of its worker during the search (its peak less its size at the start), without the
+    /// scenario; memory that earlier trials left to the worker and the search reuses does not count. `None` if unknown.
     #[serde(default)]
     pub memory_bytes: Option<u64>,
 }

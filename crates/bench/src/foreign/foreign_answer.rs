@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use cranny_path::{AuditLimits, PathError};
 use cranny_plan::{Outcome, Statistics};
 use cranny_task::{Segment, Stage, check_segments, joined, number_stages};
 use serde::Deserialize;
@@ -49,12 +50,15 @@ struct ForeignStatistics {
 /// Maximum of each count: the largest value that a results file can store.
 const MOST_COUNT: u64 = i64::MAX.cast_unsigned();
 
+/// Maximum number of way points of a path, those of all its segments together.
+const MOST_WAY_POINTS: usize = AuditLimits::UNTRUSTED.way_points;
+
 /// Parses the output of a program: a JSON document, or way points as comma-separated lines; empty if it found no path.
 ///
 /// A path through several stages consists of segments. Segments without stage numbers are numbered by their modes.
 ///
 /// # Errors
-/// Description of the problem, with the line.
+/// Description of the problem, with the line. A path may have at most 10 000 way points ([`AuditLimits::UNTRUSTED`]).
 pub fn read_output(output: &[u8], joints: usize, stages: &[Stage]) -> Result<ForeignAnswer, String> {
     let text = std::str::from_utf8(output).map_err(|_| "the output is not UTF-8".to_owned())?;
     if !text.trim_start().starts_with('{') {
@@ -66,11 +70,16 @@ pub fn read_output(output: &[u8], joints: usize, stages: &[Stage]) -> Result<For
             statistics: Statistics::default(),
         });
     }
+    check_marks(output, joints)?;
     let document: Document =
         cranny_file::json(text.as_bytes()).map_err(|reason| format!("line {}: {reason}", reason.line))?;
     let segments = match (document.protocol.unwrap_or(1), document.segments) {
-        (1 | 2, None) => reach_along(document.waypoints),
+        (1 | 2, None) => {
+            check_count(document.waypoints.len())?;
+            reach_along(document.waypoints)
+        }
         (2, Some(mut segments)) if document.waypoints.is_empty() => {
+            check_count(segments.iter().map(|segment| segment.waypoints.len()).sum())?;
             if segments.iter().all(|segment| segment.stage == 0) {
                 number_stages(stages, &mut segments);
             }
@@ -121,6 +130,27 @@ pub fn read_output(output: &[u8], joints: usize, stages: &[Stage]) -> Result<For
             ..Statistics::default()
         },
     })
+}
+
+/// Refuses a path with more way points than are judged.
+fn check_count(actual: usize) -> Result<(), String> {
+    let most = MOST_WAY_POINTS;
+    if actual > most { Err(PathError::TooManyWayPoints { actual, most }.to_string()) } else { Ok(()) }
+}
+
+/// Refuses JSON with more values than any path that is judged, before it is parsed: the shortest lists of numbers take ten
+/// times the memory of their text.
+fn check_marks(output: &[u8], joints: usize) -> Result<(), String> {
+    /// More marks per value than a way point has that is a segment of its own, with all keys and a rounded corner.
+    const MARKS: usize = 24;
+    let marks = output.iter().filter(|byte| matches!(byte, b',' | b'[')).count();
+    if marks > MARKS * (joints + 1) * MOST_WAY_POINTS {
+        return Err(format!(
+            "the output has {marks} commas and brackets, more than any path of {MOST_WAY_POINTS} way points, the most \
+             that are judged"
+        ));
+    }
+    Ok(())
 }
 
 /// Converts the path of an answer that has way points alone.
@@ -189,6 +219,7 @@ pub fn read_released(prefix: &Path, joints: usize) -> Result<ForeignAnswer, Stri
 
 /// Parses way points, one a line; blank lines are skipped.
 fn read_lines(text: &str, joints: usize) -> Result<Vec<Vec<f64>>, String> {
+    check_count(text.lines().filter(|line| !line.trim().is_empty()).count())?;
     let mut path = Vec::new();
     for (index, line) in text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()) {
         let number = |field: &str| {
@@ -308,6 +339,26 @@ mod tests {
         assert!(fault(b"{\"outcome\": \"cancelled\"}").contains("'cancelled'"));
         assert!(fault(b"{\"statistics\": {\"iterations\": 18446744073709551615}}").contains("too large"));
         assert!(fault(&[0xff, 0xfe, 0x00]).contains("UTF-8"));
+    }
+
+    #[test]
+    fn a_path_of_too_many_way_points_is_refused_in_every_form() {
+        let fault = |text: &str, stages: &[Stage]| read_output(text.as_bytes(), 2, stages).unwrap_err();
+        let refusal = "the path has 150000 way points, but at most 10000 are judged";
+        assert_eq!(fault(&"0,0\n".repeat(150_000), &[]), refusal);
+        let list = |count: usize| vec!["[0,0]"; count].join(",");
+        let json = |count| format!("{{\"waypoints\": [{}]}}", list(count));
+        assert_eq!(fault(&json(150_000), &[]), refusal);
+        assert_eq!(joined(&read_output(json(10_000).as_bytes(), 2, &[]).unwrap().segments).len(), 10_000);
+        let segment = format!("{{\"mode\": \"reach\", \"waypoints\": [{}]}}", list(2));
+        let segments =
+            |count| format!("{{\"protocol\": 2, \"segments\": [{}]}}", vec![&*segment; count].join(","));
+        assert_eq!(fault(&segments(75_000), &[Stage::pick()]), refusal);
+        assert!(read_output(segments(5000).as_bytes(), 2, &[]).is_ok());
+        for many in [list(1_000_000), "0,".repeat(1_000_000) + "0"] {
+            let fault = fault(&format!("{{\"waypoints\": [[{many}]]}}"), &[]);
+            assert!(fault.contains("more than any path of 10000 way points"), "{fault}");
+        }
     }
 
     #[test]

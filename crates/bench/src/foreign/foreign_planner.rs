@@ -17,7 +17,7 @@ use crate::foreign::foreign_process::{self, Ending, Limits, MOST_OUTPUT_BYTES, R
 use crate::foreign::process_group::Leash;
 use crate::foreign::sandbox::Isolation;
 use crate::running::opened_scenario::OpenedScenario;
-use crate::running::worker_message::Request;
+use crate::running::worker_message::{Message, Request};
 use crate::{BenchError, CarryTo, PathDemand, PlannerCall, TrialOutcome, TrialRecord};
 
 /// External program, with the files of one scenario.
@@ -81,17 +81,19 @@ impl ForeignPlanner {
                 )
             }
         };
-        // Scenarios with the same content share one export.
-        let hash = &request.question.trial.scenario_hash;
-        // A planner without a grasp set must not find one among its files either.
-        let kind = if opened.scenario.has_grasp_set { "" } else { "-no-grasps" };
-        let folder = request.exports.join(format!("{hash}{kind}"));
-        let files = ForeignFiles::write(&folder, &request.question.source, opened)?;
+        let folder = opened.export_folder(&request.exports)?;
+        let files = ForeignFiles::write(folder, &request.question.source, opened)?;
         Ok(Self { command, is_released, files })
     }
 
-    /// Runs the program on a trial. Returns its record and the segments of its path, not yet judged.
-    pub fn plan(&self, task: &ForeignTask, leash: &Leash) -> Result<(TrialRecord, Vec<Segment>), BenchError> {
+    /// Runs the program on a trial, and reports its end before its output is read. Returns its record and the segments of its
+    /// path, not yet judged.
+    pub fn plan(
+        &self,
+        task: &ForeignTask,
+        leash: &Leash,
+        tell: &mut dyn FnMut(&Message) -> Result<(), BenchError>,
+    ) -> Result<(TrialRecord, Vec<Segment>), BenchError> {
         let trial = &task.request.question.trial;
         let time = Duration::try_from_secs_f64(trial.time_limit_s).unwrap_or(Duration::MAX);
         // Each trial gets a new folder, so that files of earlier trials are not visible.
@@ -116,6 +118,7 @@ impl ForeignPlanner {
             foreign_process::run(&command, input, limits, leash).map_err(|reason| {
                 BenchError::NotRunnable { program: program.clone(), reason: reason.to_string() }
             })?;
+        tell(&Message::Planned)?;
         let statistics = Statistics { planning_time_s: elapsed_s, ..Statistics::default() };
         let without =
             |outcome, detail| (TrialRecord::without_path(trial, outcome, detail, statistics), Vec::new());

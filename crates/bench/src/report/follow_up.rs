@@ -1,8 +1,9 @@
 //! Follow-up of a trial, for its time and its iterations.
 //!
-//! A planner that was stopped might have found a path later: its trial is censored at that point. One that gave up, crashed
-//! or answered wrongly would not have succeeded later: its trial stays unsolved up to the limit. The curve at time `t` is
-//! then the share of all trials solved by `t`, and a planner gains nothing by giving up early.
+//! A built-in planner that its iteration limit stopped might have found a path later: its trial is censored at that point. Every
+//! other trial without a path stays unsolved up to the limit, also if its planner gave up, crashed, answered wrongly or was lost
+//! with its worker: no statement of an external program about its search is trusted, and it may kill its worker. The curve at
+//! time `t` is then the share of all trials solved by `t`, and a planner gains nothing by ending early.
 
 use crate::statistics::Followed;
 use crate::{TrialOutcome, TrialRecord};
@@ -12,7 +13,7 @@ pub fn over_time(record: &TrialRecord) -> Followed {
     let (limit_s, time_s) = (record.trial.time_limit_s, record.statistics.planning_time_s);
     if record.is_solved() {
         Followed { until: time_s, solved: true }
-    } else if is_stopped_early(record) {
+    } else if is_ended_by_iterations(record) {
         Followed { until: time_s.min(limit_s), solved: false }
     } else {
         Followed { until: limit_s, solved: false }
@@ -21,9 +22,8 @@ pub fn over_time(record: &TrialRecord) -> Followed {
 
 /// Returns the follow-up in iterations; `most` is the maximum over the trials of the same planner.
 pub fn over_iterations(record: &TrialRecord, most: u64) -> Followed {
-    let done = record.statistics.iterations;
-    let is_stopped = matches!(record.outcome, TrialOutcome::BudgetExhausted | TrialOutcome::Cancelled);
-    let until = if record.is_solved() || is_stopped { done } else { most };
+    let is_stopped = record.outcome == TrialOutcome::BudgetExhausted && record.trial.is_built_in();
+    let until = if record.is_solved() || is_stopped { record.statistics.iterations } else { most };
     Followed { until: until as f64, solved: record.is_solved() }
 }
 
@@ -42,23 +42,12 @@ pub fn paper_time_s(record: &TrialRecord) -> f64 {
     if record.is_solved() { record.statistics.planning_time_s } else { record.trial.time_limit_s }
 }
 
-/// Returns true if the trial was stopped from outside before its time limit.
-fn is_stopped_early(record: &TrialRecord) -> bool {
-    let is_done = || record.trial.iteration_limit.is_some_and(|limit| record.statistics.iterations >= limit);
-    match record.outcome {
-        TrialOutcome::Cancelled | TrialOutcome::Killed => true,
-        TrialOutcome::BudgetExhausted => is_done(),
-        TrialOutcome::Solved
-        | TrialOutcome::GaveUp
-        | TrialOutcome::StartInvalid
-        | TrialOutcome::GoalsInvalid
-        | TrialOutcome::NoReachableGrasp
-        | TrialOutcome::Rejected
-        | TrialOutcome::Garbled
-        | TrialOutcome::Crashed
-        | TrialOutcome::Hung
-        | TrialOutcome::OutOfMemory => false,
-    }
+/// Returns true if the iteration limit ended the search of a built-in planner, whose iterations are counted.
+fn is_ended_by_iterations(record: &TrialRecord) -> bool {
+    let is_done = |limit| record.statistics.iterations >= limit;
+    record.outcome == TrialOutcome::BudgetExhausted
+        && record.trial.iteration_limit.is_some_and(is_done)
+        && record.trial.is_built_in()
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use crate::report::comparison::{Comparison, Finding};
 use crate::report::configuration::NO_GRASP_SET;
 use crate::report::row::Group;
 use crate::statistics::LEAST_FOR_MEDIAN;
-use crate::{Run, RunInformation};
+use crate::{Run, RunInformation, StoredTrial, TrialOutcome};
 use cranny_file::counted;
 
 /// Returns the warnings about the validity of the figures, in one sentence each.
@@ -35,6 +35,7 @@ pub fn warnings(groups: &[Group], runs: &[Run]) -> Vec<String> {
     warnings.extend(pooled(groups, &runs, "walls around planners", walls));
     warnings.extend(other_problem(groups));
     warnings.extend(same_paths(groups));
+    warnings.extend(unsolved_for_other_reasons(groups));
     warnings
 }
 
@@ -99,6 +100,44 @@ fn other_problem(groups: &[Group]) -> Option<String> {
              that of the others: their figures do not show which planner is better."
         )
     })
+}
+
+/// Returns warnings for each planner about trials that count as unsolved up to their limit although their search did not show
+/// that they are.
+fn unsolved_for_other_reasons(groups: &[Group]) -> Vec<String> {
+    type Kind = (fn(&StoredTrial) -> bool, &'static str);
+    const KINDS: [Kind; 3] = [
+        (
+            |trial| trial.record.outcome == TrialOutcome::GaveUp && !trial.record.trial.is_built_in(),
+            "ended without a path before the time limit; whatever the program states about its iterations, they count as \
+             unsolved up to the limit",
+        ),
+        (
+            |trial| trial.record.outcome == TrialOutcome::Killed,
+            "ended when a signal killed their worker, which a program can do itself; they count as unsolved up to the limit, \
+             unless `cranny bench run --again killed` runs them again",
+        ),
+        (
+            |trial| trial.record.outcome == TrialOutcome::Undecided,
+            "gave a path on which the judge reached no verdict within its limits; they count as unsolved up to the limit",
+        ),
+    ];
+    let mut planners: BTreeMap<&str, (usize, [usize; KINDS.len()])> = BTreeMap::new();
+    for group in groups {
+        let (all, of_kinds) = planners.entry(&group.row.planner_name).or_default();
+        *all += group.runs.len();
+        for (count, (is_of_kind, _)) in of_kinds.iter_mut().zip(KINDS) {
+            *count += group.runs.iter().filter(|trial| is_of_kind(trial)).count();
+        }
+    }
+    let sentences = |(planner, (all, of_kinds)): (&str, (usize, [usize; KINDS.len()]))| {
+        let found = of_kinds.into_iter().zip(KINDS).filter(|(count, _)| *count > 0);
+        let sentence = |(count, (_, text)): (usize, Kind)| {
+            format!("{count} of {} of {planner} {text}.", counted(all, "trial"))
+        };
+        found.map(sentence).collect::<Vec<_>>()
+    };
+    planners.into_iter().flat_map(sentences).collect()
 }
 
 /// Returns a warning for each planner that gave the same path under different seeds.

@@ -68,6 +68,7 @@ fn badness(run: &StoredTrial) -> f64 {
         TrialOutcome::Crashed => 11.0,
         TrialOutcome::Hung => 10.0,
         TrialOutcome::OutOfMemory => 9.0,
+        TrialOutcome::Undecided => 8.5,
         TrialOutcome::Garbled => 8.0,
         TrialOutcome::Rejected => 7.0,
         TrialOutcome::StartInvalid => 6.0,

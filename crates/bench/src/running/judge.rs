@@ -1,9 +1,10 @@
-use std::fmt::Write as _;
+use cranny_path::{
+    Audit, AuditLimits, AuditSettings, Clearances, PathError, RELEASED_STEP_M, Stepper, audit_with,
+    path_length,
+};
+use cranny_task::{Criterion, Problem};
 
-use cranny_path::{Audit, AuditSettings, Cause, Clearances, PathError, Violation, audit_with, path_length};
-use cranny_task::Problem;
-
-use crate::{TrialOutcome, TrialRecord};
+use crate::{PlannerCall, TrialOutcome, TrialRecord};
 
 /// Writes the verdict on `path` into `record`, independently of the outcome reported by the planner: solved, rejected with
 /// the first violation, or garbled if it is no path of this robot (`path` is then cleared). `path` has way points of one
@@ -23,12 +24,7 @@ pub fn decide(
         }
     };
     if let Some(violation) = audit.violations.first() {
-        let others = audit.violations.len() - 1;
-        let mut detail = violation.to_string();
-        if others > 0 {
-            let _ = write!(detail, " (and {others} more)");
-        }
-        (record.outcome, record.detail) = (TrialOutcome::Rejected, Some(detail));
+        (record.outcome, record.detail) = (TrialOutcome::Rejected, Some(violation.to_string()));
         return;
     }
     record.outcome = TrialOutcome::Solved;
@@ -38,33 +34,80 @@ pub fn decide(
     record.grasp_score = audit.grasp_score(problem);
 }
 
+/// Returns the limits of the audit of a trial: only the first violation of a path is reported.
+pub fn limits_for(call: &PlannerCall) -> AuditLimits {
+    match call {
+        PlannerCall::BuiltIn { .. } => AuditLimits { violations: 1, ..AuditLimits::default() },
+        PlannerCall::Exec { .. } | PlannerCall::Released { .. } => AuditLimits::UNTRUSTED,
+    }
+}
+
 /// Returns true if a path of way points (m, rad; one value per joint) also meets the criterion of `problem`. If that criterion
 /// checks way points alone, long edges are subdivided first, because other criteria do not limit their length.
 ///
 /// # Errors
-/// As [`audit_with`].
-pub fn also_meets(problem: &Problem, path: &[Vec<f64>]) -> Result<bool, PathError> {
-    let mut path = path.to_vec();
+/// As [`audit_with`]; also [`PathError::TooManyWayPoints`] for a path that has too many after its subdivision.
+pub fn also_meets(problem: &Problem, path: &[Vec<f64>], limits: AuditLimits) -> Result<bool, PathError> {
+    let settings = AuditSettings { clearances: Clearances::None, limits, ..AuditSettings::default() };
+    let divided = match problem.criterion() {
+        Criterion::Exact => None,
+        Criterion::Paper => Some(in_steps(problem, path, limits.way_points)),
+    };
+    Ok(audit_with(problem, divided.as_deref().unwrap_or(path), settings)?.valid)
+}
+
+/// Halves the edges of a path that are longer than a step of the released planners, until it has more than `most` way points.
+fn in_steps(problem: &Problem, path: &[Vec<f64>], most: usize) -> Vec<Vec<f64>> {
     /// Reduces edges of ten metres to a centimetre.
-    const MOST_HALVINGS: usize = 10;
-    for _ in 0..MOST_HALVINGS {
-        let verification = audit_with(
-            problem,
-            &path,
-            AuditSettings { clearances: Clearances::None, ..AuditSettings::default() },
-        )?;
-        let step = |violation: &Violation| match violation.cause {
-            Cause::Step { .. } => Some(violation.at.edge),
-            _ => None,
-        };
-        let steps: Vec<usize> = verification.violations.iter().filter_map(step).collect();
-        if steps.is_empty() {
-            return Ok(verification.valid);
-        }
-        for edge in steps.into_iter().rev() {
-            let middle = path[edge].iter().zip(&path[edge + 1]).map(|(a, b)| 0.5 * (a + b)).collect();
-            path.insert(edge + 1, middle);
+    const MOST_HALVINGS: u32 = 10;
+    let robot = problem.robot();
+    let mut stepper = Stepper::new(robot);
+    // The next way points, the nearest one last, each with the number of halvings of the edge that ends there.
+    let mut ahead: Vec<(Vec<f64>, u32)> = path.iter().rev().map(|q| (q.clone(), 0)).collect();
+    let mut steps: Vec<Vec<f64>> = Vec::new();
+    while let Some((next, halvings)) = ahead.pop() {
+        let last = steps.last().filter(|last| {
+            halvings < MOST_HALVINGS && stepper.displacement_between(robot, last, &next) > RELEASED_STEP_M
+        });
+        if let Some(last) = last {
+            let middle = last.iter().zip(&next).map(|(a, b)| 0.5 * (a + b)).collect();
+            ahead.extend([(next, halvings + 1), (middle, halvings + 1)]);
+        } else {
+            steps.push(next);
+            if steps.len() > most {
+                break;
+            }
         }
     }
-    Ok(false)
+    steps
+}
+
+#[cfg(test)]
+mod tests {
+    use cranny_collision::Margins;
+    use cranny_scenario::{OpenOptions, Scenario};
+
+    use super::*;
+
+    #[test]
+    fn edges_are_divided_into_steps_in_linear_time_and_within_the_limit() {
+        let options = OpenOptions { criterion: Some(Criterion::Paper), ..OpenOptions::default() };
+        let scenario = Scenario::open("021", &options).unwrap();
+        let problem = scenario.problem(Margins::default()).unwrap();
+        let mut end = scenario.start.clone();
+        end[0] += 0.35;
+        let ends = [scenario.start.clone(), end];
+        let divided = in_steps(&problem, &ends, 100);
+        assert_eq!((divided.len(), &divided[0], &divided[4]), (5, &ends[0], &ends[1]));
+        let mut stepper = Stepper::new(problem.robot());
+        let mut is_step = |edge: &[Vec<f64>]| {
+            stepper.displacement_between(problem.robot(), &edge[0], &edge[1]) <= RELEASED_STEP_M
+        };
+        assert!(divided.windows(2).all(&mut is_step));
+        let back_and_forth: Vec<Vec<f64>> = (0..10_000).map(|index| ends[index % 2].clone()).collect();
+        assert!(matches!(
+            also_meets(&problem, &back_and_forth, AuditLimits::UNTRUSTED),
+            Err(PathError::TooManyWayPoints { actual: 10_001, most: 10_000 })
+        ));
+    }
 }

@@ -1,12 +1,13 @@
 use std::cell::OnceCell;
-use std::collections::HashMap;
 use std::path::Path;
 use std::rc::Rc;
 use std::sync::atomic::AtomicBool;
 
 use cranny_collision::Margins;
+use cranny_file::system;
 use cranny_scenario::{Identity, OpenOptions, Scenario, ScenarioError};
 use cranny_task::{Criterion, IkAnnotationSettings, IkMethod, Problem, annotate_ik};
+use tempfile::TempDir;
 
 use crate::{BenchError, PathDemand, Trial};
 
@@ -16,6 +17,8 @@ pub struct OpenedScenario {
     pub problem: Problem,
     source: String,
     goals: OnceCell<Vec<Vec<f64>>>,
+    /// Folder of its files for external programs, which is removed with it.
+    export: OnceCell<TempDir>,
 }
 
 impl OpenedScenario {
@@ -25,7 +28,13 @@ impl OpenedScenario {
         let scenario = Scenario::open(source, &options)?;
         let problem =
             scenario.problem(cranny_record::margins_forgiving(&scenario, demand.margins, demand.robust)?)?;
-        Ok(Self { scenario, problem, source: source.to_owned(), goals: OnceCell::new() })
+        Ok(Self {
+            scenario,
+            problem,
+            source: source.to_owned(),
+            goals: OnceCell::new(),
+            export: OnceCell::new(),
+        })
     }
 
     /// Returns its goal configurations (m, rad; one value per joint), as [`goals_of`].
@@ -35,6 +44,17 @@ impl OpenedScenario {
         }
         let goals = goals_of(&self.source, &self.scenario)?;
         Ok(self.goals.get_or_init(|| goals))
+    }
+
+    /// Returns the folder of its files for external programs, which is created within `exports` at the first call.
+    pub fn export_folder(&self, exports: &Path) -> Result<&Path, ScenarioError> {
+        if let Some(export) = self.export.get() {
+            return Ok(export.path());
+        }
+        let export = tempfile::Builder::new().prefix("scenario-").tempdir_in(exports);
+        let export =
+            export.map_err(|reason| ScenarioError::Unwritable { path: exports.to_owned(), reason })?;
+        Ok(self.export.get_or_init(|| export).path())
     }
 }
 
@@ -53,14 +73,24 @@ pub fn goals_of(source: &str, scenario: &Scenario) -> Result<Vec<Vec<f64>>, Scen
     Ok(annotations.into_iter().flat_map(|grasp| grasp.solutions).map(|solution| solution.q).collect())
 }
 
-/// Cache of the scenarios that a worker has opened.
+/// Maximum number of scenarios that a worker keeps: a campaign takes the scenarios in turn, and 20 are built in.
+const MOST_OPENED: usize = 24;
+
+/// Maximum memory of these scenarios, in bytes, except for the one in use.
+const MOST_OPENED_BYTES: u64 = 256 << 20;
+
+/// Source, criterion and demand of an opened scenario.
+type Key = (String, &'static str, String);
+
+/// Cache of the scenarios that a worker used last.
 #[derive(Default)]
 pub struct OpenedScenarios {
-    opened: HashMap<(String, &'static str, String), Rc<OpenedScenario>>,
+    /// Scenarios with the memory that opening them took, in bytes; the one used last is the last.
+    opened: Vec<(Key, Rc<OpenedScenario>, u64)>,
 }
 
 impl OpenedScenarios {
-    /// Returns the scenario with this content and opens it at the first call.
+    /// Returns the scenario with this content, opened unless it is in the cache.
     ///
     /// # Errors
     /// [`BenchError::ChangedScenario`] if the files differ from those of the campaign; errors of opening it.
@@ -79,11 +109,78 @@ impl OpenedScenarios {
         let demand =
             PathDemand { carry: None, task: None, hold: None, ..PathDemand::of_settings(&trial.settings) };
         let key = (source.to_owned(), criterion.name(), format!("{demand:?}"));
-        if let Some(opened) = self.opened.get(&key) {
-            return Ok(opened.clone());
-        }
-        let opened = Rc::new(OpenedScenario::open(source, criterion, &demand)?);
-        self.opened.insert(key, opened.clone());
+        let known = self.opened.iter().position(|(known, ..)| *known == key);
+        let entry = if let Some(known) = known {
+            self.opened.remove(known)
+        } else {
+            let resident_bytes = || system::own_memory().map_or(0, |memory| memory.resident_bytes);
+            let before_bytes = resident_bytes();
+            let opened = Rc::new(OpenedScenario::open(source, criterion, &demand)?);
+            (key, opened, resident_bytes().saturating_sub(before_bytes))
+        };
+        let opened = entry.1.clone();
+        self.keep(entry);
         Ok(opened)
+    }
+
+    /// Adds a scenario, and removes those that were not used for longest, beyond the limits.
+    fn keep(&mut self, entry: (Key, Rc<OpenedScenario>, u64)) {
+        self.opened.push(entry);
+        let total =
+            |opened: &[(Key, Rc<OpenedScenario>, u64)]| opened.iter().map(|entry| entry.2).sum::<u64>();
+        while self.opened.len() > MOST_OPENED
+            || self.opened.len() > 1 && total(&self.opened) > MOST_OPENED_BYTES
+        {
+            self.opened.remove(0);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_worker_keeps_few_scenarios_and_their_files() {
+        let (mut scenarios, exports) = (OpenedScenarios::default(), tempfile::tempdir().unwrap());
+        let trial = Trial {
+            scenario: "021".into(),
+            scenario_hash: Identity::of("021").unwrap().sha256,
+            planner: "x".into(),
+            settings: "{}".into(),
+            criterion: Criterion::Exact,
+            seed: 0,
+            time_limit_s: 1.0,
+            iteration_limit: None,
+            goal: None,
+        };
+        let used = scenarios.get(&trial, "021", Criterion::Exact).unwrap();
+        let folders = || std::fs::read_dir(exports.path()).unwrap().count();
+        let other = || {
+            let (scenario, problem) = (used.scenario.clone(), used.problem.clone());
+            let (goals, export) = (OnceCell::new(), OnceCell::new());
+            let opened = OpenedScenario { scenario, problem, source: "021".into(), goals, export };
+            opened.export_folder(exports.path()).unwrap();
+            Rc::new(opened)
+        };
+        for number in 0..500 {
+            let key = (number.to_string(), "exact", String::new());
+            scenarios.keep((key, other(), 0));
+            let again = scenarios.get(&trial, "021", Criterion::Exact).unwrap();
+            assert!(Rc::ptr_eq(&again, &used), "the scenario in use stays");
+            assert!(scenarios.opened.len() <= MOST_OPENED && folders() < MOST_OPENED);
+        }
+        assert_eq!((scenarios.opened.len(), folders()), (MOST_OPENED, MOST_OPENED - 1));
+        let key = |name: &str| (name.to_owned(), "exact", String::new());
+        for name in ["a", "b", "c", "d", "e", "f"] {
+            scenarios.keep((key(name), other(), MOST_OPENED_BYTES / 4));
+        }
+        assert_eq!(scenarios.opened.len(), 4);
+        scenarios.keep((key("large"), other(), 2 * MOST_OPENED_BYTES));
+        assert_eq!(
+            (scenarios.opened.len(), folders()),
+            (1, 1),
+            "the scenario in use stays, however large it is"
+        );
     }
 }

@@ -78,8 +78,8 @@ pub fn replay(
 
 /// Returns true if the worker was lost with the trial, so that its iterations are unknown.
 fn is_lost(stored: &StoredTrial) -> bool {
-    use crate::TrialOutcome::{Crashed, Hung, Killed, OutOfMemory};
-    matches!(stored.record.outcome, Crashed | Hung | OutOfMemory | Killed)
+    use crate::TrialOutcome::{Crashed, Hung, Killed, OutOfMemory, Undecided};
+    matches!(stored.record.outcome, Crashed | Hung | OutOfMemory | Killed | Undecided)
 }
 
 /// Returns the source of a scenario of the results, identified by its id and hash, after checking its content: `given`,

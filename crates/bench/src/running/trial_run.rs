@@ -1,6 +1,6 @@
 use std::time::Duration;
 
-use cranny_file::system;
+use cranny_file::system::PeakMemory;
 use cranny_path::{AuditSettings, Clearances, audit_task};
 use cranny_plan::{Budget, Observer, Registry};
 use cranny_solve::{DEFAULT_HOLD, solve};
@@ -23,7 +23,7 @@ use crate::{BenchError, PathDemand, PlannerCall, TrialOutcome, TrialRecord, runn
 pub fn run(
     registry: &Registry,
     request: &Request,
-    scenarios: &mut OpenedScenarios,
+    (scenarios, peak): (&mut OpenedScenarios, &mut PeakMemory),
     leash: &Leash,
     tell: &mut dyn FnMut(&Message) -> Result<(), BenchError>,
 ) -> Result<TrialRun, BenchError> {
@@ -47,7 +47,8 @@ pub fn run(
     tell(&Message::Opened)?;
     // 2.
     let clearances = if question.measure_clearance { Clearances::OfPath } else { Clearances::None };
-    let settings = AuditSettings { clearances, ..AuditSettings::default() };
+    let limits = judge::limits_for(&question.call);
+    let settings = AuditSettings { clearances, limits, ..AuditSettings::default() };
     let demand = PathDemand::of_settings(&trial.settings);
     let stages = demand.stages_in(&opened.scenario)?;
     let (mut record, segments, audit) = match (&question.call, &foreign) {
@@ -59,8 +60,7 @@ pub fn run(
                 carry: demand.carry,
                 stages: &stages,
             };
-            let (record, segments) = foreign.plan(&task, leash)?;
-            tell(&Message::Planned)?;
+            let (record, segments) = foreign.plan(&task, leash, tell)?;
             (record, segments, None)
         }
         (PlannerCall::BuiltIn { planner, settings: planner_settings, score, min_score }, None) => {
@@ -89,12 +89,13 @@ pub fn run(
                 },
                 ..cranny_solve::Request::default()
             };
-            let mut end = EndOfSearch { tell, told: Ok(()) };
+            peak.begin();
+            let mut end = EndOfSearch { tell, told: Ok(()), peak, memory_bytes: None };
             let answer = solve(aimed.as_ref().unwrap_or(&opened.problem), &asked, &mut end)?;
             end.told?;
             let outcome = TrialOutcome::without_path(answer.outcome);
             let record = TrialRecord {
-                memory_bytes: system::memory(std::process::id()).map(|memory| memory.resident_bytes),
+                memory_bytes: end.memory_bytes,
                 ..TrialRecord::without_path(trial, outcome, None, answer.statistics)
             };
             (record, answer.segments, answer.audit.filter(|_| aimed.is_none()))
@@ -114,7 +115,7 @@ pub fn run(
     let word = audit.map_or_else(judged, Ok);
     judge::decide(&mut record, &mut path, &opened.problem, word);
     if let (Some(other), Some(reach), false) = (other, segments.first(), path.is_empty()) {
-        record.also_solved = judge::also_meets(&other.problem, &reach.waypoints).ok();
+        record.also_solved = judge::also_meets(&other.problem, &reach.waypoints, limits).ok();
     }
     let late_s = record.statistics.planning_time_s - trial.time_limit_s;
     if record.is_solved() && late_s > 0.0 {
@@ -124,14 +125,17 @@ pub fn run(
     Ok((record, path))
 }
 
-/// Observer that reports the end of the search: judging has a time limit of its own.
+/// Observer that measures the memory of the search and reports its end: judging has limits of its own.
 struct EndOfSearch<'a> {
     tell: &'a mut dyn FnMut(&Message) -> Result<(), BenchError>,
     told: Result<(), BenchError>,
+    peak: &'a PeakMemory,
+    memory_bytes: Option<u64>,
 }
 
 impl Observer for EndOfSearch<'_> {
     fn search_ended(&mut self) {
+        self.memory_bytes = self.peak.growth_bytes();
         self.told = (self.tell)(&Message::Planned);
     }
 }
@@ -146,18 +150,60 @@ fn goal_of(opened: &OpenedScenario, index: usize) -> Result<Vec<f64>, BenchError
 /// Tolerance of the time check: a planner may stop before its limit by this share of the limit.
 const EARLY: f64 = 0.05;
 
-/// Changes the outcome of a trial without a path to "gave up" if the planner claims an exhausted budget that is not spent: it
-/// would otherwise be censored, as if a path could have followed.
+/// Changes the outcome of a trial without a path to "gave up" if the planner ended before its budget was spent: it would
+/// otherwise be censored, as if a path could have followed. The number of iterations that an external program states is not
+/// trusted, and a campaign cancels no search.
 fn given_up(record: TrialRecord) -> TrialRecord {
     let TrialRecord { trial, outcome, statistics, .. } = &record;
     let time_s = statistics.planning_time_s;
-    let iterations = statistics.iterations;
-    // A program need not report its iterations.
-    let has_iterations_left = trial.iteration_limit.is_none_or(|limit| iterations > 0 && iterations < limit);
+    let is_counted = |limit| trial.is_built_in() && statistics.iterations >= limit;
+    let has_iterations_left = !trial.iteration_limit.is_some_and(is_counted);
     let has_time_left = time_s < (1.0 - EARLY) * trial.time_limit_s;
-    if *outcome != TrialOutcome::BudgetExhausted || !has_time_left || !has_iterations_left {
+    let is_stopped = matches!(outcome, TrialOutcome::BudgetExhausted | TrialOutcome::Cancelled);
+    if !is_stopped || !has_time_left || !has_iterations_left {
         return record;
     }
     let detail = format!("it ended without a path after {time_s:.3} of {} s", trial.time_limit_s);
     TrialRecord { outcome: TrialOutcome::GaveUp, detail: record.detail.or(Some(detail)), ..record }
+}
+
+#[cfg(test)]
+mod tests {
+    use cranny_plan::Statistics;
+
+    use super::*;
+    use crate::Trial;
+
+    /// Returns the outcome of a trial without a path after this time (s) of ten seconds and these iterations of a hundred.
+    fn outcome(settings: &str, outcome: TrialOutcome, planning_time_s: f64, iterations: u64) -> TrialOutcome {
+        let trial = Trial {
+            scenario: "021".into(),
+            scenario_hash: String::new(),
+            planner: "x".into(),
+            settings: settings.into(),
+            criterion: Criterion::Exact,
+            seed: 0,
+            time_limit_s: 10.0,
+            iteration_limit: Some(100),
+            goal: None,
+        };
+        let statistics = Statistics { planning_time_s, iterations, ..Statistics::default() };
+        given_up(TrialRecord::without_path(&trial, outcome, None, statistics)).outcome
+    }
+
+    #[test]
+    fn no_program_is_believed_that_its_iterations_are_spent() {
+        use TrialOutcome::{BudgetExhausted, Cancelled, GaveUp, NoReachableGrasp};
+        let built_in = r#"{"planner":"reach"}"#;
+        for program in [r#"{"exec":["sh","x"],"files":{}}"#, r#"{"files":{},"released":["y"]}"#, ""] {
+            for iterations in [0, 5, 100, 1_000_000] {
+                assert_eq!(outcome(program, BudgetExhausted, 0.02, iterations), GaveUp);
+            }
+            assert_eq!(outcome(program, BudgetExhausted, 9.9, 5), BudgetExhausted);
+        }
+        assert_eq!(outcome(built_in, BudgetExhausted, 0.02, 100), BudgetExhausted);
+        assert_eq!(outcome(built_in, BudgetExhausted, 0.02, 99), GaveUp);
+        assert_eq!(outcome(built_in, Cancelled, 0.02, 99), GaveUp);
+        assert_eq!(outcome(built_in, NoReachableGrasp, 0.02, 100), NoReachableGrasp);
+    }
 }

@@ -2,7 +2,7 @@ use std::io::{BufRead, Write};
 use std::sync::mpsc;
 use std::thread;
 
-use cranny_file::system;
+use cranny_file::system::{self, PeakMemory};
 use cranny_plan::Registry;
 
 use crate::foreign::enclosure::Start;
@@ -28,6 +28,7 @@ pub fn serve(
         std::process::exit(enclosure.run(output));
     }
     system::begin_session();
+    let mut peak = PeakMemory::new();
     system::close_to_others();
     process_group::adopt();
     let leash = Leash::default();
@@ -54,7 +55,8 @@ pub fn serve(
     };
     for line in requests {
         let request: Request = serde_json::from_str(&line).map_err(|reason| BenchError::message(&reason))?;
-        let message = match trial_run::run(registry, &request, &mut scenarios, &leash, &mut tell) {
+        let message = match trial_run::run(registry, &request, (&mut scenarios, &mut peak), &leash, &mut tell)
+        {
             Ok((record, path)) => Message::Answered(Box::new(record), path),
             Err(fault) => Message::Refused(fault.to_string()),
         };

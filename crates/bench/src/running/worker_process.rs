@@ -43,8 +43,11 @@ pub enum Served {
     Stopped,
 }
 
-/// Time limit for opening a scenario and for judging a path.
+/// Time limit for opening a scenario.
 const PATIENCE: Duration = Duration::from_mins(5);
+
+/// Time limit for judging a path. A path of the maximum length usually takes seconds.
+const JUDGING: Duration = Duration::from_mins(2);
 
 /// Time past the limit after which a search counts as hung. A built-in planner checks the clock every few iterations, and may
 /// compute a hundred inverse kinematics solutions in between: seconds on a busy machine. An external program is ended earlier,
@@ -97,7 +100,8 @@ impl WorkerProcess {
         Ok(Self { child, family, requests, lines, complaint, listener, exports })
     }
 
-    /// Requests a trial and waits for the answer, at most as long as the trial may take.
+    /// Requests a trial and waits for the answer, at most as long as the trial may take. Time and memory of the judge do not
+    /// count for the planner: if the judge exceeds its limits or crashes, the trial is undecided.
     pub fn serve(&mut self, request: &Request, stop: &AtomicBool) -> Served {
         let asked = serde_json::to_string(request).map_err(std::io::Error::other).and_then(|line| {
             let requests = self.requests.as_mut().ok_or(std::io::ErrorKind::BrokenPipe)?;
@@ -107,13 +111,15 @@ impl WorkerProcess {
         });
         let trial = &request.question.trial;
         if asked.is_err() {
-            return self.lost(trial, Instant::now());
+            return self.lost(trial, Duration::ZERO);
         }
         let limit = Duration::try_from_secs_f64(trial.time_limit_s).unwrap_or(Duration::MAX);
         let mut begin = Instant::now();
         let mut deadline = begin.checked_add(PATIENCE);
         // The memory that the worker uses before the search does not count for the planner.
         let mut memory_bytes = None;
+        // Time of the search, once it has ended.
+        let mut searched_s = None;
         loop {
             match self.lines.recv_timeout(LOOK_EVERY) {
                 Ok(line) => match serde_json::from_str(&line) {
@@ -123,15 +129,20 @@ impl WorkerProcess {
                         let held = self.resident_bytes();
                         memory_bytes = held.map(|held| held + request.memory_limit_bytes);
                     }
-                    Ok(Message::Planned) => deadline = Instant::now().checked_add(PATIENCE),
+                    Ok(Message::Planned) => {
+                        searched_s = Some(begin.elapsed().as_secs_f64());
+                        deadline = Instant::now().checked_add(JUDGING);
+                    }
                     Ok(Message::Answered(record, path)) => return Served::Answered(*record, path),
                     Ok(Message::Refused(reason)) => return Served::Refused(reason),
                     Err(reason) => {
                         let detail = format!("the worker's answer is not valid: {reason}");
-                        return self.ended(trial, TrialOutcome::Garbled, detail, begin);
+                        return self.ended(trial, TrialOutcome::Garbled, detail, begin.elapsed());
                     }
                 },
-                Err(RecvTimeoutError::Disconnected) => return self.lost(trial, begin),
+                Err(RecvTimeoutError::Disconnected) => {
+                    return undecided(self.lost(trial, begin.elapsed()), searched_s);
+                }
                 Err(RecvTimeoutError::Timeout) => {
                     if stop.load(Ordering::Relaxed) {
                         self.end();
@@ -139,7 +150,8 @@ impl WorkerProcess {
                     }
                     if deadline.is_some_and(|deadline| Instant::now() >= deadline) {
                         let detail = format!("ended after {:.1} s", begin.elapsed().as_secs_f64());
-                        return self.ended(trial, TrialOutcome::Hung, detail, begin);
+                        let ended = self.ended(trial, TrialOutcome::Hung, detail, begin.elapsed());
+                        return undecided(ended, searched_s);
                     }
                     self.family.count();
                     let held = self.resident_bytes();
@@ -147,7 +159,8 @@ impl WorkerProcess {
                         && held > most
                     {
                         let detail = format!("held {} MiB", held >> 20);
-                        return self.ended(trial, TrialOutcome::OutOfMemory, detail, begin);
+                        let ended = self.ended(trial, TrialOutcome::OutOfMemory, detail, begin.elapsed());
+                        return undecided(ended, searched_s);
                     }
                 }
             }
@@ -155,14 +168,14 @@ impl WorkerProcess {
     }
 
     /// Ends the worker because of its behaviour; the trial gets that outcome.
-    fn ended(&mut self, trial: &Trial, outcome: TrialOutcome, detail: String, begin: Instant) -> Served {
-        let record = lost(trial, outcome, detail, begin);
+    fn ended(&mut self, trial: &Trial, outcome: TrialOutcome, detail: String, time: Duration) -> Served {
+        let record = lost(trial, outcome, detail, time);
         self.end();
         Served::Lost(record)
     }
 
     /// Returns the result of a trial whose worker ended by itself.
-    fn lost(&mut self, trial: &Trial, begin: Instant) -> Served {
+    fn lost(&mut self, trial: &Trial, time: Duration) -> Served {
         let status = self.end();
         // This ends the children of the worker in any process group.
         self.family.end();
@@ -182,7 +195,7 @@ impl WorkerProcess {
         if !complaint.is_empty() {
             detail = format!("{detail}: {complaint}");
         }
-        Served::Lost(lost(trial, outcome, detail, begin))
+        Served::Lost(lost(trial, outcome, detail, time))
     }
 
     /// Ends the worker and its children, first by request, then by force. Returns its exit status if it ended by itself.
@@ -225,7 +238,22 @@ impl Drop for WorkerProcess {
     }
 }
 
-fn lost(trial: &Trial, outcome: TrialOutcome, detail: String, begin: Instant) -> TrialRecord {
-    let statistics = Statistics { planning_time_s: begin.elapsed().as_secs_f64(), ..Statistics::default() };
+fn lost(trial: &Trial, outcome: TrialOutcome, detail: String, time: Duration) -> TrialRecord {
+    let statistics = Statistics { planning_time_s: time.as_secs_f64(), ..Statistics::default() };
     TrialRecord::without_path(trial, outcome, Some(detail), statistics)
+}
+
+/// Returns the result of a trial whose worker was lost: undecided, with the time of its search alone, if the search had ended.
+/// A worker that was killed then stays so: its judge is not at fault either.
+fn undecided(served: Served, searched_s: Option<f64>) -> Served {
+    let (mut record, searched_s) = match (served, searched_s) {
+        (Served::Lost(record), Some(searched_s)) => (record, searched_s),
+        (served, _) => return served,
+    };
+    record.statistics.planning_time_s = searched_s;
+    if record.outcome != TrialOutcome::Killed {
+        record.outcome = TrialOutcome::Undecided;
+        record.detail = record.detail.map(|detail| format!("the judge gave no verdict: {detail}"));
+    }
+    Served::Lost(record)
 }

@@ -235,7 +235,7 @@ fn values(run: &StoredTrial) -> [String; 14] {
 /// Returns the corresponding value of OMPL's `PlannerStatus`.
 fn status(outcome: TrialOutcome) -> u8 {
     match outcome {
-        TrialOutcome::Rejected | TrialOutcome::Garbled | TrialOutcome::GaveUp => 0,
+        TrialOutcome::Rejected | TrialOutcome::Garbled | TrialOutcome::Undecided | TrialOutcome::GaveUp => 0,
         TrialOutcome::StartInvalid => 1,
         TrialOutcome::GoalsInvalid => 2,
         TrialOutcome::BudgetExhausted => 4,

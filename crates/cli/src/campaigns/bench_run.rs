@@ -346,8 +346,8 @@ impl CampaignProgress {
 
     /// Counts outcomes caused by the planner's program or its call rather than by its search.
     fn note_loss(&mut self, record: &TrialRecord) {
-        use TrialOutcome::{Crashed, Garbled, Hung, Killed, OutOfMemory, Rejected};
-        if !matches!(record.outcome, Crashed | Garbled | Hung | Killed | OutOfMemory | Rejected) {
+        use TrialOutcome::{Crashed, Garbled, Hung, Killed, OutOfMemory, Rejected, Undecided};
+        if !matches!(record.outcome, Crashed | Garbled | Hung | Killed | OutOfMemory | Rejected | Undecided) {
             return;
         }
         let (planner, outcome) = (&record.trial.planner, record.outcome.name());

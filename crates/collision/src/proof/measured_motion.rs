@@ -6,7 +6,7 @@ use crate::cell::{Cell, Scratch};
 use crate::pair::pair_group::PairGroup;
 use crate::pair::pairs::Pair;
 use crate::proof::joint_curve::JointCurve;
-use crate::proof::motion::travel_of;
+use crate::proof::motion::{MOST_INTERVALS, travel_of};
 use crate::touch::contact::Contact;
 
 /// Options of [`Cell::measure_motion`].
@@ -29,9 +29,9 @@ impl Default for MeasureOptions {
 /// Result of [`Cell::measure_motion`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeasuredMotion {
-    /// Least clearance, in metres, as of [`Cell::least_clearance`].
+    /// Least clearance, in metres, as of [`Cell::least_clearance`]; 0 if the effort was exhausted.
     pub least_m: f64,
-    /// Least measured distance, in metres; [`MeasureOptions::below_m`] if no pair is closer.
+    /// Least measured distance, in metres; [`MeasureOptions::below_m`] if no pair is closer, 0 if the effort was exhausted.
     pub seen_m: f64,
     /// Parameter on the motion, in [0, 1], at which a pair was measured closer than allowed, with that contact.
     pub contradiction: Option<(f64, Contact)>,
@@ -115,6 +115,7 @@ impl Cell {
         let near = self.near_pairs(&scratch.frames, reach_m);
         let all: Vec<u32> = near.filter(|pair| is_asked(&self.pairs.get(*pair))).collect();
         let mut open = std::collections::VecDeque::from([(0.5, 0.5, all)]);
+        let mut intervals: u64 = 0;
         let tolerance_m = |least: f64| {
             let finest = if least < CLOSE_M { FINE_TOLERANCE_M } else { CLEARANCE_TOLERANCE_M };
             // A fraction of an infinite distance is undefined.
@@ -123,6 +124,12 @@ impl Cell {
         // Branch and bound: an interval is done for a pair that cannot come below the least measured distance, less the
         // tolerance.
         while let Some((middle, half_width, pairs)) = open.pop_front() {
+            intervals += 1;
+            if intervals > MOST_INTERVALS {
+                // What was not measured may be closer than all that was.
+                let nearest = nearest.map(|pair| self.nearest_pair(&pair));
+                return MeasuredMotion { least_m: 0.0, seen_m: 0.0, contradiction, nearest };
+            }
             self.check_at(course, middle, half_width, scratch, 1.0);
             let mut doubtful = Vec::new();
             for index in pairs {

@@ -69,15 +69,23 @@ pub(crate) struct Demand {
     pub factor: f64,
     /// Distance that all pairs must keep in addition to the demanded one, in metres.
     pub beyond_m: f64,
-    /// Maximum number of intervals with exact distances, beyond which the proof fails.
+    /// Maximum number of intervals with exact distances, beyond which the proof fails. Default: [`MOST_INTERVALS`].
     pub effort: u64,
 }
 
 impl Default for Demand {
     fn default() -> Self {
-        Self { factor: 1.0, beyond_m: 0.0, effort: u64::MAX }
+        Self { factor: 1.0, beyond_m: 0.0, effort: MOST_INTERVALS }
     }
 }
+
+/// Maximum number of intervals into which a proof or a measurement divides one motion: a hundred times as many as a motion of
+/// a metre at a distance of 50 µm needs. Without it, a motion of many turns, or one within a few micrometres of a body, would
+/// take hours and all memory.
+pub(crate) const MOST_INTERVALS: u64 = 1 << 20;
+
+/// Maximum number of intervals that wait for the lanes; the exact phase takes further ones, within [`MOST_INTERVALS`].
+const MOST_WAITING: usize = 1 << 18;
 
 /// Travel of a link within an interval below which bisection ends, in metres: a tenth of the distance that counts as contact.
 const RESOLUTION_M: f64 = 1e-6;
@@ -230,6 +238,7 @@ impl Cell {
                 for lane in lanes_of(doubtful) {
                     let interval = &intervals[lane];
                     let (begin_next, begin_rest) = (next.pairs.len(), rest.pairs.len());
+                    let is_full = next.intervals.len() >= MOST_WAITING;
                     for (pair, lanes) in &scratch.lanes.doubts {
                         if lanes >> lane & 1 == 0 {
                             continue;
@@ -240,7 +249,7 @@ impl Cell {
                             Other::Part(_) => f64::from(scratch.lanes.travel.bodies[known.first][lane]),
                             Other::Link { .. } => travel_of(&known, scratch) * share,
                         };
-                        if travel_m > blur_m + demand.beyond_m {
+                        if travel_m > blur_m + demand.beyond_m && !is_full {
                             next.pairs.push(*pair);
                         } else {
                             rest.pairs.push(*pair);

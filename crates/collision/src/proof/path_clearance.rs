@@ -40,6 +40,9 @@ impl Cell {
                 least_m = self
                     .measure_motion(ends, MeasureOptions { below_m: least_m, share, group: None }, scratch)
                     .seen_m;
+                if least_m <= 0.0 {
+                    return 0.0;
+                }
             }
         }
         kept_m(least_m).max(0.0)

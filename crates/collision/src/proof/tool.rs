@@ -3,6 +3,7 @@ use cranny_spatial::{Point, Vector};
 
 use crate::body::tool_bound::{CellBound, ToolRegion};
 use crate::cell::{Cell, Scratch};
+use crate::proof::motion::MOST_INTERVALS;
 use crate::{CollisionError, ToolBound};
 
 /// Rounding of angles and distances, in radians and metres: the reserve with which a bound must be kept.
@@ -133,13 +134,15 @@ impl Cell {
     ) -> Option<Excess> {
         self.bounds.iter().enumerate().find_map(|(index, bound)| {
             let most = -bound.stray(strays) - ROUNDING;
-            let mut work = vec![(0.5, 0.5)];
+            let (mut work, mut intervals) = (vec![(0.5, 0.5)], 0);
             while let Some((middle, half_width)) = work.pop() {
                 let [by, greatest] = self.excess_within(bound, [a, b], (middle, half_width), scratch);
                 if greatest <= most {
                     continue;
                 }
-                if by > most || greatest - by < RESOLUTION || greatest.is_nan() {
+                intervals += 1;
+                let is_exhausted = intervals > MOST_INTERVALS;
+                if by > most || greatest - by < RESOLUTION || greatest.is_nan() || is_exhausted {
                     return Some(Excess { at: middle, bound: index, by });
                 }
                 let half = 0.5 * half_width;

@@ -7,6 +7,7 @@ use crate::body::link_body::group_separation;
 use crate::body::world::{Body, Part};
 use crate::cell::{Cell, Scratch};
 use crate::proof::joint_curve::JointCurve;
+use crate::proof::motion::MOST_INTERVALS;
 use crate::touch::contact_patch::{Across, PlanePoint, distance_to_hull};
 use crate::touch::resting_face::{
     CONTACT_ALLOWANCE_M, Face, MOST_GAP_M, RESOLUTION_M, SupportedObject, UNEVEN_M, lip,
@@ -231,8 +232,9 @@ impl Cell {
         let course = JointCurve::Line([a, b]);
         scratch.rates.set(course);
         let deepest_m = -CONTACT_ALLOWANCE_M - 2.0 * RESOLUTION_M;
-        let mut open = vec![(0.5, 0.5)];
+        let (mut open, mut intervals) = (vec![(0.5, 0.5)], 0);
         while let Some((middle, half_width)) = open.pop() {
+            intervals += 1;
             self.check_at(course, middle, half_width, scratch, 1.0);
             let travel_m = scratch.travel.of(held);
             let world_from_held = self.world_from_held(scratch);
@@ -242,7 +244,7 @@ impl Cell {
                 if over_m >= travel_m {
                     continue;
                 }
-                if over_m < 0.0 || travel_m < RESOLUTION_M {
+                if over_m < 0.0 || travel_m < RESOLUTION_M || intervals > MOST_INTERVALS {
                     return Some((middle, contact.body));
                 }
                 open.push((middle + 0.5 * half_width, 0.5 * half_width));

@@ -1,4 +1,5 @@
-use std::fs;
+use std::fs::{self, File};
+use std::io::Write as _;
 use std::path::Path;
 use std::process::ExitStatus;
 
@@ -9,6 +10,48 @@ pub struct ProcessMemory {
     pub resident_bytes: u64,
     /// Named shared memory within the resident set.
     pub shared_bytes: u64,
+    /// Peak of the resident set size, since the start of the process or since [`PeakMemory::begin`].
+    pub peak_bytes: u64,
+}
+
+/// Meter of the growth of the memory of this process (Linux).
+#[derive(Debug)]
+pub struct PeakMemory {
+    /// File that resets the peak; `None` where the system has none.
+    reset: Option<File>,
+    begin_bytes: Option<u64>,
+}
+
+impl PeakMemory {
+    /// Creates the meter. This must precede [`close_to_others`], after which only root opens the file of the meter.
+    pub fn new() -> Self {
+        let reset = File::options().write(true).open("/proc/self/clear_refs").ok();
+        Self { reset, begin_bytes: None }
+    }
+
+    /// Begins a measurement: sets the peak to the present resident set size.
+    pub fn begin(&mut self) {
+        // Source: proc_pid_clear_refs(5), value 5.
+        let is_reset = self.reset.as_mut().is_some_and(|file| file.write_all(b"5").is_ok());
+        self.begin_bytes = own_memory().filter(|_| is_reset).map(|memory| memory.resident_bytes);
+    }
+
+    /// Returns the peak of the resident set since [`Self::begin`] less its size then, in bytes; `None` on systems that cannot
+    /// reset the peak.
+    pub fn growth_bytes(&self) -> Option<u64> {
+        Some(own_memory()?.peak_bytes.saturating_sub(self.begin_bytes?))
+    }
+}
+
+impl Default for PeakMemory {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// Returns the memory of this process, as [`memory`].
+pub fn own_memory() -> Option<ProcessMemory> {
+    memory(std::process::id())
 }
 
 /// Protects this process (Linux): other processes of the same user, except root, cannot reach its open files through `/proc`.
@@ -87,6 +130,7 @@ fn memory_in(status: &Path) -> Option<ProcessMemory> {
     Some(ProcessMemory {
         resident_bytes: bytes("VmRSS:")?,
         shared_bytes: bytes("RssShmem:").unwrap_or_default(),
+        peak_bytes: bytes("VmHWM:").unwrap_or_default(),
     })
 }
 
@@ -172,5 +216,21 @@ mod tests {
         assert!(memory.resident_bytes > memory.shared_bytes, "{memory:?}");
         assert_eq!(beginning(this), beginning(this));
         assert!(beginning(this).is_some());
+    }
+
+    #[test]
+    fn the_peak_of_a_measurement_is_that_of_the_time_since_its_begin() {
+        const HELD: usize = 64 << 20;
+        let mut meter = PeakMemory::new();
+        // Memory that was released before the measurement does not count.
+        drop(std::hint::black_box(vec![1_u8; 2 * HELD]));
+        meter.begin();
+        let Some(before) = meter.growth_bytes() else { return };
+        assert!(before < HELD as u64 / 2, "{before}");
+        drop(std::hint::black_box(vec![1_u8; HELD]));
+        let growth = meter.growth_bytes().expect("a peak");
+        assert!(growth >= HELD as u64 * 9 / 10 && growth < 3 * HELD as u64 / 2, "{growth}");
+        meter.begin();
+        assert!(meter.growth_bytes().is_some_and(|growth| growth < HELD as u64 / 2));
     }
 }

@@ -1,0 +1,121 @@
+use cranny_robot::JointLimits;
+use cranny_task::{Problem, Segment, joined};
+
+use crate::audit::START_TOLERANCE;
+use crate::{Audit, AuditSettings, Cause, Clearances, JointOffset, PathError, Violation};
+
+/// Limits of an audit, which bound its time and memory for every path.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AuditLimits {
+    /// Maximum number of way points, those of all segments together.
+    pub way_points: usize,
+    /// Maximum travel of a path (m or rad): the sum over its edges of the travel of the joint that moves farthest.
+    pub travel: u32,
+    /// Number of violations at which the audit ends.
+    pub violations: usize,
+}
+
+impl AuditLimits {
+    /// Limits for paths from untrusted planners, of which one violation is reported. A path of ten metres sampled every
+    /// millimetre has 10⁴ way points.
+    pub const UNTRUSTED: Self = Self { way_points: 10_000, travel: 10_000, violations: 1 };
+}
+
+impl Default for AuditLimits {
+    /// Limits that no real motion reaches: an hour sampled at 250 Hz has 9 · 10⁵ way points.
+    fn default() -> Self {
+        Self { way_points: 1_000_000, travel: 100_000, violations: 100_000 }
+    }
+}
+
+/// Excess over a joint limit (m or rad) up to which a path is still judged: a limit of another version of the robot, or a turn.
+const MOST_EXCESS: f64 = 10.0;
+
+/// Returns the audit of segments whose verdict needs no proof, because a way point is more than 10 m or rad beyond a joint
+/// limit, or because the start or the joint limits have as many violations as count; otherwise `None`.
+///
+/// # Errors
+/// Those of [`audit_task`](crate::audit_task) that concern the way points.
+pub fn audit_without_proof(
+    problem: &Problem,
+    segments: &[Segment],
+    settings: AuditSettings,
+) -> Result<Option<Audit>, PathError> {
+    let count = segments.iter().map(|segment| segment.waypoints.len()).sum();
+    check_count(count, settings.limits)?;
+    let (violations, is_over) = first_violations(problem, &joined(segments), settings.limits)?;
+    Ok(is_over.then(|| Audit::ended(problem, violations, settings)))
+}
+
+/// Returns the violations of a path (m, rad; one value per joint) at its start and of the joint limits, and true if the audit
+/// ends with them.
+///
+/// # Errors
+/// As [`audit_with`](crate::audit_with).
+pub(crate) fn first_violations(
+    problem: &Problem,
+    path: &[Vec<f64>],
+    limits: AuditLimits,
+) -> Result<(Vec<Violation>, bool), PathError> {
+    check_count(path.len(), limits)?;
+    for q in path {
+        problem.check_configuration("way point", q)?;
+    }
+    let first = path.first().ok_or(PathError::EmptyPath)?;
+    let at_start = first.iter().zip(problem.start()).enumerate().filter_map(|(joint, (a, b))| {
+        let off = (a - b).abs();
+        let cause = || Cause::Start(joint_offset(problem, joint, off));
+        (off > START_TOLERANCE).then(|| Violation::at_way_point(0, cause()))
+    });
+    let mut violations: Vec<Violation> = at_start.collect();
+    let of_start = violations.len();
+    let joint_limits = problem.robot().limits();
+    let beyond = |(way_point, q): (usize, &Vec<f64>)| {
+        let beyond = |(joint, (value, limits)): (usize, (&f64, &JointLimits))| {
+            let excess = (limits.lower - value).max(value - limits.upper);
+            let cause = || Cause::JointLimit(joint_offset(problem, joint, excess));
+            (excess > 0.0).then(|| Violation::at_way_point(way_point, cause()))
+        };
+        q.iter().zip(joint_limits).enumerate().filter_map(beyond).collect::<Vec<_>>()
+    };
+    let left = limits.violations.saturating_sub(of_start);
+    violations.extend(path.iter().enumerate().flat_map(beyond).take(left));
+    let is_far = |violation: &Violation| matches!(&violation.cause, Cause::JointLimit(offset) if offset.off > MOST_EXCESS);
+    if violations.len() >= limits.violations || violations.iter().any(is_far) {
+        return Ok((violations, true));
+    }
+    check_travel(path, limits)?;
+    Ok((violations, false))
+}
+
+/// Returns the offset of a joint (m or rad) from a value, with its name and unit.
+pub(crate) fn joint_offset(problem: &Problem, joint: usize, off: f64) -> JointOffset {
+    let robot = problem.robot();
+    JointOffset { joint: robot.joint_names()[joint].clone(), off, unit: robot.limits()[joint].unit }
+}
+
+fn check_count(actual: usize, limits: AuditLimits) -> Result<(), PathError> {
+    let most = limits.way_points;
+    if actual > most { Err(PathError::TooManyWayPoints { actual, most }) } else { Ok(()) }
+}
+
+/// Checks the travel of a path of finite numbers, whose differences may overflow.
+fn check_travel(path: &[Vec<f64>], limits: AuditLimits) -> Result<(), PathError> {
+    let mut travel = 0.0;
+    for (edge, ends) in path.windows(2).enumerate() {
+        let of_joints = ends[0].iter().zip(&ends[1]).map(|(a, b)| (b - a).abs());
+        travel += of_joints.fold(0.0, f64::max);
+        if travel > f64::from(limits.travel) {
+            return Err(PathError::TooMuchTravel { edge, travel, most: limits.travel });
+        }
+    }
+    Ok(())
+}
+
+impl Audit {
+    /// Returns the verdict on a path that is not judged beyond these violations.
+    pub(crate) fn ended(problem: &Problem, violations: Vec<Violation>, settings: AuditSettings) -> Self {
+        let is_measured = problem.cell().is_some() && settings.clearances != Clearances::None;
+        Self { violations, clearance_m: is_measured.then_some(0.0), ..Self::empty() }
+    }
+}
