@@ -59,7 +59,7 @@ class Results:
 
     @property
     def comparisons(self) -> Any:
-        """One row for each pair of planners on each scenario: `finding` ("too-few-runs", "no-difference",
+        """One row for each of at most 500 pairs of planners on a scenario: `finding` ("too-few-runs", "no-difference",
         "first-is-faster", "second-is-faster", "differ"), the p-values of two permutation tests, adjusted over all
         comparisons, and the difference of restricted means with its interval (s); NaN or None if there are too few
         runs. A data frame, or a dictionary of lists without pandas."""

@@ -1,6 +1,6 @@
 use std::path::{Path, PathBuf};
 
-use cranny_file::{nearest_files, suggested};
+use cranny_file::{nearest_files, suggested, visible_line};
 
 /// Errors of campaigns, results and workers. A failure of a planner is no such error: it is an outcome of its trial.
 #[derive(Debug, thiserror::Error)]
@@ -171,6 +171,30 @@ pub enum BenchError {
         /// Scenario, planner and seed of one such trial.
         first: String,
     },
+    /// Two results files contain the same run with different information.
+    #[error(
+        "{path}: {runs} runs have another machine, program or command in {into}: one of the files was changed \
+         by hand; --keep-first keeps what the file that is given first states"
+    )]
+    OtherRun {
+        /// The file to merge.
+        path: PathBuf,
+        /// The file merged into.
+        into: PathBuf,
+        /// Number of such runs.
+        runs: u64,
+    },
+    /// The results file of a running campaign is no longer the one that the campaign writes.
+    #[error(
+        "{}: the results file was removed, replaced or truncated during the campaign, which stops here; {kept}",
+        path.display()
+    )]
+    ResultsGone {
+        /// The file.
+        path: PathBuf,
+        /// Result of saving the trials to another file.
+        kept: String,
+    },
     /// A trial aims at a goal configuration that the scenario does not have.
     #[error("scenario {scenario} has {known} goal configurations, so there is no goal {goal}")]
     Goal {
@@ -196,6 +220,15 @@ pub enum BenchError {
     /// Two planners of a campaign have the same name.
     #[error("two planners of the campaign are called '{name}'; give one of them another `name`")]
     PlannerName {
+        /// The name.
+        name: String,
+    },
+    /// The name of a planner has characters that tables and lists cannot show.
+    #[error(
+        "the name of planner '{}' is empty or has a control character; give it another `name`",
+        visible_line(name)
+    )]
+    PlannerLetters {
         /// The name.
         name: String,
     },

@@ -10,6 +10,7 @@ mod number_text;
 mod overall;
 mod pages;
 mod paper_table;
+mod planner_rank;
 mod row;
 mod scenario_class;
 mod split_row;

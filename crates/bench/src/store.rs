@@ -5,6 +5,7 @@ pub(crate) mod exports;
 pub(crate) mod manifest;
 pub(crate) mod ompl_log;
 pub(crate) mod results;
+pub(crate) mod results_claim;
 pub(crate) mod results_file;
 pub(crate) mod results_row;
 pub(crate) mod run_information;

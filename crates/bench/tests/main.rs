@@ -7,7 +7,10 @@ mod synthetic;
 
 mod campaign_file;
 mod few_runs;
+mod hostile_names;
 mod hostile_results;
+mod large_reports;
+mod merging;
 mod ompl_log;
 mod report;
 mod report_page;

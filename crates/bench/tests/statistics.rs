@@ -3,8 +3,8 @@
 #![allow(clippy::float_cmp, reason = "figures that are copied or counted must be the same to the last bit")]
 
 use cranny_bench::statistics::{
-    FiveNumbers, Followed, KaplanMeier, SampleMoments, TwoSampleTest, holm, least_p, log_rank,
-    median_interval, performance_profiles, wilson,
+    FiveNumbers, Followed, KaplanMeier, MeanSurvival, SampleMoments, TwoSampleTest, holm, least_p, log_rank,
+    mean_rate, median_interval, performance_profiles, wilson,
 };
 use proptest::prelude::*;
 use serde_json::Value;
@@ -408,4 +408,46 @@ proptest! {
             }
         }
     }
+}
+
+#[test]
+fn the_mean_of_one_group_is_that_group_and_the_number_of_its_trials_gives_no_weight() {
+    let (treated, placebo) = (KaplanMeier::of(&weeks(&MERCAPTOPURINE)), KaplanMeier::of(&weeks(&PLACEBO)));
+    let alone = MeanSurvival::of(std::slice::from_ref(&treated));
+    for (step, own) in alone.steps().iter().zip(treated.steps()) {
+        assert_eq!(step.at, own.at);
+        assert_near(step.survival, own.survival, 1e-12);
+        assert_near(step.band.low, own.band.low, 1e-9);
+        assert_near(step.band.high, own.band.high, 1e-9);
+    }
+    assert_eq!((alone.median(), alone.last()), (treated.median(), treated.last()));
+    // Ten times the trials of a group have the same curve, so the mean is the same.
+    let many = KaplanMeier::of(&weeks(&PLACEBO.repeat(10)));
+    let means = [placebo.clone(), many].map(|placebo| MeanSurvival::of(&[treated.clone(), placebo]));
+    for (a, b) in means[0].steps().iter().zip(means[1].steps()) {
+        assert_near(a.survival, b.survival, 1e-12);
+        assert_near(a.survival, (treated.survival_at(a.at) + placebo.survival_at(a.at)) / 2.0, 1e-12);
+        assert!(b.band.high - b.band.low <= a.band.high - a.band.low + 1e-12, "more trials, a narrower band");
+    }
+    assert_eq!(means[0].median(), Some(12.0));
+    let (low, high) = means[0].median_interval();
+    assert!(low < Some(12.0) && high > Some(12.0), "{low:?} to {high:?}");
+    // Exactly zero where all trials of all groups are solved.
+    let solved =
+        KaplanMeier::of(&[Followed { until: 0.1, solved: true }, Followed { until: 0.3, solved: true }]);
+    let all = MeanSurvival::of(&[solved.clone(), placebo, solved]);
+    assert_eq!(all.steps().last().map(|step| step.survival), Some(0.0));
+}
+
+#[test]
+fn the_mean_rate_of_one_group_has_the_wilson_interval() {
+    let (mean, interval) = mean_rate(&[(7, 10)]).expect("a rate");
+    let alone = wilson(7, 10).expect("an interval");
+    assert_near(mean, 0.7, 1e-12);
+    assert_near(interval.low, alone.low, 1e-12);
+    assert_near(interval.high, alone.high, 1e-12);
+    let (mean, interval) = mean_rate(&[(10, 10), (0, 1000)]).expect("a rate");
+    assert_near(mean, 0.5, 1e-12);
+    assert!(interval.low < 0.5 && interval.high > 0.5 && interval.high < 0.51);
+    assert_eq!((mean_rate(&[]), mean_rate(&[(1, 1), (0, 0)])), (None, None));
 }

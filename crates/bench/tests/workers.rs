@@ -166,3 +166,81 @@ fn a_stop_ends_the_campaign_without_the_trial_under_way() {
     .expect("a campaign");
     assert_eq!((again.known, again.run, again.is_stopped), (stored, 50 - stored, false));
 }
+
+/// Observer that does something to the results file when a trial is stored.
+struct Meddler<'a> {
+    path: &'a Path,
+    act: fn(&Path),
+    after: usize,
+}
+
+impl CampaignObserver for Meddler<'_> {
+    fn trial_ended(&mut self, _: &TrialRecord) {
+        self.after -= 1;
+        if self.after == 0 {
+            (self.act)(self.path);
+        }
+    }
+}
+
+/// Runs three short trials, and does something to the results file after one of them.
+fn meddled(folder: &Path, act: fn(&Path), after: usize) -> Result<usize, BenchError> {
+    let path = folder.join("results.db");
+    let mut results = Results::create(&path).expect("results");
+    let mut observer = Meddler { path: &path, act, after };
+    let settings = settings("read line; exit 3");
+    let stop = AtomicBool::new(false);
+    run_campaign(&schedule(3), &settings, &mut results, &mut observer, &stop).map(|summary| summary.run)
+}
+
+#[test]
+fn results_that_are_taken_away_end_the_campaign_and_are_saved() {
+    let acts: [fn(&Path); 3] = [
+        |path| std::fs::remove_file(path).expect("removed"),
+        |path| std::fs::rename(path, path.with_extension("old")).expect("renamed"),
+        |path| {
+            let other = path.with_file_name("other.db");
+            drop(Results::create(&other).expect("results"));
+            std::fs::rename(other, path).expect("replaced");
+        },
+    ];
+    for (act, after) in acts.into_iter().flat_map(|act| [(act, 1), (act, 3)]) {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let fault = meddled(folder.path(), act, after).expect_err("an error");
+        assert!(matches!(fault, BenchError::ResultsGone { .. }), "{fault}");
+        let entries =
+            std::fs::read_dir(folder.path()).expect("a folder").map(|entry| entry.expect("an entry"));
+        let saved = entries.map(|entry| entry.path()).find(|path| path.to_string_lossy().contains("-saved-"));
+        let saved = saved.expect("a saved file");
+        assert!(fault.to_string().contains(&saved.display().to_string()), "{fault}");
+        // The trial after the act is stored before the next check.
+        let count = Results::open(&saved).expect("results").count().expect("a count");
+        assert_eq!(count, 3.min(after + 1));
+    }
+}
+
+#[test]
+fn results_that_are_cut_or_written_over_end_the_campaign() {
+    let acts: [fn(&Path); 4] = [
+        |path| std::fs::write(path, "").expect("truncated"),
+        |path| {
+            let file = std::fs::File::options().write(true).open(path).expect("opened");
+            file.set_len(5000).expect("truncated");
+        },
+        |path| {
+            let other = path.with_file_name("other.db");
+            drop(Results::create(&other).expect("results"));
+            std::fs::copy(other, path).expect("copied");
+        },
+        |path| std::fs::remove_dir_all(path.parent().expect("a folder")).expect("removed"),
+    ];
+    for (act, after) in acts.into_iter().flat_map(|act| [(act, 1), (act, 3)]) {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let inside = folder.path().join("campaign");
+        std::fs::create_dir(&inside).expect("a folder");
+        assert!(meddled(&inside, act, after).is_err(), "after {after}");
+    }
+    let nothing: fn(&Path) = |_| ();
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    assert_eq!(meddled(folder.path(), nothing, 1).expect("a campaign"), 3);
+}

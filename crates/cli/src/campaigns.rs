@@ -11,6 +11,7 @@ pub(crate) mod bench_slurm;
 pub(crate) mod bench_status;
 pub(crate) mod bench_worker;
 pub(crate) mod cluster_folder;
+pub(crate) mod cluster_scripts;
 pub(crate) mod report_paths;
 pub(crate) mod report_pictures;
 pub(crate) mod slurm;

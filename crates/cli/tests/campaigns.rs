@@ -154,3 +154,27 @@ fn trials_keep_the_room_that_the_target_is_to_have() {
     let refused = cranny(path, "bench run --scenarios 031 --planners reach --robust 2");
     assert!(refused.status.code() == Some(2) && error(&refused).contains("--robust"), "{}", error(&refused));
 }
+
+/// Such a campaign wrote to a file without a name up to its end, and then reported success.
+#[test]
+fn a_campaign_whose_results_are_removed_ends_by_itself_with_an_error() {
+    let folder = folder();
+    let results = folder.path().join("results.db");
+    let mut campaign = Command::new(assert_cmd::cargo::cargo_bin("cranny"));
+    campaign.current_dir(folder.path()).args(["bench", "run", "--scenarios", "021", "--planners", "reach"]);
+    campaign.args(["--runs", "100000"]).stderr(std::process::Stdio::piped());
+    let campaign = campaign.spawn().expect("it starts");
+    let ended = || cranny_bench::Results::glance(&results).map(|planners| planners.len());
+    while !matches!(ended(), Ok(1)) {
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    }
+    std::fs::remove_file(&results).expect("removed");
+    let output = campaign.wait_with_output().expect("it ends");
+    assert_eq!(output.status.code(), Some(2), "{}", error(&output));
+    assert!(error(&output).contains("results.db: the results file was removed"), "{}", error(&output));
+    let entries = std::fs::read_dir(folder.path()).expect("a folder").map(|entry| entry.expect("an entry"));
+    let saved: Vec<_> =
+        entries.map(|entry| entry.path()).filter(|path| path.to_string_lossy().contains("-saved-")).collect();
+    let [saved] = &saved[..] else { panic!("{saved:?}") };
+    assert!(cranny_bench::Results::open(saved).expect("results").count().expect("a count") > 0);
+}

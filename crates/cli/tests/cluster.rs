@@ -74,7 +74,8 @@ fn scripts_are_written_checked_and_never_written_over() {
     let path = folder.path();
     let words = ["bench", "slurm", "campaign.yaml", "--array", "3", "--write-only", "-o", "it's here"];
     let page = said(path, &[&words[..], &["--", "--partition=short"]].concat(), 0);
-    assert!(page.contains("--array=1-3 --partition=short") && page.contains("afterany:JOB"), "{page}");
+    assert!(page.contains("--array=1-3 ") && page.contains("--partition=short"), "{page}");
+    assert!(page.contains("afterany:JOB"), "{page}");
     let place = path.join("it's here");
     for script in ["task.sh", "report.sh"] {
         assert!(Process::new("sh").arg("-n").arg(place.join(script)).status().expect("sh").success());
@@ -102,6 +103,86 @@ fn scripts_are_written_checked_and_never_written_over() {
             .contains("at most as many tasks")
     );
     assert!(said(path, &["bench", "status", "."], 2).contains("campaign.json"));
+}
+
+/// Stands for sbatch and squeue: notes its arguments, and runs the script at once as the first array task.
+const FAKE_SLURM: &str = "#!/bin/sh
+case $0 in *squeue) exit 0 ;; esac
+for word; do printf '%s\\n' \"$word\" >> \"$NOTES\"; script=$word; done
+SLURM_ARRAY_TASK_ID=1 SLURM_JOB_ID=7 sh \"$script\" >> \"$NOTES.out\" 2>&1 || exit 1
+echo 7
+";
+
+/// Creates the stand-in for Slurm; returns the search path of programs.
+#[cfg(unix)]
+fn fake_slurm(folder: &Path) -> PathBuf {
+    use std::os::unix::fs::PermissionsExt as _;
+    std::fs::create_dir(folder.join("bin")).expect("a folder");
+    for name in ["sbatch", "squeue"] {
+        let program = folder.join("bin").join(name);
+        std::fs::write(&program, FAKE_SLURM).expect("written");
+        std::fs::set_permissions(&program, std::fs::Permissions::from_mode(0o755)).expect("set");
+    }
+    let path = std::env::var("PATH").unwrap_or_default();
+    PathBuf::from(format!("{}:{path}", folder.join("bin").display()))
+}
+
+#[cfg(unix)]
+#[test]
+fn a_name_that_a_shell_would_obey_is_a_name() {
+    let folder = folder();
+    let path = folder.path();
+    let search = fake_slurm(path);
+    let notes = path.join("notes");
+    let environment = [("PATH", search), ("NOTES", notes.clone()), ("SCRATCH", path.join("node disk"))];
+    std::fs::create_dir(path.join("node disk")).expect("a folder");
+    let names = ["it's $HOME `touch stolen` 50%a \"x\" ;touch stolen", "-x", "größer 箱", "$(touch stolen)"];
+    for name in names {
+        let file = format!("{name}.yaml");
+        std::fs::write(path.join(&file), CAMPAIGN.replace("runs: 4", "runs: 1")).expect("written");
+        let file = format!("./{file}");
+        let output = format!("--output={name}");
+        let words = ["bench", "slurm", &file, "--array", "1", &output, "--local", "$SCRATCH/it's"];
+        let submitted = with(path, &words, &environment);
+        let said = text(&std::fs::read(notes.with_extension("out")).unwrap_or_default());
+        assert_eq!(submitted.status.code(), Some(0), "{name}: {}{said}", text(&submitted.stderr));
+        let results = Results::open(&path.join(name).join("results.db")).expect("results");
+        assert_eq!(results.count().expect("a count"), 2, "{name}");
+        assert!(path.join(name).join("report.html").exists(), "{name}");
+        for place in [path, &path.join(name)] {
+            assert!(!place.join("stolen").exists(), "{name} was obeyed");
+        }
+        let pattern = name.replace('%', "%%");
+        let noted = std::fs::read_to_string(&notes).expect("notes");
+        assert!(noted.contains(&format!("/{pattern}/log/%a.txt\n")), "{noted}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_path_that_no_script_can_contain_is_refused_before_anything_is_written() {
+    use std::os::unix::ffi::OsStrExt as _;
+    let folder = folder();
+    let bytes: [&[u8]; 4] = [b"a\ntouch stolen\n", b"a\r#SBATCH -x", b"a\xff", b"a\\b"];
+    for name in bytes {
+        let name = std::ffi::OsStr::from_bytes(name);
+        let mut command = Command::cargo_bin("cranny").expect("the program");
+        command.current_dir(folder.path()).args([
+            "bench",
+            "slurm",
+            "campaign.yaml",
+            "--array",
+            "2",
+            "--write-only",
+            "-o",
+        ]);
+        let output = command.arg(name).output().expect("it runs");
+        assert_eq!(output.status.code(), Some(2), "{name:?}: {}", text(&output.stderr));
+        assert!(!folder.path().join(name).exists(), "{name:?}");
+    }
+    let words =
+        ["bench", "slurm", "campaign.yaml", "--array", "2", "--write-only", "--local", "$(touch stolen)"];
+    assert!(said(folder.path(), &words, 2).contains("the name of a variable"));
 }
 
 #[test]

@@ -9,6 +9,11 @@ pub fn visible(text: &str) -> String {
     shown
 }
 
+/// Returns a text as [`visible`] does, on one line: line ends are escaped too. Tables and lists need it for names.
+pub fn visible_line(text: &str) -> String {
+    visible(text).replace('\n', "\\n").replace('\u{2028}', "\\u{2028}").replace('\u{2029}', "\\u{2029}")
+}
+
 /// Returns the first characters of a text from a file, short enough for a message.
 pub fn excerpt(text: &str) -> String {
     const MOST: usize = 60;
@@ -26,6 +31,7 @@ mod tests {
     fn nothing_that_a_terminal_obeys_is_left() {
         assert_eq!(visible("a\x1b[31mb\u{9b}c\r\u{202e}\ttd\n"), "a\\u{1b}[31mb\\u{9b}c\\r\\u{202e}\\ttd\n");
         assert_eq!(visible("Ärger — 50 µm"), "Ärger — 50 µm");
+        assert_eq!(visible_line("a\nb\r\n\u{2028}\u{85}c"), "a\\nb\\r\\n\\u{2028}\\u{85}c");
     }
 
     #[test]

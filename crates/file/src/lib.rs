@@ -9,6 +9,7 @@ mod distinct;
 mod excerpt;
 mod fault;
 mod opener;
+mod shell_word;
 mod spelling;
 mod text;
 
@@ -16,8 +17,9 @@ pub use archive_names::archive_names;
 pub use bound::{at_least, at_most};
 pub use counted::counted;
 pub use distinct::distinct;
-pub use excerpt::{excerpt, visible};
+pub use excerpt::{excerpt, visible, visible_line};
 pub use fault::{FileFault, LIFTED_BY};
 pub use opener::{ARCHIVE, MESH, PROGRAM, Readable, TABLE, TEXT, are_limits_lifted, is_there, lift_limits};
+pub use shell_word::{shell_file, shell_word};
 pub use spelling::{did_you_mean, did_you_mean_here, nearest_files, nearest_names, suggested};
 pub use text::{TextFault, json, yaml};

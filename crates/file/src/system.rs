@@ -4,6 +4,8 @@
 //! | | Linux | macOS and other Unix | Windows |
 //! |---|---|---|---|
 //! | pipes, devices and sockets are distinguished from files | yes | yes | a pipe is read if a person names it |
+//! | a pipe in the place of a file blocks nothing | yes | yes | as a file |
+//! | a file replaced by another is noticed | yes | yes | no |
 //! | a changed file is noticed even if its times were set back | yes | yes | by its length and time alone |
 //! | a program is ended with its descendants | yes, however often it forked | those still in its group | no |
 //! | its memory is measured and limited | yes | no | no |
@@ -21,6 +23,7 @@ mod file_stamp;
 mod machine;
 #[cfg(target_os = "linux")]
 mod mounts;
+mod plain_file;
 mod process;
 mod walls;
 
@@ -29,6 +32,7 @@ pub use enclosure::{Restrictions, begin_session, restrict_self, status_of_shell,
 pub use file_kind::{is_stream, kind_name};
 pub use file_stamp::FileStamp;
 pub use machine::{machine_name, processor_name};
+pub use plain_file::{FileIdentity, open_plain_file};
 pub use process::{
     PeakMemory, ProcessMemory, adopt_orphans, beginning, children, close_to_others, ending, is_killed,
     kill_group, kill_process, memory, own_memory, reap, stop_process,

@@ -1,6 +1,7 @@
 use std::collections::HashSet;
 use std::time::Duration;
 
+use cranny_file::visible_line;
 use cranny_grasp::ScoreKind;
 use cranny_plan::{Budget, Registry, Unobserved};
 use cranny_scenario::Recipe;
@@ -154,7 +155,7 @@ impl Campaign {
     /// of later trials appear before the first trial.
     ///
     /// # Errors
-    /// [`BenchError`] for scenarios that do not open, duplicate planner names, a planner that refuses a scenario, an empty
+    /// [`BenchError`] for scenarios that do not open, duplicate or invisible planner names, a planner that refuses a scenario, an empty
     /// campaign, and numbers out of range.
     pub fn schedule(&self, registry: &Registry) -> Result<Schedule, BenchError> {
         self.check()?;
@@ -347,6 +348,10 @@ impl Campaign {
             if let Some((what, _)) = needing.into_iter().find(|(_, is_asked)| *is_asked) {
                 return Err(BenchError::NeedsGraspSet { what });
             }
+        }
+        let is_shown = |name: &str| !name.trim().is_empty() && visible_line(name) == name;
+        if let Some(planner) = self.planners.iter().find(|planner| !is_shown(&planner.name)) {
+            return Err(BenchError::PlannerLetters { name: planner.name.clone() });
         }
         let mut names = HashSet::new();
         if let Some(planner) = self.planners.iter().find(|planner| !names.insert(&planner.name)) {

@@ -1,5 +1,6 @@
 use std::collections::BTreeMap;
 
+use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::report::row::{Group, horizon_s};
@@ -72,36 +73,72 @@ impl Comparison {
     }
 }
 
-/// Compares every pair of planners on every scenario on which both have runs. Goal-wise runs are excluded: these already select
-/// the best goal.
-pub fn comparisons(groups: &[Group]) -> Vec<Comparison> {
+/// Maximum number of comparisons of a report. Each has permutation tests, whose number of draws grows with that of all
+/// comparisons.
+pub const MOST_COMPARISONS: usize = 500;
+
+/// Selected comparisons, and the reason for a selection.
+pub struct Comparisons {
+    pub compared: Vec<Comparison>,
+    /// Sentence about the selection; `None` if every pair is compared.
+    pub note: Option<String>,
+}
+
+/// Compares every pair of planners on every scenario on which both have runs. If there are more than [`MOST_COMPARISONS`] pairs,
+/// compares each planner with the first one by name, in the order of names up to that number: a choice by results, such as
+/// the best planner, would make differences by chance more frequent than the tests promise. Goal-wise runs are excluded: these
+/// already select the best goal.
+pub fn comparisons(groups: &[Group]) -> Comparisons {
     let mut scenarios: BTreeMap<(&str, &str, &str), Vec<&Group>> = BTreeMap::new();
     for group in groups.iter().filter(|group| group.row.goals.is_none()) {
         let row = &group.row;
         scenarios.entry((&row.criterion, &row.scenario_name, &row.scenario_hash)).or_default().push(group);
     }
+    let all: usize = scenarios.values().map(|groups| groups.len() * (groups.len() - 1) / 2).sum();
     let mut pairs: Vec<(&Group, &Group)> = Vec::new();
-    for groups in scenarios.values() {
-        for (index, first) in groups.iter().enumerate() {
-            pairs.extend(groups[index + 1..].iter().map(|second| (*first, *second)));
+    if all <= MOST_COMPARISONS {
+        for groups in scenarios.values() {
+            for (index, first) in groups.iter().enumerate() {
+                pairs.extend(groups[index + 1..].iter().map(|second| (*first, *second)));
+            }
+        }
+    } else {
+        let mut references: BTreeMap<&str, &str> = BTreeMap::new();
+        for row in scenarios.values().flatten().map(|group| &group.row) {
+            let first = references.entry(&row.criterion).or_insert(&row.planner_name);
+            *first = (*first).min(&row.planner_name);
+        }
+        for groups in scenarios.values() {
+            let is_reference = |group: &&&Group| group.row.planner_name == references[&*group.row.criterion];
+            let Some(reference) = groups.iter().find(is_reference) else { continue };
+            let others = groups.iter().filter(|group| !is_reference(group));
+            pairs.extend(others.map(|other| (*reference, *other)));
         }
     }
     let names = |(first, second): &(&Group, &Group)| {
         (first.row.criterion.clone(), first.row.planner_name.clone(), second.row.planner_name.clone())
     };
     pairs.sort_by_cached_key(names);
+    pairs.truncate(MOST_COMPARISONS);
     let least: Vec<f64> =
         pairs.iter().map(|(first, second)| least_p(first.runs.len(), second.runs.len())).collect();
     let family = family(&least);
     let is_tested = |least: f64| family > 0 && least * tests_of(family) < LEVEL;
-    let compared = pairs.iter().zip(&least);
+    let compared = pairs.par_iter().zip(&least);
     let (mut comparisons, excesses): (Vec<Comparison>, Vec<f64>) =
         compared.map(|((first, second), least)| compare(first, second, family, is_tested(*least))).unzip();
     adjust(&mut comparisons);
     for (comparison, excess) in comparisons.iter_mut().zip(excesses) {
         comparison.finding = finding(comparison, excess);
     }
-    comparisons
+    let count = comparisons.len();
+    let note = (count < all).then(|| {
+        format!(
+            "{count} of {all} pairs of planners on a scenario are compared, the most that a report compares: each \
+             planner with the first one by name, a choice that no result influences."
+        )
+    });
+    Comparisons { compared: comparisons, note }
 }
 
 /// Returns the number of tests: two for each comparison.

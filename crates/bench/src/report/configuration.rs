@@ -1,6 +1,6 @@
 use std::collections::{BTreeMap, BTreeSet};
 
-use cranny_file::counted;
+use cranny_file::{counted, visible_line};
 use serde_json::Value;
 
 use crate::{PathDemand, Trial};
@@ -62,19 +62,19 @@ impl Names {
             let name = |hash: &&str| {
                 let short: String = hash.chars().take(8).collect();
                 let name = if hashes.len() == 1 { (*id).to_owned() } else { format!("{id} ({short})") };
-                (((*id).to_owned(), (*hash).to_owned()), name)
+                (((*id).to_owned(), (*hash).to_owned()), visible_line(&name))
             };
             hashes.iter().map(name).collect::<Vec<_>>()
         };
+        let differences: BTreeMap<&str, BTreeMap<&str, String>> =
+            settings.iter().map(|(planner, all)| (*planner, differences(all))).collect();
         let with_settings = |configuration: &Configuration| {
-            let all = &settings[configuration.planner.as_str()];
-            let difference =
-                if all.len() == 1 { String::new() } else { differing(&configuration.settings, all) };
+            let difference = &differences[configuration.planner.as_str()][configuration.settings.as_str()];
             let each_goal = if configuration.goal_wise { " (best goal)" } else { "" };
             // The suffix is also on unique names, because the problem is another one.
             let is_without = PathDemand::of_settings(&configuration.settings).without_grasp_set;
             let without = if is_without { NO_GRASP_SET } else { "" };
-            format!("{}{difference}{each_goal}{without}", configuration.planner)
+            visible_line(&format!("{}{difference}{each_goal}{without}", configuration.planner))
         };
         // The limits distinguish configurations of one scenario that still have the same name.
         let mut taken: BTreeMap<(&str, &str, String), usize> = BTreeMap::new();
@@ -106,28 +106,35 @@ impl Names {
     }
 }
 
-/// Returns the settings in which `own` differs from the others, as ` [key=value]`; all of them if they are no object.
-fn differing(own: &str, all: &BTreeSet<&str>) -> String {
-    let parsed = |text: &str| match serde_json::from_str(text) {
-        Ok(Value::Object(settings)) => Some(settings),
+/// Returns for each of the settings of a planner where it differs from the others, as ` [key=value]`; all of it if any is no
+/// object.
+fn differences<'a>(all: &BTreeSet<&'a str>) -> BTreeMap<&'a str, String> {
+    if all.len() == 1 {
+        return all.iter().map(|own| (*own, String::new())).collect();
+    }
+    let parsed = |text: &&'a str| match serde_json::from_str(text) {
+        Ok(Value::Object(settings)) => Some((*text, settings)),
         _ => None,
     };
-    let (Some(own_settings), Some(all)) =
-        (parsed(own), all.iter().map(|text| parsed(text)).collect::<Option<Vec<_>>>())
-    else {
-        return format!(" [{own}]");
+    let Some(parsed) = all.iter().map(parsed).collect::<Option<Vec<_>>>() else {
+        return all.iter().map(|own| (*own, format!(" [{own}]"))).collect();
     };
-    let keys: BTreeSet<&String> = all.iter().flat_map(|settings| settings.keys()).collect();
+    // The number of settings in which each value of a key occurs: a key differs if no value occurs in all of them.
+    let mut counts: BTreeMap<&String, BTreeMap<String, usize>> = BTreeMap::new();
+    for (key, value) in parsed.iter().flat_map(|(_, settings)| settings) {
+        *counts.entry(key).or_default().entry(value.to_string()).or_default() += 1;
+    }
     // Every name already shows the absence of a grasp set.
-    let differs = |key: &&String| {
-        *key != PathDemand::GRASPS && all.iter().any(|settings| settings.get(*key) != all[0].get(*key))
+    counts.retain(|key, values| {
+        *key != PathDemand::GRASPS && values.values().all(|count| *count < parsed.len())
+    });
+    let text = |own: &serde_json::Map<String, Value>| {
+        let value = |key: &String| own.get(key).map_or("none".to_owned(), ToString::to_string);
+        let pairs = counts.keys().map(|key| format!("{key}={}", value(key).trim_matches('"')));
+        pairs.collect::<Vec<_>>().join(", ")
     };
-    let text = |key: &String| {
-        let value = own_settings.get(key).map_or("none".to_owned(), ToString::to_string);
-        format!("{key}={}", value.trim_matches('"'))
-    };
-    let parts: Vec<String> = keys.into_iter().filter(differs).map(text).collect();
-    if parts.is_empty() { String::new() } else { format!(" [{}]", parts.join(", ")) }
+    let bracketed = |text: String| if text.is_empty() { text } else { format!(" [{text}]") };
+    parsed.iter().map(|(own, settings)| (*own, bracketed(text(settings)))).collect()
 }
 
 fn limits(configuration: &Configuration) -> String {

@@ -2,7 +2,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use crate::{Run, StoredTrial};
+use crate::{Run, RunInformation, StoredTrial};
 
 /// Machine and conditions of trials; runs that differ only in their times are combined.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -25,9 +25,12 @@ pub struct Machine {
     pub first_began: String,
     /// Start of the last run: UTC, ISO 8601.
     pub last_began: String,
-    /// The distinct commands, in the order of the runs.
+    /// The first distinct commands, at most 20, in the order of the runs.
     pub commands: Vec<String>,
 }
+
+/// Maximum number of commands of a machine: each shard of a campaign has one of its own.
+const MOST_COMMANDS: usize = 20;
 
 /// Returns the machines of the runs with trials, in the order of their first runs.
 pub fn machines(runs: &[Run], trials: &[StoredTrial]) -> Vec<Machine> {
@@ -36,24 +39,29 @@ pub fn machines(runs: &[Run], trials: &[StoredTrial]) -> Vec<Machine> {
         *counts.entry(trial.run).or_default() += 1;
     }
     let mut machines: Vec<Machine> = Vec::new();
+    let mut places = BTreeMap::new();
     for run in runs {
         let Some(&count) = counts.get(&run.id) else { continue };
-        let own = Machine::of(run);
-        let known = machines.iter().position(|machine| machine.identity() == own.identity());
-        let place = known.unwrap_or(machines.len());
-        if known.is_none() {
-            machines.push(own);
-        }
+        let place = *places.entry(identity(&run.information)).or_insert_with(|| {
+            machines.push(Machine::of(run));
+            machines.len() - 1
+        });
         let machine = &mut machines[place];
         machine.runs += 1;
         machine.trials += count;
         machine.first_began = machine.first_began.clone().min(run.began.clone());
         machine.last_began = machine.last_began.clone().max(run.began.clone());
-        if !machine.commands.contains(&run.information.command) {
-            machine.commands.push(run.information.command.clone());
+        let command = &run.information.command;
+        if machine.commands.len() < MOST_COMMANDS && !machine.commands.contains(command) {
+            machine.commands.push(command.clone());
         }
     }
     machines
+}
+
+/// Returns the information that runs of one [`Machine`] share.
+fn identity(run: &RunInformation) -> (&str, &str, usize, &str, Option<&str>) {
+    (&run.machine, &run.processor, run.workers, &run.version, run.commit.as_deref())
 }
 
 impl Machine {
@@ -72,9 +80,5 @@ impl Machine {
             last_began: run.began.clone(),
             commands: Vec::new(),
         }
-    }
-
-    fn identity(&self) -> (&str, &str, usize, &str, Option<&str>) {
-        (&self.machine, &self.processor, self.workers, &self.version, self.commit.as_deref())
     }
 }

@@ -3,9 +3,12 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde::Serialize;
 
 use crate::report::row::Group;
-use crate::statistics::{Followed, KaplanMeier, median_interval, performance_profiles, wilson};
+use crate::statistics::{
+    Interval, KaplanMeier, LEAST_FOR_MEDIAN, MeanSurvival, mean_rate, performance_profiles,
+};
 
-/// Pooled runs and performance profile of one planner over the scenarios on which every planner of the criterion has runs.
+/// Figures of one planner over the scenarios on which every planner of the criterion has runs. Each scenario counts the same,
+/// however many runs it has: more runs on the scenarios that suit a planner do not improve its figures.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Overall {
     /// Criterion for a solved trial.
@@ -20,17 +23,17 @@ pub struct Overall {
     pub runs: usize,
     /// Number of solved runs.
     pub solved: usize,
-    /// Success rate, `solved / runs`.
+    /// Mean of the success rates of the scenarios ([`mean_rate`]).
     pub success_rate: f64,
-    /// Lower end of the Wilson interval of the success rate.
+    /// Lower end of its interval.
     pub success_low: f64,
-    /// Upper end of the Wilson interval of the success rate.
+    /// Upper end of its interval.
     pub success_high: f64,
-    /// End of the follow-up of the pooled runs, in seconds: the shortest of their limits.
+    /// End of the follow-up of all runs, in seconds: the shortest of their limits.
     pub followed_to_s: f64,
-    /// Median time of the pooled runs (Kaplan–Meier), in seconds; `None` if fewer than half are solved.
+    /// Median time of the mean of the curves of the scenarios ([`MeanSurvival`]), in seconds; `None` if it stays above one half.
     pub median_s: Option<f64>,
-    /// Lower end of its interval, by order statistics, in seconds; `None` for fewer than six runs.
+    /// Lower end of its interval, in seconds; `None` for fewer than six runs.
     pub median_low_s: Option<f64>,
     /// Upper end of its interval, in seconds; also `None` if it is past the limit.
     pub median_high_s: Option<f64>,
@@ -101,11 +104,14 @@ pub fn overall(pools: &[Pool]) -> Vec<Overall> {
         let medians = |pool: &Pool| pool.groups.iter().map(|group| group.row.median_s).collect();
         let profiles = performance_profiles(&pools.iter().map(medians).collect::<Vec<_>>(), TICK_S);
         let one = |(pool, profile): (&Pool, crate::statistics::PerformanceProfile)| {
-            let runs = pool.groups.iter().map(|group| group.row.runs).sum();
-            let solved = pool.groups.iter().map(|group| group.row.solved).sum();
-            let interval = wilson(solved, runs);
-            let followed = pool.over_time();
-            let median = median_interval(&followed);
+            let runs = pool.runs();
+            let counts: Vec<(usize, usize)> =
+                pool.groups.iter().map(|group| (group.row.solved, group.row.runs)).collect();
+            let (success_rate, interval) =
+                mean_rate(&counts).unwrap_or((0.0, Interval { low: 0.0, high: 1.0 }));
+            let curve = pool.over_time();
+            let (median_low_s, median_high_s) =
+                if runs < LEAST_FOR_MEDIAN { (None, None) } else { curve.median_interval() };
             let names = pool.groups.iter().map(|group| group.row.scenario_name.clone());
             Overall {
                 criterion: pool.criterion.to_owned(),
@@ -113,14 +119,14 @@ pub fn overall(pools: &[Pool]) -> Vec<Overall> {
                 scenarios: pool.groups.len(),
                 scenarios_in_all: pool.scenarios_in_all,
                 runs,
-                solved,
-                success_rate: solved as f64 / runs as f64,
-                success_low: interval.map_or(0.0, |interval| interval.low),
-                success_high: interval.map_or(1.0, |interval| interval.high),
+                solved: counts.iter().map(|(solved, _)| solved).sum(),
+                success_rate,
+                success_low: interval.low,
+                success_high: interval.high,
                 followed_to_s: pool.followed_to_s,
-                median_s: KaplanMeier::of(&followed).median(),
-                median_low_s: median.map(|(low, _)| low),
-                median_high_s: median.and_then(|(_, high)| high),
+                median_s: curve.median(),
+                median_low_s,
+                median_high_s,
                 best: profile.share_within(1.0),
                 within_2: profile.share_within(2.0),
                 within_10: profile.share_within(10.0),
@@ -135,12 +141,18 @@ pub fn overall(pools: &[Pool]) -> Vec<Overall> {
 }
 
 impl Pool<'_> {
-    /// Returns all its runs, followed up to the shortest limit.
-    pub fn over_time(&self) -> Vec<Followed> {
-        self.groups
-            .iter()
-            .flat_map(|group| group.over_time())
-            .map(|run| run.up_to(self.followed_to_s))
-            .collect()
+    /// Returns the number of its runs.
+    pub fn runs(&self) -> usize {
+        self.groups.iter().map(|group| group.row.runs).sum()
+    }
+
+    /// Returns the mean curve of its scenarios, followed up to the shortest limit.
+    pub fn over_time(&self) -> MeanSurvival {
+        let of_group = |group: &&Group| {
+            let runs: Vec<_> =
+                group.over_time().into_iter().map(|run| run.up_to(self.followed_to_s)).collect();
+            KaplanMeier::of(&runs)
+        };
+        MeanSurvival::of(&self.groups.iter().map(of_group).collect::<Vec<_>>())
     }
 }

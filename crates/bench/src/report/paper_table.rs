@@ -1,8 +1,9 @@
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use crate::report::number_text::{percent, table_seconds};
 use crate::report::{Row, Summary};
-use cranny_file::counted;
+use cranny_file::{counted, visible_line};
 
 /// Trials of one criterion in the layout of the paper's Table I. Each line is a scenario, with the number of its goals and
 /// of those ever solved. Each column is a planner, with success in percent, and mean and standard deviation of the time in
@@ -46,26 +47,22 @@ impl<'a> PaperTable<'a> {
     /// Creates the table of one criterion.
     pub fn of(summary: &'a Summary, criterion: &'a str) -> Self {
         let rows = || summary.rows.iter().enumerate().filter(|(_, row)| row.criterion == criterion);
-        let distinct = |name: fn(&'a Row) -> &'a str| {
-            let mut names: Vec<&str> = rows().map(|(_, row)| name(row)).collect();
-            names.sort_unstable();
-            names.dedup();
-            names
-        };
-        let column = |name: &'a str| {
-            let of_planner: Vec<&Row> =
-                rows().map(|(_, row)| row).filter(|row| row.planner_name == name).collect();
-            Column::of(name, &of_planner)
-        };
-        let mut names = distinct(|row| &row.planner_name);
+        let mut of_planner: BTreeMap<&str, Vec<&Row>> = BTreeMap::new();
+        let mut of_scenario: BTreeMap<&str, BTreeMap<&str, (usize, &Row)>> = BTreeMap::new();
+        for (index, row) in rows() {
+            of_planner.entry(&row.planner_name).or_default().push(row);
+            let cells = of_scenario.entry(&row.scenario_name).or_default();
+            cells.entry(&row.planner_name).or_insert((index, row));
+        }
+        let mut columns: Vec<(bool, Column)> = of_planner
+            .into_iter()
+            .map(|(name, rows)| (rows.iter().any(|row| row.goals.is_some()), Column::of(name, &rows)))
+            .collect();
         // As in the paper, planners that aim at single goals come last.
-        names.sort_by_key(|name| rows().any(|(_, row)| row.planner_name == *name && row.goals.is_some()));
-        let columns: Vec<Column> = names.into_iter().map(column).collect();
-        let line = |scenario_name: &'a str| {
-            let of_scenario = || rows().filter(|(_, row)| row.scenario_name == scenario_name);
-            let cell =
-                |column: &Column| of_scenario().find(|(_, row)| row.planner_name == column.planner_name);
-            let goal_wise = || of_scenario().filter_map(|(_, row)| Some((row.goals?, row.goals_solved?)));
+        columns.sort_by_key(|(is_goal_wise, _)| *is_goal_wise);
+        let columns: Vec<Column> = columns.into_iter().map(|(_, column)| column).collect();
+        let line = |(scenario_name, cells): (&'a str, BTreeMap<&'a str, (usize, &'a Row)>)| {
+            let goal_wise = || cells.values().filter_map(|(_, row)| Some((row.goals?, row.goals_solved?)));
             let known = summary.known_goals.get(scenario_name).copied();
             let goals = known.or_else(|| goal_wise().map(|(goals, _)| goals).max());
             Line {
@@ -75,10 +72,10 @@ impl<'a> PaperTable<'a> {
                     .map(|(_, solved)| solved)
                     .max()
                     .or(goals.filter(|&goals| goals == 0)),
-                cells: columns.iter().map(cell).collect(),
+                cells: columns.iter().map(|column| cells.get(column.planner_name).copied()).collect(),
             }
         };
-        let lines = distinct(|row| &row.scenario_name).into_iter().map(line).collect();
+        let lines = of_scenario.into_iter().map(line).collect();
         Self { criterion, columns, lines }
     }
 
@@ -91,20 +88,17 @@ impl<'a> PaperTable<'a> {
     pub fn markdown(&self) -> String {
         let mut text = String::new();
         let goals = if self.has_goals() { " goals |" } else { "" };
-        let names: Vec<String> = self
-            .columns
-            .iter()
-            .map(|column| format!(" {} |", column.planner_name.replace('|', "\\|")))
-            .collect();
+        let names: Vec<String> =
+            self.columns.iter().map(|column| format!(" {} |", markdown_text(column.planner_name))).collect();
         let _ = writeln!(text, "| scenario |{goals}{}", names.concat());
         let rule = "---|".repeat(1 + usize::from(self.has_goals()) + self.columns.len());
         let _ = writeln!(text, "|{rule}");
         for line in &self.lines {
             let goals = if self.has_goals() { format!(" {} |", line.goals_text()) } else { String::new() };
             let cells: Vec<String> = self.cell_texts(line).map(|cell| format!(" {cell} |")).collect();
-            let _ = writeln!(text, "| {} |{goals}{}", line.scenario_name.replace('|', "\\|"), cells.concat());
+            let _ = writeln!(text, "| {} |{goals}{}", markdown_text(line.scenario_name), cells.concat());
         }
-        let _ = writeln!(text, "\n{}", self.note());
+        let _ = writeln!(text, "\n{}", markdown_text(&self.note()));
         text
     }
 
@@ -116,7 +110,7 @@ impl<'a> PaperTable<'a> {
         let goal_head = if goals == 1 { " & $|G_{\\mathrm{IK}}|$/solved" } else { "" };
         let names: Vec<String> =
             self.columns.iter().map(|column| format!(" & {}", latex_text(column.planner_name))).collect();
-        let _ = writeln!(text, "% {}", self.note());
+        let _ = writeln!(text, "% {}", visible_line(&self.note()));
         let _ = writeln!(text, "\\begin{{tabular}}{{{alignment}}}\n\\toprule");
         let _ = writeln!(text, "scenario{goal_head}{} \\\\\n\\midrule", names.concat());
         for line in &self.lines {
@@ -139,11 +133,11 @@ impl<'a> PaperTable<'a> {
             for (column, cell) in self.columns.iter().zip(&line.cells) {
                 let Some((_, row)) = cell else { continue };
                 let fields = [
-                    self.criterion.to_owned(),
-                    line.scenario_name.to_owned(),
+                    csv_text(self.criterion),
+                    csv_text(line.scenario_name),
                     number(line.goals),
                     number(line.goals_solved),
-                    column.planner_name.to_owned(),
+                    csv_text(column.planner_name),
                     number(row.goal),
                     row.runs.to_string(),
                     row.solved.to_string(),
@@ -152,7 +146,6 @@ impl<'a> PaperTable<'a> {
                     row.std_s.map_or_else(String::new, |std_s| std_s.to_string()),
                     row.time_limit_s.to_string(),
                 ];
-                let fields: Vec<String> = fields.iter().map(|field| csv_field(field)).collect();
                 let _ = writeln!(text, "{}", fields.join(","));
             }
         }
@@ -238,25 +231,52 @@ pub fn shown(row: &Row) -> bool {
 pub const CSV_HEADER: &str = "criterion,scenario,goals,goals_solved,planner,goal,runs,solved,success_percent,mean_s,std_s,\
                               time_limit_s";
 
-fn csv_field(text: &str) -> String {
-    if text.contains([',', '"', '\n', '\r']) {
-        format!("\"{}\"", text.replace('"', "\"\""))
+/// Returns a text as a field of CSV. A spreadsheet takes a field that begins like a formula for one and evaluates it, quoted or
+/// not: an apostrophe before it makes it a text.
+///
+/// Source: OWASP, "CSV Injection", whole.
+fn csv_text(text: &str) -> String {
+    let text = visible_line(text);
+    let mark = if text.trim_start().starts_with(['=', '+', '-', '@', '＝', '＋', '－', '＠']) {
+        "'"
     } else {
-        text.to_owned()
+        ""
+    };
+    if text.contains([',', ';', '"']) {
+        format!("\"{mark}{}\"", text.replace('"', "\"\""))
+    } else {
+        format!("{mark}{text}")
     }
 }
 
+/// Escapes what Markdown takes for markup within a line or a cell.
+///
+/// Source: `CommonMark` 0.31, §2.4; GitHub Flavored Markdown, §4.10.
+fn markdown_text(text: &str) -> String {
+    let letter = |letter: char| match letter {
+        '\\' | '`' | '*' | '_' | '[' | ']' | '<' | '>' | '|' | '~' | '$' | '&' => format!("\\{letter}"),
+        other => other.to_string(),
+    };
+    visible_line(text).chars().map(letter).collect()
+}
+
+/// Escapes what LaTeX takes for a command, and what its default font shows as another letter.
 fn latex_text(text: &str) -> String {
     let letter = |letter: char| match letter {
         '\\' => "\\textbackslash{}".to_owned(),
         '&' | '%' | '$' | '#' | '_' | '{' | '}' => format!("\\{letter}"),
         '~' => "\\textasciitilde{}".to_owned(),
         '^' => "\\textasciicircum{}".to_owned(),
+        '<' => "\\textless{}".to_owned(),
+        '>' => "\\textgreater{}".to_owned(),
+        '|' => "\\textbar{}".to_owned(),
+        // At the beginning of a line they would be arguments of the line break before.
+        '[' | '*' => format!("{{{letter}}}"),
         '–' => "--".to_owned(),
         '⁺' => "$^{+}$".to_owned(),
         other => other.to_string(),
     };
-    text.chars().map(letter).collect()
+    visible_line(text).chars().map(letter).collect()
 }
 
 impl Summary {

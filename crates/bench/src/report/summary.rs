@@ -2,7 +2,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use crate::report::comparison::{Comparison, comparisons};
+use crate::report::comparison::{Comparison, Comparisons, comparisons};
 use crate::report::configuration::{Configuration, Names};
 use crate::report::drawn::success_curve::{SuccessCurve, success_curves};
 use crate::report::machine::{Machine, machines};
@@ -94,9 +94,10 @@ impl Summary {
             .map(|(configuration, runs)| Group::of(configuration, &names, runs.clone()))
             .collect();
         let pools = pools(&groups);
-        let comparisons = comparisons(&groups);
+        let Comparisons { compared: comparisons, note } = comparisons(&groups);
         let mut warnings = warnings(&groups, source.runs);
         warnings.extend(few_runs(&groups, &comparisons));
+        warnings.extend(note);
         Ok(Self {
             results: source.results.to_owned(),
             version: env!("CARGO_PKG_VERSION"),
@@ -130,7 +131,7 @@ impl Summary {
         environments
     }
 
-    /// Returns the names of all planners in the rows, in order; the index of a planner is that of its colour.
+    /// Returns the names of all planners in the rows, in order.
     pub fn planner_names(&self) -> Vec<&str> {
         let mut names: Vec<&str> = self.rows.iter().map(|row| row.planner_name.as_str()).collect();
         names.sort_unstable();
@@ -142,14 +143,14 @@ impl Summary {
 fn known_goals<'a>(
     configurations: impl Iterator<Item = &'a Configuration>,
     names: &Names,
-    scenarios: &[ScenarioSource],
+    scenarios: &'a [ScenarioSource],
 ) -> BTreeMap<String, usize> {
+    let known =
+        |source: &'a ScenarioSource| Some(((&*source.scenario, &*source.scenario_hash), source.goals?));
+    let known: BTreeMap<(&str, &str), usize> = scenarios.iter().filter_map(known).collect();
     let goals = |configuration: &Configuration| {
-        let same = |source: &&ScenarioSource| {
-            (&source.scenario, &source.scenario_hash)
-                == (&configuration.scenario, &configuration.scenario_hash)
-        };
-        Some((names.scenario(configuration).to_owned(), scenarios.iter().find(same)?.goals?))
+        let goals = known.get(&(&*configuration.scenario, &*configuration.scenario_hash))?;
+        Some((names.scenario(configuration).to_owned(), *goals))
     };
     configurations.filter_map(goals).collect()
 }

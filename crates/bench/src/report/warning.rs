@@ -162,8 +162,17 @@ fn same_paths(groups: &[Group]) -> Vec<String> {
         }
     }
     let sentence = |(planner, places): (&str, Vec<String>)| {
+        /// Maximum number of scenarios that are named.
+        const MOST: usize = 5;
+        let others = places.len().saturating_sub(MOST);
+        let others = if others > 0 {
+            format!(", and in {}", counted(others, "other scenario"))
+        } else {
+            String::new()
+        };
+        let places = &places[..places.len().min(MOST)];
         format!(
-            "Paths of {planner} are the same as under another seed: {}. It ignores the seed, caches answers, \
+            "Paths of {planner} are the same as under another seed: {}{others}. It ignores the seed, caches answers, \
              or, if they are few, the path is obvious.",
             places.join(", ")
         )

@@ -1,5 +1,6 @@
 use std::cmp::Ordering;
 
+use cranny_file::shell_file;
 use serde::Serialize;
 
 use crate::report::row::Group;
@@ -95,24 +96,6 @@ fn worst_trial(run: &StoredTrial, group: &Group, results: &str) -> WorstTrial {
         detail: record.detail.clone(),
         planning_time_s: record.statistics.planning_time_s,
         iterations: record.statistics.iterations,
-        replay: format!("cranny bench replay {} {}", shell_word(results), run.id),
-    }
-}
-
-/// Quotes a word for a shell if necessary.
-fn shell_word(word: &str) -> String {
-    let plain = |c: char| c.is_alphanumeric() || "._-/:\\".contains(c);
-    if word.chars().all(plain) { word.to_owned() } else { format!("'{}'", word.replace('\'', "'\\''")) }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_name_with_spaces_is_one_word() {
-        assert_eq!(shell_word("runs/results.db"), "runs/results.db");
-        assert_eq!(shell_word("my results.db"), "'my results.db'");
-        assert_eq!(shell_word("it's.db"), r"'it'\''s.db'");
+        replay: format!("cranny bench replay {} {}", shell_file(results.as_ref()), run.id),
     }
 }

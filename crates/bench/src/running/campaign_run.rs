@@ -70,8 +70,8 @@ impl CampaignObserver for NoObserver {}
 ///
 /// # Errors
 /// [`BenchError::InUse`] if another campaign writes the same results, [`BenchError::Refused`] if a trial cannot be run at
-/// all, [`BenchError::NotRunnable`] if no worker starts, [`BenchError::NoSandbox`], and errors of [`Results`]; stored
-/// trials remain stored.
+/// all, [`BenchError::NotRunnable`] if no worker starts, [`BenchError::NoSandbox`], [`BenchError::ResultsGone`] if the
+/// results file is removed, replaced or truncated meanwhile, and errors of [`Results`]; stored trials remain stored.
 pub fn run_campaign(
     schedule: &Schedule,
     settings: &CampaignSettings,
@@ -146,6 +146,7 @@ pub fn run_campaign(
                 let Some((record, path)) = asked? else { continue };
                 // A stored trial is in the schedule only if it must run again.
                 results.replace(run, &record, &path)?;
+                results.check_in_place()?;
                 summary.run += 1;
                 summary.solved += usize::from(record.is_solved());
                 observer.trial_ended(&record);
@@ -158,6 +159,7 @@ pub fn run_campaign(
     })?;
     summary.is_stopped = stop.load(Ordering::Relaxed);
     results.end_run(run)?;
+    results.check_stored(run, summary.run)?;
     Ok(summary)
 }
 

@@ -50,7 +50,7 @@ pub struct KaplanMeier {
 }
 
 /// Tolerance of shares: products of exact fractions miss a half by a few units in the last digit.
-const ROUNDED: f64 = 1e-12;
+pub(super) const ROUNDED: f64 = 1e-12;
 
 impl KaplanMeier {
     /// Estimates the curve from `trials`.
@@ -117,7 +117,7 @@ impl KaplanMeier {
 
 /// Computes the band `S^exp(±z √greenwood / |ln S|)`. Once all trials are solved, the variance is undefined, though a further
 /// trial might take longer: the upper end keeps its last value.
-fn band(survival: f64, greenwood: f64, before: Option<Interval>) -> Interval {
+pub(super) fn band(survival: f64, greenwood: f64, before: Option<Interval>) -> Interval {
     if greenwood.is_infinite() {
         return Interval { low: 0.0, high: before.map_or(1.0, |band| band.high) };
     }

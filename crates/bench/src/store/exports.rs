@@ -2,6 +2,7 @@ use std::fs::{self, File};
 use std::path::Path;
 use std::time::Duration;
 
+use cranny_file::system::open_plain_file;
 use tempfile::TempDir;
 
 use crate::BenchError;
@@ -42,11 +43,12 @@ impl Exports {
 fn sweep(temporary: &Path) {
     let Ok(entries) = fs::read_dir(temporary) else { return };
     for entry in entries.filter_map(Result::ok) {
-        if !entry.file_name().to_string_lossy().starts_with(PREFIX) {
+        let is_folder = entry.file_type().is_ok_and(|kind| kind.is_dir());
+        if !is_folder || !entry.file_name().to_string_lossy().starts_with(PREFIX) {
             continue;
         }
-        // A folder that cannot be removed belongs to another user.
-        let _ = match File::options().read(true).open(entry.path().join(LOCK)) {
+        // A folder that cannot be removed belongs to another user, or has a lock that no campaign makes.
+        let _ = match open_plain_file(&entry.path().join(LOCK)) {
             Ok(lock) if lock.try_lock().is_ok() => fs::remove_dir_all(entry.path()),
             // Its campaign was killed before locking, or during removal; a recent folder may still be in creation.
             Err(_) if is_old(&entry) => fs::remove_dir(entry.path()),
@@ -92,5 +94,28 @@ mod tests {
             fs::read_dir(temporary.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
         left.sort();
         assert_eq!(left, ["cranny-bench-a", "cranny-bench-c", "cranny-bench-d", "other"]);
+    }
+
+    /// Opening a pipe waits for its other end, also after SIGTERM; a folder can be locked like a file.
+    #[cfg(unix)]
+    #[test]
+    fn a_lock_that_is_no_file_blocks_nothing_and_its_folder_stays() {
+        let temporary = tempfile::tempdir().unwrap();
+        let place = |name: &str| {
+            let folder = temporary.path().join(name);
+            fs::create_dir_all(&folder).unwrap();
+            folder.join(LOCK)
+        };
+        let made = std::process::Command::new("mkfifo").arg(place("cranny-bench-a")).status().unwrap();
+        assert!(made.success());
+        let _socket = std::os::unix::net::UnixListener::bind(place("cranny-bench-b")).unwrap();
+        fs::create_dir(place("cranny-bench-c")).unwrap();
+        std::os::unix::fs::symlink("/dev/zero", place("cranny-bench-d")).unwrap();
+        let other = tempfile::tempdir().unwrap();
+        fs::write(other.path().join(LOCK), "").unwrap();
+        std::os::unix::fs::symlink(other.path(), temporary.path().join("cranny-bench-e")).unwrap();
+        sweep(temporary.path());
+        assert_eq!(fs::read_dir(temporary.path()).unwrap().count(), 5);
+        assert!(other.path().join(LOCK).exists());
     }
 }

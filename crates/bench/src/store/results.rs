@@ -1,11 +1,12 @@
 use std::collections::BTreeMap;
-use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 
 use cranny_scenario::Temporary;
 use rusqlite::{Connection, OptionalExtension as _, params};
 
+use crate::store::results_claim::Claim;
 use crate::store::results_row::{self, Present};
+use crate::store::run_information::UNKNOWN;
 use crate::store::stored_trial::StoredTrial;
 use crate::{BenchError, RunInformation, Tally, TrialRecord, store::results_file};
 
@@ -17,8 +18,8 @@ use crate::{BenchError, RunInformation, Tally, TrialRecord, store::results_file}
 pub struct Results {
     pub(crate) connection: Connection,
     pub(crate) path: PathBuf,
-    /// Lock owned while a campaign writes; the system releases it at any end of the campaign.
-    claim: Option<File>,
+    /// Lock owned while a campaign writes.
+    pub(crate) claim: Option<Claim>,
     /// Copy that is read instead, if the results are on a read-only medium.
     copy: Option<Temporary>,
 }
@@ -73,27 +74,6 @@ impl Results {
 
     fn new(connection: Connection, path: &Path) -> Self {
         Self { connection, path: path.to_owned(), claim: None, copy: None }
-    }
-
-    /// Locks the results for one campaign until they are closed: two writers would do all work twice.
-    ///
-    /// # Errors
-    /// [`BenchError::InUse`].
-    pub fn claim(&mut self) -> Result<(), BenchError> {
-        if self.claim.is_some() {
-            return Ok(());
-        }
-        let file = File::options()
-            .read(true)
-            .open(&self.path)
-            .map_err(|reason| BenchError::Unwritable { path: self.path.clone(), reason })?;
-        match file.try_lock() {
-            Err(TryLockError::WouldBlock) => return Err(BenchError::InUse { path: self.path.clone() }),
-            // The file system has no locks.
-            Err(TryLockError::Error(_)) => {}
-            Ok(()) => self.claim = Some(file),
-        }
-        Ok(())
     }
 
     /// Opens the results at `path` for reading.
@@ -264,7 +244,7 @@ impl Results {
         Ok(bytes.map(|bytes| results_row::path_of_bytes(&bytes)).unwrap_or_default())
     }
 
-    /// Returns all runs.
+    /// Returns all runs, in their order. A run that is missing, though there are trials of it, is of an unknown machine.
     ///
     /// # Errors
     /// [`BenchError::Database`].
@@ -291,7 +271,20 @@ impl Results {
             };
             Ok(Run { id: row.get(0)?, information, began: row.get(9)?, ended: row.get(10)? })
         });
-        self.done(rows.and_then(Iterator::collect))
+        let mut runs: Vec<Run> = self.done(rows.and_then(Iterator::collect))?;
+        let sql = "SELECT DISTINCT run FROM trials WHERE run NOT IN (SELECT id FROM runs)";
+        let mut statement = self.done(self.connection.prepare(sql))?;
+        let rows = statement.query_map([], |row| {
+            Ok(Run {
+                id: row.get(0)?,
+                information: RunInformation::unknown(),
+                began: UNKNOWN.to_owned(),
+                ended: None,
+            })
+        });
+        runs.extend(self.done(rows.and_then(Iterator::collect::<rusqlite::Result<Vec<Run>>>))?);
+        runs.sort_by_key(|run| run.id);
+        Ok(runs)
     }
 
     /// Returns the sources of the scenarios.
@@ -322,20 +315,26 @@ impl Results {
         self.done(self.connection.query_row(sql, [planner, settings], |row| row.get(0)).optional())
     }
 
-    /// Adds the runs and trials of other results, all or none; existing trials remain unchanged.
+    /// Adds the runs and trials of other results, all or none; existing trials remain unchanged. Trials whose run is missing
+    /// in the others become trials of one run on an unknown machine.
     ///
     /// # Errors
-    /// As [`Self::open`] of the others, [`BenchError::Database`]; [`BenchError::Overlap`] if a trial has another result in
-    /// the others, as is usual for a trial that runs again, unless `keep_first`.
+    /// As [`Self::open`] and [`Self::trials`] of the others, [`BenchError::Database`]; unless `keep_first`,
+    /// [`BenchError::Overlap`] if a trial has another result in the others, as is usual for a trial that runs again, and
+    /// [`BenchError::OtherRun`] if a run has another machine, program or command there.
     pub fn merge(&mut self, others: &Path, keep_first: bool) -> Result<Merged, BenchError> {
         // Opening it first handles its log and its errors; a copy exists as long as this handle.
         let opened = Self::open(others)?;
         let copy = opened.copy.as_ref().map(|copy| copy.path().join(results_file::COPY));
         let others = copy.unwrap_or_else(|| others.to_owned());
         let others = others.to_string_lossy();
-        self.done(self.connection.execute("ATTACH DATABASE ?1 AS others", [&others]))?;
         let is_older = opened.is_older()?;
-        let overlap = if keep_first { Ok(None) } else { self.overlap_with_others() };
+        let sql = results_row::selection(is_older);
+        let mut statement = opened.done(opened.connection.prepare(&sql))?;
+        results_row::for_each(opened.done(statement.query([]))?, &opened.path, |_| ())?;
+        drop(statement);
+        self.done(self.connection.execute("ATTACH DATABASE ?1 AS others", [&others]))?;
+        let overlap = if keep_first { Ok(None) } else { self.overlap_with_others(&opened.path) };
         let merged = match overlap {
             Ok(None) => self.take_up_others(is_older),
             Ok(Some((count, first))) => {
@@ -379,7 +378,12 @@ impl Results {
     }
 
     /// Returns the number of trials with different results here and in the attached others, and one of them.
-    fn overlap_with_others(&self) -> Result<Option<(u64, String)>, BenchError> {
+    fn overlap_with_others(&self, others: &Path) -> Result<Option<(u64, String)>, BenchError> {
+        let runs: u64 = self.done(self.connection.query_row(OTHER_RUNS, [], |row| row.get(0)))?;
+        if runs > 0 {
+            let (path, into) = (others.to_owned(), self.path.clone());
+            return Err(BenchError::OtherRun { path, into, runs });
+        }
         let row = |row: &rusqlite::Row| Ok((row.get(0)?, row.get::<_, Option<String>>(1)?));
         let (count, first) = self.done(self.connection.query_row(&results_row::overlap(), [], row))?;
         Ok(first.map(|first| (count, first)))
@@ -390,7 +394,7 @@ impl Results {
         let take_up = |connection: &mut Connection| {
             let transaction = connection.transaction()?;
             transaction.execute_batch(&take_up_runs(is_older))?;
-            let added = transaction.execute(&results_row::take_up_trials(is_older), [])?;
+            let added = transaction.execute(&results_row::take_up_trials(is_older, UNKNOWN), [])?;
             let all: u64 =
                 transaction.query_row("SELECT count(*) FROM others.trials", [], |row| row.get(0))?;
             transaction.commit()?;
@@ -403,8 +407,11 @@ impl Results {
     fn select(&self, which: &str, parameters: impl rusqlite::Params) -> Result<Vec<StoredTrial>, BenchError> {
         let sql = format!("{} {which}", results_row::selection(self.is_older()?));
         let mut statement = self.done(self.connection.prepare(&sql))?;
-        let rows = self.done(statement.query(parameters))?;
-        results_row::read(rows, &self.path)
+        let mut trials = Vec::new();
+        results_row::for_each(self.done(statement.query(parameters))?, &self.path, |trial| {
+            trials.push(trial)
+        })?;
+        Ok(trials)
     }
 
     fn is_older(&self) -> Result<bool, BenchError> {
@@ -421,6 +428,13 @@ fn added_to_runs(is_older: bool) -> &'static str {
     if is_older { "NULL, NULL" } else { "memory_limit_bytes, sandbox" }
 }
 
+/// Counts the runs of the attached others that have another content here; the end of a run may be known later.
+const OTHER_RUNS: &str = "SELECT count(*) FROM others.runs AS theirs JOIN main.runs AS mine USING (identity)
+     WHERE (mine.machine, mine.processor, mine.cpu_features, mine.cores, mine.version, mine.commit_hash, mine.command,
+            mine.workers, mine.began)
+     IS NOT (theirs.machine, theirs.processor, theirs.cpu_features, theirs.cores, theirs.version, theirs.commit_hash,
+             theirs.command, theirs.workers, theirs.began)";
+
 fn take_up_runs(is_older: bool) -> String {
     let added = added_to_runs(is_older);
     format!(
@@ -429,7 +443,11 @@ fn take_up_runs(is_older: bool) -> String {
          SELECT identity, machine, processor, cpu_features, cores, version, commit_hash, command, workers, began,
              ended, {added}
          FROM others.runs ORDER BY id;
-         INSERT OR IGNORE INTO scenarios SELECT * FROM others.scenarios;
+         INSERT OR IGNORE INTO runs (identity, machine, processor, cpu_features, cores, version, command, workers, began)
+         SELECT '{UNKNOWN}', '{UNKNOWN}', '{UNKNOWN}', '', 0, '{UNKNOWN}', '{UNKNOWN}', 0, '{UNKNOWN}'
+         WHERE EXISTS (SELECT 1 FROM others.trials WHERE run NOT IN (SELECT id FROM others.runs));
+         INSERT INTO scenarios SELECT * FROM others.scenarios WHERE true
+         ON CONFLICT DO UPDATE SET goals = COALESCE(goals, excluded.goals);
          INSERT OR IGNORE INTO planners SELECT * FROM others.planners;"
     )
 }

@@ -3,9 +3,10 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::ErrorKind;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use cranny_file::system::open_plain_file;
 use cranny_scenario::Temporary;
 use rusqlite::config::DbConfig;
 use rusqlite::limits::Limit;
@@ -120,8 +121,7 @@ pub fn begin(path: &Path) -> Result<(), BenchError> {
 
 /// Creates a temporary folder beside a file, for building its replacement.
 pub fn folder_beside(path: &Path) -> Result<Temporary, BenchError> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let made = Temporary::folder_in(folder, ".results-", ".partial");
+    let made = Temporary::folder_in(folder_of(path), ".results-", ".partial");
     made.map_err(|reason| BenchError::Unwritable { path: path.to_owned(), reason })
 }
 
@@ -145,17 +145,14 @@ pub fn open(path: &Path) -> Result<Connection, BenchError> {
 
 /// Opens a results file without checking its pages.
 pub fn open_unseen(path: &Path) -> Result<Connection, BenchError> {
-    let not_results = || BenchError::NotResults { path: path.to_owned() };
     let fault = |reason| fault(path, reason);
-    if !path.is_file() {
-        return Err(not_results());
-    }
+    check_kinds(path)?;
     // Read and write, because a log that a killed run left behind is written back first.
     let connection = Connection::open_with_flags(path, OpenFlags::SQLITE_OPEN_READ_WRITE).map_err(fault)?;
     harden(&connection).map_err(fault)?;
     let number = |name| connection.pragma_query_value(None, name, |row| row.get(0)).map_err(fault);
     if number("application_id")? != APPLICATION {
-        return Err(not_results());
+        return Err(BenchError::NotResults { path: path.to_owned() });
     }
     let actual = number("user_version")?;
     if ![OLDER, VERSION].contains(&actual) {
@@ -166,6 +163,32 @@ pub fn open_unseen(path: &Path) -> Result<Connection, BenchError> {
     connection.pragma_update(None, "journal_mode", "WAL").map_err(fault)?;
     connection.pragma_update(None, "synchronous", "NORMAL").map_err(fault)?;
     Ok(connection)
+}
+
+/// Checks that the results are a file, and that so is what `SQLite` would open beside it: it would wait for the other end of a
+/// pipe.
+fn check_kinds(path: &Path) -> Result<(), BenchError> {
+    if !path.is_file() {
+        return Err(BenchError::NotResults { path: path.to_owned() });
+    }
+    for ending in ["-wal", "-shm", "-journal"] {
+        let path = beside(path, ending);
+        // Opening and closing it here would release the locks that `SQLite` has on it.
+        if let Ok(found) = fs::metadata(&path)
+            && !found.is_file()
+        {
+            let reason = std::io::Error::other("it is no regular file");
+            return Err(BenchError::Unreadable { path, reason });
+        }
+    }
+    Ok(())
+}
+
+/// Returns the path of a file that `SQLite` keeps beside the results.
+fn beside(path: &Path, ending: &str) -> PathBuf {
+    let mut name = path.file_name().unwrap_or_default().to_owned();
+    name.push(ending);
+    path.with_file_name(name)
 }
 
 /// Upgrades older results to the current version, completely or not at all.
@@ -188,25 +211,28 @@ pub fn is_older(connection: &Connection) -> rusqlite::Result<bool> {
 
 /// Returns true if the results, and the files that `SQLite` creates beside them, can be written.
 pub fn is_writable(path: &Path) -> bool {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    fs::OpenOptions::new().write(true).open(path).is_ok() && tempfile::tempfile_in(folder).is_ok()
+    // Opening a pipe would wait for its reader.
+    path.is_file()
+        && fs::OpenOptions::new().write(true).open(path).is_ok()
+        && tempfile::tempfile_in(folder_of(path)).is_ok()
+}
+
+/// Returns the folder of a file.
+pub fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 /// File name of a copy of results.
 pub const COPY: &str = "results.db";
 
 /// Copies results with their log to a temporary folder.
-pub fn copied(path: &Path) -> Result<(Temporary, std::path::PathBuf), BenchError> {
+pub fn copied(path: &Path) -> Result<(Temporary, PathBuf), BenchError> {
     let copy = || -> std::io::Result<_> {
-        let read = |path: &Path| fs::OpenOptions::new().read(true).open(path);
         let folder = Temporary::folder()?;
         let file = folder.path().join(COPY);
-        std::io::copy(&mut read(path)?, &mut fs::File::create(&file)?)?;
-        let beside = |path: &Path| {
-            path.with_file_name(format!("{}-wal", path.file_name().unwrap_or_default().display()))
-        };
-        if let Ok(mut log) = read(&beside(path)) {
-            std::io::copy(&mut log, &mut fs::File::create(beside(&file))?)?;
+        std::io::copy(&mut open_plain_file(path)?, &mut fs::File::create(&file)?)?;
+        if let Ok(mut log) = open_plain_file(&beside(path, "-wal")) {
+            std::io::copy(&mut log, &mut fs::File::create(beside(&file, "-wal"))?)?;
         }
         Ok((folder, file))
     };

@@ -8,11 +8,11 @@ use rusqlite::{Connection, Row, Rows, params};
 
 use crate::{BenchError, StoredTrial, Trial, TrialOutcome, TrialRecord};
 
-/// Columns of a row without its number, its run and the column that older results lack.
+/// Columns of a row without its number, its run, its path, which is large, and the column that older results lack.
 const CONTENT: &str = "scenario, scenario_hash, planner, settings, criterion, seed, time_limit_s, \
     iteration_limit, goal, outcome, detail, iterations, nodes, collision_checks, ik_attempts, goals_tried, \
     planning_time_s, ik_time_s, collision_time_s, proof_time_s, nearest_time_s, path_length, clearance_m, grasp, \
-    grasp_score, also_solved, path";
+    grasp_score, also_solved";
 
 /// Returns the query for rows as [`read`] parses them, before any `WHERE`.
 pub fn selection(is_older: bool) -> String {
@@ -44,7 +44,7 @@ pub fn insert(
         Present::IsReplaced => "REPLACE",
     };
     let sql = format!(
-        "INSERT OR {otherwise} INTO trials (run, {CONTENT}, memory_bytes) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, \
+        "INSERT OR {otherwise} INTO trials (run, {CONTENT}, path, memory_bytes) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, \
          ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20, ?21, ?22, ?23, ?24, ?25, ?26, ?27, ?28, ?29)"
     );
     let (trial, statistics) = (&record.trial, &record.statistics);
@@ -81,20 +81,23 @@ pub fn insert(
     ])
 }
 
-/// Returns the SQL that copies the trials of the attached database `others`; their runs must be copied already.
-pub fn take_up_trials(is_older: bool) -> String {
+/// Returns the SQL that copies the trials of the attached database `others`; their runs must be copied already, with the one
+/// of this identity for trials whose run is missing.
+pub fn take_up_trials(is_older: bool, unknown: &str) -> String {
     let memory = memory(is_older);
     format!(
-        "INSERT OR IGNORE INTO trials (run, {CONTENT}, memory_bytes) SELECT mine.id, {CONTENT}, {memory} \
-         FROM others.trials AS trial JOIN others.runs AS theirs ON theirs.id = trial.run \
-         JOIN main.runs AS mine USING (identity) ORDER BY trial.id"
+        "INSERT OR IGNORE INTO trials (run, {CONTENT}, path, memory_bytes) \
+         SELECT mine.id, {CONTENT}, path, {memory} \
+         FROM others.trials AS trial LEFT JOIN others.runs AS theirs ON theirs.id = trial.run \
+         JOIN main.runs AS mine ON mine.identity = COALESCE(theirs.identity, '{unknown}') ORDER BY trial.id"
     )
 }
 
 /// Returns the SQL that counts the trials with different results here and in the attached database `others`, and names one.
 /// The join repeats the columns of the index, so that the index is used.
 pub fn overlap() -> String {
-    let differs = CONTENT.split(", ").map(|column| format!("mine.{column} IS NOT theirs.{column}"));
+    let differs =
+        CONTENT.split(", ").chain(["path"]).map(|column| format!("mine.{column} IS NOT theirs.{column}"));
     let differs = differs.collect::<Vec<_>>().join(" OR ");
     format!(
         "SELECT count(*), min(theirs.scenario || ', ' || theirs.planner || ', seed ' || theirs.seed)
@@ -108,10 +111,9 @@ pub fn overlap() -> String {
     )
 }
 
-/// Parses all rows of a [`selection`].
-pub fn read(mut rows: Rows, path: &Path) -> Result<Vec<StoredTrial>, BenchError> {
+/// Parses all rows of a [`selection`] one by one.
+pub fn for_each(mut rows: Rows, path: &Path, mut visit: impl FnMut(StoredTrial)) -> Result<(), BenchError> {
     let fault = |reason| BenchError::Database { path: path.to_owned(), reason };
-    let mut trials = Vec::new();
     while let Some(row) = rows.next().map_err(fault)? {
         let criterion: String = row.get(6).map_err(fault)?;
         let outcome: String = row.get(11).map_err(fault)?;
@@ -120,9 +122,9 @@ pub fn read(mut rows: Rows, path: &Path) -> Result<Vec<StoredTrial>, BenchError>
             |what, text: &str| BenchError::Row { path: path.to_owned(), id, what, text: text.to_owned() };
         let criterion = criterion.parse().map_err(|_| no("criterion", &criterion))?;
         let outcome = outcome.parse().map_err(|_| no("outcome", &outcome))?;
-        trials.push(stored(row, criterion, outcome).map_err(fault)?);
+        visit(stored(row, criterion, outcome).map_err(fault)?);
     }
-    Ok(trials)
+    Ok(())
 }
 
 fn stored(row: &Row, criterion: Criterion, outcome: TrialOutcome) -> rusqlite::Result<StoredTrial> {
@@ -159,7 +161,7 @@ fn stored(row: &Row, criterion: Criterion, outcome: TrialOutcome) -> rusqlite::R
         grasp: row.get(25)?,
         grasp_score: row.get(26)?,
         also_solved: row.get(27)?,
-        memory_bytes: row.get(29)?,
+        memory_bytes: row.get(28)?,
     };
     Ok(StoredTrial { id: row.get(0)?, run: row.get(1)?, record })
 }

@@ -43,10 +43,28 @@ impl RunInformation {
             sandbox: None,
         }
     }
+
+    /// Returns the information on a run that the results do not contain, though they contain trials of it; 0 stands for an
+    /// unknown number.
+    pub(crate) fn unknown() -> Self {
+        let unknown = || UNKNOWN.to_owned();
+        Self {
+            machine: unknown(),
+            processor: unknown(),
+            cpu_features: Vec::new(),
+            cores: 0,
+            version: unknown(),
+            commit: None,
+            command: unknown(),
+            workers: 0,
+            memory_limit_bytes: None,
+            sandbox: None,
+        }
+    }
 }
 
 /// Text for an unknown value.
-const UNKNOWN: &str = "unknown";
+pub(crate) const UNKNOWN: &str = "unknown";
 
 /// Returns the supported instruction sets among those that the lanes choose from.
 fn cpu_features() -> Vec<String> {

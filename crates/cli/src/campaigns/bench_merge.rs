@@ -20,7 +20,8 @@ use crate::text;
   cranny bench merge part-*.db -o all.db     the parts of a campaign
 
 A trial is never there twice. One that is in several files, and went differently there, was run twice: then nothing is
-joined, unless you say that the first is to stay (--keep-first).")]
+joined, unless you say that the first is to stay (--keep-first). A trial whose run is missing is kept, as that of an
+unknown machine.")]
 pub struct MergeArguments {
     /// Files of results; the others are merged into the first
     #[arg(value_name = "RESULTS", required = true, num_args = 1..)]

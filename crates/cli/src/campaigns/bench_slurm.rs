@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use cranny_bench::{Campaign, MOST_SHARDS, Manifest, Sandbox};
-use cranny_file::counted;
+use cranny_file::{counted, shell_file, shell_word};
 use cranny_plan::Registry;
 use serde::Serialize;
 
@@ -12,6 +12,7 @@ use crate::Answer;
 use crate::arguments::Output;
 use crate::campaigns::bench_worker;
 use crate::campaigns::cluster_folder::{ClusterCampaign, ClusterFolder};
+use crate::campaigns::cluster_scripts::ClusterScripts;
 use crate::campaigns::slurm;
 use crate::failure::Failure;
 use crate::number_argument::whole;
@@ -106,26 +107,27 @@ pub fn run(arguments: &SlurmArguments, registry: &Registry, output: Output) -> R
         commands: Vec::new(),
     };
     if !answered.tasks.is_empty() {
-        let array = format!("--array={}", list(&answered.tasks));
+        let [of_tasks, of_last] = ClusterScripts::output_options(&folder)?;
+        let array = [format!("--array={}", list(&answered.tasks)), of_tasks];
         // The report does not need an exclusive node.
         let of_report = campaign.sbatch.iter().filter(|option| !option.starts_with("--exclusive"));
         let of_report: Vec<String> = of_report.cloned().collect();
         if arguments.write_only {
             let said = |options: &[String], script: PathBuf| {
-                let words = options.iter().map(|word| quoted(word));
-                let words: Vec<String> = words.chain([quoted(&script.display().to_string())]).collect();
+                let words = options.iter().map(|word| shell_word(word));
+                let words: Vec<String> = words.chain([shell_word(&script.display().to_string())]).collect();
                 format!("sbatch --parsable {}", words.join(" "))
             };
-            let own = [&[array][..], &campaign.sbatch].concat();
+            let own = [&array[..], &campaign.sbatch].concat();
             answered.commands.push(said(&own, folder.task_script()));
-            let own = [&["--dependency=afterany:JOB".to_owned()][..], &of_report].concat();
+            let own = [&["--dependency=afterany:JOB".to_owned(), of_last][..], &of_report].concat();
             answered.commands.push(said(&own, folder.last_script()));
         } else {
-            let job = slurm::submit(&[&[array][..], &campaign.sbatch].concat(), &folder.task_script())?;
+            let job = slurm::submit(&[&array[..], &campaign.sbatch].concat(), &folder.task_script())?;
             campaign.jobs.push(job.clone());
             folder.write_campaign(&campaign)?;
             let after = format!("--dependency=afterany:{job}");
-            let last = slurm::submit(&[&[after][..], &of_report].concat(), &folder.last_script())?;
+            let last = slurm::submit(&[&[after, of_last][..], &of_report].concat(), &folder.last_script())?;
             answered.jobs = vec![job, last];
         }
     }
@@ -155,9 +157,7 @@ fn begin(
         return Err(Failure::Flag { flag: "array", problem });
     }
     let name = file.file_stem().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    let path = arguments.folder();
-    fs::create_dir_all(&path)?;
-    let folder = ClusterFolder { path: absolute(&path)? };
+    let folder = ClusterFolder { path: absolute(&arguments.folder())? };
     if folder.campaign_file().exists() {
         let problem = "the folder contains a campaign already; continue it with --resume, or give another \
                        folder";
@@ -166,121 +166,17 @@ fn begin(
     let program = std::env::current_exe()?;
     let manifest = Manifest::of(&schedule, &program);
     let of_folder = ClusterCampaign::new(absolute(file)?, tasks, manifest, arguments.sbatch.clone());
-    fs::create_dir_all(folder.path.join("log"))?;
+    // Every path is checked before the first file is written.
+    ClusterScripts::output_options(&folder)?;
+    let scripts = ClusterScripts::new(&folder, &program, &name)?;
     let memory_mb = campaign.memory_limit_bytes >> 20;
-    fs::write(folder.task_script(), task_script(&folder, &of_folder, &program, &name, memory_mb, arguments))?;
-    fs::write(folder.last_script(), last_script(&folder, &program, &name))?;
+    let task = scripts.task(&of_folder, memory_mb, arguments.sandbox, arguments.local.as_deref())?;
+    let last = scripts.last()?;
+    fs::create_dir_all(folder.path.join("log"))?;
+    fs::write(folder.task_script(), task)?;
+    fs::write(folder.last_script(), last)?;
     folder.write_campaign(&of_folder)?;
     Ok((folder, of_folder, (1..=tasks).collect()))
-}
-
-/// Memory of a worker before a search begins, with some reserve, in MB.
-const OWN_MEMORY_MB: u64 = 512;
-
-/// Returns the script of an array task, which at a shutdown of its node ends the trial's program and closes the results.
-fn task_script(
-    folder: &ClusterFolder,
-    campaign: &ClusterCampaign,
-    program: &Path,
-    name: &str,
-    memory_mb: u64,
-    arguments: &SlurmArguments,
-) -> String {
-    let quote = |path: &Path| quoted(&path.display().to_string());
-    let number = |path: PathBuf| format!("{}\"$task\"{}", quoted(split(&path).0), quoted(split(&path).1));
-    let (results, standing) = (number(folder.results(VARIABLE)), number(folder.standing(VARIABLE)));
-    let (to, from) = match &arguments.local {
-        None => (String::new(), String::new()),
-        Some(local) => (
-            format!(
-                "local=\"{local}\"/cranny-$SLURM_JOB_ID\nmkdir -p \"$local\" || exit 1\n\
-                 test -e \"$results\" && cp \"$results\"* \"$local\"\nshared=$results\nresults=$local/${{shared##*/}}\n"
-            ),
-            // Copied under another name first, so that a file with the final name is complete.
-            "cp \"$results\" \"$shared.partial\" && mv \"$shared.partial\" \"$shared\" && rm -r \"$local\"\n"
-                .to_owned(),
-        ),
-    };
-    format!(
-        "#!/bin/sh
-# Task $SLURM_ARRAY_TASK_ID of a campaign of cranny; it goes on where it was stopped.
-#SBATCH --job-name={name}
-#SBATCH --ntasks=1
-#SBATCH --cpus-per-task=1
-#SBATCH --mem={memory}M
-#SBATCH --requeue
-#SBATCH --signal=B:TERM@60
-#SBATCH --open-mode=append
-#SBATCH --output={log}
-task=$SLURM_ARRAY_TASK_ID
-results={results}
-{to}{program} bench run {file} --shard \"$task/{tasks}\" --manifest {manifest} --standing {standing} \\
-    --workers \"${{SLURM_CPUS_PER_TASK:-1}}\" --sandbox {sandbox} -o \"$results\" &
-run=$!
-trap 'kill -TERM $run' TERM
-wait $run
-status=$?
-# A signal ends the first wait, not the campaign.
-while kill -0 $run 2> /dev/null; do
-    wait $run
-    status=$?
-done
-{from}exit $status
-",
-        name = word(name),
-        memory = memory_mb + OWN_MEMORY_MB,
-        log = folder.path.join("log/%a.txt").display(),
-        program = quote(program),
-        file = quote(&campaign.campaign),
-        tasks = campaign.tasks,
-        manifest = quote(&folder.campaign_file()),
-        sandbox = arguments.sandbox.name(),
-    )
-}
-
-/// Returns the script that runs after all array tasks have ended, successful or not.
-fn last_script(folder: &ClusterFolder, program: &Path, name: &str) -> String {
-    let quote = |path: &Path| quoted(&path.display().to_string());
-    format!(
-        "#!/bin/sh
-# Joins the results of all tasks and reports them.
-#SBATCH --job-name={name}-report
-#SBATCH --ntasks=1
-#SBATCH --cpus-per-task=1
-#SBATCH --open-mode=append
-#SBATCH --output={log}
-cd {folder} || exit 1
-rm -f joined.db
-{program} bench merge task-*.db -o joined.db &&
-    mv joined.db results.db &&
-    {program} bench report results.db -o report.html --force
-",
-        name = word(name),
-        log = folder.path.join("log/report.txt").display(),
-        folder = quote(&folder.path),
-        program = quote(program),
-    )
-}
-
-/// Marks the position of the number of the array task in a path.
-const VARIABLE: &str = "\u{1}";
-
-fn split(path: &Path) -> (&str, &str) {
-    path.to_str().and_then(|path| path.split_once(VARIABLE)).unwrap_or_default()
-}
-
-fn quoted(text: &str) -> String {
-    let is_plain = |c: char| c.is_ascii_alphanumeric() || "/._-=:,+@%".contains(c);
-    if !text.is_empty() && text.chars().all(is_plain) {
-        text.to_owned()
-    } else {
-        format!("'{}'", text.replace('\'', "'\\''"))
-    }
-}
-
-/// Returns a valid job name for `text`.
-fn word(text: &str) -> String {
-    text.chars().map(|c| if c.is_ascii_alphanumeric() || "._-".contains(c) { c } else { '-' }).collect()
 }
 
 /// Formats numbers as Slurm lists them: `1-3,7`.
@@ -304,17 +200,17 @@ fn absolute(path: &Path) -> Result<PathBuf, Failure> {
 impl Answered {
     fn page(&self) -> String {
         let Self { folder, trials, tasks, jobs, commands } = self;
-        let folder = folder.display();
+        let shown = folder.display();
         if tasks.is_empty() {
-            return format!("{folder}: no task is lost, nothing was submitted\n");
+            return format!("{shown}: no task is lost, nothing was submitted\n");
         }
-        let mut page = format!("{folder}: {}, tasks {}\n", counted(*trials, "trial"), list(tasks));
+        let mut page = format!("{shown}: {}, tasks {}\n", counted(*trials, "trial"), list(tasks));
         if let [array, last] = &jobs[..] {
             let _ = writeln!(
                 page,
                 "  job {array} runs them, job {last} joins and reports them when all have ended"
             );
-            let _ = writeln!(page, "  cranny bench status {folder}");
+            let _ = writeln!(page, "  cranny bench status {}", shell_file(folder));
         }
         for command in commands {
             let _ = writeln!(page, "  {command}");
@@ -331,15 +227,5 @@ mod tests {
     fn numbers_are_listed_in_ranges() {
         assert_eq!(list(&[1, 2, 3, 7, 9, 10]), "1-3,7,9-10");
         assert_eq!(list(&[5]), "5");
-    }
-
-    #[test]
-    fn words_reach_a_shell_as_they_are() {
-        for word in ["plain/path.db", "with space", "it's", "$HOME", "", "a;b"] {
-            let echoed = std::process::Command::new("sh")
-                .args(["-c", &format!("printf %s {}", quoted(word))])
-                .output();
-            assert_eq!(String::from_utf8(echoed.unwrap().stdout).unwrap(), word);
-        }
     }
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use cranny_bench::{CampaignProgress, Results, Tally};
-use cranny_file::counted;
+use cranny_file::{counted, shell_file, visible_line};
 use serde::Serialize;
 
 use crate::Answer;
@@ -99,7 +99,7 @@ fn of_folder(folder: &ClusterFolder) -> Result<Answered, Failure> {
     });
     let tasks: Vec<TaskLine> = tasks.collect();
     let is_lost = tasks.iter().any(|task| task.state == State::Lost);
-    let resume = is_lost.then(|| format!("cranny bench slurm --resume {}", folder.path.display()));
+    let resume = is_lost.then(|| format!("cranny bench slurm --resume {}", shell_file(&folder.path)));
     Ok(Answered { trials: Some(campaign.manifest.trials), resume, ..Answered::of(tasks) })
 }
 
@@ -197,8 +197,8 @@ impl Answered {
             page.push('\n');
         }
         for (planner, Tally { ended, solved }) in planners {
-            let _ =
-                writeln!(page, "  {planner}: {solved} of {ended} solved ({:.1} %)", share(*solved, *ended));
+            let (planner, percent) = (visible_line(planner), share(*solved, *ended));
+            let _ = writeln!(page, "  {planner}: {solved} of {ended} solved ({percent:.1} %)");
         }
         if tasks.iter().any(|task| task.state == State::Unknown) {
             page.push_str(

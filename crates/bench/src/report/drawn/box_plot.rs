@@ -102,7 +102,7 @@ fn plot(scope: Scope, quantity: &Quantity) -> Option<Plot> {
     .with_room();
     let legend: Vec<Entry> =
         planners.iter().map(|&(series, name)| Entry { name: name.to_owned(), series }).collect();
-    let title = format!("{}: {}", scope.name(), quantity.title);
+    let title = scope.title(format!("{}: {}", scope.name(), quantity.title));
     let mut frame = Frame::new(&title, Axis::names(&scenarios), y, &legend);
     // Boxes of one scenario stand beside each other in the middle three quarters of its slot.
     let width = 0.75 / planners.len() as f64;

@@ -34,7 +34,7 @@ pub fn plots(scope: Scope) -> Vec<Plot> {
     let room = 0.04 * (high - low);
     let dial = scope.rows().find_map(|row| row.dial).unwrap_or("dial");
     let x = || Axis::linear(&format!("{dial}, m"), low - room, high + room);
-    let title = |what: &str| format!("{}: {what} over {dial}", scope.name());
+    let title = |what: &str| scope.title(format!("{}: {what} over {dial}", scope.name()));
     let mut plots = vec![scope.plot(
         title("success"),
         &["difficulty", "success"],

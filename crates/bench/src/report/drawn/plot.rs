@@ -27,6 +27,10 @@ pub struct Scope<'a> {
     pub criterion: &'a str,
     /// Environment; `None` selects all scenarios.
     pub environment: Option<&'a str>,
+    /// The planners that the report draws, in the order of their names; the index of a planner is that of its colour.
+    pub drawn: &'a [&'a str],
+    /// Number of all planners.
+    pub planners_in_all: usize,
 }
 
 impl<'a> Scope<'a> {
@@ -35,10 +39,12 @@ impl<'a> Scope<'a> {
         self.environment.unwrap_or("all scenarios")
     }
 
-    /// Returns the rows of one environment, or of all, under one criterion.
+    /// Returns the rows of one environment, or of all, under one criterion, of the planners that are drawn.
     pub fn rows(self) -> impl Iterator<Item = &'a Row> + Clone {
         let is_here = move |row: &&Row| {
-            row.criterion == self.criterion && self.environment.is_none_or(|name| row.environment == name)
+            row.criterion == self.criterion
+                && self.environment.is_none_or(|name| row.environment == name)
+                && self.drawn.binary_search(&&*row.planner_name).is_ok()
         };
         self.summary.rows.iter().filter(is_here)
     }
@@ -65,8 +71,14 @@ impl<'a> Scope<'a> {
 
     /// Returns the names of the planners of these rows, in order, each with the index of its colour, the same in all plots.
     pub fn planners(self) -> Vec<(usize, &'a str)> {
-        let names = self.summary.planner_names().into_iter().enumerate();
+        let names = self.drawn.iter().copied().enumerate();
         names.filter(|(_, name)| self.rows().any(|row| row.planner_name == *name)).collect()
+    }
+
+    /// Returns a title, with a note if some planners are not drawn.
+    pub fn title(self, title: String) -> String {
+        let (drawn, all) = (self.drawn.len(), self.planners_in_all);
+        if drawn == all { title } else { format!("{title} ({drawn} of {all} planners)") }
     }
 
     /// Returns the names of the scenarios, in order.

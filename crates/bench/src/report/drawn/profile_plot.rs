@@ -1,15 +1,15 @@
 //! Share of trials in which each planner is within a factor of the fastest: performance profiles (Dolan & Moré 2002, §2).
 
+use crate::report::Overall;
 use crate::report::drawn::axis::Axis;
 use crate::report::drawn::drawing::{Dash, Ink, Mark, Point};
 use crate::report::drawn::frame::{Entry, Frame};
 use crate::report::drawn::plot::{Plot, Scope};
 use crate::report::number_text::percent;
-use crate::report::{Overall, Summary};
 
 /// Draws the profiles of all planners of a criterion; `None` for a single one, which is always the fastest.
 pub fn plot(scope: Scope) -> Option<Plot> {
-    let profiles = profiles(scope.summary, scope.criterion);
+    let profiles = profiles(scope);
     let count = profiles.first()?.scenarios;
     if profiles.len() < 2 {
         return None;
@@ -26,7 +26,7 @@ pub fn plot(scope: Scope) -> Option<Plot> {
     // The axis extends past the greatest ratio to show the constant end of the profiles.
     let x =
         Axis::decades("median time over that of the fastest planner", Some(1.0), (2.0 * greatest).max(10.0));
-    let title = format!("Performance profile over {count} scenarios");
+    let title = scope.title(format!("Performance profile over {count} scenarios"));
     let mut frame = Frame::new(&title, x, Axis::share("scenarios, %"), &legend);
     for (profile, entry) in profiles.iter().zip(&legend) {
         let points = staircase(&frame, profile);
@@ -36,8 +36,11 @@ pub fn plot(scope: Scope) -> Option<Plot> {
     Some(scope.plot(title, &["profile"], frame.finish()))
 }
 
-fn profiles<'a>(summary: &'a Summary, criterion: &str) -> Vec<&'a Overall> {
-    summary.overall.iter().filter(|overall| overall.criterion == criterion).collect()
+fn profiles(scope: Scope<'_>) -> Vec<&Overall> {
+    let is_drawn = |overall: &&Overall| {
+        overall.criterion == scope.criterion && scope.drawn.binary_search(&&*overall.planner_name).is_ok()
+    };
+    scope.summary.overall.iter().filter(is_drawn).collect()
 }
 
 /// Returns the corners of a profile, from the ratio 1 to the end of the axis.

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::report::overall::Pool;
 use crate::report::row::{Group, Row};
-use crate::statistics::{Followed, KaplanMeier};
+use crate::statistics::{Followed, KaplanMeier, MeanStep, MeanSurvival};
 
 /// Measure of search effort.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -17,7 +17,9 @@ pub enum Measure {
 }
 
 /// Share of solved runs at each time or iteration: one minus the Kaplan–Meier estimate, with its Greenwood band. The curve is 0
-/// up to the first jump, and constant from each jump to the next.
+/// up to the first jump, and constant from each jump to the next. A curve of several scenarios is the mean of theirs, in which
+/// each counts the same. Of more than 200 jumps, the curve has 200, evenly chosen, with the last one; its values there are
+/// exact.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SuccessCurve {
     /// Environment of the scenarios; `None` if the curve covers all scenarios that the planners share.
@@ -55,7 +57,7 @@ pub fn success_curves(groups: &[Group], pools: &[Pool]) -> Vec<SuccessCurve> {
     }
     let of_pool = |pool: &Pool| {
         let subject = Subject { environment: None, scenario: None, row: &pool.groups.first()?.row };
-        curve(subject, Measure::Time, &pool.over_time())
+        mean_curve(subject, Measure::Time, pool.runs(), &pool.over_time())
     };
     let overall = pools.iter().filter_map(of_pool);
     environments.into_values().flat_map(|groups| of_environment(&groups)).chain(overall).collect()
@@ -90,11 +92,17 @@ fn of_environment(groups: &[&Group]) -> Vec<SuccessCurve> {
     let pooled = |groups: Vec<&Group>| {
         let row = &groups[0].row;
         let subject = Subject { environment: Some(&row.environment), scenario: None, row };
-        let times = groups.iter().flat_map(|group| group.over_time()).map(|run| run.up_to(limit_s));
-        let iterations = groups.iter().flat_map(|group| group.over_iterations());
+        let mean = |over: Measure, followed: &dyn Fn(&Group) -> Vec<Followed>| {
+            let followed: Vec<Vec<Followed>> =
+                groups.iter().map(|group| followed(group)).filter(|runs| !runs.is_empty()).collect();
+            let curves: Vec<KaplanMeier> = followed.iter().map(|runs| KaplanMeier::of(runs)).collect();
+            mean_curve(subject, over, followed.iter().map(Vec::len).sum(), &MeanSurvival::of(&curves))
+        };
         [
-            curve(subject, Measure::Time, &times.collect::<Vec<_>>()),
-            curve(subject, Measure::Iterations, &iterations.collect::<Vec<_>>()),
+            mean(Measure::Time, &|group| {
+                group.over_time().into_iter().map(|run| run.up_to(limit_s)).collect()
+            }),
+            mean(Measure::Iterations, &Group::over_iterations),
         ]
     };
     planners.into_values().flat_map(pooled).flatten().collect()
@@ -106,22 +114,47 @@ pub fn scenario_count<'a>(names: impl Iterator<Item = &'a str>) -> usize {
 }
 
 fn curve(subject: Subject, over: Measure, followed: &[Followed]) -> Option<SuccessCurve> {
-    if followed.is_empty() {
+    let estimate = KaplanMeier::of(followed);
+    let step = |step: &crate::statistics::SurvivalStep| MeanStep {
+        at: step.at,
+        survival: step.survival,
+        band: step.band,
+    };
+    let steps: Vec<MeanStep> = estimate.steps().iter().map(step).collect();
+    of_steps(subject, over, followed.len(), estimate.last(), &steps)
+}
+
+fn mean_curve(subject: Subject, over: Measure, runs: usize, mean: &MeanSurvival) -> Option<SuccessCurve> {
+    of_steps(subject, over, runs, mean.last(), mean.steps())
+}
+
+/// Maximum number of jumps of a curve: a plot has hardly as many visible ones, and all take as much memory as the trials.
+const MOST_JUMPS: usize = 200;
+
+/// Returns the curve with these jumps; `None` without runs.
+fn of_steps(
+    subject: Subject,
+    over: Measure,
+    runs: usize,
+    until: f64,
+    steps: &[MeanStep],
+) -> Option<SuccessCurve> {
+    if runs == 0 {
         return None;
     }
-    let estimate = KaplanMeier::of(followed);
-    let steps = estimate.steps();
+    let most = steps.len().min(MOST_JUMPS);
+    let kept: Vec<MeanStep> = (1..=most).map(|jump| steps[jump * steps.len() / most - 1]).collect();
     Some(SuccessCurve {
         environment: subject.environment.map(str::to_owned),
         scenario_name: subject.scenario.map(str::to_owned),
         planner_name: subject.row.planner_name.clone(),
         criterion: subject.row.criterion.clone(),
         over,
-        runs: followed.len(),
-        until: estimate.last(),
-        at: steps.iter().map(|step| step.at).collect(),
-        success: steps.iter().map(|step| 1.0 - step.survival).collect(),
-        low: steps.iter().map(|step| 1.0 - step.band.high).collect(),
-        high: steps.iter().map(|step| 1.0 - step.band.low).collect(),
+        runs,
+        until,
+        at: kept.iter().map(|step| step.at).collect(),
+        success: kept.iter().map(|step| 1.0 - step.survival).collect(),
+        low: kept.iter().map(|step| 1.0 - step.band.high).collect(),
+        high: kept.iter().map(|step| 1.0 - step.band.low).collect(),
     })
 }

@@ -31,7 +31,7 @@ pub fn plots(scope: Scope) -> Vec<Plot> {
                 found.map(|curve| Shown { curve, series, name })
             };
             let shown: Vec<Shown> = planners.iter().filter_map(of).collect();
-            let title = format!("{}: all {} scenarios", scope.name(), scenarios.len());
+            let title = scope.title(format!("{}: all {} scenarios", scope.name(), scenarios.len()));
             plots.extend(plot(scope, &title, &["all"], over, &shown));
         }
         return plots;
@@ -50,7 +50,7 @@ pub fn plots(scope: Scope) -> Vec<Plot> {
             let of = |&(series, name): &(usize, _)| shown(scope, scenario, name, Measure::Time, series, name);
             let shown: Vec<Shown> = planners.iter().filter_map(of).collect();
             if shown.len() > 1 {
-                let title = format!("{scenario}: the planners");
+                let title = scope.title(format!("{scenario}: the planners"));
                 let plot = plot(scope, &title, &[scenario], Measure::Time, &shown);
                 plots.extend(plot.map(|plot| plot.of_scenario(scenario)));
             }
@@ -59,14 +59,15 @@ pub fn plots(scope: Scope) -> Vec<Plot> {
     plots
 }
 
-/// Compares the planners, with their runs on all shared scenarios pooled.
+/// Compares the planners by the means of their curves over all shared scenarios.
 pub fn overall(scope: Scope) -> Option<Plot> {
     let of = |(series, name)| {
         curves(scope).find(|curve| curve.planner_name == name).map(|curve| Shown { curve, series, name })
     };
     let shown: Vec<Shown> = scope.planners().into_iter().filter_map(of).collect();
     let count = scope.summary.overall.iter().find(|overall| overall.criterion == scope.criterion)?.scenarios;
-    plot(scope, &format!("{count} scenarios together"), &["together"], Measure::Time, &shown)
+    let title = scope.title(format!("{count} scenarios together"));
+    plot(scope, &title, &["together"], Measure::Time, &shown)
 }
 
 fn curves(scope: Scope<'_>) -> impl Iterator<Item = &SuccessCurve> {

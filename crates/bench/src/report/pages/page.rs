@@ -2,6 +2,7 @@ use std::fmt::Write as _;
 
 use crate::report::drawn::plot::Plot;
 use crate::report::drawn::plots::plots;
+use crate::report::pages::page_excerpt::Excerpt;
 use crate::report::pages::page_figures::{Markup, anchor, escape};
 use crate::report::pages::{page_overall, page_scenarios, page_tables};
 use crate::report::paper_table::PaperTable;
@@ -26,9 +27,13 @@ impl Summary {
     /// Returns a self-contained page, with pictures and style: it opens from a file without a network. Each figure is in a
     /// `<data>` element with its exact value and its path in the JSON document, which the page contains too, as
     /// `<script type="application/json" id="summary">`.
+    ///
+    /// A page has at most 240 rows, 2.4 MB of plots and 10 000 jumps of curves. Of more, it and its document contain an excerpt:
+    /// the rows of the best planners on evenly chosen scenarios, and the first plots; the page states what is left out.
     pub fn html(&self, enclosure: &Enclosure) -> String {
-        let plots = plots(self);
-        let mut page = Markup::new(self);
+        let all_plots = plots(self);
+        let Excerpt { summary, plots, notes } = Excerpt::of(self, &all_plots);
+        let mut page = Markup::new(&summary);
         let title = format!("Benchmark report: {}", self.results);
         let _ = write!(
             page.text,
@@ -37,9 +42,10 @@ impl Summary {
              <title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>\n",
             title = escape(&title)
         );
-        head(&mut page);
-        for criterion in self.criteria() {
-            let of_criterion: Vec<&Plot> = plots.iter().filter(|plot| plot.criterion == criterion).collect();
+        head(&mut page, &notes);
+        for criterion in summary.criteria() {
+            let of_criterion: Vec<&Plot> =
+                plots.iter().copied().filter(|plot| plot.criterion == criterion).collect();
             section(&mut page, criterion, &of_criterion, enclosure);
         }
         page_tables::worst(&mut page, enclosure);
@@ -54,20 +60,34 @@ impl Summary {
     }
 }
 
-fn head(page: &mut Markup) {
+/// Maximum number of planners that the first sentence names.
+const MOST_NAMES: usize = 20;
+
+fn head(page: &mut Markup, notes: &[String]) {
     let summary = page.summary;
-    let planners: Vec<String> = summary.planner_names().iter().map(|name| escape(name)).collect();
+    let names = summary.planner_names();
+    let mut planners = escape(&names[..names.len().min(MOST_NAMES)].join(", "));
+    if names.len() > MOST_NAMES {
+        let _ = write!(planners, " and {} others", names.len() - MOST_NAMES);
+    }
     let trials = page.figure("trials");
     let _ = writeln!(
         page.text,
-        "<p>{trials} trials of {}; judged under the {} {}. Made by Cranny {}.</p>",
-        planners.join(", "),
+        "<p>{trials} trials of {planners}; judged under the {} {}. Made by Cranny {}.</p>",
         if summary.criteria().len() == 1 { "criterion" } else { "criteria" },
         summary.criteria().join(" and "),
         escape(summary.version)
     );
     for warning in &summary.warnings {
         let _ = writeln!(page.text, "<p class=\"warning\">{}</p>", escape(warning));
+    }
+    if !notes.is_empty() {
+        let _ = writeln!(
+            page.text,
+            "<p class=\"warning\">This page is an excerpt, so that a browser opens it at once: it shows {}. The formats json \
+             and csv of the report have every row.</p>",
+            escape(&notes.join("; "))
+        );
     }
     page.text.push_str("<nav aria-label=\"Contents\"><ul>\n");
     for criterion in summary.criteria() {

@@ -6,7 +6,7 @@ use crate::report::drawn::plot::Plot;
 use crate::report::pages::page_figures::{Markup, Shown};
 use crate::report::pages::page_tables::estimate;
 
-/// Adds a table with one line for each planner, the pooled curves and the performance profile.
+/// Adds a table with one line for each planner, the mean curves and the performance profile.
 pub fn overall(page: &mut Markup, criterion: &str, plots: &[&Plot]) {
     let summary = page.summary;
     let of_criterion = || summary.overall.iter().enumerate().filter(|(_, own)| own.criterion == criterion);
@@ -24,8 +24,8 @@ pub fn overall(page: &mut Markup, criterion: &str, plots: &[&Plot]) {
     page.text.push_str("<h3>Over all scenarios</h3>\n");
     let at = |key: &str| format!("overall.{first}.{key}");
     let caption = format!(
-        "The {} of {} scenarios that every planner has runs on. Each run counts the same; times are followed to the shortest \
-         limit, {} s. Shares of scenarios by the median time on each: fastest, and within twice and ten times the fastest.",
+        "The {} of {} scenarios that every planner has runs on. Each scenario counts the same, however many runs it has; times are followed \
+         to the shortest limit, {} s. Shares of scenarios by the median time on each: fastest, and within twice and ten times the fastest.",
         page.figure(&at("scenarios")),
         page.figure(&at("scenarios_in_all")),
         page.figure(&at("followed_to_s")),
