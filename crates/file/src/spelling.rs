@@ -10,11 +10,15 @@ pub fn nearest_names<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -
     if name.len() > LONGEST {
         return Vec::new();
     }
+    let letters = name.chars().count();
+    let is_near = |distance: usize, candidate: &str| 2 * distance <= candidate.chars().count().max(2);
     let mut ranked: Vec<(usize, &str)> = known
         .into_iter()
         .filter(|candidate| candidate.len() <= LONGEST)
+        // The distance is at least the difference in length, which is known at once.
+        .filter(|candidate| is_near(letters.abs_diff(candidate.chars().count()), candidate))
         .map(|candidate| (edit_distance(name, candidate), candidate))
-        .filter(|(distance, candidate)| 2 * distance <= candidate.chars().count().max(2))
+        .filter(|&(distance, candidate)| is_near(distance, candidate))
         .collect();
     ranked.sort_by_key(|&(distance, _)| distance);
     ranked.into_iter().take(3).map(|(_, candidate)| candidate.to_owned()).collect()

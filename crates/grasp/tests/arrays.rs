@@ -74,3 +74,16 @@ fn columns_of_an_archive_that_are_none_are_refused() {
     }
     assert!(files.read(&with("widths", 0.05), &ImportSettings::default()).is_ok());
 }
+
+/// Guards against exponential time: 3000 brackets took over 30 s.
+#[test]
+fn brackets_in_a_header_are_counted() {
+    let shape = ["[".repeat(30_000), "]".repeat(30_000)].concat();
+    let head = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}}}");
+    let size = u16::try_from(head.len()).expect("short").to_le_bytes();
+    let array = [&b"\x93NUMPY\x01\x00"[..], &size, head.as_bytes()].concat();
+    for bytes in [array.clone(), npz(&[("poses", array)])] {
+        let fault = Files::new().read(&bytes, &ImportSettings::default()).expect_err("no shape");
+        assert!(fault.contains("'shape' is [[[") && fault.contains("not a list of lengths"), "{fault}");
+    }
+}

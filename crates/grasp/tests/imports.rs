@@ -7,7 +7,6 @@ use cranny_grasp::{
     ClosingAxis, FRANKA_PADS_M, FRANKA_TIPS_TO_PADS_M, GraspFormat, ImportSettings, Imported, import_grasps,
 };
 use cranny_spatial::{Point, Pose, Vector};
-use npyz::WriterBuilder as _;
 
 /// Temporary folder, with a reader of the files in it.
 pub struct Files(tempfile::TempDir);
@@ -33,15 +32,8 @@ impl Files {
 }
 
 pub fn npy(shape: &[u64], numbers: &[f64]) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    let mut array = npyz::WriteOptions::new()
-        .default_dtype()
-        .shape(shape)
-        .writer(&mut bytes)
-        .begin_nd()
-        .expect("an array");
-    array.extend(numbers.iter().copied()).expect("numbers");
-    array.finish().expect("an array");
+    let mut bytes = cranny_file::npy_header("<f8", shape);
+    bytes.extend(numbers.iter().flat_map(|number| number.to_le_bytes()));
     bytes
 }
 

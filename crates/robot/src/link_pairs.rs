@@ -1,4 +1,4 @@
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::chain::joint_group::unknown_link;
 use crate::description::urdf_model::Urdf;
@@ -80,12 +80,13 @@ pub(crate) fn declared_pairs(
     let places = &srdf.places;
     let named = of_srdf(&srdf.disabled_pairs, &places.disabled, "disabled pair")?;
     let mut enabled = of_srdf(&srdf.enabled_pairs, &places.enabled, "enabled pair")?;
-    let mut disabled = Vec::new();
+    let mut untested = BTreeSet::new();
     for (name, at) in srdf.untested_links.iter().zip(&places.untested) {
-        let link = find(name, &|| format!("{at}: disable_default_collisions"))?;
-        disabled.extend((0..tree.nodes.len()).filter(|other| *other != link).map(|other| (link, other)));
+        untested.insert(find(name, &|| format!("{at}: disable_default_collisions"))?);
     }
-    let mut disabled = sorted_pairs(disabled);
+    let others =
+        |link| (0..tree.nodes.len()).filter(move |other| *other != link).map(move |other| (link, other));
+    let mut disabled = sorted_pairs(untested.into_iter().flat_map(others).collect());
     disabled.retain(|pair| enabled.binary_search(pair).is_err());
     enabled.retain(|pair| named.binary_search(pair).is_err());
     disabled.extend(named);

@@ -27,6 +27,15 @@ pub(crate) struct TreeNode {
 /// joints above each link and of the pairs of links to check both grow with its square.
 pub const MAX_LINKS: usize = 1000;
 
+/// Maximum number of collision shapes of a robot, ten for each possible link: each is tested against the joints above it, and
+/// against the shapes of other links.
+const MAX_SHAPES: usize = 10_000;
+
+/// Content limited to [`MAX_LINKS`], for errors.
+pub(crate) const LINKS: &str = "links in one robot";
+/// Content limited to [`MAX_LINKS`], for errors.
+pub(crate) const JOINTS: &str = "joints in one robot";
+
 impl Tree {
     /// Orders the links of `urdf`:
     ///
@@ -37,12 +46,15 @@ impl Tree {
         if urdf.links.is_empty() {
             return Err(RobotError::NoLinks { file: urdf.file.clone() });
         }
-        let at = || urdf.links[0].at.clone();
-        for (what, actual) in
-            [("links in one robot", urdf.links.len()), ("joints in one robot", urdf.joints.len())]
-        {
-            if actual > MAX_LINKS {
-                return Err(RobotError::TooMany { at: at(), what, most: MAX_LINKS, actual });
+        let shapes = urdf.links.iter().map(|link| link.collisions.len()).sum();
+        for (what, actual, most) in [
+            // A joint of several degrees of freedom counts as one for each of them here, and as one in the file.
+            (LINKS, urdf.links.len(), MAX_LINKS),
+            (JOINTS, urdf.joints.len(), MAX_LINKS),
+            ("collision shapes in one robot", shapes, MAX_SHAPES),
+        ] {
+            if actual > most {
+                return Err(RobotError::TooMany { at: urdf.links[0].at.clone(), what, most, actual });
             }
         }
         // 1.

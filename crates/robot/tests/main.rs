@@ -14,6 +14,7 @@ mod ik_batch;
 mod inverse_kinematics;
 mod jacobian;
 mod lane_kinematics;
+mod large_files;
 mod linkage;
 mod reach_bound;
 mod urdf_content;

@@ -75,15 +75,15 @@ pub enum ShapeError {
     },
     /// Triangles of a mesh pass through each other.
     #[error(
-        "the mesh crosses itself: {pairs} pairs of triangles pass through each other, triangles {first} and \
+        "the mesh crosses itself: at least {pairs} pairs of triangles pass through each other, triangles {first} and \
          {second} by {:.3} mm near ({x:.4}, {y:.4}, {z:.4}) m (unite its bodies into one \
          surface with Blender's boolean modifier or `trimesh.boolean.union` in Python)",
         depth_m * 1000.0
     )]
     SelfCrossing {
-        /// Number of crossing pairs of triangles.
+        /// Number of crossing pairs of triangles that were found before the mesh was refused.
         pairs: usize,
-        /// Index of one triangle of the deepest pair.
+        /// Index of one triangle of the deepest of these pairs.
         first: usize,
         /// Index of the other triangle.
         second: usize,
@@ -95,6 +95,28 @@ pub enum ShapeError {
         y: f64,
         /// z of that corner, in metres.
         z: f64,
+    },
+    /// The triangles of a mesh are so long and narrow that the search for crossing ones would compare nearly all pairs.
+    #[error(
+        "the boxes of its {triangles} triangles overlap in more than {most} pairs, too many to compare: they are long \
+         and narrow (divide them by Blender's remesh modifier or `subdivide_to_size` of trimesh in Python, or take \
+         fewer)"
+    )]
+    NarrowTriangles {
+        /// Number of triangles.
+        triangles: usize,
+        /// Maximum number of pairs with overlapping boxes.
+        most: usize,
+    },
+    /// Closed surfaces of a mesh contain each other, like the layers of an onion, in more layers than are compared.
+    #[error(
+        "{bodies} bodies of the mesh surround another one, but at most {most} may (leave out the inner ones)"
+    )]
+    NestedBodies {
+        /// Number of closed surfaces around one.
+        bodies: usize,
+        /// Maximum number.
+        most: usize,
     },
     /// A mesh encloses no volume, or a negative one.
     #[error("the mesh encloses no volume ({volume_m3:.3e} m³; do its faces look inwards?)")]
@@ -131,17 +153,6 @@ pub enum ShapeError {
         y: f64,
         /// The factor of z.
         z: f64,
-    },
-    /// A mesh has more triangles than supported.
-    #[error(
-        "the mesh has {triangles} triangles, more than {most} (reduce it, with Blender's decimate modifier or \
-         `simplify_quadric_decimation` of trimesh in Python)"
-    )]
-    TooManyTriangles {
-        /// Number of triangles.
-        triangles: usize,
-        /// Maximum number of triangles.
-        most: usize,
     },
     /// A mesh has no triangles.
     #[error("the mesh has no triangles (is it a mesh at all?)")]

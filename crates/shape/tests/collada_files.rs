@@ -226,3 +226,87 @@ fn what_is_not_read_of_a_collada_file_is_refused() {
     let node = NODE.replace("<node>", "<node><extra><skew/></extra><instance_camera url='#c'/>");
     assert_eq!(load(&collada(&lines, &node)), load(&collada(FACES, NODE)));
 }
+
+/// Guards against references that multiply the content of a file: of 1 to 3 MB, these took minutes or gigabytes.
+#[test]
+fn content_that_others_refer_to_is_read_once() {
+    let input = "<input semantic='VERTEX' source='#v' offset='0'/>";
+    let empty = format!("<triangles count='0'>{input}<p/></triangles>");
+    let face = format!("<triangles material='m' count='1'>{input}<p>0 1 2</p></triangles>");
+    let numbers = " 0".repeat(300_000);
+    let faces = 10_000;
+    let shown = |text: &str| load(text).triangles.len();
+    // Many primitives and sources of one array; many colours of one effect.
+    let sources = (0..faces).fold(String::new(), |all, index| {
+        all + &format!(
+            "<source id='s{index}'><technique_common><accessor source='#a' count='4' stride='3' offset='1'/>\
+             </technique_common></source><vertices id='v{index}'><input semantic='POSITION' source='#s{index}'/>\
+             </vertices><triangles material='m{index}' count='1'><input semantic='VERTEX' source='#v{index}'/>\
+             <p>0 1 2</p></triangles>"
+        )
+    });
+    let materials = (0..faces).fold(String::new(), |all, index| {
+        all + &format!("<material id='m{index}'><instance_effect url='#e'/></material>")
+    });
+    let text = collada(&sources, NODE)
+        .replace("count='13'>", "count='300013'>")
+        .replace("0 0 1</float_array>", &format!("0 0 1{numbers}</float_array>"))
+        .replace(
+            "<library_nodes>",
+            &format!("{materials}<effect id='e'>{}</effect><library_nodes>", "<param/>".repeat(100_000)),
+        );
+    assert_eq!(shown(&text), faces);
+    // Many nodes that show a geometry with many elements, through others with many transforms.
+    let crowded = collada(
+        &format!("{face}{}{}", empty.repeat(3000), "<extra/>".repeat(30_000)),
+        &"<node><instance_node url='#n'/></node>".repeat(2000),
+    );
+    let moves = "<translate>0 0 0</translate>".repeat(400);
+    let node = format!("<node id='n'>{moves}<instance_geometry url='#g'/></node>");
+    assert_eq!(shown(&crowded.replace("<library_nodes>", &format!("<library_nodes>{node}"))), 2000);
+    // Many equal ids, each meant within its own geometry.
+    let geometry =
+        text_between(&collada(&face, NODE), "<geometry", "</geometry>").replace("id='g'", "id='g#'");
+    let several = |each: &str| {
+        (0..20_000)
+            .fold(String::new(), |all, index| all + &each.replace('#', &index.to_string()).replace('@', "#"))
+    };
+    let own = several(&geometry.replace("source='#", "source='@"));
+    let nodes = several("<node><instance_geometry url='@g#'/></node>");
+    let text = collada(&face, &nodes).replace("<library_nodes>", &format!("{own}<library_nodes>"));
+    assert_eq!(shown(&text), 20_000);
+}
+
+fn text_between(text: &str, begin: &str, end: &str) -> String {
+    let (_, rest) = text.split_once(begin).expect("its beginning");
+    let (inside, _) = rest.split_once(end).expect("its end");
+    format!("{begin}{inside}{end}")
+}
+
+/// Guards against references that multiply each other, and content for which the parser needs quadratic time.
+#[test]
+fn a_collada_file_that_multiplies_is_refused_with_its_limit() {
+    let bad = |text: &str| fault("bad.dae", text);
+    let doubling = (0..60).fold(String::new(), |all, index| {
+        let below = format!("<instance_node url='#d{}'/>", index + 1);
+        all + &format!("<node id='d{index}'>{below}{below}</node>")
+    });
+    let text = collada(FACES, "<node><instance_node url='#d0'/></node>")
+        .replace("<library_nodes>", &format!("<library_nodes>{doubling}<node id='d60'/>"));
+    assert!(bad(&text).contains("the scene shows more than 1000000 elements of nodes"));
+    let deep = |count: usize| format!("{}{}", "<node>".repeat(count), "</node>".repeat(count));
+    assert!(bad(&collada(FACES, &deep(70))).contains("more than 64 deep"));
+    assert!(bad(&collada(FACES, &deep(100_000))).contains("elements inside each other, but at most 256"));
+    let with = |content: &str| bad(&collada(FACES, NODE).replace("<asset>", &format!("<asset>{content}")));
+    let attributes = (0..100_000).fold(String::new(), |all, index| all + &format!(" a{index}='0'"));
+    assert!(
+        with(&format!("<x{attributes}/>"))
+            .contains("line 2: 100000 attributes in one element, but at most 64")
+    );
+    let namespaces = (0..100_000).fold(String::new(), |all, index| all + &format!("<x xmlns:n{index}='u'>"));
+    assert!(with(&namespaces).contains("65 namespaces declared for one element, but at most 64"));
+    let zeros = " 0".repeat(100_000);
+    let lists = "<p/>".repeat(100_000);
+    let polylist = format!("<polylist>{INPUT}<vcount>{zeros}</vcount>{lists}</polylist>");
+    assert!(bad(&collada(&polylist, NODE)).contains("there is a <p> before this one"));
+}

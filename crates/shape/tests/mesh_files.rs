@@ -449,3 +449,43 @@ fn a_mesh_that_a_scale_mirrors_still_faces_outwards() {
     assert!(mirrored.signed_volume_m3() > 0.3);
     assert_eq!(Solid::mesh(&mirrored).unwrap().mesh_repairs(), None);
 }
+
+/// Guards against memory for each line of an OBJ file, and a comparison of all names in the header of a PLY file.
+#[test]
+fn very_many_lines_and_names_take_little() {
+    let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    let (_folder, path) = write("lines.obj", &format!("{}{triangle}", "\n".repeat(20_000_000)));
+    assert_eq!(TriangleSoup::load(&path, Vector::repeat(1.0)).unwrap().triangles.len(), 1);
+    let groups = (0..200_000).map(|group| format!("g a{group}\nusemtl b\n")).collect::<Vec<_>>().concat();
+    let (_folder, path) = write("groups.obj", &format!("{triangle}{groups}"));
+    assert_eq!(TriangleSoup::load(&path, Vector::repeat(1.0)).unwrap().triangles.len(), 1);
+    let painted = PaintedMesh::load(&path, Vector::repeat(1.0)).unwrap_err().to_string();
+    assert!(painted.contains("400000 groups and materials in one mesh, but at most 100000"), "{painted}");
+    let libraries = "mtllib a.mtl\n".repeat(50_000);
+    let (folder, path) = write("libraries.obj", &format!("{libraries}{triangle}"));
+    let colours = format!("newmtl a\nKd 1 0 0\n{}", "\n".repeat(1_000_000));
+    std::fs::write(folder.path().join("a.mtl"), colours).unwrap();
+    assert_eq!(PaintedMesh::load(&path, Vector::repeat(1.0)).unwrap().pieces.len(), 1);
+    for line in ["element", "property float"] {
+        let names = (0..300_000)
+            .map(|name| format!("{line} a{name}{}\n", &" 0"[..2 * usize::from(line == "element")]))
+            .collect::<Vec<_>>()
+            .concat();
+        let header = format!("ply\nformat ascii 1.0\nelement vertex 0\n{names}end_header\n");
+        assert!(fault("names.ply", &header).contains("line 1003: more than 1000 elements and properties"));
+    }
+    let list =
+        "ply\nformat binary_little_endian 1.0\nelement other 1\nproperty list uint uchar a\nend_header\n";
+    let bytes = [list.as_bytes(), &[255; 4], &[0; 100]].concat();
+    let said = fault_of_bytes("list.ply", &bytes);
+    assert!(said.contains("element 0 of 'other' has a list of 4294967295 numbers, but at most"), "{said}");
+}
+
+#[test]
+fn more_triangles_than_any_mesh_has_are_refused_while_reading() {
+    let face = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\n{}", "f 1 2 3\n".repeat(8_000_001));
+    assert!(fault("faces.obj", &face).contains("more than 8000000 triangles (reduce it"));
+    let mut binary = vec![0; 84 + 50 * 8_000_001];
+    binary[80..84].copy_from_slice(&8_000_001_u32.to_le_bytes());
+    assert!(fault_of_bytes("faces.stl", &binary).contains("more than 8000000 triangles"));
+}

@@ -1,68 +1,34 @@
 //! Single arrays of `NumPy`, and archives of them.
 
-use std::cell::RefCell;
 use std::collections::BTreeSet;
 use std::io::{self, Cursor, Read as Source};
-use std::rc::Rc;
 
-use cranny_file::{counted, excerpt};
-use npyz::{NpyFile, Order};
+use cranny_file::{NpyArray, counted, excerpt};
 use zip::ZipArchive;
 
 /// Array whose numbers are read in sequence, in C order.
 pub struct Array<'a> {
     pub shape: Vec<u64>,
-    pub numbers: Box<dyn Iterator<Item = io::Result<f64>> + 'a>,
-    /// Bytes after the numbers.
-    rest: Box<dyn Source + 'a>,
-}
-
-/// Source shared by the reader of its beginning and the reader of its rest.
-struct Shared<S>(Rc<RefCell<S>>);
-
-impl<S> Clone for Shared<S> {
-    fn clone(&self) -> Self {
-        Self(Rc::clone(&self.0))
-    }
-}
-
-impl<S: Source> Source for Shared<S> {
-    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        self.0.borrow_mut().read(buffer)
-    }
+    pub numbers: NpyArray<Box<dyn Source + 'a>>,
 }
 
 impl<'a> Array<'a> {
     pub fn of(source: impl Source + 'a, name: &str) -> Result<Self, String> {
-        let source = Shared(Rc::new(RefCell::new(source)));
-        let rest = Box::new(source.clone());
-        let file = NpyFile::new(source).map_err(|reason| format!("{name}: {reason}"))?;
-        let shape = file.shape().to_vec();
-        if file.order() != Order::C && shape.len() > 1 {
+        let source: Box<dyn Source> = Box::new(source);
+        let numbers = NpyArray::of(source).map_err(|reason| format!("{name}: {reason}"))?;
+        let shape = numbers.shape.clone();
+        if numbers.is_column_major && shape.len() > 1 {
             return Err(format!("{name} is stored column by column; save it by np.ascontiguousarray"));
         }
-        macro_rules! of_type {
-            ($file:ident; $($kind:ty => $convert:expr),*) => {{
-                $(let $file = match $file.try_data::<$kind>() {
-                    Ok(data) => {
-                        let numbers = Box::new(data.map(|value| value.map($convert)));
-                        return Ok(Self { shape, numbers, rest });
-                    }
-                    Err(file) => file,
-                };)*
-                Err(format!("{name} holds {}, which is not read: save it as float64", $file.dtype().descr()))
-            }};
+        if !numbers.is_numeric() {
+            return Err(format!("{name} holds {}, which is not read: save it as float64", numbers.kind));
         }
-        of_type!(file;
-            f64 => |value| value, f32 => f64::from, bool => |value| f64::from(u8::from(value)),
-            i64 => |value| value as f64, i32 => f64::from, i16 => f64::from, i8 => f64::from,
-            u64 => |value| value as f64, u32 => f64::from, u16 => f64::from, u8 => f64::from)
+        Ok(Self { shape, numbers })
     }
 
     /// Reads all numbers, as many as the shape has and at most `most`, in the unit of the file.
     pub fn all(mut self, most: usize, name: &str) -> Result<Vec<f64>, String> {
-        let count = self.shape.iter().try_fold(1_u64, |all, side| all.checked_mul(*side));
-        if count.is_none_or(|count| count > most as u64) {
+        if self.shape.iter().product::<u64>() > most as u64 {
             return Err(format!("{name} is of shape {:?}, more than any set of grasps", self.shape));
         }
         let numbers = self.numbers.by_ref().collect::<Result<_, _>>();
@@ -81,12 +47,12 @@ impl<'a> Array<'a> {
 
     /// Checks that nothing follows the numbers, all of which have been read.
     pub fn end(mut self, name: &str) -> Result<(), String> {
-        match self.rest.read_exact(&mut [0]) {
-            Ok(()) => {
+        match self.numbers.is_at_end() {
+            Ok(true) => Ok(()),
+            Ok(false) => {
                 let shape = &self.shape;
                 Err(format!("{name} goes on after the numbers of its shape {shape:?} (is the shape right?)"))
             }
-            Err(reason) if reason.kind() == io::ErrorKind::UnexpectedEof => Ok(()),
             Err(reason) => Err(format!("{name}: {reason}")),
         }
     }

@@ -5,6 +5,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
+use cranny_file::excerpt;
 use cranny_spatial::nalgebra::{Matrix3, Rotation3};
 use cranny_spatial::{Pose, Rotation, Vector};
 
@@ -38,7 +39,8 @@ pub fn read_group(array: Array, settings: &ImportSettings) -> Result<Read, Strin
         (None, [object]) => *object,
         (None, []) => return Err("it holds no grasps".to_owned()),
         (None, several) => {
-            return Err(format!("it holds grasps of {} objects (ids {several:?}): name one", several.len()));
+            let ids = excerpt(&format!("{:?}", &several[..several.len().min(20)]));
+            return Err(format!("it holds grasps of {} objects (ids {ids}): name one", several.len()));
         }
     };
     let mut read = Read::new(GraspFormat::GraspnetGroup);

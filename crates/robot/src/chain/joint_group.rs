@@ -1,11 +1,11 @@
-use std::collections::HashSet;
+use std::collections::{BTreeSet, HashMap, HashSet};
 
 use cranny_file::nearest_names;
 
 use crate::chain::limits::wrapped;
 use crate::description::urdf_model::{Urdf, UrdfJoint, UrdfJointKind, UrdfMotion};
 use crate::tree::Tree;
-use crate::{JointConstraint, JointGroup, Location, RobotError, RobotOptions, Srdf, SrdfGroup};
+use crate::{JointConstraint, JointGroup, RobotError, RobotOptions, Srdf, SrdfGroup};
 
 /// Resolved joint group: the joints of `q`, the values of all other joints, and the tip link.
 pub(crate) struct Resolved {
@@ -35,7 +35,7 @@ impl Resolved {
         srdf: Option<&Srdf>,
         options: &RobotOptions,
     ) -> Result<Self, RobotError> {
-        let resolver = Resolver { urdf, tree, srdf, options };
+        let resolver = Resolver::new(urdf, tree, srdf, options);
         resolver.check_names()?;
         let named = resolver.named_group()?;
         let tip = resolver.tip(named.as_deref())?;
@@ -59,7 +59,7 @@ pub(crate) fn named_group(
     srdf: Option<&Srdf>,
     options: &RobotOptions,
 ) -> Result<Vec<usize>, RobotError> {
-    let resolver = Resolver { urdf, tree, srdf, options };
+    let resolver = Resolver::new(urdf, tree, srdf, options);
     resolver.check_names()?;
     Ok(resolver.named_group()?.unwrap_or_default())
 }
@@ -87,9 +87,21 @@ struct Resolver<'a> {
     tree: &'a Tree,
     srdf: Option<&'a Srdf>,
     options: &'a RobotOptions,
+    /// Joints that represent a joint of several degrees of freedom, `NAME/x`, …, by its name.
+    components: HashMap<&'a str, Vec<usize>>,
 }
 
-impl Resolver<'_> {
+impl<'a> Resolver<'a> {
+    fn new(urdf: &'a Urdf, tree: &'a Tree, srdf: Option<&'a Srdf>, options: &'a RobotOptions) -> Self {
+        let mut components: HashMap<&str, Vec<usize>> = HashMap::new();
+        for (index, joint) in urdf.joints.iter().enumerate() {
+            if let Some((name, _)) = joint.name.rsplit_once('/') {
+                components.entry(name).or_default().push(index);
+            }
+        }
+        Self { urdf, tree, srdf, options, components }
+    }
+
     /// Checks that every joint named by a mimic joint or the option `fixed` exists, that every chain of mimic joints ends, and
     /// that the values in `fixed` are finite.
     fn check_names(&self) -> Result<(), RobotError> {
@@ -125,24 +137,25 @@ impl Resolver<'_> {
     /// Returns a note for each passive joint of the SRDF that the robot lacks, as when one SRDF serves several hands.
     fn passive_notes(&self) -> Vec<String> {
         let passive = self.srdf.iter().flat_map(|srdf| srdf.passive_joints.iter().zip(&srdf.places.passive));
-        let place = |at: &Location| format!("{at}: passive_joint");
-        let unknown = passive.filter(|(name, _)| !self.is_virtual(name)).filter_map(|(name, at)| {
-            Some(format!("{}: it is not read", self.joint_or_its_parts(name, || place(at)).err()?))
-        });
-        unknown.collect()
+        let is_unknown = |name: &str| {
+            !self.is_virtual(name) && self.tree.joint(name).is_none() && !self.components.contains_key(name)
+        };
+        passive
+            .filter(|(name, _)| is_unknown(name))
+            .map(|(name, at)| format!("{at}: passive_joint: unknown joint `{name}`: it is not read"))
+            .collect()
     }
 
     fn known_joint(&self, name: &str, place: impl Fn() -> String) -> Result<usize, RobotError> {
         self.tree.joint(name).ok_or_else(|| unknown_joint(self.urdf, place(), name))
     }
 
-    /// Returns the joint named `name`, or all joints that represent the planar or floating joint of that name.
-    fn joint_or_its_parts(&self, name: &str, place: impl Fn() -> String) -> Result<Vec<usize>, RobotError> {
-        let is_part =
-            |joint: &UrdfJoint| joint.name.strip_prefix(name).is_some_and(|rest| rest.starts_with('/'));
-        let joints = self.urdf.joints.iter().enumerate();
-        let parts: Vec<usize> = joints.filter(|(_, joint)| is_part(joint)).map(|(index, _)| index).collect();
-        if parts.is_empty() { Ok(vec![self.known_joint(name, place)?]) } else { Ok(parts) }
+    /// Returns all joints that represent the planar or floating joint named `name`, or the joint of that name.
+    fn joint_or_components(&self, name: &str, place: impl Fn() -> String) -> Result<Vec<usize>, RobotError> {
+        match self.components.get(name) {
+            Some(joints) => Ok(joints.clone()),
+            None => Ok(vec![self.known_joint(name, place)?]),
+        }
     }
 
     /// Returns true if the SRDF has a virtual joint of that name and the URDF has no such joint.
@@ -193,7 +206,7 @@ impl Resolver<'_> {
             JointGroup::RootToTip => return Ok(None),
             JointGroup::Joints(names) => self.joints_by_name(names)?,
             JointGroup::Srdf(name) => {
-                let mut joints = Vec::new();
+                let mut joints = BTreeSet::new();
                 self.collect_group(
                     self.srdf_group(name, "joint group")?,
                     &mut Inside::default(),
@@ -202,8 +215,8 @@ impl Resolver<'_> {
                 // A passive joint with a value in `fixed` keeps this value.
                 joints
                     .retain(|&joint| self.is_free(joint) && !(self.is_passive(joint) && self.is_held(joint)));
+                let mut joints: Vec<usize> = joints.into_iter().collect();
                 joints.sort_by_key(|&joint| self.tree.node_of_joint[joint]);
-                joints.dedup();
                 joints
             }
         };
@@ -254,7 +267,7 @@ impl Resolver<'_> {
         &'s self,
         group: &'s SrdfGroup,
         groups: &mut Inside<'s>,
-        joints: &mut Vec<usize>,
+        joints: &mut BTreeSet<usize>,
     ) -> Result<(), RobotError> {
         if groups.open.contains(&group.name.as_str()) {
             return Err(RobotError::GroupLoop { at: group.at.clone(), group: group.name.clone() });
@@ -270,7 +283,7 @@ impl Resolver<'_> {
             joints.extend(chain);
         }
         for name in group.joints.iter().filter(|name| !self.is_virtual(name)) {
-            joints.extend(self.joint_or_its_parts(name, place)?);
+            joints.extend(self.joint_or_components(name, place)?);
         }
         for name in &group.links {
             let node = self.known_link(name, place)?;

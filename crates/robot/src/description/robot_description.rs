@@ -158,24 +158,22 @@ impl RobotDescription {
         }
         for (name, &value) in &self.fixed {
             let Some(index) = tree.joint(name) else { continue };
-            let (at, joint) = (at("fixed", name), name.clone());
+            // The search for the line passes the whole text.
+            let located = || (at("fixed", name), name.clone());
             let finger = hand.and_then(|hand| hand.fingers.get(name));
             if let Some(open) =
                 finger.map(|range| range.open).filter(|&open| (open - value).abs() > MIMIC_SLACK)
             {
-                let hindrance = JointConstraint::Finger { open };
+                let ((at, joint), hindrance) = (located(), JointConstraint::Finger { open });
                 return Err(RobotError::NotFree { at, joint, wanted: "held at another value", hindrance });
             }
             let Some(motion) = &urdf.joints[index].motion else {
-                return Err(RobotError::NotFree {
-                    at,
-                    joint,
-                    wanted: "held at a value",
-                    hindrance: JointConstraint::Fixed,
-                });
+                let ((at, joint), hindrance) = (located(), JointConstraint::Fixed);
+                return Err(RobotError::NotFree { at, joint, wanted: "held at a value", hindrance });
             };
             let (lower, upper) = range(motion);
             if motion.mimic.is_none() && !admits(motion, value) {
+                let (at, joint) = located();
                 return Err(RobotError::HeldOutsideLimits { at, joint, value, lower, upper });
             }
         }

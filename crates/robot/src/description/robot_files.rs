@@ -3,6 +3,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use crate::description::robot_description::{DESCRIPTION, LIMITS};
+use crate::description::urdf_text::replaced;
 use crate::description::xml::{XmlText, known_prefixes};
 use crate::{RobotDescription, RobotError, description::mesh_path};
 
@@ -34,7 +35,7 @@ impl RobotFiles {
         let text = cranny_file::TEXT
             .text(urdf)
             .map_err(|reason| RobotError::Unreadable { path: urdf.to_owned(), reason })?;
-        let mut files = Self::of_text(text, urdf, packages)?;
+        let mut files = Self::of_text(&text, urdf, packages)?;
         let name_of = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let beside = urdf.with_extension("srdf");
         let srdf = srdf.map(Path::to_owned).or_else(|| beside.is_file().then_some(beside));
@@ -50,11 +51,12 @@ impl RobotFiles {
     ///
     /// # Errors
     /// As [`Self::gather`].
-    pub fn of_text(mut text: String, urdf: &Path, packages: &[PathBuf]) -> Result<Self, RobotError> {
+    pub fn of_text(text: &str, urdf: &Path, packages: &[PathBuf]) -> Result<Self, RobotError> {
         let mut contents = BTreeMap::new();
         let mut names: BTreeMap<PathBuf, String> = BTreeMap::new();
-        // The replacement runs from the last to the first, so that earlier positions stay valid.
-        for mesh in mesh_names(&text, urdf)?.into_iter().rev() {
+        let mut places = Vec::new();
+        // Of several meshes with one file name, the last keeps its name.
+        for mesh in mesh_names(text, urdf)?.into_iter().rev() {
             let tried = mesh_path::candidates(&mesh.file, urdf.parent(), packages);
             let Some(path) = tried.iter().find(|path| mesh_path::is_file_like(path)) else {
                 if mesh.is_for_looks {
@@ -67,8 +69,10 @@ impl RobotFiles {
                 contents.insert(name.clone(), bytes_of(path)?);
                 names.insert(path.clone(), name);
             }
-            text.replace_range(mesh.place.clone(), &names[path]);
+            places.push((mesh.place, path.clone()));
         }
+        let new_names = places.iter().rev().map(|(place, path)| (place.clone(), &*names[path]));
+        let text = replaced(text, new_names);
         let name = urdf.file_name().unwrap_or_default().to_string_lossy().into_owned();
         contents.insert(name.clone(), text.into_bytes());
         Ok(Self { contents, urdf: name, srdf: None })

@@ -1,3 +1,5 @@
+use std::collections::HashSet;
+
 use cranny_file::nearest_names;
 
 use crate::description::unread::Notes;
@@ -162,37 +164,49 @@ impl Srdf {
                 tag => return Err(unknown(element, "element", tag, &ELEMENTS)),
             }
         }
+        srdf.check_counts(robot)?;
         srdf.notes = [notes.lines(), srdf.contradictions()].concat();
-        // Groups may contain groups, which are found by name.
-        if let Some(extra) = srdf.groups.get(MAX_LINKS) {
-            let (at, actual) = (extra.at.clone(), srdf.groups.len());
-            return Err(RobotError::TooMany { at, what: "groups in one SRDF", most: MAX_LINKS, actual });
-        }
         Ok(srdf)
+    }
+
+    /// Checks the numbers of those elements that are found by name, element by element, or that combine with each joint.
+    fn check_counts(&self, robot: Element<'_>) -> Result<(), RobotError> {
+        let chains = self.groups.iter().map(|group| group.chains.len()).sum();
+        for (what, actual) in [
+            ("groups in one SRDF", self.groups.len()),
+            ("chains in one SRDF", chains),
+            ("virtual joints in one SRDF", self.virtual_joints.len()),
+            ("passive joints in one SRDF", self.passive_joints.len()),
+        ] {
+            if actual > MAX_LINKS {
+                return Err(RobotError::TooMany { at: robot.at(), what, most: MAX_LINKS, actual });
+            }
+        }
+        Ok(())
     }
 
     /// Returns sentences on duplicate names and on names that refer to nothing.
     fn contradictions(&self) -> Vec<String> {
         let mut found = Vec::new();
-        let is_group = |name: &String| self.group(name).is_some();
-        for (index, SrdfGroup { name, at, .. }) in self.groups.iter().enumerate() {
-            if self.groups[..index].iter().any(|earlier| earlier.name == *name) {
+        let (mut groups, mut states) = (HashSet::new(), HashSet::new());
+        for SrdfGroup { name, at, .. } in &self.groups {
+            if !groups.insert(name) {
                 found.push(format!("{at}: group `{name}` is defined twice: the first definition is used"));
             }
         }
-        for (index, state) in self.group_states.iter().enumerate() {
+        for state in &self.group_states {
             let GroupState { name, group, values, at, .. } = state;
-            if !is_group(group) {
+            if !groups.contains(group) {
                 found.push(format!("{at}: state `{name}` refers to the unknown group `{group}`"));
             }
-            let is_same = |other: &GroupState| other.name == *name && other.group == *group;
-            if self.group_states[..index].iter().any(is_same) {
+            if !states.insert((name, group)) {
                 found.push(format!(
                     "{at}: state `{name}` of group `{group}` is defined twice: the first definition is used"
                 ));
             }
-            for (index, (joint, _)) in values.iter().enumerate() {
-                if values[..index].iter().any(|(earlier, _)| earlier == joint) {
+            let mut joints = HashSet::new();
+            for (joint, _) in values {
+                if !joints.insert(joint) {
                     found.push(format!(
                         "{at}: state `{name}` has joint `{joint}` twice: the last value is used"
                     ));
@@ -203,7 +217,7 @@ impl Srdf {
             }
         }
         for EndEffector { name, group, at, .. } in
-            self.end_effectors.iter().filter(|end| !is_group(&end.group))
+            self.end_effectors.iter().filter(|end| !groups.contains(&end.group))
         {
             found.push(format!("{at}: end effector `{name}` refers to the unknown group `{group}`"));
         }
@@ -234,16 +248,14 @@ impl Srdf {
 
     /// Returns true if the group, or one nested in it, satisfies a condition.
     fn any_group(&self, name: &str, holds: impl Fn(&SrdfGroup) -> bool) -> bool {
-        let mut names = vec![name];
-        // Nested groups may form a loop.
-        for next in 0..=self.groups.len() {
-            let Some(group) = names.get(next).and_then(|name| self.group(name)) else { continue };
+        let (mut open, mut known) = (vec![name], HashSet::from([name]));
+        while let Some(name) = open.pop() {
+            let Some(group) = self.group(name) else { continue };
             if holds(group) {
                 return true;
             }
-            let new: Vec<&str> =
-                group.subgroups.iter().map(String::as_str).filter(|name| !names.contains(name)).collect();
-            names.extend(new);
+            // Nested groups may form a loop.
+            open.extend(group.subgroups.iter().map(String::as_str).filter(|name| known.insert(name)));
         }
         false
     }

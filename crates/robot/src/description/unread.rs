@@ -3,8 +3,8 @@ use std::collections::{BTreeMap, HashSet};
 
 use cranny_file::{counted, nearest_names};
 
-use crate::RobotError;
 use crate::description::xml::{Element, XmlText};
+use crate::{Location, RobotError};
 
 /// Elements of a URDF that no plan depends on, by the parent element (`*` for any).
 const KNOWN_ELEMENTS: [(&str, &[&str]); 6] = [
@@ -68,23 +68,20 @@ pub(crate) fn unread(xml: &XmlText<'_>) -> Result<Vec<String>, RobotError> {
     Ok(notes.lines())
 }
 
-/// Locations in the file by kind of content.
+/// First location in the file and number of further ones, by kind of content.
 #[derive(Default)]
-pub(crate) struct Notes(BTreeMap<String, Vec<String>>);
+pub(crate) struct Notes(BTreeMap<String, (Location, usize)>);
 
 impl Notes {
     pub(crate) fn add(&mut self, what: &str, holder: Element<'_>, at: Element<'_>) {
         let kind = format!("{what} of <{}>", holder.tag());
-        self.0.entry(kind).or_default().push(at.at().to_string());
+        self.0.entry(kind).and_modify(|(_, more)| *more += 1).or_insert_with(|| (at.at(), 0));
     }
 
     pub(crate) fn lines(self) -> Vec<String> {
-        let line = |(kind, places): (String, Vec<String>)| match &places[..] {
-            [only] => format!("{only}: {kind} is not read"),
-            [first, rest @ ..] => {
-                format!("{first}: {kind} is not read, here and at {}", counted(rest.len(), "more place"))
-            }
-            [] => kind,
+        let line = |(kind, (first, more)): (String, (Location, usize))| match more {
+            0 => format!("{first}: {kind} is not read"),
+            _ => format!("{first}: {kind} is not read, here and at {}", counted(more, "more place")),
         };
         self.0.into_iter().map(line).collect()
     }

@@ -8,6 +8,7 @@ use crate::description::urdf_model::{
 };
 use crate::description::xml::{Element, XmlText, known_prefixes};
 use crate::free_joint::{FLOATING, PLANAR};
+use crate::tree::{JOINTS, LINKS, MAX_LINKS};
 use crate::{Inertial, LinkForm, LinkVisual, Location, RobotError};
 
 impl UrdfLink {
@@ -22,6 +23,12 @@ impl Urdf {
         let text = known_prefixes(text);
         let xml = XmlText::parse(&text, file)?;
         let robot = xml.robot()?;
+        for (tag, what) in [("link", LINKS), ("joint", JOINTS)] {
+            if let Some(extra) = robot.all(tag).nth(MAX_LINKS) {
+                let actual = robot.all(tag).count();
+                return Err(RobotError::TooMany { at: extra.at(), what, most: MAX_LINKS, actual });
+            }
+        }
         let name = robot.optional_text("name").unwrap_or("robot").to_owned();
         let colours = named_colours(robot);
         let links =

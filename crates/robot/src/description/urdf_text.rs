@@ -1,3 +1,5 @@
+use std::ops::Range;
+
 use cranny_spatial::Pose;
 
 use crate::description::urdf_model::{Urdf, UrdfJoint, UrdfJointKind};
@@ -74,14 +76,8 @@ impl UrdfText {
         let xml = XmlText::parse(&known, &self.file)?;
         let robot = xml.robot()?;
         let named = robot.all("link").filter(|element| element.optional_text("name") == Some(link));
-        let mut places: Vec<_> =
-            named.flat_map(|link| link.all("collision")).map(|collision| collision.place()).collect();
-        // The removal runs from the last to the first, so that earlier positions stay valid.
-        places.sort_by_key(|place| std::cmp::Reverse(place.start));
-        let mut text = self.text.clone();
-        for place in places {
-            text.replace_range(place, "");
-        }
+        let bodies = named.flat_map(|link| link.all("collision")).map(|collision| (collision.place(), ""));
+        let text = replaced(&self.text, bodies);
         Self::new(text, &self.file)
     }
 
@@ -177,6 +173,21 @@ pub struct JointMotion {
     pub acceleration: Option<f64>,
     /// Maximum jerk (m/s³, rad/s³), if URDF 1.2 gives one.
     pub jerk: Option<f64>,
+}
+
+/// Returns `text` with each range replaced by another text; the ranges are ascending and disjoint.
+pub(crate) fn replaced<'t>(
+    text: &str,
+    replacements: impl IntoIterator<Item = (Range<usize>, &'t str)>,
+) -> String {
+    let (mut replaced, mut end) = (String::with_capacity(text.len()), 0);
+    for (range, replacement) in replacements {
+        replaced.push_str(&text[end..range.start]);
+        replaced.push_str(replacement);
+        end = range.end;
+    }
+    replaced.push_str(&text[end..]);
+    replaced
 }
 
 fn escaped(text: &str) -> String {

@@ -1,8 +1,9 @@
 use std::borrow::Cow;
 use std::cell::RefCell;
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
+use cranny_file::{XmlExcess, xml_excess};
 use cranny_spatial::nalgebra::Quaternion;
 use cranny_spatial::{Point, Pose, Rotation, Vector, sin_cos};
 use roxmltree::{Attribute, Document, Node};
@@ -24,21 +25,19 @@ struct Asked {
     /// Offsets of the elements and attributes that were found.
     read: RefCell<HashSet<usize>>,
     /// Requested attribute names, by the offset of the element.
-    attributes: RefCell<HashSet<(usize, &'static str)>>,
-    children: RefCell<HashSet<(usize, &'static str)>>,
+    attributes: RefCell<HashMap<usize, Vec<&'static str>>>,
+    children: RefCell<HashMap<usize, Vec<&'static str>>>,
 }
-
-/// Maximum number of attributes of an element: no link or joint has more, and the check for duplicates takes long.
-const MOST_ATTRIBUTES: usize = 1000;
 
 /// Joins every undeclared namespace prefix to the name that follows it by a dot. Programs that read XML without namespaces
 /// write such prefixes (`<drake:acceleration …>`). All offsets in the text stay the same. The prefix `xacro` is left
-/// unchanged: a file with it is not yet a URDF.
+/// unchanged: a file with it is not yet a URDF. A text that [`XmlText::parse`] refuses for its size stays as it is.
 pub(crate) fn known_prefixes(text: &str) -> Cow<'_, str> {
     /// Maximum number of different prefixes; no known file has more.
     const MOST: usize = 16;
     let mut known = Cow::Borrowed(text);
-    for _ in 0..MOST {
+    let prefixes = if xml_excess(text).is_some() { 0 } else { MOST };
+    for _ in 0..prefixes {
         let prefix = match Document::parse(&known) {
             Err(roxmltree::Error::UnknownNamespace(prefix, _)) if prefix != "xacro" => prefix,
             _ => break,
@@ -59,10 +58,9 @@ impl<'a> XmlText<'a> {
         }
         let line_starts: Vec<usize> =
             std::iter::once(0).chain(text.match_indices('\n').map(|(end, _)| end + 1)).collect();
-        let place = |offset| Location { file: file.to_owned(), line: line_of(&line_starts, offset) };
-        if let Some((offset, actual)) = crowded_tag(text) {
-            let (what, most) = ("attributes in one element", MOST_ATTRIBUTES);
-            return Err(RobotError::TooMany { at: place(offset), what, most, actual });
+        let place = |line| Location { file: file.to_owned(), line: u32::try_from(line).unwrap_or(u32::MAX) };
+        if let Some(XmlExcess { line, what, most, actual }) = xml_excess(text) {
+            return Err(RobotError::TooMany { at: place(line), what, most, actual });
         }
         let document = Document::parse(text).map_err(|reason| {
             // The parser gives no position for a text that ends too early; the error is then at the last line.
@@ -72,7 +70,7 @@ impl<'a> XmlText<'a> {
                 }
                 ref other => other.pos().row as usize,
             };
-            let at = Location { file: file.to_owned(), line: u32::try_from(line).unwrap_or(u32::MAX) };
+            let at = place(line);
             if matches!(&reason, roxmltree::Error::UnknownNamespace(prefix, _) if prefix == "xacro") {
                 return RobotError::Xacro { at, file: file.to_owned() };
             }
@@ -87,7 +85,8 @@ impl<'a> XmlText<'a> {
     }
 
     fn element<'x>(&'x self, node: Node<'x, 'x>) -> Element<'x> {
-        Element { node, file: self.file, line_starts: &self.line_starts, asked: &self.asked }
+        let namespace = self.document.root_element().tag_name().namespace();
+        Element { node, file: self.file, line_starts: &self.line_starts, asked: &self.asked, namespace }
     }
 
     /// Returns the outermost element, which must be `<robot>`.
@@ -106,13 +105,15 @@ pub(crate) struct Element<'a> {
     file: &'a str,
     line_starts: &'a [usize],
     asked: &'a Asked,
+    /// Namespace of the outermost element, stored because the search for that element passes all comments in front of it.
+    namespace: Option<&'a str>,
 }
 
 impl<'a> Element<'a> {
     /// Returns the element name; with its prefix if its namespace differs from that of the outermost element.
     pub(crate) fn tag(&self) -> Cow<'a, str> {
         let name = self.node.tag_name();
-        if name.namespace() == self.own_namespace() {
+        if name.namespace() == self.namespace {
             return with_colon(name.name());
         }
         let text = &self.node.document().input_text()[self.node.range().start + 1..];
@@ -120,13 +121,9 @@ impl<'a> Element<'a> {
         Cow::Borrowed(&text[..end.unwrap_or(text.len())])
     }
 
-    fn own_namespace(&self) -> Option<&'a str> {
-        self.node.document().root_element().tag_name().namespace()
-    }
-
     fn attribute_name(&self, attribute: Attribute<'a, 'a>) -> Cow<'a, str> {
         match attribute.namespace() {
-            Some(namespace) if Some(namespace) != self.own_namespace() => {
+            Some(namespace) if Some(namespace) != self.namespace => {
                 Cow::Borrowed(&self.node.document().input_text()[attribute.range_qname()])
             }
             _ => with_colon(attribute.name()),
@@ -184,7 +181,7 @@ impl<'a> Element<'a> {
 
     /// Direct child elements named `tag`.
     pub(crate) fn all(self, tag: &'static str) -> impl Iterator<Item = Element<'a>> {
-        self.asked.children.borrow_mut().insert((self.node.range().start, tag));
+        request(&self.asked.children, self.node.range().start, tag);
         self.inner().filter(move |child| child.tag() == tag).inspect(Self::mark_read)
     }
 
@@ -248,7 +245,7 @@ impl<'a> Element<'a> {
 
     /// Returns the text of an attribute, and its byte range in the document.
     pub(crate) fn text_and_place(&self, attribute: &'static str) -> Option<(&'a str, Range<usize>)> {
-        self.asked.attributes.borrow_mut().insert((self.node.range().start, attribute));
+        request(&self.asked.attributes, self.node.range().start, attribute);
         let found = self.node.attributes().find(|found| self.attribute_name(*found) == attribute)?;
         self.asked.read.borrow_mut().insert(found.range().start);
         Some((found.value(), found.range_value()))
@@ -353,9 +350,16 @@ fn with_colon(name: &str) -> Cow<'_, str> {
     if name.contains('.') { Cow::Owned(name.replacen('.', ":", 1)) } else { Cow::Borrowed(name) }
 }
 
-fn names_of(asked: &RefCell<HashSet<(usize, &'static str)>>, element: usize) -> Vec<&'static str> {
-    let asked = asked.borrow();
-    let mut names: Vec<_> = asked.iter().filter(|(at, _)| *at == element).map(|(_, name)| *name).collect();
+fn request(asked: &RefCell<HashMap<usize, Vec<&'static str>>>, element: usize, name: &'static str) {
+    let mut asked = asked.borrow_mut();
+    let names = asked.entry(element).or_default();
+    if !names.contains(&name) {
+        names.push(name);
+    }
+}
+
+fn names_of(asked: &RefCell<HashMap<usize, Vec<&'static str>>>, element: usize) -> Vec<&'static str> {
+    let mut names = asked.borrow().get(&element).cloned().unwrap_or_default();
     names.sort_unstable();
     names
 }
@@ -363,33 +367,4 @@ fn names_of(asked: &RefCell<HashSet<(usize, &'static str)>>, element: usize) -> 
 /// Returns the line number of an offset in the text, from 1.
 fn line_of(line_starts: &[usize], offset: usize) -> u32 {
     u32::try_from(line_starts.partition_point(|start| *start <= offset)).unwrap_or(u32::MAX)
-}
-
-/// Returns the first element with more attributes than [`MOST_ATTRIBUTES`]: its offset and its number of attributes.
-fn crowded_tag(text: &str) -> Option<(usize, usize)> {
-    let bytes = text.as_bytes();
-    let after =
-        |begin: usize, end: &str| text[begin..].find(end).map_or(bytes.len(), |at| begin + at + end.len());
-    let mut at = 0;
-    while let Some(begin) = text[at..].find('<').map(|offset| at + offset) {
-        let skipped = [("<!--", "-->"), ("<![CDATA[", "]]>"), ("<?", "?>")];
-        if let Some((_, end)) = skipped.iter().find(|(start, _)| text[begin..].starts_with(start)) {
-            at = after(begin, end);
-            continue;
-        }
-        let (mut quote, mut attributes) = (None, 0);
-        at = begin + 1;
-        while at < bytes.len() && (quote.is_some() || bytes[at] != b'>') {
-            match (quote, bytes[at]) {
-                (None, mark @ (b'"' | b'\'')) => (quote, attributes) = (Some(mark), attributes + 1),
-                (Some(open), mark) if open == mark => quote = None,
-                _ => {}
-            }
-            at += 1;
-        }
-        if attributes > MOST_ATTRIBUTES {
-            return Some((begin, attributes));
-        }
-    }
-    None
 }

@@ -155,9 +155,9 @@ impl Legible {
             faults.extend(layout.body_faults(entry, mesh));
             faults.extend(layout.physics_of(entry).err());
         }
-        let mut names = HashSet::new();
+        let (mut names, obstacles) = (HashSet::new(), file.obstacle_names());
         for entry in &file.places {
-            faults.extend(layout.place(entry, file, &Pose::identity(), &mut names).err());
+            faults.extend(layout.place(entry, (file, &obstacles), &Pose::identity(), &mut names).err());
         }
         faults.extend(layout.tasks(file, &Pose::identity()).err());
         faults.extend(layout.speeds(file).err());

@@ -282,15 +282,17 @@ impl Layout<'_> {
         file: &ScenarioFile,
         planning_from_scene: &Pose,
     ) -> Result<Vec<PlaceGoal>, ScenarioError> {
-        let mut names = HashSet::new();
-        file.places.iter().map(|entry| self.place(entry, file, planning_from_scene, &mut names)).collect()
+        let obstacles = file.obstacle_names();
+        let mut taken = HashSet::new();
+        let place = |entry| self.place(entry, (file, &obstacles), planning_from_scene, &mut taken);
+        file.places.iter().map(place).collect()
     }
 
-    /// Returns a place goal; adds its name to `taken`.
+    /// Returns a place goal, on one of the obstacles of these names; adds its own name to `taken`.
     pub fn place<'b>(
         &self,
         entry: &'b Spanned<PlaceEntry>,
-        file: &ScenarioFile,
+        (file, obstacles): (&ScenarioFile, &HashSet<&str>),
         planning_from_scene: &Pose,
         taken: &mut HashSet<&'b str>,
     ) -> Result<PlaceGoal, ScenarioError> {
@@ -309,11 +311,11 @@ impl Layout<'_> {
                 PlaceRegion::Target(planning_from_body * body_from_first.transpose()?.unwrap_or_default())
             }
             (Some(on), Some(size_m), _, None) => {
-                let mut known = file.obstacles.iter().map(|obstacle| obstacle.name.value.as_str());
                 let is_floor = on == FLOOR && file.floor.is_some();
-                if !is_floor && !known.clone().any(|obstacle| obstacle == on) {
+                if !is_floor && !obstacles.contains(on.as_str()) {
                     let floor = file.floor.as_ref().map(|_| FLOOR);
-                    let known = known.by_ref().chain(floor).collect::<Vec<_>>().join(", ");
+                    let known = file.obstacles.iter().map(|obstacle| obstacle.name.value.as_str());
+                    let known = known.chain(floor).collect::<Vec<_>>().join(", ");
                     let meant = did_you_mean(on, known.split(", "));
                     return Err(refuse(format!("unknown obstacle '{on}' (known: {known}){meant}")));
                 }

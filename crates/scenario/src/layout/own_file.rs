@@ -1,7 +1,7 @@
 //! Schema of a `scenario.yaml`. See `own_layout` for its interpretation.
 
 use std::borrow::Cow;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::fmt;
 use std::path::PathBuf;
 
@@ -73,6 +73,13 @@ pub(crate) struct ScenarioFile {
     pub speeds: BTreeMap<String, Spanned<SpeedEntry>>,
     #[schemars(with = "Option<CriterionName>")]
     pub criterion: Option<Criterion>,
+}
+
+impl ScenarioFile {
+    /// Returns the names of the obstacles.
+    pub fn obstacle_names(&self) -> HashSet<&str> {
+        self.obstacles.iter().map(|obstacle| obstacle.name.value.as_str()).collect()
+    }
 }
 
 /// Required height; `null` for none.

@@ -1,4 +1,4 @@
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 
 use cranny_file::did_you_mean;
 use cranny_spatial::Pose;
@@ -10,6 +10,19 @@ use crate::layout::own_file::{ScenarioFile, StepEntry, TaskEntry};
 use crate::named_task::STEPS;
 use crate::{NamedTask, ScenarioError, TargetPhysics};
 
+/// Names that others refer to.
+struct KnownNames<'a> {
+    in_order: Vec<&'a str>,
+    set: HashSet<&'a str>,
+}
+
+impl<'a> KnownNames<'a> {
+    fn of(names: impl Iterator<Item = &'a String>) -> Self {
+        let in_order: Vec<&str> = names.map(String::as_str).collect();
+        Self { set: in_order.iter().copied().collect(), in_order }
+    }
+}
+
 impl Layout<'_> {
     /// Returns the tasks of a file, among them the one that its `steps` form.
     pub fn tasks(
@@ -17,29 +30,32 @@ impl Layout<'_> {
         file: &ScenarioFile,
         planning_from_scene: &Pose,
     ) -> Result<Vec<NamedTask>, ScenarioError> {
+        let bodies = KnownNames::of(file.obstacles.iter().chain(&file.target).map(|body| &body.name.value));
+        let names = [bodies, KnownNames::of(file.places.iter().map(|place| &place.value.name.value))];
         let mut tasks = Vec::new();
         let mut stages = Vec::new();
         for Spanned { value: StepEntry { pick, place, then, .. }, referenced, .. } in &file.steps {
             let of_step =
                 [Stage::Pick(Pick { object: Some(pick.clone()), ..Pick::default() }), Stage::place(place)];
             for stage in &of_step {
-                self.check_stage(stage, *referenced, file)?;
+                self.check_stage(stage, *referenced, &names)?;
             }
             stages.extend(of_step.into_iter().chain((*then == AfterPlacing::Home).then(Stage::home)));
         }
         if !stages.is_empty() {
             tasks.push(NamedTask { name: STEPS.to_owned(), stages });
         }
+        let mut taken: HashSet<String> = tasks.iter().map(|task| task.name.clone()).collect();
         for TaskEntry { name, stages } in &file.tasks {
             let refuse = |problem| Err(ScenarioError::Place { at: self.at(name.referenced), problem });
-            if tasks.iter().any(|task| task.name == name.value) {
+            if !taken.insert(name.value.clone()) {
                 return refuse(format!("there is a task '{}' already", name.value));
             }
             if stages.is_empty() {
                 return refuse(format!("task '{}' has no stages", name.value));
             }
             for Spanned { value, referenced, .. } in stages {
-                self.check_stage(value, *referenced, file)?;
+                self.check_stage(value, *referenced, &names)?;
             }
             let stages = stages.iter().map(|stage| stage.value.in_frame(planning_from_scene)).collect();
             tasks.push(NamedTask { name: name.value.clone(), stages });
@@ -52,23 +68,18 @@ impl Layout<'_> {
         &self,
         stage: &Stage,
         at: serde_saphyr::Location,
-        file: &ScenarioFile,
+        [bodies, places]: &[KnownNames<'_>; 2],
     ) -> Result<(), ScenarioError> {
-        let (what, name, known): (_, _, Vec<&str>) = match stage {
-            Stage::Pick(Pick { object: Some(object), .. }) => {
-                let bodies = file.obstacles.iter().chain(&file.target);
-                ("body", object, bodies.map(|body| body.name.value.as_str()).collect())
-            }
-            Stage::Place(PlaceAt { place, .. }) => {
-                ("place", place, file.places.iter().map(|place| place.value.name.value.as_str()).collect())
-            }
+        let (what, name, known) = match stage {
+            Stage::Pick(Pick { object: Some(object), .. }) => ("body", object, bodies),
+            Stage::Place(PlaceAt { place, .. }) => ("place", place, places),
             Stage::Pick(_) | Stage::Move(_) => return Ok(()),
         };
-        if known.contains(&name.as_str()) {
+        if known.set.contains(name.as_str()) {
             return Ok(());
         }
-        let meant = did_you_mean(name, known.iter().copied());
-        let known = known.join(", ");
+        let meant = did_you_mean(name, known.in_order.iter().copied());
+        let known = known.in_order.join(", ");
         let problem = format!("unknown {what} '{name}' in this step (known: {known}){meant}");
         Err(ScenarioError::Place { at: self.at(at), problem })
     }

@@ -1,13 +1,13 @@
 //! File `grasps.npy` of the released layout: grasps in the scene, in the axis convention of another toolkit.
 
 use std::fs::File;
-use std::io::BufWriter;
+use std::io::{BufWriter, Write as _};
 use std::path::Path;
 
+use cranny_file::{NpyArray, npy_header};
 use cranny_grasp::{Grasp, GraspError, GraspSet, pose_of_rows, rows_of_pose};
 use cranny_spatial::nalgebra::{Matrix3, Rotation3};
 use cranny_spatial::{Pose, Rotation, Vector};
-use npyz::{NpyFile, WriterBuilder as _};
 
 use crate::ScenarioError;
 use crate::layout::released_frame::planning_from_scene;
@@ -27,22 +27,17 @@ pub(crate) fn read(path: &Path) -> Result<GraspSet, ScenarioError> {
     let bytes = cranny_file::TABLE
         .bytes(path)
         .map_err(|reason| ScenarioError::Unreadable { path: path.to_owned(), reason })?;
-    let array = NpyFile::new(&bytes[..]).map_err(|reason| fault(reason.to_string()))?;
-    let shape = array.shape().to_vec();
-    let [count, 4, 4] = shape[..] else { return Err(fault(format!("its shape is {shape:?}"))) };
+    let array = NpyArray::of(&bytes[..]).map_err(fault)?;
+    let [count, 4, 4] = array.shape[..] else { return Err(fault(format!("its shape is {:?}", array.shape))) };
     /// Maximum number of grasps; a larger number indicates a broken header.
     const MOST: u64 = 10_000_000;
-    if count == 0 || count > MOST || array.order() != npyz::Order::C {
+    if count == 0 || count > MOST || array.is_column_major {
         return Err(fault(format!("it holds {count} poses, or holds them column by column")));
     }
-    let numbers: Vec<f64> = match array.try_data::<f32>() {
-        Ok(data) => data.map(|x| x.map(f64::from)).collect::<Result<_, _>>(),
-        Err(array) => match array.try_data::<f64>() {
-            Ok(data) => data.collect::<Result<_, _>>(),
-            Err(array) => return Err(fault(format!("its numbers are {}", array.dtype().descr()))),
-        },
+    if !array.is_numeric() {
+        return Err(fault(format!("its numbers are {}", array.kind)));
     }
-    .map_err(|reason: std::io::Error| fault(reason.to_string()))?;
+    let numbers: Vec<f64> = array.collect::<Result<_, _>>().map_err(|reason| fault(reason.to_string()))?;
     let in_file = |grasp: usize, reason: &GraspError| fault(format!("grasp {grasp}: {reason}"));
     let mut grasps = Vec::new();
     for (index, rows) in numbers.chunks_exact(16).enumerate() {
@@ -63,12 +58,13 @@ pub(crate) fn write(path: &Path, grasps: &GraspSet) -> Result<(), ScenarioError>
         .iter()
         .flat_map(|grasp| rows_of_pose(&(scene_from_planning * grasp.world_from_gripper * swap_axes())));
     let write = || -> std::io::Result<()> {
-        let file = BufWriter::new(File::create(path)?);
-        let shape = [grasps.len() as u64, 4, 4];
-        let mut array = npyz::WriteOptions::new().default_dtype().shape(&shape).writer(file).begin_nd()?;
-        #[allow(clippy::cast_possible_truncation, reason = "metres and cosines fit")]
-        array.extend(numbers.map(|x| x as f32))?;
-        array.finish()
+        let mut file = BufWriter::new(File::create(path)?);
+        file.write_all(&npy_header("<f4", &[grasps.len() as u64, 4, 4]))?;
+        for number in numbers {
+            #[allow(clippy::cast_possible_truncation, reason = "metres and cosines fit")]
+            file.write_all(&(number as f32).to_le_bytes())?;
+        }
+        file.flush()
     };
     write().map_err(unwritable)
 }

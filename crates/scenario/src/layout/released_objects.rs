@@ -1,3 +1,4 @@
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use cranny_shape::{ShapeError, Solid, TriangleSoup, cuboid_of_faces};
@@ -14,6 +15,8 @@ pub(crate) struct ObjectLibrary {
     path: PathBuf,
     folder: PathBuf,
     objects: Vec<ObjectEntry>,
+    /// Index of the first object of each identifier.
+    by_identifier: HashMap<String, usize>,
 }
 
 /// Library entry of an object type; stable poses are not read.
@@ -60,11 +63,15 @@ impl ObjectLibrary {
     pub fn load(path: &Path) -> Result<Self, ScenarioError> {
         let file: LibraryFile = yaml::read(path)?;
         let folder = path.parent().unwrap_or(Path::new("")).to_owned();
-        Ok(Self { path: path.to_owned(), folder, objects: file.objects })
+        let mut by_identifier = HashMap::new();
+        for (index, object) in file.objects.iter().enumerate() {
+            by_identifier.entry(object.identifier.clone()).or_insert(index);
+        }
+        Ok(Self { path: path.to_owned(), folder, objects: file.objects, by_identifier })
     }
 
     pub fn object(&self, identifier: &str) -> Option<&ObjectEntry> {
-        self.objects.iter().find(|object| object.identifier == identifier)
+        self.by_identifier.get(identifier).map(|&index| &self.objects[index])
     }
 
     /// Returns all identifiers, for a message about an unknown one.

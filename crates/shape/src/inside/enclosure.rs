@@ -5,10 +5,12 @@ use cranny_spatial::Point;
 
 use crate::distance::triangle_tree::TriangleTree;
 use crate::inside::backwards::wound_backwards;
+use crate::inside::near_pairs::{most_pairs, narrow_triangles};
 use crate::inside::same_place::merged;
 use crate::inside::shell::{DEGENERATE, Facet, Shell, shells};
 use crate::inside::shell_sides::ShellSides;
-use crate::{Aabb, MeshRepairs, ShapeError, Surface, TriangleSoup};
+use crate::surface::triangles_meet;
+use crate::{Aabb, MeshRepairs, ShapeError, TriangleSoup};
 
 /// Mesh with a well-defined inside, independent of the windings in its file.
 pub(crate) struct Enclosure {
@@ -37,7 +39,7 @@ impl Enclosure {
     ///
     /// # Errors
     /// [`ShapeError::Empty`], [`ShapeError::VertexIndex`], [`ShapeError::Open`], [`ShapeError::OneSided`],
-    /// [`ShapeError::WoundBackwards`].
+    /// [`ShapeError::WoundBackwards`], [`ShapeError::NarrowTriangles`], [`ShapeError::NestedBodies`].
     pub fn of(soup: &TriangleSoup) -> Result<Self, ShapeError> {
         crate::inside::closed_mesh::check_indices(soup)?;
         // 1.
@@ -51,7 +53,7 @@ impl Enclosure {
             }
         }
         // 2.
-        let cavities = cavities(soup, &found);
+        let cavities = cavities(soup, &found)?;
         // 3.
         for (shell, cavity_of) in found.iter().zip(&cavities) {
             // The outer shell of components that share faces sees the faces from outside.
@@ -174,35 +176,54 @@ fn shells_of_runs(soup: &TriangleSoup) -> Option<(Vec<Shell>, Vec<u32>)> {
 }
 
 /// For each shell, the shell in which it is a cavity, if any.
-pub(crate) fn cavities(soup: &TriangleSoup, shells: &[Shell]) -> Vec<Option<u32>> {
+///
+/// # Errors
+/// [`ShapeError::NestedBodies`], [`ShapeError::NarrowTriangles`].
+pub(crate) fn cavities(soup: &TriangleSoup, shells: &[Shell]) -> Result<Vec<Option<u32>>, ShapeError> {
     let all = |shell: &Shell, is_inward: bool| {
         shell.is_alone && shell.facets.iter().all(|facet| facet.is_inward == is_inward)
     };
     let is_outer: Vec<bool> = shells.iter().map(|shell| all(shell, false)).collect();
     let mut cavity_of = vec![None; shells.len()];
     if shells.len() < 2 || !shells.iter().any(|shell| all(shell, true)) {
-        return cavity_of;
+        return Ok(cavity_of);
     }
     let boxes: Vec<Aabb> = shells.iter().map(|shell| box_around(soup, &shell.facets)).collect();
     let nest = Nest::new(soup, shells);
-    let built: Vec<OnceCell<Surface>> = vec![OnceCell::new(); shells.len()];
-    let surface = |shell: usize| {
-        let corners = |facet: &Facet| soup.corners(facet.triangle as usize);
-        built[shell].get_or_init(|| Surface::of_corners(shells[shell].facets.iter().map(corners).collect()))
+    let mut effort = most_pairs(soup.triangles.len());
+    let built: Vec<OnceCell<(Vec<[Point; 3]>, TriangleTree)>> = vec![OnceCell::new(); shells.len()];
+    let corners =
+        |shell: usize| shells[shell].facets.iter().map(|facet| soup.corners(facet.triangle as usize));
+    let mut touch = |inner: usize, outer: usize| -> Result<bool, ShapeError> {
+        let (around, tree) = built[outer].get_or_init(|| {
+            let corners: Vec<[Point; 3]> = corners(outer).collect();
+            let tree = TriangleTree::new(&corners);
+            (corners, tree)
+        });
+        for triangle in corners(inner) {
+            for near in tree.near(&Aabb::around(&triangle, 0.0)) {
+                effort = effort.checked_sub(1).ok_or_else(|| narrow_triangles(soup.triangles.len()))?;
+                if triangles_meet(&triangle, &around[near as usize]) {
+                    return Ok(true);
+                }
+            }
+        }
+        Ok(false)
     };
     for (inner, _) in shells.iter().enumerate().filter(|(_, shell)| all(shell, true)) {
-        let mut around = nest.around(inner);
-        around.sort_unstable();
+        let around = nest.around(inner)?;
         let contains_box = |&outer: &u32| {
             let outer = &boxes[outer as usize];
             outer.contains(&boxes[inner].low()) && outer.contains(&boxes[inner].high())
         };
-        let here = cranny_spatial::Pose::identity();
-        let mut around = around.into_iter().filter(|&outer| is_outer[outer as usize]).filter(contains_box);
-        cavity_of[inner] =
-            around.find(|&outer| !surface(outer as usize).touches(&here, surface(inner), &here));
+        for outer in around.into_iter().filter(|&outer| is_outer[outer as usize]).filter(contains_box) {
+            if !touch(inner, outer as usize)? {
+                cavity_of[inner] = Some(outer);
+                break;
+            }
+        }
     }
-    cavity_of
+    Ok(cavity_of)
 }
 
 /// Closed surfaces that may be nested.
@@ -220,11 +241,18 @@ impl<'a> Nest<'a> {
         Self { soup, shells, tree: TriangleTree::new(&corners), walls }
     }
 
-    /// Shells around a shell, tested at one of its corners.
-    pub fn around(&self, shell: usize) -> Vec<u32> {
+    /// Shells around a shell, tested at one of its corners, in ascending order.
+    ///
+    /// # Errors
+    /// [`ShapeError::NestedBodies`].
+    pub fn around(&self, shell: usize) -> Result<Vec<u32>, ShapeError> {
+        /// Maximum number of shells around one: each is compared with each.
+        const MOST: usize = 100;
         let corners = |triangle: u32| self.soup.corners(triangle as usize);
         let witness = corners(self.shells[shell].facets[0].triangle)[0];
-        self.walls.around(&self.tree, corners, &witness, u32::try_from(shell).ok())
+        let around = self.walls.around(&self.tree, corners, &witness, u32::try_from(shell).ok());
+        let bodies = around.len();
+        if bodies <= MOST { Ok(around) } else { Err(ShapeError::NestedBodies { bodies, most: MOST }) }
     }
 }
 

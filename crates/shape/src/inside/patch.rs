@@ -1,13 +1,14 @@
 use std::collections::BTreeMap;
+use std::ops::ControlFlow;
 
 use cranny_spatial::{Point, Vector};
 
 use crate::distance::ray::triangle_normal;
-use crate::distance::triangle_tree::TriangleTree;
 use crate::inside::disjoint_sets::DisjointSets;
 use crate::inside::edge_use::{EdgeUse, join_around};
+use crate::inside::near_pairs::visit_near_pairs;
 use crate::surface::triangles_meet;
-use crate::{Aabb, TriangleSoup};
+use crate::{ShapeError, TriangleSoup};
 
 /// Patches: faces connected by edges of two faces. The lesser of its two sides identifies a patch.
 pub(crate) struct Patches {
@@ -75,13 +76,16 @@ impl Patches {
 
     /// Joins the sides at the edges of more than two faces. Returns the number of faces of connected patches that also meet
     /// elsewhere, because the space between them is then undefined.
+    ///
+    /// # Errors
+    /// [`ShapeError::NarrowTriangles`].
     pub fn join(
         &self,
         soup: &TriangleSoup,
         crowded: &[&[EdgeUse]],
         first_copies: &[u32],
         sides: &mut DisjointSets,
-    ) -> usize {
+    ) -> Result<usize, ShapeError> {
         let mut complexes = DisjointSets::new(self.side_of.len());
         let mut crossing = 0;
         for edge in crowded {
@@ -102,7 +106,7 @@ impl Patches {
                 }
             }
         }
-        crossing + self.crossing_faces(soup, first_copies, &mut complexes)
+        Ok(crossing + self.crossing_faces(soup, first_copies, &mut complexes)?)
     }
 
     /// Patch of a side.
@@ -140,33 +144,32 @@ impl Patches {
         soup: &TriangleSoup,
         first_copies: &[u32],
         complexes: &mut DisjointSets,
-    ) -> usize {
+    ) -> Result<usize, ShapeError> {
         let faces = self.open_faces(first_copies);
         let corners: Vec<[Point; 3]> = faces.iter().map(|face| soup.corners(*face as usize)).collect();
         let complex: Vec<u32> = faces.iter().map(|face| complexes.root(self.patch(2 * face))).collect();
         if faces.is_empty() {
-            return 0;
+            return Ok(0);
         }
-        let tree = TriangleTree::new(&corners);
-        let meets_another = |&face: &usize| {
-            tree.near(&Aabb::around(&corners[face], 0.0)).any(|other| {
-                let other = other as usize;
-                let [one, two] = [face, other].map(|index| soup.triangles[faces[index] as usize]);
-                other > face && complex[face] == complex[other] && {
-                    let shared: Vec<usize> = (0..3).filter(|&corner| two.contains(&one[corner])).collect();
-                    match shared[..] {
-                        [] => triangles_meet(&corners[face], &corners[other]),
-                        [corner] => {
-                            let same = two.iter().position(|v| *v == one[corner]).unwrap_or(0);
-                            triangles_meet(&without_corner(&corners[face], corner), &corners[other])
-                                || triangles_meet(&corners[face], &without_corner(&corners[other], same))
-                        }
-                        _ => false,
+        let triangles: Vec<[u32; 3]> = faces.iter().map(|face| soup.triangles[*face as usize]).collect();
+        let mut meets_another = vec![false; faces.len()];
+        visit_near_pairs(&triangles, &corners, |face, other| {
+            if !meets_another[face] && complex[face] == complex[other] {
+                let [one, two] = [triangles[face], triangles[other]];
+                let shared: Vec<usize> = (0..3).filter(|&corner| two.contains(&one[corner])).collect();
+                meets_another[face] = match shared[..] {
+                    [] => triangles_meet(&corners[face], &corners[other]),
+                    [corner] => {
+                        let same = two.iter().position(|v| *v == one[corner]).unwrap_or(0);
+                        triangles_meet(&without_corner(&corners[face], corner), &corners[other])
+                            || triangles_meet(&corners[face], &without_corner(&corners[other], same))
                     }
-                }
-            })
-        };
-        (0..faces.len()).filter(meets_another).count()
+                    _ => false,
+                };
+            }
+            ControlFlow::Continue(())
+        })?;
+        Ok(meets_another.into_iter().filter(|meets| *meets).count())
     }
 }
 

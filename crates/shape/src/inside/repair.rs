@@ -37,7 +37,7 @@ impl RepairedMesh {
     ///
     /// # Errors
     /// [`ShapeError::Empty`], [`ShapeError::VertexIndex`], [`ShapeError::Open`], [`ShapeError::OneSided`],
-    /// [`ShapeError::SelfCrossing`].
+    /// [`ShapeError::SelfCrossing`], [`ShapeError::NarrowTriangles`], [`ShapeError::NestedBodies`].
     pub fn of(soup: &TriangleSoup) -> Result<Self, ShapeError> {
         check_indices(soup)?;
         let (vertices, place) = merged(&soup.vertices);
@@ -72,10 +72,10 @@ fn orient(soup: &mut TriangleSoup) -> Result<(usize, HashSet<u32>), ShapeError> 
         return Err(ShapeError::OneSided { faces: shared });
     }
     let (mut turned, mut inner) = (Vec::new(), HashSet::new());
-    let cavity_of = cavities(soup, &bodies);
+    let cavity_of = cavities(soup, &bodies)?;
     let nest = Nest::new(soup, &bodies);
     for (index, body) in bodies.iter().enumerate() {
-        let around = nest.around(index);
+        let around = nest.around(index)?;
         let is_hollow_here =
             |outer: u32| around.iter().any(|shell| cavity_of[*shell as usize] == Some(outer));
         let is_full_here = around.iter().any(|&outer| {

@@ -1,39 +1,39 @@
+use std::ops::ControlFlow;
+
 use cranny_spatial::Point;
 
-use crate::distance::triangle_tree::TriangleTree;
+use crate::inside::near_pairs::visit_near_pairs;
 use crate::{Aabb, ShapeError, TriangleSoup};
 
 /// Number of pairs of triangles that pass through each other by no more than the noise of a scan. Triangles that only
 /// touch, at a vertex, an edge or in one plane, do not count.
 ///
 /// # Errors
-/// [`ShapeError::SelfCrossing`] if a pair crosses more deeply, or if there are too many pairs.
+/// [`ShapeError::SelfCrossing`] as soon as a pair crosses more deeply, or there are too many pairs;
+/// [`ShapeError::NarrowTriangles`].
 pub(crate) fn shallow_crossings(soup: &TriangleSoup) -> Result<usize, ShapeError> {
     let corners: Vec<[Point; 3]> = (0..soup.triangles.len()).map(|t| soup.corners(t)).collect();
-    let tree = TriangleTree::new(&corners);
-    let mut crossing = Vec::new();
-    for first in 0..corners.len() {
-        for second in tree.near(&Aabb::around(&corners[first], 0.0)) {
-            let second = second as usize;
-            let depth_m = if second > first { crossing_depth(soup, &corners, first, second) } else { 0.0 };
-            if depth_m > 0.0 {
-                crossing.push((depth_m, first, second));
-            }
-        }
-    }
     let size_m = 2.0 * Aabb::around(corners.iter().flatten(), 0.0).half_extents.max();
-    let shallow_m = SHALLOW_SHARE * size_m;
-    let deepest = crossing.iter().max_by(|a, b| a.0.total_cmp(&b.0));
-    match deepest {
-        Some(&(depth_m, first, second))
-            if depth_m > shallow_m || crossing.len() * SHALLOW_TRIANGLES > corners.len() =>
-        {
-            let Point { coords } = corners[first][0];
-            let (x, y, z) = (coords.x, coords.y, coords.z);
-            Err(ShapeError::SelfCrossing { pairs: crossing.len(), first, second, depth_m, x, y, z })
+    let (mut pairs, mut deepest) = (0, (0.0, 0, 0));
+    let is_refused = |pairs: usize, depth_m: f64| {
+        depth_m > SHALLOW_SHARE * size_m || pairs * SHALLOW_TRIANGLES > corners.len()
+    };
+    visit_near_pairs(&soup.triangles, &corners, |first, second| {
+        let depth_m = crossing_depth(soup, &corners, first, second);
+        if depth_m > 0.0 {
+            pairs += 1;
         }
-        _ => Ok(crossing.len()),
+        if depth_m > deepest.0 {
+            deepest = (depth_m, first, second);
+        }
+        if is_refused(pairs, deepest.0) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    })?;
+    let (depth_m, first, second) = deepest;
+    if is_refused(pairs, depth_m) {
+        let [x, y, z] = corners[first][0].coords.into();
+        return Err(ShapeError::SelfCrossing { pairs, first, second, depth_m, x, y, z });
     }
+    Ok(pairs)
 }
 
 /// Maximum depth of a fold that is noise of a scan, as a share of the mesh's greatest extent, if folds are few. The scan

@@ -38,8 +38,8 @@ pub(crate) struct Facet {
 ///    volume.
 ///
 /// # Errors
-/// [`ShapeError::Open`], or [`ShapeError::OneSided`] if both sides of a face bound the same space, or faces of connected
-/// patches cross.
+/// [`ShapeError::Open`], [`ShapeError::NarrowTriangles`], or [`ShapeError::OneSided`] if both sides of a face bound the same
+/// space, or faces of connected patches cross.
 pub(crate) fn shells(soup: &TriangleSoup) -> Result<(Vec<Shell>, Vec<u32>), ShapeError> {
     let mut first_copies = first_copies(&soup.triangles);
     loop {
@@ -62,7 +62,7 @@ pub(crate) fn shells(soup: &TriangleSoup) -> Result<(Vec<Shell>, Vec<u32>), Shap
                 continue;
             }
             // 3.
-            let crossing = patches.join(soup, &crowded, &first_copies, &mut sides);
+            let crossing = patches.join(soup, &crowded, &first_copies, &mut sides)?;
             if crossing > 0 {
                 return Err(ShapeError::OneSided { faces: crossing });
             }

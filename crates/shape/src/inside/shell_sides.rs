@@ -36,7 +36,7 @@ impl ShellSides {
         Self { sides }
     }
 
-    /// Shells that wind around a point or pass through it, other than `except`.
+    /// Shells that wind around a point or pass through it, other than `except`, in ascending order.
     ///
     /// A segment from the point to a region without triangles meets each shell as often from inside as from outside if
     /// the point is outside (the winding number, counted). An exact predicate decides on which side of an edge the
@@ -50,43 +50,38 @@ impl ShellSides {
         except: Option<u32>,
     ) -> Vec<u32> {
         let Some(reach_m) = tree.reach_from(point) else { return Vec::new() };
-        let mut windings: Vec<(u32, i32)> = Vec::new();
-        let add = |windings: &mut Vec<(u32, i32)>, shell: Option<u32>, step: i32| {
-            let Some(shell) = shell.filter(|shell| Some(*shell) != except) else { return };
-            match windings.iter_mut().find(|(of, _)| *of == shell) {
-                Some((_, winding)) => *winding += step,
-                None => windings.push((shell, step)),
-            }
-        };
+        // Steps into and out of the shells, and the shells that pass through the point.
+        let (mut steps, mut passing): (Vec<(u32, i32)>, Vec<u32>) = (Vec::new(), Vec::new());
+        let counts = |shell: Option<u32>| shell.filter(|shell| Some(*shell) != except);
         'directions: for index in 0..DIRECTIONS {
-            windings.clear();
+            steps.clear();
+            passing.clear();
             let end = point + direction(index) * reach_m;
-            let mut passing = Vec::new();
             for triangle in tree.along_segment(point, &end) {
-                let [behind, ahead] = self.sides[triangle as usize];
-                if [behind, ahead].iter().all(|shell| shell.is_none() || *shell == except) {
+                let [behind, ahead] = self.sides[triangle as usize].map(counts);
+                if behind.is_none() && ahead.is_none() {
                     continue;
                 }
                 match crossing(&corners(triangle), point, &end) {
                     Crossing::Missed => {}
                     Crossing::Through { leaves } => {
                         let step = if leaves { 1 } else { -1 };
-                        add(&mut windings, behind, step);
-                        add(&mut windings, ahead, -step);
+                        steps.extend(behind.map(|shell| (shell, step)));
+                        steps.extend(ahead.map(|shell| (shell, -step)));
                     }
-                    Crossing::Begins => passing.extend([behind, ahead]),
+                    Crossing::Begins => passing.extend([behind, ahead].into_iter().flatten()),
                     Crossing::Undecided => continue 'directions,
-                }
-            }
-            windings.retain(|(_, winding)| *winding != 0);
-            for shell in passing {
-                if windings.iter().all(|(of, _)| Some(*of) != shell) {
-                    add(&mut windings, shell, 1);
                 }
             }
             break;
         }
-        windings.into_iter().map(|(shell, _)| shell).collect()
+        steps.sort_unstable_by_key(|(shell, _)| *shell);
+        let of_shells = steps.chunk_by(|a, b| a.0 == b.0);
+        let is_around = |steps: &&[(u32, i32)]| steps.iter().map(|(_, step)| step).sum::<i32>() != 0;
+        passing.extend(of_shells.filter(is_around).map(|steps| steps[0].0));
+        passing.sort_unstable();
+        passing.dedup();
+        passing
     }
 }
 

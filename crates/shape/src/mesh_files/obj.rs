@@ -1,5 +1,8 @@
+use std::borrow::Cow;
+
 use cranny_spatial::Point;
 
+use crate::mesh_files::mesh_file::{check_corners, check_vertices};
 use crate::mesh_files::polygon::triangulate;
 
 /// Corners of the triangles of a Wavefront OBJ file (version 3.0), three at a time, rounded to the single precision of
@@ -17,7 +20,10 @@ pub(crate) fn corners(bytes: &[u8]) -> Result<Vec<Point>, String> {
         let Some(keyword) = words.next() else { continue };
         let fault = |message: String| format!("line {line}: {message}");
         match keyword {
-            "v" => vertices.push(vertex(words).map_err(fault)?),
+            "v" => {
+                vertices.push(vertex(words).map_err(fault)?);
+                check_vertices(vertices.len()).map_err(fault)?;
+            }
             "f" | "fo" => {
                 let face =
                     words.map(|word| place(word, &vertices)).collect::<Result<Vec<_>, _>>().map_err(fault)?;
@@ -27,6 +33,7 @@ pub(crate) fn corners(bytes: &[u8]) -> Result<Vec<Point>, String> {
                 let triangles = triangulate(&face)
                     .ok_or_else(|| fault(format!("the face of {} corners crosses itself", face.len())))?;
                 corners.extend(triangles.into_iter().flatten().map(|corner| face[corner]));
+                check_corners(corners.len()).map_err(fault)?;
             }
             _ if keyword.starts_with('#') || IGNORED.contains(&keyword) => {}
             _ => return Err(fault(format!("'{}' is not read here", cranny_file::excerpt(content.trim())))),
@@ -61,28 +68,29 @@ const IGNORED: [&str; 21] = [
 ];
 
 /// Lines with their numbers, from 1. A line that ends in a backslash includes the next.
-fn logical_lines(text: &str) -> Vec<(usize, std::borrow::Cow<'_, str>)> {
-    let mut lines: Vec<(usize, std::borrow::Cow<'_, str>)> = Vec::new();
-    let mut is_continued = false;
+fn logical_lines(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
     let (mut rest, mut number) = (text, 0);
-    while !rest.is_empty() {
+    let mut physical_line = move || {
+        if rest.is_empty() {
+            return None;
+        }
         number += 1;
-        let end = rest.find(['\n', '\r']).unwrap_or(rest.len());
-        let (line, behind) = rest.split_at(end);
+        let (line, behind) = rest.split_at(rest.find(['\n', '\r']).unwrap_or(rest.len()));
         rest = behind.strip_prefix("\r\n").or(behind.get(1..)).unwrap_or_default();
         // A backslash has no meaning in a comment.
-        let continues = line.trim_end().strip_suffix('\\').filter(|line| !line.trim_start().starts_with('#'));
-        let content = continues.unwrap_or(line);
-        match lines.last_mut() {
-            Some((_, before)) if is_continued => {
-                before.to_mut().push(' ');
-                before.to_mut().push_str(content);
-            }
-            _ => lines.push((number, content.into())),
+        let continued = line.trim_end().strip_suffix('\\').filter(|line| !line.trim_start().starts_with('#'));
+        Some((number, continued.unwrap_or(line), continued.is_some()))
+    };
+    std::iter::from_fn(move || {
+        let (number, content, mut is_continued) = physical_line()?;
+        let mut whole = Cow::Borrowed(content);
+        while is_continued && let Some((_, content, goes_on)) = physical_line() {
+            whole.to_mut().push(' ');
+            whole.to_mut().push_str(content);
+            is_continued = goes_on;
         }
-        is_continued = continues.is_some();
-    }
-    lines
+        Some((number, whole))
+    })
 }
 
 /// Parses a vertex: three numbers, then an optional weight or colour, which is ignored.

@@ -1,3 +1,4 @@
+use std::collections::HashSet;
 use std::io::{Error, ErrorKind};
 use std::path::Path;
 
@@ -46,10 +47,16 @@ impl PaintedMesh {
         if !extension.eq_ignore_ascii_case("obj") {
             return Err(ShapeError::Format { path: path.to_owned(), extension: extension.to_lowercase() });
         }
-        let read = mesh_loader::Loader::default()
-            .custom_reader(|path| cranny_file::MESH.bytes(path))
-            .load(path)
-            .map_err(|source| ShapeError::Read { path: path.to_owned(), source })?;
+        let unreadable = |source| ShapeError::Read { path: path.to_owned(), source };
+        let bytes = cranny_file::MESH.bytes(path).map_err(unreadable)?;
+        check_pieces(&bytes).map_err(|excess| unreadable(Error::new(ErrorKind::InvalidData, excess)))?;
+        let mut libraries = HashSet::new();
+        let read = mesh_loader::obj::from_slice(&bytes, Some(path), |library| {
+            // A second reading of a library of materials changes nothing.
+            let is_new = libraries.insert(library.to_owned());
+            if is_new { cranny_file::TEXT.bytes(library) } else { Ok(Vec::new()) }
+        })
+        .map_err(unreadable)?;
         let materials = read.materials.iter().map(Some).chain(std::iter::repeat(None));
         let pieces: Result<Vec<_>, _> =
             read.meshes.iter().zip(materials).map(|(mesh, material)| piece(mesh, material, &scale)).collect();
@@ -60,6 +67,23 @@ impl PaintedMesh {
         }
         Ok(Self { pieces })
     }
+}
+
+/// Checks the number of lines of an OBJ file that begin a piece, or name a library of materials.
+///
+/// # Errors
+/// A sentence with the limit.
+fn check_pieces(bytes: &[u8]) -> Result<(), String> {
+    /// Each takes some 500 bytes, and is a drawing of its own.
+    const MOST: usize = 100_000;
+    let lines = bytes.split(|byte| [b'\n', b'\r'].contains(byte)).map(<[u8]>::trim_ascii_start);
+    let begins =
+        |line: &&[u8]| [&b"g "[..], b"g\t", b"usemtl", b"mtllib"].iter().any(|word| line.starts_with(word));
+    let actual = lines.filter(begins).count();
+    if actual <= MOST {
+        return Ok(());
+    }
+    Err(format!("{actual} groups and materials in one mesh, but at most {MOST} are read"))
 }
 
 impl PaintedMesh {

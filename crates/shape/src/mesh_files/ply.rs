@@ -1,5 +1,6 @@
 use cranny_spatial::Point;
 
+use crate::mesh_files::mesh_file::{check_corners, check_vertices};
 use crate::mesh_files::polygon::triangulate;
 
 /// Corners of the triangles of a PLY file (Turk 1994, "The PLY polygon file format", whole), three at a time. Reads text
@@ -19,7 +20,7 @@ pub(crate) fn corners(bytes: &[u8]) -> Result<Vec<Point>, String> {
             "vertex" => vertices = read_vertices(element, &mut body)?,
             "face" => polygons.read(element, &mut body, Polygons::add)?,
             "tristrips" => polygons.read(element, &mut body, Polygons::add_strips)?,
-            _ => element.read(&mut body, |_, _, _| {})?,
+            _ => element.read(&mut body, |_, _, _| Ok(()))?,
         }
     }
     body.check_end()?;
@@ -112,7 +113,13 @@ impl Element {
     }
 
     /// Calls `visit` with the index of each element, the index of each of its properties and its numbers.
-    fn read(&self, body: &mut Body, mut visit: impl FnMut(u64, usize, &[f64])) -> Result<(), String> {
+    fn read(
+        &self,
+        body: &mut Body,
+        mut visit: impl FnMut(u64, usize, &[f64]) -> Result<(), String>,
+    ) -> Result<(), String> {
+        /// Maximum number of numbers in one list, as for the corners of a whole mesh.
+        const MOST_IN_A_LIST: u32 = 24_000_000;
         let mut numbers = Vec::new();
         for index in 0..self.count {
             for (at, property) in self.properties.iter().enumerate() {
@@ -120,11 +127,18 @@ impl Element {
                     Some(kind) => body.index(kind)?,
                     None => 1,
                 };
+                if length > MOST_IN_A_LIST {
+                    return Err(format!(
+                        "element {index} of '{}' has a list of {length} numbers, but at most {MOST_IN_A_LIST} are \
+                         read",
+                        self.name
+                    ));
+                }
                 numbers.clear();
                 for _ in 0..length {
                     numbers.push(body.number(property.number)?);
                 }
-                visit(index, at, &numbers);
+                visit(index, at, &numbers)?;
             }
         }
         Ok(())
@@ -137,10 +151,14 @@ struct Header {
     lines: usize,
 }
 
+/// Maximum number of elements and properties in a header: each name is compared with all others. A splat of Gaussians, which
+/// has the most, has 63.
+const MOST_NAMES: usize = 1000;
+
 impl Header {
     fn read(bytes: &[u8]) -> Result<(Self, &[u8]), String> {
         let mut header = Self { form: Form::Text, elements: Vec::new(), lines: 0 };
-        let (mut rest, mut has_form) = (bytes, false);
+        let (mut rest, mut has_form, mut named) = (bytes, false, 0);
         loop {
             let end = rest.iter().position(|byte| *byte == b'\n');
             let end = end.ok_or("the header has no 'end_header' (is the file cut off, or no PLY file?)")?;
@@ -149,7 +167,14 @@ impl Header {
             let line = std::str::from_utf8(&rest[..end]).map_err(|_| format!("line {at} is no text"))?;
             rest = &rest[end + 1..];
             let words: Vec<&str> = line.split_ascii_whitespace().collect();
-            let unknown = || format!("line {at}: '{}' is no line of a PLY header", line.trim());
+            let excerpt = cranny_file::excerpt(line.trim());
+            let unknown = || format!("line {at}: '{excerpt}' is no line of a PLY header");
+            if ["element", "property"].contains(words.first().unwrap_or(&"")) {
+                named += 1;
+            }
+            if named > MOST_NAMES {
+                return Err(format!("line {at}: more than {MOST_NAMES} elements and properties"));
+            }
             if at == 1 {
                 if words != ["ply"] {
                     return Err("line 1: a PLY file begins with 'ply'".into());
@@ -258,7 +283,8 @@ impl Body<'_> {
             Number::Float(4) => word.parse::<f32>().ok().map(f64::from),
             _ => word.parse().ok(),
         };
-        number.ok_or_else(|| format!("line {}: '{word}' is no number", self.line + 1))
+        number
+            .ok_or_else(|| format!("line {}: '{}' is no number", self.line + 1, cranny_file::excerpt(&word)))
     }
 
     fn binary(&mut self, kind: Number) -> Result<f64, String> {
@@ -314,6 +340,7 @@ fn read_vertices(element: &Element, body: &mut Body) -> Result<Vec<Point>, Strin
         {
             vertex[axis] = numbers[0];
         }
+        check_vertices(vertices.len())
     })?;
     Ok(vertices)
 }
@@ -350,6 +377,8 @@ impl Polygons {
             if is_list(&&element.properties[property]) {
                 add(self, numbers);
             }
+            // A face without corners takes as much memory as one corner.
+            check_corners(self.indices.len().max(self.ends.len()))
         })
     }
 
@@ -386,6 +415,7 @@ impl Polygons {
             let triangles = triangulate(&polygon)
                 .ok_or_else(|| format!("face {face}, of {} corners, crosses itself", polygon.len()))?;
             corners.extend(triangles.into_iter().flatten().map(|corner| polygon[corner]));
+            check_corners(corners.len())?;
         }
         Ok(corners)
     }

@@ -1,5 +1,6 @@
 use cranny_spatial::Point;
 
+use crate::mesh_files::mesh_file::check_corners;
 use crate::mesh_files::polygon::triangulate;
 
 /// Corners of the triangles of an STL file, three at a time.
@@ -20,6 +21,7 @@ pub(crate) fn corners(bytes: &[u8]) -> Result<Vec<Point>, String> {
                 rest.len()
             ));
         }
+        check_corners(3 * (triangles.len() / TRIANGLE_BYTES))?;
         return Ok(triangles.chunks_exact(TRIANGLE_BYTES).flat_map(binary_corners).collect());
     }
     if bytes.contains(&0) {
@@ -131,6 +133,7 @@ impl Solids {
                     }
                     let triangles = triangulate(&facet).ok_or("the facet crosses itself")?;
                     self.corners.extend(triangles.into_iter().flatten().map(|corner| facet[corner]));
+                    check_corners(self.corners.len())?;
                 }
                 _ => return Err(unknown()),
             }

@@ -37,6 +37,12 @@ impl Primitive {
                 _ => return Err(unknown(part)),
             }
         }
+        // The counts of a list of polygons are those of its only list of corners.
+        if matches!(self, Self::Polylist)
+            && let Some(second) = children(element, "p").nth(1)
+        {
+            return Err(fault(second, "there is a <p> before this one"));
+        }
         let mut polygons = Vec::new();
         let mut lists = 0;
         for list in children(element, "p") {
