@@ -18,6 +18,9 @@ pub use counted::counted;
 pub use distinct::distinct;
 pub use excerpt::{excerpt, visible};
 pub use fault::{FileFault, LIFTED_BY};
-pub use opener::{ARCHIVE, MESH, PROGRAM, Readable, TABLE, TEXT, are_limits_lifted, is_there, lift_limits};
+pub use opener::{
+    ARCHIVE, MESH, PROGRAM, Readable, TABLE, TEXT, accept_streams, are_limits_lifted, head, is_there,
+    lift_limits,
+};
 pub use spelling::{did_you_mean, did_you_mean_here, nearest_files, nearest_names, suggested};
 pub use text::{TextFault, json, yaml};

@@ -15,12 +15,14 @@
 
 mod file_kind;
 mod file_stamp;
+mod installed;
 mod machine;
 mod process;
 mod walls;
 
-pub use file_kind::{is_stream, kind_name};
+pub use file_kind::{is_stream, kind_name, open_without_waiting};
 pub use file_stamp::FileStamp;
+pub use installed::{installed_command, installed_program};
 pub use machine::{machine_name, processor_name};
 pub use process::{
     ProcessMemory, adopt_orphans, beginning, children, close_to_others, ending, is_killed, kill_group,

@@ -3,4 +3,5 @@
 pub(crate) mod atomic_file;
 pub(crate) mod number_table;
 pub(crate) mod sizes;
+pub(crate) mod staging_folder;
 pub(crate) mod yaml;

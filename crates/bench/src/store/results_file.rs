@@ -6,6 +6,7 @@ use std::io::ErrorKind;
 use std::path::Path;
 use std::time::Duration;
 
+use cranny_scenario::StagingFolder;
 use rusqlite::config::DbConfig;
 use rusqlite::limits::Limit;
 use rusqlite::{Connection, ErrorCode, OpenFlags, TransactionBehavior};
@@ -119,10 +120,8 @@ pub fn begin(path: &Path) -> Result<(), BenchError> {
 }
 
 /// Creates a temporary folder beside a file, for building its replacement.
-pub fn folder_beside(path: &Path) -> Result<TempDir, BenchError> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let made = tempfile::Builder::new().prefix(".results-").suffix(".partial").tempdir_in(folder);
-    made.map_err(|reason| BenchError::Unwritable { path: path.to_owned(), reason })
+pub fn folder_beside(path: &Path) -> Result<StagingFolder, BenchError> {
+    StagingFolder::beside(path).map_err(|reason| BenchError::Unwritable { path: path.to_owned(), reason })
 }
 
 /// Moves a complete file to its destination, unless that exists by now.

@@ -50,7 +50,7 @@ impl HeldObject {
     }
 }
 
-/// LoadModel of a grasp: the factor by which the loads may grow until a pad slips. Below 1 a pad slips under the loads.
+/// `LoadModel` of a grasp: the factor by which the loads may grow until a pad slips. Below 1 a pad slips under the loads.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Load {

@@ -25,7 +25,7 @@ enum Crossing {
 }
 
 impl ShellSides {
-    /// ShellSides of a mesh of `triangles` triangles, in shells of these facets.
+    /// `ShellSides` of a mesh of `triangles` triangles, in shells of these facets.
     pub fn new<'a>(triangles: usize, shells: impl IntoIterator<Item = &'a [Facet]>) -> Self {
         let mut sides = vec![[None; 2]; triangles];
         for (shell, facets) in (0..).zip(shells) {
