@@ -88,7 +88,7 @@ pub fn moving_picture<'py>(
         }
         let file = tempfile::NamedTempFile::new().map_err(fault)?;
         Animation { pictures, rate_hz: rate }.write_apng(file.path()).map_err(fault)?;
-        std::fs::read(file.path()).map_err(fault)
+        cranny_file::head(file.path(), u64::MAX).map_err(fault)
     });
     interrupt.result()?;
     Ok(PyBytes::new(py, &bytes?))

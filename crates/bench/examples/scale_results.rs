@@ -60,7 +60,7 @@ fn make(file: &str, numbers: [&str; 4]) -> Result<String, Box<dyn Error>> {
                     trial: Trial {
                         scenario: format!(
                             "{}-{scenario:05}",
-                            ["shelf", "table", "gap"][scenario as usize % 3]
+                            ["shelf", "table", "gap"][(scenario % 3) as usize]
                         ),
                         scenario_hash: format!("{scenario:064x}"),
                         planner: "planner".to_owned(),

@@ -426,7 +426,7 @@ fn the_mean_of_one_group_is_that_group_and_the_number_of_its_trials_gives_no_wei
     let means = [placebo.clone(), many].map(|placebo| MeanSurvival::of(&[treated.clone(), placebo]));
     for (a, b) in means[0].steps().iter().zip(means[1].steps()) {
         assert_near(a.survival, b.survival, 1e-12);
-        assert_near(a.survival, (treated.survival_at(a.at) + placebo.survival_at(a.at)) / 2.0, 1e-12);
+        assert_near(a.survival, f64::midpoint(treated.survival_at(a.at), placebo.survival_at(a.at)), 1e-12);
         assert!(b.band.high - b.band.low <= a.band.high - a.band.low + 1e-12, "more trials, a narrower band");
     }
     assert_eq!(means[0].median(), Some(12.0));

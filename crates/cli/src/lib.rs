@@ -20,9 +20,11 @@ mod text;
 mod unfinished;
 
 use std::io::Write;
+use std::path::PathBuf;
 use std::process::ExitCode;
 
-use clap::{ArgAction, Command, CommandFactory, FromArgMatches};
+use clap::parser::ValueSource;
+use clap::{ArgAction, ArgMatches, Command, CommandFactory, FromArgMatches};
 use cranny_plan::Registry;
 
 use crate::command::{Cli, Command as Chosen};
@@ -38,7 +40,9 @@ enum Answer {
 
 /// Runs the command line with the planners of a registry: those of `cranny` ([`Registry::default`]), or also your own.
 pub fn main(registry: &Registry) -> ExitCode {
-    let matches = whole_command().get_matches();
+    let mut command = whole_command();
+    let matches = command.get_matches_mut();
+    cranny_file::accept_streams(given_values(&command, &matches));
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|fault| fault.exit());
     if cli.large_files {
         cranny_file::lift_limits();
@@ -77,6 +81,25 @@ pub fn main(registry: &Registry) -> ExitCode {
             ExitCode::from(2)
         }
     }
+}
+
+/// Returns the values of the command line. Those that are paths of input files may be pipes.
+fn given_values(command: &Command, matches: &ArgMatches) -> Vec<PathBuf> {
+    let mut values = Vec::new();
+    for argument in command.get_arguments().map(|argument| argument.get_id().as_str()) {
+        // A flag of another command has no value here.
+        if let Ok(Some(given)) = matches.try_get_raw(argument)
+            && matches.value_source(argument) == Some(ValueSource::CommandLine)
+        {
+            values.extend(given.map(PathBuf::from));
+        }
+    }
+    if let Some((name, inner)) = matches.subcommand()
+        && let Some(command) = command.find_subcommand(name)
+    {
+        values.extend(given_values(command, inner));
+    }
+    values
 }
 
 fn whole_command() -> Command {

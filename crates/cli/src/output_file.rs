@@ -1,7 +1,5 @@
 //! Output files of commands: only `--force` overwrites a file of another kind; files and folders are written atomically.
 
-use std::fs::File;
-use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use cranny_scenario::{ScenarioError, check_writable, write_whole_file, write_whole_folder};
@@ -20,15 +18,9 @@ pub fn check(path: &Path, kind: FileKind, output: Output) -> Result<(), Failure>
     if output.force {
         return Ok(());
     }
-    let head = match File::open(path) {
+    let head = match cranny_file::head(path, FileKind::HEAD_BYTES) {
         Err(reason) if reason.kind() == std::io::ErrorKind::NotFound => return Ok(()),
-        Err(reason) => return Err(ScenarioError::Unreadable { path: path.to_owned(), reason }.into()),
-        Ok(file) => {
-            let mut head = Vec::new();
-            let read = file.take(FileKind::HEAD_BYTES).read_to_end(&mut head);
-            read.map_err(|reason| ScenarioError::Unreadable { path: path.to_owned(), reason })?;
-            head
-        }
+        head => head.map_err(|reason| ScenarioError::Unreadable { path: path.to_owned(), reason })?,
     };
     if head.is_empty() || kind.is_that_of(&head) {
         Ok(())

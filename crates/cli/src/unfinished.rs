@@ -62,8 +62,7 @@ impl Unfinished {
             return Ok(Vec::new());
         }
         let fault = |problem: String| Failure::File { path: self.file.clone(), problem };
-        let text =
-            cranny_file::TABLE.argument().text(&self.file).map_err(|reason| fault(reason.to_string()))?;
+        let text = cranny_file::TABLE.text(&self.file).map_err(|reason| fault(reason.to_string()))?;
         let content: Content<Vec<Row>> = cranny_file::json(text.as_bytes())
             .map_err(|reason| fault(format!("{}; remove the file to start again", reason.problem)))?;
         if content.format != FORMAT || content.identity != self.identity {

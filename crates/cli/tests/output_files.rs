@@ -242,11 +242,13 @@ fn what_ctrl_c_ended_is_not_written_as_if_it_were_whole() {
 
     let said = interrupted(path, "scenario generate --family gap --count 1000000 --json");
     assert_eq!(said["stopped"], true);
-    // The written scenarios are complete, and the index lists exactly these.
+    // The written scenarios are complete, and the list names exactly these.
+    assert!(!path.join("gap-0").exists());
     let written = said["written"].as_u64().expect("a number");
-    let index = std::fs::read_to_string(path.join("gap-0/index.csv")).expect("an index");
-    assert_eq!(index.lines().count() as u64, written + 1);
-    assert_eq!(std::fs::read_dir(path.join("gap-0")).expect("a folder").count() as u64, written + 1);
+    let unfinished = path.join(said["unfinished"].as_str().expect("a folder"));
+    let list = std::fs::read_to_string(unfinished.join("unfinished.jsonl")).expect("a list");
+    assert_eq!(list.lines().count() as u64, written + 1);
+    assert_eq!(std::fs::read_dir(unfinished).expect("a folder").count() as u64, written + 1);
     let names: Vec<_> = everything(path).into_keys().filter(|name| name.contains("partial")).collect();
     assert_eq!(names, Vec::<String>::new());
 }

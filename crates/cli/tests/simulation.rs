@@ -144,7 +144,7 @@ fn physics_counts_where_a_plan_is_asked_so() {
     let scored =
         grasps.map(|(index, grasp)| cranny_grasp::Grasp { robust: robust(index), ..*grasp }).collect();
     let scored = cranny_grasp::GraspSet::new(scored).expect("grasps");
-    cranny_grasp::write_csv(&folder.join("scored.csv"), &scored).expect("written");
+    std::fs::write(folder.join("scored.csv"), cranny_grasp::csv_text(&scored)).expect("written");
     let by_physics =
         ["--planner", "ik-rrt", "--grasps", "scored.csv", "--score", "physics", "-o", "p.plan.json"];
     let output = plan(&by_physics);

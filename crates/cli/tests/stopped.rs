@@ -1,10 +1,11 @@
 //! Commands that are stopped by Ctrl-C: finished results stay, and the same command resumes from them. Others leave nothing.
 
-use std::path::Path;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::Duration;
 
-use cranny_grasp::{GraspSet, write_csv};
+use cranny_grasp::GraspSet;
 use cranny_scenario::{OpenOptions, Scenario};
 
 fn command(folder: &Path, arguments: &str) -> Command {
@@ -39,7 +40,7 @@ fn a_simulation_of_grasps_goes_on_where_it_was_stopped() {
     let folder = folder.path();
     let scenario = Scenario::open("021", &OpenOptions::default()).expect("a scenario");
     let grasps = GraspSet::new(scenario.grasps.grasps()[..8].to_vec()).expect("grasps");
-    write_csv(&folder.join("few.csv"), &grasps).expect("written");
+    std::fs::write(folder.join("few.csv"), cranny_grasp::csv_text(&grasps)).expect("written");
     let simulate =
         |file: &str| format!("simulate grasps 021 --support-only --grasps few.csv --trials 3 -o {file}");
     let begin = std::time::Instant::now();
@@ -73,6 +74,57 @@ fn a_simulation_of_grasps_goes_on_where_it_was_stopped() {
         std::fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").file_name());
     assert_eq!(names.count(), 3, "nothing is left that was unfinished");
     assert!(document(&whole)["unfinished"].is_null());
+}
+
+/// Kills a command after some time, as `kill -9` does.
+fn killed_after(seconds: f64, folder: &Path, arguments: &str) {
+    let mut child = command(folder, arguments).spawn().expect("it starts");
+    std::thread::sleep(Duration::from_secs_f64(seconds));
+    // It may have ended already.
+    let _ = child.kill();
+    child.wait().expect("it ends");
+}
+
+/// Returns all files below a folder with their content.
+fn contents(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let mut all = BTreeMap::new();
+    let mut open = vec![folder.to_owned()];
+    while let Some(next) = open.pop() {
+        for entry in std::fs::read_dir(&next).expect("a folder") {
+            let path = entry.expect("an entry").path();
+            if path.is_dir() {
+                open.push(path);
+            } else {
+                let below = path.strip_prefix(folder).expect("below it").to_owned();
+                all.insert(below, std::fs::read(&path).expect("a file"));
+            }
+        }
+    }
+    all
+}
+
+#[test]
+fn a_set_of_scenarios_goes_on_after_it_was_killed_or_stopped() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    let generate = |set: &str| format!("scenario generate --family gap --count 60 -o {set}");
+    let begin = std::time::Instant::now();
+    assert_eq!(document(&command(folder, &generate("whole")).output().expect("it runs"))["written"], 60);
+    let whole_s = begin.elapsed().as_secs_f64();
+    for share in [0.1, 0.3, 0.5, 0.6, 0.7, 0.8, 0.9] {
+        killed_after(share * whole_s, folder, &generate("set"));
+    }
+    // It may have finished before the last of them.
+    if !folder.join("set").exists() {
+        let _ = stopped_once(0.8 * whole_s, folder, &generate("set"));
+    }
+    if !folder.join("set").exists() {
+        assert_eq!(document(&command(folder, &generate("set")).output().expect("it runs"))["stopped"], false);
+    }
+    assert!(contents(&folder.join("set")) == contents(&folder.join("whole")));
+    let names =
+        std::fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").file_name());
+    assert_eq!(names.count(), 2, "nothing is left that was unfinished");
 }
 
 #[test]

@@ -22,7 +22,10 @@ pub use distinct::distinct;
 pub use excerpt::{excerpt, visible, visible_line};
 pub use fault::{FileFault, LIFTED_BY};
 pub use npy::{NpyArray, npy_header};
-pub use opener::{ARCHIVE, MESH, PROGRAM, Readable, TABLE, TEXT, are_limits_lifted, is_there, lift_limits};
+pub use opener::{
+    ARCHIVE, MESH, PROGRAM, Readable, TABLE, TEXT, accept_streams, are_limits_lifted, head, is_there,
+    lift_limits,
+};
 pub use shell_word::{shell_file, shell_word};
 pub use spelling::{did_you_mean, did_you_mean_here, nearest_files, nearest_names, suggested};
 pub use text::{TextFault, json, yaml};

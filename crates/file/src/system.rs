@@ -20,6 +20,7 @@ mod call_filter;
 mod enclosure;
 mod file_kind;
 mod file_stamp;
+mod installed;
 mod machine;
 #[cfg(target_os = "linux")]
 mod mounts;
@@ -29,8 +30,9 @@ mod walls;
 
 pub use call_filter::{filter_calls, has_call_filter};
 pub use enclosure::{Restrictions, begin_session, restrict_self, status_of_shell, wait_for, wait_for_input};
-pub use file_kind::{is_stream, kind_name};
+pub use file_kind::{is_stream, kind_name, open_without_waiting};
 pub use file_stamp::FileStamp;
+pub use installed::{installed_command, installed_program};
 pub use machine::{machine_name, processor_name};
 pub use plain_file::{FileIdentity, open_plain_file};
 pub use process::{

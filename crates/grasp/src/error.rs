@@ -185,14 +185,6 @@ pub enum GraspError {
         /// Error of the operating system.
         reason: std::io::Error,
     },
-    /// A file cannot be written.
-    #[error("{}: cannot write the grasps: {reason}", path.display())]
-    Unwritable {
-        /// Path of the file.
-        path: PathBuf,
-        /// Error of the operating system.
-        reason: std::io::Error,
-    },
     /// A file of grasps of another project cannot be read.
     #[error("{}: {problem}", path.display())]
     Import {

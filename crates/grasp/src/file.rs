@@ -1,5 +1,4 @@
 use std::fmt::Write as _;
-use std::fs;
 use std::path::Path;
 
 use crate::csv_columns::{COLUMNS, POSE_COLUMNS};
@@ -17,7 +16,6 @@ use crate::{Grasp, GraspError, GraspSet, RobustScore};
 /// grasps, [`GraspError::Unreadable`].
 pub fn read_csv(path: &Path) -> Result<GraspSet, GraspError> {
     let text = cranny_file::TABLE
-        .argument()
         .text(path)
         .map_err(|reason| GraspError::Unreadable { path: path.to_owned(), reason })?;
     parse_csv(path, &text)
@@ -68,17 +66,8 @@ pub fn check_csv(path: &Path, text: &str) -> (GraspSet, Vec<GraspError>) {
     (GraspSet::of_checked(sound), faults)
 }
 
-/// Writes the format of [`read_csv`], with a header. Unknown values stay empty; there are no columns for robust scores or
-/// loads if no grasp has one.
-///
-/// # Errors
-/// [`GraspError::Unwritable`].
-pub fn write_csv(path: &Path, grasps: &GraspSet) -> Result<(), GraspError> {
-    fs::write(path, csv_text(grasps))
-        .map_err(|reason| GraspError::Unwritable { path: path.to_owned(), reason })
-}
-
-/// Text that [`write_csv`] writes.
+/// Returns a text in the format of [`read_csv`], with a header. Unknown values stay empty; there are no columns for robust scores
+/// or loads if no grasp has one.
 pub fn csv_text(grasps: &GraspSet) -> String {
     let mut text = String::new();
     let is_robust = grasps.grasps().iter().any(|grasp| grasp.robust.is_some());
@@ -149,6 +138,8 @@ fn parse(header: &CsvHeader, line: &str, place: usize) -> Result<Grasp, GraspErr
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
     use cranny_spatial::{Pose, PoseDifference, Stream, Vector};
 
@@ -183,7 +174,7 @@ mod tests {
         let written = GraspSet::new(grasps).unwrap();
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("grasps.csv");
-        write_csv(&path, &written).unwrap();
+        fs::write(&path, csv_text(&written)).unwrap();
         let read = read_csv(&path).unwrap();
         assert_eq!(read.len(), 50);
         for (a, b) in written.grasps().iter().zip(read.grasps()) {

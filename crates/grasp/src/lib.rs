@@ -20,7 +20,7 @@ mod twins;
 
 pub use contact::{Contact, friction_needed, friction_score};
 pub use error::GraspError;
-pub use file::{check_csv, csv_text, parse_csv, read_csv, write_csv};
+pub use file::{check_csv, csv_text, parse_csv, read_csv};
 pub use grasp::{Grasp, GraspSet};
 pub use hand::{BoxHand, Finger, Hand, PadRectangle};
 pub use homogeneous::{pose_of_rows, rows_of_pose};

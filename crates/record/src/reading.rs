@@ -53,7 +53,6 @@ impl PlanFile {
     /// or segments that this version does not know.
     pub fn read(path: &Path) -> Result<Self, RecordError> {
         let text = cranny_file::TABLE
-            .argument()
             .bytes(path)
             .map_err(|reason| ScenarioError::Unreadable { path: path.to_owned(), reason })?;
         if text.trim_ascii().is_empty() {

@@ -7,3 +7,4 @@ pub(crate) mod resized;
 pub(crate) mod scene_scale;
 pub(crate) mod set;
 pub(crate) mod set_file;
+pub(crate) mod unfinished_set;

@@ -3,5 +3,6 @@
 pub(crate) mod atomic_file;
 pub(crate) mod number_table;
 pub(crate) mod sizes;
+pub(crate) mod staging_folder;
 pub(crate) mod temporary;
 pub(crate) mod yaml;

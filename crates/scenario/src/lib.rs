@@ -26,8 +26,11 @@ pub use family::maker::{FamilyMaker, GraspChoice};
 pub use family::scene_scale::SceneScale;
 pub use family::set::{ArmDemand, ReachTest, Rejections, SetMaker, SetMember, SetSettings};
 pub use family::set_file::{SetProgress, SetReport, write_set, write_sweep};
-pub use files::atomic_file::{check_free_folder, check_writable, write_whole_file, write_whole_folder};
+pub use files::atomic_file::{
+    check_free_folder, check_writable, put_in_place, write_whole_file, write_whole_folder,
+};
 pub use files::number_table::read_configurations;
+pub use files::staging_folder::StagingFolder;
 pub use files::temporary::{Temporary, exit_without_temporaries};
 pub use given_grasps::GivenGrasps;
 pub use layout::archive::{Credits, pack, unpack};

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use cranny_scenario::{OpenOptions, Scenario};
+use cranny_scenario::{GivenGrasps, MoveItOptions, MoveItProblem, OpenOptions, Scenario};
 
 /// Copy of a sound scenario, for modification. Faults of a single file are golden cases, in `crates/cli/tests/golden`.
 struct Copy {
@@ -90,6 +90,48 @@ fn what_a_scenario_names_must_be_a_regular_file() {
     std::os::unix::fs::symlink("/dev/zero", copy.path("grasps.csv")).unwrap();
     let fault = copy.open().unwrap_err().to_string();
     assert!(fault.contains("grasps.csv: cannot read the grasps: it is a device"), "{fault}");
+}
+
+#[cfg(unix)]
+fn make_pipe(path: &Path) {
+    assert!(std::process::Command::new("mkfifo").arg(path).status().unwrap().success());
+}
+
+/// A pipe without a writer blocked each of these for ever.
+#[cfg(unix)]
+#[test]
+fn a_pipe_in_the_place_of_any_file_is_refused() {
+    let refused = |what: &str, fault: String| {
+        assert!(fault.contains("it is a pipe, not a regular file"), "{what}: {fault}");
+    };
+    for file in ["scenario.yaml", "grasps.csv", "wedge.obj"] {
+        let copy = Copy::new();
+        fs::remove_file(copy.path(file)).unwrap();
+        make_pipe(&copy.path(file));
+        refused(file, copy.open().unwrap_err().to_string());
+    }
+    let copy = Copy::new();
+    let text = fs::read_to_string(copy.path("scenario.yaml")).unwrap();
+    let folder = copy.path("arm");
+    fs::create_dir(&folder).unwrap();
+    fs::write(folder.join("robot.yaml"), "urdf: ../pipe\n").unwrap();
+    make_pipe(&copy.path("pipe"));
+    make_pipe(&copy.path("pipe.zip"));
+    for robot in ["robot: pipe", "robot: arm", "robot: panda_mobile\nsrdf: pipe"] {
+        fs::write(copy.path("scenario.yaml"), text.replace("robot: panda_mobile", robot)).unwrap();
+        refused(robot, copy.open().unwrap_err().to_string());
+    }
+    // What a plan file or a campaign names.
+    let pipe = copy.path("pipe");
+    let open = |what: &str, options: &OpenOptions| Scenario::open(what, options).unwrap_err().to_string();
+    let grasps = OpenOptions { grasps: GivenGrasps::File(pipe.clone()), ..OpenOptions::default() };
+    refused("grasps", open("021", &grasps));
+    let robot = OpenOptions { robot: Some(pipe.clone()), ..OpenOptions::default() };
+    refused("robot", open("021", &robot));
+    refused("archive", open(copy.path("pipe.zip").to_str().unwrap(), &OpenOptions::default()));
+    let fault = MoveItProblem::open(&pipe, &pipe, &MoveItOptions::default()).map(|_| ()).unwrap_err();
+    refused("scene", fault.to_string());
+    refused("configurations", cranny_scenario::read_configurations(&pipe, 7).unwrap_err().to_string());
 }
 
 /// Reading must not exceed the reader's budget with many obstacles, nor compare each name with all earlier ones.

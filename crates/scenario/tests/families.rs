@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use cranny_collision::Margins;
 use cranny_grasp::GraspSet;
@@ -98,6 +98,80 @@ fn the_same_seed_gives_the_same_bytes_on_any_number_of_threads() {
     assert!(seen[0].len() > 20 && seen[0] == seen[1] && seen[0] == seen[2]);
     set(Family::Gap, 4, 10, &folder);
     assert_ne!(files(&folder), seen[0]);
+}
+
+/// Makes a set and stops after some members.
+fn stopped_set(maker: &SetMaker, folder: &Path, count: u64, after: usize) -> SetReport {
+    let (stop, finished) = (AtomicBool::new(false), AtomicUsize::new(0));
+    let done = || stop.store(finished.fetch_add(1, Ordering::Relaxed) + 1 >= after, Ordering::Relaxed);
+    write_set(maker, folder, count, &SetProgress { done: &done, stop: &stop }).unwrap()
+}
+
+/// A stopped set used to be refused by its own repetition, and a killed one left a hidden folder.
+#[test]
+fn a_stopped_set_goes_on_where_it_was_and_is_the_same() {
+    let root = tempfile::tempdir().unwrap();
+    let whole = root.path().join("whole");
+    let folder = root.path().join("set");
+    let maker = maker(Family::Gap, |settings| settings);
+    let expected = watched(|progress| write_set(&maker, &whole, 8, progress).unwrap());
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let report = pool.install(|| stopped_set(&maker, &folder, 8, 3));
+    assert_eq!((report.written.len(), report.missing), (3, 5));
+    let unfinished = report.unfinished.expect("the folder of the three");
+    assert!(!folder.exists() && unfinished.join(&report.written[0]).is_dir());
+    // Killed while it wrote a member, and a line of the list.
+    let list = unfinished.join("unfinished.jsonl");
+    let text = fs::read_to_string(&list).unwrap();
+    fs::write(&list, text.clone() + "{\"number\": 7, \"li").unwrap();
+    fs::create_dir(unfinished.join("gap-00007")).unwrap();
+    fs::write(unfinished.join("gap-00007/half"), "written").unwrap();
+    // A finished member is not made again.
+    let kept = unfinished.join(&report.written[0]).join("kept");
+    fs::write(kept, "").unwrap();
+    let report = watched(|progress| write_set(&maker, &folder, 8, progress).unwrap());
+    assert_eq!(report, expected);
+    fs::remove_file(folder.join(&report.written[0]).join("kept")).unwrap();
+    let of = |folder: &Path| {
+        let strip = |(name, content): (String, Vec<u8>)| {
+            (name.strip_prefix(folder.to_str().unwrap()).unwrap().to_owned(), content)
+        };
+        files(folder).into_iter().map(strip).collect::<BTreeMap<_, _>>()
+    };
+    assert!(of(&folder) == of(&whole));
+    assert_eq!(fs::read_dir(root.path()).unwrap().count(), 2);
+}
+
+#[test]
+fn only_the_same_set_goes_on_and_only_once_at_a_time() {
+    let root = tempfile::tempdir().unwrap();
+    let folder = root.path().join("set");
+    let maker = maker(Family::Gap, |settings| settings);
+    let unfinished = stopped_set(&maker, &folder, 4, 1).unfinished.expect("a folder");
+    let other = stopped_set(&maker, &folder, 5, 1).unfinished.expect("a folder");
+    assert_ne!(unfinished, other);
+    let progress = SetProgress { done: &|| (), stop: &AtomicBool::new(false) };
+    let again = || write_set(&maker, &folder, 4, &progress).map_err(|fault| fault.to_string());
+    let list = fs::File::open(unfinished.join("unfinished.jsonl")).unwrap();
+    list.lock().unwrap();
+    assert!(again().unwrap_err().contains("another program is making the same scenarios"));
+    drop(list);
+    // The folder of another program is neither used nor removed.
+    fs::write(unfinished.join("unfinished.jsonl"), "mine\n").unwrap();
+    assert!(again().unwrap_err().contains("exists already"));
+    assert!(unfinished.join("gap-00000").is_dir() && !folder.exists());
+    // Killed before the first line, and before the list.
+    for has_list in [true, false] {
+        fs::remove_dir_all(&unfinished).unwrap();
+        fs::create_dir(&unfinished).unwrap();
+        if has_list {
+            fs::write(unfinished.join("unfinished.jsonl"), "{\"format\": \"cran").unwrap();
+        }
+        assert_eq!(again().unwrap().written.len(), 4);
+        assert!(!unfinished.exists());
+        fs::remove_dir_all(&folder).unwrap();
+        fs::create_dir(&unfinished).unwrap();
+    }
 }
 
 #[test]

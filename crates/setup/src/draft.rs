@@ -188,7 +188,7 @@ impl<'a> Draft<'a> {
 
 pub(crate) fn read_text(path: &Path) -> Result<String, RobotError> {
     let unreadable = |reason| RobotError::Unreadable { path: path.to_owned(), reason };
-    cranny_file::TEXT.argument().text(path).map_err(unreadable)
+    cranny_file::TEXT.text(path).map_err(unreadable)
 }
 
 /// Returns the robot name from a file name: `arm` for `arm.urdf` and `arm.urdf.xacro`.

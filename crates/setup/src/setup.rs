@@ -110,8 +110,8 @@ impl RobotSetup {
             "`start` in robot.yaml",
         ));
         let robot = draft.robot(&written)?;
-        let text = draft.text.text().to_owned();
-        let mut files = RobotFiles::of_text(&text, &urdf.with_extension("urdf"), &options.packages)?.contents;
+        let text = draft.text.text();
+        let mut files = RobotFiles::of_text(text, &urdf.with_extension("urdf"), &options.packages)?.contents;
         written.notes = draft.choices.iter().map(Choice::line).collect();
         files.extend(written.files());
         Ok(Self { name: stem, robot, files, choices: draft.choices, contacts })

@@ -1,13 +1,21 @@
 use std::ffi::OsString;
+use std::io;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+
+use cranny_file::system::installed_command;
 
 use crate::{SetupError, SetupOptions};
 
 /// Python code that runs xacro with [`PACKAGES`] as the folders of packages: `$(find P)` needs a ROS module, which most xacro
 /// users do not have, only for other packages. An argument that the file does not declare is an error.
+///
+/// With `-c`, Python before 3.11 puts the current folder in front of its search path; `xacro.py` or `os.py` there may come from
+/// anybody. The first lines remove it before anything else is imported.
 const RUN: &str = "
-import importlib.machinery, importlib.util, os, sys, types
+import sys
+sys.path[:] = [folder for folder in sys.path if folder]
+import importlib.machinery, importlib.util, os, types
 NAME = 'ament_index_python.packages'
 def share(name):
     for folder in os.environ['CRANNY_XACRO_PACKAGES'].split(os.pathsep):
@@ -58,12 +66,18 @@ const TOOLS: [(&str, &[&str]); 2] = [("python3", &["-c", RUN]), ("xacro", &[])];
 
 /// Returns true if Python's `xacro` is installed, which is required for robots in `.xacro` files.
 pub fn has_xacro() -> bool {
-    let answers = |(program, arguments): &(&str, &[&str])| {
-        let mut command = Command::new(program);
-        command.args(*arguments).arg("--help").stdin(Stdio::null());
-        command.output().is_ok_and(|output| output.status.success())
-    };
-    TOOLS.iter().any(answers)
+    TOOLS.iter().any(|tool| {
+        let output = command(tool).and_then(|mut command| command.arg("--help").output());
+        output.is_ok_and(|output| output.status.success())
+    })
+}
+
+/// Returns a command of [`TOOLS`], which runs nothing from the current folder.
+fn command((program, arguments): &(&str, &[&str])) -> io::Result<Command> {
+    let mut command = installed_command(program)?;
+    // As the first lines of `RUN`, for modules that Python 3.11 or later imports before.
+    command.args(*arguments).env("PYTHONSAFEPATH", "1").stdin(Stdio::null());
+    Ok(command)
 }
 
 /// Expands a file with Python's `xacro`, with arguments and packages of the options. Returns the URDF, and warnings in a line.
@@ -87,10 +101,9 @@ pub(crate) fn expand(path: &Path, options: &SetupOptions) -> Result<(String, Str
         values.push(format!("{name}:={value}"));
     }
     let packages = packages(path, &options.packages);
-    for (program, arguments) in TOOLS {
-        let mut command = Command::new(program);
-        command.args(arguments).arg(path).args(&values).env(PACKAGES, &packages).stdin(Stdio::null());
-        let Ok(output) = command.output() else { continue };
+    for tool in &TOOLS {
+        let Ok(mut command) = command(tool) else { continue };
+        let Ok(output) = command.arg(path).args(&values).env(PACKAGES, &packages).output() else { continue };
         let said = String::from_utf8_lossy(&output.stderr);
         if output.status.success() {
             let urdf = String::from_utf8(output.stdout)
@@ -123,4 +136,41 @@ fn whole(said: &str) -> String {
         }
     }
     if lines.is_empty() { "xacro failed without an error message".to_owned() } else { lines.join("; ") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `cranny doctor` used to run the `xacro.py` of the current folder.
+    #[cfg(unix)]
+    #[test]
+    fn nothing_of_the_current_folder_is_run() {
+        use std::os::unix::fs::PermissionsExt as _;
+        let folder = tempfile::tempdir().unwrap();
+        let mark = folder.path().join("was_run");
+        let python = format!("open({:?}, 'w').close()\nraise SystemExit(0)\n", mark.to_str().unwrap());
+        for module in [
+            "xacro",
+            "os",
+            "types",
+            "importlib",
+            "sitecustomize",
+            "usercustomize",
+            "site",
+            "ament_index_python",
+        ] {
+            std::fs::write(folder.path().join(format!("{module}.py")), &python).unwrap();
+        }
+        for program in ["python3", "xacro", "env"] {
+            let path = folder.path().join(program);
+            std::fs::write(&path, format!("#!/bin/sh\n: > {}\n", mark.display())).unwrap();
+            std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o755)).unwrap();
+        }
+        for tool in &TOOLS {
+            let Ok(mut command) = command(tool) else { continue };
+            command.current_dir(folder.path()).arg("--help").output().unwrap();
+            assert!(!mark.exists(), "{}", tool.0);
+        }
+    }
 }

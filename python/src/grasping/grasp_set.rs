@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 
 use cranny_grasp::{
-    COVERAGE_THRESHOLD, Grasp, GraspError, GraspSet, RobustScore, coverage, read_csv, write_csv,
+    COVERAGE_THRESHOLD, Grasp, GraspError, GraspSet, RobustScore, coverage, csv_text, read_csv,
 };
+use cranny_scenario::write_whole_file;
 use cranny_spatial::nalgebra::Quaternion;
 use cranny_spatial::{Pose, Rotation, Vector};
 use numpy::PyArrayDyn;
@@ -63,7 +64,7 @@ impl PyGrasps {
 
     /// Writes a `grasps.csv` atomically.
     fn save(&self, path: PathBuf) -> PyResult<()> {
-        write_csv(&path, &self.set).map_err(fault)
+        write_whole_file(&path, csv_text(&self.set).as_bytes()).map_err(fault)
     }
 
     /// Poses of the gripper frame, (N, 4, 4), in metres.

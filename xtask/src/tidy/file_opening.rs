@@ -3,18 +3,31 @@
 use crate::checkout::SourceFile;
 use crate::problem::Problem;
 
-/// Folder that may open files, and the file that reads the first bytes of a file before overwriting it.
-const ADDRESSES: [&str; 2] = ["crates/file/", "crates/cli/src/output_file.rs"];
+/// Folder that may open files, and files that open others than inputs: the marks and lists of unfinished output, the locks of
+/// campaigns, and results, which `SQLite` opens.
+const ADDRESSES: [&str; 6] = [
+    "crates/file/",
+    "crates/scenario/src/files/staging_folder.rs",
+    "crates/scenario/src/family/unfinished_set.rs",
+    "crates/bench/src/store/exports.rs",
+    "crates/bench/src/store/results.rs",
+    "crates/bench/src/store/results_file.rs",
+];
 
 /// Calls that open a file for reading, each in two pieces, so that this file does not match itself.
-const OPENERS: [&str; 3] =
-    [concat!("fs::", "read("), concat!("fs::", "read_to_string("), concat!("File::", "open(")];
+const OPENERS: [&str; 5] = [
+    concat!("fs::", "read("),
+    concat!("fs::", "read_to_string("),
+    concat!("File::", "open("),
+    concat!("File::", "options("),
+    concat!("OpenOptions::", "new("),
+];
 
 /// Reports sources of crates that open files themselves; tests may.
 pub fn check(files: &[SourceFile]) -> Vec<Problem> {
     let is_source = |file: &&SourceFile| {
-        let mut parts = file.path.split('/');
-        let is_of_crate = parts.next() == Some("crates") && parts.nth(1) == Some("src");
+        let folders: Vec<&str> = file.path.split('/').collect();
+        let is_of_crate = matches!(folders[..], ["crates", _, "src", ..] | ["python", "src", ..]);
         let is_allowed = ADDRESSES.iter().any(|address| file.path.starts_with(address));
         is_of_crate && file.has_extension("rs") && !is_allowed
     };
@@ -48,6 +61,7 @@ mod tests {
             let text = format!("//! Robots.\nlet text = {opener}path)?;\n");
             let file = |path| [SourceFile::of_text(path, &text)];
             assert_eq!(check(&file("crates/robot/src/description/urdf.rs")).len(), 1, "{opener}");
+            assert_eq!(check(&file("python/src/robot.rs")).len(), 1, "{opener}");
             assert_eq!(check(&file("crates/file/src/opener.rs")), [], "{opener}");
             assert_eq!(check(&file("crates/robot/tests/urdf.rs")), [], "{opener}");
         }

@@ -105,7 +105,6 @@ impl Campaign {
     /// [`BenchError::Unreadable`]; [`BenchError::CampaignFile`] with the line.
     pub fn read(path: &Path, registry: &Registry) -> Result<Self, BenchError> {
         let text = cranny_file::TEXT
-            .argument()
             .text(path)
             .map_err(|reason| BenchError::Unreadable { path: path.to_owned(), reason })?;
         let fault = |location: Location, problem: String| BenchError::CampaignFile {

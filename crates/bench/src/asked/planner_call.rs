@@ -3,7 +3,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
-use cranny_file::system::FileStamp;
+use cranny_file::system::{FileStamp, installed_program};
 use cranny_grasp::ScoreKind;
 use cranny_plan::Registry;
 use serde::{Deserialize, Serialize};
@@ -75,7 +75,7 @@ impl PlannerCall {
                 return Err(missing());
             }
             if !word.contains(std::path::is_separator) {
-                return if is_in_path(word) { Ok(word.to_owned()) } else { Err(missing()) };
+                return if installed_program(word).is_some() { Ok(word.to_owned()) } else { Err(missing()) };
             }
             if Path::new(word).is_file() { absolute(word).ok_or_else(missing) } else { Err(missing()) }
         };
@@ -184,13 +184,6 @@ fn sorted(value: &Value) -> Value {
         Value::Array(values) => values.iter().map(sorted).collect(),
         other => other.clone(),
     }
-}
-
-/// Returns true if a shell would find the program.
-fn is_in_path(program: &str) -> bool {
-    let names = [program.to_owned(), format!("{program}{}", std::env::consts::EXE_SUFFIX)];
-    let is_in = |folder: &Path| names.iter().any(|name| folder.join(name).is_file());
-    std::env::var_os("PATH").is_some_and(|path| std::env::split_paths(&path).any(|folder| is_in(&folder)))
 }
 
 fn is_file(word: &str) -> bool {

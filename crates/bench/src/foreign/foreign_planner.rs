@@ -300,6 +300,20 @@ impl ForeignFiles {
         Ok(files)
     }
 
+    /// Returns the files after their folder was moved.
+    pub fn moved(self, from: &Path, to: &Path) -> Self {
+        // A released scenario may lie elsewhere.
+        let place = |path: PathBuf| path.strip_prefix(from).map(|below| to.join(below)).unwrap_or(path);
+        let written = self.written.into_iter().map(|(path, stamp)| (place(path), stamp)).collect();
+        Self {
+            released: place(self.released),
+            cranny: place(self.cranny),
+            urdf: place(self.urdf),
+            scratch: place(self.scratch),
+            written,
+        }
+    }
+
     /// Records all files below a folder and makes them read-only.
     fn note_written(&mut self, folder: &Path) {
         let Ok(entries) = std::fs::read_dir(folder) else { return };

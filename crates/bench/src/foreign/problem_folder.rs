@@ -1,6 +1,6 @@
 use std::path::{Path, PathBuf};
 
-use cranny_scenario::{ScenarioError, check_free_folder, write_whole_file};
+use cranny_scenario::{ScenarioError, StagingFolder, check_free_folder, put_in_place};
 
 use crate::foreign::foreign_planner::{ForeignFiles, ForeignTask, mark_of_the_whole};
 use crate::foreign::sandbox::Isolation;
@@ -9,7 +9,7 @@ use crate::running::worker_message::Request;
 use crate::{BenchError, PathDemand, Question, WorkerProgram};
 
 /// Writes the files of a trial for an external program into a new folder: `problem.json`, the document for its standard
-/// input, and the files named in it. Returns the path of the document.
+/// input, and the files named in it, or nothing. Returns the path of the document.
 ///
 /// # Errors
 /// [`ScenarioError::Exists`] for a folder that is not empty, errors of opening the scenario, and of writing.
@@ -22,9 +22,13 @@ pub fn write_problem(question: &Question, folder: &Path) -> Result<PathBuf, Benc
     let demand = PathDemand::of_settings(&trial.settings);
     let opened = OpenedScenario::open(&question.source, trial.criterion, &demand)?;
     let stages = demand.stages_in(&opened.scenario)?;
-    let files = ForeignFiles::write(&folder, &question.source, &opened)?;
+    let above = folder.parent().unwrap_or(&folder);
+    std::fs::create_dir_all(above).map_err(unwritable)?;
+    let staging = StagingFolder::beside(&folder).map_err(unwritable)?;
+    let partial = staging.path().join("problem");
+    let files = ForeignFiles::write(&partial, &question.source, &opened)?.moved(&partial, &folder);
     // The mark lets a worker reuse its files; it has no purpose here.
-    let _ = std::fs::remove_file(mark_of_the_whole(&folder, opened.problem.criterion()));
+    let _ = std::fs::remove_file(mark_of_the_whole(&partial, opened.problem.criterion()));
     let request = Request {
         question: question.clone(),
         exports: folder.clone(),
@@ -36,7 +40,8 @@ pub fn write_problem(question: &Question, folder: &Path) -> Result<PathBuf, Benc
         ForeignTask { request: &request, opened: &opened, goal: None, carry: demand.carry, stages: &stages };
     let problem = files.problem(&task, &folder.join("scratch"));
     let text = serde_json::to_string_pretty(&problem).map_err(|reason| BenchError::message(&reason))? + "\n";
-    let document = folder.join("problem.json");
-    write_whole_file(&document, text.as_bytes())?;
-    Ok(document)
+    let document = "problem.json";
+    std::fs::write(partial.join(document), text).map_err(unwritable)?;
+    put_in_place(&partial, &folder).map_err(unwritable)?;
+    Ok(folder.join(document))
 }

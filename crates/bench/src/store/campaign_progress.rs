@@ -2,6 +2,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
+use cranny_scenario::write_whole_file;
 use serde::{Deserialize, Serialize};
 
 use crate::tally::Tally;
@@ -88,8 +89,7 @@ impl<'a> StandingFile<'a> {
         self.written = Some(Instant::now());
         let Ok(text) = serde_json::to_string(&self.standing) else { return };
         // A failure is ignored, because the file only informs and must not end the campaign.
-        let partial = self.path.with_extension("partial");
-        let _ = std::fs::write(&partial, text).and_then(|()| std::fs::rename(&partial, self.path));
+        let _ = write_whole_file(self.path, text.as_bytes());
     }
 }
 

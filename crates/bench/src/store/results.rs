@@ -409,7 +409,7 @@ impl Results {
         let mut statement = self.done(self.connection.prepare(&sql))?;
         let mut trials = Vec::new();
         results_row::for_each(self.done(statement.query(parameters))?, &self.path, |trial| {
-            trials.push(trial)
+            trials.push(trial);
         })?;
         Ok(trials)
     }

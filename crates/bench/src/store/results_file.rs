@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use cranny_file::system::open_plain_file;
-use cranny_scenario::Temporary;
+use cranny_scenario::{StagingFolder, Temporary};
 use rusqlite::config::DbConfig;
 use rusqlite::limits::Limit;
 use rusqlite::{Connection, ErrorCode, OpenFlags, TransactionBehavior};
@@ -120,9 +120,8 @@ pub fn begin(path: &Path) -> Result<(), BenchError> {
 }
 
 /// Creates a temporary folder beside a file, for building its replacement.
-pub fn folder_beside(path: &Path) -> Result<Temporary, BenchError> {
-    let made = Temporary::folder_in(folder_of(path), ".results-", ".partial");
-    made.map_err(|reason| BenchError::Unwritable { path: path.to_owned(), reason })
+pub fn folder_beside(path: &Path) -> Result<StagingFolder, BenchError> {
+    StagingFolder::beside(path).map_err(|reason| BenchError::Unwritable { path: path.to_owned(), reason })
 }
 
 /// Moves a complete file to its destination, unless that exists by now.

@@ -1,9 +1,9 @@
 //! Folder of a campaign on a cluster: the submitted campaign, the scripts, and the results of each array task.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use cranny_bench::{CampaignProgress, Manifest};
+use cranny_scenario::write_whole_file;
 use serde::{Deserialize, Serialize};
 
 use crate::failure::Failure;
@@ -86,9 +86,7 @@ impl ClusterFolder {
     pub fn write_campaign(&self, campaign: &ClusterCampaign) -> Result<(), Failure> {
         let text = serde_json::to_string_pretty(campaign).map_err(std::io::Error::from)? + "\n";
         // Written atomically, because it records the submitted jobs.
-        let partial = self.path.join("campaign.json.partial");
-        fs::write(&partial, text)?;
-        Ok(fs::rename(partial, self.campaign_file())?)
+        Ok(write_whole_file(&self.campaign_file(), text.as_bytes())?)
     }
 
     /// Returns the progress of each array task, from its files; the default if it has written none.

@@ -171,7 +171,7 @@ fn on_node(folder: &str) -> Result<String, Failure> {
                 "after '$' there must be the name of a variable, such as $TMPDIR or ${TMPDIR}",
             ));
         }
-        word += &format!("\"${{{name}}}\"");
+        word.extend(["\"${", name, "}\""]);
         if !rest.is_empty() {
             word += &shell_word(rest);
         }

@@ -5,6 +5,8 @@ use std::io::ErrorKind;
 use std::path::Path;
 use std::process::{Command, Output};
 
+use cranny_file::system::installed_command;
+
 use crate::failure::Failure;
 
 /// State in Slurm of an array task that has not ended.
@@ -16,14 +18,14 @@ pub enum TaskState {
 
 /// Returns true if the commands of Slurm are installed on this machine.
 pub fn is_there() -> bool {
-    Command::new("sbatch").arg("--version").output().is_ok_and(|output| output.status.success())
+    installed_command("sbatch")
+        .and_then(|mut sbatch| sbatch.arg("--version").output())
+        .is_ok_and(|output| output.status.success())
 }
 
 /// Submits a script and returns its job number.
 pub fn submit(options: &[String], script: &Path) -> Result<String, Failure> {
-    let mut command = Command::new("sbatch");
-    command.arg("--parsable").args(options).arg(script);
-    let said = done(&mut command)?;
+    let said = output_of("sbatch", |sbatch| sbatch.arg("--parsable").args(options).arg(script))?;
     // The name of the cluster follows after a semicolon.
     Ok(said.trim().split(';').next().unwrap_or_default().to_owned())
 }
@@ -33,9 +35,9 @@ pub fn active_tasks(jobs: &[String]) -> Result<BTreeMap<u64, TaskState>, Failure
     if jobs.is_empty() {
         return Ok(BTreeMap::new());
     }
-    let mut command = Command::new("squeue");
-    command.args(["--noheader", "--array", "--format=%K|%T"]).arg(format!("--jobs={}", jobs.join(",")));
-    let listing = match done(&mut command) {
+    let jobs = format!("--jobs={}", jobs.join(","));
+    let asked = ["--noheader", "--array", "--format=%K|%T", &jobs];
+    let listing = match output_of("squeue", |squeue| squeue.args(asked)) {
         // Slurm forgets jobs that ended a while ago.
         Err(Failure::Slurm { reason, .. }) if reason.contains("Invalid job id") => String::new(),
         listing => listing?,
@@ -62,10 +64,11 @@ pub fn active_tasks(jobs: &[String]) -> Result<BTreeMap<u64, TaskState>, Failure
     Ok(listing.lines().filter_map(task).collect())
 }
 
-fn done(command: &mut Command) -> Result<String, Failure> {
-    let name = command.get_program().to_string_lossy().into_owned();
-    let fault = |reason: String| Failure::Slurm { command: name.clone(), reason };
-    let Output { status, stdout, stderr } = command.output().map_err(|reason| {
+/// Runs a command of Slurm, to which `fill` adds its arguments, and returns what it prints.
+fn output_of(name: &str, fill: impl FnOnce(&mut Command) -> &mut Command) -> Result<String, Failure> {
+    let fault = |reason: String| Failure::Slurm { command: name.to_owned(), reason };
+    let run = installed_command(name).and_then(|mut command| fill(&mut command).output());
+    let Output { status, stdout, stderr } = run.map_err(|reason| {
         fault(match reason.kind() {
             ErrorKind::NotFound => "not found in PATH".to_owned(),
             _ => reason.to_string(),

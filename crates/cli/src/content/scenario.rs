@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
 use clap::{Args, Subcommand};
+use cranny_file::counted;
 use cranny_scenario::{
     BUILTIN_ROBOTS, Credits, Family, OpenOptions, Recipe, RecipeRobot, Rejections, Scenario, ScenarioError,
     SchemaFile, SetMaker, SetProgress, SetReport, SetSettings, TemplateRobot, check_free_folder, pack,
@@ -365,6 +366,8 @@ struct Set<'a> {
     missing: usize,
     /// True if Ctrl-C stopped the command before all scenarios were generated.
     stopped: bool,
+    /// Folder of the scenarios that were generated before; the same command resumes there.
+    unfinished: Option<PathBuf>,
 }
 
 fn watched(
@@ -377,20 +380,22 @@ fn watched(
     let progress = bar(count.into(), output.quiet);
     let report = write(&SetProgress { done: &|| progress.inc(1), stop: &stop });
     progress.finish_and_clear();
-    let SetReport { written, rejected, missing } = report?;
+    let SetReport { written, rejected, missing, unfinished } = report?;
     let stopped = stop.load(Ordering::Relaxed);
-    if written.is_empty() {
-        // The folder contains an empty list, and would block the next run.
-        std::fs::remove_dir_all(folder)?;
-    }
-    let set = Set { folder, written: written.len(), rejected, missing, stopped };
+    let set = Set { folder, written: written.len(), rejected, missing, stopped, unfinished };
     let page = || {
         let made = match set.written {
+            0 if set.stopped => "no scenario was generated, and nothing is written".to_owned(),
             0 => "no scenario was generated, and nothing is written; another --scale, or another `start` in \
                   the robot's robot.yaml, may help"
                 .to_owned(),
-            1 => format!("1 scenario in {}, listed in index.csv", folder.display()),
-            count => format!("{count} scenarios in {}, listed in index.csv", folder.display()),
+            count => {
+                let scenarios = counted(count, "scenario");
+                match &set.unfinished {
+                    Some(unfinished) => format!("{scenarios} in {}", unfinished.display()),
+                    None => format!("{scenarios} in {}, listed in index.csv", folder.display()),
+                }
+            }
         };
         format!(
             "{made}\nrejected draws: {} where things overlap, {} where the robot touches something at the \
@@ -401,6 +406,9 @@ fn watched(
             rejected.out_of_reach,
             match (set.missing, set.stopped) {
                 (0, _) => String::new(),
+                (missing, true) if set.unfinished.is_some() => {
+                    format!("stopped: {missing} were not made; the same command makes them\n")
+                }
                 (missing, true) => format!("stopped: {missing} were not made\n"),
                 (missing, false) => format!("{missing} were not made\n"),
             },

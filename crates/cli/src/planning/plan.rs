@@ -40,6 +40,7 @@ pub fn run(arguments: &PlanArguments, registry: &Registry, output: Output) -> Re
     let file = destination(arguments, &source.scenario, output)?;
 
     let mut progress = SearchProgress::new(output.quiet, stop_on_interrupt()?);
+    let begin_of_solving = Instant::now();
     let tries = arguments.try_in_physics.zip(scenario.as_ref());
     let SimulatedAnswer { answer, tries } = match tries {
         Some((most, scenario)) => {
@@ -50,6 +51,7 @@ pub fn run(arguments: &PlanArguments, registry: &Registry, output: Output) -> Re
         None => SimulatedAnswer { answer: solve(&problem, &request, &mut progress)?, tries: Vec::new() },
     };
     progress.finish();
+    let solving_time_s = begin_of_solving.elapsed().as_secs_f64();
 
     let plan = PlanFile { tries, ..PlanFile::of(&answer, &source) };
     let solved = answer.is_solved() && plan.tries.last().is_none_or(|last| last.as_planned);
@@ -68,17 +70,23 @@ pub fn run(arguments: &PlanArguments, registry: &Registry, output: Output) -> Re
         output_file::check(&file, FileKind::Plan, output)?;
         plan.write(&file)?;
     }
+    let planning_time_s = answer.statistics.planning_time_s;
+    let shortcut_time_s = answer.shortening.map(|shortening| shortening.time_s);
+    let timing_time_s = answer.timed.as_ref().map(|timed| timed.time_s);
+    let stated_time_s =
+        planning_time_s + shortcut_time_s.unwrap_or_default() + timing_time_s.unwrap_or_default();
     let answered = Answered {
-        planning_time_s: answer.statistics.planning_time_s,
-        shortcut_time_s: answer.shortening.map(|shortening| shortening.time_s),
+        planning_time_s,
+        shortcut_time_s,
         preparation_time_s,
+        judging_time_s: (solving_time_s - stated_time_s).max(0.0),
         iterations: answer.statistics.iterations,
         valid: answer.is_valid(),
         start_faults: start::faults(&problem),
         deviations,
         plan_file: is_written.then_some(file.as_path()),
         duration_s: answer.timed.as_ref().map(|timed| timed.trajectory.duration_s()),
-        timing_time_s: answer.timed.as_ref().map(|timed| timed.time_s),
+        timing_time_s,
         trajectory_file: trajectory_file.as_deref(),
         clearance_limit: answer.audit.as_ref().and_then(|audit| audit.clearance_limit.as_ref()),
         untimed: answer.untimed.clone(),

@@ -22,6 +22,9 @@ pub struct Answered<'a> {
     pub plan: &'a PlanFile,
     pub planning_time_s: f64,
     pub preparation_time_s: f64,
+    /// Time between preparation and answer that is in no other figure: for the proof, the tolerated errors, the least length, and
+    /// tries in physics.
+    pub judging_time_s: f64,
     pub shortcut_time_s: Option<f64>,
     pub iterations: u64,
     pub valid: bool,
@@ -190,12 +193,13 @@ const MOST_GOAL_FAULTS: usize = 12;
 fn times(answered: &Answered) -> String {
     let statistics = &answered.plan.statistics;
     format!(
-        "{} collision, {} proof, {} IK, {} nearest neighbours; {} to load",
+        "{} collision, {} proof, {} IK, {} nearest neighbours; {} to load, {} to judge",
         text::seconds(statistics.collision_time_s),
         text::seconds(statistics.proof_time_s),
         text::seconds(statistics.ik_time_s),
         text::seconds(statistics.nearest_time_s),
-        text::seconds(answered.preparation_time_s)
+        text::seconds(answered.preparation_time_s),
+        text::seconds(answered.judging_time_s)
     )
 }
 

@@ -9,6 +9,7 @@ use cranny_task::{Criterion, Problem};
 
 use crate::arguments::{Output, TaskArguments};
 use crate::failure::Failure;
+use crate::progress::spinner;
 use crate::text;
 
 /// Scenario, and its problem with the settings of the flags.
@@ -61,7 +62,10 @@ impl Task {
                 let problem = "the scenario has no target, so no target pose can be uncertain".to_owned();
                 Failure::Flag { flag: "robust", problem }
             })?;
-        let mut problem = scenario.problem(margins)?;
+        let spinner = spinner("preparing the scenario", output.quiet);
+        let problem = scenario.problem(margins);
+        spinner.finish_and_clear();
+        let mut problem = problem?;
         if arguments.strict_pairs {
             problem = problem.checking_all_pairs();
         }
@@ -74,7 +78,10 @@ impl Task {
 
 /// Opens a scenario and prints notes on repaired meshes and doubtful content.
 pub fn open_scenario(id: &str, options: &OpenOptions, output: Output) -> Result<Scenario, Failure> {
-    let scenario = Scenario::open(id, options)?;
+    let spinner = spinner("opening the scenario", output.quiet);
+    let scenario = Scenario::open(id, options);
+    spinner.finish_and_clear();
+    let scenario = scenario?;
     note_all(&brief_model_notes(&scenario.robot, &scenario.world), output)?;
     note_all(scenario.misplaced_grasps().as_slice(), output)?;
     Ok(scenario)

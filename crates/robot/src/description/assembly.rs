@@ -137,13 +137,13 @@ pub struct UrdfFile {
 }
 
 impl UrdfFile {
-    /// Reads the file at `path`, which may be a pipe, or the URDF named in the `robot.yaml` of the folder at `path`.
+    /// Reads the file at `path`, or the URDF named in the `robot.yaml` of the folder at `path`.
     ///
     /// # Errors
     /// [`RobotError::Unreadable`], or [`RobotError::NoDescription`] for a folder without a robot.
     pub fn read(path: &Path) -> Result<Self, RobotError> {
         let path = RobotDescription::urdf_at(path)?;
-        Ok(Self { text: read(cranny_file::TEXT.argument(), &path)?, path })
+        Ok(Self { text: read(cranny_file::TEXT, &path)?, path })
     }
 
     /// Builds a robot from it, as [`Robot::load`] does.

@@ -10,7 +10,7 @@ use cranny_robot::{Robot, RobotFiles};
 use cranny_shape::{Solid, quick_lower_bound, separation};
 use cranny_spatial::{CONTACT_M, Pose, Rotation, Stream, Vector};
 use cranny_task::{IkAnnotationSettings, IkStatus, Problem, annotate_ik};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::family::kind::Region;
 use crate::robot::in_folder::{ROBOT, write_robot};
@@ -87,7 +87,7 @@ pub struct SetMember {
 }
 
 /// Numbers of rejected draws, by reason.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Rejections {
     /// The object or a clutter object touches something other than its support.
     pub things_overlap: usize,
@@ -155,6 +155,10 @@ impl SetMaker {
     /// Writes the files of the robot into its folder, once for all scenarios of a set.
     pub(crate) fn write_robot(&self, folder: &Path) -> Result<(), ScenarioError> {
         self.files.as_ref().map_or(Ok(()), |files| write_robot(&folder.join(ROBOT), files))
+    }
+
+    pub(crate) fn settings(&self) -> &SetSettings {
+        &self.settings
     }
 
     /// Returns the maker of its scenarios.

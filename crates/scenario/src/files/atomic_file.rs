@@ -1,30 +1,34 @@
 //! Files and folders that are written atomically.
 //!
-//! All content is written next to its destination under a hidden name (`.NAME.PID.partial`) and renamed when it is complete. A
-//! failure before that (a full disk, a quota, Ctrl-C) leaves nothing behind and does not change what existed there.
+//! All content is written in a [`StagingFolder`] beside its destination and renamed when it is complete. A failure before that (a
+//! full disk, a quota, Ctrl-C) leaves nothing behind and does not change what existed there.
 
 use std::fs::{self, File};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use crate::ScenarioError;
-use crate::files::temporary::Temporary;
+use crate::files::staging_folder::StagingFolder;
+use crate::files::temporary::uninterrupted;
+
+/// Name of a file or folder in its staging folder.
+const CONTENT: &str = "content";
 
 /// Writes a file atomically. If `path` is a link, its target is replaced and the link stays.
 ///
 /// # Errors
 /// [`ScenarioError::Unwritable`], also for a folder, a device, and a read-only file.
 pub fn write_whole_file(path: &Path, content: &[u8]) -> Result<(), ScenarioError> {
-    let unwritable = |reason| ScenarioError::Unwritable { path: path.to_owned(), reason };
-    let place = place_of(path).map_err(unwritable)?;
-    let partial = Temporary::at(partial_of(&place));
-    let written = File::create(partial.path())
-        .and_then(|mut file| {
-            file.write_all(content)?;
-            file.sync_all()
-        })
-        .and_then(|()| partial.settle(|partial| fs::rename(partial, &place)));
-    written.map_err(unwritable)
+    let write = || {
+        let place = place_of(path)?;
+        let staging = StagingFolder::beside(&place)?;
+        let partial = staging.path().join(CONTENT);
+        let mut file = File::create_new(&partial)?;
+        file.write_all(content)?;
+        file.sync_all()?;
+        uninterrupted(|| fs::rename(&partial, &place))
+    };
+    write().map_err(|reason| ScenarioError::Unwritable { path: path.to_owned(), reason })
 }
 
 /// Checks that a file can be written at `path`, without touching an existing file.
@@ -32,9 +36,8 @@ pub fn write_whole_file(path: &Path, content: &[u8]) -> Result<(), ScenarioError
 /// # Errors
 /// As [`write_whole_file`].
 pub fn check_writable(path: &Path) -> Result<(), ScenarioError> {
-    let unwritable = |reason| ScenarioError::Unwritable { path: path.to_owned(), reason };
-    let partial = Temporary::at(partial_of(&place_of(path).map_err(unwritable)?));
-    File::create(partial.path()).map(|_| ()).map_err(unwritable)
+    let made = place_of(path).and_then(|place| StagingFolder::beside(&place));
+    made.map(drop).map_err(|reason| ScenarioError::Unwritable { path: path.to_owned(), reason })
 }
 
 /// Checks that a folder can be created at `place`: it does not exist, or is an empty folder.
@@ -70,19 +73,21 @@ pub fn write_whole_folder<T>(
     // The topmost new folder: all folders below it appear with it.
     let is_new = |path: &&Path| !path.as_os_str().is_empty() && !path.exists();
     let top = place.ancestors().take_while(is_new).last().unwrap_or(&place);
-    let partial = Temporary::at(partial_of(top));
-    let inside = place
-        .strip_prefix(top)
-        .map_or_else(|_| partial.path().to_owned(), |below| partial.path().join(below));
+    let staging = StagingFolder::beside(top).map_err(unwritable)?;
+    let partial = staging.path().join(CONTENT);
+    let inside = place.strip_prefix(top).map_or_else(|_| partial.clone(), |below| partial.join(below));
     let written =
         fs::create_dir_all(&inside).map_err(unwritable).and_then(|()| fill(&inside)).and_then(|filled| {
-            partial.settle(|partial| put_in_place(partial, top)).map(|()| filled).map_err(unwritable)
+            uninterrupted(|| put_in_place(&partial, top)).map(|()| filled).map_err(unwritable)
         });
     written.map_err(|fault| moved(fault, &inside, &place))
 }
 
 /// Renames a folder to a free path, or to an empty folder, which not every system lets a rename replace.
-fn put_in_place(partial: &Path, place: &Path) -> std::io::Result<()> {
+///
+/// # Errors
+/// Those of the operating system.
+pub fn put_in_place(partial: &Path, place: &Path) -> std::io::Result<()> {
     if place.is_dir() {
         fs::remove_dir(place)?;
     }
@@ -128,13 +133,6 @@ fn place_of(path: &Path) -> std::io::Result<PathBuf> {
             Ok(place)
         }
     }
-}
-
-fn partial_of(path: &Path) -> PathBuf {
-    let mut name = std::ffi::OsString::from(".");
-    name.push(path.file_name().unwrap_or_default());
-    name.push(format!(".{}.partial", std::process::id()));
-    path.with_file_name(name)
 }
 
 #[cfg(test)]
@@ -193,5 +191,33 @@ mod tests {
         }
         assert!(write_whole_file(Path::new("/dev/null"), b"").is_err());
         assert_eq!(names(root.path()).len(), 5);
+    }
+
+    /// Partial names used to be made of the name of the file and the number of the process.
+    #[cfg(unix)]
+    #[test]
+    fn a_link_at_a_guessed_partial_name_is_not_followed() {
+        use std::os::unix::fs::symlink;
+        let root = tempfile::tempdir().unwrap();
+        let (file, victim) = (root.path().join("plan.json"), root.path().join("victim"));
+        fs::write(&victim, "precious").unwrap();
+        let guessed = |name: &str| root.path().join(format!(".{name}.{}.partial", std::process::id()));
+        symlink(&victim, guessed("plan.json")).unwrap();
+        symlink(root.path(), guessed("folder")).unwrap();
+        check_writable(&file).unwrap();
+        write_whole_file(&file, b"plan").unwrap();
+        write_whole_folder(&root.path().join("folder"), |_| Ok(())).unwrap();
+        assert_eq!(fs::read(&victim).unwrap(), b"precious");
+        assert_eq!(fs::read(&file).unwrap(), b"plan");
+        assert_eq!(names(root.path()).len(), 5);
+    }
+
+    /// The name of a partial file must not be longer than that of its file.
+    #[test]
+    fn a_name_of_the_greatest_length_can_be_written() {
+        let root = tempfile::tempdir().unwrap();
+        let file = root.path().join("n".repeat(255));
+        write_whole_file(&file, b"content").unwrap();
+        assert_eq!(fs::read(&file).unwrap(), b"content");
     }
 }

@@ -11,12 +11,12 @@ pub(crate) fn read(path: &Path) -> Result<Vec<f64>, ScenarioError> {
     Ok(rows.into_iter().flatten().collect())
 }
 
-/// Reads the configurations of a file, one per line, each of `dof` values (m, rad); the file may be empty, and may be a pipe.
+/// Reads the configurations of a file, one per line, each of `dof` values (m, rad); the file may be empty.
 ///
 /// # Errors
 /// [`ScenarioError`] with file and line for a wrong count or a value that is not a finite number.
 pub fn read_configurations(path: &Path, dof: usize) -> Result<Vec<Vec<f64>>, ScenarioError> {
-    parse_configurations(path, &yaml::text(TABLE.argument(), path)?, dof)
+    parse_configurations(path, &yaml::text(TABLE, path)?, dof)
 }
 
 /// Parses configurations of `dof` values (m, rad) from a text; errors name `path`.

@@ -19,12 +19,6 @@ fn known() -> MutexGuard<'static, BTreeSet<PathBuf>> {
 }
 
 impl Temporary {
-    /// Registers a path before anything is created there.
-    pub(crate) fn at(path: PathBuf) -> Self {
-        known().insert(path.clone());
-        Self { path }
-    }
-
     /// Creates a folder for temporary files of the system.
     ///
     /// # Errors
@@ -39,7 +33,10 @@ impl Temporary {
     /// Returns the error of the operating system.
     pub fn folder_in(parent: &Path, prefix: &str, suffix: &str) -> io::Result<Self> {
         let mut known = known();
-        let path = tempfile::Builder::new().prefix(prefix).suffix(suffix).tempdir_in(parent)?.keep();
+        let mut name = tempfile::Builder::new();
+        name.prefix(prefix).suffix(suffix).disable_cleanup(true);
+        // Unlike `tempdir_in`, this does not put the random name into errors.
+        let path = name.make_in(parent, |path| std::fs::create_dir(path))?.path().to_owned();
         known.insert(path.clone());
         Ok(Self { path })
     }
@@ -48,15 +45,12 @@ impl Temporary {
     pub fn path(&self) -> &Path {
         &self.path
     }
+}
 
-    /// Moves the complete file or folder to its destination by `rename`, which must be atomic.
-    pub(crate) fn settle(self, rename: impl FnOnce(&Path) -> io::Result<()>) -> io::Result<()> {
-        // The process does not end meanwhile, which could move a folder that has been removed in part.
-        let mut known = known();
-        rename(&self.path)?;
-        known.remove(&self.path);
-        Ok(())
-    }
+/// Runs `action`, before or after which [`exit_without_temporaries`] may end the process, but not meanwhile.
+pub(crate) fn uninterrupted<T>(action: impl FnOnce() -> io::Result<T>) -> io::Result<T> {
+    let _known = known();
+    action()
 }
 
 impl Drop for Temporary {
@@ -108,7 +102,8 @@ mod tests {
 
         let folder = Temporary::folder_in(root.path(), ".b-", "").unwrap();
         let (path, place) = (folder.path().to_owned(), root.path().join("b"));
-        folder.settle(|path| std::fs::rename(path, &place)).unwrap();
+        uninterrupted(|| std::fs::rename(&path, &place)).unwrap();
+        drop(folder);
         assert!(place.is_dir() && !path.exists() && !known().contains(&path));
     }
 }

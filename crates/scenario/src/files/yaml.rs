@@ -9,14 +9,9 @@ use serde::de::DeserializeOwned;
 use crate::ScenarioError;
 use crate::object::object_type::check_number;
 
-/// Reads a YAML file that a scenario names or that is in its folder.
+/// Reads a YAML file.
 pub(crate) fn read<T: DeserializeOwned>(path: &Path) -> Result<T, ScenarioError> {
     parse(path, &text(TEXT, path)?)
-}
-
-/// Reads a YAML file that the user names.
-pub(crate) fn read_argument<T: DeserializeOwned>(path: &Path) -> Result<T, ScenarioError> {
-    parse(path, &text(TEXT.argument(), path)?)
 }
 
 /// Reads the text of a file of some kind.

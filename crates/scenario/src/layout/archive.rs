@@ -165,10 +165,7 @@ impl Unpacked {
 }
 
 fn bytes_of(archive: &Path) -> Result<Vec<u8>, ScenarioError> {
-    ARCHIVE
-        .argument()
-        .bytes(archive)
-        .map_err(|reason| ScenarioError::Unreadable { path: archive.to_owned(), reason })
+    ARCHIVE.bytes(archive).map_err(|reason| ScenarioError::Unreadable { path: archive.to_owned(), reason })
 }
 
 fn checksum(bytes: &[u8]) -> String {

@@ -26,7 +26,7 @@ pub(crate) fn read_scene(path: &Path) -> Result<SceneFile, ScenarioError> {
         #[serde(alias = "planning_scene")]
         scene: SceneFile,
     }
-    let text = yaml::text(TEXT.argument(), path)?;
+    let text = yaml::text(TEXT, path)?;
     if scene_text::is_scene_text(&text) {
         let text_bodies = scene_text::parse(path, &text)?;
         return Ok(SceneFile::of(WorldEntry { text_bodies, ..WorldEntry::default() }));
@@ -61,7 +61,7 @@ pub(crate) fn read_request(path: &Path) -> Result<RequestFile, ScenarioError> {
         #[serde(alias = "request")]
         motion_plan_request: RequestFile,
     }
-    let text = yaml::text(TEXT.argument(), path)?;
+    let text = yaml::text(TEXT, path)?;
     let form: Form = yaml::parse(path, &text)?;
     if form.has("motion_plan_request") || form.has("request") {
         return Ok(yaml::parse::<Service>(path, &text)?.motion_plan_request);

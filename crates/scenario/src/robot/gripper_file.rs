@@ -11,6 +11,6 @@ use crate::files::yaml;
 /// [`ScenarioError::Yaml`] with file and line, [`ScenarioError::Unreadable`], or
 /// [`ScenarioError::GripperFigure`] for a figure out of range.
 pub fn read_gripper(path: &Path) -> Result<Hand, ScenarioError> {
-    let boxes: BoxHand = yaml::read_argument(path)?;
+    let boxes: BoxHand = yaml::read(path)?;
     boxes.hand().map_err(|reason| ScenarioError::GripperFigure { path: path.to_owned(), reason })
 }

@@ -86,7 +86,6 @@ impl BodyRecording {
     /// format or an invalid value.
     pub fn read(path: &Path) -> Result<Self, ViewError> {
         let text = cranny_file::TABLE
-            .argument()
             .bytes(path)
             .map_err(|reason| ScenarioError::Unreadable { path: path.to_owned(), reason })?;
         let malformed = |reason| ScenarioError::Json { path: path.to_owned(), reason };

@@ -102,7 +102,7 @@ fn of_environment(groups: &[&Group]) -> Vec<SuccessCurve> {
             mean(Measure::Time, &|group| {
                 group.over_time().into_iter().map(|run| run.up_to(limit_s)).collect()
             }),
-            mean(Measure::Iterations, &Group::over_iterations),
+            mean(Measure::Iterations, &|group| group.over_iterations()),
         ]
     };
     planners.into_values().flat_map(pooled).flatten().collect()
