@@ -107,7 +107,7 @@ fn values_of_another_type_are_an_error_and_not_a_guess() {
         let fault = results.trials().expect_err(change_of).to_string();
         assert!(fault.contains("results.db"), "{change_of}: {fault}");
     }
-    // Invalid bytes give no way points, or other ones, and take no more memory than their length.
+    // Invalid bytes give none or other way points, and take no more memory than their length.
     for bytes in ["x'ffffffff0000000000000000'", "x'00000000'", "x'01'", "'text'", "zeroblob(1000003)"] {
         let folder = folder();
         let path = results(folder.path());

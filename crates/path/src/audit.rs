@@ -8,7 +8,7 @@ use cranny_task::{FoundGrasp, Goal, NotChecked, Problem, Validity};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::audit_limits::{first_violations, joint_offset};
+use crate::audit_limits::{START_TOLERANCE, first_violations, joint_offset};
 use crate::clearance_limit::ClearanceLimit;
 use crate::grasp_judge::GraspJudge;
 use crate::step::{RELEASED_STEP_M, Stepper};
@@ -42,6 +42,12 @@ pub struct Audit {
 }
 
 impl Audit {
+    /// Returns the verdict on a path that is not judged beyond these violations.
+    pub(crate) fn ended(problem: &Problem, violations: Vec<Violation>, settings: AuditSettings) -> Self {
+        let is_measured = problem.cell().is_some() && settings.clearances != Clearances::None;
+        Self { violations, clearance_m: is_measured.then_some(0.0), ..Self::empty() }
+    }
+
     /// Returns the score of the grasp at which the path ends, or `None` if there is none or it has no score.
     pub fn grasp_score(&self, problem: &Problem) -> Option<f64> {
         let given = || problem.grasps()?.grasps()[self.goal?.grasp].score;
@@ -91,9 +97,6 @@ impl Audit {
 fn is_one_pick(picks: &[PickAudit]) -> bool {
     picks.len() < 2
 }
-
-/// Tolerance on the start of a path, per joint (m or rad). Way points are often written with six digits.
-pub(crate) const START_TOLERANCE: f64 = 1e-5;
 
 /// Returns the length of a path of way points (m, rad; one value per joint): the sum of the L2 lengths of its edges in
 /// configuration space (m and rad mixed).

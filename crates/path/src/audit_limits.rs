@@ -1,8 +1,7 @@
 use cranny_robot::JointLimits;
-use cranny_task::{Problem, Segment, joined};
+use cranny_task::Problem;
 
-use crate::audit::START_TOLERANCE;
-use crate::{Audit, AuditSettings, Cause, Clearances, JointOffset, PathError, Violation};
+use crate::{Cause, JointOffset, PathError, Violation};
 
 /// Limits of an audit, which bound its time and memory for every path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,24 +27,11 @@ impl Default for AuditLimits {
     }
 }
 
+/// Tolerance on the start of a path, per joint (m or rad). Way points are often written with six digits.
+pub(crate) const START_TOLERANCE: f64 = 1e-5;
+
 /// Excess over a joint limit (m or rad) up to which a path is still judged: a limit of another version of the robot, or a turn.
 const MOST_EXCESS: f64 = 10.0;
-
-/// Returns the audit of segments whose verdict needs no proof, because a way point is more than 10 m or rad beyond a joint
-/// limit, or because the start or the joint limits have as many violations as count; otherwise `None`.
-///
-/// # Errors
-/// Those of [`audit_task`](crate::audit_task) that concern the way points.
-pub fn audit_without_proof(
-    problem: &Problem,
-    segments: &[Segment],
-    settings: AuditSettings,
-) -> Result<Option<Audit>, PathError> {
-    let count = segments.iter().map(|segment| segment.waypoints.len()).sum();
-    check_count(count, settings.limits)?;
-    let (violations, is_over) = first_violations(problem, &joined(segments), settings.limits)?;
-    Ok(is_over.then(|| Audit::ended(problem, violations, settings)))
-}
 
 /// Returns the violations of a path (m, rad; one value per joint) at its start and of the joint limits, and true if the audit
 /// ends with them.
@@ -94,7 +80,7 @@ pub(crate) fn joint_offset(problem: &Problem, joint: usize, off: f64) -> JointOf
     JointOffset { joint: robot.joint_names()[joint].clone(), off, unit: robot.limits()[joint].unit }
 }
 
-fn check_count(actual: usize, limits: AuditLimits) -> Result<(), PathError> {
+pub(crate) fn check_count(actual: usize, limits: AuditLimits) -> Result<(), PathError> {
     let most = limits.way_points;
     if actual > most { Err(PathError::TooManyWayPoints { actual, most }) } else { Ok(()) }
 }
@@ -110,12 +96,4 @@ fn check_travel(path: &[Vec<f64>], limits: AuditLimits) -> Result<(), PathError>
         }
     }
     Ok(())
-}
-
-impl Audit {
-    /// Returns the verdict on a path that is not judged beyond these violations.
-    pub(crate) fn ended(problem: &Problem, violations: Vec<Violation>, settings: AuditSettings) -> Self {
-        let is_measured = problem.cell().is_some() && settings.clearances != Clearances::None;
-        Self { violations, clearance_m: is_measured.then_some(0.0), ..Self::empty() }
-    }
 }

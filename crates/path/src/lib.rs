@@ -4,6 +4,7 @@ mod audit;
 mod audit_limits;
 mod clearance_limit;
 mod corner_audit;
+mod early_audit;
 mod error;
 mod grasp_judge;
 mod joint_metric;
@@ -20,8 +21,9 @@ mod violation;
 mod wall_clock;
 
 pub use audit::{Audit, AuditSettings, Clearances, arrival_at, audit, audit_with, path_length};
-pub use audit_limits::{AuditLimits, audit_without_proof};
+pub use audit_limits::AuditLimits;
 pub use clearance_limit::{AppliedMargin, ClearanceLimit};
+pub use early_audit::audit_without_proof;
 pub use error::PathError;
 pub use grasp_judge::GraspJudge;
 pub use joint_metric::JointMetric;

@@ -5,7 +5,7 @@ use cranny_robot::{DampedInverse, Jacobian, JointKind, JointLimits, LinkFrames, 
 use cranny_spatial::{Point, Pose, Vector};
 use cranny_task::{Goal, Problem, gripper_poses};
 
-use crate::audit::START_TOLERANCE;
+use crate::audit_limits::START_TOLERANCE;
 use crate::pose_clusters::{Cluster, PoseClusters};
 use crate::pose_functional::Functional;
 

@@ -37,6 +37,7 @@ impl Trial {
     pub fn is_built_in(&self) -> bool {
         /// Keys that only external programs have among their settings ([`PlannerCall::settings`](crate::PlannerCall::settings)).
         #[derive(Deserialize)]
+        // Other keys are settings of built-in planners.
         struct Program {
             exec: Option<serde::de::IgnoredAny>,
             released: Option<serde::de::IgnoredAny>,

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::foreign::sandbox::Isolation;
 
-/// Program that a worker is asked to enclose instead of serving trials.
+/// Request to enclose a program instead of serving trials.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Enclosure {

@@ -7,7 +7,7 @@ use crate::statistics::{Interval, KaplanMeier};
 /// With `k` groups `S̄(t) = Σ Sⱼ(t)/k`, of variance `Σ Var Sⱼ(t)/k²` by Greenwood; the band is symmetric in `log(−log S̄)`, as
 /// for one group. After the last trial of a group its estimate stays as it is. Of one group it is the estimate itself.
 ///
-/// Source: Nieto & Coresh 1996, "Adjusting survival curves for confounders: a review and a new method", with equal weights.
+/// Source: Nieto & Coresh 1996, "Adjusting survival curves for confounders: a review and a new method", whole, with equal weights.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeanSurvival {
     steps: Vec<MeanStep>,

@@ -264,7 +264,7 @@ mod tests {
         }
     }
 
-    /// The scores and times of so many trials took a pass over all trials each.
+    /// Each score and each time of these trials once took a pass over all of them.
     #[test]
     fn censored_trials_are_tested_in_nearly_linear_time() {
         let trials = |mean: f64| -> Vec<Followed> {

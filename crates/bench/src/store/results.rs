@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use cranny_scenario::Temporary;
 use rusqlite::{Connection, OptionalExtension as _, params};
 
-use crate::store::results_claim::Claim;
+use crate::store::results_file::Claim;
 use crate::store::results_row::{self, Present};
 use crate::store::run_information::UNKNOWN;
 use crate::store::stored_trial::StoredTrial;

@@ -1,21 +1,12 @@
 //! Claim of a campaign on its results: no other campaign writes them, and they stay where they are.
 
-use std::fs::{self, File, TryLockError};
+use std::fs::{self, TryLockError};
 use std::path::PathBuf;
 
 use cranny_file::system::{FileIdentity, open_plain_file};
 
-use crate::store::results_file;
+use crate::store::results_file::{self, Claim};
 use crate::{BenchError, Results};
-
-/// Results file in use by a campaign.
-#[derive(Debug)]
-pub struct Claim {
-    /// The file, locked if its file system has locks; the system releases the lock at any end of the campaign.
-    file: File,
-    /// Greatest length until now, in bytes: `SQLite` never shortens a file whose rows are not deleted.
-    bytes: u64,
-}
 
 impl Results {
     /// Locks the results for one campaign until they are closed: two writers would do all work twice.

@@ -119,6 +119,15 @@ pub fn begin(path: &Path) -> Result<(), BenchError> {
     }
 }
 
+/// Results file in use by a campaign.
+#[derive(Debug)]
+pub struct Claim {
+    /// The file, locked if its file system has locks; the system releases the lock at any end of the campaign.
+    pub file: fs::File,
+    /// Greatest length until now, in bytes: `SQLite` never shortens a file whose rows are not deleted.
+    pub bytes: u64,
+}
+
 /// Creates a temporary folder beside a file, for building its replacement.
 pub fn folder_beside(path: &Path) -> Result<StagingFolder, BenchError> {
     StagingFolder::beside(path).map_err(|reason| BenchError::Unwritable { path: path.to_owned(), reason })

@@ -6,7 +6,8 @@ use crate::cell::{Cell, Scratch};
 use crate::pair::pair_group::PairGroup;
 use crate::pair::pairs::Pair;
 use crate::proof::joint_curve::JointCurve;
-use crate::proof::motion::{MOST_INTERVALS, travel_of};
+use crate::proof::motion::travel_of;
+use crate::proof::work_list::MOST_INTERVALS;
 use crate::touch::contact::Contact;
 
 /// Options of [`Cell::measure_motion`].

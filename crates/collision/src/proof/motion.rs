@@ -11,7 +11,7 @@ use crate::proof::joint_curve::JointCurve;
 use crate::proof::joint_curve::Rates;
 use crate::proof::tool::Excess;
 use crate::proof::travel::LinkSpeed;
-use crate::proof::work_list::{Interval, WorkList};
+use crate::proof::work_list::{Interval, MOST_INTERVALS, WorkList};
 use crate::touch::contact::Contact;
 
 /// Proof of a motion, or its failure.
@@ -78,11 +78,6 @@ impl Default for Demand {
         Self { factor: 1.0, beyond_m: 0.0, effort: MOST_INTERVALS }
     }
 }
-
-/// Maximum number of intervals into which a proof or a measurement divides one motion: a hundred times as many as a motion of
-/// a metre at a distance of 50 µm needs. Without it, a motion of many turns, or one within a few micrometres of a body, would
-/// take hours and all memory.
-pub(crate) const MOST_INTERVALS: u64 = 1 << 20;
 
 /// Maximum number of intervals that wait for the lanes; the exact phase takes further ones, within [`MOST_INTERVALS`].
 const MOST_WAITING: usize = 1 << 18;

@@ -3,7 +3,7 @@ use cranny_spatial::{Point, Vector};
 
 use crate::body::tool_bound::{CellBound, ToolRegion};
 use crate::cell::{Cell, Scratch};
-use crate::proof::motion::MOST_INTERVALS;
+use crate::proof::work_list::MOST_INTERVALS;
 use crate::{CollisionError, ToolBound};
 
 /// Rounding of angles and distances, in radians and metres: the reserve with which a bound must be kept.

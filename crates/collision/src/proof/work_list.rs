@@ -1,3 +1,8 @@
+/// Maximum number of intervals into which a proof or a measurement divides one motion: a hundred times as many as a motion of
+/// a metre at a distance of 50 µm needs. Without it, a motion of many turns, or one within a few micrometres of a body, would
+/// take hours and all memory.
+pub(crate) const MOST_INTERVALS: u64 = 1 << 20;
+
 /// An interval of the motion that is not certified yet, with its pairs in doubt.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Interval {

@@ -7,7 +7,7 @@ use crate::body::link_body::group_separation;
 use crate::body::world::{Body, Part};
 use crate::cell::{Cell, Scratch};
 use crate::proof::joint_curve::JointCurve;
-use crate::proof::motion::MOST_INTERVALS;
+use crate::proof::work_list::MOST_INTERVALS;
 use crate::touch::contact_patch::{Across, PlanePoint, distance_to_hull};
 use crate::touch::resting_face::{
     CONTACT_ALLOWANCE_M, Face, MOST_GAP_M, RESOLUTION_M, SupportedObject, UNEVEN_M, lip,

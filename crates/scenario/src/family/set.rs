@@ -88,6 +88,7 @@ pub struct SetMember {
 
 /// Numbers of rejected draws, by reason.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Rejections {
     /// The object or a clutter object touches something other than its support.
     pub things_overlap: usize,

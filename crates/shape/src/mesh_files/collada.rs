@@ -24,7 +24,7 @@ use self::colour::{Colour, Colours, bindings};
 use self::element::{HasTag, child, children, elements, fault, number, unknown};
 use self::geometry::Geometries;
 use self::motion::motion;
-use crate::mesh_files::mesh_file::check_corners;
+use crate::mesh_files::mesh_size::check_corners;
 
 /// Corners of the triangles, three at a time, in metres.
 ///

@@ -2,7 +2,7 @@ use std::borrow::Cow;
 
 use cranny_spatial::Point;
 
-use crate::mesh_files::mesh_file::{check_corners, check_vertices};
+use crate::mesh_files::mesh_size::{check_corners, check_vertices};
 use crate::mesh_files::polygon::triangulate;
 
 /// Corners of the triangles of a Wavefront OBJ file (version 3.0), three at a time, rounded to the single precision of

@@ -1,6 +1,6 @@
 use cranny_spatial::Point;
 
-use crate::mesh_files::mesh_file::{check_corners, check_vertices};
+use crate::mesh_files::mesh_size::{check_corners, check_vertices};
 use crate::mesh_files::polygon::triangulate;
 
 /// Corners of the triangles of a PLY file (Turk 1994, "The PLY polygon file format", whole), three at a time. Reads text

@@ -1,6 +1,6 @@
 use cranny_spatial::Point;
 
-use crate::mesh_files::mesh_file::check_corners;
+use crate::mesh_files::mesh_size::check_corners;
 use crate::mesh_files::polygon::triangulate;
 
 /// Corners of the triangles of an STL file, three at a time.

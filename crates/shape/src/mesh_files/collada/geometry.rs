@@ -7,7 +7,7 @@ use roxmltree::{Node, NodeId};
 use super::element::{HasTag, child, elements, fault, index, numbers, unknown};
 use super::primitive::{Inputs, Primitive};
 use super::references::References;
-use crate::mesh_files::mesh_file::check_corners;
+use crate::mesh_files::mesh_size::check_corners;
 use crate::mesh_files::polygon::triangulate;
 
 /// Geometries of a file. Each of their elements is read once, however many others refer to it: the time is linear in the size
