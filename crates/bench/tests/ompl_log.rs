@@ -152,7 +152,7 @@ fn text_that_would_break_the_format_is_made_harmless() {
     }
     campaign.runs[0].information.command = "cranny\n|>>>\nbench".to_owned();
     let log = all(&campaign);
-    assert!(log.text.contains("\nexec:a, b c\n"), "{}", log.text);
+    assert!(log.text.contains("\nexec:a, b\\nc\n"), "{}", log.text);
     assert_eq!(log.text.matches("|>>>").count(), 2, "{}", log.text);
     let (nothing, _) = empty();
     assert!(matches!(OmplLog::of_all(&nothing.source()), Err(BenchError::NoTrials { .. })));

@@ -219,7 +219,7 @@ fn nothing_is_gained_by_a_spent_budget_or_a_killed_worker() {
     let pretence = "echo '{\"outcome\": \"budget-exhausted\", \"statistics\": {\"iterations\": 1000}}'\n";
     for (text, outcome, says) in [
         (pretence, TrialOutcome::GaveUp, "whatever the program states about its iterations"),
-        ("kill -9 $PPID\nsleep 5\n", TrialOutcome::Killed, "a signal killed their worker"),
+        (&format!("{KILL_WORKER}\nsleep 5\n"), TrialOutcome::Killed, "a signal killed their worker"),
     ] {
         let folder = folder();
         let path = folder.path();

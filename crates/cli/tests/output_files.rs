@@ -124,7 +124,7 @@ fn results_folders_and_devices_are_not_written_over_even_when_forced() {
         ("bench merge trials.db trials.db --force -o notes.db", "not a results file"),
         ("plan 021 --force -o plan.json", "directory"),
         ("plan 021 --force -o /dev/null", "device"),
-        ("bench run --scenarios 021 --planners reach --runs 1 -o /dev/null", "not a results file"),
+        ("bench run --scenarios 021 --planners reach --runs 1 -o /dev/null", "device"),
         ("render 021 --force -o no/such/folder.png", "folder does not exist"),
         ("scenario new mine --force", "exists already"),
         ("scenario new mesh.obj --force", "exists already"),
