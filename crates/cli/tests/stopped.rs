@@ -191,7 +191,7 @@ fn a_command_without_results_to_keep_ends_with_1_and_leaves_nothing() {
     };
     let before = names();
     for arguments in [
-        "render run.json -o run.gif --size 320x240",
+        "render run.json -o run.gif --size 160x120",
         "render run.json -o frames/",
         // These read a pipe that does not end.
         "verify 021 wait.plan.json",
