@@ -305,6 +305,8 @@ fn a_collada_file_that_multiplies_is_refused_with_its_limit() {
     );
     let namespaces = (0..100_000).fold(String::new(), |all, index| all + &format!("<x xmlns:n{index}='u'>"));
     assert!(with(&namespaces).contains("65 namespaces declared for one element, but at most 64"));
+    let many = format!("<triangles>{INPUT}<p>{}</p></triangles>", "0 1 2 ".repeat(100_000));
+    assert!(bad(&collada(&many, &NODE.repeat(81))).contains("more than 8000000 triangles (reduce it"));
     let zeros = " 0".repeat(100_000);
     let lists = "<p/>".repeat(100_000);
     let polylist = format!("<polylist>{INPUT}<vcount>{zeros}</vcount>{lists}</polylist>");
