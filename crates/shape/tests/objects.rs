@@ -364,7 +364,7 @@ proptest! {
             let on_the_way = (0..=steps)
                 .map(|step| {
                     let there = Pose::from_parts((shift * (f64::from(step) / f64::from(steps))).into(),
-                        cranny_spatial::Rotation::identity());
+                        Rotation::identity());
                     separation(solid, &there, &obstacle, &pose, 1.0).upper_m
                 })
                 .fold(f64::INFINITY, f64::min);
