@@ -134,14 +134,19 @@ impl Mesh {
 const MOST_CORNERS: usize = 16_000;
 
 fn hull_of(corners: &[[Point; 3]]) -> Option<Core> {
-    let mut vertices: Vec<Point> = corners.iter().flatten().copied().collect();
+    let vertices = each_once(corners.iter().flatten().copied().collect());
+    let vertices: Vec<_> = vertices.iter().map(parry::point).collect();
+    (vertices.len() <= MOST_CORNERS).then(|| Core::Hull(Arc::new(HullPoints::new(&vertices))))
+}
+
+/// Returns the points in ascending order, each once. The corners of the triangles of a mesh have each vertex about six times.
+pub(crate) fn each_once(mut points: Vec<Point>) -> Vec<Point> {
     let order = |a: &Point, b: &Point| {
         a.x.total_cmp(&b.x).then_with(|| a.y.total_cmp(&b.y)).then_with(|| a.z.total_cmp(&b.z))
     };
-    vertices.sort_unstable_by(order);
-    vertices.dedup();
-    let vertices: Vec<_> = vertices.iter().map(parry::point).collect();
-    (vertices.len() <= MOST_CORNERS).then(|| Core::Hull(Arc::new(HullPoints::new(&vertices))))
+    points.sort_unstable_by(order);
+    points.dedup();
+    points
 }
 
 /// Region of a triangle with positive height: a convex polygon, corners in order.

@@ -63,7 +63,7 @@ pub struct Ran {
 /// # Errors
 /// Error of the operating system if the program cannot be started.
 pub fn run(command: &Command, input: String, limits: Limits, leash: &Leash) -> std::io::Result<Ran> {
-    let mut enclosing = limits.isolation.command(limits.worker);
+    let mut enclosing = limits.isolation.command(limits.worker)?;
     enclosing.current_dir(limits.scratch).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
     let mut child = enclosing.spawn()?;
     leash.attach(vec![child.id()]);

@@ -2,6 +2,7 @@
 
 use std::process::Command;
 
+use cranny_file::system::installed_command;
 use serde::{Deserialize, Serialize};
 use strum::{EnumString, IntoStaticStr, VariantArray};
 
@@ -71,15 +72,18 @@ impl Isolation {
     }
 
     /// Returns the command of a process that encloses a program.
-    pub fn command(self, worker: &WorkerProgram) -> Command {
-        if self.namespaces {
-            let mut command = Command::new(NAMESPACES[0]);
-            command.args(&NAMESPACES[1..]).arg(&worker.program).args(&worker.arguments);
+    ///
+    /// # Errors
+    /// [`std::io::ErrorKind::NotFound`] if a tool is not installed.
+    pub fn command(self, worker: &WorkerProgram) -> std::io::Result<Command> {
+        let mut command = if self.namespaces {
+            let mut command = installed_command(NAMESPACES[0])?;
+            command.args(&NAMESPACES[1..]).arg(&worker.program);
             command
         } else {
-            let mut command = Command::new(&worker.program);
-            command.args(&worker.arguments);
-            command
-        }
+            Command::new(&worker.program)
+        };
+        command.args(&worker.arguments);
+        Ok(command)
     }
 }

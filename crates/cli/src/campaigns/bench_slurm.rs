@@ -6,6 +6,7 @@ use clap::Args;
 use cranny_bench::{Campaign, MOST_SHARDS, Manifest, Sandbox};
 use cranny_file::{counted, shell_file, shell_word};
 use cranny_plan::Registry;
+use cranny_scenario::write_whole_file;
 use serde::Serialize;
 
 use crate::Answer;
@@ -173,8 +174,8 @@ fn begin(
     let task = scripts.task(&of_folder, memory_mb, arguments.sandbox, arguments.local.as_deref())?;
     let last = scripts.last()?;
     fs::create_dir_all(folder.path.join("log"))?;
-    fs::write(folder.task_script(), task)?;
-    fs::write(folder.last_script(), last)?;
+    write_whole_file(&folder.task_script(), task.as_bytes())?;
+    write_whole_file(&folder.last_script(), last.as_bytes())?;
     folder.write_campaign(&of_folder)?;
     Ok((folder, of_folder, (1..=tasks).collect()))
 }

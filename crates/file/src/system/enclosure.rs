@@ -108,7 +108,7 @@ pub fn status_of_shell(status: ExitStatus) -> ExitStatus {
 mod linux {
     use std::fs;
     use std::io;
-    use std::process::{Command, Stdio};
+    use std::process::Stdio;
 
     use rustix::process::{Resource, Rlimit, setrlimit};
     use rustix::thread::{
@@ -117,17 +117,19 @@ mod linux {
     };
 
     use crate::system::enclosure::Restrictions;
-    use crate::system::mounts;
+    use crate::system::{installed_command, mounts};
 
     /// Completes namespaces that this process is the first one of, and drops all rights within them.
     pub fn close_namespaces(restrictions: Restrictions) -> io::Result<()> {
         // Without the tool there is no network at all, which only a program with several processes may miss.
-        let _ = Command::new("ip")
-            .args(["link", "set", "lo", "up"])
-            .stdin(Stdio::null())
-            .stdout(Stdio::null())
-            .stderr(Stdio::null())
-            .status();
+        if let Ok(mut ip) = installed_command("ip") {
+            let _ = ip
+                .args(["link", "set", "lo", "up"])
+                .stdin(Stdio::null())
+                .stdout(Stdio::null())
+                .stderr(Stdio::null())
+                .status();
+        }
         // Before the file systems become read-only. An older kernel lacks one of them: then the other limits apply.
         let _ = fs::write("/proc/sys/user/max_user_namespaces", "0");
         let _ = fs::write("/proc/sys/kernel/shmall", SHARED_PAGES);

@@ -4,6 +4,7 @@ use crate::distance::convex::Core;
 use crate::hulls::coarse_hull::chosen;
 use crate::hulls::convex_hull::Plane;
 use crate::hulls::cut::{Cut, longest_side};
+use crate::mesh::each_once;
 use crate::solid::Kind;
 use crate::{Ball, CoarseHull, Solid, TriangleSoup};
 
@@ -53,6 +54,7 @@ impl BallTree {
         }
         // A mesh, or a hull whose corners cannot be distinguished.
         let (points, radius_m) = solid.bounding_points()?;
+        let points = each_once(points);
         let whole = || Self { nodes: vec![BallNode { ball: enclosing(&points, radius_m), children: None }] };
         let tree = chosen(&points, MOST_CORNERS).and_then(|(corners, standing_out_m)| {
             Self::around_corners(&corners, radius_m + standing_out_m, bulge_m)
@@ -270,4 +272,20 @@ fn around_balls(balls: &[Ball]) -> Ball {
         }
     }
     Ball { center, radius_m: reach(&center, &farthest(&center)) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The corners of all triangles were considered, so that each vertex counted about six times.
+    #[test]
+    fn each_vertex_of_a_mesh_counts_once() {
+        let soup = Solid::sphere(0.1).unwrap().tessellation().unwrap();
+        let (corners, _) = Solid::mesh(&soup).unwrap().bounding_points().unwrap();
+        assert_eq!(corners.len(), 3 * soup.triangles.len());
+        let points = each_once(corners);
+        assert_eq!(points.len(), soup.vertices.len());
+        assert!(soup.vertices.iter().all(|vertex| points.contains(vertex)));
+    }
 }

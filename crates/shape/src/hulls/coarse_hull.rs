@@ -1,14 +1,10 @@
-use std::collections::{BinaryHeap, HashSet};
+use std::collections::BinaryHeap;
 
 use cranny_spatial::{Point, Pose};
-use parry3d_f64::query::PointQuery as _;
-use parry3d_f64::shape::Triangle;
 
 use crate::distance::convex::Core;
-use crate::distance::parry;
-use crate::hulls::convex_hull::Plane;
 use crate::solid::Kind;
-use crate::{Separation, Solid, TriangleSoup, separation};
+use crate::{Separation, Solid, separation};
 
 /// Convex solid with few corners: their convex hull, rounded by `radius_m`, lies in the solid, and the solid protrudes
 /// from it by at most `bulge_m`.
@@ -61,124 +57,64 @@ const SIDES: usize = 16;
 const ROUNDING_M: f64 = 1e-9;
 
 /// Chooses some corners of a hull, and returns the maximum protrusion of the others from the hull of these, in metres.
-///
-/// Added corners only reduce the protrusion of the others, so an earlier measurement stays an upper bound. A corner is measured
-/// again only while its bound is the largest, and exactly only if the distance from one face of the hull does not exclude it.
 pub(crate) fn chosen(corners: &[Point], most: usize) -> Option<(Vec<Point>, f64)> {
     if corners.len() <= most {
         return Some((corners.to_vec(), 0.0));
     }
     // A corner that has not been measured yet counts as infinitely far.
-    let far = |corner: &Point| Candidate { corner: *corner, far_m: f64::INFINITY, bounded: 0, measured: 0 };
-    let mut left: Vec<Candidate> = corners.iter().map(far).collect();
+    let mut left: Vec<(f64, Point)> = corners.iter().map(|corner| (f64::INFINITY, *corner)).collect();
     let mut chosen = Vec::with_capacity(most);
     for axis in 0..3 {
         for side in [-1.0, 1.0] {
-            let along = |candidate: &Candidate| side * candidate.corner[axis];
+            let along = |(_, corner): &(f64, Point)| side * corner[axis];
             let farthest = (0..left.len()).max_by(|&a, &b| along(&left[a]).total_cmp(&along(&left[b])))?;
-            chosen.push(left.swap_remove(farthest).corner);
+            chosen.push(left.swap_remove(farthest).1);
         }
     }
     let mut hull = Solid::hull(&chosen).ok()?;
-    let mut faces = Faces::default();
-    faces.add_those_of(&chosen);
-    // Ties go to the last corner. Outdated queue entries, of corners that were measured again or moved, are skipped.
+    // Added corners only reduce the protrusion of the others, so only the corner that protruded farthest at its last
+    // measurement is measured again. Ties go to the last corner. Outdated queue entries, of corners that were measured again or
+    // moved, are skipped.
     let mut queue: BinaryHeap<(i64, usize)> =
-        left.iter().enumerate().map(|(index, candidate)| (rank(candidate.far_m), index)).collect();
+        left.iter().enumerate().map(|(index, (far_m, _))| (rank(*far_m), index)).collect();
+    let mut measured = vec![0; left.len()];
     loop {
         let (far, farthest) = queue.pop()?;
-        let Some(candidate) = left.get_mut(farthest).filter(|candidate| far == rank(candidate.far_m)) else {
+        if left.get(farthest).is_none_or(|(known_m, _)| far != rank(*known_m)) {
             continue;
-        };
-        if candidate.measured < chosen.len() {
-            candidate.far_m = if candidate.bounded < faces.planes.len() {
-                let from = std::mem::replace(&mut candidate.bounded, faces.planes.len());
-                faces.distance_m(&candidate.corner, from).min(candidate.far_m)
-            } else {
-                candidate.measured = chosen.len();
-                standing_out_m(&candidate.corner, &hull)?
-            };
-            queue.push((rank(candidate.far_m), farthest));
+        }
+        if measured[farthest] < chosen.len() {
+            left[farthest].0 = standing_out_m(&left[farthest].1, &hull)?;
+            measured[farthest] = chosen.len();
+            queue.push((rank(left[farthest].0), farthest));
             continue;
         }
         if chosen.len() == most {
-            return Some((chosen, candidate.far_m));
+            return Some((chosen, left[farthest].0));
         }
-        chosen.push(left.swap_remove(farthest).corner);
-        if let Some(moved) = left.get(farthest) {
-            queue.push((rank(moved.far_m), farthest));
+        chosen.push(left.swap_remove(farthest).1);
+        measured.swap_remove(farthest);
+        if let Some((moved_m, _)) = left.get(farthest) {
+            queue.push((rank(*moved_m), farthest));
         }
         hull = Solid::hull(&chosen).ok()?;
-        faces.add_those_of(&chosen);
     }
-}
-
-/// Corner that may still be chosen.
-struct Candidate {
-    corner: Point,
-    /// Upper bound of the distance from the hull of the chosen corners, in metres.
-    far_m: f64,
-    /// Number of faces that the bound considers.
-    bounded: usize,
-    /// Number of chosen corners when the distance was last measured exactly.
-    measured: usize,
-}
-
-/// Faces of the hulls of the corners chosen so far. Those of an earlier hull stay: they lie in the later ones.
-#[derive(Default)]
-struct Faces {
-    planes: Vec<Plane>,
-    triangles: Vec<Triangle>,
-    known: HashSet<[[u64; 3]; 3]>,
-}
-
-impl Faces {
-    /// Adds the new faces of the hull of `corners`; none if no faces are found.
-    fn add_those_of(&mut self, corners: &[Point]) {
-        let soup = TriangleSoup::convex_hull(corners).unwrap_or_default();
-        for corners in (0..soup.triangles.len()).map(|face| soup.corners(face)) {
-            let mut key = corners.map(|corner| [corner.x, corner.y, corner.z].map(f64::to_bits));
-            key.sort_unstable();
-            if let Some(plane) = Plane::through(&corners).filter(|_| self.known.insert(key)) {
-                let [a, b, c] = corners.map(|corner| parry::point(&corner));
-                self.planes.push(plane);
-                self.triangles.push(Triangle::new(a, b, c));
-            }
-        }
-    }
-
-    /// Upper bound of the distance of a point outside the hull, in metres: that from a face after the first `from` ones. The corners
-    /// of the face were all chosen, so that the bound holds even if it is no face of the hull.
-    fn distance_m(&self, point: &Point, from: usize) -> f64 {
-        let (mut highest_m, mut highest) = (f64::NEG_INFINITY, None);
-        for (plane, triangle) in self.planes.iter().zip(&self.triangles).skip(from) {
-            let height_m = plane.height(point);
-            if height_m > highest_m {
-                (highest_m, highest) = (height_m, Some(triangle));
-            }
-        }
-        // The exact measurement may also exceed the distance by the size of a speck.
-        highest.map_or(f64::INFINITY, |face| {
-            face.distance_to_local_point(parry::point(point), true) + 2.0 * SPECK_M
-        })
-    }
-}
-
-/// Radius of the ball that represents a point, in metres.
-const SPECK_M: f64 = 1e-7;
-
-/// Upper bound of the distance of a point from a hull, in metres; never less than the true distance, and hardly more.
-fn standing_out_m(point: &Point, hull: &Solid) -> Option<f64> {
-    let speck = Solid::sphere(SPECK_M).ok()?;
-    let place = Pose::from_parts(point.coords.into(), cranny_spatial::Rotation::identity());
-    let Separation { upper_m, .. } = separation(&speck, &place, hull, &Pose::identity(), f64::MAX);
-    (upper_m + SPECK_M).is_finite().then_some(upper_m + SPECK_M)
 }
 
 /// Integer with the order of [`f64::total_cmp`].
 fn rank(distance_m: f64) -> i64 {
     let bits = distance_m.to_bits().cast_signed();
     bits ^ ((bits >> 63).cast_unsigned() >> 1).cast_signed()
+}
+
+/// Upper bound of the distance of a point from a hull, in metres; never less than the true distance.
+fn standing_out_m(point: &Point, hull: &Solid) -> Option<f64> {
+    /// Radius of the ball that represents the point, in metres.
+    const SPECK_M: f64 = 1e-7;
+    let speck = Solid::sphere(SPECK_M).ok()?;
+    let place = Pose::from_parts(point.coords.into(), cranny_spatial::Rotation::identity());
+    let Separation { upper_m, .. } = separation(&speck, &place, hull, &Pose::identity(), f64::MAX);
+    (upper_m + SPECK_M).is_finite().then_some(upper_m + SPECK_M)
 }
 
 #[cfg(test)]

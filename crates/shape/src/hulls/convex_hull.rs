@@ -12,12 +12,6 @@ pub(crate) struct Plane {
 }
 
 impl Plane {
-    /// The plane of three corners, counter-clockwise as seen from outside; `None` if they lie on a line.
-    pub fn through([a, b, c]: &[Point; 3]) -> Option<Self> {
-        let normal = (b - a).cross(&(c - a)).try_normalize(0.0)?;
-        Some(Self { offset: normal.dot(&a.coords), normal })
-    }
-
     /// Height of a point above the plane, in metres; negative below.
     pub fn height(&self, point: &Point) -> f64 {
         self.normal.dot(&point.coords) - self.offset
@@ -31,7 +25,12 @@ impl Plane {
 impl TriangleSoup {
     /// Planes of the faces, except those without area.
     pub(crate) fn planes(&self) -> Vec<Plane> {
-        (0..self.triangles.len()).filter_map(|face| Plane::through(&self.corners(face))).collect()
+        let plane = |face: usize| {
+            let [a, b, c] = self.corners(face);
+            let normal = (b - a).cross(&(c - a)).try_normalize(0.0)?;
+            Some(Plane { offset: normal.dot(&a.coords), normal })
+        };
+        (0..self.triangles.len()).filter_map(plane).collect()
     }
 
     /// The convex hull of `points` as a closed mesh, normals outwards.
