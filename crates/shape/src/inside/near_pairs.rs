@@ -73,8 +73,9 @@ const MOST_PAIRS: usize = 1_000_000;
 /// Further pairs for each triangle: the scans of objects have some 20.
 const MOST_PAIRS_EACH: usize = 64;
 
-/// Comparisons of fan boxes in place of each of these pairs; about as fast in all.
-const MOST_COMPARISONS: usize = 10;
+/// Comparisons of fan boxes in place of each of these pairs, each of which takes about as long as a pair. Cones and prisms need
+/// a tenth of them.
+const MOST_COMPARISONS: usize = 3;
 
 /// Maximum number of triangles in [`FanBoxes`], each of which takes 600 bytes.
 const MOST_IN_FANS: usize = 500_000;
