@@ -47,7 +47,7 @@ pub fn main(registry: &Registry) -> ExitCode {
     if cli.large_files {
         cranny_file::lift_limits();
     }
-    // A worker ends with its campaign, which tells a killed one from one that has ended.
+    // A worker ends with its campaign. A signal must kill it: the campaign then counts its trial as killed.
     if !matches!(&cli.command, Chosen::Bench(arguments) if arguments.is_worker()) {
         progress::end_on_interrupt();
     }

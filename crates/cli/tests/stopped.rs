@@ -22,7 +22,9 @@ fn stopped_after(seconds: f64, folder: &Path, arguments: &str) -> Output {
 }
 
 fn stopped_once(seconds: f64, folder: &Path, arguments: &str) -> Output {
-    let child = command(folder, arguments).spawn().expect("it starts");
+    let mut child = command(folder, arguments).spawn().expect("it starts");
+    // Its standard input must not end before it does: a command that reads from there would find an empty file.
+    let _input = child.stdin.take();
     std::thread::sleep(Duration::from_secs_f64(seconds));
     let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill");
     assert!(sent.success());

@@ -438,7 +438,7 @@ fn prism(sides: u32, is_from_middle: bool, pose: &Pose) -> TriangleSoup {
     soup
 }
 
-/// Stacks of needles in all directions, about axes that are not those of the whole, are not told apart by any boxes.
+/// The boxes of stacked needles overlap if the axes of the stacks are not those of the whole.
 #[test]
 fn narrow_triangles_in_all_directions_are_refused_with_the_limit() {
     let mut random = Stream::new(3, 0);

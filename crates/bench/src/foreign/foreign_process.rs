@@ -36,7 +36,7 @@ pub enum Ending {
     Hung,
     /// It exceeded its memory limit and was ended; with its memory, in bytes.
     OutOfMemory(u64),
-    /// It had more than [`MOST_PROCESSES`] processes and was ended; holds their number.
+    /// It had more than [`MOST_PROCESSES`] processes and was ended; with their number.
     Crowd(usize),
     /// It printed more than [`MOST_OUTPUT_BYTES`].
     Flood,
@@ -70,7 +70,7 @@ pub fn run(command: &Command, input: String, limits: Limits, leash: &Leash) -> s
     let (sender, events) = mpsc::channel();
     let output = child.stdout.take().map(|stdout| output_reader(stdout, sender));
     let complaint = child.stderr.take().map(|stderr| thread::spawn(|| read(stderr, MOST_COMPLAINT_BYTES)));
-    let started = start(&mut child, &enclosure(command, limits), &events);
+    let started = start(&mut child, enclosure(command, limits), &events);
     // Within namespaces, the process that made them waits outside.
     let inner = if limits.isolation.namespaces { system::children(child.id()) } else { Vec::new() };
     let enclosing = [vec![child.id()], inner].concat();
@@ -132,12 +132,11 @@ const PREPARATION: Duration = Duration::from_mins(1);
 /// it is empty if the standard error has it.
 fn start(
     child: &mut Child,
-    enclosure: &Enclosure,
+    enclosure: Enclosure,
     events: &mpsc::Receiver<Event>,
 ) -> Result<ChildStdin, String> {
-    let mut stdin = child.stdin.take().unwrap_or_else(|| unreachable!("standard input is a pipe"));
-    let line =
-        serde_json::to_string(&Start::Enclose(enclosure.clone())).map_err(|reason| reason.to_string())?;
+    let mut stdin = child.stdin.take().ok_or("it has no standard input")?;
+    let line = serde_json::to_string(&Start::Enclose(enclosure)).map_err(|reason| reason.to_string())?;
     // An error means that it has ended, which the missing answer shows.
     let _ = writeln!(stdin, "{line}").and_then(|()| stdin.flush());
     match events.recv_timeout(PREPARATION) {

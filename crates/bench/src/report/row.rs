@@ -1,5 +1,6 @@
 use std::collections::BTreeMap;
 
+use cranny_file::visible_line;
 use serde::Serialize;
 use serde_json::Value;
 
@@ -256,7 +257,7 @@ fn row(configuration: &Configuration, names: &Names, goals: &[GoalRow], runs: &[
         scenario: configuration.scenario.clone(),
         scenario_name: names.scenario(configuration).to_owned(),
         scenario_hash: configuration.scenario_hash.clone(),
-        environment: place.environment,
+        environment: visible_line(&place.environment),
         dial: place.dial,
         dial_m: place.dial_m,
         planner: configuration.planner.clone(),

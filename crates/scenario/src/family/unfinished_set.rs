@@ -13,7 +13,7 @@ use crate::{Rejections, ScenarioError};
 /// program is killed, until the same set is made again.
 ///
 /// A list in the folder is mark, lock and progress in one: its first line names the set, and the others the finished members.
-/// What is not in the list is made again.
+/// Members that are not in the list are made again.
 #[derive(Debug)]
 pub(crate) struct UnfinishedSet {
     folder: PathBuf,

@@ -139,7 +139,7 @@ mod tests {
         names
     }
 
-    /// A killed program leaves its folder, whose mark nobody locks, at any moment of its creation.
+    /// A program may be killed at any moment of creating its folder; the mark that it leaves is not locked.
     #[test]
     fn the_folders_of_killed_programs_are_removed_and_nothing_else() {
         let root = tempfile::tempdir().unwrap();

@@ -33,8 +33,8 @@ pub struct MeshPiece {
 /// Cosine of the crease angle, 35°: faces that meet at a smaller angle form one smooth surface, as those of round solids (9°).
 const CREASE_COSINE: f32 = 0.819;
 
-/// Number of triangles around a point up to which each is compared with each other one; more are grouped by direction. No usual
-/// mesh has so many.
+/// Number of triangles around a point up to which each is compared with each other one; more are grouped by direction. Usual
+/// meshes have fewer.
 const MOST_AROUND: usize = 128;
 
 /// Number of directions of a group along half an axis: groups are 14° wide, and there are some 300 at most.

@@ -59,6 +59,7 @@ impl<'a> Excerpt<'a> {
         note(&mut notes, overall.len(), summary.overall.len(), "lines over all scenarios");
         let jumps: usize = summary.curves.iter().map(|curve| curve.at.len()).sum();
         let curves = if jumps <= MOST_JUMPS { summary.curves.clone() } else { Vec::new() };
+        note(&mut notes, curves.len(), summary.curves.len(), "curves in its document");
         let goals = summary.goals.iter();
         let goals = goals
             .filter(|goal| cells.contains(&(&*goal.criterion, &*goal.scenario_name, &*goal.planner_name)));
