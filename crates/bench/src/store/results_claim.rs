@@ -65,7 +65,7 @@ impl Results {
             |kept| {
                 format!(
                     "its trials are saved in {}: rename that file, and run the same command again",
-                    kept.display()
+                    kept.strip_prefix(".").unwrap_or(&kept).display()
                 )
             },
         );
