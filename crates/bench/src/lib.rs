@@ -27,7 +27,7 @@ pub use running::question::Question;
 pub use running::replay::{Replay, replay, source_of};
 pub use running::worker::serve;
 pub use running::worker_program::WorkerProgram;
-pub use store::campaign_progress::{CampaignProgress, StandingFile};
+pub use store::campaign_progress::{CampaignProgress, ProgressFile};
 pub use store::manifest::Manifest;
 pub use store::ompl_log::OmplLog;
 pub use store::results::{Merged, Results, Run, ScenarioSource};

@@ -88,9 +88,6 @@ pub enum Failure {
     /// Standard output that cannot be written to.
     #[error("cannot write the answer: {0}")]
     Output(#[from] std::io::Error),
-    /// Handler of Ctrl-C that cannot be installed.
-    #[error("cannot listen for Ctrl-C: {0}")]
-    Signal(#[from] ctrlc::Error),
 }
 
 impl From<SolveError> for Failure {

@@ -1,55 +1,53 @@
 use std::io::Write as _;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, LazyLock};
 use std::time::{Duration, Instant};
 
 use cranny_plan::Observer;
 use cranny_scenario::exit_without_temporaries;
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::failure::Failure;
-
 /// Minimum duration of work for which progress is shown.
 const PATIENCE: Duration = Duration::from_secs(1);
 
-/// Interval at which a page server checks the stop flag.
-const ASK_EVERY: Duration = Duration::from_millis(50);
+/// Interval at which the flag is checked.
+const CHECK_EVERY: Duration = Duration::from_millis(20);
 
-/// Flag that Ctrl-C, SIGTERM and SIGHUP set, once a command has requested it.
-static STOP: OnceLock<Arc<AtomicBool>> = OnceLock::new();
+/// Flag that Ctrl-C, SIGTERM and SIGHUP set.
+static STOP: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
+
+/// True once a command ends by itself after a signal.
+static IS_HANDLED: AtomicBool = AtomicBool::new(false);
 
 /// Lets Ctrl-C, SIGTERM and SIGHUP end the program with exit code 1 and without its temporary files, until a command takes
-/// over by [`stop_on_interrupt`].
+/// over by [`stop_on_interrupt`]. SIGHUP stays ignored under `nohup` (Linux).
 pub fn end_on_interrupt() {
-    // Where one of the signals is ignored, as SIGHUP under `nohup`, the program does not change that.
-    let _ = ctrlc::try_set_handler(interrupt);
+    for signal in cranny_file::system::stop_signals() {
+        // Without a handler, the signal ends the program at once.
+        let _ = signal_hook::flag::register(signal, STOP.clone());
+    }
+    std::thread::spawn(|| {
+        while !IS_HANDLED.load(Ordering::Relaxed) {
+            if STOP.load(Ordering::Relaxed) {
+                // If stderr cannot be written, the exit code still reports the end.
+                let _ = writeln!(std::io::stderr(), "stopped");
+                exit_without_temporaries(1)
+            }
+            std::thread::sleep(CHECK_EVERY);
+        }
+    });
 }
 
-/// Returns the flag that Ctrl-C, SIGTERM and SIGHUP set from now on, for a command that ends by itself and keeps what it has
-/// finished; every call returns the same one.
-pub fn stop_on_interrupt() -> Result<Arc<AtomicBool>, Failure> {
-    let stop = STOP.get_or_init(Arc::default).clone();
-    match ctrlc::set_handler(interrupt) {
-        Ok(()) | Err(ctrlc::Error::MultipleHandlers) => Ok(stop),
-        Err(fault) => Err(fault.into()),
-    }
-}
-
-/// Handles a signal, in a thread of its own.
-fn interrupt() {
-    if let Some(stop) = STOP.get() {
-        stop.store(true, Ordering::Relaxed);
-        return;
-    }
-    // If stderr cannot be written, the exit code still reports the end.
-    let _ = writeln!(std::io::stderr(), "stopped");
-    exit_without_temporaries(1)
+/// Returns the flag that Ctrl-C, SIGTERM and SIGHUP set, for a command that ends by itself and keeps what it has finished.
+pub fn stop_on_interrupt() -> Arc<AtomicBool> {
+    IS_HANDLED.store(true, Ordering::Relaxed);
+    STOP.clone()
 }
 
 /// Completes when the flag is set.
 pub async fn interrupted(stop: Arc<AtomicBool>) {
     while !stop.load(Ordering::Relaxed) {
-        tokio::time::sleep(ASK_EVERY).await;
+        tokio::time::sleep(CHECK_EVERY).await;
     }
 }
 

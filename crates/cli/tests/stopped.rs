@@ -207,3 +207,24 @@ fn a_command_without_results_to_keep_ends_with_1_and_leaves_nothing() {
         assert_eq!(names(), before, "{arguments}");
     }
 }
+
+#[cfg(unix)]
+#[test]
+fn nohup_protects_a_command_from_the_end_of_its_terminal_alone() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let program = assert_cmd::cargo::cargo_bin("cranny");
+    std::os::unix::fs::symlink("/dev/stdin", folder.path().join("wait.plan.json")).expect("a link");
+    let mut shell = Command::new("sh");
+    shell.args(["-c", "trap '' HUP; exec \"$0\" verify 021 wait.plan.json"]).arg(program);
+    shell.current_dir(folder.path()).stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::null());
+    let mut child = shell.spawn().expect("it starts");
+    let mut status_after = |signal: &str| {
+        std::thread::sleep(Duration::from_secs(1));
+        let id = child.id().to_string();
+        assert!(Command::new("kill").args([signal, &id]).status().expect("kill").success());
+        std::thread::sleep(Duration::from_millis(500));
+        child.try_wait().expect("a status").map(|status| status.code())
+    };
+    assert_eq!(status_after("-HUP"), None, "it continues");
+    assert_eq!(status_after("-TERM"), Some(Some(1)));
+}

@@ -26,6 +26,7 @@ mod machine;
 mod mounts;
 mod plain_file;
 mod process;
+mod signals;
 mod walls;
 
 pub use call_filter::{filter_calls, has_call_filter};
@@ -39,4 +40,5 @@ pub use process::{
     PeakMemory, ProcessMemory, adopt_orphans, beginning, children, close_to_others, ending, is_killed,
     kill_group, kill_process, memory, own_memory, reap, stop_process,
 };
+pub use signals::stop_signals;
 pub use walls::{SHARED_MEMORY, can_have_namespaces, has_file_walls, shared_memory_bytes, write_only_in};

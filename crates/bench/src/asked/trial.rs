@@ -103,6 +103,17 @@ impl TrialOutcome {
     }
 }
 
+/// Maximum number of characters of [`TrialRecord::detail`]: a program chooses what it prints, and files can state anything.
+pub const MOST_DETAIL: usize = 500;
+
+/// Returns the first [`MOST_DETAIL`] characters of a detail.
+pub(crate) fn short_detail(text: &str) -> String {
+    match text.char_indices().nth(MOST_DETAIL) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text.to_owned(),
+    }
+}
+
 /// A trial with its result: one row of the results.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -111,7 +122,7 @@ pub struct TrialRecord {
     pub trial: Trial,
     /// Outcome of the trial.
     pub outcome: TrialOutcome,
-    /// Details for the user: the first violation, the signal, or the first bad line.
+    /// Details for the user: the first violation, the signal, or the first bad line; at most [`MOST_DETAIL`] characters.
     pub detail: Option<String>,
     /// Statistics of the search. For an external planner, `planning_time_s` is measured outside, and unreported values are 0.
     pub statistics: Statistics,
@@ -143,7 +154,7 @@ impl TrialRecord {
         Self {
             trial: trial.clone(),
             outcome,
-            detail,
+            detail: detail.as_deref().map(short_detail),
             statistics,
             path_length: None,
             clearance_m: None,
@@ -157,5 +168,17 @@ impl TrialRecord {
     /// Returns true if the judge found that the path meets the criterion.
     pub fn is_solved(&self) -> bool {
         self.outcome == TrialOutcome::Solved
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn details_are_short() {
+        let long = "é".repeat(1_000_000);
+        assert_eq!(short_detail(&long).chars().count(), MOST_DETAIL + 1);
+        assert_eq!(short_detail("it ended"), "it ended");
     }
 }

@@ -183,7 +183,7 @@ impl<'a> Group<'a> {
         self.runs.iter().map(|run| follow_up::over_time(&run.record)).collect()
     }
 
-    /// Returns the follow-up over iterations; empty if the planner counts none.
+    /// Returns the follow-up over iterations; empty if the planner counts none, or is a program that states them.
     pub fn over_iterations(&self) -> Vec<Followed> {
         over_iterations(&self.runs)
     }
@@ -191,7 +191,7 @@ impl<'a> Group<'a> {
 
 fn over_iterations(runs: &[&StoredTrial]) -> Vec<Followed> {
     let most = runs.iter().map(|run| run.record.statistics.iterations).max().unwrap_or(0);
-    if most == 0 {
+    if most == 0 || !runs.iter().all(|run| run.record.trial.is_built_in()) {
         return Vec::new();
     }
     let all = runs.iter().map(|run| follow_up::over_iterations(&run.record, most));

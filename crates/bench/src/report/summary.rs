@@ -95,9 +95,9 @@ impl Summary {
             .collect();
         let pools = pools(&groups);
         let Comparisons { compared: comparisons, note } = comparisons(&groups);
-        let mut warnings = warnings(&groups, source.runs);
-        warnings.extend(few_runs(&groups, &comparisons));
-        warnings.extend(note);
+        // A page with too many warnings contains the first ones.
+        let general = note.into_iter().chain(few_runs(&groups, &comparisons));
+        let warnings = general.chain(warnings(&groups, source.runs)).collect();
         Ok(Self {
             results: source.results.to_owned(),
             version: env!("CARGO_PKG_VERSION"),

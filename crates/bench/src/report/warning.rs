@@ -31,8 +31,8 @@ pub fn warnings(groups: &[Group], runs: &[Run]) -> Vec<String> {
         run.memory_limit_bytes.map_or_else(|| "unknown".to_owned(), |bytes| format!("{} MB", bytes >> 20))
     };
     warnings.extend(pooled(groups, &runs, "memory limits", limit));
-    let walls = |run: &RunInformation| run.sandbox.clone().unwrap_or_else(|| "none".to_owned());
-    warnings.extend(pooled(groups, &runs, "walls around planners", walls));
+    let sandbox = |run: &RunInformation| run.sandbox.clone().unwrap_or_else(|| "none".to_owned());
+    warnings.extend(pooled(groups, &runs, "sandboxes", sandbox));
     warnings.extend(other_problem(groups));
     warnings.extend(same_paths(groups));
     warnings.extend(unsolved_for_other_reasons(groups));

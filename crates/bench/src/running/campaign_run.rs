@@ -131,7 +131,7 @@ pub fn run_campaign(
                     let index = next.fetch_add(1, Ordering::Relaxed);
                     let Some(question) = open.get(index) else { return };
                     // 2.
-                    let asked = ask(&mut worker, question, settings, isolation, exports, stop);
+                    let asked = ask(&mut worker, question, settings, isolation, exports, is_stopped);
                     let is_end = !matches!(asked, Ok(Some(_)));
                     if sender.send(asked).is_err() || is_end {
                         return;
@@ -170,7 +170,7 @@ fn ask(
     settings: &CampaignSettings,
     isolation: Isolation,
     exports: &Path,
-    stop: &AtomicBool,
+    is_stopped: &dyn Fn() -> bool,
 ) -> Result<Option<TrialRun>, BenchError> {
     // A worker that ended between two trials is replaced without losing a trial.
     if !worker.as_mut().is_some_and(WorkerProcess::is_alive) {
@@ -184,7 +184,7 @@ fn ask(
         isolation,
         worker: settings.worker.clone(),
     };
-    match serving.serve(&request, stop) {
+    match serving.serve(&request, is_stopped) {
         Served::Answered(record, path) => Ok(Some((record, path))),
         Served::Refused(reason) => Err(BenchError::Refused {
             scenario: question.trial.scenario.clone(),
@@ -210,7 +210,7 @@ pub(crate) fn ask_once(
 ) -> Result<Option<TrialRun>, BenchError> {
     let exports = Exports::new()?;
     let isolation = isolation(std::iter::once(question), settings)?;
-    ask(&mut None, question, settings, isolation, exports.path(), stop)
+    ask(&mut None, question, settings, isolation, exports.path(), &|| stop.load(Ordering::Relaxed))
 }
 
 /// Returns the isolation of the trials; none if all planners are built in.

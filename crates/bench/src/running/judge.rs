@@ -4,6 +4,7 @@ use cranny_path::{
 };
 use cranny_task::{Criterion, Problem};
 
+use crate::asked::trial::short_detail;
 use crate::{PlannerCall, TrialOutcome, TrialRecord};
 
 /// Writes the verdict on `path` into `record`, independently of the outcome reported by the planner: solved, rejected with
@@ -18,13 +19,13 @@ pub fn decide(
     let audit = match word {
         Ok(audit) => audit,
         Err(fault) => {
-            (record.outcome, record.detail) = (TrialOutcome::Garbled, Some(fault.to_string()));
+            (record.outcome, record.detail) = (TrialOutcome::Garbled, Some(short_detail(&fault.to_string())));
             path.clear();
             return;
         }
     };
     if let Some(violation) = audit.violations.first() {
-        (record.outcome, record.detail) = (TrialOutcome::Rejected, Some(violation.to_string()));
+        (record.outcome, record.detail) = (TrialOutcome::Rejected, Some(short_detail(&violation.to_string())));
         return;
     }
     record.outcome = TrialOutcome::Solved;

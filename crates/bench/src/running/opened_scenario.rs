@@ -79,13 +79,17 @@ const MOST_OPENED: usize = 24;
 /// Maximum memory of these scenarios, in bytes, except for the one in use.
 const MOST_OPENED_BYTES: u64 = 256 << 20;
 
+/// Memory of an opened scenario per byte of its files, at least: the growth of the process is less after an eviction, whose
+/// memory is used again.
+const BYTES_PER_FILE_BYTE: u64 = 16;
+
 /// Source, criterion and demand of an opened scenario.
 type Key = (String, &'static str, String);
 
 /// Cache of the scenarios that a worker used last.
 #[derive(Default)]
 pub struct OpenedScenarios {
-    /// Scenarios with the memory that opening them took, in bytes; the one used last is the last.
+    /// Scenarios with their memory in bytes, as estimated; the one used last is the last.
     opened: Vec<(Key, Rc<OpenedScenario>, u64)>,
 }
 
@@ -101,7 +105,8 @@ impl OpenedScenarios {
         criterion: Criterion,
     ) -> Result<Rc<OpenedScenario>, BenchError> {
         // The check precedes each trial: files may be edited during a campaign, and some are read only later.
-        if Identity::of(source)?.sha256 != trial.scenario_hash {
+        let identity = Identity::of(source)?;
+        if identity.sha256 != trial.scenario_hash {
             let (scenario, source_name) = (trial.scenario.clone(), source.to_owned());
             return Err(BenchError::ChangedScenario { scenario, source_name });
         }
@@ -116,7 +121,8 @@ impl OpenedScenarios {
             let resident_bytes = || system::own_memory().map_or(0, |memory| memory.resident_bytes);
             let before_bytes = resident_bytes();
             let opened = Rc::new(OpenedScenario::open(source, criterion, &demand)?);
-            (key, opened, resident_bytes().saturating_sub(before_bytes))
+            let growth_bytes = resident_bytes().saturating_sub(before_bytes);
+            (key, opened, growth_bytes.max(BYTES_PER_FILE_BYTE * identity.bytes))
         };
         let opened = entry.1.clone();
         self.keep(entry);

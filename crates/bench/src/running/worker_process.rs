@@ -1,7 +1,6 @@
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::path::Path;
 use std::process::{Child, ChildStdin, Command, Stdio};
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
@@ -102,7 +101,7 @@ impl WorkerProcess {
 
     /// Requests a trial and waits for the answer, at most as long as the trial may take. Time and memory of the judge do not
     /// count for the planner: if the judge exceeds its limits or crashes, the trial is undecided.
-    pub fn serve(&mut self, request: &Request, stop: &AtomicBool) -> Served {
+    pub fn serve(&mut self, request: &Request, is_stopped: &dyn Fn() -> bool) -> Served {
         let asked = serde_json::to_string(request).map_err(std::io::Error::other).and_then(|line| {
             let requests = self.requests.as_mut().ok_or(std::io::ErrorKind::BrokenPipe)?;
             requests.write_all(line.as_bytes())?;
@@ -144,7 +143,7 @@ impl WorkerProcess {
                     return undecided(self.lost(trial, begin.elapsed()), searched_s);
                 }
                 Err(RecvTimeoutError::Timeout) => {
-                    if stop.load(Ordering::Relaxed) {
+                    if is_stopped() {
                         self.end();
                         return Served::Stopped;
                     }

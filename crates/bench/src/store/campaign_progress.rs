@@ -38,7 +38,7 @@ impl CampaignProgress {
         Ok(Self { planners: Results::glance(path)?, ..Self::default() })
     }
 
-    /// Reads the file of a [`StandingFile`]; `None` if it is missing or unreadable.
+    /// Reads the file of a [`ProgressFile`]; `None` if it is missing or unreadable.
     pub fn read(path: &Path) -> Option<Self> {
         let text = cranny_file::TEXT.text(path).ok()?;
         serde_json::from_str(&text).ok()
@@ -62,32 +62,32 @@ impl CampaignProgress {
 }
 
 /// Observer that updates a file with the [`CampaignProgress`] of a campaign, and forwards all events.
-pub struct StandingFile<'a> {
+pub struct ProgressFile<'a> {
     path: &'a Path,
-    standing: CampaignProgress,
+    progress: CampaignProgress,
     begin: Instant,
     written: Option<Instant>,
-    heard: &'a mut dyn CampaignObserver,
+    observer: &'a mut dyn CampaignObserver,
 }
 
 /// Minimum interval between two updates.
 const WRITE_EVERY: Duration = Duration::from_secs(2);
 
-impl<'a> StandingFile<'a> {
+impl<'a> ProgressFile<'a> {
     /// Creates the observer of a campaign with this number of `workers` on `machine`, for a file beside the results.
-    pub fn new(path: &'a Path, workers: usize, machine: &str, heard: &'a mut dyn CampaignObserver) -> Self {
-        let standing =
+    pub fn new(path: &'a Path, workers: usize, machine: &str, observer: &'a mut dyn CampaignObserver) -> Self {
+        let progress =
             CampaignProgress { workers, machine: machine.to_owned(), ..CampaignProgress::default() };
-        Self { path, standing, begin: Instant::now(), written: None, heard }
+        Self { path, progress, begin: Instant::now(), written: None, observer }
     }
 
     /// Writes the current progress.
     pub fn write(&mut self) {
-        self.standing.elapsed_s = self.begin.elapsed().as_secs_f64();
-        self.standing.written_s =
+        self.progress.elapsed_s = self.begin.elapsed().as_secs_f64();
+        self.progress.written_s =
             SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
         self.written = Some(Instant::now());
-        let Ok(text) = serde_json::to_string(&self.standing) else { return };
+        let Ok(text) = serde_json::to_string(&self.progress) else { return };
         // A failure is ignored, because the file only informs and must not end the campaign.
         let _ = write_whole_file(self.path, text.as_bytes());
     }
@@ -101,22 +101,22 @@ impl CampaignProgress {
     }
 }
 
-impl CampaignObserver for StandingFile<'_> {
+impl CampaignObserver for ProgressFile<'_> {
     fn begins(&mut self, to_run: usize, known: &[TrialRecord]) {
-        self.standing.trials = Some(to_run + known.len());
+        self.progress.trials = Some(to_run + known.len());
         for record in known {
-            self.standing.count(record);
+            self.progress.count(record);
         }
         self.write();
-        self.heard.begins(to_run, known);
+        self.observer.begins(to_run, known);
     }
 
     fn trial_ended(&mut self, record: &TrialRecord) {
-        self.standing.count(record);
-        self.standing.run += 1;
+        self.progress.count(record);
+        self.progress.run += 1;
         if self.written.is_none_or(|written| written.elapsed() >= WRITE_EVERY) {
             self.write();
         }
-        self.heard.trial_ended(record);
+        self.observer.trial_ended(record);
     }
 }

@@ -249,8 +249,8 @@ fn status(outcome: TrialOutcome) -> u8 {
 /// Converts to one line without separators of fields or entries, which the format cannot escape.
 fn line(text: &str) -> String {
     let text = text.replace(|c: char| c.is_control(), " ").replace("; ", ", ").replace(" = ", "=");
-    // This mark would end an entry of the setup.
-    let text = text.replace("|>>>", "|>>");
+    // Bars are marks of entries.
+    let text = text.replace('|', "/");
     if text.trim().is_empty() { "none".to_owned() } else { text }
 }
 

@@ -154,7 +154,7 @@ fn stored(row: &Row, criterion: Criterion, outcome: TrialOutcome) -> rusqlite::R
     let record = TrialRecord {
         trial,
         outcome,
-        detail: row.get(12)?,
+        detail: row.get::<_, Option<String>>(12)?.as_deref().map(short_detail),
         statistics,
         path_length: row.get(23)?,
         clearance_m: row.get(24)?,

@@ -39,7 +39,7 @@ pub struct ReplayArguments {
     #[arg(long)]
     allow_exec: bool,
     /// Sandbox of that program, as in `bench run`
-    #[arg(long, value_name = "WALLS", default_value = "auto", value_parser = bench_worker::sandbox)]
+    #[arg(long, value_name = "SANDBOX", default_value = "auto", value_parser = bench_worker::sandbox)]
     sandbox: Sandbox,
     /// Write the way points to this file (.csv)
     #[arg(long, short, value_name = "FILE")]
@@ -83,7 +83,7 @@ pub fn run(arguments: &ReplayArguments, output: Output) -> Result<Answer, Failur
         sandbox: arguments.sandbox,
         again: Vec::new(),
     };
-    let stop = stop_on_interrupt()?;
+    let stop = stop_on_interrupt();
     let spinner = spinner("replaying", output.quiet);
     let source = arguments.scenario.as_deref();
     let replayed = replay(&results, arguments.trial, source, arguments.allow_exec, &settings, &stop);

@@ -6,7 +6,7 @@ use std::time::Duration;
 use clap::{Args, ValueEnum};
 use cranny_bench::{
     Campaign, CampaignObserver, CampaignPlanner, CampaignSettings, CarryTo, MOST_MEMORY_MB, MOST_TRIALS,
-    Manifest, PlannerCall, Results, RunInformation, RunSummary, Sandbox, Shard, StandingFile, TrialOutcome,
+    Manifest, PlannerCall, Results, RunInformation, RunSummary, Sandbox, Shard, ProgressFile, TrialOutcome,
     TrialRecord, run_campaign,
 };
 use cranny_file::counted;
@@ -110,7 +110,7 @@ pub struct RunArguments {
     margins: MarginArguments,
     /// Sandbox of external programs: the mechanisms that this machine has (auto), none (off), or all of them, else nothing is
     /// run (require)
-    #[arg(long, value_name = "WALLS", default_value = "auto", value_parser = bench_worker::sandbox)]
+    #[arg(long, value_name = "SANDBOX", default_value = "auto", value_parser = bench_worker::sandbox)]
     sandbox: Sandbox,
     /// Number of parallel trials; with more than one, times differ from those on an idle machine, and the results state so
     #[arg(long, value_name = "N", default_value = "1", value_parser = whole::<usize>(1..=1024))]
@@ -178,11 +178,11 @@ pub fn run(arguments: &RunArguments, registry: &Registry, output: Output) -> Res
     if std::fs::metadata(&arguments.output).is_ok_and(|found| !found.is_file() || found.len() > 0) {
         Results::open(&arguments.output)?;
     }
-    let stop = stop_on_interrupt()?;
     let spinner = spinner("opening the scenarios", output.quiet);
     let schedule = campaign.schedule(registry);
     spinner.finish_and_clear();
     let mut schedule = schedule?;
+    let stop = stop_on_interrupt();
     if let Some(file) = &arguments.manifest {
         let here = Manifest::of(&schedule, &std::env::current_exe()?);
         here.check(&ClusterCampaign::read(file)?.manifest)?;
@@ -207,13 +207,13 @@ pub fn run(arguments: &RunArguments, registry: &Registry, output: Output) -> Res
         sandbox: arguments.sandbox,
         again: arguments.again.clone(),
     };
-    let mut progress = CampaignProgress::new(output.quiet);
+    let mut progress = CampaignBar::new(output.quiet);
     let beside = arguments.shard.map(|_| arguments.output.with_extension("json"));
     let ended = match arguments.standing.clone().or(beside) {
         None => run_campaign(&schedule, &settings, &mut results, &mut progress, &stop),
         Some(file) => {
             let machine = settings.information.machine.clone();
-            let mut standing = StandingFile::new(&file, workers, &machine, &mut progress);
+            let mut standing = ProgressFile::new(&file, workers, &machine, &mut progress);
             let ended = run_campaign(&schedule, &settings, &mut results, &mut standing, &stop);
             standing.write();
             ended
@@ -327,7 +327,7 @@ fn planner_of(word: &str, registry: &Registry) -> Result<CampaignPlanner, Failur
 }
 
 /// Progress bar with the running success rate.
-struct CampaignProgress {
+struct CampaignBar {
     bar: ProgressBar,
     quiet: bool,
     ended: usize,
@@ -335,7 +335,7 @@ struct CampaignProgress {
     lost: Vec<Lost>,
 }
 
-impl CampaignProgress {
+impl CampaignBar {
     fn new(quiet: bool) -> Self {
         Self { bar: ProgressBar::hidden(), quiet, ended: 0, solved: 0, lost: Vec::new() }
     }
@@ -363,7 +363,7 @@ impl CampaignProgress {
     }
 }
 
-impl CampaignObserver for CampaignProgress {
+impl CampaignObserver for CampaignBar {
     fn begins(&mut self, to_run: usize, _known: &[TrialRecord]) {
         self.bar = bar(to_run as u64, self.quiet);
     }

@@ -49,7 +49,7 @@ pub struct SlurmArguments {
     #[arg(long, value_name = "FOLDER")]
     local: Option<String>,
     /// Sandbox of external programs, as in `bench run`
-    #[arg(long, value_name = "WALLS", default_value = "auto", value_parser = bench_worker::sandbox)]
+    #[arg(long, value_name = "SANDBOX", default_value = "auto", value_parser = bench_worker::sandbox)]
     sandbox: Sandbox,
     /// Write the scripts without submitting them
     #[arg(long)]

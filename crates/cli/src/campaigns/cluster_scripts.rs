@@ -66,8 +66,9 @@ impl<'a> ClusterScripts<'a> {
                      results=$local/${{shared##*/}}\n",
                     on_node(local)?
                 ),
-                // Copied under another name first, so that a file with the final name is complete.
-                "cp \"$results\" \"$shared.partial\" && mv \"$shared.partial\" \"$shared\" && rm -r \"$local\"\n",
+                // Its log is written back first: a killed campaign leaves one. It is copied under another name, so that a file with
+                // the final name is complete.
+                "{program} bench status \"$results\" > /dev/null\ncp \"$results\" \"$shared.partial\" && mv \"$shared.partial\" \"$shared\" && rm -r \"$local\"\n",
             ),
         };
         Ok(format!(

@@ -149,7 +149,7 @@ fn sample(arguments: &SampleArguments, output: Output) -> Result<Answer, Failure
     let filter =
         if arguments.bare { None } else { Some(subject.filter(&surface, arguments.approach / 1000.0)?) };
     let firmness = subject.firmness(arguments)?;
-    let stop = stop_on_interrupt()?;
+    let stop = stop_on_interrupt();
     let demand = firmness.as_ref().and_then(|(measure, _)| Some((measure, arguments.hold?)));
     let filters = (arguments.approach, arguments.bare, arguments.hold, arguments.mass);
     let unfinished = Unfinished::beside(
@@ -315,7 +315,7 @@ fn filter(arguments: &FilterArguments, output: Output) -> Result<Answer, Failure
     let mut blocked = vec![0; scenario.world.bodies().len()];
     let mut free = Vec::new();
     let progress = bar(set.len() as u64, output.quiet);
-    let stop = stop_on_interrupt()?;
+    let stop = stop_on_interrupt();
     let mut tried = 0;
     for grasp in set.grasps() {
         if stop.load(Ordering::Relaxed) {

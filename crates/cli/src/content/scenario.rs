@@ -376,7 +376,7 @@ fn watched(
     output: Output,
     write: impl FnOnce(&SetProgress) -> Result<SetReport, ScenarioError>,
 ) -> Result<Answer, Failure> {
-    let stop = stop_on_interrupt()?;
+    let stop = stop_on_interrupt();
     let progress = bar(count.into(), output.quiet);
     let report = write(&SetProgress { done: &|| progress.inc(1), stop: &stop });
     progress.finish_and_clear();

@@ -135,7 +135,7 @@ pub fn run(arguments: &SimulateGraspsArguments, output: Output) -> Result<Answer
     let is_open = |grasp: &usize| known.iter().all(|row| row.grasp != *grasp);
     let open: Vec<usize> = chosen.iter().copied().filter(is_open).collect();
     let (wanted, known_count) = (chosen.len(), chosen.len() - open.len());
-    let stop = stop_on_interrupt()?;
+    let stop = stop_on_interrupt();
     let progress = bar((open.len() * (1 + arguments.trials)) as u64, output.quiet);
     let rows = tried(&test, grasps, &open, trials, &progress, &|| stop.load(Ordering::Relaxed));
     progress.finish_and_clear();

@@ -164,7 +164,7 @@ pub fn run(arguments: &SimulateResultsArguments, output: Output) -> Result<Answe
     }
     drop(results);
 
-    let stop = stop_on_interrupt()?;
+    let stop = stop_on_interrupt();
     let is_stopped = || stop.load(Ordering::Relaxed);
     let (support_only, trials, seed) = (arguments.support_only, arguments.trials, arguments.seed);
     let settings = Settings { support_only, trials, seed };

@@ -42,7 +42,7 @@ struct Settled {
 
 pub fn run(arguments: &SettleArguments, output: Output) -> Result<Answer, Failure> {
     let object = object::open(&arguments.object)?;
-    let stop = stop_on_interrupt()?;
+    let stop = stop_on_interrupt();
     let progress = bar(arguments.count as u64, output.quiet);
     let is_stopped = || stop.load(Ordering::Relaxed);
     let settling = settle(&object, arguments.count, arguments.seed, &|| progress.inc(1), &is_stopped)?;

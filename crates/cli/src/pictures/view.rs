@@ -76,7 +76,7 @@ pub fn run(arguments: &ViewArguments, registry: &Registry, output: Output) -> Re
     let url = server.url();
     let door = if arguments.no_open { None } else { doorway(&url).ok() };
     let mut said = Ok(());
-    let stop = stop_on_interrupt()?;
+    let stop = stop_on_interrupt();
     server.serve(&page, cells, interrupted(stop), || {
         said = if output.json {
             text::print_json(&Viewed { scenario: &arguments.id, url: url.clone() })

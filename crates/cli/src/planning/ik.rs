@@ -52,7 +52,7 @@ pub fn run(arguments: &IkArguments, output: Output) -> Result<Answer, Failure> {
         attempts: arguments.attempts,
         seed: arguments.seed,
     };
-    let stop = stop_on_interrupt()?;
+    let stop = stop_on_interrupt();
     let count = if arguments.grasp.is_some() { 1 } else { scenario.grasps.len() };
     let progress = bar(count as u64, output.quiet);
     let mut annotations = annotate_ik(&problem, &settings, &|| progress.inc(1), &stop)?;

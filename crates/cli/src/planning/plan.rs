@@ -39,7 +39,7 @@ pub fn run(arguments: &PlanArguments, registry: &Registry, output: Output) -> Re
     // Checks the output file before the search.
     let file = destination(arguments, &source.scenario, output)?;
 
-    let mut progress = SearchProgress::new(output.quiet, stop_on_interrupt()?);
+    let mut progress = SearchProgress::new(output.quiet, stop_on_interrupt());
     let begin_of_solving = Instant::now();
     let tries = arguments.try_in_physics.zip(scenario.as_ref());
     let SimulatedAnswer { answer, tries } = match tries {
@@ -73,8 +73,9 @@ pub fn run(arguments: &PlanArguments, registry: &Registry, output: Output) -> Re
     let planning_time_s = answer.statistics.planning_time_s;
     let shortcut_time_s = answer.shortening.map(|shortening| shortening.time_s);
     let timing_time_s = answer.timed.as_ref().map(|timed| timed.time_s);
-    let stated_time_s =
-        planning_time_s + shortcut_time_s.unwrap_or_default() + timing_time_s.unwrap_or_default();
+    let optimisation_time_s = answer.optimisation.as_ref().map(|optimisation| optimisation.time_s);
+    let others_s = [optimisation_time_s, shortcut_time_s, timing_time_s];
+    let stated_time_s = planning_time_s + others_s.into_iter().flatten().sum::<f64>();
     let answered = Answered {
         planning_time_s,
         shortcut_time_s,

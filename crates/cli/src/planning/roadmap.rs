@@ -58,7 +58,7 @@ pub fn run(arguments: &RoadmapArguments, output: Output) -> Result<Answer, Failu
     let file = arguments.output.clone();
     let file = file.unwrap_or_else(|| PathBuf::from(format!("{}.roadmap.json", scenario.id)));
     output_file::check(&file, FileKind::Roadmap, output)?;
-    let stop = stop_on_interrupt()?;
+    let stop = stop_on_interrupt();
     let progress = bar(arguments.nodes as u64, output.quiet);
     let begin = Instant::now();
     let mut goes_on = |nodes: usize| {

@@ -16,6 +16,8 @@ pub struct Identity {
     /// SHA-256 of names and contents of its files except hidden ones and plans, in hexadecimal. A built-in scenario, its folder
     /// and its packed folder have the same value.
     pub sha256: String,
+    /// Size of these files, in bytes.
+    pub bytes: u64,
 }
 
 impl Identity {
@@ -30,18 +32,23 @@ impl Identity {
             let (scenario, grasps) = entry.files();
             let files = [(own::FILE, scenario), (own::GRASPS_FILE, grasps)];
             let contents = files.map(|(name, text)| (name.to_owned(), text.as_bytes().to_vec()));
-            return Ok(Self { id: what.to_owned(), sha256: hash(&contents.into()) });
+            return Ok(Self::new(what.to_owned(), &contents.into()));
         }
         if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("zip")) {
             let id = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-            return Ok(Self { id, sha256: hash(&archive::contents_of_archive(path)?) });
+            return Ok(Self::new(id, &archive::contents_of_archive(path)?));
         }
         if path.join(own::FILE).is_file() || path.join(released::FILE).is_file() {
-            return Ok(Self { id: scenario::id_of(path), sha256: hash(&archive::contents_of_folder(path)?) });
+            return Ok(Self::new(scenario::id_of(path), &archive::contents_of_folder(path)?));
         }
         // The error is the one that opening it would give.
         crate::Scenario::open(what, &crate::OpenOptions::default())
-            .map(|scenario| Self { id: scenario.id, sha256: String::new() })
+            .map(|scenario| Self { id: scenario.id, sha256: String::new(), bytes: 0 })
+    }
+
+    fn new(id: String, contents: &BTreeMap<String, Vec<u8>>) -> Self {
+        let bytes = contents.values().map(|content| content.len() as u64).sum();
+        Self { id, sha256: hash(contents), bytes }
     }
 }
 
