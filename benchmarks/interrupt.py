@@ -2,8 +2,9 @@
 
 usage: interrupt.py CRANNY [MOMENTS [NAME…]]   the program; moments of each kind (10); commands (default: all)
 
-After each interruption, the same command is run to its end. It must succeed, and leave no hidden file or folder, in its folder
-or in the temporary folder.
+After each interruption, the same command is run to its end. It must succeed, write the same files as without an interruption
+where these depend on no time, know finished work of the interrupted run, and leave no hidden file or folder, in its folder or in
+the temporary folder.
 """
 
 from __future__ import annotations
@@ -28,12 +29,20 @@ COMMANDS = {
     "simulate plan": "simulate plan 011 plan.plan.json",
     "bench run": "bench run -o r.db --scenarios 021,031,045 --planner reach --planner rrt-connect --runs 5 --time-limit 1",
     "bench report": "bench report results.db -o report.html",
+    "bench merge": "bench merge results.db other.db -o merged.db",
+    "simulate results": "simulate results results.db",
     "render picture": "render 021 plan.plan.json -o picture.png --size 4096x3072",
     "render film": "render 011 plan.plan.json -o film.gif",
     "render page": "render 021 -o page.html",
     "verify": "verify 011 plan.plan.json",
 }
-"""Commands by name; files that they read are made first by `prepare`."""
+"""Commands by name; files that they read are made first."""
+
+TIMED = {"plan", "plan --try-in-physics", "ik", "bench run", "bench report", "bench merge", "simulate plan", "simulate results"}
+"""Commands whose files contain measured times."""
+
+RESUMED = {"bench run", "simulate grasps"}
+"""Commands that report the finished work of an earlier run as `known`."""
 
 
 def run(program: str, words: str, folder: Path, environment: dict[str, str], moment: float = 0.0, number: int = 0) -> subprocess.CompletedProcess[str]:
@@ -54,6 +63,11 @@ def hidden(folder: Path, program_files: bool) -> list[str]:
     """Returns the hidden files below a folder, and all files in a temporary folder of the program."""
     paths = sorted(str(path.relative_to(folder)) for path in folder.rglob("*"))
     return paths if program_files else [path for path in paths if any(name.startswith(".") for name in path.split("/"))]
+
+
+def written(folder: Path) -> dict[str, bytes]:
+    """Returns the files below a folder by name."""
+    return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
 
 
 def main(program: str, moments: str = "10", *names: str) -> int:
@@ -77,13 +91,16 @@ def main(program: str, moments: str = "10", *names: str) -> int:
                     source = words.split()[2 if words.startswith("simulate") else 1]
                     run(program, f"plan {source} -q -o plan.plan.json", folder, environment)
                 if "results.db" in words:
-                    run(program, "bench run -q -o results.db --scenarios 021 --planner reach --runs 20 --time-limit 1", folder, environment)
+                    campaign = "bench run -q --scenarios 021 --planner reach --runs 20 --time-limit 1 -o"
+                    run(program, f"{campaign} results.db", folder, environment)
+                    run(program, f"{campaign} other.db --first-seed 20", folder, environment)
                 return environment
 
             environment = fresh()
             begin = time.monotonic()
             whole = run(program, words, folder, environment)
             duration = time.monotonic() - begin
+            expected = written(folder)
             if whole.returncode not in (0, 1):
                 problems.append(f"exit code {whole.returncode}: {whole.stderr.strip()[-200:]}")
             for number in (signal.SIGINT, signal.SIGKILL) if not problems else ():
@@ -94,9 +111,13 @@ def main(program: str, moments: str = "10", *names: str) -> int:
                     mark = f"{signal.Signals(number).name} after {moment:.2f} s"
                     if number == signal.SIGINT and stopped.returncode not in (0, 1):
                         problems.append(f"{mark}: exit code {stopped.returncode}")
-                    again = run(program, words, folder, environment)
+                    again = run(program, f"{words} --json" if name in RESUMED else words, folder, environment)
                     if again.returncode != whole.returncode:
                         problems.append(f"{mark}, then: exit code {again.returncode}: {again.stderr.strip()[-200:]}")
+                    elif name not in TIMED and written(folder) != expected:
+                        problems.append(f"{mark}, then: other files")
+                    elif name in RESUMED and moment > 0.7 * duration and '"known":0' in again.stdout.replace(" ", ""):
+                        problems.append(f"{mark}, then: nothing was kept")
                     if left := hidden(folder, False) + hidden(scratch, True):
                         problems.append(f"{mark}, then: left {left[:4]}")
         faults += len(problems)
