@@ -15,7 +15,7 @@ mod tree;
 pub use chain::dynamics::{Dynamics, PathForces};
 pub use chain::jacobian::{DampedInverse, Jacobian, Twist, damped_pseudo_inverse_step};
 pub use chain::joint_space::{between, distance};
-pub use chain::kinematics::LinkFrames;
+pub use chain::kinematics::{LinkFrames, LinkPath};
 pub use chain::lane_kinematics::{LaneFrame, LaneKinematics, LanePlacement, LaneTransform, LaneTwist};
 pub use chain::limits::{CONTINUOUS_LIMIT_RAD, FREE_JOINT_LIMIT_M, JointLimits, JointUnit, LimitViolation};
 pub use chain::reach_bound::ReachBound;

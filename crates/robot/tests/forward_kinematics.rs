@@ -90,3 +90,20 @@ fn mimic_joints_follow_with_factor_and_offset() {
     let actual = frames.link(robot.link_index("e").unwrap());
     assert!((actual.to_homogeneous() - expected.to_homogeneous()).norm() < 1e-12, "{actual} {expected}");
 }
+
+#[test]
+fn the_path_between_two_links_determines_their_relative_pose() {
+    let robot = crate::fixture::mobile_arm();
+    let (mut random, links) = (Stream::new(2, 0), robot.links().len());
+    for (a, b) in (0..links).flat_map(|a| (0..links).map(move |b| (a, b))) {
+        let path = robot.path_between([a, b]);
+        let [q, elsewhere] = [0; 2].map(|_| robot.random_configuration(&mut random));
+        let whole = robot.frames_at(&q);
+        // Other links may be anywhere.
+        let mut partial = robot.frames_at(&elsewhere);
+        robot.path_kinematics(&path, &q, &mut partial);
+        let [expected, relative] =
+            [&whole, &partial].map(|frames| frames.link(a).inv_mul(frames.link(b)).to_homogeneous());
+        assert!((relative - expected).abs().max() < 1e-12, "{a} {b}");
+    }
+}

@@ -1,4 +1,4 @@
-use cranny_robot::{LinkFrames, Robot};
+use cranny_robot::{LinkFrames, LinkPath, Robot};
 use cranny_shape::{Solid, overlap, quick_lower_bound, separation};
 use cranny_spatial::{CONTACT_M, Pose, Stream};
 
@@ -16,10 +16,11 @@ pub(crate) struct PairSearch<'r> {
     robot: &'r Robot,
     links: (usize, usize),
     joints: Vec<usize>,
+    path: LinkPath,
     frames: LinkFrames,
 }
 
-/// Solids with their poses in the root frame.
+/// Solids with their poses, for both links in the same frame.
 type Placed<'r> = Vec<(Pose, &'r Solid)>;
 
 impl<'r> PairSearch<'r> {
@@ -30,7 +31,8 @@ impl<'r> PairSearch<'r> {
             a[shared..].iter().chain(&b[shared..]).map(|mover| mover.joint).collect();
         joints.sort_unstable();
         joints.dedup();
-        Self { robot, links, joints, frames: robot.frames() }
+        let path = robot.path_between([links.0, links.1]);
+        Self { robot, links, joints, path, frames: robot.frames() }
     }
 
     /// Searches for a configuration (m, rad; one per joint) in which the links do not touch: in a grid over one or two joints
@@ -96,7 +98,7 @@ impl<'r> PairSearch<'r> {
 
     /// Returns true if the links do not touch at `q` (m, rad; one per joint).
     pub fn is_free(&mut self, q: &[f64]) -> bool {
-        self.robot.forward_kinematics(q, &mut self.frames);
+        self.robot.path_kinematics(&self.path, q, &mut self.frames);
         let (first, second) = self.placed();
         first.iter().all(|(pose_a, a)| {
             second.iter().all(|(pose_b, b)| {
@@ -108,7 +110,7 @@ impl<'r> PairSearch<'r> {
 
     /// Returns the maximum penetration depth of any two solids of the links at `q` (m, rad; one per joint), in metres.
     pub fn depth_m(&mut self, q: &[f64]) -> f64 {
-        self.robot.forward_kinematics(q, &mut self.frames);
+        self.robot.path_kinematics(&self.path, q, &mut self.frames);
         let (first, second) = self.placed();
         let overlaps = first.iter().flat_map(|(pose_a, a)| {
             second.iter().filter_map(move |(pose_b, b)| overlap(a, pose_a, b, pose_b))
@@ -116,7 +118,7 @@ impl<'r> PairSearch<'r> {
         overlaps.map(|overlap| overlap.depth_m).fold(0.0, f64::max)
     }
 
-    /// Returns the solids of both links with their poses in the root frame.
+    /// Returns the solids of both links with their poses in one frame.
     fn placed(&self) -> (Placed<'r>, Placed<'r>) {
         let of = |link: usize| {
             let root_from_link = *self.frames.link(link);

@@ -6,6 +6,7 @@ use cranny_plan::Statistics;
 use cranny_task::Criterion;
 use rusqlite::{Connection, Row, Rows, params};
 
+use crate::asked::trial::short_detail;
 use crate::{BenchError, StoredTrial, Trial, TrialOutcome, TrialRecord};
 
 /// Columns of a row without its number, its run, its path, which is large, and the column that older results lack.

@@ -26,6 +26,13 @@ impl LinkFrames {
     }
 }
 
+/// Links between two links of a robot, these included, but not their nearest common ancestor: their frames determine the pose
+/// of the two links relative to each other.
+#[derive(Clone, Debug)]
+pub struct LinkPath {
+    steps: Vec<Step>,
+}
+
 impl Robot {
     /// Returns frames of this robot at `q = 0` (which may lie outside its limits).
     pub fn frames(&self) -> LinkFrames {
@@ -78,6 +85,33 @@ impl Robot {
             let LinkFrames { root_from_link, loose } = &mut *frames;
             root_from_link[step.link] = step.root_from_link(&root_from_link[step.parent], loose, q);
         }
+    }
+
+    /// Returns the path between two links, given by their indices.
+    ///
+    /// # Panics
+    /// If the robot has no such links.
+    pub fn path_between(&self, links: [usize; 2]) -> LinkPath {
+        let [first, second] = links.map(|link| {
+            let mut is_above = vec![false; self.links().len()];
+            is_above[link] = true;
+            // Each step follows that of its parent.
+            for step in self.steps.iter().rev() {
+                is_above[step.parent] |= is_above[step.link];
+            }
+            is_above
+        });
+        let steps = self.steps.iter().filter(|step| first[step.link] != second[step.link]).cloned().collect();
+        LinkPath { steps }
+    }
+
+    /// Writes the poses of the links of a path at `q` (m, rad; one per joint); other frames stay unchanged. Relative to each
+    /// other, the links at its ends are where [`Self::forward_kinematics`] places them, up to rounding.
+    ///
+    /// # Panics
+    /// As [`Self::forward_kinematics`].
+    pub fn path_kinematics(&self, path: &LinkPath, q: &[f64], frames: &mut LinkFrames) {
+        self.follow(&path.steps, q, frames);
     }
 
     fn follow(&self, steps: &[Step], q: &[f64], frames: &mut LinkFrames) {
