@@ -99,7 +99,12 @@ impl<'r> PairSearch<'r> {
     /// Returns true if the links do not touch at `q` (m, rad; one per joint).
     pub fn is_free(&mut self, q: &[f64]) -> bool {
         self.robot.path_kinematics(&self.path, q, &mut self.frames);
-        let (first, second) = self.placed();
+        self.is_free_in(&self.frames)
+    }
+
+    /// Returns true if the links do not touch in these frames.
+    pub fn is_free_in(&self, frames: &LinkFrames) -> bool {
+        let (first, second) = self.placed(frames);
         first.iter().all(|(pose_a, a)| {
             second.iter().all(|(pose_b, b)| {
                 quick_lower_bound(a, pose_a, b, pose_b, CONTACT_M) > CONTACT_M
@@ -111,7 +116,7 @@ impl<'r> PairSearch<'r> {
     /// Returns the maximum penetration depth of any two solids of the links at `q` (m, rad; one per joint), in metres.
     pub fn depth_m(&mut self, q: &[f64]) -> f64 {
         self.robot.path_kinematics(&self.path, q, &mut self.frames);
-        let (first, second) = self.placed();
+        let (first, second) = self.placed(&self.frames);
         let overlaps = first.iter().flat_map(|(pose_a, a)| {
             second.iter().filter_map(move |(pose_b, b)| overlap(a, pose_a, b, pose_b))
         });
@@ -119,9 +124,9 @@ impl<'r> PairSearch<'r> {
     }
 
     /// Returns the solids of both links with their poses in one frame.
-    fn placed(&self) -> (Placed<'r>, Placed<'r>) {
+    fn placed(&self, frames: &LinkFrames) -> (Placed<'r>, Placed<'r>) {
         let of = |link: usize| {
-            let root_from_link = *self.frames.link(link);
+            let root_from_link = *frames.link(link);
             let shapes = self.robot.links()[link].collisions.iter();
             shapes.map(|shape| (root_from_link * shape.link_from_shape, &shape.solid)).collect()
         };

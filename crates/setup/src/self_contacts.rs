@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
 use cranny_collision::{Cell, Collider, CollisionError, Margins, UncheckedReason, World};
-use cranny_robot::Robot;
+use cranny_robot::{LinkFrames, Robot};
 use cranny_spatial::Stream;
 use rayon::prelude::*;
 
@@ -87,11 +87,12 @@ impl SelfContact {
         let mut random = Stream::new(0, 0);
         let drawn: Vec<Vec<f64>> =
             (0..SELF_CONTACT_SAMPLES).map(|_| robot.random_configuration(&mut random)).collect();
+        let frames: Vec<LinkFrames> = drawn.iter().map(|q| robot.frames_at(q)).collect();
         contacts.par_iter_mut().for_each(|contact| {
             let mut search = PairSearch::new(robot, contact.links);
             contact.missed = search.missed();
-            for q in &drawn {
-                if search.is_free(q) {
+            for (q, frames) in drawn.iter().zip(&frames) {
+                if search.is_free_in(frames) {
                     contact.free_at.get_or_insert_with(|| q.clone());
                     continue;
                 }
