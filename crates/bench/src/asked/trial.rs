@@ -154,7 +154,7 @@ impl TrialRecord {
         Self {
             trial: trial.clone(),
             outcome,
-            detail: detail.as_deref().map(short_detail),
+            detail: detail.map(|text| short_detail(&text)),
             statistics,
             path_length: None,
             clearance_m: None,
