@@ -122,7 +122,7 @@ pub struct TrialRecord {
     pub trial: Trial,
     /// Outcome of the trial.
     pub outcome: TrialOutcome,
-    /// Details for the user: the first violation, the signal, or the first bad line; at most [`MOST_DETAIL`] characters.
+    /// Details for the user: the first violation, the signal, or the first bad line; at most 500 characters.
     pub detail: Option<String>,
     /// Statistics of the search. For an external planner, `planning_time_s` is measured outside, and unreported values are 0.
     pub statistics: Statistics,
