@@ -111,6 +111,10 @@ impl CampaignObserver for StandingFile<'_> {
         self.heard.begins(to_run, known);
     }
 
+    fn notes(&mut self, note: &str) {
+        self.heard.notes(note);
+    }
+
     fn trial_ended(&mut self, record: &TrialRecord) {
         self.standing.count(record);
         self.standing.run += 1;
