@@ -1,4 +1,4 @@
-"""Compares the trials of `reach` in a campaign of its own and beside twenty saboteurs (`saboteur.py`).
+"""Compares the trials of `reach` in a campaign of its own and beside saboteurs (`saboteur.py`). Ends with 1 if they differ.
 
 usage: sabotage.py CRANNY [RUNS] [WORKERS]   the program; seeds of each scenario (10); simultaneous trials (4)
 """
@@ -16,6 +16,9 @@ from pathlib import Path
 from saboteur import NAMES
 
 SCENARIOS = "021,031,041,012,015"
+
+# Level of the test: one of a hundred runs without any effect fails.
+LEAST_P = 0.01
 
 
 def campaign(program: str, folder: Path, planners: list[str], runs: str, workers: str) -> list[tuple[str, str, str, int, float]]:
@@ -39,8 +42,8 @@ def rank_sum(first: list[float], second: list[float]) -> float:
     return math.erfc(abs(z) / math.sqrt(2))
 
 
-def main(program: str, runs: str = "10", workers: str = "4") -> None:
-    """Runs both campaigns and prints the comparison."""
+def main(program: str, runs: str = "10", workers: str = "4") -> bool:
+    """Runs both campaigns, prints the comparison, and returns True if the saboteurs changed nothing and solved nothing."""
     here = Path(__file__).resolve().parent
     # Within the folder of the input files, which some of them attack.
     saboteurs = [f"{name}=exec:python3 {here / 'saboteur.py'} {name} {{grasps}}" for name in NAMES]
@@ -57,8 +60,11 @@ def main(program: str, runs: str = "10", workers: str = "4") -> None:
     times = [[1e3 * time for _, time in trials.values()] for trials in reach]
     medians = [statistics.median(values) for values in times]
     print(f"median time of reach: {medians[0]:.2f} ms alone, {medians[1]:.2f} ms beside saboteurs")
-    print(f"rank-sum test: p = {rank_sum(*times):.3f}")
+    p = rank_sum(*times)
+    print(f"rank-sum test: p = {p:.3f}")
+    solved = {planner for planner, outcome, *_ in beside if planner != "reach" and outcome == "solved"}
+    return same == len(reach[0]) == len(reach[1]) and p >= LEAST_P and not solved
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    sys.exit(0 if main(*sys.argv[1:]) else 1)

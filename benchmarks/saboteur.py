@@ -1,4 +1,4 @@
-"""Twenty planners that cheat or sabotage, for a campaign beside an honest one (`sabotage.py`).
+"""Planners that cheat or sabotage, for a campaign beside an honest one (`sabotage.py`).
 
 `saboteur.py NAME` speaks the exec protocol. None of them plans.
 """
@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import contextlib
 import ctypes
+import fcntl
+import glob
 import json
 import mmap
 import os
@@ -131,6 +133,114 @@ def disturb_caches() -> None:
         block[:] = bytes(len(block))
 
 
+def sessions() -> None:
+    """Computes in many sessions, each of which would have a share of the processors."""
+    for _ in range(250):
+        if os.fork() == 0:
+            with contextlib.suppress(OSError):
+                os.setsid()
+            while True:
+                pass
+    time.sleep(1000)
+
+
+def beside(ending: str) -> list[str]:
+    """Returns the files with this ending that belong to the user: those of rivals, of the campaign and of earlier ones."""
+    here = os.path.dirname(os.path.abspath(__file__))
+    folders = {here, os.path.dirname(sys.argv[2]), *glob.glob("/tmp/*"), os.getcwd()}
+    return [path for folder in sorted(folders) for path in glob.glob(f"{folder}/*{ending}")]
+
+
+def lease() -> None:
+    """Delays everyone who opens a file that rivals or the campaign may need."""
+    signal.signal(signal.SIGIO, signal.SIG_IGN)
+    held = []
+    for ending in (".py", ".urdf", ".csv", ".db"):
+        for path in beside(ending):
+            with contextlib.suppress(OSError):
+                held.append(os.open(path, os.O_RDONLY))
+                fcntl.fcntl(held[-1], 1024, fcntl.F_WRLCK)
+    time.sleep(1000)
+
+
+def lock() -> None:
+    """Locks the results of campaigns for reading, as a reader of the database does."""
+    held = []
+    for ending in (".db", ".db-shm", ".db-wal"):
+        for path in beside(ending):
+            with contextlib.suppress(OSError):
+                held.append(os.open(path, os.O_RDONLY))
+                fcntl.lockf(held[-1], fcntl.LOCK_SH | fcntl.LOCK_NB, 0, 0)
+    time.sleep(1000)
+
+
+def semaphores() -> None:
+    """Takes memory of the kernel: 64 bytes for each semaphore, 16 KiB for each queue of messages."""
+    message = ctypes.create_string_buffer(b"\1" * 8192)
+    for _ in range(500):
+        LIBC.semget(0, 32000, 0o1600)
+        queue = LIBC.msgget(0, 0o1600)
+        while LIBC.msgsnd(queue, message, 8000, 0o4000) == 0:
+            pass
+    time.sleep(1000)
+
+
+def page_tables() -> None:
+    """Takes memory of page tables, by reading one byte of each 2 MiB."""
+    LIBC.mmap.restype = ctypes.c_void_p
+    size = 1 << 40
+    begin = LIBC.mmap(None, ctypes.c_size_t(size), 1, 0x4022, -1, ctypes.c_long(0))
+    for offset in range(0, size, 1 << 21):
+        ctypes.c_char.from_address(begin + offset).value  # noqa: B018
+
+
+def buffers() -> None:
+    """Takes memory of the buffers of sockets."""
+    for _ in range(4):
+        os.fork()
+    held = []
+    while True:
+        with contextlib.suppress(OSError):
+            held.append(socket.socketpair())
+            held[-1][0].setblocking(False)
+            while held[-1][0].send(bytes(1 << 16)):
+                pass
+
+
+def deleted_files() -> None:
+    """Fills the disk, or the memory, with files that have no name."""
+    held = []
+    for index in range(1000):
+        held.append(os.open(str(index), os.O_CREAT | os.O_RDWR))
+        os.unlink(str(index))
+        with contextlib.suppress(OSError):
+            os.write(held[-1], bytes(16 << 20))
+
+
+def nested_folders() -> None:
+    """Leaves folders that are too deep for a path, and closed ones, for its next trial."""
+    os.makedirs("closed/inner")
+    os.chmod("closed/inner", 0o555)
+    os.chmod("closed", 0)
+    for _ in range(3000):
+        os.mkdir("inner")
+        os.chdir("inner")
+
+
+def virtual_sockets() -> None:
+    """Asks a server of another trial, or of the machine below a virtual one."""
+    for address in ((0xFFFFFFFF, 45871), (1, 45871), (2, 45871)):
+        with contextlib.suppress(OSError), socket.socket(40, socket.SOCK_STREAM) as own:
+            own.settimeout(0.1)
+            own.bind(address) if address[0] > 2 else own.connect(address)
+
+
+def long_error() -> None:
+    """Prints errors without end."""
+    while True:
+        os.write(2, bytes(1 << 20))
+
+
 def misbehave(name: str) -> None:
     """Carries out the sabotage of that name."""
     if name in ("long-path", "far-path"):
@@ -155,13 +265,24 @@ def misbehave(name: str) -> None:
         "flood": flood,
         "caches": disturb_caches,
         "claim": lambda: answer(outcome="budget-exhausted", statistics={"iterations": 10**9}),
+        "sessions": sessions,
+        "lease": lease,
+        "lock": lock,
+        "semaphores": semaphores,
+        "page-tables": page_tables,
+        "buffers": buffers,
+        "deleted-files": deleted_files,
+        "nested-folders": nested_folders,
+        "virtual-sockets": virtual_sockets,
+        "long-error": long_error,
     }
     actions[name]()
 
 
 NAMES = (
     "priority processors scheduler limits stop kill burn threads chain bomb shared-memory memory files server notes "
-    "flood caches claim long-path far-path"
+    "flood caches claim long-path far-path sessions lease lock semaphores page-tables buffers deleted-files nested-folders "
+    "virtual-sockets long-error"
 ).split()
 
 if __name__ == "__main__":

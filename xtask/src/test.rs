@@ -45,7 +45,7 @@ const STEPS: [Step; 9] = [
 ];
 
 /// Additional checks of a long run: those that rarely fail, or whose tools are rarely installed.
-const LONG_STEPS: [Step; 6] = [
+const LONG_STEPS: [Step; 7] = [
     Step { name: "site", needs: site::readiness, action: site::check },
     Step { name: "LaTeX", needs: latex::readiness, action: latex::check },
     Step { name: "a planner from outside", needs: own_planner::readiness, action: own_planner::check },
@@ -55,6 +55,7 @@ const LONG_STEPS: [Step; 6] = [
         action: checked_arithmetic::check,
     },
     Step { name: "interruptions", needs: hardship::interruption_readiness, action: hardship::interrupt },
+    Step { name: "sabotage", needs: hardship::sabotage_readiness, action: hardship::sabotage },
     Step { name: "fuzzing", needs: hardship::fuzzing_readiness, action: hardship::fuzz },
 ];
 

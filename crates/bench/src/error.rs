@@ -124,6 +124,12 @@ pub enum BenchError {
         /// The program.
         program: String,
         /// Error of the operating system.
+        reason: std::io::Error,
+    },
+    /// A trial was not started for lack of processes, memory, descriptors or disk space.
+    #[error("the trial could not be started: {reason}")]
+    NotStarted {
+        /// Error of the operating system.
         reason: String,
     },
     /// Full isolation of external programs is required, but this machine lacks one of its mechanisms.
@@ -384,5 +390,23 @@ pub enum BenchError {
 impl BenchError {
     pub(crate) fn message(fault: &dyn std::fmt::Display) -> Self {
         Self::Message { problem: fault.to_string() }
+    }
+
+    /// Returns true if another program locks the database.
+    pub(crate) fn is_locked(&self) -> bool {
+        let code = if let Self::Database { reason, .. } = self { reason.sqlite_error_code() } else { None };
+        code == Some(rusqlite::ErrorCode::DatabaseBusy)
+    }
+
+    /// Returns true if a trial could not be started for a reason that may pass by itself.
+    pub(crate) fn is_shortage(&self) -> bool {
+        match self {
+            Self::NotStarted { .. } => true,
+            Self::NotRunnable { reason, .. }
+            | Self::Scenario(cranny_scenario::ScenarioError::Unwritable { reason, .. }) => {
+                cranny_file::system::is_shortage(reason)
+            }
+            _ => false,
+        }
     }
 }

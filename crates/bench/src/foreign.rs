@@ -8,3 +8,4 @@ pub(crate) mod problem_folder;
 pub(crate) mod process_group;
 pub(crate) mod sandbox;
 mod supported;
+pub(crate) mod written_files;

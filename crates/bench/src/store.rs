@@ -2,6 +2,7 @@
 
 pub(crate) mod campaign_progress;
 pub(crate) mod exports;
+pub(crate) mod hidden_results;
 pub(crate) mod manifest;
 pub(crate) mod ompl_log;
 pub(crate) mod results;

@@ -97,7 +97,7 @@ fn what_a_program_states_of_its_iterations_or_does_to_its_worker_is_not_censored
         (TrialOutcome::BudgetExhausted, 1_000_000, None),
         (TrialOutcome::GaveUp, 100, Some("whatever the program states about its iterations")),
         (TrialOutcome::Killed, 0, Some("a signal killed their worker")),
-        (TrialOutcome::Undecided, 0, Some("the judge reached no verdict")),
+        (TrialOutcome::Undecided, 0, Some("the judge reached none")),
         (TrialOutcome::Cancelled, 0, None),
         (TrialOutcome::Crashed, 0, None),
     ] {

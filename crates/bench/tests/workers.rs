@@ -110,6 +110,19 @@ fn a_worker_that_talks_nonsense_is_ended() {
     }
 }
 
+/// A passing shortage of processes, memory or disk space costs the campaign nothing, and a lasting one the trial alone.
+#[test]
+fn a_trial_that_cannot_be_started_is_tried_again_and_then_left_undecided() {
+    let short = "read line; echo '{\"not-started\": \"no space left\"}'; ";
+    for (outcome, detail) in outcomes(&format!("{short} read line; echo out of luck >&2; exit 3")) {
+        assert_eq!(outcome, TrialOutcome::Crashed, "{detail}");
+    }
+    for (outcome, detail) in outcomes(&format!("while true; do {short} done")) {
+        assert_eq!(outcome, TrialOutcome::Undecided);
+        assert!(detail.contains("could not be started") && detail.ends_with("no space left"), "{detail}");
+    }
+}
+
 #[test]
 fn a_question_that_makes_no_sense_ends_the_campaign_and_leaves_what_is_there() {
     let folder = tempfile::tempdir().expect("a temporary folder");

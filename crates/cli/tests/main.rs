@@ -19,6 +19,8 @@ mod cheating_planners;
 #[cfg(target_os = "linux")]
 mod cluster;
 mod commands;
+#[cfg(target_os = "linux")]
+mod enclosed_planners;
 mod false_proofs;
 #[cfg(unix)]
 mod foreign_planners;

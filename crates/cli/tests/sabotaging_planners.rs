@@ -16,7 +16,17 @@ def end(message):
 ";
 
 /// Runs planners in Python, by name, in one campaign in 031 and returns its output and trials.
-fn campaign(folder: &Path, planners: &[(&str, &str)], more: &[&str]) -> (Output, Vec<StoredTrial>) {
+pub fn campaign(folder: &Path, planners: &[(&str, &str)], more: &[&str]) -> (Output, Vec<StoredTrial>) {
+    campaign_with(folder, planners, more, |_| ())
+}
+
+/// Runs a campaign as [`campaign`], after a change of its command.
+pub fn campaign_with(
+    folder: &Path,
+    planners: &[(&str, &str)],
+    more: &[&str],
+    change: impl Fn(&mut Command),
+) -> (Output, Vec<StoredTrial>) {
     let mut words: Vec<String> =
         ["bench", "run", "-o", "results.db", "--scenarios", "031"].map(str::to_owned).into();
     for (name, text) in planners {
@@ -24,7 +34,9 @@ fn campaign(folder: &Path, planners: &[(&str, &str)], more: &[&str]) -> (Output,
         words.extend(["--planner".to_owned(), format!("{name}=exec:python3 {name}.py {{grasps}}")]);
     }
     let mut command = Command::cargo_bin("cranny").expect("the program");
-    let output = command.current_dir(folder).args(words).args(more).output().expect("it runs");
+    command.current_dir(folder).args(words).args(more);
+    change(&mut command);
+    let output = command.output().expect("it runs");
     let file = folder.join("results.db");
     let trials = if file.exists() {
         Results::open(&file).expect("results").trials().expect("trials")
@@ -35,10 +47,15 @@ fn campaign(folder: &Path, planners: &[(&str, &str)], more: &[&str]) -> (Output,
 }
 
 /// Runs one planner in the full sandbox; `None`, with a note, if the kernel lacks a mechanism.
-fn enclosed(text: &str, more: &[&str]) -> Option<Vec<StoredTrial>> {
+pub fn enclosed(text: &str, more: &[&str]) -> Option<Vec<StoredTrial>> {
+    enclosed_with(text, more, |_| ())
+}
+
+/// Runs one planner as [`enclosed`], after a change of the command of the campaign.
+pub fn enclosed_with(text: &str, more: &[&str], change: impl Fn(&mut Command)) -> Option<Vec<StoredTrial>> {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let more = [&["--sandbox", "require"], more].concat();
-    let (output, trials) = campaign(folder.path(), &[("cheat", text)], &more);
+    let (output, trials) = campaign_with(folder.path(), &[("cheat", text)], &more, change);
     let error = String::from_utf8_lossy(&output.stderr);
     if error.contains("this machine has no") {
         eprintln!("SKIPPED, enclosure of planners: {error}");
@@ -48,11 +65,11 @@ fn enclosed(text: &str, more: &[&str]) -> Option<Vec<StoredTrial>> {
     Some(trials)
 }
 
-fn detail(trial: &StoredTrial) -> &str {
+pub fn detail(trial: &StoredTrial) -> &str {
     trial.record.detail.as_deref().unwrap_or_default()
 }
 
-fn all_gave_up(trials: Option<Vec<StoredTrial>>) {
+pub fn all_gave_up(trials: Option<Vec<StoredTrial>>) {
     for trial in trials.unwrap_or_default() {
         assert_eq!(trial.record.outcome, TrialOutcome::GaveUp, "{}", detail(&trial));
     }

@@ -20,25 +20,31 @@ mod call_filter;
 mod enclosure;
 mod file_kind;
 mod file_stamp;
+mod folder;
 mod installed;
 mod machine;
 #[cfg(target_os = "linux")]
 mod mounts;
 mod plain_file;
 mod process;
+mod shortage;
 mod signals;
+mod sockets;
 mod walls;
 
 pub use call_filter::{filter_calls, has_call_filter};
 pub use enclosure::{Restrictions, begin_session, restrict_self, status_of_shell, wait_for, wait_for_input};
 pub use file_kind::{is_stream, kind_name, open_without_waiting};
 pub use file_stamp::FileStamp;
+pub use folder::{ProcessFolder, folder_bytes, remove_folder};
 pub use installed::{installed_command, installed_program};
 pub use machine::{machine_name, processor_name};
 pub use plain_file::{FileIdentity, open_plain_file};
 pub use process::{
     PeakMemory, ProcessMemory, adopt_orphans, beginning, children, close_to_others, ending, is_killed,
-    kill_group, kill_process, memory, own_memory, reap, stop_process,
+    kill_group, kill_process, memory, open_files, own_memory, reap, stop_process,
 };
+pub use shortage::is_shortage;
 pub use signals::stop_signals;
-pub use walls::{SHARED_MEMORY, can_have_namespaces, has_file_walls, shared_memory_bytes, write_only_in};
+pub use sockets::socket_paths;
+pub use walls::{SHARED_MEMORY, can_have_namespaces, has_file_walls, write_only_in};

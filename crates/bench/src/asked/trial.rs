@@ -74,7 +74,8 @@ pub enum TrialOutcome {
     Garbled,
     /// The planner's process ended by itself.
     Crashed,
-    /// The judge exceeded its limits of time or memory before a verdict, or crashed.
+    /// There is no verdict: the judge exceeded its limits of time or memory, or crashed, or the trial could not be started for lack
+    /// of resources.
     Undecided,
     /// The planner exceeded its time limit and was stopped.
     Hung,
@@ -136,8 +137,8 @@ pub struct TrialRecord {
     pub grasp_score: Option<f64>,
     /// True if the path also meets the other criterion; `None` if this was not checked.
     pub also_solved: Option<bool>,
-    /// Memory, in bytes. For an external program: peak of the program and its children, sampled every 20 ms. For a built-in
-    /// planner: growth of the resident set of its worker during the search (its peak less its size at the start), without the
+    /// Memory, in bytes. For an external program: peak of the program and its children, with the files in its scratch folder,
+    /// sampled every 20 ms. For a built-in planner: growth of the resident set of its worker during the search (its peak less its size at the start), without the
     /// scenario; memory that earlier trials left to the worker and the search reuses does not count. `None` if unknown.
     #[serde(default)]
     pub memory_bytes: Option<u64>,

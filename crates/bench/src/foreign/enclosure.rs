@@ -22,8 +22,11 @@ pub struct Enclosure {
     /// Environment variables that it does not inherit.
     pub environment: BTreeMap<String, String>,
     pub isolation: Isolation,
-    /// Maximum size of its shared memory, in bytes.
-    pub shared_memory_bytes: u64,
+    /// Folders, files and sockets that it does not see, and folders within that it can read, in namespaces.
+    pub hidden: Vec<PathBuf>,
+    pub kept: Vec<PathBuf>,
+    /// Maximum size of its files and of its shared memory, in bytes, in namespaces.
+    pub memory_bytes: u64,
 }
 
 /// First line of input of a process that encloses a program.
@@ -33,8 +36,17 @@ pub enum Start {
     Enclose(Enclosure),
 }
 
-/// Line by which an enclosure reports that the program starts with the next byte of input.
-pub const READY: &str = "ready";
+/// First line of output of an enclosure, as JSON.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Prepared {
+    /// The program starts with the next byte of input.
+    Ready,
+    /// The program cannot be enclosed now, for lack of resources; with the reason.
+    Short(String),
+    /// The program cannot be enclosed; with the reason.
+    Refused(String),
+}
 
 /// Maximum number of processes of a program, and of its processes and threads. The first limit is checked every few
 /// milliseconds, the second one belongs to the kernel.
@@ -50,15 +62,21 @@ const NOT_EXECUTABLE: i32 = 126;
 impl Enclosure {
     /// Runs the program in this process's place: its input, output and exit code are those of this process.
     ///
-    /// 1. Restrict this process, and answer [`READY`] or the reason against it.
+    /// 1. Restrict this process, and answer [`Prepared`].
     /// 2. Start the program when its input arrives, so that the restrictions take none of its time.
     /// 3. Wait for its end.
     pub fn run(&self, output: &mut impl Write) -> i32 {
         // 1.
         let ready = self.restrict();
-        let answer = ready.as_ref().map_or_else(ToString::to_string, |_| READY.to_owned());
+        let answer = match &ready {
+            Ok(_) => Prepared::Ready,
+            Err(reason) if system::is_shortage(reason) => Prepared::Short(reason.to_string()),
+            Err(reason) => Prepared::Refused(reason.to_string()),
+        };
         // An error means that the worker has ended, and this process ends with it.
-        let _ = writeln!(output, "{}", answer.replace('\n', " ")).and_then(|()| output.flush());
+        let _ = serde_json::to_string(&answer)
+            .map_err(io::Error::other)
+            .and_then(|line| writeln!(output, "{line}").and_then(|()| output.flush()));
         let Ok(mut command) = ready else { return NOT_EXECUTABLE };
         // 2.
         system::wait_for_input();
@@ -80,7 +98,9 @@ impl Enclosure {
         let (program, arguments) = self.command.split_first().ok_or(io::ErrorKind::InvalidInput)?;
         system::restrict_self(Restrictions {
             folder: &self.folder,
-            shared_memory_bytes: self.shared_memory_bytes,
+            hidden: &self.hidden,
+            kept: &self.kept,
+            memory_bytes: self.memory_bytes,
             tasks: MOST_TASKS,
             namespaces,
             landlock,

@@ -1,3 +1,4 @@
+use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
@@ -9,7 +10,6 @@ use cranny_plan::Statistics;
 use cranny_scenario::{Recipe, ScenarioError};
 use cranny_task::{AfterPlacing, Criterion, LiftOffSettings, PlaceRegion, Problem, Segment, Stage};
 use serde_json::json;
-use tempfile::TempDir;
 
 use crate::foreign::enclosure::MOST_PROCESSES;
 use crate::foreign::foreign_answer::{self, ForeignAnswer};
@@ -18,6 +18,8 @@ use crate::foreign::process_group::Leash;
 use crate::foreign::sandbox::Isolation;
 use crate::running::opened_scenario::OpenedScenario;
 use crate::running::worker_message::{Message, Request};
+use crate::store::exports::{ExportFolder, folders_of_campaigns};
+use crate::store::hidden_results::results_beside;
 use crate::{BenchError, CarryTo, PathDemand, PlannerCall, TrialOutcome, TrialRecord};
 
 /// External program, with the files of one scenario.
@@ -37,6 +39,8 @@ pub struct ForeignFiles {
     urdf: PathBuf,
     /// Folder with one scratch folder for each trial.
     scratch: PathBuf,
+    /// Folders written for the program.
+    kept: Vec<PathBuf>,
     /// Files written for the program, with stamps that reveal changes by it.
     written: Vec<(PathBuf, Option<FileStamp>)>,
 }
@@ -82,12 +86,12 @@ impl ForeignPlanner {
             }
         };
         let folder = opened.export_folder(&request.exports)?;
-        let files = ForeignFiles::write(folder, &request.question.source, opened)?;
+        let files = ForeignFiles::write(&folder, &request.question.source, opened)?;
         Ok(Self { command, is_released, files })
     }
 
-    /// Runs the program on a trial, and reports its end before its output is read. Returns its record and the segments of its
-    /// path, not yet judged.
+    /// Runs the program on a trial, and reports its start, and its end before its output is read. Returns its record and the
+    /// segments of its path, not yet judged.
     pub fn plan(
         &self,
         task: &ForeignTask,
@@ -97,35 +101,44 @@ impl ForeignPlanner {
         let trial = &task.request.question.trial;
         let time = Duration::try_from_secs_f64(trial.time_limit_s).unwrap_or(Duration::MAX);
         // Each trial gets a new folder, so that files of earlier trials are not visible.
-        let scratch = TempDir::new_in(&self.files.scratch);
-        let scratch = scratch
-            .map_err(|reason| ScenarioError::Unwritable { path: self.files.scratch.clone(), reason })?;
+        let folder = ExportFolder::new_in(&self.files.scratch, "trial-");
+        let folder =
+            folder.map_err(|reason| ScenarioError::Unwritable { path: self.files.scratch.clone(), reason })?;
+        let scratch = folder.path();
+        let hidden = hidden_from(task.request);
         let limits = Limits {
             time: time.saturating_add(GRACE),
             memory_bytes: task.request.memory_limit_bytes,
-            scratch: scratch.path(),
+            scratch,
             isolation: task.request.isolation,
+            hidden: &hidden,
+            kept: &self.files.kept,
             worker: &task.request.worker,
         };
-        let (scratch, prefix) = (scratch.path(), scratch.path().join("trial"));
         let words = self.command.iter().map(|word| self.filled(word, task, scratch)).collect::<Vec<_>>();
         let missing = || BenchError::Program { program: String::new() };
         let (program, arguments) = words.split_first().ok_or_else(missing)?;
         let mut command = Command::new(program);
         command.args(arguments).current_dir(scratch).env("TMPDIR", scratch);
         let input = self.files.problem(task, scratch).to_string() + "\n";
-        let Ran { ending, elapsed_s, memory_bytes } =
-            foreign_process::run(&command, input, limits, leash).map_err(|reason| {
-                BenchError::NotRunnable { program: program.clone(), reason: reason.to_string() }
-            })?;
+        let mut told = Ok(());
+        let begins = || told = tell(&Message::Opened);
+        let ran = foreign_process::run(&command, input, limits, leash, begins);
+        let Ran { ending, elapsed_s, memory_bytes, files } =
+            ran.map_err(|reason| BenchError::NotRunnable { program: program.clone(), reason })?;
+        told?;
         tell(&Message::Planned)?;
         let statistics = Statistics { planning_time_s: elapsed_s, ..Statistics::default() };
         let without =
             |outcome, detail| (TrialRecord::without_path(trial, outcome, detail, statistics), Vec::new());
         let answer = match ending {
             Ending::Hung => without(TrialOutcome::Hung, Some(format!("ended after {elapsed_s:.1} s"))),
-            Ending::OutOfMemory(bytes) => {
-                without(TrialOutcome::OutOfMemory, Some(format!("held {} MiB", bytes >> 20)))
+            Ending::OutOfMemory { bytes, scratch_bytes } => {
+                let mut detail = format!("held {} MiB", bytes >> 20);
+                if scratch_bytes >> 20 > 0 {
+                    let _ = write!(detail, ", of these {} MiB in files of its scratch folder", scratch_bytes >> 20);
+                }
+                without(TrialOutcome::OutOfMemory, Some(detail))
             }
             Ending::Crowd(processes) => {
                 let detail = format!("had {processes} processes; at most {MOST_PROCESSES} are allowed");
@@ -152,7 +165,7 @@ impl ForeignPlanner {
             Ending::Exited { output, .. } => {
                 let joints = task.opened.problem.robot().dof();
                 let read = if self.is_released {
-                    foreign_answer::read_released(&prefix, joints)
+                    foreign_answer::read_released(&files.scratch().join(PREFIX), joints)
                 } else {
                     foreign_answer::read_output(&output, joints, task.stages)
                 };
@@ -165,12 +178,15 @@ impl ForeignPlanner {
                 }
             }
         };
-        let (record, segments) = match self.files.first_changed() {
+        let changed = self.files.first_changed();
+        if !folder.remove() || changed.is_some() {
+            // The next trial gets new files.
+            task.opened.discard_export();
+        }
+        let (record, segments) = match changed {
             None => answer,
             Some(file) => {
                 let detail = format!("it changed a file that it was given: {}", file.display());
-                // The next trial gets new files.
-                self.files.discard();
                 without(TrialOutcome::Garbled, Some(detail))
             }
         };
@@ -199,10 +215,19 @@ impl ForeignPlanner {
             ("{start}", export("robot_start_conf.csv")),
             ("{ik}", export("grasp_IK_solutions.csv")),
             ("{scratch}", path(scratch)),
-            ("{prefix}", path(&scratch.join("trial"))),
+            ("{prefix}", path(&scratch.join(PREFIX))),
         ];
         placeholders.iter().fold(word.to_owned(), |word, (name, value)| word.replace(name, value))
     }
+}
+
+/// First part of the names of files that the released program writes.
+const PREFIX: &str = "trial";
+
+/// Returns the files and folders that a program does not see: those of other trials and campaigns, results, and sockets, behind
+/// which services run outside of the enclosure.
+fn hidden_from(request: &Request) -> Vec<PathBuf> {
+    [folders_of_campaigns(&request.exports), results_beside(&request.results), system::socket_paths()].concat()
 }
 
 /// Returns the mark of a complete folder; it is written last.
@@ -270,6 +295,7 @@ impl ForeignFiles {
             cranny: folder.join("cranny").join(&opened.scenario.id),
             urdf: folder.join("robot").join(recipe.robot.urdf_name()),
             scratch,
+            kept: ["robot", "cranny", "released"].map(|written| folder.join(written)).into(),
             written: Vec::new(),
         };
         let mark = mark_of_the_whole(folder, opened.problem.criterion());
@@ -282,8 +308,8 @@ impl ForeignFiles {
             recipe.write_released(&files.released)?;
             std::fs::write(&mark, "").map_err(|reason| unwritable(&mark, reason))?;
         }
-        for written in ["robot", "cranny", "released"] {
-            files.note_written(&folder.join(written));
+        for written in files.kept.clone() {
+            files.note_written(&written);
         }
         // A released scenario is passed unchanged, with its own robot.
         let source = Path::new(source);
@@ -310,6 +336,7 @@ impl ForeignFiles {
             cranny: place(self.cranny),
             urdf: place(self.urdf),
             scratch: place(self.scratch),
+            kept: self.kept.into_iter().map(place).collect(),
             written,
         }
     }
@@ -338,18 +365,6 @@ impl ForeignFiles {
     fn first_changed(&self) -> Option<&Path> {
         let mut changed = self.written.iter().filter(|(path, stamp)| FileStamp::of(path) != *stamp);
         changed.next().map(|(path, _)| path.as_path())
-    }
-
-    /// Removes all files, including the mark of completeness, so that they are written again.
-    fn discard(&self) {
-        let folder = self.scratch.parent().unwrap_or(&self.scratch);
-        let Ok(entries) = std::fs::read_dir(folder) else { return };
-        for path in entries.filter_map(|entry| Some(entry.ok()?.path())) {
-            let removed =
-                if path.is_dir() { std::fs::remove_dir_all(&path) } else { std::fs::remove_file(&path) };
-            // Remaining files will be reported as changed again.
-            let _ = removed;
-        }
     }
 }
 

@@ -32,6 +32,7 @@ pub fn write_problem(question: &Question, folder: &Path) -> Result<PathBuf, Benc
     let request = Request {
         question: question.clone(),
         exports: folder.clone(),
+        results: PathBuf::new(),
         memory_limit_bytes: 0,
         isolation: Isolation::default(),
         worker: WorkerProgram { program: PathBuf::new(), arguments: Vec::new() },

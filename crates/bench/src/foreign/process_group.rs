@@ -73,8 +73,16 @@ pub struct Family {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Census {
     pub processes: usize,
+    /// Memory, with page tables and open files beyond [`FREE_FILES`].
     pub bytes: u64,
+    /// Shared memory within it.
+    pub shared_bytes: u64,
 }
+
+/// Number of open files of a family whose memory does not count, and memory of each further one: the default size of the buffer
+/// of a socket, which belongs to no process.
+const FREE_FILES: u64 = 2048;
+const FILE_BYTES: u64 = 208 << 10;
 
 impl Family {
     /// Creates the family of `root`, which is not a member itself.
@@ -90,11 +98,10 @@ impl Family {
         Self { enclosing: enclosing.to_vec(), ..Self::of(root) }
     }
 
-    /// Updates the members and counts those that do not enclose a program. Unmapped shared memory counts if only this family
-    /// can own it.
+    /// Updates the members and counts those that do not enclose a program.
     pub fn count(&mut self) -> Census {
         let mut census = Census::default();
-        let mut shared_bytes = 0;
+        let mut files: u64 = 0;
         self.seen.retain(|process, began| system::beginning(*process) == Some(*began));
         let mut left: Vec<u32> = self.seen.keys().copied().chain([self.root]).collect();
         let mut counted = BTreeSet::new();
@@ -107,16 +114,14 @@ impl Family {
                 self.seen.insert(process, began);
                 if !self.enclosing.contains(&process) {
                     let memory = system::memory(process).unwrap_or_default();
-                    census.bytes += memory.resident_bytes;
-                    shared_bytes += memory.shared_bytes;
+                    census.bytes += memory.resident_bytes + memory.other_bytes;
+                    census.shared_bytes += memory.shared_bytes;
                     census.processes += 1;
+                    files += system::open_files(process);
                 }
             }
         }
-        // With namespaces there are two enclosing processes; the inner one has shared memory of its own.
-        if let [_, inner] = self.enclosing[..] {
-            census.bytes += system::shared_memory_bytes(inner).saturating_sub(shared_bytes);
-        }
+        census.bytes += files.saturating_sub(FREE_FILES).saturating_mul(FILE_BYTES);
         census
     }
 

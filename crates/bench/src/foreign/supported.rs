@@ -21,30 +21,31 @@ impl Isolation {
         let namespaces =
             system::can_have_namespaces() && Self { landlock, namespaces: true, call_filter }.works(worker);
         let isolation = Self { landlock, namespaces, call_filter };
-        let missing = match isolation {
-            Self { landlock: false, .. } => "Landlock (Linux 5.13 or newer, with it switched on)",
-            Self { namespaces: false, .. } => {
-                "namespaces (user namespaces allowed to this user, and `unshare` and `setpriv` of util-linux)"
-            }
-            Self { call_filter: false, .. } => "filter of system calls (seccomp)",
-            _ => return Ok(isolation),
-        };
-        if sandbox == Sandbox::Require { Err(BenchError::NoSandbox { missing }) } else { Ok(isolation) }
+        match isolation.first_missing() {
+            Some(missing) if sandbox == Sandbox::Require => Err(BenchError::NoSandbox { missing }),
+            _ => Ok(isolation),
+        }
     }
 
-    /// Returns true if a program runs with these mechanisms, by trying it once.
+    /// Returns true if a program runs with these mechanisms and writes a file, by trying it once.
     fn works(self, worker: &WorkerProgram) -> bool {
+        const WRITTEN: &str = "written";
         let Ok(scratch) = TempDir::new() else { return false };
-        let mut command = Command::new("true");
-        command.current_dir(scratch.path());
+        let mut command = Command::new("touch");
+        command.arg(WRITTEN);
         let limits = Limits {
             time: Duration::from_secs(10),
             memory_bytes: 64 << 20,
             scratch: scratch.path(),
             isolation: self,
+            hidden: &[],
+            kept: &[],
             worker,
         };
-        let ran = foreign_process::run(&command, "\n".to_owned(), limits, &Leash::default());
-        ran.is_ok_and(|ran| matches!(ran.ending, Ending::Exited { status, .. } if status.success()))
+        let ran = foreign_process::run(&command, "\n".to_owned(), limits, &Leash::default(), || ());
+        ran.is_ok_and(|ran| {
+            let has_succeeded = matches!(ran.ending, Ending::Exited { status, .. } if status.success());
+            has_succeeded && ran.files.scratch().join(WRITTEN).is_file()
+        })
     }
 }

@@ -5,7 +5,7 @@ use crate::report::comparison::{Comparison, Finding};
 use crate::report::configuration::NO_GRASP_SET;
 use crate::report::row::Group;
 use crate::statistics::LEAST_FOR_MEDIAN;
-use crate::{Run, RunInformation, StoredTrial, TrialOutcome};
+use crate::{Isolation, Run, RunInformation, StoredTrial, TrialOutcome};
 use cranny_file::counted;
 
 /// Returns the warnings about the validity of the figures, in one sentence each.
@@ -33,6 +33,7 @@ pub fn warnings(groups: &[Group], runs: &[Run]) -> Vec<String> {
     warnings.extend(pooled(groups, &runs, "memory limits", limit));
     let sandbox = |run: &RunInformation| run.sandbox.clone().unwrap_or_else(|| "none".to_owned());
     warnings.extend(pooled(groups, &runs, "sandboxes", sandbox));
+    warnings.extend(without_namespaces(groups, &runs));
     warnings.extend(other_problem(groups));
     warnings.extend(same_paths(groups));
     warnings.extend(unsolved_for_other_reasons(groups));
@@ -91,6 +92,25 @@ fn pooled(
     ))
 }
 
+/// Returns a warning about rows of external programs that ran without namespaces.
+fn without_namespaces(groups: &[Group], runs: &BTreeMap<u64, &RunInformation>) -> Option<String> {
+    let has_none = |trial: &&StoredTrial| {
+        runs.get(&trial.run).is_some_and(|run| !Isolation::text_has_namespaces(run.sandbox.as_deref()))
+    };
+    // All trials of a row have the same planner.
+    let is_open = |group: &&Group| {
+        group.runs.iter().find(has_none).is_some_and(|trial| !trial.record.trial.is_built_in())
+    };
+    let rows = groups.iter().filter(is_open).count();
+    (rows > 0).then(|| {
+        format!(
+            "{rows} of {} rows are of external programs that ran without namespaces: such a program can slow down other \
+             trials, and leave notes for its next one.",
+            groups.len()
+        )
+    })
+}
+
 /// Returns a warning if some planners had a grasp set and others had none.
 fn other_problem(groups: &[Group]) -> Option<String> {
     let without = groups.iter().filter(|group| group.row.planner_name.contains(NO_GRASP_SET)).count();
@@ -119,7 +139,8 @@ fn unsolved_for_other_reasons(groups: &[Group]) -> Vec<String> {
         ),
         (
             |trial| trial.record.outcome == TrialOutcome::Undecided,
-            "gave a path on which the judge reached no verdict within its limits; they count as unsolved up to the limit",
+            "have no verdict: the judge reached none within its limits, or the program could not be started for lack of resources; they count \
+             as unsolved up to the limit",
         ),
     ];
     let mut planners: BTreeMap<&str, (usize, [usize; KINDS.len()])> = BTreeMap::new();

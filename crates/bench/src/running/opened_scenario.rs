@@ -1,5 +1,5 @@
-use std::cell::OnceCell;
-use std::path::Path;
+use std::cell::{OnceCell, RefCell};
+use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::sync::atomic::AtomicBool;
 
@@ -7,8 +7,8 @@ use cranny_collision::Margins;
 use cranny_file::system;
 use cranny_scenario::{Identity, OpenOptions, Scenario, ScenarioError};
 use cranny_task::{Criterion, IkAnnotationSettings, IkMethod, Problem, annotate_ik};
-use tempfile::TempDir;
 
+use crate::store::exports::ExportFolder;
 use crate::{BenchError, PathDemand, Trial};
 
 /// Scenario opened under a criterion, with its problem. Opening may take longer than a trial.
@@ -18,7 +18,7 @@ pub struct OpenedScenario {
     source: String,
     goals: OnceCell<Vec<Vec<f64>>>,
     /// Folder of its files for external programs, which is removed with it.
-    export: OnceCell<TempDir>,
+    export: RefCell<Option<ExportFolder>>,
 }
 
 impl OpenedScenario {
@@ -33,7 +33,7 @@ impl OpenedScenario {
             problem,
             source: source.to_owned(),
             goals: OnceCell::new(),
-            export: OnceCell::new(),
+            export: RefCell::default(),
         })
     }
 
@@ -46,15 +46,20 @@ impl OpenedScenario {
         Ok(self.goals.get_or_init(|| goals))
     }
 
-    /// Returns the folder of its files for external programs, which is created within `exports` at the first call.
-    pub fn export_folder(&self, exports: &Path) -> Result<&Path, ScenarioError> {
-        if let Some(export) = self.export.get() {
-            return Ok(export.path());
+    /// Returns the folder of its files for external programs, which is created within `exports` if there is none.
+    pub fn export_folder(&self, exports: &Path) -> Result<PathBuf, ScenarioError> {
+        let mut export = self.export.borrow_mut();
+        if let Some(export) = &*export {
+            return Ok(export.path().to_owned());
         }
-        let export = tempfile::Builder::new().prefix("scenario-").tempdir_in(exports);
-        let export =
-            export.map_err(|reason| ScenarioError::Unwritable { path: exports.to_owned(), reason })?;
-        Ok(self.export.get_or_init(|| export).path())
+        let new = ExportFolder::new_in(exports, "scenario-")
+            .map_err(|reason| ScenarioError::Unwritable { path: exports.to_owned(), reason })?;
+        Ok(export.insert(new).path().to_owned())
+    }
+
+    /// Removes the folder of its files for external programs; the next trial gets another one.
+    pub fn discard_export(&self) {
+        self.export.take();
     }
 }
 
@@ -164,7 +169,7 @@ mod tests {
         let folders = || std::fs::read_dir(exports.path()).unwrap().count();
         let other = || {
             let (scenario, problem) = (used.scenario.clone(), used.problem.clone());
-            let (goals, export) = (OnceCell::new(), OnceCell::new());
+            let (goals, export) = (OnceCell::new(), RefCell::default());
             let opened = OpenedScenario { scenario, problem, source: "021".into(), goals, export };
             opened.export_folder(exports.path()).unwrap();
             Rc::new(opened)

@@ -44,7 +44,9 @@ pub fn run(
             Some(ForeignPlanner::new(request, &opened)?)
         }
     };
-    tell(&Message::Opened)?;
+    if foreign.is_none() {
+        tell(&Message::Opened)?;
+    }
     // 2.
     let clearances = if question.measure_clearance { Clearances::OfPath } else { Clearances::None };
     let limits = judge::limits_for(&question.call);

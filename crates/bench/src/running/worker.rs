@@ -34,7 +34,7 @@ pub fn serve(
     let leash = Leash::default();
     let (sender, requests) = mpsc::channel();
     let last_will = leash.clone();
-    thread::spawn(move || {
+    let reader = thread::Builder::new().spawn(move || {
         let first = std::iter::once(first).filter(|line| !line.is_empty());
         for line in first.chain(lines.map_while(Result::ok)) {
             if sender.send(line).is_err() {
@@ -44,6 +44,7 @@ pub fn serve(
         last_will.kill();
         std::process::exit(0);
     });
+    reader.map_err(|reason| BenchError::message(&reason))?;
     let mut scenarios = OpenedScenarios::default();
     let mut tell = |message: &Message| -> Result<(), BenchError> {
         let mut line = serde_json::to_string(message).map_err(|reason| BenchError::message(&reason))?;
@@ -58,6 +59,7 @@ pub fn serve(
         let message = match trial_run::run(registry, &request, (&mut scenarios, &mut peak), &leash, &mut tell)
         {
             Ok((record, path)) => Message::Answered(Box::new(record), path),
+            Err(fault) if fault.is_shortage() => Message::NotStarted(fault.to_string()),
             Err(fault) => Message::Refused(fault.to_string()),
         };
         tell(&message)?;

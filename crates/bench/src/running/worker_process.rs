@@ -8,12 +8,12 @@ use std::time::{Duration, Instant};
 
 use cranny_file::system;
 use cranny_plan::Statistics;
-use tempfile::TempDir;
 
 use crate::foreign::foreign_process::LOOK_EVERY;
 use crate::foreign::process_group::Family;
 use crate::running::worker_message::{Message, Request};
 use crate::running::worker_program::WorkerProgram;
+use crate::store::exports::ExportFolder;
 use crate::{BenchError, Trial, TrialOutcome, TrialRecord};
 
 /// Process that serves trials one after the other, and may end during any of them.
@@ -27,7 +27,7 @@ pub struct WorkerProcess {
     /// Thread that reads standard error until the worker ends.
     listener: Option<JoinHandle<()>>,
     /// Folder for the scenarios that it exports for external planners, used by no other worker.
-    exports: TempDir,
+    exports: ExportFolder,
 }
 
 /// Result of a request.
@@ -36,13 +36,15 @@ pub enum Served {
     Answered(TrialRecord, Vec<Vec<f64>>),
     /// The question is invalid; the worker remains available.
     Refused(String),
+    /// The trial cannot be started now; the worker remains available.
+    NotStarted(String),
     /// The worker was lost with the trial.
     Lost(TrialRecord),
     /// The campaign was stopped; the worker has ended.
     Stopped,
 }
 
-/// Time limit for opening a scenario.
+/// Time limit for opening a scenario, writing its files and preparing the enclosure of an external program.
 const PATIENCE: Duration = Duration::from_mins(5);
 
 /// Time limit for judging a path. A path of the maximum length usually takes seconds.
@@ -64,26 +66,31 @@ impl WorkerProcess {
     pub fn start(worker: &WorkerProgram, exports: &Path) -> Result<Self, BenchError> {
         let fault = |reason: std::io::Error| BenchError::NotRunnable {
             program: worker.program.display().to_string(),
-            reason: reason.to_string(),
+            reason,
         };
-        let exports = tempfile::Builder::new().prefix("worker-").tempdir_in(exports).map_err(fault)?;
+        let exports = ExportFolder::new_in(exports, "worker-").map_err(fault)?;
         let mut command = Command::new(&worker.program);
         command.args(&worker.arguments).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
         let mut child = command.spawn().map_err(fault)?;
+        let (stdout, stderr) = (child.stdout.take(), child.stderr.take());
         let (sender, lines) = mpsc::channel();
-        if let Some(stdout) = child.stdout.take() {
-            thread::spawn(move || {
+        let (requests, family) = (child.stdin.take(), Family::of(child.id()));
+        let complaint = Arc::new(Mutex::new(String::new()));
+        // On an error below, dropping it ends the worker.
+        let mut worker = Self { child, family, requests, lines, complaint, listener: None, exports };
+        if let Some(stdout) = stdout {
+            let read = move || {
                 for line in BufReader::new(stdout).split(b'\n').map_while(Result::ok) {
                     if sender.send(String::from_utf8_lossy(&line).into_owned()).is_err() {
                         return;
                     }
                 }
-            });
+            };
+            thread::Builder::new().spawn(read).map_err(fault)?;
         }
-        let complaint = Arc::new(Mutex::new(String::new()));
-        let listener = child.stderr.take().map(|stderr| {
-            let complaint = complaint.clone();
-            thread::spawn(move || {
+        if let Some(stderr) = stderr {
+            let complaint = worker.complaint.clone();
+            let listen = move || {
                 // The most informative line is the first one of a panic, otherwise the last one.
                 for line in BufReader::new(stderr).split(b'\n').map_while(Result::ok) {
                     let line = String::from_utf8_lossy(&line).trim().to_owned();
@@ -92,11 +99,10 @@ impl WorkerProcess {
                         *kept = if kept.contains("panicked at") { format!("{kept} {line}") } else { line };
                     }
                 }
-            })
-        });
-        let requests = child.stdin.take();
-        let family = Family::of(child.id());
-        Ok(Self { child, family, requests, lines, complaint, listener, exports })
+            };
+            worker.listener = Some(thread::Builder::new().spawn(listen).map_err(fault)?);
+        }
+        Ok(worker)
     }
 
     /// Requests a trial and waits for the answer, at most as long as the trial may take. Time and memory of the judge do not
@@ -134,6 +140,7 @@ impl WorkerProcess {
                     }
                     Ok(Message::Answered(record, path)) => return Served::Answered(*record, path),
                     Ok(Message::Refused(reason)) => return Served::Refused(reason),
+                    Ok(Message::NotStarted(reason)) => return Served::NotStarted(reason),
                     Err(reason) => {
                         let detail = format!("the worker's answer is not valid: {reason}");
                         return self.ended(trial, TrialOutcome::Garbled, detail, begin.elapsed());

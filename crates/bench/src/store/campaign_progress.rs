@@ -116,6 +116,10 @@ impl CampaignObserver for ProgressFile<'_> {
         self.observer.begins(to_run, known);
     }
 
+    fn notes(&mut self, note: &str) {
+        self.heard.notes(note);
+    }
+
     fn trial_ended(&mut self, record: &TrialRecord) {
         self.progress.count(record);
         self.progress.run += 1;

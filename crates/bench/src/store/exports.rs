@@ -1,16 +1,49 @@
 use std::fs::{self, File};
-use std::path::Path;
+use std::io;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use cranny_file::system::open_plain_file;
-use tempfile::TempDir;
+use cranny_file::system::{open_plain_file, remove_folder};
 
 use crate::BenchError;
+
+/// Temporary folder that an external program may have written to. It is removed on drop, whatever the program did to it.
+#[derive(Debug)]
+pub struct ExportFolder {
+    path: PathBuf,
+}
+
+impl ExportFolder {
+    /// Creates a new folder within `above`; its name begins with `prefix`.
+    pub fn new_in(above: &Path, prefix: &str) -> io::Result<Self> {
+        let folder = tempfile::Builder::new().prefix(prefix).tempdir_in(above)?;
+        Ok(Self { path: folder.keep() })
+    }
+
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Removes the folder. Returns false if something stays.
+    pub fn remove(mut self) -> bool {
+        remove_folder(&std::mem::take(&mut self.path), PATIENCE).is_ok()
+    }
+}
+
+impl Drop for ExportFolder {
+    fn drop(&mut self) {
+        // It is gone already, or a later campaign tries again.
+        let _ = remove_folder(&self.path, PATIENCE);
+    }
+}
+
+/// Time limit for removing the files of a program: enough for a million.
+const PATIENCE: Duration = Duration::from_secs(30);
 
 /// Folder for input and output of external programs. It is removed with its campaign, or by a later one if that was killed.
 #[derive(Debug)]
 pub struct Exports {
-    folder: TempDir,
+    folder: ExportFolder,
     /// Lock that marks the folder as used; the system releases it at any end of the campaign.
     _lock: File,
 }
@@ -21,16 +54,16 @@ const LOCK: &str = "lock";
 impl Exports {
     pub fn new() -> Result<Self, BenchError> {
         sweep(&std::env::temp_dir());
-        let make = || -> std::io::Result<Self> {
-            let folder = tempfile::Builder::new().prefix(PREFIX).tempdir()?;
+        let make = || -> io::Result<Self> {
+            let folder = ExportFolder::new_in(&std::env::temp_dir(), PREFIX)?;
             let lock = File::create(folder.path().join(LOCK))?;
             // On a file system without locks a later campaign may remove the folder once this one has ended.
             let _ = lock.try_lock();
             Ok(Self { folder, _lock: lock })
         };
         make().map_err(|reason| BenchError::NotRunnable {
-            program: "a campaign".to_owned(),
-            reason: format!("cannot create a temporary folder: {reason}"),
+            program: "a campaign, which needs a temporary folder".to_owned(),
+            reason,
         })
     }
 
@@ -39,17 +72,27 @@ impl Exports {
     }
 }
 
+/// Returns the folder of the campaign that `exports` of a worker belong to, and those of other campaigns beside it.
+pub fn folders_of_campaigns(exports: &Path) -> Vec<PathBuf> {
+    let Some(own) = exports.parent() else { return Vec::new() };
+    let others = own.parent().map(entries).into_iter().flatten().map(|entry| entry.path());
+    others.chain([own.to_owned()]).collect()
+}
+
+/// Returns the folders of campaigns in the folder of temporary files.
+fn entries(temporary: &Path) -> impl Iterator<Item = fs::DirEntry> {
+    fs::read_dir(temporary).into_iter().flatten().flatten().filter(|entry| {
+        let is_folder = entry.file_type().is_ok_and(|kind| kind.is_dir());
+        is_folder && entry.file_name().to_string_lossy().starts_with(PREFIX)
+    })
+}
+
 /// Removes the folders of ended campaigns.
 fn sweep(temporary: &Path) {
-    let Ok(entries) = fs::read_dir(temporary) else { return };
-    for entry in entries.filter_map(Result::ok) {
-        let is_folder = entry.file_type().is_ok_and(|kind| kind.is_dir());
-        if !is_folder || !entry.file_name().to_string_lossy().starts_with(PREFIX) {
-            continue;
-        }
+    for entry in entries(temporary) {
         // A folder that cannot be removed belongs to another user, or has a lock that no campaign makes.
         let _ = match open_plain_file(&entry.path().join(LOCK)) {
-            Ok(lock) if lock.try_lock().is_ok() => fs::remove_dir_all(entry.path()),
+            Ok(lock) if lock.try_lock().is_ok() => remove_folder(&entry.path(), PATIENCE),
             // Its campaign was killed before locking, or during removal; a recent folder may still be in creation.
             Err(_) if is_old(&entry) => fs::remove_dir(entry.path()),
             _ => Ok(()),

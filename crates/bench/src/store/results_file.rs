@@ -15,7 +15,7 @@ use rusqlite::{Connection, ErrorCode, OpenFlags, TransactionBehavior};
 use crate::BenchError;
 
 /// Mark of results files among other databases: "CRNY".
-const APPLICATION: i64 = 0x4352_4e59;
+pub const APPLICATION: i64 = 0x4352_4e59;
 
 /// Version of the tables that campaigns write.
 const VERSION: i64 = 2;
@@ -193,7 +193,7 @@ fn check_kinds(path: &Path) -> Result<(), BenchError> {
 }
 
 /// Returns the path of a file that `SQLite` keeps beside the results.
-fn beside(path: &Path, ending: &str) -> PathBuf {
+pub fn beside(path: &Path, ending: &str) -> PathBuf {
     let mut name = path.file_name().unwrap_or_default().to_owned();
     name.push(ending);
     path.with_file_name(name)

@@ -368,6 +368,13 @@ impl CampaignObserver for CampaignBar {
         self.bar = bar(to_run as u64, self.quiet);
     }
 
+    fn notes(&mut self, note: &str) {
+        if !self.quiet {
+            // A terminal that is gone cannot show it.
+            let _ = self.bar.suspend(|| writeln!(std::io::stderr(), "note: {note}"));
+        }
+    }
+
     fn trial_ended(&mut self, record: &TrialRecord) {
         self.ended += 1;
         self.solved += usize::from(record.is_solved());

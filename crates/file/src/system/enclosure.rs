@@ -1,15 +1,20 @@
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitStatus;
 use std::time::{Duration, Instant};
 
 /// Restrictions that a process puts on itself before it starts a program that is not trusted.
 #[derive(Clone, Copy, Debug)]
 pub struct Restrictions<'a> {
-    /// The only folder in which the program may write.
+    /// The only folder in which the program may write. With namespaces it is an empty one in memory for the program.
     pub folder: &'a Path,
-    /// Maximum size of the program's shared memory, in bytes.
-    pub shared_memory_bytes: u64,
+    /// Folders and files that a program in namespaces does not see: folders are empty, files and sockets are a device without
+    /// content. Missing ones are ignored.
+    pub hidden: &'a [PathBuf],
+    /// Folders within hidden ones that a program in namespaces can read nevertheless.
+    pub kept: &'a [PathBuf],
+    /// Maximum size of the program's files in its folder, and of its shared memory, in bytes.
+    pub memory_bytes: u64,
     /// Maximum number of processes and threads at a time.
     pub tasks: u64,
     /// True if this process is the first one of namespaces of its own (user, PID, IPC, mount and network).
@@ -48,7 +53,7 @@ pub fn restrict_self(restrictions: Restrictions) -> io::Result<()> {
 }
 
 /// Makes this process the leader of a session and process group of its own, without a terminal (Unix): Ctrl-C does not reach
-/// it, no descendant can type into the terminal, and the kernel shares the processors between sessions (autogroups, Linux).
+/// it, no descendant can type into the terminal, and the kernel may share the processors between sessions (autogroups, Linux).
 pub fn begin_session() {
     // The leader of a group cannot begin a session.
     #[cfg(unix)]
@@ -110,7 +115,7 @@ mod linux {
     use std::io;
     use std::process::Stdio;
 
-    use rustix::process::{Resource, Rlimit, setrlimit};
+    use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
     use rustix::thread::{
         CapabilitySet, CapabilitySets, remove_capability_from_bounding_set, set_capabilities,
         set_no_new_privs,
@@ -132,17 +137,22 @@ mod linux {
         }
         // Before the file systems become read-only. An older kernel lacks one of them: then the other limits apply.
         let _ = fs::write("/proc/sys/user/max_user_namespaces", "0");
-        let _ = fs::write("/proc/sys/kernel/shmall", SHARED_PAGES);
+        for (name, value) in KERNEL_LIMITS {
+            let _ = fs::write(format!("/proc/sys/kernel/{name}"), value);
+        }
         if has_own_process_ids() {
             let _ = fs::write("/proc/sys/kernel/pid_max", restrictions.tasks.to_string());
         }
-        mounts::seal(restrictions.folder, restrictions.shared_memory_bytes)?;
-        let none = |resource| setrlimit(resource, Rlimit { current: Some(0), maximum: Some(0) });
-        none(Resource::Core)?;
-        none(Resource::Rtprio)?;
+        let Restrictions { folder, hidden, kept, memory_bytes, tasks, .. } = restrictions;
+        mounts::seal(folder, memory_bytes, hidden, kept)?;
+        // The present folder of this process is hidden by now.
+        std::env::set_current_dir(folder)?;
+        limit(Resource::Core, 0)?;
+        limit(Resource::Rtprio, 0)?;
+        limit(Resource::Nice, 0)?;
+        limit(Resource::Nofile, OPEN_FILES)?;
         // The kernel counts the tasks of a user in each user namespace; it does not count those of root.
-        let tasks = Some(restrictions.tasks);
-        setrlimit(Resource::Nproc, Rlimit { current: tasks, maximum: tasks })?;
+        limit(Resource::Nproc, tasks)?;
         for bit in 0..u64::BITS {
             if remove_capability_from_bounding_set(CapabilitySet::from_bits_retain(1 << bit)).is_err() {
                 break;
@@ -153,9 +163,21 @@ mod linux {
         Ok(set_no_new_privs(true)?)
     }
 
-    /// Maximum size of all System V shared memory, in pages: 16 MiB of the usual pages. It does not count as memory of a process
-    /// until it is mapped.
-    const SHARED_PAGES: &str = "4096";
+    /// Limits of System V objects, whose memory counts for no process: all shared memory, in pages (16 MiB of the usual pages);
+    /// semaphores of a set, of all sets, operations of a call, and sets (2 MiB); queues (of 16 KiB). The default of the kernel is up
+    /// to 64 GB.
+    const KERNEL_LIMITS: [(&str, &str); 3] =
+        [("shmall", "4096"), ("sem", "250 32000 32 128"), ("msgmni", "16")];
+
+    /// Maximum number of open files of a process.
+    const OPEN_FILES: u64 = 4096;
+
+    /// Lowers a limit of this process and its descendants, unless it is lower already.
+    fn limit(resource: Resource, most: u64) -> io::Result<()> {
+        let lower = |limit: Option<u64>| Some(limit.map_or(most, |limit| limit.min(most)));
+        let Rlimit { current, maximum } = getrlimit(resource);
+        Ok(setrlimit(resource, Rlimit { current: lower(current), maximum: lower(maximum) })?)
+    }
 
     /// Returns true if the limit of process ids belongs to a PID namespace (Linux 6.14); before, it is the machine's.
     fn has_own_process_ids() -> bool {

@@ -1,6 +1,7 @@
-use std::ffi::OsString;
-use std::fs;
+use std::ffi::{CString, OsString};
+use std::fs::{self, File};
 use std::io;
+use std::os::fd::AsRawFd as _;
 use std::os::unix::ffi::OsStringExt as _;
 use std::os::unix::fs::FileTypeExt as _;
 use std::path::{Path, PathBuf};
@@ -22,48 +23,98 @@ const SERVICES: [&str; 8] = [
     "/tmp/.ICE-unix",
 ];
 
-/// Makes all mounted file systems of this mount namespace read-only, apart from `folder` and a new [`SHARED_MEMORY`] of at most
-/// `shared_memory_bytes`, and hides terminals and the sockets of services. Modes, times and attributes of files cannot be
-/// changed either, which Landlock does not prevent.
+/// Makes all mounted file systems of this mount namespace read-only, apart from two new ones in memory: the folder of the program
+/// and [`SHARED_MEMORY`], each of at most `memory_bytes`. Modes, times and attributes of files cannot be changed either, which
+/// Landlock does not prevent. Hides terminals, the sockets of services, and the `hidden` paths except for the folders `kept`.
+///
+/// 1. Open the folders that stay readable: others will hide them.
+/// 2. Hide shared memory, services, terminals and the hidden paths.
+/// 3. Bring the readable folders back, and mount the folder of the program.
+/// 4. Make everything else read-only.
 ///
 /// # Errors
 /// The error of the operating system; it names the path.
-pub fn seal(folder: &Path, shared_memory_bytes: u64) -> io::Result<()> {
-    let tight = MountFlags::NOSUID | MountFlags::NODEV;
+pub fn seal(folder: &Path, memory_bytes: u64, hidden: &[PathBuf], kept: &[PathBuf]) -> io::Result<()> {
     let named = |path: &Path| {
         let path = path.display().to_string();
-        move |reason: Errno| io::Error::other(format!("{path}: {reason}"))
+        move |reason: io::Error| io::Error::new(reason.kind(), format!("{path}: {reason}"))
     };
-    for service in SERVICES.iter().map(Path::new).filter(|service| service.is_dir()) {
-        mount("cranny", service, "tmpfs", tight, Some(c"size=4k")).map_err(named(service))?;
+    // The kernel lists mounts by their paths without links.
+    let real = |path: &Path| fs::canonicalize(path).map_err(named(path));
+    // 1.
+    let folder = real(folder)?;
+    let mut opened = Vec::new();
+    for path in kept {
+        let path = real(path)?;
+        opened.push((File::open(&path).map_err(named(&path))?, path));
     }
-    for socket in sockets_in(Path::new("/run")) {
-        mount_bind("/dev/null", &socket).map_err(named(&socket))?;
+    // 2.
+    let memory = fs::canonicalize(SHARED_MEMORY).ok();
+    if let Some(memory) = &memory {
+        mount_memory(memory, memory_bytes).map_err(named(memory))?;
+    }
+    let services = SERVICES.iter().map(PathBuf::from);
+    for path in services.chain(sockets_in(Path::new("/run"))).chain(hidden.iter().cloned()) {
+        hide(&path).map_err(named(&path))?;
     }
     let terminals = Path::new("/dev/pts");
     if terminals.is_dir() {
         let options = Some(c"newinstance,ptmxmode=0666");
         mount("cranny", terminals, "devpts", MountFlags::NOSUID | MountFlags::NOEXEC, options)
-            .map_err(named(terminals))?;
+            .map_err(|reason| named(terminals)(reason.into()))?;
     }
-    mount_bind(folder, folder).map_err(named(folder))?;
-    // Further down, a mount of the same path hides the ones before it, and is the one that is changed.
+    // 3.
+    for (descriptor, path) in &opened {
+        bring_back(descriptor, path).map_err(named(path))?;
+    }
+    fs::create_dir_all(&folder).and_then(|()| mount_memory(&folder, memory_bytes)).map_err(named(&folder))?;
+    // 4. Further down, a mount of the same path hides the ones before it, and is the one that is changed.
     for (path, flags) in mounted()? {
-        if path == folder || path == Path::new(SHARED_MEMORY) {
+        if path == folder || Some(&path) == memory.as_ref() {
             continue;
         }
         match mount_remount(&path, MountFlags::BIND | MountFlags::RDONLY | flags, c"") {
-            // A mount that is hidden below another one, or that this user cannot reach.
+            // A mount that is hidden below another one, that was removed, or that this user cannot reach.
             Ok(()) | Err(Errno::NOENT | Errno::ACCESS | Errno::INVAL | Errno::NOTDIR) => {}
-            Err(reason) => return Err(named(&path)(reason)),
+            Err(reason) => return Err(named(&path)(reason.into())),
         }
     }
-    let memory = Path::new(SHARED_MEMORY);
-    if memory.is_dir() {
-        let options = std::ffi::CString::new(format!("size={shared_memory_bytes}"))?;
-        mount("cranny", memory, "tmpfs", tight, Some(options.as_c_str())).map_err(named(memory))?;
-    }
     Ok(())
+}
+
+/// Mounts a file system in memory of at most `bytes`.
+fn mount_memory(folder: &Path, bytes: u64) -> io::Result<()> {
+    /// Least memory of a file for each entry: the kernel needs about 1 KiB for an entry, which does not count.
+    const BYTES_PER_ENTRY: u64 = 16 << 10;
+    /// Programs in many files, with small limits.
+    const LEAST_ENTRIES: u64 = 4096;
+    let entries = (bytes / BYTES_PER_ENTRY).max(LEAST_ENTRIES);
+    let options = CString::new(format!("size={bytes},nr_inodes={entries},mode=0700"))?;
+    Ok(mount("cranny", folder, "tmpfs", MEMORY, Some(options.as_c_str()))?)
+}
+
+/// Flags of file systems in memory.
+const MEMORY: MountFlags = MountFlags::NOSUID.union(MountFlags::NODEV);
+
+/// Hides the content of a folder, or puts a device in the place of a file or socket. A missing path is ignored, and one that this
+/// user cannot reach.
+fn hide(path: &Path) -> io::Result<()> {
+    let Ok(facts) = fs::symlink_metadata(path) else { return Ok(()) };
+    let mounted = if facts.is_dir() {
+        mount("cranny", path, "tmpfs", MEMORY, Some(c"size=4k"))
+    } else {
+        mount_bind("/dev/null", path)
+    };
+    match mounted {
+        Ok(()) | Err(Errno::NOENT | Errno::ACCESS | Errno::NOTDIR) => Ok(()),
+        Err(reason) => Err(reason.into()),
+    }
+}
+
+/// Mounts a folder, known by its descriptor, at its path, which other mounts hide.
+fn bring_back(folder: &File, path: &Path) -> io::Result<()> {
+    fs::create_dir_all(path)?;
+    Ok(mount_bind(format!("/proc/self/fd/{}", folder.as_raw_fd()), path)?)
 }
 
 /// Returns the sockets of a folder.

@@ -10,6 +10,8 @@ pub struct ProcessMemory {
     pub resident_bytes: u64,
     /// Named shared memory within the resident set.
     pub shared_bytes: u64,
+    /// Page tables and reserved huge pages, which are not within the resident set.
+    pub other_bytes: u64,
     /// Peak of the resident set size, since the start of the process or since [`PeakMemory::begin`].
     pub peak_bytes: u64,
 }
@@ -130,8 +132,20 @@ fn memory_in(status: &Path) -> Option<ProcessMemory> {
     Some(ProcessMemory {
         resident_bytes: bytes("VmRSS:")?,
         shared_bytes: bytes("RssShmem:").unwrap_or_default(),
+        other_bytes: ["VmPTE:", "HugetlbPages:"].into_iter().filter_map(bytes).sum(),
         peak_bytes: bytes("VmHWM:").unwrap_or_default(),
     })
+}
+
+/// Returns the number of open file descriptors of a process; 0 if unknown, and on systems other than Linux.
+pub fn open_files(process: u32) -> u64 {
+    let folder = format!("/proc/{process}/fd");
+    // Since Linux 6.2 the size of the folder is their number (proc_pid_fd(5)).
+    match fs::metadata(&folder) {
+        Ok(facts) if facts.len() > 0 => facts.len(),
+        Ok(_) => fs::read_dir(folder).map_or(0, |files| files.count() as u64),
+        Err(_) => 0,
+    }
 }
 
 /// Ends all processes of the group of `leader` (Unix). Elsewhere it does nothing: the process that started the leader ends it.
@@ -210,10 +224,11 @@ mod tests {
         let this = std::process::id();
         let Some(memory) = memory(this) else {
             // This system does not report memory; then the other functions must not return anything either.
-            assert_eq!((beginning(this), children(this)), (None, Vec::new()));
+            assert_eq!((beginning(this), children(this), open_files(this)), (None, Vec::new(), 0));
             return;
         };
-        assert!(memory.resident_bytes > memory.shared_bytes, "{memory:?}");
+        assert!(memory.resident_bytes > memory.shared_bytes && memory.other_bytes > 0, "{memory:?}");
+        assert!(open_files(this) >= 3);
         assert_eq!(beginning(this), beginning(this));
         assert!(beginning(this).is_some());
     }

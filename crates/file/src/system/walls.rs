@@ -11,16 +11,6 @@ pub fn can_have_namespaces() -> bool {
     cfg!(target_os = "linux")
 }
 
-/// Returns the used size of [`SHARED_MEMORY`] as `process` sees it, in bytes; 0 where there is none.
-pub fn shared_memory_bytes(process: u32) -> u64 {
-    #[cfg(target_os = "linux")]
-    if let Ok(facts) = rustix::fs::statvfs(format!("/proc/{process}/root{SHARED_MEMORY}")) {
-        return facts.f_blocks.saturating_sub(facts.f_bfree) * facts.f_frsize;
-    }
-    let _ = process;
-    0
-}
-
 /// Returns true if [`write_only_in`] has an effect: the kernel has the first version of Landlock and allows its use.
 pub fn has_file_walls() -> bool {
     #[cfg(target_os = "linux")]
