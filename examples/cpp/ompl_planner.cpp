@@ -3,12 +3,15 @@
 //
 //   ompl_planner 021 1 10
 //   cranny bench run --scenarios 021 --planner "ompl=exec:./ompl_planner {cranny} {seed} {time_limit_s}" -o results.db
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include <ompl/base/goals/GoalStates.h>
 #include <ompl/base/spaces/RealVectorStateSpace.h>

@@ -1,9 +1,11 @@
 // Plans a scenario and follows its trajectory, as a control loop would:
 //
 //   plan_and_follow 021
+#include <cmath>
 #include <cstdio>
 #include <exception>
-#include <string>
+#include <stdexcept>
+#include <utility>
 
 #include <cranny/cranny.hpp>
 

@@ -32,11 +32,12 @@ pub fn readiness(here: &Surroundings) -> Readiness {
     let installed = debian::install(here, &PACKAGES);
     match (missing(here), installed) {
         (None, _) => Readiness::Ready,
-        (Some(missing), Ok(())) => Readiness::Missing(format!("no {missing}, though apt-get has installed it")),
-        (Some(_), Err(reason)) => Readiness::Missing(format!(
-            "no {first}: `apt-get install {}` ({reason})",
-            PACKAGES.join(" ")
-        )),
+        (Some(missing), Ok(())) => {
+            Readiness::Missing(format!("no {missing}, though apt-get has installed it"))
+        }
+        (Some(_), Err(reason)) => {
+            Readiness::Missing(format!("no {first}: `apt-get install {}` ({reason})", PACKAGES.join(" ")))
+        }
     }
 }
 
@@ -57,9 +58,7 @@ pub fn install(here: &Surroundings, prefix: &Path) -> Result<(), String> {
     copy(&shared, &libraries.join(format!("libcranny.so.{version}")))?;
     copy(&shared.with_extension("a"), &libraries.join("libcranny.a"))?;
     // The loader looks for the minor version, the linker for the bare name.
-    for (name, target) in
-        [(format!("libcranny.so.{minor}"), version), ("libcranny.so".to_owned(), minor)]
-    {
+    for (name, target) in [(format!("libcranny.so.{minor}"), version), ("libcranny.so".to_owned(), minor)] {
         let link = libraries.join(name).display().to_string();
         step::succeed(here.command("ln", &["-sf", &format!("libcranny.so.{target}"), &link]))?;
     }
@@ -76,9 +75,11 @@ pub fn install(here: &Surroundings, prefix: &Path) -> Result<(), String> {
         ("@NATIVE_LIBRARIES@", &NATIVE_LIBRARIES.join(";")),
         ("@NATIVE_FLAGS@", &NATIVE_LIBRARIES.map(|library| format!("-l{library}")).join(" ")),
     ];
-    for (name, folder) in
-        [("crannyConfig.cmake", "cmake/cranny"), ("crannyConfigVersion.cmake", "cmake/cranny"), ("cranny.pc", "pkgconfig")]
-    {
+    for (name, folder) in [
+        ("crannyConfig.cmake", "cmake/cranny"),
+        ("crannyConfigVersion.cmake", "cmake/cranny"),
+        ("cranny.pc", "pkgconfig"),
+    ] {
         let template = read(&here.root.join(CRATE).join("package").join(name))?;
         let text = values.iter().fold(template, |text, (mark, value)| text.replace(mark, value));
         write(&libraries.join(folder).join(name), &text)?;
@@ -146,7 +147,8 @@ fn with_pkg_config(here: &Surroundings, folder: &Path, prefix: &Path) -> Result<
     let asked = asked.map_err(|fault| format!("pkg-config: {fault}"))?;
     let flags = String::from_utf8_lossy(&asked.stdout).into_owned();
     let program = folder.join("with_pkg_config").display().to_string();
-    let words = [&["examples/cpp/verdicts.c", "-o", &program][..], &flags.split_whitespace().collect::<Vec<_>>()];
+    let words =
+        [&["examples/cpp/verdicts.c", "-o", &program][..], &flags.split_whitespace().collect::<Vec<_>>()];
     step::succeed(here.command("cc", &words.concat()))?;
     let mut command = here.command(program, &[]);
     command.env("LD_LIBRARY_PATH", prefix.join("lib"));
@@ -161,7 +163,8 @@ fn campaign(here: &Surroundings, folder: &Path, examples: &Path) -> Result<(), S
     let planner = examples.join("ompl_planner");
     let planner = format!("ompl=exec:{} {{cranny}} {{seed}} {{time_limit_s}}", planner.display());
     let results = results.display().to_string();
-    let asked = ["--scenarios", "011,021,031,041", "--time-limit", "30", "--planner", &planner, "-o", &results];
+    let asked =
+        ["--scenarios", "011,021,031,041", "--time-limit", "30", "--planner", &planner, "-o", &results];
     step::succeed(here.command(here.built_program()?, &[&["bench", "run"][..], &asked].concat()))
 }
 

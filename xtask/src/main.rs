@@ -113,7 +113,9 @@ fn main() -> ExitCode {
         }
         Ok(Task::Tidy { generated }) => tidy::run(generated),
         Ok(Task::Test { is_long }) => test::run(is_long),
-        Ok(Task::Capi { prefix }) => test::here(false).and_then(|here| c_api::install(&here, &prefix)).map(|()| true),
+        Ok(Task::Capi { prefix }) => {
+            test::here(false).and_then(|here| c_api::install(&here, &prefix)).map(|()| true)
+        }
         Ok(Task::Steps { names }) => test::run_steps(&names.iter().map(String::as_str).collect::<Vec<_>>()),
         Err(message) => Err(format!("{message}; `cargo xtask help` lists the tasks")),
     };

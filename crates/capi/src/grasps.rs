@@ -8,9 +8,7 @@ use cranny::grasp::{
     COVERAGE_THRESHOLD, Grasp, GraspSet, SampledGrasp, SamplerSettings, covering_subset, csv_text,
     pose_of_rows, read_csv, rows_of_pose, sample_grasps,
 };
-use cranny::scenario::{
-    DEFAULT_FRICTION, filter_around_object, panda_hand, read_gripper, write_whole_file,
-};
+use cranny::scenario::{DEFAULT_FRICTION, filter_around_object, panda_hand, read_gripper, write_whole_file};
 use cranny::shape::Surface;
 use cranny::task::APPROACH_M;
 use serde::Deserialize;

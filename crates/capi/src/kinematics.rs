@@ -84,8 +84,7 @@ pub extern "C" fn cranny_robot_sample(
             return Err(Fault::TooLong { what: "q", rows, columns: dof });
         }
         let mut random = Stream::new(seed, 0);
-        let drawn: Vec<f64> =
-            (0..rows).flat_map(|_| robot.robot.random_configuration(&mut random)).collect();
+        let drawn: Vec<f64> = (0..rows).flat_map(|_| robot.robot.random_configuration(&mut random)).collect();
         q.write("q", &drawn)
     })
 }

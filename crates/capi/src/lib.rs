@@ -1,6 +1,9 @@
 #![doc = include_str!("../README.md")]
 #![allow(unsafe_code, reason = "functions under names of C, and the pointers of C in `boundary`")]
-#![allow(clippy::doc_markdown, reason = "doc comments become those of a C header, which shows marks as they are")]
+#![allow(
+    clippy::doc_markdown,
+    reason = "doc comments become those of a C header, which shows marks as they are"
+)]
 #![allow(clippy::missing_errors_doc, reason = "the head of the header states how every function fails")]
 
 mod boundary;

@@ -1,7 +1,7 @@
 //! Options as JSON objects, with the names of the Python package's keywords.
 
-use cranny::spatial::Pose;
 use cranny::grasp::pose_of_rows;
+use cranny::spatial::Pose;
 use serde::de::{DeserializeOwned, Error as _};
 
 use crate::boundary::{Numbers, Text};

@@ -139,7 +139,9 @@ pub extern "C" fn cranny_plan_path(plan: Option<&CrannyPlan>) -> *const f64 {
 /// Returns the index of the grasp at the end of the path, or of the first pick; -1 without one.
 #[unsafe(no_mangle)]
 pub extern "C" fn cranny_plan_grasp(plan: Option<&CrannyPlan>) -> i64 {
-    answered(-1, || Ok(given(plan, "plan")?.file.grasp.and_then(|grasp| i64::try_from(grasp).ok()).unwrap_or(-1)))
+    answered(-1, || {
+        Ok(given(plan, "plan")?.file.grasp.and_then(|grasp| i64::try_from(grasp).ok()).unwrap_or(-1))
+    })
 }
 
 /// Returns the proven least clearance along the whole path in metres; NaN without a proof.

@@ -156,7 +156,9 @@ fn carry_goal(carry: Carry, dof: usize) -> Result<CarryGoal, Fault> {
     };
     match rows.iter().find(|q| q.len() != dof) {
         None => Ok(CarryGoal::Configurations(rows)),
-        Some(q) => Err(refused(format!("`carry` has a row of {} values, but the robot has {dof} joints", q.len()))),
+        Some(q) => {
+            Err(refused(format!("`carry` has a row of {} values, but the robot has {dof} joints", q.len())))
+        }
     }
 }
 
@@ -168,13 +170,16 @@ fn seconds(what: &str, value: f64) -> Result<Duration, Fault> {
 impl Options {
     /// Returns the clearances that are required of a path in a task.
     fn margins(&self, asked: &Asked) -> Result<Margins, Fault> {
-        let robust = self.robust.map(|[translation_m, rotation_rad]| PoseRadius { translation_m, rotation_rad });
+        let robust =
+            self.robust.map(|[translation_m, rotation_rad]| PoseRadius { translation_m, rotation_rad });
         let is_wrong = |value: &f64| !(value.is_finite() && *value >= 0.0);
         if self.robust.is_some_and(|radius| radius.iter().any(is_wrong)) {
             return Err(refused("`robust` is a translation (m) and a rotation (rad), both at least 0"));
         }
         if let Some(degrees) = self.upright_deg.filter(|degrees| !(*degrees > 0.0 && *degrees <= 180.0)) {
-            return Err(refused(format!("`upright_deg` is {degrees}, but it must be above 0 and at most 180")));
+            return Err(refused(format!(
+                "`upright_deg` is {degrees}, but it must be above 0 and at most 180"
+            )));
         }
         let goes_on = asked.scenario.criterion == Criterion::Exact
             && (self.carry.is_some() || self.place.is_some() || self.task.is_some());
@@ -204,9 +209,9 @@ impl Options {
             optimise: self.optimise_s.map(|time_s| seconds("optimise_s", time_s)).transpose()?,
             cost: word("cost", self.cost.as_deref(), costs)?,
             score_weight: self.score_weight.unwrap_or(defaults.score_weight),
-            timing: self.jerk_limited.map(|limited| {
-                if limited { TimingMethod::JerkLimited } else { TimingMethod::TimeOptimal }
-            }),
+            timing: self
+                .jerk_limited
+                .map(|limited| if limited { TimingMethod::JerkLimited } else { TimingMethod::TimeOptimal }),
             stops: !self.blend,
             paces: SpeedOptions {
                 speed: paces(self.speed)?,
@@ -226,7 +231,9 @@ impl Options {
             clear_m: self.clear_m,
             approach_m: self.approach_m,
             retreat_m: self.retreat_m,
-            robust: self.robust.map(|[translation_m, rotation_rad]| PoseRadius { translation_m, rotation_rad }),
+            robust: self
+                .robust
+                .map(|[translation_m, rotation_rad]| PoseRadius { translation_m, rotation_rad }),
             hold: self.hold,
             ..defaults
         })

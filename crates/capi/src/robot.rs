@@ -217,8 +217,7 @@ pub extern "C" fn cranny_robot_limits(
         lower.write_if_asked("lower", &each(|limits| limits.lower))?;
         upper.write_if_asked("upper", &each(|limits| limits.upper))?;
         velocity.write_if_asked("velocity", &each(|limits| limits.velocity))?;
-        acceleration
-            .write_if_asked("acceleration", &each(|limits| limits.acceleration.unwrap_or(f64::NAN)))
+        acceleration.write_if_asked("acceleration", &each(|limits| limits.acceleration.unwrap_or(f64::NAN)))
     })
 }
 

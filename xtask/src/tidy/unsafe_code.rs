@@ -17,7 +17,9 @@ const LOWERING: [&str; 3] = ["allow(", "expect(", "warn("];
 pub fn check(members: &[Member], files: &[SourceFile]) -> Vec<Problem> {
     let lowered = files
         .iter()
-        .filter(|file| file.has_extension("rs") && !ADDRESSES.iter().any(|address| file.path.starts_with(address)))
+        .filter(|file| {
+            file.has_extension("rs") && !ADDRESSES.iter().any(|address| file.path.starts_with(address))
+        })
         .filter(|file| file.text().is_some_and(lowers_lint))
         .map(|file| {
             Problem::new(
@@ -72,7 +74,8 @@ mod tests {
             format!("#[allow(\n    missing_docs,\n    {LINT},\n)]"),
             format!("#![cfg_attr(test, warn({LINT}))]"),
         ] {
-            let file = |path: &str| [SourceFile::of_text(path, &format!("//! Lanes.\n{attribute}\nmod lane;\n"))];
+            let file =
+                |path: &str| [SourceFile::of_text(path, &format!("//! Lanes.\n{attribute}\nmod lane;\n"))];
             assert_eq!(check(&[], &file("crates/collision/src/lib.rs")).len(), 1, "{attribute}");
             for address in ADDRESSES {
                 assert_eq!(check(&[], &file(&format!("{address}src/lib.rs"))), [], "{attribute}");

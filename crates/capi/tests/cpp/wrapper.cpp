@@ -21,7 +21,7 @@ void expect(bool is_met, const char* what, int line) {
   ++failures;
 }
 
-#define EXPECT(condition) expect(condition, #condition, __LINE__)
+#define EXPECT(condition) expect(static_cast<bool>(condition), #condition, __LINE__)
 
 template <class F>
 std::string error_of(F call) {
@@ -124,7 +124,7 @@ void plans_are_followed_saved_and_read(const cranny::Scenario& scenario) {
   EXPECT(plan.verify().is_valid() && plan.verify().violations().empty());
   EXPECT(has(plan.json(), "\"format\":\"cranny-plan/2\""));
 
-  // Every second way point: the path may be long, but it ends elsewhere or in contact, and the reason is given.
+  // The straight line to the same grasp touches the table.
   cranny::Rows straight;
   straight.push_back(plan.path()[0]);
   straight.push_back(plan.path()[plan.path().rows() - 1]);
