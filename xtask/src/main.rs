@@ -2,9 +2,11 @@
 //!
 //! Exit codes: 0 success, 1 a check failed, 2 not runnable (unknown word, no git, wrong `CRANNY_DATA`).
 
+mod c_api;
 mod checked_arithmetic;
 mod checkout;
 mod comment_words;
+mod debian;
 mod gltf;
 mod hardship;
 mod latex;
@@ -21,6 +23,7 @@ mod test;
 mod tidy;
 mod web;
 
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 const HELP: &str = "\
@@ -30,12 +33,15 @@ Usage: cargo xtask <TASK>
 
 Tasks:
   test           everything a change must pass: format, lints, tidy, tests, doc tests, glTF,
-                 web (the viewer's page in a browser), Python, pages
+                 web (the viewer's page in a browser), C and C++, Python, pages
   test --long    the same, with the tests that have a longer form in it, the site, a report's LaTeX
                  compiled by pdflatex, a planner from a crate outside, checked arithmetic,
                  interrupted commands, and a minute of damaged input for each reader
   test --step STEP…
                  these steps alone, of both; a name that is none lists them
+  capi --prefix DIR
+                 the C and C++ API, built and installed below DIR: library, headers, files for CMake's
+                 find_package(cranny) and pkg-config; the folder may be moved
   site           the pages of docs/ and benchmarks/, commands, gallery and API as one folder,
                  target/site/book; builds mdBook where it is not installed
   tidy           the shape of the house: floors, crate table, module names, file length, unsafe,
@@ -71,6 +77,7 @@ enum Task {
     Tidy { generated: tidy::Generated },
     Test { is_long: bool },
     Steps { names: Vec<String> },
+    Capi { prefix: PathBuf },
 }
 
 /// Parses the words of the command line; the error describes invalid ones.
@@ -87,6 +94,8 @@ fn task_of(words: &[&str]) -> Result<Task, String> {
             Ok(Task::Steps { names: names.iter().map(|name| (*name).to_owned()).collect() })
         }
         ["site"] => Ok(Task::Steps { names: vec!["site".to_owned()] }),
+        ["capi", "--prefix", prefix] => Ok(Task::Capi { prefix: PathBuf::from(prefix) }),
+        ["capi", ..] => Err("`capi` takes `--prefix DIR`, where it is installed".to_owned()),
         ["tidy" | "test" | "site", rest @ ..] => {
             Err(format!("`{}` does not take `{}`", words[0], rest.join(" ")))
         }
@@ -104,6 +113,9 @@ fn main() -> ExitCode {
         }
         Ok(Task::Tidy { generated }) => tidy::run(generated),
         Ok(Task::Test { is_long }) => test::run(is_long),
+        Ok(Task::Capi { prefix }) => {
+            test::here(false).and_then(|here| c_api::install(&here, &prefix)).map(|()| true)
+        }
         Ok(Task::Steps { names }) => test::run_steps(&names.iter().map(String::as_str).collect::<Vec<_>>()),
         Err(message) => Err(format!("{message}; `cargo xtask help` lists the tasks")),
     };
@@ -129,6 +141,8 @@ mod tests {
         assert_eq!(task_of(&["tidy", "--write"]), Ok(Task::Tidy { generated: tidy::Generated::Write }));
         let site = Ok(Task::Steps { names: vec!["site".to_owned()] });
         assert_eq!((task_of(&["site"]), task_of(&["test", "--step", "site"])), (site.clone(), site));
+        let prefix = PathBuf::from("/opt/cranny");
+        assert_eq!(task_of(&["capi", "--prefix", "/opt/cranny"]), Ok(Task::Capi { prefix }));
         assert_eq!(task_of(&["help"]), Ok(Task::Help));
         assert_eq!(task_of(&["tidy", "--help"]), Ok(Task::Help));
     }

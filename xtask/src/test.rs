@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use crate::c_api;
 use crate::checked_arithmetic;
 use crate::gltf;
 use crate::hardship;
@@ -17,7 +18,7 @@ use crate::tidy;
 use crate::web;
 
 /// Checks of every run. A check that needs a tool of its own declares it in `needs`.
-const STEPS: [Step; 9] = [
+const STEPS: [Step; 10] = [
     Step {
         name: "format",
         needs: |here| component(here, "fmt", "rustfmt"),
@@ -41,6 +42,7 @@ const STEPS: [Step; 9] = [
     },
     Step { name: "glTF", needs: gltf::readiness, action: gltf::check },
     Step { name: "web", needs: web::readiness, action: web::check },
+    Step { name: "C and C++", needs: c_api::readiness, action: c_api::check },
     Step { name: "Python", needs: python_package::readiness, action: python_package::check },
 ];
 
@@ -73,11 +75,19 @@ pub fn run_steps(names: &[&str]) -> Result<bool, String> {
         })
     };
     let steps = names.iter().map(find).collect::<Result<Vec<_>, _>>()?;
-    let (root, _) = member::read_workspace()?;
-    let python = python_tools::prepare(&root).ok();
-    let all_required = true;
-    let here = Surroundings { root, data: released_data::folder()?, python, all_required, is_long: false };
+    let here = here(true)?;
+    let python = python_tools::prepare(&here.root).ok();
+    let here = Surroundings { python, ..here };
     Ok(step::run_all(&steps, &here).failed.is_none())
+}
+
+/// Returns the environment of a command without Python.
+///
+/// # Errors
+/// If there is no workspace here, or the named folder of the released data is not one.
+pub fn here(all_required: bool) -> Result<Surroundings, String> {
+    let (root, _) = member::read_workspace()?;
+    Ok(Surroundings { root, data: released_data::folder()?, python: None, all_required, is_long: false })
 }
 
 /// Runs all checks and returns true if they passed.

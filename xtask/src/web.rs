@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use crate::debian;
 use crate::gltf;
 use crate::step::{self, Readiness, Surroundings};
 
@@ -18,27 +19,13 @@ pub fn readiness(here: &Surroundings) -> Readiness {
     if ready_or_not != Readiness::Ready || chromium().is_some() {
         return ready_or_not;
     }
-    match install(here) {
+    match debian::install(here, &["chromium"]) {
         Ok(()) if chromium().is_some() => Readiness::Ready,
         Ok(()) => Readiness::Missing("no Chromium, though apt-get says that it has installed one".to_owned()),
         Err(reason) => {
             Readiness::Missing(format!("no Chromium: install one, or name it in {CHROMIUM} ({reason})"))
         }
     }
-}
-
-/// Installs Debian's Chromium as root, for machines that only run tests.
-fn install(here: &Surroundings) -> Result<(), String> {
-    let user = here.command("id", &["-u"]).output();
-    if !user.is_ok_and(|user| user.stdout.trim_ascii() == b"0") {
-        return Err("only root can install it here".to_owned());
-    }
-    println!("==> Chromium by apt-get");
-    step::succeed(here.command("apt-get", &["-qq", "update"]))?;
-    let words = ["-qq", "install", "--yes", "--no-install-recommends", "chromium"];
-    let mut command = here.command("apt-get", &words);
-    command.env("DEBIAN_FRONTEND", "noninteractive");
-    step::succeed(command)
 }
 
 /// Builds the program, with the page in it, and runs both in a browser, after the page's types and unit tests.

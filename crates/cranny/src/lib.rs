@@ -34,6 +34,7 @@ pub use cranny_setup as setup;
 pub use cranny_shape as shape;
 #[cfg(feature = "sim")]
 pub use cranny_sim as sim;
+pub use cranny_solve as solve;
 pub use cranny_spatial as spatial;
 pub use cranny_task as task;
 #[cfg(feature = "view")]

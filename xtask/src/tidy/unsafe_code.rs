@@ -1,4 +1,4 @@
-//! Check that `unsafe` code is confined to one folder.
+//! Check that `unsafe` code is confined to two folders.
 //!
 //! The workspace denies the lint, so the compiler does most of the work; this check prevents exceptions.
 
@@ -6,8 +6,8 @@ use crate::checkout::SourceFile;
 use crate::member::Member;
 use crate::problem::Problem;
 
-/// Folder that may allow it.
-const ADDRESS: &str = "crates/spatial/";
+/// Folders that may allow it: for lanes, and for the pointers of C.
+const ADDRESSES: [&str; 2] = ["crates/spatial/", "crates/capi/"];
 /// Name of the lint, in two pieces, so that this file does not match itself.
 const LINT: &str = concat!("unsafe", "_code");
 /// Attributes that lower a denied lint.
@@ -17,13 +17,15 @@ const LOWERING: [&str; 3] = ["allow(", "expect(", "warn("];
 pub fn check(members: &[Member], files: &[SourceFile]) -> Vec<Problem> {
     let lowered = files
         .iter()
-        .filter(|file| file.has_extension("rs") && !file.path.starts_with(ADDRESS))
+        .filter(|file| {
+            file.has_extension("rs") && !ADDRESSES.iter().any(|address| file.path.starts_with(address))
+        })
         .filter(|file| file.text().is_some_and(lowers_lint))
         .map(|file| {
             Problem::new(
                 &file.path,
                 format!("lowers the lint `{LINT}`"),
-                format!("write it in safe code, or put the lanes where they belong: {ADDRESS}"),
+                format!("write it in safe code, or put it where it belongs: {}", ADDRESSES.join(", ")),
             )
         });
     let uninherited = members.iter().filter_map(|member| {
@@ -72,9 +74,12 @@ mod tests {
             format!("#[allow(\n    missing_docs,\n    {LINT},\n)]"),
             format!("#![cfg_attr(test, warn({LINT}))]"),
         ] {
-            let file = |path| [SourceFile::of_text(path, &format!("//! Lanes.\n{attribute}\nmod lane;\n"))];
+            let file =
+                |path: &str| [SourceFile::of_text(path, &format!("//! Lanes.\n{attribute}\nmod lane;\n"))];
             assert_eq!(check(&[], &file("crates/collision/src/lib.rs")).len(), 1, "{attribute}");
-            assert_eq!(check(&[], &file("crates/spatial/src/lib.rs")), [], "{attribute}");
+            for address in ADDRESSES {
+                assert_eq!(check(&[], &file(&format!("{address}src/lib.rs"))), [], "{attribute}");
+            }
         }
     }
 

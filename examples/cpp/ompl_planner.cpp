@@ -1,0 +1,136 @@
+// OMPL's RRTConnect with Cranny's checks: a state is valid if the cell is free there, a motion if all of it is proven free.
+// The path is printed as lines of comma-separated joint values, the form that campaigns read (docs/exec_protocol.md):
+//
+//   ompl_planner 021 1 10
+//   cranny bench run --scenarios 021 --planner "ompl=exec:./ompl_planner {cranny} {seed} {time_limit_s}" -o results.db
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include <ompl/base/goals/GoalStates.h>
+#include <ompl/base/spaces/RealVectorStateSpace.h>
+#include <ompl/geometric/SimpleSetup.h>
+#include <ompl/geometric/planners/rrt/RRTConnect.h>
+#include <ompl/util/Console.h>
+#include <ompl/util/RandomNumbers.h>
+
+#include <cranny/cranny.hpp>
+
+namespace ob = ompl::base;
+namespace og = ompl::geometric;
+
+namespace {
+
+// Goal configurations: one for each of the best grasps that have one.
+constexpr std::size_t kGoals = 10;
+
+// Seconds of the time limit that are left to the end of the process.
+constexpr double kReserve_s = 0.1;
+
+// The values of a state lie in a row, as Cranny reads them.
+cranny::span<const double> row(const ob::State* state, std::size_t dof) {
+  return {state->as<ob::RealVectorStateSpace::StateType>()->values, dof};
+}
+
+// Accepts a motion only if all of it is proven free.
+class Proof : public ob::MotionValidator {
+ public:
+  Proof(const ob::SpaceInformationPtr& space, cranny::Cell cell)
+      : MotionValidator(space), cell_(std::move(cell)), dof_(space->getStateDimension()) {}
+
+  bool checkMotion(const ob::State* a, const ob::State* b) const override {
+    return cell_.motion_is_free(row(a, dof_), row(b, dof_));
+  }
+
+  // Planners that stop at an obstacle learn how far they come.
+  bool checkMotion(const ob::State* a, const ob::State* b, std::pair<ob::State*, double>& last_valid) const override {
+    const cranny::Motion motion = cell_.motion(row(a, dof_), row(b, dof_));
+    if (motion) return true;
+    // The way there was not proven alone: half of it is tried, then the beginning remains.
+    last_valid.second = std::isnan(motion.at) ? 0 : 0.5 * motion.at;
+    ob::ScopedState<> half(si_->getStateSpace());
+    si_->getStateSpace()->interpolate(a, b, last_valid.second, half.get());
+    if (!checkMotion(a, half.get())) last_valid.second = 0;
+    if (last_valid.first) si_->getStateSpace()->interpolate(a, b, last_valid.second, last_valid.first);
+    return false;
+  }
+
+ private:
+  cranny::Cell cell_;
+  std::size_t dof_;
+};
+
+cranny::Rows goals(const cranny::Scenario& scenario, const cranny::Cell& cell, unsigned seed) {
+  const cranny::Robot robot = scenario.robot();
+  const cranny::Grasps grasps = scenario.grasps();
+  cranny::Rows found;
+  for (const std::size_t grasp : grasps.by_score()) {
+    if (found.rows() == kGoals) break;
+    const cranny::Rows q = robot.ik(grasps.pose(grasp), 1, &cell, seed, 100);
+    if (q.rows() == 1) found.push_back(q[0]);
+  }
+  return found;
+}
+
+ob::StateSpacePtr space_of(const cranny::Robot& robot) {
+  const auto space = std::make_shared<ob::RealVectorStateSpace>(static_cast<unsigned>(robot.dof()));
+  const cranny::Robot::Limits limits = robot.limits();
+  ob::RealVectorBounds bounds(static_cast<unsigned>(robot.dof()));
+  bounds.low = limits.lower;
+  bounds.high = limits.upper;
+  space->setBounds(bounds);
+  return space;
+}
+
+}  // namespace
+
+int main(int count, char** words) try {
+  const auto begin = std::chrono::steady_clock::now();
+  const std::string what = count > 1 ? words[1] : "021";
+  const auto seed = static_cast<unsigned>(count > 2 ? std::strtoul(words[2], nullptr, 10) : 0);
+  const double limit_s = count > 3 ? std::strtod(words[3], nullptr) : 10;
+  ompl::msg::setLogLevel(ompl::msg::LOG_NONE);
+  ompl::RNG::setSeed(seed + 1);
+
+  const cranny::Scenario scenario(what);
+  const cranny::Robot robot = scenario.robot();
+  const cranny::Cell cell = scenario.cell();
+  const std::size_t dof = robot.dof();
+  const cranny::Rows ends = goals(scenario, cell, seed);
+  if (ends.rows() == 0) return 0;
+
+  og::SimpleSetup setup(space_of(robot));
+  const ob::SpaceInformationPtr space = setup.getSpaceInformation();
+  setup.setStateValidityChecker([&](const ob::State* state) { return cell.is_free(row(state, dof)); });
+  space->setMotionValidator(std::make_shared<Proof>(space, cell));
+
+  const auto state = [&](cranny::span<const double> q) {
+    ob::ScopedState<> state(space);
+    for (std::size_t joint = 0; joint < dof; ++joint) state[joint] = q[joint];
+    return state;
+  };
+  setup.setStartState(state(scenario.start()));
+  const auto goal = std::make_shared<ob::GoalStates>(space);
+  for (std::size_t end = 0; end < ends.rows(); ++end) goal->addState(state(ends[end]));
+  setup.setGoal(goal);
+  setup.setPlanner(std::make_shared<og::RRTConnect>(space));
+
+  const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begin;
+  setup.solve(std::max(0.01, limit_s - kReserve_s - spent.count()));
+  if (!setup.haveExactSolutionPath()) return 0;
+  for (const ob::State* reached : setup.getSolutionPath().getStates()) {
+    const auto q = row(reached, dof);
+    for (std::size_t joint = 0; joint < dof; ++joint) std::printf("%s%.17g", joint ? "," : "", q[joint]);
+    std::printf("\n");
+  }
+  return 0;
+} catch (const std::exception& fault) {
+  std::fprintf(stderr, "ompl_planner: %s\n", fault.what());
+  return 1;
+}
