@@ -2,6 +2,7 @@
 
 pub(crate) mod body_tree;
 pub(crate) mod contact_pairs;
+pub(crate) mod hull_points;
 pub(crate) mod model_text;
 pub(crate) mod orientation;
 pub(crate) mod unread_list;

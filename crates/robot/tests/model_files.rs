@@ -95,7 +95,9 @@ fn shapes_have_the_sizes_and_places_of_the_file() {
         let point = shape.solid.support_point(&local).expect("a convex solid");
         (shape.link_from_shape * point).coords.dot(&direction)
     };
-    let near = |found: f64, expected: f64, within: f64| assert!((found - expected).abs() <= within, "{found} {expected}");
+    let near = |found: f64, expected: f64, within: f64| {
+        assert!((found - expected).abs() <= within, "{found} {expected}")
+    };
     near(reach(0, Vector::z()), 2.1, 1e-12);
     near(reach(0, -Vector::z()), 0.1, 1e-12);
     near(reach(1, Vector::x()), 1.2, 1e-12);
@@ -117,7 +119,10 @@ fn free_bodies_and_planes_are_named_and_no_part_of_a_robot() {
     let robot = read(&text).expect("a robot");
     assert!(robot.link_index("cube").is_none());
     let notes = robot.notes().join("\n");
-    assert!(notes.contains("no part of the robot: cube") && notes.contains("no part of the robot: ground"), "{notes}");
+    assert!(
+        notes.contains("no part of the robot: cube") && notes.contains("no part of the robot: ground"),
+        "{notes}"
+    );
     let folder = folder(&[("m.xml", &text)]);
     let model = ModelText::read(&folder.path().join("m.xml"), ModelUse::World, &[]).expect("a world");
     assert_eq!(model.movable, [["cube".to_owned()]]);
@@ -154,7 +159,8 @@ fn what_is_not_read_is_named_once_for_each_kind() {
 
 #[test]
 fn content_that_would_change_the_robot_is_refused_with_its_line() {
-    let body = |inside: &str| format!("<mujoco>\n<worldbody>\n<body name='a'>{inside}</body></worldbody></mujoco>");
+    let body =
+        |inside: &str| format!("<mujoco>\n<worldbody>\n<body name='a'>{inside}</body></worldbody></mujoco>");
     for (text, expected) in [
         (body("<joint type='ball'/>"), "m.xml:3: joint `` is of type `ball`"),
         (body("<composite/>"), "m.xml:3: <composite> in a body is not supported"),
@@ -163,20 +169,35 @@ fn content_that_would_change_the_robot_is_refused_with_its_line() {
         (body("<geom type='sdf'/>"), "m.xml:3: a geom that is a signed distance field is not supported"),
         (body("<geom type='hfield' hfield='h'/>"), "m.xml:3: a geom that is a height field is not supported"),
         (body("<geom><plugin/></geom>"), "m.xml:3: a <plugin> is not supported"),
-        (body("<geom size='0.1' tpye='box'/>"), "m.xml:3: attribute `tpye` in <geom> of body `a` is not understood"),
+        (
+            body("<geom size='0.1' tpye='box'/>"),
+            "m.xml:3: attribute `tpye` in <geom> of body `a` is not understood",
+        ),
         (body("<joint axis='0 0 0' name='j'/>"), "m.xml:3: joint `j` can move, but its axis is zero"),
         (body("<geom size='0.1' class='no'/>"), "m.xml:3: unknown default class `no`"),
-        (body("<geom type='box' size='0.1 0.1'/>"), "m.xml:3: size of <geom> of body `a` must be greater than 0"),
+        (
+            body("<geom type='box' size='0.1 0.1'/>"),
+            "m.xml:3: size of <geom> of body `a` must be greater than 0",
+        ),
         (body("<geom type='mesh' mesh='no'/>"), "m.xml:3: the unknown mesh `no` is not supported"),
         (body("<geom type='plane'/><joint/>"), ""),
         (body("<joint/><geom type='plane'/>"), "m.xml:3: a plane that moves is not supported"),
-        (body("<geom size='0.1' quat='1 0 0 0' euler='0 0 0'/>"), "m.xml:3: `quat` beside `euler` is not supported"),
+        (
+            body("<geom size='0.1' quat='1 0 0 0' euler='0 0 0'/>"),
+            "m.xml:3: `quat` beside `euler` is not supported",
+        ),
         (body("<geom size='0.1' pos='1 nan 0'/>"), "m.xml:3: pos=\"1 nan 0\" of <geom>"),
-        ("<mujoco><compiler coordinate='global'/></mujoco>".into(), "m.xml:1: coordinate=\"global\" is not supported"),
+        (
+            "<mujoco><compiler coordinate='global'/></mujoco>".into(),
+            "m.xml:1: coordinate=\"global\" is not supported",
+        ),
         ("<mujoco><deformable/></mujoco>".into(), "m.xml:1: <deformable> is not supported"),
         ("<mujoco><asset><model/></asset></mujoco>".into(), "m.xml:1: <model> is not supported"),
         (
-            arm("<geom size='0.1'/>", "<equality><joint joint1='j1' joint2='j2' polycoef='0 1 2'/></equality>"),
+            arm(
+                "<geom size='0.1'/>",
+                "<equality><joint joint1='j1' joint2='j2' polycoef='0 1 2'/></equality>",
+            ),
             "m.xml:1: a curved constraint of joint `j1` is not supported",
         ),
         (
@@ -184,7 +205,10 @@ fn content_that_would_change_the_robot_is_refused_with_its_line() {
             "m.xml:1: an equality constraint of kind <tendon> is not supported",
         ),
         (arm("", "<contact><exclude body1='a' body2='x'/></contact>"), "m.xml:1: unknown body `x`"),
-        ("<mujoco><include file='m.xml'/></mujoco>".into(), "m.xml:1: a second <include> of m.xml is not supported"),
+        (
+            "<mujoco><include file='m.xml'/></mujoco>".into(),
+            "m.xml:1: a second <include> of m.xml is not supported",
+        ),
         ("<mujoco><include file='no.xml'/></mujoco>".into(), "no.xml: cannot be read"),
         (format!("<mujoco>{}", "<a>".repeat(300)), "m.xml:1: 257 elements inside each other"),
     ] {
@@ -198,9 +222,8 @@ fn content_that_would_change_the_robot_is_refused_with_its_line() {
 /// Nesting over files is bounded too: each file alone is within the limits.
 #[test]
 fn bodies_inside_each_other_over_many_files_are_refused() {
-    let deep = |inside: &str| {
-        format!("<mujoco>{}{inside}{}</mujoco>", "<body>".repeat(200), "</body>".repeat(200))
-    };
+    let deep =
+        |inside: &str| format!("<mujoco>{}{inside}{}</mujoco>", "<body>".repeat(200), "</body>".repeat(200));
     let main = format!("<mujoco><worldbody>{}</worldbody></mujoco>", "<include file='a.xml'/>");
     let files = folder(&[
         ("m.xml", main.as_str()),
@@ -242,7 +265,10 @@ fn links_of_a_world_are_where_its_joint_values_put_them() {
     let (sine, cosine) = 0.6_f64.sin_cos();
     assert!((place("door") - Point::new(1.0 + 0.3 * cosine, 0.3 * sine, 0.0)).norm() < 1e-12);
     assert!((place("can") - Point::new(0.0, 0.0, 2.0)).norm() < 1e-12);
-    assert_eq!(links.iter().find(|link| link.name == "drawer").expect("a link").ancestors, ["cabinet", "world"]);
+    assert_eq!(
+        links.iter().find(|link| link.name == "drawer").expect("a link").ancestors,
+        ["cabinet", "world"]
+    );
     let with = |name: &str, value: f64| {
         let values = BTreeMap::from([(name.to_owned(), value)]);
         model.world_links(&path, &[], &values).expect_err(name)
@@ -277,18 +303,32 @@ fn a_world_of_an_sdf_has_its_free_models_and_its_ground() {
 
 #[test]
 fn faults_of_an_sdf_are_refused_with_their_lines() {
-    let model = |inside: &str| format!("<sdf version='1.9'><model name='m'><link name='a'/>\n{inside}</model></sdf>");
+    let model =
+        |inside: &str| format!("<sdf version='1.9'><model name='m'><link name='a'/>\n{inside}</model></sdf>");
     for (text, expected) in [
         ("<sdf version='2.0'/>".to_owned(), "m.xml:1: version 2.0 of SDF is not supported"),
         ("<sdf version='1.9'/>".to_owned(), "m.xml:1: <sdf> has no"),
         (model("<link name='b'><pose relative_to='c'/></link>"), "m.xml:2: unknown frame `c`"),
-        (model("<frame name='f'><pose relative_to='f'/></frame><link name='b'><pose relative_to='f'/></link>"), "m.xml:2: frame `f`"),
-        (model("<link name='b'><pose>1 2 3</pose></link>"), "m.xml:2: a <pose> of 3 numbers is not supported"),
+        (
+            model(
+                "<frame name='f'><pose relative_to='f'/></frame><link name='b'><pose relative_to='f'/></link>",
+            ),
+            "m.xml:2: frame `f`",
+        ),
+        (
+            model("<link name='b'><pose>1 2 3</pose></link>"),
+            "m.xml:2: a <pose> of 3 numbers is not supported",
+        ),
         (model("<link name='b'><pose>1 2 x 0 0 0</pose></link>"), "m.xml:2: `x` in <pose> is not supported"),
         (model("<link name='a'/>"), "m.xml:2: frame `a` is defined twice"),
-        (model("<joint name='j' type='ball'><parent>a</parent><child>a</child></joint>"), "m.xml:2: joint `j` is of type `ball`"),
         (
-            model("<link name='b'/><joint name='j' type='fixed'><parent>a</parent><child>b</child></joint><joint name='k' type='fixed'><parent>a</parent><child>b</child></joint>"),
+            model("<joint name='j' type='ball'><parent>a</parent><child>a</child></joint>"),
+            "m.xml:2: joint `j` is of type `ball`",
+        ),
+        (
+            model(
+                "<link name='b'/><joint name='j' type='fixed'><parent>a</parent><child>b</child></joint><joint name='k' type='fixed'><parent>a</parent><child>b</child></joint>",
+            ),
             "m.xml:2: link `b` has two parents",
         ),
         (
@@ -300,7 +340,10 @@ fn faults_of_an_sdf_are_refused_with_their_lines() {
             "m.xml:2: the geometry <heightmap> is not supported",
         ),
         (model("<include><uri>https://fuel/can</uri></include>"), "m.xml:2: the address https://fuel/can"),
-        (model("<include><uri>model://no</uri></include>"), "m.xml:2: link `<include>`: mesh `model://no` not found"),
+        (
+            model("<include><uri>model://no</uri></include>"),
+            "m.xml:2: link `<include>`: mesh `model://no` not found",
+        ),
     ] {
         let message = refusal(&text);
         assert!(message.starts_with(expected), "{text}: {message}");

@@ -3,8 +3,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use cranny_robot::{
-    HandDescription, JointKind, ModelText, ModelUse, MountingJoint, Robot, RobotError, RobotOptions, TextSource,
-    UrdfText,
+    HandDescription, JointKind, ModelText, ModelUse, MountingJoint, Robot, RobotError, RobotOptions,
+    TextSource, UrdfText,
 };
 use cranny_scenario::MountedGripper;
 use cranny_spatial::Pose;

@@ -56,7 +56,8 @@ impl RobotSetup {
         let stem = robot_name(urdf);
         let beside = urdf.with_file_name(format!("{stem}.srdf"));
         let own_srdf = options.srdf.clone().or_else(|| beside.is_file().then_some(beside));
-        let own_srdf = own_srdf.map(|path| read_text(&path)).transpose()?.or_else(|| draft.model_srdf.clone());
+        let own_srdf =
+            own_srdf.map(|path| read_text(&path)).transpose()?.or_else(|| draft.model_srdf.clone());
         let near_srdf = if own_srdf.is_none() { near_srdf::find(urdf) } else { None };
         let mut written = Written {
             stem: stem.clone(),

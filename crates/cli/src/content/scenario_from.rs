@@ -91,7 +91,8 @@ pub fn convert(arguments: &FromArguments, output: Output) -> Result<Answer, Fail
 }
 
 fn joint_value(text: &str) -> Result<(String, f64), String> {
-    let (name, value) = text.rsplit_once('=').ok_or_else(|| format!("'{text}' is not of the form NAME=VALUE"))?;
+    let (name, value) =
+        text.rsplit_once('=').ok_or_else(|| format!("'{text}' is not of the form NAME=VALUE"))?;
     Ok((name.to_owned(), finite(value)?))
 }
 

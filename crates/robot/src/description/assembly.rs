@@ -20,8 +20,9 @@ use crate::gripper::hand::hand_links;
 use crate::link_pairs::{adjacent_pairs, declared_pairs};
 use crate::tree::Tree;
 use crate::{
-    GroupJoint, JointGroup, JointKind, Link, LinkForm, LinkShape, LinkVisual, MeshUse, ModelText, ModelUse, Mover, Robot,
-    RobotDescription, RobotError, RobotHand, RobotOptions, Srdf, TextSource, description::mesh_path,
+    GroupJoint, JointGroup, JointKind, Link, LinkForm, LinkShape, LinkVisual, MeshUse, ModelText, ModelUse,
+    Mover, Robot, RobotDescription, RobotError, RobotHand, RobotOptions, Srdf, TextSource,
+    description::mesh_path,
 };
 
 impl Robot {
@@ -198,7 +199,11 @@ impl From<UrdfJointKind> for JointKind {
 }
 
 /// Returns the movers of each link, the forward kinematics of each moving link, and all poses at `q = 0`.
-pub(crate) fn motions(urdf: &Urdf, tree: &Tree, resolved: &Resolved) -> (Vec<Vec<Mover>>, Vec<Step>, Vec<Pose>) {
+pub(crate) fn motions(
+    urdf: &Urdf,
+    tree: &Tree,
+    resolved: &Resolved,
+) -> (Vec<Vec<Mover>>, Vec<Step>, Vec<Pose>) {
     let mut movers: Vec<Vec<Mover>> = vec![Vec::new()];
     let mut rest = LinkFrames { root_from_link: vec![Pose::identity(); tree.nodes.len()], loose: Vec::new() };
     let mut steps = Vec::new();

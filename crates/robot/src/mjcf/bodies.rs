@@ -10,7 +10,8 @@ use crate::mjcf::defaults::{Attributes, Classes};
 use crate::mjcf::documents::Documents;
 use crate::mjcf::geoms::Geom;
 use crate::model_file::body_tree::{JointRule, Plane, TreeBody, TreeJoint};
-use crate::model_file::unread_list::{UnreadList, not_supported};
+use crate::model_file::hull_points::check_points;
+use crate::model_file::unread_list::{UnreadList, check_name, not_supported};
 use crate::tree::MAX_LINKS;
 use crate::{Inertial, JointKind, RobotError};
 
@@ -57,6 +58,8 @@ pub(crate) struct BodyReader<'d, 'r> {
     pub(crate) unread: &'r mut UnreadList,
     pub(crate) bodies: Vec<TreeBody>,
     pub(crate) planes: Vec<Plane>,
+    /// Number of points of all hulls so far.
+    pub(crate) points: usize,
     /// Joints in the order of `qpos`, each with its number of values there; `None` for that of a free body.
     pub(crate) order: Vec<(Option<String>, usize)>,
     /// Names that the file gives to bodies and joints.
@@ -75,8 +78,7 @@ struct Inside<'c> {
 impl<'d> BodyReader<'d, '_> {
     /// Reads a `<worldbody>` into the first body.
     pub(crate) fn read_world(&mut self, world: Element<'d>) -> Result<(), RobotError> {
-        let inside =
-            Inside { body: 0, body_from_frame: Pose::identity(), childclass: None, depth: 0 };
+        let inside = Inside { body: 0, body_from_frame: Pose::identity(), childclass: None, depth: 0 };
         self.read_inside(world, inside)
     }
 
@@ -120,19 +122,29 @@ impl<'d> BodyReader<'d, '_> {
         let index = self.bodies.len();
         let name = self.name_of(element, "body", index)?;
         let parent_from_body = inside.body_from_frame * self.compiler.pose(&attributes)?;
-        self.bodies.push(TreeBody::bare(name, element.at(), Some(inside.body), parent_from_body));
+        self.bodies.push(TreeBody::bare(name, Some(inside.body), parent_from_body));
         let childclass = element.optional_text("childclass").or(inside.childclass);
         let (body_from_frame, depth) = (Pose::identity(), inside.depth + 1);
         self.read_inside(element, Inside { body: index, body_from_frame, childclass, depth })
     }
 
     /// Returns the name of an element, or one made of its index if it has none.
-    fn name_of(&mut self, element: Element<'_>, kind: &'static str, index: usize) -> Result<String, RobotError> {
+    fn name_of(
+        &mut self,
+        element: Element<'_>,
+        kind: &'static str,
+        index: usize,
+    ) -> Result<String, RobotError> {
         let given = element.optional_text("name").filter(|name| !name.is_empty());
         let name = given.map_or_else(|| format!("{kind}_{index}"), str::to_owned);
+        check_name(element, &name)?;
         // A body and a joint may have the same name.
         if !self.names.insert(format!("{kind} {name}")) {
-            return Err(not_supported(element, format!("a second {kind} `{name}`"), "give each its own name"));
+            return Err(not_supported(
+                element,
+                format!("a second {kind} `{name}`"),
+                "give each its own name",
+            ));
         }
         Ok(name)
     }
@@ -145,7 +157,8 @@ impl<'d> BodyReader<'d, '_> {
             "slide" => JointKind::Prismatic,
             "free" => return self.free_joint(element, inside),
             other => {
-                let (at, joint) = (element.at(), element.optional_text("name").unwrap_or_default().to_owned());
+                let (at, joint) =
+                    (element.at(), element.optional_text("name").unwrap_or_default().to_owned());
                 return Err(RobotError::UnsupportedJoint { at, joint, kind: other.to_owned() });
             }
         };
@@ -205,6 +218,7 @@ impl<'d> BodyReader<'d, '_> {
             Geom::Nothing | Geom::Plane(None) => {}
             Geom::Shape(mut shape) => {
                 shape.body_from_shape = inside.body_from_frame * shape.body_from_shape;
+                self.points = check_points(element, &shape.form, self.points)?;
                 self.bodies[inside.body].shapes.push(shape);
             }
             Geom::Plane(Some(pose)) => {

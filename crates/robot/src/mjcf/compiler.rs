@@ -62,7 +62,9 @@ impl Compiler {
                 compiler.is_degree = match angle {
                     "degree" => true,
                     "radian" => false,
-                    _ => return Err(not_supported(element, format!("angle=\"{angle}\""), "radian or degree")),
+                    _ => {
+                        return Err(not_supported(element, format!("angle=\"{angle}\""), "radian or degree"));
+                    }
                 };
             }
             if let Some(sequence) = element.optional_text("eulerseq") {
@@ -77,7 +79,7 @@ impl Compiler {
             assets = element.optional_text("assetdir").or(assets);
             meshes = element.optional_text("meshdir").or(meshes);
         }
-        compiler.mesh_folder = meshes.or(assets).unwrap_or_default().to_owned();
+        meshes.or(assets).unwrap_or_default().clone_into(&mut compiler.mesh_folder);
         Ok(compiler)
     }
 
@@ -94,7 +96,9 @@ impl Compiler {
 
     /// Returns the orientation of an element (XML reference, Frame orientations).
     fn rotation(&self, attributes: &Attributes<'_>) -> Result<Rotation, RobotError> {
-        let Some((holder, given)) = attributes.nearest_of(&ORIENTATIONS) else { return Ok(Rotation::identity()) };
+        let Some((holder, given)) = attributes.nearest_of(&ORIENTATIONS) else {
+            return Ok(Rotation::identity());
+        };
         let more = ORIENTATIONS.iter().filter(|other| **other != given);
         if let Some(second) = more.copied().find(|other| holder.optional_text(other).is_some()) {
             return Err(not_supported(holder, format!("`{given}` beside `{second}`"), "give one of them"));
@@ -105,9 +109,9 @@ impl Compiler {
                 Some(turn(Vector::new(x, y, z).try_normalize(1e-10)?, self.radians(angle)))
             }),
             "euler" => holder.numbers("euler")?.map(|angles| self.euler(angles)),
-            "xyaxes" => holder.numbers("xyaxes")?.and_then(|[a, b, c, d, e, f]| {
-                rotation_of_axes(Vector::new(a, b, c), Vector::new(d, e, f))
-            }),
+            "xyaxes" => holder
+                .numbers("xyaxes")?
+                .and_then(|[a, b, c, d, e, f]| rotation_of_axes(Vector::new(a, b, c), Vector::new(d, e, f))),
             _ => holder.vector("zaxis")?.and_then(rotation_from_z),
         };
         rotation.ok_or_else(|| not_supported(holder, format!("`{given}` without a direction"), "give one"))

@@ -1,4 +1,4 @@
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use cranny_file::counted;
 
@@ -8,7 +8,10 @@ use crate::mjcf::compiler::flag;
 use crate::mjcf::documents::Documents;
 use crate::model_file::body_tree::{BodyTree, JointRule, KeyState, TreeJoint};
 use crate::model_file::unread_list::{UnreadList, not_supported};
-use crate::{RobotError, Location};
+use crate::{Location, RobotError};
+
+/// Maximum number of keyframes that are read.
+const MOST_STATES: usize = 100;
 
 /// Geoms of a `<pair>`, each with its contact group.
 pub(crate) type Pairs = (HashMap<String, usize>, Vec<[usize; 2]>);
@@ -30,7 +33,10 @@ pub(crate) fn read_pairs(documents: &Documents<'_>) -> Result<Pairs, RobotError>
 }
 
 /// Returns true if a moving body and its parent have no contacts, the default (XML reference, flag: filterparent).
-pub(crate) fn filters_parents(documents: &Documents<'_>, unread: &mut UnreadList) -> Result<bool, RobotError> {
+pub(crate) fn filters_parents(
+    documents: &Documents<'_>,
+    unread: &mut UnreadList,
+) -> Result<bool, RobotError> {
     let mut filters = true;
     for section in documents.sections("option") {
         for element in documents.children(section) {
@@ -51,13 +57,21 @@ impl BodyTree {
     fn body_index(&self, element: Element<'_>, attribute: &'static str) -> Result<usize, RobotError> {
         let name = element.text(attribute)?;
         let found = self.bodies.iter().position(|body| body.name == name);
-        found.ok_or_else(|| unknown(element.at(), "body", name, self.bodies.iter().map(|body| body.name.as_str())))
+        found.ok_or_else(|| {
+            unknown(&element.at(), "body", name, self.bodies.iter().map(|body| body.name.as_str()))
+        })
     }
 
-    fn joint_mut(&mut self, element: Element<'_>, name: &str) -> Result<&mut TreeJoint, RobotError> {
-        let names: Vec<String> = self.joints().map(|joint| joint.name.clone()).collect();
-        let found = self.bodies.iter_mut().flat_map(|body| &mut body.joints).find(|joint| joint.name == name);
-        found.ok_or_else(|| unknown(element.at(), "joint", name, names.iter().map(String::as_str)))
+    /// Returns the place of a joint: its body, and its index there.
+    fn joint_index(&self, element: Element<'_>, name: &str) -> Result<(usize, usize), RobotError> {
+        let bodies = self.bodies.iter().enumerate();
+        let mut places =
+            bodies.flat_map(|(body, of)| of.joints.iter().enumerate().map(move |joint| (body, joint)));
+        let found = places.find(|(_, (_, joint))| joint.name == name);
+        let known = || self.joints().map(|joint| joint.name.as_str());
+        found
+            .map(|(body, (index, _))| (body, index))
+            .ok_or_else(|| unknown(&element.at(), "joint", name, known()))
     }
 
     fn joints(&self) -> impl Iterator<Item = &TreeJoint> {
@@ -111,7 +125,10 @@ impl BodyTree {
         polynomial[..given.len()].copy_from_slice(&given);
         let (name, master) = (element.text("joint1")?, element.optional_text("joint2"));
         let x0 = match master {
-            Some(master) => Some(self.joint_mut(element, master)?.reference),
+            Some(master) => {
+                let (body, index) = self.joint_index(element, master)?;
+                Some(self.bodies[body].joints[index].reference)
+            }
             None => None,
         };
         if polynomial[2..].iter().any(|factor| *factor != 0.0) && master.is_some() {
@@ -119,7 +136,8 @@ impl BodyTree {
             return Err(not_supported(element, format!("a curved constraint of joint `{name}`"), hint));
         }
         let [constant, factor, ..] = polynomial;
-        let joint = self.joint_mut(element, name)?;
+        let (body, index) = self.joint_index(element, name)?;
+        let joint = &mut self.bodies[body].joints[index];
         let y0 = joint.reference;
         joint.rule = match (master, x0) {
             (Some(master), Some(x0)) if factor != 0.0 => JointRule::Mimic {
@@ -140,11 +158,23 @@ impl BodyTree {
         unread: &mut UnreadList,
     ) -> Result<(), RobotError> {
         let count: usize = order.iter().map(|(_, count)| count).sum();
-        for (index, key) in documents.sections("keyframe").flat_map(|section| documents.children(section)).enumerate() {
+        let is_free = |joint: &&TreeJoint| joint.rule == JointRule::Free;
+        let free: HashSet<String> = self.joints().filter(is_free).map(|joint| joint.name.clone()).collect();
+        let keys = documents.sections("keyframe").flat_map(|section| documents.children(section));
+        for (index, key) in keys.enumerate() {
+            if self.states.len() == MOST_STATES {
+                unread.note(format!(
+                    "{}: keyframes from the {}th on are not read",
+                    key.at(),
+                    MOST_STATES + 1
+                ));
+                break;
+            }
             let Some(values) = key.list("qpos", count.max(1))? else { continue };
             if values.len() != count {
                 let found = counted(values.len(), "value");
-                unread.note(format!("{}: a keyframe of {found} is not read: the model has {count}", key.at()));
+                unread
+                    .note(format!("{}: a keyframe of {found} is not read: the model has {count}", key.at()));
                 continue;
             }
             let mut places = 0;
@@ -153,11 +183,10 @@ impl BodyTree {
                 values: Vec::new(),
             };
             for (joint, count) in order {
-                state.values.extend(joint.clone().map(|joint| (joint, values[places])));
+                let joint = joint.as_ref().filter(|joint| free.contains(*joint));
+                state.values.extend(joint.map(|joint| (joint.clone(), values[places])));
                 places += count;
             }
-            let is_free = |name: &str| self.joints().any(|joint| joint.name == name && joint.rule == JointRule::Free);
-            state.values.retain(|(joint, _)| is_free(joint));
             if !state.values.is_empty() {
                 self.states.push(state);
             }
@@ -167,7 +196,7 @@ impl BodyTree {
 }
 
 fn unknown<'n>(
-    at: Location,
+    at: &Location,
     kind: &'static str,
     name: &str,
     known: impl Iterator<Item = &'n str>,
@@ -180,12 +209,21 @@ impl BodyReader<'_, '_> {
     /// Adds the sections of the model that no motion depends on.
     pub(crate) fn note_other_sections(&mut self, root: Element<'_>) -> Result<(), RobotError> {
         const READ: [&str; 9] = [
-            "compiler", "option", "default", "asset", "worldbody", "contact", "equality", "keyframe", "include",
+            "compiler",
+            "option",
+            "default",
+            "asset",
+            "worldbody",
+            "contact",
+            "equality",
+            "keyframe",
+            "include",
         ];
         for section in self.documents.root().map(|root| self.documents.children(root)).unwrap_or_default() {
             match &*section.tag() {
                 tag if READ.contains(&tag) => {}
-                "size" | "visual" | "statistic" | "custom" | "tendon" | "actuator" | "sensor" | "extension" => {
+                "size" | "visual" | "statistic" | "custom" | "tendon" | "actuator" | "sensor"
+                | "extension" => {
                     self.unread.add(root, section);
                 }
                 tag => {

@@ -11,6 +11,9 @@ use crate::model_file::unread_list::{UnreadList, not_supported};
 /// Name of the outermost class.
 const MAIN: &str = "main";
 
+/// Maximum number of classes inside each other; each is read by a call of its own.
+const MOST_DEPTH: usize = 100;
+
 /// Sections of a class that are read.
 const READ: [&str; 5] = ["default", "joint", "geom", "mesh", "material"];
 
@@ -31,7 +34,7 @@ impl<'d> Classes<'d> {
         let outermost = Class { parent: None, settings: Vec::new() };
         classes.classes.insert(MAIN.to_owned(), outermost);
         for section in documents.sections("default") {
-            classes.add(documents, section, None, unread)?;
+            classes.add(documents, section, (None, 0), unread)?;
         }
         Ok(classes)
     }
@@ -40,15 +43,19 @@ impl<'d> Classes<'d> {
         &mut self,
         documents: &'d Documents<'_>,
         class: Element<'d>,
-        parent: Option<&str>,
+        (parent, depth): (Option<&str>, usize),
         unread: &mut UnreadList,
     ) -> Result<(), RobotError> {
+        if depth > MOST_DEPTH {
+            let (at, what) = (class.at(), "classes inside each other");
+            return Err(RobotError::TooMany { at, what, most: MOST_DEPTH, actual: depth });
+        }
         // The outermost class may have any name.
         let name = match parent {
             None => MAIN,
             Some(_) => class.text("class")?,
         };
-        for own_name in class.optional_text("class").filter(|_| parent.is_none()) {
+        if let Some(own_name) = class.optional_text("class").filter(|_| parent.is_none()) {
             let alias = Class { parent: Some(MAIN.to_owned()), settings: Vec::new() };
             if own_name != MAIN {
                 self.classes.entry(own_name.to_owned()).or_insert(alias);
@@ -58,7 +65,7 @@ impl<'d> Classes<'d> {
         self.classes.entry(name.to_owned()).or_insert(Class { parent, settings: Vec::new() });
         for child in documents.children(class) {
             match &*child.tag() {
-                "default" => self.add(documents, child, Some(name), unread)?,
+                "default" => self.add(documents, child, (Some(name), depth + 1), unread)?,
                 tag if READ.contains(&tag) => {
                     if let Some(class) = self.classes.get_mut(name) {
                         class.settings.push(child);
@@ -138,14 +145,13 @@ impl<'d> Attributes<'d> {
 
     /// Returns the bits of a contact mask.
     pub(crate) fn bits(&self, attribute: &'static str) -> Result<u32, RobotError> {
-        let Some([number]) = self.numbers::<1>(attribute)? else { return Ok(1) };
-        // Masks are 32-bit integers; a negative one sets the highest bit.
-        let whole = number as i64;
-        if whole as f64 != number {
+        let Some(text) = self.text(attribute) else { return Ok(1) };
+        // Masks are integers of 32 bits; a negative one has the highest bit.
+        let number = text.trim().parse::<u32>().or_else(|_| text.trim().parse().map(i32::cast_unsigned));
+        number.map_err(|_| {
             let holder = self.holder(attribute).unwrap_or_else(|| self.element());
-            return Err(not_supported(holder, format!("{attribute}=\"{number}\""), "give a whole number"));
-        }
-        Ok(whole as u32)
+            not_supported(holder, format!("{attribute}=\"{text}\""), "give a whole number of 32 bits")
+        })
     }
 
     /// Returns the nearest of several attributes that exclude each other, with the element that has it.

@@ -87,7 +87,7 @@ pub(crate) struct Documents<'s> {
     texts: Vec<XmlText<'s>>,
 }
 
-impl<'s> Documents<'s> {
+impl Documents<'_> {
     /// Outermost element of the model.
     pub(crate) fn root(&self) -> Option<Element<'_>> {
         self.texts.first().map(XmlText::root)

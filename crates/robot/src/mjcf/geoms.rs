@@ -6,10 +6,10 @@ use cranny_spatial::{Point, Pose, Vector};
 
 use crate::description::xml::Element;
 use crate::mjcf::bodies::BodyReader;
+use crate::mjcf::defaults::Attributes;
 use crate::model_file::body_tree::{ContactMask, Look, TreeShape};
 use crate::model_file::orientation::rotation_from_z;
 use crate::model_file::unread_list::not_supported;
-use crate::mjcf::defaults::Attributes;
 use crate::{LinkForm, RobotError};
 
 /// Attributes of `<geom>` that are read.
@@ -69,7 +69,11 @@ pub(crate) enum Geom {
 }
 
 impl<'d> BodyReader<'d, '_> {
-    pub(crate) fn geom(&mut self, element: Element<'d>, childclass: Option<&str>) -> Result<Geom, RobotError> {
+    pub(crate) fn geom(
+        &mut self,
+        element: Element<'d>,
+        childclass: Option<&str>,
+    ) -> Result<Geom, RobotError> {
         self.unread.check_attributes(element, &READ, &IGNORED)?;
         if let Some(plugin) = self.documents.children(element).first() {
             return Err(not_supported(*plugin, "a <plugin>", "give a mesh"));
@@ -139,7 +143,13 @@ impl<'d> BodyReader<'d, '_> {
             "ellipsoid" => ellipsoid(Vector::new(x, y, z)),
             _ => return Err(not_supported(element, format!("the geom type `{kind}`"), "give a mesh")),
         };
-        let counted = if kind == "sphere" { 1 } else if matches!(kind, "box" | "ellipsoid") { 3 } else { 2 };
+        let counted = if kind == "sphere" {
+            1
+        } else if matches!(kind, "box" | "ellipsoid") {
+            3
+        } else {
+            2
+        };
         if size[..counted].iter().any(|length| *length <= 0.0) {
             let (at, element) = (element.at(), element.title());
             let value = size[..counted].iter().copied().fold(f64::INFINITY, f64::min);

@@ -41,8 +41,9 @@ pub(crate) fn read(text: String, path: &Path) -> Result<BodyTree, RobotError> {
         assets: &assets,
         pair_groups,
         unread: &mut unread,
-        bodies: vec![TreeBody::bare(WORLD.to_owned(), root.at(), None, Pose::identity())],
+        bodies: vec![TreeBody::bare(WORLD.to_owned(), None, Pose::identity())],
         planes: Vec::new(),
+        points: 0,
         order: Vec::new(),
         names: HashSet::from([format!("body {WORLD}")]),
     };

@@ -1,6 +1,6 @@
 use cranny_spatial::{Pose, Vector};
 
-use crate::{Inertial, JointKind, LinkForm, Location};
+use crate::{Inertial, JointKind, LinkForm};
 
 /// Bodies of a model and the joints between them, as MJCF and SDF describe them.
 pub(crate) struct BodyTree {
@@ -22,7 +22,6 @@ pub(crate) struct BodyTree {
 /// A rigid body.
 pub(crate) struct TreeBody {
     pub(crate) name: String,
-    pub(crate) at: Location,
     /// Index of the parent; `None` for the first body only.
     pub(crate) parent: Option<usize>,
     /// Pose in the frame of the parent with all joints at their reference values.
@@ -36,9 +35,9 @@ pub(crate) struct TreeBody {
 }
 
 impl TreeBody {
-    pub(crate) fn bare(name: String, at: Location, parent: Option<usize>, parent_from_body: Pose) -> Self {
+    pub(crate) fn bare(name: String, parent: Option<usize>, parent_from_body: Pose) -> Self {
         let (joints, shapes) = (Vec::new(), Vec::new());
-        Self { name, at, parent, parent_from_body, joints, shapes, inertial: None, is_free: false }
+        Self { name, parent, parent_from_body, joints, shapes, inertial: None, is_free: false }
     }
 }
 
@@ -65,7 +64,11 @@ pub(crate) struct TreeJoint {
 pub(crate) enum JointRule {
     Free,
     /// The value is `multiplier · value of the master + offset`.
-    Mimic { master: String, multiplier: f64, offset: f64 },
+    Mimic {
+        master: String,
+        multiplier: f64,
+        offset: f64,
+    },
     /// The value is constant (m, rad).
     Constant(f64),
 }

@@ -2,7 +2,7 @@ use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 use crate::description::urdf_text::escaped;
-use crate::model_file::body_tree::{BodyTree, ContactMask};
+use crate::model_file::body_tree::BodyTree;
 use crate::model_file::urdf_writer::{BodyLink, LinkPlan};
 
 impl BodyTree {
@@ -29,7 +29,8 @@ impl BodyTree {
             }
             text.push_str("  </group_state>\n");
         }
-        let excluded: BTreeSet<[usize; 2]> = self.excluded.iter().map(|pair| sorted(*pair)).collect();
+        let [excluded, included] = [&self.excluded, &self.included]
+            .map(|pairs| pairs.iter().map(|pair| sorted(*pair)).collect::<BTreeSet<[usize; 2]>>());
         let welded = self.welded();
         let links: Vec<(usize, &BodyLink)> = plan.colliding().collect();
         for (index, (body, link)) in links.iter().enumerate() {
@@ -37,8 +38,8 @@ impl BodyTree {
                 if welded[*body] == welded[*other_body] {
                     continue;
                 }
-                let is_given = self.is_included(link.mask, other.mask);
-                let reason = if is_given {
+                let groups = link.mask.pair.zip(other.mask.pair);
+                let reason = if groups.is_some_and(|(a, b)| included.contains(&sorted([a, b]))) {
                     continue;
                 } else if excluded.contains(&sorted([*body, *other_body])) {
                     "excluded"
@@ -58,11 +59,6 @@ impl BodyTree {
             }
         }
         text + "</robot>\n"
-    }
-
-    fn is_included(&self, one: ContactMask, other: ContactMask) -> bool {
-        let (Some(one), Some(other)) = (one.pair, other.pair) else { return false };
-        self.included.iter().any(|pair| sorted(*pair) == sorted([one, other]))
     }
 
     /// Returns the topmost body that each body is rigid with.

@@ -45,7 +45,7 @@ impl ModelText {
     pub fn of(text: String, path: &Path, purpose: ModelUse, folders: &[PathBuf]) -> Result<Self, RobotError> {
         let tree = match root_tag(&text) {
             Some("mujoco") => mjcf::read(text, path)?,
-            Some("sdf") => sdf::read(text, path, folders)?,
+            Some("sdf") => sdf::read(&text, path, folders)?,
             _ => return Ok(Self { urdf: text, ..Self::default() }),
         };
         Self::of_tree(&tree, path, purpose)

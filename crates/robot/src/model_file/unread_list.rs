@@ -54,6 +54,21 @@ impl UnreadList {
     }
 }
 
+/// Maximum length of a name in bytes: a name is written for each pair of bodies.
+const LONGEST_NAME: usize = 200;
+
+/// Checks the length of a name.
+///
+/// # Errors
+/// [`RobotError::NotSupported`].
+pub(crate) fn check_name(element: Element<'_>, name: &str) -> Result<(), RobotError> {
+    if name.len() <= LONGEST_NAME {
+        return Ok(());
+    }
+    let what = format!("a name of {} bytes", name.len());
+    Err(not_supported(element, what, "shorten the names"))
+}
+
 /// Returns the error for content that is known, but not supported.
 pub(crate) fn not_supported(element: Element<'_>, what: impl Into<String>, hint: &'static str) -> RobotError {
     RobotError::NotSupported { at: element.at(), what: what.into(), hint }

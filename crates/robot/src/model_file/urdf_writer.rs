@@ -35,7 +35,8 @@ pub(crate) struct BodyLink {
 impl LinkPlan {
     pub(crate) fn of(tree: &BodyTree, purpose: ModelUse) -> Self {
         let names = tree.bodies.iter().map(|body| body.name.clone()).collect();
-        let joints = tree.bodies.iter().flat_map(|body| &body.joints).map(|joint| joint.name.clone()).collect();
+        let joints =
+            tree.bodies.iter().flat_map(|body| &body.joints).map(|joint| joint.name.clone()).collect();
         let mut plan = Self { links: Vec::new(), joints, names };
         let is_left_out = tree.left_out(purpose);
         for (body, is_left_out) in tree.bodies.iter().zip(is_left_out) {
@@ -48,17 +49,16 @@ impl LinkPlan {
     fn links_of(&mut self, body: &TreeBody) -> Vec<BodyLink> {
         let mut links: Vec<BodyLink> = Vec::new();
         for (index, shape) in body.shapes.iter().enumerate().filter(|(_, shape)| !shape.contacts.is_empty()) {
-            match links.iter_mut().find(|link| link.mask == shape.contacts) {
-                Some(link) => link.shapes.push(index),
-                None => {
-                    let name = if links.is_empty() {
-                        body.name.clone()
-                    } else {
-                        unused(&mut self.names, &format!("{}_contact", body.name))
-                    };
-                    links.push(BodyLink { name, mask: shape.contacts, shapes: vec![index] });
-                }
+            if let Some(link) = links.iter_mut().find(|link| link.mask == shape.contacts) {
+                link.shapes.push(index);
+                continue;
             }
+            let name = if links.is_empty() {
+                body.name.clone()
+            } else {
+                unused(&mut self.names, &format!("{}_contact", body.name))
+            };
+            links.push(BodyLink { name, mask: shape.contacts, shapes: vec![index] });
         }
         if links.is_empty() {
             links.push(BodyLink { name: body.name.clone(), mask: ContactMask::ALL, shapes: Vec::new() });
@@ -68,7 +68,8 @@ impl LinkPlan {
 
     /// Links with collision geometry, each with the index of its body.
     pub(crate) fn colliding(&self) -> impl Iterator<Item = (usize, &BodyLink)> {
-        let all = self.links.iter().enumerate().flat_map(|(body, links)| links.iter().map(move |l| (body, l)));
+        let all =
+            self.links.iter().enumerate().flat_map(|(body, links)| links.iter().map(move |l| (body, l)));
         all.filter(|(_, link)| !link.shapes.is_empty())
     }
 }
@@ -94,7 +95,8 @@ impl BodyTree {
             }
             other == body
         };
-        let jointed = |(other, tree_body): (usize, &TreeBody)| !tree_body.joints.is_empty() && is_below(other);
+        let jointed =
+            |(other, tree_body): (usize, &TreeBody)| !tree_body.joints.is_empty() && is_below(other);
         self.bodies[body].is_free && !self.bodies.iter().enumerate().any(jointed)
     }
 

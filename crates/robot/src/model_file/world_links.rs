@@ -87,19 +87,16 @@ impl ModelText {
         for _ in 0..urdf.joints.len() {
             let described = &urdf.joints[joint];
             let Some(motion) = &described.motion else { break };
-            match motion.mimic.as_ref().map(|mimic| (mimic, tree.joint(&mimic.master))) {
-                Some((mimic, Some(master))) => {
-                    shift += factor * mimic.offset;
-                    factor *= mimic.multiplier;
-                    joint = master;
-                }
-                _ => {
-                    let (lower, upper) = range(motion);
-                    let own = || self.references.get(&described.name).copied().unwrap_or(0.0);
-                    let value = values.get(&described.name).copied().unwrap_or_else(own);
-                    return factor * value.clamp(lower, upper) + shift;
-                }
-            }
+            let mimic = motion.mimic.as_ref().and_then(|mimic| Some((mimic, tree.joint(&mimic.master)?)));
+            let Some((mimic, master)) = mimic else {
+                let (lower, upper) = range(motion);
+                let own = || self.references.get(&described.name).copied().unwrap_or(0.0);
+                let value = values.get(&described.name).copied().unwrap_or_else(own);
+                return factor * value.clamp(lower, upper) + shift;
+            };
+            shift += factor * mimic.offset;
+            factor *= mimic.multiplier;
+            joint = master;
         }
         shift
     }

@@ -1,15 +1,17 @@
 use std::path::Path;
 
-use cranny_spatial::nalgebra::Matrix3;
 use cranny_spatial::Pose;
+use cranny_spatial::nalgebra::Matrix3;
 
 use crate::description::xml::{Element, XmlText};
 use crate::model_file::body_tree::{ContactMask, Look, TreeShape};
-use crate::model_file::unread_list::{UnreadList, not_supported};
+use crate::model_file::hull_points::check_points;
+use crate::model_file::unread_list::{UnreadList, check_name, not_supported};
 use crate::sdf::frames::{Frame, Frames, WORLD};
 use crate::sdf::geometry::{SdfShape, shape};
 use crate::sdf::includes::{MOST_DEPTH, ModelFolders};
 use crate::sdf::joints::SdfJoint;
+use crate::tree::MAX_LINKS;
 use crate::{Inertial, LinkForm, Location, RobotError};
 
 /// Scope of names: a model, or the world.
@@ -67,6 +69,8 @@ pub(crate) struct Collector {
     pub(crate) joints: Vec<SdfJoint>,
     pub(crate) unread: UnreadList,
     pub(crate) folders: ModelFolders,
+    /// Number of points of all hulls so far.
+    pub(crate) points: usize,
 }
 
 impl Collector {
@@ -113,7 +117,8 @@ impl Collector {
                 "joint" => {
                     let joint = SdfJoint::read(element, scope)?;
                     let (pose, relative_to) = element.sdf_pose()?;
-                    let relative_to = relative_to.map_or_else(|| joint.child.clone(), |name| scope.frame(name));
+                    let relative_to =
+                        relative_to.map_or_else(|| joint.child.clone(), |name| scope.frame(name));
                     let attached_to = Some(joint.child.clone());
                     let frame = Frame { at: element.at(), relative_to, pose, attached_to };
                     self.frames.add(joint.name.clone(), frame)?;
@@ -122,13 +127,20 @@ impl Collector {
                 "frame" => {
                     let (pose, relative_to) = element.sdf_pose()?;
                     let attached = element.optional_text("attached_to").filter(|name| !name.is_empty());
-                    let attached = attached.map_or_else(|| scope.model_frame.clone(), |name| scope.frame(name));
+                    let attached =
+                        attached.map_or_else(|| scope.model_frame.clone(), |name| scope.frame(name));
                     let relative_to = relative_to.map_or_else(|| attached.clone(), |name| scope.frame(name));
                     let frame = Frame { at: element.at(), relative_to, pose, attached_to: Some(attached) };
                     self.frames.add(scope.name(element.text("name")?), frame)?;
                 }
                 "model" => {
-                    let own = Included { name: None, pose: None, placement: None, is_static: false, is_merged: false };
+                    let own = Included {
+                        name: None,
+                        pose: None,
+                        placement: None,
+                        is_static: false,
+                        is_merged: false,
+                    };
                     self.read_model(element, (scope, false), &own, folder)?;
                 }
                 "include" => self.read_include(element, scope, folder)?,
@@ -151,13 +163,7 @@ impl Collector {
         let Some(model) = root.first("model") else {
             return Err(not_supported(include, format!("{file} without a <model>"), "include a model"));
         };
-        let pose = match include.first("pose") {
-            None => None,
-            Some(_) => {
-                let (pose, relative_to) = include.sdf_pose()?;
-                Some((pose, relative_to.map_or_else(|| scope.model_frame.clone(), |name| scope.frame(name))))
-            }
-        };
+        let pose = if include.first("pose").is_some() { Some(placed(include, scope)?) } else { None };
         let included = Included {
             name: include.value("name").map(str::to_owned),
             pose,
@@ -179,6 +185,7 @@ impl Collector {
         folder: &Path,
     ) -> Result<(), RobotError> {
         let name = included.name.as_deref().map_or_else(|| model.text("name"), Ok)?;
+        check_name(model, &outer.name(name))?;
         let keeps_names = is_file || included.is_merged;
         // No element of a file can have such a name.
         let frame = if keeps_names { format!("{}{name}::__model__", outer.prefix) } else { outer.name(name) };
@@ -190,24 +197,24 @@ impl Collector {
             version: outer.version,
             depth: outer.depth + 1,
         };
-        let (pose, relative_to) = match &included.pose {
-            Some(given) => given.clone(),
-            None => {
-                let (pose, relative_to) = model.sdf_pose()?;
-                (pose, relative_to.map_or_else(|| outer.model_frame.clone(), |name| outer.frame(name)))
-            }
-        };
+        let (pose, relative_to) = included.pose.clone().map_or_else(|| placed(model, outer), Ok)?;
         self.read_inside(model, &scope, folder)?;
         let canonical = model.optional_text("canonical_link").map(|link| scope.frame(link));
-        let first = model.first("link").and_then(|link| link.optional_text("name")).map(|link| scope.name(link));
+        let first =
+            model.first("link").and_then(|link| link.optional_text("name")).map(|link| scope.name(link));
         let attached_to = Some(canonical.or(first).unwrap_or_else(|| outer.model_frame.clone()));
         let at = model.at();
         let placement = included.placement.as_deref().or_else(|| model.optional_text("placement_frame"));
         let add = |frames: &mut Frames, pose: Pose| {
             let attached_to = attached_to.clone();
-            frames.add(frame.clone(), Frame { at: at.clone(), relative_to: relative_to.clone(), pose, attached_to })
+            frames.add(
+                frame.clone(),
+                Frame { at: at.clone(), relative_to: relative_to.clone(), pose, attached_to },
+            )
         };
-        let Some(placed) = placement.filter(|name| !name.is_empty()) else { return add(&mut self.frames, pose) };
+        let Some(placed) = placement.filter(|name| !name.is_empty()) else {
+            return add(&mut self.frames, pose);
+        };
         // The pose is that of the placement frame, which is known relative to the model.
         let model_from_placed = self.frames.between(&frame, &scope.frame(placed), &at)?;
         add(&mut self.frames, pose * model_from_placed.inverse())
@@ -215,6 +222,11 @@ impl Collector {
 
     fn read_link(&mut self, element: Element<'_>, scope: &Scope, folder: &Path) -> Result<(), RobotError> {
         let name = scope.name(element.text("name")?);
+        check_name(element, &name)?;
+        if self.links.len() > MAX_LINKS {
+            let (at, actual) = (element.at(), self.links.len());
+            return Err(RobotError::TooMany { at, what: "links in one model", most: MAX_LINKS, actual });
+        }
         let (pose, relative_to) = element.sdf_pose()?;
         let relative_to = relative_to.map_or_else(|| scope.model_frame.clone(), |name| scope.frame(name));
         self.frames.add(name.clone(), Frame { at: element.at(), relative_to, pose, attached_to: None })?;
@@ -265,18 +277,27 @@ impl Collector {
         let colour = element.first("material").map(|material| material.value_numbers("diffuse"));
         let colour = colour.and_then(|colour| colour.ok().flatten());
         let look = is_visual.then_some(Look { colour });
-        let contacts = if is_visual { ContactMask { own: 0, others: 0, pair: None } } else { ContactMask::ALL };
-        for bitmask in element.first("surface").and_then(|surface| surface.first("contact")) {
-            if bitmask.first("collide_bitmask").is_some() {
-                self.unread.note(format!("{}: <collide_bitmask> is not read: all pairs are checked", bitmask.at()));
-            }
+        let contacts =
+            if is_visual { ContactMask { own: 0, others: 0, pair: None } } else { ContactMask::ALL };
+        let contact = element.first("surface").and_then(|surface| surface.first("contact"));
+        if contact.is_some_and(|contact| contact.first("collide_bitmask").is_some()) {
+            self.unread.note(format!("{}: <collide_bitmask> is not read: all pairs are checked", element.at()));
         }
-        let is_missing = matches!(&form, LinkForm::Mesh { name, .. } if is_visual && !Path::new(name).is_file());
+        let is_missing =
+            matches!(&form, LinkForm::Mesh { name, .. } if is_visual && !Path::new(name).is_file());
         if !is_missing {
-            link.shapes.push(SdfPlaced { frame, shape: TreeShape { body_from_shape: pose, form, contacts, look } });
+            self.points = check_points(element, &form, self.points)?;
+            link.shapes
+                .push(SdfPlaced { frame, shape: TreeShape { body_from_shape: pose, form, contacts, look } });
         }
         Ok(())
     }
+}
+
+/// Returns the pose of a model or an inclusion, and the frame that it is relative to: by default that of the scope.
+fn placed(element: Element<'_>, scope: &Scope) -> Result<(Pose, String), RobotError> {
+    let (pose, relative_to) = element.sdf_pose()?;
+    Ok((pose, relative_to.map_or_else(|| scope.model_frame.clone(), |name| scope.frame(name))))
 }
 
 /// Settings of an `<include>` that replace those of its model.

@@ -8,6 +8,9 @@ use crate::{Location, RobotError};
 /// Identifier of the world frame. Others are names with their scopes, such as `cabinet::drawer`.
 pub(crate) const WORLD: &str = "";
 
+/// Maximum number of frames; a pose is found by a walk over those that it depends on.
+const MOST_FRAMES: usize = 10_000;
+
 /// Frames of a model or world: those of its models, links, joints and `<frame>` elements.
 #[derive(Default)]
 pub(crate) struct Frames {
@@ -25,9 +28,13 @@ pub(crate) struct Frame {
 
 impl Frames {
     /// # Errors
-    /// [`RobotError::DefinedTwice`].
+    /// [`RobotError::DefinedTwice`], [`RobotError::TooMany`].
     pub(crate) fn add(&mut self, name: String, frame: Frame) -> Result<(), RobotError> {
         let at = frame.at.clone();
+        let (actual, most) = (self.frames.len() + 1, MOST_FRAMES);
+        if actual > most {
+            return Err(RobotError::TooMany { at, what: "frames in one model", most, actual });
+        }
         match self.frames.insert(name.clone(), frame) {
             None => Ok(()),
             Some(first) => {

@@ -18,7 +18,11 @@ pub(crate) enum SdfShape {
 }
 
 /// Reads the `<geometry>` of an element; `folder` is that of its file.
-pub(crate) fn shape(owner: Element<'_>, folders: &ModelFolders, folder: &Path) -> Result<SdfShape, RobotError> {
+pub(crate) fn shape(
+    owner: Element<'_>,
+    folders: &ModelFolders,
+    folder: &Path,
+) -> Result<SdfShape, RobotError> {
     let geometry = owner.needed("geometry", &owner.title())?;
     let Some(kind) = geometry.children().next() else { return Ok(SdfShape::Empty) };
     let positive = |tag: &'static str| -> Result<f64, RobotError> {

@@ -9,6 +9,9 @@ use crate::model_file::unread_list::not_supported;
 /// Environment variables with folders of models, separated as in `PATH`.
 const VARIABLES: [&str; 3] = ["GZ_SIM_RESOURCE_PATH", "GAZEBO_MODEL_PATH", "SDF_PATH"];
 
+/// Maximum length of all included files together, in bytes.
+const MOST_BYTES: usize = 64 << 20;
+
 /// Maximum number of files of a world.
 const MOST_FILES: usize = 500;
 
@@ -19,19 +22,25 @@ pub(crate) const MOST_DEPTH: usize = 20;
 pub(crate) struct ModelFolders {
     folders: Vec<PathBuf>,
     files: usize,
+    bytes: usize,
 }
 
 impl ModelFolders {
     /// Returns the given folders, then those of the environment.
     pub(crate) fn new(given: &[PathBuf]) -> Self {
         let set = VARIABLES.iter().filter_map(std::env::var_os);
-        let of_environment: Vec<PathBuf> = set.flat_map(|paths| std::env::split_paths(&paths).collect::<Vec<_>>()).collect();
-        Self { folders: given.iter().cloned().chain(of_environment).collect(), files: 0 }
+        let of_environment: Vec<PathBuf> =
+            set.flat_map(|paths| std::env::split_paths(&paths).collect::<Vec<_>>()).collect();
+        Self { folders: given.iter().cloned().chain(of_environment).collect(), files: 0, bytes: 0 }
     }
 
     /// Returns the text of an included model, and its path. The URI is that of its folder or file: `model://NAME`, a path, or
     /// `file://PATH`.
-    pub(crate) fn included(&mut self, include: Element<'_>, folder: &Path) -> Result<(String, PathBuf), RobotError> {
+    pub(crate) fn included(
+        &mut self,
+        include: Element<'_>,
+        folder: &Path,
+    ) -> Result<(String, PathBuf), RobotError> {
         let uri = include.value("uri").unwrap_or_default().trim();
         if uri.is_empty() {
             let (at, owner) = (include.at(), include.title());
@@ -52,7 +61,13 @@ impl ModelFolders {
             return Err(RobotError::MeshNotFound { at, link, mesh, tried });
         };
         let path = if found.is_dir() { model_file(found)? } else { found.clone() };
-        Ok((read(cranny_file::TEXT, &path)?, path))
+        let text = read(cranny_file::TEXT, &path)?;
+        self.bytes += text.len();
+        if self.bytes > MOST_BYTES {
+            let (what, most) = ("bytes in all included files", MOST_BYTES);
+            return Err(RobotError::TooMany { at: include.at(), what, most, actual: self.bytes });
+        }
+        Ok((text, path))
     }
 
     /// Returns the path of a mesh if it is found, otherwise the name itself.

@@ -77,7 +77,9 @@ impl SdfMotion {
         let expressed_in = match xyz.and_then(|xyz| xyz.optional_text("expressed_in")) {
             Some(frame) if !frame.is_empty() => scope.frame(frame),
             // Until version 1.4 the axis was in the frame of the model.
-            _ if scope.version <= [1, 4] || axis.value_flag("use_parent_model_frame") => scope.model_frame.clone(),
+            _ if scope.version <= [1, 4] || axis.value_flag("use_parent_model_frame") => {
+                scope.model_frame.clone()
+            }
             _ => scope.frame(joint),
         };
         let limit = axis.first("limit").filter(|_| is_limited);
@@ -89,8 +91,8 @@ impl SdfMotion {
         };
         let lower = lower.filter(|lower| *lower > -NO_LIMIT);
         let upper = upper.filter(|upper| *upper < NO_LIMIT);
-        let range = (lower.is_some() || upper.is_some())
-            .then(|| [lower.unwrap_or(-far), upper.unwrap_or(far)]);
+        let range =
+            (lower.is_some() || upper.is_some()).then(|| [lower.unwrap_or(-far), upper.unwrap_or(far)]);
         let positive = |value: Option<f64>| value.filter(|value| *value > 0.0 && *value < NO_LIMIT);
         let rule = match axis.first("mimic") {
             None => JointRule::Free,

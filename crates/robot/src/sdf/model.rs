@@ -18,10 +18,10 @@ use crate::sdf::joints::SdfJoint;
 /// 1. Frames, links and joints of all models; included files are read as they occur.
 /// 2. The tree of the links: each below the parent of its joint, others below the world.
 /// 3. Poses with all joints at 0, relative to the parents; joint axes and shapes in the frames of their links.
-pub(crate) fn read(text: String, path: &Path, folders: &[PathBuf]) -> Result<BodyTree, RobotError> {
+pub(crate) fn read(text: &str, path: &Path, folders: &[PathBuf]) -> Result<BodyTree, RobotError> {
     // 1.
     let file = path.display().to_string();
-    let xml = XmlText::parse(&text, &file)?;
+    let xml = XmlText::parse(text, &file)?;
     let root = xml.root();
     let mut collector = Collector {
         frames: Frames::default(),
@@ -29,6 +29,7 @@ pub(crate) fn read(text: String, path: &Path, folders: &[PathBuf]) -> Result<Bod
         joints: Vec::new(),
         unread: UnreadList::default(),
         folders: ModelFolders::new(folders),
+        points: 0,
     };
     let name = collector.read_root(root, path.parent().unwrap_or_else(|| Path::new("")))?;
     let Collector { frames, links, joints, unread, .. } = collector;
@@ -38,7 +39,7 @@ pub(crate) fn read(text: String, path: &Path, folders: &[PathBuf]) -> Result<Bod
     // 3.
     let is_taken = links.iter().any(|link| link.name == "world");
     let world = if is_taken { "world_frame" } else { "world" };
-    let mut bodies = vec![TreeBody::bare(world.to_owned(), root.at(), None, Pose::identity())];
+    let mut bodies = vec![TreeBody::bare(world.to_owned(), None, Pose::identity())];
     let mut index_of = HashMap::from([(WORLD, 0)]);
     let mut world_from = vec![Pose::identity()];
     let mut planes = Vec::new();
@@ -50,7 +51,7 @@ pub(crate) fn read(text: String, path: &Path, folders: &[PathBuf]) -> Result<Bod
             Ok(world_from_link.inverse() * frames.world_from(frame, &link.at)?)
         };
         let parent_from_body = world_from[parent].inverse() * world_from_link;
-        let mut body = TreeBody::bare(link.name.clone(), link.at.clone(), Some(parent), parent_from_body);
+        let mut body = TreeBody::bare(link.name.clone(), Some(parent), parent_from_body);
         body.inertial = link.inertial;
         body.is_free = link.is_free && joint.is_none();
         if let Some((joint, _)) = joint {
@@ -59,7 +60,12 @@ pub(crate) fn read(text: String, path: &Path, folders: &[PathBuf]) -> Result<Bod
         for placed in &link.shapes {
             let TreeShape { body_from_shape, form, contacts, look } = &placed.shape;
             let body_from_shape = link_from(&placed.frame)? * body_from_shape;
-            body.shapes.push(TreeShape { body_from_shape, form: form.clone(), contacts: *contacts, look: *look });
+            body.shapes.push(TreeShape {
+                body_from_shape,
+                form: form.clone(),
+                contacts: *contacts,
+                look: *look,
+            });
         }
         for (name, frame, pose) in &link.planes {
             let world_from_plane = frames.world_from(frame, &link.at)? * pose;

@@ -44,10 +44,7 @@ impl Recipe {
     ///
     /// # Errors
     /// [`ScenarioError::Robot`] for a fault of the model; [`ScenarioError::UnknownBody`] for an unknown target or omitted body.
-    pub fn of_world(
-        path: &Path,
-        conversion: &WorldConversion,
-    ) -> Result<(Self, Vec<String>), ScenarioError> {
+    pub fn of_world(path: &Path, conversion: &WorldConversion) -> Result<(Self, Vec<String>), ScenarioError> {
         let model = ModelText::read(path, ModelUse::World, &conversion.folders)?;
         let mut notes = model.notes.clone();
         let links = model.world_links(path, &conversion.folders, &conversion.joints)?;
@@ -123,9 +120,10 @@ fn bodies(
         }
         let name = name_of.get(name.as_str()).copied().unwrap_or(name);
         let name = if name == FLOOR { format!("{name}_body") } else { name.to_owned() };
-        let parts = solids
-            .iter()
-            .map(|(world_from_solid, solid)| Part { world_from_solid: *world_from_solid, solid: solid.clone() });
+        let parts = solids.iter().map(|(world_from_solid, solid)| Part {
+            world_from_solid: *world_from_solid,
+            solid: solid.clone(),
+        });
         match bodies.iter_mut().find(|body| body.name == name) {
             Some(body) => body.parts.extend(parts),
             None => bodies.push(Body { name, parts: parts.collect(), tilt_rad: None }),

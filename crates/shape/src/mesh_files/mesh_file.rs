@@ -6,7 +6,9 @@ use std::path::Path;
 use cranny_spatial::{Point, Pose, Vector};
 
 use crate::error::{check_scale, usable};
-use crate::{ShapeError, mesh_files::collada, mesh_files::msh, mesh_files::obj, mesh_files::ply, mesh_files::stl};
+use crate::{
+    ShapeError, mesh_files::collada, mesh_files::msh, mesh_files::obj, mesh_files::ply, mesh_files::stl,
+};
 
 /// Triangles as in a file; their surface need not be closed or connected.
 #[derive(Clone, Debug, Default, PartialEq)]

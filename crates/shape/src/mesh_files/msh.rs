@@ -21,7 +21,10 @@ pub(crate) fn corners(bytes: &[u8]) -> Result<Vec<Point>, String> {
     // Each count is below 2^31, so that no sum of these overflows 64 bits.
     let needed = words.iter().map(|(count, each)| *count as u64 * each).sum::<u64>() * 4 + 16;
     if needed != bytes.len() as u64 {
-        return Err(format!("an MSH file of these counts has {needed} bytes, but this one has {}", bytes.len()));
+        return Err(format!(
+            "an MSH file of these counts has {needed} bytes, but this one has {}",
+            bytes.len()
+        ));
     }
     if triangles == 0 {
         return Err("the file has no triangles".into());
@@ -32,7 +35,8 @@ pub(crate) fn corners(bytes: &[u8]) -> Result<Vec<Point>, String> {
     (first_index..first_index + 3 * triangles)
         .map(|place| {
             let vertex = count(place).filter(|vertex| *vertex < vertices);
-            let vertex = vertex.ok_or_else(|| format!("a triangle names a vertex that is not one of {vertices}"))?;
+            let vertex =
+                vertex.ok_or_else(|| format!("a triangle names a vertex that is not one of {vertices}"))?;
             Ok(Point::from([0, 1, 2].map(|axis| coordinate(4 + 3 * vertex + axis))))
         })
         .collect()
