@@ -281,6 +281,18 @@ class Scenario:
         grasps: Grasps | None = None,
         name: str = "scene",
     ) -> Scenario: ...
+    @staticmethod
+    def from_world(
+        world: _Path,
+        folder: _Path,
+        *,
+        robot: _Path,
+        target: str,
+        joints: Mapping[str, float] | None = None,
+        at: Sequence[float] | None = None,
+        leave_out: Sequence[str] | None = None,
+        model_path: Sequence[_Path] | None = None,
+    ) -> Scenario: ...
     @property
     def id(self) -> str: ...
     @property

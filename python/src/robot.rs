@@ -44,7 +44,7 @@ impl PyRobot {
         ))
     }
 
-    /// Reads a robot from the URDF file or robot folder at `path`.
+    /// Reads a robot from the URDF, MJCF or SDF file or robot folder at `path`.
     ///
     /// The SRDF, the `limits.yaml` and the `robot.yaml` beside the URDF are read too; `srdf` names another SRDF. `tip`: the
     /// link whose frame reaches the grasps; by default the gripper frame of `robot.yaml`, with open fingers. `joints`: names of

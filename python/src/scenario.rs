@@ -1,12 +1,13 @@
 //! `Scenario`: a task to open, display, modify and save.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use cranny_collision::{Margins, World};
 use cranny_scenario::{
-    Geometry, GivenGrasps, OpenOptions, RobotSource, Scenario, TargetPhysics, built_in, catalogue,
-    write_moveit_scene,
+    Geometry, GivenGrasps, OpenOptions, Recipe, RobotSource, Scenario, TargetPhysics, WorldConversion,
+    built_in, catalogue, write_moveit_scene, write_whole_folder,
 };
 use cranny_task::{Criterion, Goal, Problem};
 use cranny_view::StandardView;
@@ -117,8 +118,8 @@ impl PyScenario {
             ik: Vec::new(),
             places: Vec::new(),
             tasks: Vec::new(),
-            physics: std::collections::BTreeMap::new(),
-            joint_bounds: std::collections::BTreeMap::new(),
+            physics: BTreeMap::new(),
+            joint_bounds: BTreeMap::new(),
             speeds: Vec::new(),
             export: None,
         };
@@ -147,6 +148,41 @@ impl PyScenario {
         // `./021` is the folder, `021` the built-in scenario.
         let path = if path.is_absolute() { path } else { PathBuf::from(".").join(path) };
         Self::new(py, path, criterion, robot, geometry, grasps)
+    }
+
+    /// Converts the model of a world (MJCF, SDF or URDF) to a new folder, and opens it, as `cranny scenario from` does.
+    ///
+    /// `target`: body to grasp. `joints`: values (m, rad) of joints of the world, by name. `at`: x, y, z (m) and heading (degrees)
+    /// of the robot's root in the world; by default at its origin, standing on the floor. `leave_out`: bodies to omit, with all
+    /// that is below them. `model_path`: folders to search for models.
+    #[staticmethod]
+    #[pyo3(signature = (world, folder, *, robot, target, joints=None, at=None, leave_out=None, model_path=None))]
+    #[allow(clippy::too_many_arguments, reason = "the keywords of the Python function")]
+    fn from_world(
+        py: Python<'_>,
+        world: PathBuf,
+        folder: PathBuf,
+        robot: PathBuf,
+        target: String,
+        joints: Option<BTreeMap<String, f64>>,
+        at: Option<[f64; 4]>,
+        leave_out: Option<Vec<String>>,
+        model_path: Option<Vec<PathBuf>>,
+    ) -> PyResult<Self> {
+        let conversion = WorldConversion {
+            robot,
+            target,
+            joints: joints.unwrap_or_default(),
+            left_out: leave_out.unwrap_or_default(),
+            robot_at: at.map(|[x, y, z, degrees]| ([x, y, z], degrees.to_radians())),
+            folders: model_path.unwrap_or_default(),
+        };
+        py.detach(|| {
+            let (recipe, _) = Recipe::of_world(&world, &conversion)?;
+            write_whole_folder(&folder, |folder| recipe.write_folder(folder))
+        })
+        .map_err(fault)?;
+        Self::load(py, folder, None, None, None, None)
     }
 
     /// Built-in id, or the name of the folder.

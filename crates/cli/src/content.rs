@@ -11,3 +11,4 @@ pub(crate) mod object;
 pub(crate) mod robot;
 pub(crate) mod scenario;
 pub(crate) mod scenario_check;
+pub(crate) mod scenario_from;

@@ -70,6 +70,16 @@ pub enum RobotError {
         /// Error of the XML parser.
         reason: Box<roxmltree::Error>,
     },
+    /// Content of a model is known, but not supported.
+    #[error("{at}: {what} is not supported: {hint}")]
+    NotSupported {
+        /// Location in the file.
+        at: Location,
+        /// The content.
+        what: String,
+        /// Advice.
+        hint: &'static str,
+    },
     /// The outermost element is not `<robot>`.
     #[error("{at}: expected <robot> as the outermost element, found <{found}>")]
     NotARobot {
@@ -180,7 +190,7 @@ pub enum RobotError {
     },
     /// A collision geometry is of an unknown kind.
     #[error(
-        "{at}: link `{link}`: unknown geometry <{geometry}> (known: box, sphere, cylinder, capsule, mesh)"
+        "{at}: link `{link}`: unknown geometry <{geometry}> (known: box, sphere, cylinder, capsule, mesh, hull)"
     )]
     UnknownGeometry {
         /// Location in the file.

@@ -9,7 +9,10 @@ mod ik;
 mod joint_constraint;
 mod link;
 mod link_pairs;
+mod mjcf;
 mod model;
+mod model_file;
+mod sdf;
 mod tree;
 
 pub use chain::dynamics::{Dynamics, PathForces};
@@ -17,7 +20,10 @@ pub use chain::jacobian::{DampedInverse, Jacobian, Twist, damped_pseudo_inverse_
 pub use chain::joint_space::{between, distance};
 pub use chain::kinematics::{LinkFrames, LinkPath};
 pub use chain::lane_kinematics::{LaneFrame, LaneKinematics, LanePlacement, LaneTransform, LaneTwist};
-pub use chain::limits::{CONTINUOUS_LIMIT_RAD, FREE_JOINT_LIMIT_M, JointLimits, JointUnit, LimitViolation};
+pub use chain::limits::{
+    CONTINUOUS_LIMIT_RAD, DEFAULT_SPEED_M_S, DEFAULT_SPEED_RAD_S, FREE_JOINT_LIMIT_M, JointLimits, JointUnit,
+    LimitViolation,
+};
 pub use chain::reach_bound::ReachBound;
 pub use description::assembly::UrdfFile;
 pub use description::inertial::Inertial;
@@ -48,4 +54,8 @@ pub use link::Link;
 pub use link::LinkShape;
 pub use link::Mover;
 pub use model::Robot;
+pub use model_file::body_tree::Plane;
+pub use model_file::model_text::ModelText;
+pub use model_file::urdf_writer::ModelUse;
+pub use model_file::world_links::WorldLink;
 pub use tree::MAX_LINKS;

@@ -60,6 +60,13 @@ impl Robot {
         &self.name
     }
 
+    /// Returns this robot with further notes in front of its own.
+    #[must_use]
+    pub fn with_notes(mut self, notes: Vec<String>) -> Self {
+        self.notes.splice(0..0, notes);
+        self
+    }
+
     /// Content of the URDF that was not read, one line for each kind with its file and line. None of it affects geometry or
     /// motion: such content would be an error.
     pub fn notes(&self) -> &[String] {

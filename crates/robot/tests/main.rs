@@ -16,5 +16,6 @@ mod jacobian;
 mod lane_kinematics;
 mod large_files;
 mod linkage;
+mod model_files;
 mod reach_bound;
 mod urdf_content;

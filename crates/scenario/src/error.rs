@@ -43,6 +43,18 @@ pub enum ScenarioError {
         /// The folder.
         folder: PathBuf,
     },
+    /// A world has no body of that name.
+    #[error("{}: no body '{name}' (known: {known}){meant}", path.display())]
+    UnknownBody {
+        /// The file.
+        path: PathBuf,
+        /// Requested name.
+        name: String,
+        /// Known names.
+        known: String,
+        /// Similar names.
+        meant: String,
+    },
     /// A file cannot be read.
     #[error("{}: cannot be read: {reason}", path.display())]
     Unreadable {

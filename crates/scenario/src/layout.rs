@@ -4,6 +4,7 @@ pub(crate) mod archive;
 pub(crate) mod archive_contents;
 pub(crate) mod identity;
 pub(crate) mod inspection;
+pub(crate) mod model_world;
 pub(crate) mod open;
 pub(crate) mod own;
 pub(crate) mod own_bounds;

@@ -36,6 +36,7 @@ pub use given_grasps::GivenGrasps;
 pub use layout::archive::{Credits, pack, unpack};
 pub use layout::identity::Identity;
 pub use layout::inspection::{check, check_folder};
+pub use layout::model_world::WorldConversion;
 pub use layout::open::is_scenario;
 pub use layout::recipe::{Recipe, RecipeBody, RecipeShape};
 pub use layout::recipe_file::configurations_text;

@@ -3,7 +3,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use cranny_robot::{
-    HandDescription, JointKind, MountingJoint, Robot, RobotError, RobotOptions, TextSource, UrdfText,
+    HandDescription, JointKind, ModelText, ModelUse, MountingJoint, Robot, RobotError, RobotOptions,
+    TextSource, UrdfText,
 };
 use cranny_scenario::MountedGripper;
 use cranny_spatial::Pose;
@@ -26,6 +27,9 @@ pub(crate) struct Draft<'a> {
     folder: PathBuf,
     options: &'a SetupOptions,
     pub text: UrdfText,
+    /// SRDF of an MJCF or SDF model, and its content that is not read.
+    pub model_srdf: Option<String>,
+    notes: Vec<String>,
     anatomy: Anatomy,
     pub choices: Vec<Choice>,
     pub hand: Option<HandDescription>,
@@ -38,7 +42,7 @@ pub(crate) struct Draft<'a> {
 impl<'a> Draft<'a> {
     pub fn read(urdf: &Path, options: &'a SetupOptions) -> Result<Self, SetupError> {
         let mut choices = Vec::new();
-        let (text, file) = read(urdf, options, &mut choices)?;
+        let Source { text, file, srdf, notes } = read(urdf, options, &mut choices)?;
         let folder = urdf.parent().map_or_else(|| PathBuf::from("."), Path::to_owned);
         if text.joints()?.iter().all(|joint| joint.motion.is_none()) {
             return Err(SetupError::NoArm {
@@ -54,6 +58,8 @@ impl<'a> Draft<'a> {
             folder,
             options,
             text,
+            model_srdf: srdf,
+            notes,
             anatomy,
             choices,
             hand: None,
@@ -182,7 +188,8 @@ impl<'a> Draft<'a> {
             packages: self.options.packages.clone(),
             ..RobotOptions::default()
         };
-        Robot::from_urdf_text(self.text.text(), &self.file, Some(&self.folder), &options).map(Arc::new)
+        let robot = Robot::from_urdf_text(self.text.text(), &self.file, Some(&self.folder), &options)?;
+        Ok(Arc::new(robot.with_notes(self.notes.clone())))
     }
 }
 
@@ -198,15 +205,25 @@ pub fn robot_name(urdf: &Path) -> String {
     Path::new(plain).file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// Reads the text of a URDF, expanded if it is a xacro file, and returns it with its name in errors.
-fn read(
-    urdf: &Path,
-    options: &SetupOptions,
-    choices: &mut Vec<Choice>,
-) -> Result<(UrdfText, String), SetupError> {
+/// URDF of a robot, with its name in errors, and what an MJCF or SDF model has beyond it.
+struct Source {
+    text: UrdfText,
+    file: String,
+    srdf: Option<String>,
+    notes: Vec<String>,
+}
+
+/// Reads the text of a URDF, expanded if it is a xacro file, or converted if it is an MJCF or SDF model.
+fn read(urdf: &Path, options: &SetupOptions, choices: &mut Vec<Choice>) -> Result<Source, SetupError> {
     let file = urdf.display().to_string();
+    let bare = |text, file| Source { text, file, srdf: None, notes: Vec::new() };
     let is_xacro = urdf.extension().is_some_and(|ending| ending == "xacro");
-    let plain = if is_xacro { None } else { Some(UrdfText::new(read_text(urdf)?, &file)) };
+    let model = if is_xacro {
+        None
+    } else {
+        Some(ModelText::of(read_text(urdf)?, urdf, ModelUse::Robot, &options.packages)?)
+    };
+    let plain = model.as_ref().map(|model| UrdfText::new(model.urdf.clone(), &model.name_of(urdf)));
     match plain {
         Some(Err(RobotError::Xacro { .. })) | None => {
             let (text, warnings) = xacro::expand(urdf, options)?;
@@ -216,13 +233,21 @@ fn read(
                 warnings => format!("expanded by Python's xacro, which warns: {warnings}"),
             };
             choices.push(Choice::new("file", "a xacro file", &why, "give a URDF"));
-            Ok((text, file))
+            Ok(bare(text, file))
         }
         Some(_) if !options.xacro.is_empty() => Err(SetupError::NotThere {
             file,
             what: "arguments for xacro are given, but this is not a xacro file".to_owned(),
         }),
-        Some(text) => Ok((text?, file)),
+        Some(text) => {
+            let (text, Some(model)) = (text?, model) else { return Err(RobotError::Empty { file }.into()) };
+            if model.srdf.is_some() {
+                let why = "its outermost element is that of MJCF or SDF; a link stands for each body";
+                choices.push(Choice::new("file", "a model, converted to URDF", why, "give a URDF"));
+            }
+            let file = model.name_of(urdf);
+            Ok(Source { text, file, srdf: model.srdf, notes: model.notes })
+        }
     }
 }
 

@@ -2,17 +2,13 @@
 
 use std::fmt::Write as _;
 
-use cranny_robot::{JointFacts, JointKind, JointMotion};
+use cranny_robot::{DEFAULT_SPEED_M_S, DEFAULT_SPEED_RAD_S, JointFacts, JointKind, JointMotion};
 
 use crate::choice::Choice;
 
 /// Default acceleration of `MoveIt` for robots without such limits, 1 rad/s² and 1 m/s², and ten times that for the jerk.
 const ACCELERATION: f64 = 1.0;
 const JERK: f64 = 10.0;
-
-/// Cautious default speed of a joint: `MoveIt`'s 1 rad/s, and half a metre per second.
-const SPEED_RAD_S: f64 = 1.0;
-const SPEED_M_S: f64 = 0.5;
 
 /// Ranges narrower than those of the URDF, by joint name (m, rad).
 pub(crate) type Ranges = Vec<(String, [f64; 2])>;
@@ -66,7 +62,7 @@ pub(crate) fn choice(joints: &[JointFacts]) -> Choice {
     if !slow.is_empty() {
         let _ = write!(
             chosen,
-            "; velocities {SPEED_RAD_S} rad/s or {SPEED_M_S} m/s of {}, which have none",
+            "; velocities {DEFAULT_SPEED_RAD_S} rad/s or {DEFAULT_SPEED_M_S} m/s of {}, which have none",
             slow.join(", ")
         );
     }
@@ -80,8 +76,8 @@ fn text_of(joints: &[JointFacts], line: impl Fn(&mut String, &str, Option<f64>, 
     for joint in joints {
         let Some(motion) = joint.motion.as_ref().filter(|motion| motion.mimics.is_none()) else { continue };
         let needed = match motion.kind {
-            JointKind::Revolute => SPEED_RAD_S,
-            JointKind::Prismatic => SPEED_M_S,
+            JointKind::Revolute => DEFAULT_SPEED_RAD_S,
+            JointKind::Prismatic => DEFAULT_SPEED_M_S,
         };
         let speed = motion.velocity.is_none_or(|speed| speed <= 0.0).then_some(needed);
         let before = text.len();

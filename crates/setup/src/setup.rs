@@ -35,7 +35,7 @@ pub struct RobotSetup {
 const FLOOR_GAP_M: f64 = 1e-3;
 
 impl RobotSetup {
-    /// Derives the setup of a robot from a URDF, or from a xacro file if Python's `xacro` is installed.
+    /// Derives the setup of a robot from a URDF, MJCF or SDF, or from a xacro file if Python's `xacro` is installed.
     ///
     /// 1. Its text; its joints and rigid bodies.
     /// 2. The hand, or one mounted on it; the gripper frame, as a link of the URDF; a base for a hand alone.
@@ -56,7 +56,8 @@ impl RobotSetup {
         let stem = robot_name(urdf);
         let beside = urdf.with_file_name(format!("{stem}.srdf"));
         let own_srdf = options.srdf.clone().or_else(|| beside.is_file().then_some(beside));
-        let own_srdf = own_srdf.map(|path| read_text(&path)).transpose()?;
+        let own_srdf =
+            own_srdf.map(|path| read_text(&path)).transpose()?.or_else(|| draft.model_srdf.clone());
         let near_srdf = if own_srdf.is_none() { near_srdf::find(urdf) } else { None };
         let mut written = Written {
             stem: stem.clone(),

@@ -4,6 +4,7 @@ pub(crate) mod collada;
 pub(crate) mod corner_tree;
 pub(crate) mod mesh_file;
 pub(crate) mod mesh_size;
+pub(crate) mod msh;
 pub(crate) mod obj;
 pub(crate) mod painted_mesh;
 pub(crate) mod ply;

@@ -28,7 +28,7 @@ pub struct RobotArguments {
 pub enum RobotCommand {
     /// List the built-in robots, and those in subfolders of the current folder
     List,
-    /// Create a robot's folder from its URDF: determine its hand, gripper frame, base, limits, link pairs that touch by design,
+    /// Create a robot's folder from its URDF, MJCF or SDF: determine its hand, gripper frame, base, limits, link pairs that touch by design,
     /// and a free start configuration
     Add(AddArguments),
     /// Write a built-in robot as a folder, to change it or use it elsewhere
@@ -40,6 +40,7 @@ pub enum RobotCommand {
 #[derive(Clone, Debug, Args)]
 #[command(after_help = "Examples:
   cranny robot add ur5.urdf
+  cranny robot add panda.xml                                          (MJCF; SDF alike)
   cranny robot add arm.urdf.xacro --package ~/ros/share -o my_arm     (expanded by Python's xacro)
   cranny robot add arm.urdf.xacro --xacro side=left --xacro reach=0.4
   cranny robot add rover.urdf --base planar                           let it drive
@@ -51,7 +52,7 @@ robot.yaml (hand, start), limits.yaml and an SRDF; each can be changed. Then:
   cranny scenario generate --family table --count 1 --robot my_arm -o cell
   cranny plan cell/table-00000")]
 pub struct AddArguments {
-    /// URDF, or a xacro file
+    /// URDF, MJCF, SDF or a xacro file
     #[arg(value_name = "URDF")]
     pub urdf: PathBuf,
     /// Folder to create [default: the name of the URDF, in this folder]
@@ -61,7 +62,7 @@ pub struct AddArguments {
     /// any]
     #[arg(long, value_name = "FILE")]
     pub srdf: Option<PathBuf>,
-    /// Folder to search for package:// names of the URDF, and $(find …) of xacro, before the folders above the URDF; repeatable
+    /// Folder to search for package:// and model:// names, and $(find …) of xacro, before the folders above the URDF; repeatable
     #[arg(long = "package", value_name = "FOLDER")]
     pub packages: Vec<PathBuf>,
     /// Argument of a xacro file; repeatable
@@ -99,7 +100,7 @@ pub enum BaseName {
   cranny robot check my_arm --picture my_arm.png
   cranny robot check robot.urdf --json")]
 pub struct CheckArguments {
-    /// Built-in robot, a robot's folder, or a URDF
+    /// Built-in robot, a robot's folder, or a URDF, MJCF or SDF
     #[arg(value_name = "ROBOT")]
     pub robot: PathBuf,
     /// Also render it: at its start, and its hand open and closed with the gripper frame (x red, y green, z blue)

@@ -15,6 +15,7 @@ use strum::VariantArray as _;
 
 use crate::arguments::Output;
 use crate::content::scenario_check;
+use crate::content::scenario_from::{self, FromArguments};
 use crate::failure::Failure;
 use crate::file_kind::FileKind;
 use crate::number_argument::{share, whole};
@@ -41,6 +42,8 @@ pub enum ScenarioCommand {
     Unpack(UnpackArguments),
     /// Convert a scenario in the paper's released layout to Cranny's own
     Import(ImportArguments),
+    /// Convert the model of a world (MJCF, SDF or URDF), with a robot and a body to grasp
+    From(FromArguments),
     /// Write a scenario in the paper's released layout, for its programs
     Export(ExportArguments),
     /// Write scenarios of one family from easy to hard
@@ -284,6 +287,7 @@ pub fn run(arguments: &ScenarioArguments, output: Output) -> Result<Answer, Fail
             write_whole_folder(&arguments.output, |folder| recipe.write_folder(folder))?;
             written("folder", &arguments.output, output)
         }
+        ScenarioCommand::From(arguments) => scenario_from::convert(arguments, output),
         ScenarioCommand::Export(arguments) => {
             let recipe = Recipe::of_scenario(&Scenario::open(&arguments.id, &OpenOptions::default())?)?;
             write_whole_folder(&arguments.output, |folder| recipe.write_released(folder))?;

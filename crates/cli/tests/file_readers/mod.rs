@@ -4,6 +4,7 @@
 mod asked_page;
 mod stored_results;
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -11,7 +12,7 @@ use cranny_bench::{Campaign, read_output};
 use cranny_grasp::{ImportSettings, check_csv, import_grasps};
 use cranny_plan::Registry;
 use cranny_record::read_waypoints;
-use cranny_robot::{Robot, RobotOptions, TextSource};
+use cranny_robot::{ModelText, ModelUse, Robot, RobotOptions, TextSource};
 use cranny_scenario::{
     Credits, MoveItOptions, MoveItProblem, ObjectType, OpenOptions, Scenario, check_folder, pack,
     read_gripper, unpack,
@@ -36,14 +37,17 @@ const fn reader(name: &'static str, file: &'static str, read: fn(&Path)) -> File
 }
 
 /// All readers.
-pub const FILE_READERS: [FileReader; 30] = [
+pub const FILE_READERS: [FileReader; 33] = [
     reader("urdf", "robot/arm.urdf", read_robot),
+    reader("mjcf", "model/arm.xml", |folder| read_model(&folder.join("model/arm.xml"))),
+    reader("sdf", "model/arm.sdf", |folder| read_model(&folder.join("model/arm.sdf"))),
     reader("srdf", "robot/arm.srdf", read_robot),
     reader("limits", "robot/limits.yaml", read_robot),
     reader("hand", "robot/robot.yaml", read_robot),
     reader("obj", "mesh/mesh.obj", |folder| read_mesh(&folder.join("mesh/mesh.obj"))),
     reader("stl", "mesh/mesh.stl", |folder| read_mesh(&folder.join("mesh/mesh.stl"))),
     reader("ply", "mesh/mesh.ply", |folder| read_mesh(&folder.join("mesh/mesh.ply"))),
+    reader("msh", "mesh/mesh.msh", |folder| read_mesh(&folder.join("mesh/mesh.msh"))),
     reader("dae", "mesh/mesh.dae", |folder| read_mesh(&folder.join("mesh/mesh.dae"))),
     reader("scenario", "own/scenario.yaml", read_own),
     reader("grasps_csv", "own/grasps.csv", |folder| {
@@ -138,6 +142,14 @@ fn read_released_answer(folder: &Path) {
 fn read_robot(folder: &Path) {
     let srdf = Some(TextSource::Path(folder.join("robot/arm.srdf")));
     let _ = Robot::load(&folder.join("robot/arm.urdf"), &RobotOptions { srdf, ..RobotOptions::default() });
+}
+
+/// Reads a model as robot and as world.
+fn read_model(path: &Path) {
+    let _ = Robot::load(path, &RobotOptions::default());
+    if let Ok(model) = ModelText::read(path, ModelUse::World, &[]) {
+        let _ = model.world_links(path, &[], &BTreeMap::new());
+    }
 }
 
 /// Reads a mesh as obstacles, links and objects do.

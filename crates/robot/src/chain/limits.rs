@@ -4,6 +4,12 @@ use std::f64::consts::TAU;
 /// within a full turn the shortest rotation to every other angle stays inside, and cables are not wound up indefinitely.
 pub const CONTINUOUS_LIMIT_RAD: f64 = 3.0 * std::f64::consts::PI;
 
+/// Cautious default speed of a joint that turns: `MoveIt`'s 1 rad/s.
+pub const DEFAULT_SPEED_RAD_S: f64 = 1.0;
+
+/// Cautious default speed of a joint that slides, in m/s.
+pub const DEFAULT_SPEED_M_S: f64 = 0.5;
+
 /// Limits of a joint of the group.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointLimits {

@@ -20,12 +20,13 @@ use crate::gripper::hand::hand_links;
 use crate::link_pairs::{adjacent_pairs, declared_pairs};
 use crate::tree::Tree;
 use crate::{
-    GroupJoint, JointGroup, JointKind, Link, LinkForm, LinkShape, LinkVisual, MeshUse, Mover, Robot,
-    RobotDescription, RobotError, RobotHand, RobotOptions, Srdf, TextSource, description::mesh_path,
+    GroupJoint, JointGroup, JointKind, Link, LinkForm, LinkShape, LinkVisual, MeshUse, ModelText, ModelUse,
+    Mover, Robot, RobotDescription, RobotError, RobotHand, RobotOptions, Srdf, TextSource,
+    description::mesh_path,
 };
 
 impl Robot {
-    /// Loads a robot from the URDF file at `path`, with the SRDF, the `limits.yaml` and the `robot.yaml` beside it unless
+    /// Loads a robot from the URDF, MJCF or SDF file at `path`, with the SRDF, the `limits.yaml` and the `robot.yaml` beside it unless
     /// `options` gives others.
     ///
     /// # Errors
@@ -129,7 +130,7 @@ impl Robot {
     }
 }
 
-/// URDF as read from a file, for building several robots from it; a pipe can be read only once.
+/// URDF, MJCF or SDF as read from a file, for building several robots from it; a pipe can be read only once.
 #[derive(Clone, Debug)]
 pub struct UrdfFile {
     path: PathBuf,
@@ -152,12 +153,24 @@ impl UrdfFile {
     /// As [`Robot::load`].
     pub fn robot(&self, options: &RobotOptions) -> Result<Robot, RobotError> {
         let path = &self.path;
+        let model = ModelText::of(self.text.clone(), path, ModelUse::Robot, &options.packages)?;
         let beside = |file: PathBuf| file.is_file().then_some(TextSource::Path(file));
+        let made = |what: &str, text: &Option<String>| {
+            let name = format!("{what} of {}", path.display());
+            text.clone().map(|text| TextSource::Text { name, text })
+        };
         let mut options = options.clone();
-        options.srdf = options.srdf.or_else(|| beside(path.with_extension("srdf")));
-        options.limits = options.limits.or_else(|| beside(path.with_file_name(LIMITS)));
+        options.srdf = options
+            .srdf
+            .or_else(|| beside(path.with_extension("srdf")))
+            .or_else(|| made("contact pairs", &model.srdf));
+        options.limits = options
+            .limits
+            .or_else(|| beside(path.with_file_name(LIMITS)))
+            .or_else(|| made("speeds", &model.limits));
         options.description = options.description.or_else(|| beside(path.with_file_name(DESCRIPTION)));
-        Robot::from_urdf_text(&self.text, &path.display().to_string(), path.parent(), &options)
+        let robot = Robot::from_urdf_text(&model.urdf, &model.name_of(path), path.parent(), &options)?;
+        Ok(robot.with_notes(model.notes))
     }
 }
 
@@ -186,7 +199,11 @@ impl From<UrdfJointKind> for JointKind {
 }
 
 /// Returns the movers of each link, the forward kinematics of each moving link, and all poses at `q = 0`.
-fn motions(urdf: &Urdf, tree: &Tree, resolved: &Resolved) -> (Vec<Vec<Mover>>, Vec<Step>, Vec<Pose>) {
+pub(crate) fn motions(
+    urdf: &Urdf,
+    tree: &Tree,
+    resolved: &Resolved,
+) -> (Vec<Vec<Mover>>, Vec<Step>, Vec<Pose>) {
     let mut movers: Vec<Vec<Mover>> = vec![Vec::new()];
     let mut rest = LinkFrames { root_from_link: vec![Pose::identity(); tree.nodes.len()], loose: Vec::new() };
     let mut steps = Vec::new();
@@ -236,19 +253,20 @@ fn joint_motion(
 }
 
 /// Context for reading the solids of links.
-struct SolidSource<'a> {
-    base_dir: Option<&'a Path>,
-    options: &'a RobotOptions,
+pub(crate) struct SolidSource<'a> {
+    pub(crate) base_dir: Option<&'a Path>,
+    pub(crate) options: &'a RobotOptions,
 }
 
 impl SolidSource<'_> {
-    fn shape(&self, link: &UrdfLink, collision: &UrdfCollision) -> Result<LinkShape, RobotError> {
+    pub(crate) fn shape(&self, link: &UrdfLink, collision: &UrdfCollision) -> Result<LinkShape, RobotError> {
         let mut soup = None;
         let solid = match &collision.form {
             LinkForm::Cuboid { size } => Solid::cuboid(size * 0.5),
             LinkForm::Sphere { radius_m } => Solid::sphere(*radius_m),
             LinkForm::Cylinder { length_m, radius_m } => Solid::cylinder(0.5 * length_m, *radius_m),
             LinkForm::Capsule { length_m, radius_m } => Solid::capsule(0.5 * length_m, *radius_m),
+            LinkForm::Hull { points } => Solid::hull(points),
             LinkForm::Mesh { name, scale, .. } => {
                 let path = self.find(link, collision, name)?;
                 TriangleSoup::load(&path, *scale).and_then(|triangles| {

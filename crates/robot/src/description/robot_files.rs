@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use crate::description::robot_description::{DESCRIPTION, LIMITS};
 use crate::description::urdf_text::replaced;
 use crate::description::xml::{XmlText, known_prefixes};
-use crate::{RobotDescription, RobotError, description::mesh_path};
+use crate::{ModelText, ModelUse, RobotDescription, RobotError, description::mesh_path};
 
 /// Collected files of a robot: URDF, SRDF, limits and meshes under names in one folder; the URDF refers to its meshes without
 /// any package.
@@ -23,7 +23,7 @@ pub struct RobotFiles {
 const MESHES: &str = "meshes";
 
 impl RobotFiles {
-    /// Reads the files of the robot at `robot`, a URDF or a folder with a `robot.yaml`: the SRDF given, or else the one beside
+    /// Reads the files of the robot at `robot`, a URDF, MJCF or SDF, or a folder with a `robot.yaml`: the SRDF given, or else the one beside
     /// it, `limits.yaml` and `robot.yaml` beside it, and every collision and visual mesh named in it; `package://` as in
     /// [`RobotOptions::packages`](crate::RobotOptions::packages). A missing visual mesh is omitted. Files that a mesh file
     /// refers to, such as textures, are not included.
@@ -35,7 +35,10 @@ impl RobotFiles {
         let text = cranny_file::TEXT
             .text(urdf)
             .map_err(|reason| RobotError::Unreadable { path: urdf.to_owned(), reason })?;
-        let mut files = Self::of_text(&text, urdf, packages)?;
+        let model = ModelText::of(text, urdf, ModelUse::Robot, packages)?;
+        let is_named = urdf.with_file_name(DESCRIPTION).is_file() || model.srdf.is_none();
+        let written = if is_named { urdf.clone() } else { urdf.with_extension("urdf") };
+        let mut files = Self::of_text(&model.urdf, &written, packages)?;
         let name_of = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let beside = urdf.with_extension("srdf");
         let srdf = srdf.map(Path::to_owned).or_else(|| beside.is_file().then_some(beside));
@@ -44,6 +47,15 @@ impl RobotFiles {
             files.contents.insert(name_of(&extra), bytes_of(&extra)?);
         }
         files.srdf = srdf.as_deref().map(name_of);
+        // What a URDF cannot express is in files of its own.
+        if let (None, Some(pairs)) = (&files.srdf, model.srdf) {
+            let name = name_of(&urdf.with_extension("srdf"));
+            files.contents.insert(name.clone(), pairs.into_bytes());
+            files.srdf = Some(name);
+        }
+        if let Some(limits) = model.limits {
+            files.contents.entry(LIMITS.to_owned()).or_insert_with(|| limits.into_bytes());
+        }
         Ok(files)
     }
 

@@ -1,6 +1,6 @@
 use std::collections::HashMap;
 
-use cranny_spatial::Vector;
+use cranny_spatial::{Point, Vector};
 
 use crate::description::unread::unread;
 use crate::description::urdf_model::{
@@ -119,6 +119,7 @@ fn parse_geometry(element: Element<'_>, link: &str) -> Result<(Location, LinkFor
             let name = shape.text("filename")?.to_owned();
             LinkForm::Mesh { name, candidates: Vec::new(), scale: parse_scale(shape)? }
         }
+        "hull" => LinkForm::Hull { points: parse_points(shape)? },
         other => {
             return Err(RobotError::UnknownGeometry {
                 at: shape.at(),
@@ -135,6 +136,19 @@ fn parse_size(element: Element<'_>) -> Result<Vector, RobotError> {
     let size = element.vector("size")?.unwrap_or_default();
     size.iter().try_for_each(|&length| element.check_positive("size", length))?;
     Ok(size)
+}
+
+/// Maximum number of points of a hull.
+const MOST_POINTS: usize = 1_000_000;
+
+fn parse_points(element: Element<'_>) -> Result<Vec<Point>, RobotError> {
+    element.text("points")?;
+    let numbers = element.list("points", 3 * MOST_POINTS)?.unwrap_or_default();
+    let points = numbers.chunks_exact(3);
+    if !points.remainder().is_empty() {
+        return Err(element.not_numbers("points", 3 * points.len() + 3));
+    }
+    Ok(points.map(|point| Point::new(point[0], point[1], point[2])).collect())
 }
 
 /// Reads the scale of a mesh. A negative factor mirrors the mesh and is allowed; zero flattens it and is not.

@@ -190,7 +190,7 @@ pub(crate) fn replaced<'t>(
     replaced
 }
 
-fn escaped(text: &str) -> String {
+pub(crate) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;")
 }
 

@@ -1,6 +1,6 @@
 use std::path::PathBuf;
 
-use cranny_spatial::{Pose, Vector};
+use cranny_spatial::{Point, Pose, Vector};
 
 /// Visual geometry of a link: a `<visual>` of the URDF, which collision tests ignore.
 ///
@@ -46,6 +46,11 @@ pub enum LinkForm {
         length_m: f64,
         /// Radius, in metres.
         radius_m: f64,
+    },
+    /// Convex hull of points in metres, an extension to URDF: `<hull points="x y z x y z …"/>`.
+    Hull {
+        /// The points; at least four, not in one plane.
+        points: Vec<Point>,
     },
     /// A mesh file. That of a visual is opened only for display: planning does not need it.
     Mesh {

@@ -89,9 +89,14 @@ impl<'a> XmlText<'a> {
         Element { node, file: self.file, line_starts: &self.line_starts, asked: &self.asked, namespace }
     }
 
+    /// Outermost element.
+    pub(crate) fn root(&self) -> Element<'_> {
+        self.element(self.document.root_element())
+    }
+
     /// Returns the outermost element, which must be `<robot>`.
     pub(crate) fn robot(&self) -> Result<Element<'_>, RobotError> {
-        let robot = self.element(self.document.root_element());
+        let robot = self.root();
         if robot.tag() != "robot" {
             return Err(RobotError::NotARobot { at: robot.at(), found: robot.tag().into_owned() });
         }
@@ -134,6 +139,11 @@ impl<'a> Element<'a> {
         Location { file: self.file.to_owned(), line: line_of(self.line_starts, self.node.range().start) }
     }
 
+    /// Name of its file in errors.
+    pub(crate) fn file(&self) -> &'a str {
+        self.file
+    }
+
     /// Byte range of the element in the document, tags included.
     pub(crate) fn place(&self) -> Range<usize> {
         self.node.range()
@@ -161,7 +171,7 @@ impl<'a> Element<'a> {
     }
 
     /// Direct child elements; does not mark them as read.
-    fn inner(self) -> impl Iterator<Item = Element<'a>> {
+    pub(crate) fn inner(self) -> impl Iterator<Item = Element<'a>> {
         self.node.children().filter(Node::is_element).map(move |node| Element { node, ..self })
     }
 
@@ -313,23 +323,29 @@ impl<'a> Element<'a> {
         &self,
         attribute: &'static str,
     ) -> Result<Option<[f64; N]>, RobotError> {
+        let Some(numbers) = self.list(attribute, N)? else { return Ok(None) };
+        let numbers = numbers.try_into().map_err(|_| self.not_numbers(attribute, N))?;
+        Ok(Some(numbers))
+    }
+
+    /// Returns the finite numbers of an attribute, as many as it has, at most `most`.
+    pub(crate) fn list(&self, attribute: &'static str, most: usize) -> Result<Option<Vec<f64>>, RobotError> {
         let Some(text) = self.optional_text(attribute) else { return Ok(None) };
-        let wrong = || RobotError::NotNumbers {
-            at: self.at(),
-            element: self.tag().into_owned(),
-            attribute,
-            expected: N,
-            text: cranny_file::excerpt(text),
-        };
-        let mut numbers = [0.0; N];
-        let mut words = text.split_whitespace();
-        for number in &mut numbers {
-            *number = words.next().and_then(|word| word.parse().ok()).ok_or_else(wrong)?;
-            if !f64::is_finite(*number) {
-                return Err(wrong());
+        let mut numbers = Vec::new();
+        for word in text.split_whitespace() {
+            let number = word.parse().ok().filter(|number: &f64| number.is_finite());
+            numbers.push(number.ok_or_else(|| self.not_numbers(attribute, most))?);
+            if numbers.len() > most {
+                return Err(self.not_numbers(attribute, most));
             }
         }
-        if words.next().is_some() { Err(wrong()) } else { Ok(Some(numbers)) }
+        Ok(Some(numbers))
+    }
+
+    pub(crate) fn not_numbers(&self, attribute: &'static str, expected: usize) -> RobotError {
+        let (at, element) = (self.at(), self.tag().into_owned());
+        let text = cranny_file::excerpt(self.optional_text(attribute).unwrap_or_default());
+        RobotError::NotNumbers { at, element, attribute, expected, text }
     }
 }
 
@@ -337,7 +353,7 @@ impl<'a> Element<'a> {
 const LONGEST_ROUNDING: f64 = 0.02;
 
 /// Returns the rotation by roll about x, then pitch about y, then yaw about z, all of the parent (URDF specification).
-fn rotation_of([roll, pitch, yaw]: [f64; 3]) -> Rotation {
+pub(crate) fn rotation_of([roll, pitch, yaw]: [f64; 3]) -> Rotation {
     let turn = |axis, angle: f64| {
         let (sine, cosine) = sin_cos(0.5 * angle);
         Rotation::new_unchecked(Quaternion::from_parts(cosine, axis * sine))

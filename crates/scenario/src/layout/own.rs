@@ -144,7 +144,7 @@ pub(crate) fn open_texts(
     .with_checked_start(&layout.at(file.start.referenced).to_string())
 }
 
-const FLOOR: &str = "floor";
+pub(crate) const FLOOR: &str = "floor";
 
 /// Function that makes a solid of a mesh file: [`Solid::mesh`] for a target, [`Solid::mesh_with_small_holes`] for an obstacle.
 pub(crate) type SolidOfMesh = fn(&TriangleSoup) -> Result<Solid, ShapeError>;

@@ -6,7 +6,9 @@ use std::path::Path;
 use cranny_spatial::{Point, Pose, Vector};
 
 use crate::error::{check_scale, usable};
-use crate::{ShapeError, mesh_files::collada, mesh_files::obj, mesh_files::ply, mesh_files::stl};
+use crate::{
+    ShapeError, mesh_files::collada, mesh_files::msh, mesh_files::obj, mesh_files::ply, mesh_files::stl,
+};
 
 /// Triangles as in a file; their surface need not be closed or connected.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -18,7 +20,7 @@ pub struct TriangleSoup {
 }
 
 impl TriangleSoup {
-    /// Loads the triangles of a mesh file (OBJ, STL, DAE, PLY), with coordinates multiplied by `scale`. Merges equal vertices
+    /// Loads the triangles of a mesh file (OBJ, STL, DAE, PLY, MSH), with coordinates multiplied by `scale`. Merges equal vertices
     /// and keeps the order of the triangles. Triangulates polygons exactly; one that is not flat is cut as projected along the
     /// axis nearest to its normal. A mirroring scale reverses the triangles, so that they still face outwards.
     ///
@@ -36,6 +38,7 @@ impl TriangleSoup {
             "obj" => obj::corners(&bytes()?).map_err(broken)?,
             "stl" => stl::corners(&bytes()?).map_err(broken)?,
             "dae" => collada::corners(&cranny_file::MESH.text(path).map_err(unreadable)?).map_err(broken)?,
+            "msh" => msh::corners(&bytes()?).map_err(broken)?,
             "ply" => ply::corners(&bytes()?).map_err(broken)?,
             _ => return Err(ShapeError::Format { path: path.to_owned(), extension }),
         };

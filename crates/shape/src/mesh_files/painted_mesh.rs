@@ -38,7 +38,7 @@ impl PaintedMesh {
     pub fn load(path: &Path, scale: Vector) -> Result<Self, ShapeError> {
         check_scale(&scale).map_err(|fault| fault.in_file(path))?;
         let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
-        if ["ply", "stl"].iter().any(|plain| extension.eq_ignore_ascii_case(plain)) {
+        if ["msh", "ply", "stl"].iter().any(|plain| extension.eq_ignore_ascii_case(plain)) {
             return Ok(Self { pieces: vec![PaintedPiece::of_soup(&TriangleSoup::load(path, scale)?)] });
         }
         if extension.eq_ignore_ascii_case("dae") {

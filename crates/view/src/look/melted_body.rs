@@ -51,7 +51,7 @@ impl Primitive {
                     rounding_m: rounding_m.min(half_length_m).min(radius_m),
                 }
             }
-            LinkForm::Mesh { .. } => return None,
+            LinkForm::Hull { .. } | LinkForm::Mesh { .. } => return None,
         };
         Some(Self {
             body_from_here: visual.link_from_visual,

@@ -98,6 +98,7 @@ fn visual_pieces(
             rounded::cylinder(0.5 * length_m, *radius_m, visual.rounding_m, material)
         }
         LinkForm::Cuboid { size } => of_solid(&Solid::cuboid(size * 0.5)?, material),
+        LinkForm::Hull { points } => of_solid(&Solid::hull(points)?, material),
         LinkForm::Sphere { radius_m } => of_solid(&Solid::sphere(*radius_m)?, material),
         LinkForm::Cylinder { length_m, radius_m } => {
             of_solid(&Solid::cylinder(0.5 * length_m, *radius_m)?, material)

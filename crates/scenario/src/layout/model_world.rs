@@ -1,0 +1,167 @@
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::path::{Path, PathBuf};
+
+use cranny_collision::{Body, Part};
+use cranny_file::did_you_mean;
+use cranny_grasp::GraspSet;
+use cranny_robot::{ModelText, ModelUse, WorldLink};
+use cranny_shape::Solid;
+use cranny_spatial::{Pose, Rotation, Vector};
+
+use crate::layout::own::FLOOR;
+use crate::layout::recipe::{Recipe, RecipeBody};
+use crate::{RecipeRobot, ScenarioError, TargetPhysics};
+
+/// Half the side of the box that represents a plane other than the floor, in metres, beyond the reach of any arm.
+const PLANE_HALF_SIDE_M: f64 = 10.0;
+
+/// Half the thickness of that box, in metres.
+const PLANE_HALF_DEPTH_M: f64 = 0.5;
+
+/// Conversion of a model of a world (URDF, MJCF, SDF), with a robot, into a scenario.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct WorldConversion {
+    /// Robot: a built-in one, a robot folder, a URDF, MJCF or SDF.
+    pub robot: PathBuf,
+    /// Body to grasp.
+    pub target: String,
+    /// Values (m, rad) of joints of the world; others have the values of the file.
+    pub joints: BTreeMap<String, f64>,
+    /// Bodies to be omitted, with all that is below them, such as a robot that the world contains.
+    pub left_out: Vec<String>,
+    /// Position (m) and heading (rad) of the robot's root in the world. Default: at the origin, its ground on the floor.
+    pub robot_at: Option<([f64; 3], f64)>,
+    /// Folders searched for models and packages.
+    pub folders: Vec<PathBuf>,
+}
+
+impl Recipe {
+    /// Returns the scenario of the world at `path`, and notes on content that was not read.
+    ///
+    /// A link, or a body that moves freely with all that is below it, becomes a body of the scenario. Meshes are convex hulls,
+    /// as `MuJoCo` collides them; shapes that collide with nothing in the model are omitted. The highest level plane becomes
+    /// the floor; without one the floor is below all bodies. Another plane becomes a box of 20 m × 20 m × 1 m.
+    ///
+    /// # Errors
+    /// [`ScenarioError::Robot`] for a fault of the model; [`ScenarioError::UnknownBody`] for an unknown target or omitted body.
+    pub fn of_world(path: &Path, conversion: &WorldConversion) -> Result<(Self, Vec<String>), ScenarioError> {
+        let model = ModelText::read(path, ModelUse::World, &conversion.folders)?;
+        let mut notes = model.notes.clone();
+        let links = model.world_links(path, &conversion.folders, &conversion.joints)?;
+        let mut bodies = bodies(path, &model, links, &conversion.left_out)?;
+        let floor_m = floor_m(&model);
+        let is_floor = |plane: &&cranny_robot::Plane| {
+            height_of(&plane.world_from_plane).zip(floor_m).is_some_and(|(height, floor)| height >= floor)
+        };
+        for plane in model.planes.iter().filter(|plane| !is_floor(plane)) {
+            bodies.push(plane_body(plane)?);
+        }
+        let floor_m = floor_m.unwrap_or_else(|| {
+            let lowest = lowest_m(&bodies);
+            notes.push(format!("{}: no level plane; the floor is put at {lowest:.3} m", path.display()));
+            lowest
+        });
+        let mut robot = RecipeRobot::load(&conversion.robot)?;
+        let scene_from_world = Pose::translation(0.0, 0.0, -floor_m);
+        robot.scene_from_root = match conversion.robot_at {
+            Some(([x, y, z], heading)) => {
+                let turn = Rotation::from_axis_angle(&Vector::z_axis(), heading);
+                scene_from_world * Pose::from_parts(Vector::new(x, y, z).into(), turn)
+            }
+            None => Pose::translation(0.0, 0.0, -robot.robot.floor_m().unwrap_or(0.0)),
+        };
+        let known: Vec<String> = bodies.iter().map(|body| body.name.clone()).collect();
+        let position = known.iter().position(|name| *name == conversion.target);
+        let position = position.ok_or_else(|| unknown_body(path, &conversion.target, &known))?;
+        let target = bodies.remove(position);
+        let recipe = |body: &Body| RecipeBody::of(body, &scene_from_world);
+        let recipe = Self {
+            title: format!("from {}", path.file_name().unwrap_or_default().to_string_lossy()),
+            start: robot.start(),
+            robot,
+            obstacles: bodies.iter().map(recipe).collect::<Result<_, _>>()?,
+            target: Some(recipe(&target)?),
+            given_physics: TargetPhysics::default(),
+            grasps: GraspSet::default(),
+            ik: Vec::new(),
+            places: Vec::new(),
+            tasks: Vec::new(),
+            physics: BTreeMap::new(),
+            tool_bounds: Vec::new(),
+            joint_bounds: BTreeMap::new(),
+            speeds: Vec::new(),
+        };
+        Ok((recipe, notes))
+    }
+}
+
+/// Returns the bodies of a world, in its frame.
+fn bodies(
+    path: &Path,
+    model: &ModelText,
+    links: Vec<WorldLink>,
+    left_out: &[String],
+) -> Result<Vec<Body>, ScenarioError> {
+    let known: BTreeSet<&String> =
+        links.iter().flat_map(|link| link.ancestors.iter().chain([&link.name])).collect();
+    if let Some(unknown) = left_out.iter().find(|name| !known.contains(name)) {
+        let known: Vec<String> = known.into_iter().cloned().collect();
+        return Err(unknown_body(path, unknown, &known));
+    }
+    // Links of one free body are one body, named after its first link.
+    let mut name_of: HashMap<&str, &str> = HashMap::new();
+    for group in &model.movable {
+        name_of.extend(group.iter().map(|link| (link.as_str(), group[0].as_str())));
+    }
+    let mut bodies: Vec<Body> = Vec::new();
+    for WorldLink { name, ancestors, solids } in &links {
+        if ancestors.iter().chain([name]).any(|name| left_out.contains(name)) {
+            continue;
+        }
+        let name = name_of.get(name.as_str()).copied().unwrap_or(name);
+        let name = if name == FLOOR { format!("{name}_body") } else { name.to_owned() };
+        let parts = solids.iter().map(|(world_from_solid, solid)| Part {
+            world_from_solid: *world_from_solid,
+            solid: solid.clone(),
+        });
+        match bodies.iter_mut().find(|body| body.name == name) {
+            Some(body) => body.parts.extend(parts),
+            None => bodies.push(Body { name, parts: parts.collect(), tilt_rad: None }),
+        }
+    }
+    Ok(bodies)
+}
+
+fn unknown_body(path: &Path, name: &str, known: &[String]) -> ScenarioError {
+    ScenarioError::UnknownBody {
+        path: path.to_owned(),
+        name: name.to_owned(),
+        known: cranny_file::excerpt(&known.join(", ")),
+        meant: did_you_mean(name, known.iter().map(String::as_str)),
+    }
+}
+
+/// Returns the height of a plane that is level and faces up.
+fn height_of(world_from_plane: &Pose) -> Option<f64> {
+    const LEVEL: f64 = 1.0 - 1e-12;
+    let normal = world_from_plane.rotation * Vector::z();
+    (normal.z >= LEVEL).then_some(world_from_plane.translation.z)
+}
+
+/// Returns the height of the highest level plane.
+fn floor_m(model: &ModelText) -> Option<f64> {
+    model.planes.iter().filter_map(|plane| height_of(&plane.world_from_plane)).reduce(f64::max)
+}
+
+fn lowest_m(bodies: &[Body]) -> f64 {
+    let parts = bodies.iter().flat_map(|body| &body.parts);
+    let lowest = parts.map(|part| part.solid.lowest_z(&part.world_from_solid)).fold(f64::INFINITY, f64::min);
+    if lowest.is_finite() { lowest } else { 0.0 }
+}
+
+/// Returns the box below a plane.
+fn plane_body(plane: &cranny_robot::Plane) -> Result<Body, ScenarioError> {
+    let half = Vector::new(PLANE_HALF_SIDE_M, PLANE_HALF_SIDE_M, PLANE_HALF_DEPTH_M);
+    let world_from_box = plane.world_from_plane * Pose::translation(0.0, 0.0, -PLANE_HALF_DEPTH_M);
+    Ok(Body::new(plane.name.clone(), world_from_box, Solid::cuboid(half)?))
+}
