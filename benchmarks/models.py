@@ -5,7 +5,8 @@
 FOLDER holds unpacked wheels (`pip download --no-deps robosuite==1.5.2 metaworld==3.1.1 dm-control==1.0.50
 gymnasium-robotics==1.4.2`) or other models. Each file whose outermost element is `mujoco` and that MuJoCo opens is compared.
 
-- pose: greatest distance of any entry of any link's pose from MuJoCo's (`mj_kinematics`), over all configurations.
+- pose: greatest difference of any entry of any link's pose from MuJoCo's (`mj_kinematics`), over all configurations; for a
+  model without hinges and slides, of the poses of its primitives as a scenario, whose files keep 12 decimals.
 - contacts: the pairs of links that Cranny checks, each at each configuration: how many verdicts differ from `mj_collision`,
   and how many of these are deeper or farther than 0.1 mm.
 - unchecked: pairs of bodies in contact in MuJoCo that Cranny does not check, because they always touch or are adjacent.
@@ -15,6 +16,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+import tempfile
 import time
 from collections import defaultdict
 from dataclasses import dataclass, field
@@ -75,6 +77,31 @@ def follow(mujoco: Any, model: Any, qpos: Any) -> None:
             master = model.jnt_qposadr[second]
             value = np.polynomial.polynomial.polyval(qpos[master] - model.qpos0[master], polynomial)
         qpos[place] = model.qpos0[place] + value
+    # A follower may lead another.
+    for _ in range(2):
+        for follower, leader, factor, offset in tendons(mujoco, model):
+            qpos[model.jnt_qposadr[follower]] = factor * qpos[model.jnt_qposadr[leader]] + offset
+
+
+def tendons(mujoco: Any, model: Any) -> list[tuple[int, int, float, float]]:
+    """Joints that an equality constraint of a fixed tendon couples: follower, leader, factor and offset."""
+    coupled = []
+    taken: set[int] = set()
+    for index in np.flatnonzero(model.eq_active0):
+        if model.eq_type[index] != mujoco.mjtEq.mjEQ_TENDON:
+            continue
+        tendon = model.eq_obj1id[index]
+        first = model.tendon_adr[tendon]
+        if model.tendon_num[tendon] != 2:
+            continue
+        ends = [(int(model.wrap_objid[first + i]), float(model.wrap_prm[first + i])) for i in (0, 1)]
+        if ends[1][0] in taken:
+            ends.reverse()
+        (leader, c1), (follower, c2) = ends
+        taken.add(follower)
+        leads, follows = model.qpos0[model.jnt_qposadr[leader]], model.qpos0[model.jnt_qposadr[follower]]
+        coupled.append((follower, leader, -c1 / c2, model.eq_data[index][0] / c2 + follows + c1 / c2 * leads))
+    return coupled
 
 
 def compare(path: Path, name: str, count: int) -> Row | None:
@@ -91,15 +118,16 @@ def compare(path: Path, name: str, count: int) -> Row | None:
         joints[model.eq_obj1id[i]]
         for i in np.flatnonzero(model.eq_active0)
         if model.eq_type[i] == mujoco.mjtEq.mjEQ_JOINT
-    }
+    } | {joints[follower] for follower, *_ in tendons(mujoco, model)}
     free = [
         joint
         for index, joint in enumerate(joints)
         if model.jnt_type[index] in (HINGE, SLIDE) and joint not in coupled
     ]
     if not free:
-        row.reason = "no hinge or slide: compared as a world"
-        return row
+        return compare_world(mujoco, model, path, row)
+    # Cranny checks contacts that a model switches off, and names that.
+    model.opt.disableflags &= ~int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
     try:
         robot = cranny.Robot.from_urdf(path, joints=free)
         cell = cranny.Cell(robot, [])
@@ -160,6 +188,52 @@ def compare(path: Path, name: str, count: int) -> Row | None:
     return row
 
 
+PRIMITIVES = {2: "sphere", 3: "capsule", 5: "cylinder", 6: "box"}
+"""Types of MuJoCo's geoms that Cranny keeps as they are."""
+
+
+def compare_world(mujoco: Any, model: Any, path: Path, row: Row) -> Row:
+    """Compares the places of primitives that collide; for a model without hinges and slides, which moves as a world only."""
+    collide = [i for i in range(model.ngeom) if model.geom_contype[i] or model.geom_conaffinity[i]]
+    solid = [i for i in collide if model.geom_type[i] != 0]
+    if not solid:
+        row.reason = "nothing in it collides"
+        return row
+    bodies = names(model, "body", model.nbody)
+    target = bodies[model.geom_bodyid[solid[0]]]
+    top = model.body_parentid
+    while model.body_parentid[bodies.index(target)] != 0 and any(
+        model.jnt_type[j] == 0 for j in range(model.njnt) if model.jnt_bodyid[j] == top[bodies.index(target)]
+    ):
+        target = bodies[model.body_parentid[bodies.index(target)]]
+    with tempfile.TemporaryDirectory() as folder:
+        try:
+            scenario = cranny.Scenario.from_world(
+                path, Path(folder) / "world", robot="panda_mobile", target=target, at=[0, 0, 0, 0]
+            )
+        except cranny.CrannyError as fault:
+            row.reason = str(fault).replace(str(path), path.name).split("\n")[0]
+            return row
+        shapes = [
+            (kind, pose) for body in scenario.world for kind, pose in zip(body.kinds, body.poses, strict=True)
+        ]
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    worst = 0.0
+    for geom in solid:
+        kind = PRIMITIVES.get(int(model.geom_type[geom]))
+        if kind is None:
+            continue
+        expected = np.eye(4)
+        expected[:3, :3] = data.geom_xmat[geom].reshape(3, 3)
+        expected[:3, 3] = data.geom_xpos[geom]
+        ends = slice(3, None) if kind == "sphere" else slice(0, None)
+        found = [np.abs((pose - expected)[:3, ends]).max() for other, pose in shapes if other == kind]
+        worst = max(worst, float(min(found, default=np.inf)))
+    row.links, row.pose = len(scenario.world), worst
+    return row
+
+
 def body_of(link: str, bodies: list[str]) -> str:
     """Body that a link represents: a body has a further link for each further contact mask."""
     return link if link in bodies else link.split("_contact")[0]
@@ -203,7 +277,7 @@ def main() -> None:
     text = table(rows)
     print(text)
     compared = [row for row in rows if not row.reason]
-    refused = [row for row in rows if row.reason and not row.reason.startswith("no hinge")]
+    refused = [row for row in rows if row.reason and row.reason != "nothing in it collides"]
     verdicts, differing = sum(row.verdicts for row in compared), sum(row.differing for row in compared)
     print(
         f"\n{len(rows)} models: {len(compared)} compared, {len(refused)} refused; worst pose "

@@ -8,5 +8,6 @@ pub(crate) mod defaults;
 pub(crate) mod documents;
 pub(crate) mod geoms;
 pub(crate) mod model;
+pub(crate) mod tendons;
 
 pub(crate) use model::read;

@@ -202,7 +202,7 @@ fn content_that_would_change_the_robot_is_refused_with_its_line() {
         ),
         (
             arm("<geom size='0.1'/>", "<equality><tendon tendon1='t'/></equality>"),
-            "m.xml:1: an equality constraint of kind <tendon> is not supported",
+            "m.xml:1: a constraint of the unknown tendon `t` is not supported",
         ),
         (arm("", "<contact><exclude body1='a' body2='x'/></contact>"), "m.xml:1: unknown body `x`"),
         (
@@ -217,6 +217,17 @@ fn content_that_would_change_the_robot_is_refused_with_its_line() {
             assert!(message.starts_with(expected), "{text}: {message}");
         }
     }
+}
+
+#[test]
+fn a_fixed_tendon_over_two_joints_couples_them() {
+    let sections = "<tendon><fixed name='t'><joint joint='j1' coef='2'/><joint joint='j2' coef='-4'/></fixed></tendon>\
+                    <equality><tendon tendon1='t' polycoef='0.4 1 0 0 0'/></equality>";
+    let robot = read(&arm("<geom size='0.1'/>", sections)).expect("a robot");
+    assert_eq!(robot.joint_names(), ["j1"]);
+    // 2 q1 - 4 q2 = 0.4
+    let q2 = robot.joint_value("j2", &[0.3]).expect("a joint");
+    assert!((2.0 * 0.3 - 4.0 * q2 - 0.4).abs() < 1e-12, "{q2}");
 }
 
 /// Nesting over files is bounded too: each file alone is within the limits.

@@ -63,7 +63,7 @@ impl BodyTree {
     }
 
     /// Returns the place of a joint: its body, and its index there.
-    fn joint_index(&self, element: Element<'_>, name: &str) -> Result<(usize, usize), RobotError> {
+    pub(crate) fn joint_index(&self, element: Element<'_>, name: &str) -> Result<(usize, usize), RobotError> {
         let bodies = self.bodies.iter().enumerate();
         let mut places =
             bodies.flat_map(|(body, of)| of.joints.iter().enumerate().map(move |joint| (body, joint)));
@@ -103,6 +103,7 @@ impl BodyTree {
                         unread.note(format!("{}: an inactive <{}> is not read", element.at(), element.tag()));
                     }
                     "joint" => self.add_equality(element)?,
+                    "tendon" => self.add_tendon_equality(documents, element)?,
                     "connect" | "weld" => unread.note(format!(
                         "{}: <{}> is not read: the joints between its bodies move independently",
                         element.at(),

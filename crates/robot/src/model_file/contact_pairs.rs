@@ -1,11 +1,27 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
+use cranny_file::counted;
+
 use crate::description::urdf_text::escaped;
 use crate::model_file::body_tree::BodyTree;
 use crate::model_file::urdf_writer::{BodyLink, LinkPlan};
 
+/// Reason for pairs whose masks do not meet.
+const MASKS: &str = "contype and conaffinity";
+
 impl BodyTree {
+    /// Returns a note if links are not checked against each other because their masks do not meet.
+    pub(crate) fn mask_note(srdf: &str, file: &str) -> Option<String> {
+        let count = srdf.matches(MASKS).count();
+        let pairs = counted(count, "pair");
+        let note = format!(
+            "{file}: {pairs} of links not checked, because contype and conaffinity exclude them (an SRDF beside the model \
+             replaces this choice)"
+        );
+        (count > 0).then_some(note)
+    }
+
     /// Returns an SRDF with the pairs of links that have no contacts in the model, those that have contacts although they are
     /// adjacent, and the named states.
     ///
@@ -44,7 +60,7 @@ impl BodyTree {
                 } else if excluded.contains(&sorted([*body, *other_body])) {
                     "excluded"
                 } else if !link.mask.meets(other.mask) {
-                    "contype and conaffinity"
+                    MASKS
                 } else if self.filters_parents && self.is_parent(&welded, *body, *other_body) {
                     "parent and child"
                 } else {

@@ -77,8 +77,12 @@ impl ModelText {
             .filter(|joint| joint.reference != 0.0 && joint.rule == JointRule::Free)
             .map(|joint| (joint.name.clone(), joint.reference))
             .collect();
+        let srdf = tree.srdf(&plan);
+        if purpose == ModelUse::Robot {
+            notes.extend(BodyTree::mask_note(&srdf, &file));
+        }
         Ok(Self {
-            srdf: Some(tree.srdf(&plan)),
+            srdf: Some(srdf),
             limits: Some(default_limits(&UrdfText::new(urdf.clone(), &file)?)?),
             movable: movable(tree, &plan),
             planes: tree.planes.clone(),
