@@ -1,4 +1,4 @@
-//! Embeds the built page of `web/` into the crate.
+//! Embeds the built page of `web/` into the crate: copies it, and writes a table of its files in Rust.
 //!
 //! 1. Uses the folder in the environment variable `CRANNY_WEB_DIST`.
 //! 2. Otherwise uses `page` in this crate, which a published crate has and a checkout does not; otherwise `web/dist`, unless it
@@ -25,23 +25,57 @@ const DIST: &str = "CRANNY_WEB_DIST";
 
 fn main() {
     let folder = |name: &str| PathBuf::from(std::env::var_os(name).expect("cargo names its folders"));
-    let (out, web) = (folder("OUT_DIR"), folder("CARGO_MANIFEST_DIR").join("../../web"));
+    let (out, own) = (folder("OUT_DIR"), folder("CARGO_MANIFEST_DIR"));
     let page = out.join("page");
     clear(&page);
     fs::create_dir_all(&page).expect("the folder of this build can be written");
     println!("cargo::rerun-if-changed=build.rs");
     println!("cargo::rerun-if-env-changed={DIST}");
+    find(&own, &out, &page);
+    let table = table(&page).expect("the page can be read");
+    fs::write(out.join("page_files.rs"), table).expect("the folder of this build can be written");
+}
+
+/// Returns the Rust code of a table with the names and contents of the files of the page.
+fn table(page: &Path) -> io::Result<String> {
+    let mut names = Vec::new();
+    list(page, "", &mut names)?;
+    names.sort();
+    let row = |name: &String| {
+        format!("    ({name:?}, include_bytes!(concat!(env!(\"OUT_DIR\"), \"/page/\", {name:?}))),\n")
+    };
+    let rows: Vec<String> = names.iter().map(row).collect();
+    Ok(format!("static FILES: &[(&str, &[u8])] = &[\n{}];\n", rows.concat()))
+}
+
+/// Adds the names of all files below a folder, with `/` between folders.
+fn list(folder: &Path, before: &str, names: &mut Vec<String>) -> io::Result<()> {
+    for entry in fs::read_dir(folder)? {
+        let entry = entry?;
+        let name = format!("{before}{}", entry.file_name().to_string_lossy());
+        if entry.file_type()?.is_dir() {
+            list(&entry.path(), &format!("{name}/"), names)?;
+        } else {
+            names.push(name);
+        }
+    }
+    Ok(())
+}
+
+/// Copies the page to `page`, from where the head of this file states; leaves it empty if there is none.
+fn find(own: &Path, out: &Path, page: &Path) {
+    let web = own.join("../../web");
     // 1.
     if let Some(dist) = std::env::var_os(DIST).filter(|dist| !dist.is_empty()).map(PathBuf::from) {
         println!("cargo::rerun-if-changed={}", dist.display());
         assert!(is_ready(&dist), "{DIST}: '{}' has not all of {PAGES:?}", dist.display());
-        return copy(&dist, &page, &[]).expect("the page can be copied");
+        return copy(&dist, page, &[]).expect("the page can be copied");
     }
     // 2.
-    let packed = folder("CARGO_MANIFEST_DIR").join("page");
+    let packed = own.join("page");
     if is_ready(&packed) {
         println!("cargo::rerun-if-changed={}", packed.display());
-        return copy(&packed, &page, &[]).expect("the page can be copied");
+        return copy(&packed, page, &[]).expect("the page can be copied");
     }
     let dist = web.join("dist");
     let sources = sources(&web);
@@ -51,15 +85,15 @@ fn main() {
     if is_ready(&dist) {
         println!("cargo::rerun-if-changed={}", dist.display());
         if newest(&sources) <= newest(&[dist.join(PAGES[0])]) {
-            return copy(&dist, &page, &[]).expect("the page can be copied");
+            return copy(&dist, page, &[]).expect("the page can be copied");
         }
     }
     // 3.
     match build(&web, &out.join("web")) {
-        Ok(built) => copy(&built, &page, &[]).expect("the page can be copied"),
+        Ok(built) => copy(&built, page, &[]).expect("the page can be copied"),
         Err(reason) if is_ready(&dist) => {
             println!("cargo::warning=web/dist is older than its sources, and cannot be built: {reason}");
-            copy(&dist, &page, &[]).expect("the page can be copied");
+            copy(&dist, page, &[]).expect("the page can be copied");
         }
         Err(reason) => {
             // Installing Node changes PATH.

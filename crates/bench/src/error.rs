@@ -377,13 +377,13 @@ pub enum BenchError {
         /// Name of the results.
         results: String,
     },
-    /// A plot could not be rendered to pixels.
-    #[error("cannot draw '{plot}': {problem}")]
+    /// A plot could not be drawn.
+    #[error("cannot draw '{plot}': {reason}")]
     Picture {
         /// Name of the plot.
         plot: String,
-        /// Message of the drawing library.
-        problem: String,
+        /// Failure of the chart.
+        reason: cranny_chart::ChartError,
     },
 }
 

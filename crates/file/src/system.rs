@@ -12,10 +12,12 @@
 //! | sandbox around it | Landlock, namespaces, filter of system calls | none | none |
 //! | growth of this process's memory is measured | yes | no | no |
 //! | how it ended | signal or exit code | signal or exit code | exit code |
+//! | a page is opened in a browser by | `xdg-open` | `open` | `explorer` |
 //! | names of machine and processor | both | the machine's | both |
 //!
 //! Only the Linux column is tested during development.
 
+mod browser;
 mod call_filter;
 mod enclosure;
 mod file_kind;
@@ -32,6 +34,7 @@ mod signals;
 mod sockets;
 mod walls;
 
+pub use browser::open_in_browser;
 pub use call_filter::{filter_calls, has_call_filter};
 pub use enclosure::{Restrictions, begin_session, restrict_self, status_of_shell, wait_for, wait_for_input};
 pub use file_kind::{is_stream, kind_name, open_without_waiting};

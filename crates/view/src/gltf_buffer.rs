@@ -1,7 +1,6 @@
-use gltf_json::accessor::{Accessor, ComponentType, GenericComponentType, Type};
-use gltf_json::buffer::{Target, View};
-use gltf_json::validation::{Checked, USize64};
-use gltf_json::{Extras, Index, Root};
+use crate::gltf_json::{
+    Accessor, BufferView, ELEMENT_ARRAY_BUFFER, FLOAT, Index, Root, UNSIGNED_INT, UNSIGNED_SHORT, push,
+};
 
 /// Single buffer of a `.glb`, with the accessors into it.
 #[derive(Default)]
@@ -15,78 +14,46 @@ impl GltfBuffer {
         &mut self,
         root: &mut Root,
         rows: &[[f32; N]],
-        target: Option<Target>,
-    ) -> Index<Accessor> {
+        target: Option<u32>,
+    ) -> Index {
         let bytes = rows.iter().flatten().flat_map(|number| number.to_le_bytes());
-        let view = self.view(root, bytes, target);
+        let buffer_view = self.view(root, bytes, target);
         let fold = |pick: fn(f32, f32) -> f32| -> Vec<f32> {
             (0..N).map(|i| rows.iter().map(|row| row[i]).reduce(pick).unwrap_or_default()).collect()
         };
-        let (low, high) = (fold(f32::min), fold(f32::max));
-        let type_ = match N {
-            1 => Type::Scalar,
-            3 => Type::Vec3,
-            _ => Type::Vec4,
+        let (min, max) = (Some(fold(f32::min)), Some(fold(f32::max)));
+        let shape = match N {
+            1 => "SCALAR",
+            3 => "VEC3",
+            _ => "VEC4",
         };
-        root.push(Accessor {
-            min: Some(low.into()),
-            max: Some(high.into()),
-            ..accessor(view, rows.len(), ComponentType::F32, type_)
-        })
+        let accessor = Accessor { buffer_view, component_type: FLOAT, count: rows.len(), shape, min, max };
+        push(&mut root.accessors, accessor)
     }
 
     /// Adds corners of triangles, in the narrowest integers that can represent them.
-    pub fn indices(&mut self, root: &mut Root, triangles: &[[u32; 3]]) -> Index<Accessor> {
+    pub fn indices(&mut self, root: &mut Root, triangles: &[[u32; 3]]) -> Index {
         let indices = || triangles.iter().flatten();
         let greatest = indices().max().copied().unwrap_or(0);
         // Some graphics cards interpret the maximum of each width as a restart of the primitive.
         let narrow: Option<Vec<u16>> = (greatest < u32::from(u16::MAX))
             .then(|| indices().map(|&index| u16::try_from(index).unwrap_or(u16::MAX)).collect());
-        let (bytes, width): (Vec<u8>, _) = match narrow {
-            Some(narrow) => (narrow.into_iter().flat_map(u16::to_le_bytes).collect(), ComponentType::U16),
-            None => (indices().flat_map(|index| index.to_le_bytes()).collect(), ComponentType::U32),
+        let (bytes, component_type): (Vec<u8>, _) = match narrow {
+            Some(narrow) => (narrow.into_iter().flat_map(u16::to_le_bytes).collect(), UNSIGNED_SHORT),
+            None => (indices().flat_map(|index| index.to_le_bytes()).collect(), UNSIGNED_INT),
         };
-        let view = self.view(root, bytes, Some(Target::ElementArrayBuffer));
-        root.push(accessor(view, 3 * triangles.len(), width, Type::Scalar))
+        let buffer_view = self.view(root, bytes, Some(ELEMENT_ARRAY_BUFFER));
+        let (count, shape) = (3 * triangles.len(), "SCALAR");
+        let accessor = Accessor { buffer_view, component_type, count, shape, min: None, max: None };
+        push(&mut root.accessors, accessor)
     }
 
-    fn view(
-        &mut self,
-        root: &mut Root,
-        bytes: impl IntoIterator<Item = u8>,
-        target: Option<Target>,
-    ) -> Index<View> {
-        let offset = self.bytes.len();
+    fn view(&mut self, root: &mut Root, bytes: impl IntoIterator<Item = u8>, target: Option<u32>) -> Index {
+        let byte_offset = self.bytes.len();
         self.bytes.extend(bytes);
-        let length = self.bytes.len() - offset;
+        let byte_length = self.bytes.len() - byte_offset;
         // Every view begins at a multiple of the widest number.
         self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
-        root.push(View {
-            buffer: Index::new(0),
-            byte_length: length.into(),
-            byte_offset: Some(offset.into()),
-            byte_stride: None,
-            name: None,
-            target: target.map(Checked::Valid),
-            extensions: None,
-            extras: Extras::default(),
-        })
-    }
-}
-
-fn accessor(view: Index<View>, count: usize, width: ComponentType, type_: Type) -> Accessor {
-    Accessor {
-        buffer_view: Some(view),
-        byte_offset: Some(USize64(0)),
-        count: count.into(),
-        component_type: Checked::Valid(GenericComponentType(width)),
-        extensions: None,
-        extras: Extras::default(),
-        type_: Checked::Valid(type_),
-        min: None,
-        max: None,
-        name: None,
-        normalized: false,
-        sparse: None,
+        push(&mut root.buffer_views, BufferView { buffer: 0, byte_length, byte_offset, target })
     }
 }

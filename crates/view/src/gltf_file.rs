@@ -1,19 +1,14 @@
-use std::collections::BTreeMap;
 use std::path::Path;
 
 use cranny_shape::TriangleSoup;
 use cranny_spatial::{Point, Pose, Rotation, Vector};
-use gltf_json::accessor::Accessor;
-use gltf_json::animation::{Animation, Channel, Interpolation, Property, Sampler, Target};
-use gltf_json::buffer::{Buffer, Target as BufferTarget};
-use gltf_json::material::{AlphaMode, PbrBaseColorFactor, PbrMetallicRoughness, StrengthFactor};
-use gltf_json::mesh::{Mode, Primitive, Semantic};
-use gltf_json::scene::UnitQuaternion;
-use gltf_json::validation::Checked;
-use gltf_json::{Asset, Extras, Index, Root};
 
 use crate::drawing::picture_file::write_whole;
 use crate::gltf_buffer::GltfBuffer;
+use crate::gltf_json::{
+    ARRAY_BUFFER, Animation, Asset, Attributes, Buffer, Channel, GltfMaterial, GltfMesh, GltfNode, GltfScene,
+    Index, PbrMetallicRoughness, Primitive, Root, Sampler, Target, push,
+};
 use crate::{Colour, Material, MeshPiece, Scene, ViewError};
 
 /// Half the side of the floor in a glTF file, in metres: wider than any built-in scenario.
@@ -38,11 +33,11 @@ impl Scene {
     ///
     /// # Errors
     /// Returns the error of the JSON encoder for a number that is not finite.
-    pub fn glb(&self) -> Result<Vec<u8>, gltf_json::Error> {
+    pub fn glb(&self) -> serde_json::Result<Vec<u8>> {
         let mut buffer = GltfBuffer::default();
         let generator = format!("Cranny {}", env!("CARGO_PKG_VERSION"));
         let mut root = Root {
-            asset: Asset { generator: Some(generator), ..Asset::default() },
+            asset: Asset { generator, version: "2.0" },
             materials: self.materials.iter().map(gltf_material).collect(),
             ..Root::default()
         };
@@ -53,18 +48,10 @@ impl Scene {
         }
         self.push_nodes(&mut root);
         self.push_floor(&mut buffer, &mut root);
-        let (name, extensions, extras) = (Some(self.name.clone()), None, Extras::default());
-        root.scenes.push(gltf_json::Scene { extensions, extras, name, nodes: vec![Index::new(0)] });
-        root.scene = Some(Index::new(0));
+        root.scenes.push(GltfScene { name: self.name.clone(), nodes: vec![0] });
         self.push_animation(&mut buffer, &mut root);
-        root.buffers.push(Buffer {
-            byte_length: buffer.bytes.len().into(),
-            name: None,
-            uri: None,
-            extensions: None,
-            extras: Extras::default(),
-        });
-        let mut json = root.to_vec()?;
+        root.buffers.push(Buffer { byte_length: buffer.bytes.len() });
+        let mut json = serde_json::to_vec(&root)?;
         // Chunks are padded to whole words, text with blanks.
         json.resize(json.len().next_multiple_of(4), b' ');
         Ok(chunks(&json, &buffer.bytes))
@@ -77,14 +64,12 @@ impl Scene {
             Rotation::new_unchecked(cranny_spatial::nalgebra::Quaternion::new(quarter, -quarter, 0.0, 0.0));
         let y_up_from_planning = Pose::from_parts(Vector::zeros().into(), y_up);
         root.nodes.push(node("planning_frame", &y_up_from_planning, None));
-        let child = |index: usize| Index::new(u32::try_from(index + 1).unwrap_or(u32::MAX));
         for scene_node in &self.nodes {
-            let mesh = scene_node.mesh.map(|mesh| Index::new(u32::try_from(mesh).unwrap_or(u32::MAX)));
-            root.nodes.push(node(&scene_node.name, &scene_node.parent_from_node, mesh));
+            root.nodes.push(node(&scene_node.name, &scene_node.parent_from_node, scene_node.mesh));
         }
         for (index, scene_node) in self.nodes.iter().enumerate() {
             let parent = scene_node.parent.map_or(0, |parent| parent + 1);
-            root.nodes[parent].children.get_or_insert_default().push(child(index));
+            root.nodes[parent].children.push(index + 1);
         }
     }
 
@@ -97,9 +82,9 @@ impl Scene {
         root.materials.push(gltf_material(&material));
         let piece = MeshPiece::of_soup(&soup, root.materials.len() - 1);
         let primitive = primitive(&piece, buffer, root);
-        let mesh = root.push(gltf_mesh("floor", vec![primitive]));
-        let index = root.push(node("floor", world_from_floor, Some(mesh)));
-        root.nodes[0].children.get_or_insert_default().push(index);
+        let mesh = push(&mut root.meshes, gltf_mesh("floor", vec![primitive]));
+        let index = push(&mut root.nodes, node("floor", world_from_floor, Some(mesh)));
+        root.nodes[0].children.push(index);
     }
 
     fn push_animation(&self, buffer: &mut GltfBuffer, root: &mut Root) {
@@ -107,15 +92,9 @@ impl Scene {
         #[allow(clippy::cast_possible_truncation, reason = "single precision is what is meant")]
         let times: Vec<[f32; 1]> = motion.times_s.iter().map(|time| [*time as f32]).collect();
         let input = buffer.numbers(root, &times, None);
-        let mut animation = Animation {
-            extensions: None,
-            extras: Extras::default(),
-            channels: Vec::new(),
-            name: Some("motion".to_owned()),
-            samplers: Vec::new(),
-        };
+        let mut animation = Animation { name: "motion", channels: Vec::new(), samplers: Vec::new() };
         for track in &motion.tracks {
-            let node = Index::new(u32::try_from(track.node + 1).unwrap_or(u32::MAX));
+            let node = track.node + 1;
             let places: Vec<[f32; 3]> = track.poses.iter().map(translation).collect();
             let mut turns: Vec<[f32; 4]> = track.poses.iter().map(rotation).collect();
             // A rotation and its negative are equal; interpolation takes the shorter arc between two instants.
@@ -128,11 +107,11 @@ impl Scene {
             // Constant values are stored in the node only.
             if varies(&places) {
                 let output = buffer.numbers(root, &places, None);
-                add_channel(&mut animation, input, output, node, Property::Translation);
+                add_channel(&mut animation, input, output, node, "translation");
             }
             if varies(&turns) {
                 let output = buffer.numbers(root, &turns, None);
-                add_channel(&mut animation, input, output, node, Property::Rotation);
+                add_channel(&mut animation, input, output, node, "rotation");
             }
         }
         if !animation.channels.is_empty() {
@@ -147,76 +126,41 @@ fn varies<const N: usize>(rows: &[[f32; N]]) -> bool {
     rows.iter().any(|row| (0..N).any(|i| (row[i] - rows[0][i]).abs() > ROUNDING))
 }
 
-fn add_channel(
-    animation: &mut Animation,
-    input: Index<Accessor>,
-    output: Index<Accessor>,
-    node: Index<gltf_json::Node>,
-    path: Property,
-) {
-    let sampler = Index::new(u32::try_from(animation.samplers.len()).unwrap_or(u32::MAX));
-    let interpolation = Checked::Valid(Interpolation::Linear);
-    let extras = Extras::default;
-    animation.samplers.push(Sampler { extensions: None, extras: extras(), input, interpolation, output });
-    let target = Target { extensions: None, extras: extras(), node, path: Checked::Valid(path) };
-    animation.channels.push(Channel { sampler, target, extensions: None, extras: extras() });
+fn add_channel(animation: &mut Animation, input: Index, output: Index, node: Index, path: &'static str) {
+    let sampler = push(&mut animation.samplers, Sampler { input, interpolation: "LINEAR", output });
+    animation.channels.push(Channel { sampler, target: Target { node, path } });
 }
 
-fn gltf_mesh(name: &str, primitives: Vec<Primitive>) -> gltf_json::Mesh {
-    gltf_json::Mesh {
-        extensions: None,
-        extras: Extras::default(),
-        name: Some(name.to_owned()),
-        primitives,
-        weights: None,
-    }
+fn gltf_mesh(name: &str, primitives: Vec<Primitive>) -> GltfMesh {
+    GltfMesh { name: name.to_owned(), primitives }
 }
 
 fn primitive(piece: &MeshPiece, buffer: &mut GltfBuffer, root: &mut Root) -> Primitive {
-    let target = Some(BufferTarget::ArrayBuffer);
-    let mut attributes = BTreeMap::new();
-    let mut add = |semantic, accessor| attributes.insert(Checked::Valid(semantic), accessor);
-    add(Semantic::Positions, buffer.numbers(root, &piece.positions, target));
-    add(Semantic::Normals, buffer.numbers(root, &piece.normals, target));
-    if !piece.colours.is_empty() {
-        let colours: Vec<[f32; 3]> = piece.colours.iter().map(|colour| colour.0).collect();
-        add(Semantic::Colors(0), buffer.numbers(root, &colours, target));
-    }
-    Primitive {
-        attributes,
-        extensions: None,
-        extras: Extras::default(),
-        indices: Some(buffer.indices(root, &piece.triangles)),
-        material: Some(Index::new(u32::try_from(piece.material).unwrap_or(u32::MAX))),
-        mode: Checked::Valid(Mode::Triangles),
-        targets: None,
-    }
+    let target = Some(ARRAY_BUFFER);
+    let position = buffer.numbers(root, &piece.positions, target);
+    let normal = buffer.numbers(root, &piece.normals, target);
+    let colours: Vec<[f32; 3]> = piece.colours.iter().map(|colour| colour.0).collect();
+    let color = (!colours.is_empty()).then(|| buffer.numbers(root, &colours, target));
+    let indices = buffer.indices(root, &piece.triangles);
+    Primitive { attributes: Attributes { position, normal, color }, indices, material: piece.material }
 }
 
-fn gltf_material(material: &Material) -> gltf_json::Material {
+fn gltf_material(material: &Material) -> GltfMaterial {
     let Colour([red, green, blue]) = material.colour;
-    let alpha_mode = if material.opacity < 1.0 { AlphaMode::Blend } else { AlphaMode::Opaque };
-    gltf_json::Material {
-        name: Some(material.name.clone()),
-        alpha_mode: Checked::Valid(alpha_mode),
+    GltfMaterial {
+        name: material.name.clone(),
+        alpha_mode: if material.opacity < 1.0 { "BLEND" } else { "OPAQUE" },
         pbr_metallic_roughness: PbrMetallicRoughness {
-            base_color_factor: PbrBaseColorFactor([red, green, blue, material.opacity]),
-            metallic_factor: StrengthFactor(material.metallic),
-            roughness_factor: StrengthFactor(material.roughness),
-            ..PbrMetallicRoughness::default()
+            base_color: [red, green, blue, material.opacity],
+            metallic: material.metallic,
+            roughness: material.roughness,
         },
-        ..gltf_json::Material::default()
     }
 }
 
-fn node(name: &str, pose: &Pose, mesh: Option<Index<gltf_json::Mesh>>) -> gltf_json::Node {
-    gltf_json::Node {
-        mesh,
-        name: Some(name.to_owned()),
-        rotation: Some(UnitQuaternion(rotation(pose))),
-        translation: Some(translation(pose)),
-        ..gltf_json::Node::default()
-    }
+fn node(name: &str, pose: &Pose, mesh: Option<Index>) -> GltfNode {
+    let (rotation, translation) = (rotation(pose), translation(pose));
+    GltfNode { children: Vec::new(), mesh, name: name.to_owned(), rotation, translation }
 }
 
 #[allow(clippy::cast_possible_truncation, reason = "single precision is what is meant")]

@@ -5,6 +5,7 @@ mod drawing;
 mod error;
 mod gltf_buffer;
 mod gltf_file;
+mod gltf_json;
 mod look;
 mod scene;
 mod task_scene;

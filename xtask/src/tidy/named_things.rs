@@ -79,9 +79,7 @@ impl<'a> Known<'a> {
     fn missing<'s>(&self, page: &SourceFile, span: &'s str) -> Vec<&'s str> {
         let names = span.split(|c: char| !(c.is_alphanumeric() || "_-./".contains(c)));
         let files = names.filter(|name| is_source(name) && !self.has_file(page, name));
-        // Cargo has flags of its own.
-        let own = if span.starts_with("cargo bench") { "" } else { span };
-        let flags = flags_in(own).filter(|flag| !self.flags.contains(*flag));
+        let flags = flags_in(span).filter(|flag| !self.flags.contains(*flag));
         let words = span.split(|c: char| !(c.is_alphanumeric() || c == '_')).filter(|word| is_type(word));
         files.chain(flags).chain(words.filter(|word| !self.words.contains(word))).collect()
     }

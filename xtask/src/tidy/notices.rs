@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
 
+use cargo_metadata::camino::Utf8Path;
 use cargo_metadata::{DependencyKind, Metadata, MetadataCommand, Package, PackageId};
 
 use crate::checkout::SourceFile;
@@ -114,9 +115,20 @@ fn given_away(metadata: &Metadata) -> Vec<&Package> {
     packages
 }
 
-/// Returns the licences under which a package is used: MIT if the package offers it, else all of its licences.
+/// Returns the licences under which a package is used: MIT if the package offers it, else all of its licences; and those of
+/// the fonts that it holds.
 fn licences(package: &Package) -> Result<Vec<String>, String> {
     let Some(folder) = package.manifest_path.parent() else { return Ok(Vec::new()) };
+    let mut licences = own_licences(package, folder)?;
+    for entry in folder.join("assets").read_dir().into_iter().flatten().flatten() {
+        if let Ok(licence) = std::fs::read(entry.path().join("LICENSE")) {
+            licences.push(trimmed(&licence));
+        }
+    }
+    Ok(licences)
+}
+
+fn own_licences(package: &Package, folder: &Utf8Path) -> Result<Vec<String>, String> {
     let mut files = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(|error| format!("{folder}: {error}"))? {
         let name =
@@ -150,11 +162,16 @@ fn licences(package: &Package) -> Result<Vec<String>, String> {
     }
     let read = |(_, name): &(String, String)| {
         let bytes = std::fs::read(folder.join(name)).map_err(|error| format!("{folder}/{name}: {error}"))?;
-        let text = String::from_utf8_lossy(&bytes);
-        let lines: Vec<&str> = text.trim_start_matches('\u{feff}').lines().map(str::trim_end).collect();
-        Ok(lines.join("\n").trim_matches('\n').to_owned())
+        Ok(trimmed(&bytes))
     };
     files.iter().map(read).collect()
+}
+
+/// Returns a text without blanks at the ends of its lines and without blank lines at its ends.
+fn trimmed(bytes: &[u8]) -> String {
+    let text = String::from_utf8_lossy(bytes);
+    let lines: Vec<&str> = text.trim_start_matches('\u{feff}').lines().map(str::trim_end).collect();
+    lines.join("\n").trim_matches('\n').to_owned()
 }
 
 /// Returns the version of three.js in npm's lock file.
@@ -204,7 +221,8 @@ mod tests {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
         let right = text(&root).expect("the licences of the packages");
         assert!(right.contains("\nclap ") && right.contains("three.js") && right.contains("pyo3"));
-        assert!(!right.contains("criterion"), "what tests are built with is not given away");
+        assert!(right.contains("Bitstream Vera Fonts Copyright"), "the font of the charts");
+        assert!(!right.contains("proptest"), "what tests are built with is not given away");
         assert_eq!(check(&root, &[SourceFile::of_text(PAGE, &right)]), Ok(Vec::new()));
         let old = right.replace("\nclap ", "\nclop ");
         for files in [vec![], vec![SourceFile::of_text(PAGE, &old)]] {

@@ -1,11 +1,7 @@
 //! Plots of a report.
 
-pub(crate) mod axis;
 pub(crate) mod box_plot;
 pub(crate) mod difficulty_plot;
-pub(crate) mod drawing;
-pub(crate) mod frame;
-pub(crate) mod picture;
 pub(crate) mod plot;
 pub(crate) mod plots;
 pub(crate) mod profile_plot;

@@ -2,6 +2,7 @@ use std::io::{self, Write as _};
 use std::path::PathBuf;
 
 use clap::Args;
+use cranny_file::system::open_in_browser;
 use cranny_plan::Registry;
 use cranny_view::{PageLimits, PageServer};
 use serde::Serialize;
@@ -87,7 +88,7 @@ pub fn run(arguments: &ViewArguments, registry: &Registry, output: Output) -> Re
         if let Some(door) = &door {
             let file = door.path().to_owned();
             // In a thread of its own, because the call may block until the browser exits.
-            std::thread::spawn(move || opener::open_browser(file));
+            std::thread::spawn(move || open_in_browser(&file));
         }
     })?;
     said?;

@@ -114,7 +114,7 @@ impl Served {
                 }
             }
             (&Method::GET | &Method::HEAD, path) if path != "/verdict" => match page_bundle::asset(path) {
-                Some(asset) => told(StatusCode::OK, asset.kind, asset.bytes.into_owned()),
+                Some(asset) => told(StatusCode::OK, asset.kind, asset.bytes.to_vec()),
                 None => told(StatusCode::NOT_FOUND, TEXT, "there is no such file"),
             },
             _ => told(StatusCode::METHOD_NOT_ALLOWED, TEXT, "this cannot be done here"),

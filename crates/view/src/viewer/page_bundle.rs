@@ -1,13 +1,8 @@
-use std::borrow::Cow;
-
-use rust_embed::RustEmbed;
-
 use crate::ViewError;
 
-/// Page that `build.rs` found or built; empty if it could do neither.
-#[derive(RustEmbed)]
-#[folder = "$OUT_DIR/page"]
-struct Files;
+// `FILES`: names with `/` between folders, and contents, of the page that `build.rs` found or built; empty if it could do
+// neither.
+include!(concat!(env!("OUT_DIR"), "/page_files.rs"));
 
 /// Name of the served page.
 const INDEX: &str = "index.html";
@@ -17,7 +12,7 @@ const SINGLE: &str = "single.html";
 
 /// File of the page.
 pub(crate) struct PageAsset {
-    pub bytes: Cow<'static, [u8]>,
+    pub bytes: &'static [u8],
     /// Media type.
     pub kind: &'static str,
 }
@@ -39,7 +34,7 @@ pub(crate) fn asset(path: &str) -> Option<PageAsset> {
         "wasm" => "application/wasm",
         _ => "application/octet-stream",
     };
-    Files::get(name).map(|file| PageAsset { bytes: file.data, kind })
+    file(name).map(|bytes| PageAsset { bytes, kind })
 }
 
 /// Checks that the program contains a page.
@@ -55,6 +50,10 @@ pub(crate) fn check() -> Result<(), ViewError> {
 /// # Errors
 /// [`ViewError::NoPage`].
 pub(crate) fn single() -> Result<String, ViewError> {
-    let file = Files::get(SINGLE).ok_or(ViewError::NoPage)?;
-    String::from_utf8(file.data.into_owned()).map_err(|_| ViewError::NoPage)
+    let text = file(SINGLE).and_then(|bytes| std::str::from_utf8(bytes).ok());
+    text.map(str::to_owned).ok_or(ViewError::NoPage)
+}
+
+fn file(name: &str) -> Option<&'static [u8]> {
+    FILES.iter().find(|(own, _)| *own == name).map(|(_, bytes)| *bytes)
 }

@@ -1,8 +1,7 @@
 //! Box plots of times, path lengths and clearances, and peak memory, by scenario and planner.
 
-use crate::report::drawn::axis::Axis;
-use crate::report::drawn::drawing::{Dash, Ink, Mark, Point};
-use crate::report::drawn::frame::{Entry, Frame};
+use cranny_chart::{Axis, Dash, Entry, Frame, Ink, Mark, Point};
+
 use crate::report::drawn::plot::{Plot, Scope};
 use crate::report::drawn::success_curve::MOST_CURVES;
 use crate::report::row::Row;

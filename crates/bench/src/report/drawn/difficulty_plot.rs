@@ -1,8 +1,7 @@
 //! Success and time over the difficulty dial of an environment.
 
-use crate::report::drawn::axis::Axis;
-use crate::report::drawn::drawing::{Dash, Ink, Mark};
-use crate::report::drawn::frame::{Entry, Frame};
+use cranny_chart::{Axis, Dash, Entry, Frame, Ink, Mark};
+
 use crate::report::drawn::plot::{Plot, Scope};
 use crate::report::row::Row;
 
@@ -54,7 +53,7 @@ fn drawing(
     x: Axis,
     y: Axis,
     reading: &dyn Fn(&Row) -> Option<Reading>,
-) -> crate::report::drawn::drawing::Drawing {
+) -> cranny_chart::Drawing {
     let planners = scope.planners();
     let legend: Vec<Entry> =
         planners.iter().map(|&(series, name)| Entry { name: name.to_owned(), series }).collect();

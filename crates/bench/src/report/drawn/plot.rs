@@ -1,7 +1,6 @@
+use cranny_chart::{Axis, ChartError, Drawing};
+
 use crate::BenchError;
-use crate::report::drawn::axis::Axis;
-use crate::report::drawn::drawing::Drawing;
-use crate::report::drawn::picture;
 use crate::report::{Measure, Row, Summary};
 
 /// Plot of a report.
@@ -113,21 +112,20 @@ impl Plot {
 
     /// Returns the plot as SVG within a page, whose style sheet defines the colours.
     pub(crate) fn page_svg(&self) -> String {
-        picture::page_svg(&self.drawing, &self.title)
+        self.drawing.page_svg(&self.title)
     }
 
     /// Returns the plot as an SVG file.
     pub fn svg(&self) -> String {
-        picture::svg(&self.drawing)
+        self.drawing.svg()
     }
 
-    /// Returns the plot as a PDF file: lines and letters, with an embedded font.
+    /// Returns the plot as a PDF file of lines, areas and outlines of letters, which needs no font.
     ///
     /// # Errors
     /// [`BenchError::Picture`].
     pub fn pdf(&self) -> Result<Vec<u8>, BenchError> {
-        picture::pdf(&self.drawing)
-            .map_err(|problem| BenchError::Picture { plot: self.name.clone(), problem })
+        self.drawing.pdf().map_err(|reason| self.fault(reason))
     }
 
     /// Returns the plot as a PNG file, 960 pixels wide.
@@ -135,8 +133,11 @@ impl Plot {
     /// # Errors
     /// [`BenchError::Picture`].
     pub fn png(&self) -> Result<Vec<u8>, BenchError> {
-        picture::png(&self.drawing)
-            .map_err(|problem| BenchError::Picture { plot: self.name.clone(), problem })
+        self.drawing.png().map_err(|reason| self.fault(reason))
+    }
+
+    fn fault(&self, reason: ChartError) -> BenchError {
+        BenchError::Picture { plot: self.name.clone(), reason }
     }
 }
 

@@ -1,9 +1,8 @@
 //! Share of trials in which each planner is within a factor of the fastest: performance profiles (Dolan & Moré 2002, §2).
 
+use cranny_chart::{Axis, Dash, Entry, Frame, Ink, Mark, Point};
+
 use crate::report::Overall;
-use crate::report::drawn::axis::Axis;
-use crate::report::drawn::drawing::{Dash, Ink, Mark, Point};
-use crate::report::drawn::frame::{Entry, Frame};
 use crate::report::drawn::plot::{Plot, Scope};
 use crate::report::number_text::percent;
 

@@ -1,9 +1,8 @@
 //! Share of solved runs over time or iterations: as in the paper's figures, one plot for each environment and planner with
 //! one curve for each scenario; the planners compared on each scenario, and on all together.
 
-use crate::report::drawn::axis::Axis;
-use crate::report::drawn::drawing::{Dash, Ink, Mark};
-use crate::report::drawn::frame::{Entry, Frame};
+use cranny_chart::{Axis, Dash, Entry, Frame, Ink, Mark};
+
 use crate::report::drawn::plot::{Plot, Scope};
 use crate::report::drawn::success_curve::{Measure, SuccessCurve};
 use crate::report::number_text::percent;

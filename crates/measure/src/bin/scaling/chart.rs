@@ -1,8 +1,4 @@
-use kuva::backend::svg::SvgBackend;
-use kuva::plot::{LinePlot, ScatterPlot};
-use kuva::render::figure::Figure;
-use kuva::render::layout::Layout;
-use kuva::render::plots::Plot;
+use cranny_chart::{Axis, Dash, Drawing, Entry, Frame, Ink, Mark};
 
 /// Curves over the number of boxes, both axes logarithmic.
 pub struct Panel {
@@ -17,29 +13,29 @@ pub struct Series {
     pub points: Vec<(f64, f64)>,
 }
 
-/// Colours that colour-blind readers can distinguish (Okabe & Ito 2008, "Color universal design", whole).
-const COLORS: [&str; 4] = ["#0072B2", "#D55E00", "#009E73", "#CC79A7"];
-
+/// Returns the panels beside each other, as an SVG file.
 pub fn svg(panels: &[Panel]) -> String {
-    let plots: Vec<Vec<Plot>> = panels.iter().map(curves).collect();
-    let layout = |(panel, plots): (&Panel, &Vec<Plot>)| {
-        Layout::auto_from_plots(plots)
-            .with_log_scale()
-            .with_title(panel.title)
-            .with_x_label("boxes")
-            .with_y_label(panel.unit)
-    };
-    let layouts = panels.iter().zip(&plots).map(layout).collect();
-    let figure = Figure::new(1, panels.len()).with_plots(plots).with_layouts(layouts);
-    SvgBackend.render_scene(&figure.with_cell_size(560.0, 400.0).render())
+    let row = panels.iter().map(drawing).reduce(Drawing::beside);
+    row.map_or_else(String::new, |row| row.svg())
 }
 
-fn curves(panel: &Panel) -> Vec<Plot> {
-    let of_series = |(series, color): (&Series, &&str)| {
-        let points = series.points.iter().copied();
-        let line = LinePlot::new().with_data(points.clone()).with_color(*color).with_legend(series.name);
-        let marks = ScatterPlot::new().with_data(points).with_color(*color).with_size(4.0);
-        [Plot::Line(line), Plot::Scatter(marks)]
+fn drawing(panel: &Panel) -> Drawing {
+    let points = || panel.series.iter().flat_map(|series| &series.points);
+    let axis = |label, value: fn(&(f64, f64)) -> f64| {
+        let least = points().map(value).min_by(f64::total_cmp);
+        Axis::decades(label, least, points().map(value).fold(0.0, f64::max)).with_room()
     };
-    panel.series.iter().zip(&COLORS).flat_map(of_series).collect()
+    let names = panel.series.iter().enumerate();
+    let legend: Vec<Entry> = names.map(|(series, own)| Entry { name: own.name.to_owned(), series }).collect();
+    let mut frame =
+        Frame::new(panel.title, axis("boxes", |point| point.0), axis(panel.unit, |point| point.1), &legend);
+    for (index, series) in panel.series.iter().enumerate() {
+        let (ink, dash) = (Ink::Series(index), Dash::of_series(index));
+        let points: Vec<_> = series.points.iter().map(|&(x, y)| frame.place(x, y)).collect();
+        for &center in &points {
+            frame.draw(Mark::Disc { center, radius: 3.0, ink });
+        }
+        frame.draw(Mark::Line { points, ink, width: 2.0, dash });
+    }
+    frame.finish()
 }

@@ -10,10 +10,15 @@ pub enum Scale {
 /// Axis with its finite range and its labelled ticks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
+    /// Label, with the unit.
     pub label: String,
+    /// Least value.
     pub low: f64,
+    /// Greatest value.
     pub high: f64,
+    /// Scale.
     pub scale: Scale,
+    /// Values with their labels.
     pub ticks: Vec<(f64, String)>,
     /// Values of ticks without labels.
     pub minor_ticks: Vec<f64>,
@@ -104,6 +109,7 @@ impl Axis {
     }
 
     /// Returns the axis with a label at its high end, if that is far enough from the last tick.
+    #[must_use]
     pub fn with_tick_at_end(mut self) -> Self {
         let last = self.ticks.last().map_or(0.0, |(value, _)| self.share_of(*value));
         if last < 0.9 {
@@ -113,6 +119,7 @@ impl Axis {
     }
 
     /// Returns the axis with free space above the greatest value, so that its marks do not touch the edge.
+    #[must_use]
     pub fn with_room(mut self) -> Self {
         self.high = match self.scale {
             Scale::Linear => self.high + ROOM * (self.high - self.low),

@@ -1,5 +1,3 @@
-//! Drawing made of a few kinds of marks, with colours named by their meaning.
-
 /// Colour role of a mark; a dark page maps it to other colours than a sheet of paper.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ink {
@@ -31,15 +29,60 @@ pub type Point = (f64, f64);
 #[derive(Clone, Debug, PartialEq)]
 pub enum Mark {
     /// Line through points.
-    Line { points: Vec<Point>, ink: Ink, width: f64, dash: Dash },
+    Line {
+        /// Corners.
+        points: Vec<Point>,
+        /// Colour.
+        ink: Ink,
+        /// Width, in pixels.
+        width: f64,
+        /// Pattern.
+        dash: Dash,
+    },
     /// Translucent polygon.
-    Area { points: Vec<Point>, ink: Ink, opacity: f64 },
+    Area {
+        /// Corners.
+        points: Vec<Point>,
+        /// Colour.
+        ink: Ink,
+        /// Opacity, from 0 to 1.
+        opacity: f64,
+    },
     /// Filled disc.
-    Disc { center: Point, radius: f64, ink: Ink },
+    Disc {
+        /// Centre.
+        center: Point,
+        /// Radius, in pixels.
+        radius: f64,
+        /// Colour.
+        ink: Ink,
+    },
     /// Text on its baseline.
-    Text { at: Point, text: String, size: u32, anchor: Anchor, ink: Ink, emphasis: Emphasis },
-    /// Text that reads from bottom to top.
-    Upward { at: Point, text: String, size: u32, ink: Ink },
+    Text {
+        /// Position of the anchor.
+        at: Point,
+        /// Letters.
+        text: String,
+        /// Font size, in pixels.
+        size: u32,
+        /// Alignment.
+        anchor: Anchor,
+        /// Colour.
+        ink: Ink,
+        /// Weight.
+        emphasis: Emphasis,
+    },
+    /// Text that reads from bottom to top, centred.
+    Upward {
+        /// Position of its middle.
+        at: Point,
+        /// Letters.
+        text: String,
+        /// Font size, in pixels.
+        size: u32,
+        /// Colour.
+        ink: Ink,
+    },
 }
 
 /// Weight of letters.
@@ -99,12 +142,12 @@ pub struct Drawing {
 pub const SMALL: u32 = 12;
 
 /// Estimates the width of a text in pixels: a letter is on average 0.56 of its height wide.
-pub fn text_width(text: &str, size: u32) -> f64 {
+pub(crate) fn text_width(text: &str, size: u32) -> f64 {
     text.chars().count() as f64 * f64::from(size) * 0.56
 }
 
 /// Shortens a text to a width in pixels by replacing its middle with "…".
-pub fn shortened(text: &str, size: u32, width: f64) -> String {
+pub(crate) fn shortened(text: &str, size: u32, width: f64) -> String {
     let letters: Vec<char> = text.chars().collect();
     if text_width(text, size) <= width {
         return text.to_owned();
@@ -116,7 +159,7 @@ pub fn shortened(text: &str, size: u32, width: f64) -> String {
 
 /// Returns the maximum number of letters that fit into a width in pixels, for a font size.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small count, not negative")]
-pub fn letters_within(width: f64, size: u32) -> usize {
+pub(crate) fn letters_within(width: f64, size: u32) -> usize {
     (width / text_width("m", size)).max(0.0) as usize
 }
 
@@ -130,5 +173,28 @@ impl Drawing {
     pub fn label(&mut self, at: Point, text: impl Into<String>, anchor: Anchor, ink: Ink) {
         let (text, emphasis) = (text.into(), Emphasis::Plain);
         self.marks.push(Mark::Text { at, text, size: SMALL, anchor, ink, emphasis });
+    }
+
+    /// Returns one drawing of two, `right` beside this one.
+    #[must_use]
+    pub fn beside(mut self, mut right: Self) -> Self {
+        for mark in &mut right.marks {
+            mark.shift(self.width);
+        }
+        self.marks.append(&mut right.marks);
+        Self { width: self.width + right.width, height: self.height.max(right.height), marks: self.marks }
+    }
+}
+
+impl Mark {
+    fn shift(&mut self, right: f64) {
+        match self {
+            Self::Line { points, .. } | Self::Area { points, .. } => {
+                for point in points {
+                    point.0 += right;
+                }
+            }
+            Self::Disc { center: at, .. } | Self::Text { at, .. } | Self::Upward { at, .. } => at.0 += right,
+        }
     }
 }

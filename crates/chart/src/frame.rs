@@ -1,9 +1,8 @@
-use crate::report::drawn::axis::Axis;
-use crate::report::drawn::drawing::{
-    Anchor, Dash, Drawing, Emphasis, Ink, Mark, Point, SMALL, letters_within, shortened, text_width,
-};
+use crate::drawing::{letters_within, shortened, text_width};
+use crate::{Anchor, Axis, Dash, Drawing, Emphasis, Ink, Mark, Point, SMALL};
 
 /// Plot frame: two axes with a grid, a title above and a legend below the plot.
+#[derive(Clone, Debug)]
 pub struct Frame {
     x: Axis,
     y: Axis,
@@ -11,7 +10,9 @@ pub struct Frame {
 }
 
 /// Entry of a legend.
+#[derive(Clone, Debug)]
 pub struct Entry {
+    /// Name of the series.
     pub name: String,
     /// Index of its series.
     pub series: usize,
@@ -49,6 +50,7 @@ impl Frame {
         (LEFT + self.x.share_of(x) * (WIDTH - LEFT - RIGHT), TOP + (1.0 - self.y.share_of(y)) * HEIGHT)
     }
 
+    /// Adds a mark, above the earlier ones.
     pub fn draw(&mut self, mark: Mark) {
         self.drawing.marks.push(mark);
     }
