@@ -6,6 +6,7 @@ pub(crate) mod mesh_file;
 pub(crate) mod mesh_size;
 pub(crate) mod obj;
 pub(crate) mod painted_mesh;
+pub(crate) mod painted_obj;
 pub(crate) mod ply;
 pub(crate) mod polygon;
 pub(crate) mod side_sweep;
