@@ -103,6 +103,22 @@ fn a_proven_motion_keeps_its_bound_and_a_refused_one_does_not() {
     assert!(proven.iter().chain(&refused).all(|&count| count > 10), "{proven:?} {refused:?}");
 }
 
+/// A way point at 10⁷ rad would take more than 10¹⁰ intervals.
+#[test]
+fn the_greatest_excess_of_a_motion_of_very_many_turns_takes_bounded_time() {
+    let robot =
+        Arc::new(Robot::from_urdf_text(ARM, "arm.urdf", None, &RobotOptions::default()).expect("a URDF"));
+    let region = ToolRegion::Ball { point_in_link: Point::origin(), center: Point::origin(), radius_m: 0.1 };
+    let cell = cell(&robot, None, region);
+    let (a, b) = ([0.0; 5], [0.0, 1e7, 1e7, 0.1, 1e7]);
+    let mut scratch = cell.scratch();
+    let greatest = cell.greatest_excess(0, &a, &b, &mut scratch);
+    for sample in 0..1000 {
+        let q: Vec<f64> = between(&a, &b, f64::from(sample) / 1000.0).collect();
+        assert!(cell.tool_excess(0, &q, &mut scratch) <= greatest);
+    }
+}
+
 #[test]
 fn a_configuration_out_of_bounds_is_moved_to_one_within_or_given_up() {
     let robot =

@@ -63,7 +63,7 @@ pub fn accept_streams(paths: Vec<PathBuf>) {
 /// As [`Readable::bytes`], except for the size.
 pub fn head(path: &Path, most_bytes: u64) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    open(path, false)?.take(most_bytes).read_to_end(&mut bytes)?;
+    open_plain_file(path)?.take(most_bytes).read_to_end(&mut bytes)?;
     Ok(bytes)
 }
 
@@ -109,6 +109,15 @@ impl Readable {
             FileFault::NotText { line: sound.split(|byte| *byte == b'\n').count() }.into()
         })
     }
+}
+
+/// Opens an existing regular file for reading. A pipe without a writer does not block, even if it takes the place of a file
+/// at this moment.
+///
+/// # Errors
+/// As [`Readable::bytes`], except for the size.
+pub fn open_plain_file(path: &Path) -> io::Result<File> {
+    open(path, false)
 }
 
 /// Opens a regular file, or also a pipe or a device if `takes_streams` is true.

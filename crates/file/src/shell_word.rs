@@ -11,10 +11,15 @@ pub fn shell_word(word: &str) -> String {
     }
 }
 
-/// Quotes the path of a file for a POSIX shell, so that no program takes it for an option.
+/// Quotes the path of a file for a POSIX shell, so that no program takes it for an option. A path that is not UTF-8 becomes the
+/// output of `printf` with its bytes: any other text would name another file.
 pub fn shell_file(path: &Path) -> String {
-    let path = path.display().to_string();
-    shell_word(&if path.starts_with('-') { format!("./{path}") } else { path })
+    let beside = if path.as_os_str().as_encoded_bytes().starts_with(b"-") { "./" } else { "" };
+    if let Some(path) = path.to_str() {
+        return shell_word(&format!("{beside}{path}"));
+    }
+    let bytes = path.as_os_str().as_encoded_bytes().iter().map(|byte| format!("\\{byte:03o}"));
+    format!("\"$(printf '{beside}{}')\"", bytes.collect::<String>())
 }
 
 #[cfg(test)]
@@ -38,6 +43,19 @@ mod tests {
             let script = format!("printf %s {}", shell_word(word));
             let echoed = std::process::Command::new("sh").args(["-c", &script]).output();
             assert_eq!(String::from_utf8(echoed.unwrap().stdout).unwrap(), word);
+        }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_path_that_is_not_text_reaches_a_shell_as_it_is() {
+        use std::os::unix::ffi::OsStrExt as _;
+        for (bytes, reached) in
+            [(b"a \xff'%s\\n$HOME", &b"a \xff'%s\\n$HOME"[..]), (b"-rf\xffxxxxxxxxx", b"./-rf\xffxxxxxxxxx")]
+        {
+            let script = format!("printf %s {}", shell_file(Path::new(std::ffi::OsStr::from_bytes(bytes))));
+            let echoed = std::process::Command::new("sh").args(["-c", &script]).output();
+            assert_eq!(echoed.unwrap().stdout, reached);
         }
     }
 }

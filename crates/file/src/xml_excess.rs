@@ -48,37 +48,51 @@ pub fn xml_excess(text: &str) -> Option<XmlExcess> {
     }
     // Number of namespaces declared for each open element and those around it.
     let mut namespaces = vec![0];
-    let mut at = 0;
-    while let Some(begin) = text[at..].find('<').map(|offset| at + offset) {
-        let skipped = [("<!--", "-->"), ("<![CDATA[", "]]>"), ("<?", "?>")];
-        if let Some((_, end)) = skipped.iter().find(|(start, _)| text[begin..].starts_with(start)) {
-            at = text[begin..].find(end).map_or(bytes.len(), |offset| begin + offset + end.len());
-            continue;
-        }
-        let tag = Tag::read(bytes, begin);
-        at = tag.end;
+    for tag in tags(text) {
         if tag.attributes > MOST_ATTRIBUTES {
-            return excess(begin, "attributes in one element", MOST_ATTRIBUTES, tag.attributes);
+            return excess(tag.begin, "attributes in one element", MOST_ATTRIBUTES, tag.attributes);
         }
         if tag.longest_namespace > MOST_NAMESPACE_BYTES {
             let what = "bytes in the declaration of one namespace";
-            return excess(begin, what, MOST_NAMESPACE_BYTES, tag.longest_namespace);
+            return excess(tag.begin, what, MOST_NAMESPACE_BYTES, tag.longest_namespace);
         }
         let around = namespaces.last().copied().unwrap_or(0);
         let declared = around + tag.namespaces;
         match tag.kind {
             TagKind::End => drop(namespaces.pop()),
             TagKind::Start | TagKind::Whole if declared > MOST_NAMESPACES => {
-                return excess(begin, "namespaces declared for one element", MOST_NAMESPACES, declared);
+                return excess(tag.begin, "namespaces declared for one element", MOST_NAMESPACES, declared);
             }
             TagKind::Start if namespaces.len() > MOST_DEPTH => {
-                return excess(begin, "elements inside each other", MOST_DEPTH, namespaces.len());
+                return excess(tag.begin, "elements inside each other", MOST_DEPTH, namespaces.len());
             }
             TagKind::Start => namespaces.push(declared),
             TagKind::Whole => {}
         }
     }
     None
+}
+
+/// Tags outside of comments, character data and processing instructions, up to the first declaration (`<!DOCTYPE`), at which
+/// the parser stops. The end of each is searched behind its whole start mark, as the parser does: `<!-->` only begins a comment.
+fn tags(text: &str) -> impl Iterator<Item = Tag> {
+    let mut at = 0;
+    std::iter::from_fn(move || {
+        loop {
+            let begin = at + text[at..].find('<')?;
+            let skipped = [("<!--", "-->"), ("<![CDATA[", "]]>"), ("<?", "?>")];
+            if let Some((start, end)) = skipped.iter().find(|(start, _)| text[begin..].starts_with(start)) {
+                let inside = begin + start.len();
+                at = inside + text[inside..].find(end)? + end.len();
+            } else if text[begin..].starts_with("<!") {
+                return None;
+            } else {
+                let tag = Tag::read(text.as_bytes(), begin);
+                at = tag.end;
+                return Some(tag);
+            }
+        }
+    })
 }
 
 enum TagKind {
@@ -92,6 +106,7 @@ enum TagKind {
 
 struct Tag {
     kind: TagKind,
+    begin: usize,
     /// Offset behind the tag.
     end: usize,
     /// Number of attributes, those that declare a namespace included.
@@ -103,8 +118,8 @@ struct Tag {
 
 impl Tag {
     fn read(bytes: &[u8], begin: usize) -> Self {
-        let mut tag =
-            Self { kind: TagKind::Start, end: begin + 1, attributes: 0, namespaces: 0, longest_namespace: 0 };
+        let (kind, end) = (TagKind::Start, begin + 1);
+        let mut tag = Self { kind, begin, end, attributes: 0, namespaces: 0, longest_namespace: 0 };
         let mut quote = None;
         // Start of the declaration of a namespace that has not ended.
         let mut declaration = None;
@@ -141,6 +156,8 @@ impl Tag {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
 
     fn excess_of(text: &str) -> Option<(usize, &'static str, usize)> {
@@ -194,4 +211,65 @@ mod tests {
             assert_eq!(excess_of(&text), None, "{}", crate::excerpt(&text));
         }
     }
+
+    /// A comment that begins with `<!-->` once ended there for the scanner alone, which then took the quotes of all later tags
+    /// for their opposites.
+    #[test]
+    fn content_that_looks_like_an_end_hides_no_attributes() {
+        let many = (0..70).map(|index| format!(" a{index}=\">\"")).collect::<Vec<_>>().concat();
+        for before in ["<!--><b c=\"-->", "<!---><b c=\"-->", "<![CDATA[]><b c=\"]]>", "<?x ><b c=\"?>"] {
+            let text = format!("<a>{before}<b{many}/></a>");
+            assert!(roxmltree::Document::parse(&text).is_ok(), "{before}");
+            assert_eq!(excess_of(&text), Some((1, "attributes in one element", 70)), "{before}");
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(20_000))]
+
+        /// In every text that the parser accepts, each element has one tag here, with as many attributes.
+        #[test]
+        fn the_parser_finds_no_element_or_attribute_that_is_not_counted(
+            pieces in prop::collection::vec(prop::sample::select(&PIECES), 0..9),
+        ) {
+            let text = format!("<a>{}</a>", pieces.concat());
+            if let Ok(document) = roxmltree::Document::parse(&text) {
+                let elements = document.descendants().filter(roxmltree::Node::is_element);
+                let parsed: Vec<_> = elements.map(|e| (e.range().start, e.attributes().len())).collect();
+                let begins = tags(&text).filter(|tag| !matches!(tag.kind, TagKind::End));
+                let counted: Vec<_> = begins.map(|tag| (tag.begin, tag.attributes - tag.namespaces)).collect();
+                prop_assert_eq!(parsed, counted, "{}", text);
+            }
+        }
+    }
+
+    const PIECES: [&str; 27] = [
+        "<a>",
+        "</a>",
+        "<a/>",
+        "<a b='\"'>",
+        "<a b=\">'\" c='/'/>",
+        "<a xmlns:b='c' d='e'/>",
+        "<a",
+        "/>",
+        ">",
+        " b='",
+        "'",
+        "\"",
+        "/",
+        "<!--",
+        "<!-->",
+        "<!--->",
+        "-->",
+        "->",
+        "<![CDATA[",
+        "]]>",
+        "]>",
+        "<?b ",
+        "<?b?>",
+        "?>",
+        "<!b>",
+        "é",
+        " ",
+    ];
 }

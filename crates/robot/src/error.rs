@@ -353,7 +353,7 @@ pub enum RobotError {
         joint: String,
     },
     /// A joint to be moved or fixed at a value cannot move independently.
-    #[error("{at}: joint `{joint}` cannot be {wanted}: {hindrance}")]
+    #[error("{at}: joint `{joint}` cannot be {wanted}: {constraint}")]
     NotFree {
         /// Location of the joint in the file.
         at: Location,
@@ -362,7 +362,7 @@ pub enum RobotError {
         /// `moved` or `held at a value`.
         wanted: &'static str,
         /// Reason why it cannot.
-        hindrance: JointConstraint,
+        constraint: JointConstraint,
     },
     /// An SRDF contains unknown content.
     #[error("{at}: unknown {kind} `{name}` in an SRDF (known here: {known})")]

@@ -132,13 +132,13 @@ impl Scenario {
         if stated.is_empty() {
             return Ok(None);
         }
-        let firmness = self.firmness().ok_or_else(|| {
+        let load_model = self.load_model().ok_or_else(|| {
             "stated loads of grasps were not compared: they are computed for a hand with two flat pads and a target that \
              encloses a volume"
                 .to_owned()
         })?;
         let chosen = self.grasps.chosen(&stated);
-        let computed = chosen.with_loads(firmness.measure());
+        let computed = chosen.with_loads(load_model.measure());
         let loads = |set: &GraspSet| set.grasps().iter().filter_map(|grasp| grasp.load).collect::<Vec<f64>>();
         let pairs = stated.into_iter().zip(loads(&chosen).into_iter().zip(loads(&computed)));
         let is_false = |(_, (stated, computed)): &(usize, (f64, f64))| {

@@ -119,15 +119,16 @@ fn a_stopped_set_goes_on_where_it_was_and_is_the_same() {
     let report = pool.install(|| stopped_set(&maker, &folder, 8, 3));
     assert_eq!((report.written.len(), report.missing), (3, 5));
     let unfinished = report.unfinished.expect("the folder of the three");
-    assert!(!folder.exists() && unfinished.join(&report.written[0]).is_dir());
+    let content = unfinished.join("set");
+    assert!(!folder.exists() && content.join(&report.written[0]).is_dir());
     // Killed while it wrote a member, and a line of the list.
     let list = unfinished.join("unfinished.jsonl");
     let text = fs::read_to_string(&list).unwrap();
     fs::write(&list, text.clone() + "{\"number\": 7, \"li").unwrap();
-    fs::create_dir(unfinished.join("gap-00007")).unwrap();
-    fs::write(unfinished.join("gap-00007/half"), "written").unwrap();
+    fs::create_dir(content.join("gap-00007")).unwrap();
+    fs::write(content.join("gap-00007/half"), "written").unwrap();
     // A finished member is not made again.
-    let kept = unfinished.join(&report.written[0]).join("kept");
+    let kept = content.join(&report.written[0]).join("kept");
     fs::write(kept, "").unwrap();
     let report = watched(|progress| write_set(&maker, &folder, 8, progress).unwrap());
     assert_eq!(report, expected);
@@ -159,7 +160,7 @@ fn only_the_same_set_goes_on_and_only_once_at_a_time() {
     // The folder of another program is neither used nor removed.
     fs::write(unfinished.join("unfinished.jsonl"), "mine\n").unwrap();
     assert!(again().unwrap_err().contains("exists already"));
-    assert!(unfinished.join("gap-00000").is_dir() && !folder.exists());
+    assert!(unfinished.join("set/gap-00000").is_dir() && !folder.exists());
     // Killed before the first line, and before the list.
     for has_list in [true, false] {
         fs::remove_dir_all(&unfinished).unwrap();
@@ -172,6 +173,69 @@ fn only_the_same_set_goes_on_and_only_once_at_a_time() {
         fs::remove_dir_all(&folder).unwrap();
         fs::create_dir(&unfinished).unwrap();
     }
+}
+
+/// The name of an unfinished set can be computed by anybody, who may put a link or other content there.
+#[test]
+fn nothing_is_made_in_the_folder_of_another_or_left_where_there_was_none() {
+    let root = tempfile::tempdir().unwrap();
+    let folder = root.path().join("a/b/set");
+    let maker = maker(Family::Gap, |settings| settings);
+    let unfinished = stopped_set(&maker, &folder, 4, 1).unfinished.expect("a folder");
+    let progress = SetProgress { done: &|| (), stop: &AtomicBool::new(false) };
+    let again = || write_set(&maker, &folder, 4, &progress).map_err(|fault| fault.to_string());
+    fs::remove_dir_all(&unfinished).unwrap();
+    fs::create_dir(&unfinished).unwrap();
+    fs::write(unfinished.join("theirs"), "").unwrap();
+    assert!(again().unwrap_err().contains("exists already"));
+    assert_eq!(fs::read_dir(&unfinished).unwrap().count(), 1);
+    #[cfg(unix)]
+    {
+        let victim = root.path().join("victim");
+        fs::create_dir(&victim).unwrap();
+        fs::remove_dir_all(&unfinished).unwrap();
+        std::os::unix::fs::symlink(&victim, &unfinished).unwrap();
+        assert!(again().unwrap_err().contains("exists already"));
+        assert_eq!(fs::read_dir(&victim).unwrap().count(), 0);
+        fs::remove_dir(&victim).unwrap();
+    }
+    // Stopped before the first member.
+    fs::remove_dir_all(root.path().join("a")).unwrap();
+    let stopped = SetProgress { done: &|| (), stop: &AtomicBool::new(true) };
+    assert_eq!(write_set(&maker, &folder, 4, &stopped).unwrap().unfinished, None);
+    assert_eq!(fs::read_dir(root.path()).unwrap().count(), 0);
+    // Killed after the set was complete, before the list was removed.
+    assert_eq!(again().unwrap().written.len(), 4);
+    let list = unfinished.join("unfinished.jsonl");
+    fs::create_dir(&unfinished).unwrap();
+    fs::write(list, "").unwrap();
+    assert!(again().unwrap_err().contains("exists already"));
+    assert!(!unfinished.exists() && !folder.join("unfinished.jsonl").exists());
+}
+
+/// A stopped set went on with the members of the robot as it was before.
+#[test]
+fn a_set_does_not_go_on_with_a_changed_robot() {
+    let root = tempfile::tempdir().unwrap();
+    let urdf = RecipeRobot::of_the_paper().unwrap().write(&root.path().join("robot")).unwrap();
+    let mesh = urdf.with_file_name("triangle.obj");
+    let text = fs::read_to_string(&urdf).unwrap();
+    let (begin, rest) = text.split_once("</link>").unwrap();
+    let visual = "<visual><geometry><mesh filename=\"triangle.obj\"/></geometry></visual>";
+    let unfinished = || {
+        let robot = RecipeRobot::load(&urdf).unwrap();
+        let settings = SetSettings::new(Family::Gap, &robot, 0);
+        let maker = SetMaker::new(Family::Gap, robot, settings, |_| Ok(true)).unwrap();
+        stopped_set(&maker, &root.path().join("set"), 12, 1).unfinished.expect("a folder")
+    };
+    fs::write(&urdf, format!("{begin}{visual}</link>{rest}")).unwrap();
+    fs::write(&mesh, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    let first = unfinished();
+    assert_eq!(unfinished(), first);
+    fs::write(&mesh, "v 0 0 0\nv 2 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    let second = unfinished();
+    fs::write(&urdf, format!("{begin}{visual}</link>{rest}<!-- changed -->")).unwrap();
+    assert!(first != second && unfinished() != first && unfinished() != second);
 }
 
 #[test]

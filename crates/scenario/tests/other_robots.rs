@@ -125,7 +125,8 @@ fn meshes_of_packages_and_of_one_name_are_told_apart() {
         "<robot name='r'><link name='l'>{}{}{}{}</link></robot>",
         body("collision", "package://arm/a/link.obj"),
         body("collision", "package://arm/b/link.obj"),
-        body("visual", "package://arm/a/link.obj"),
+        // Another spelling is not another file.
+        body("visual", "package://arm/a/../a/./link.obj"),
         body("visual", "package://paint/gone.dae"),
     );
     fs::write(&urdf, text).unwrap();

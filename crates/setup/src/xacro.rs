@@ -1,7 +1,9 @@
 use std::ffi::OsString;
-use std::io;
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{Command, Output, Stdio};
+use std::thread;
+use std::time::{Duration, Instant};
 
 use cranny_file::system::installed_command;
 
@@ -67,7 +69,7 @@ const TOOLS: [(&str, &[&str]); 2] = [("python3", &["-c", RUN]), ("xacro", &[])];
 /// Returns true if Python's `xacro` is installed, which is required for robots in `.xacro` files.
 pub fn has_xacro() -> bool {
     TOOLS.iter().any(|tool| {
-        let output = command(tool).and_then(|mut command| command.arg("--help").output());
+        let output = command(tool).and_then(|mut command| output_of(command.arg("--help"), PATIENCE));
         output.is_ok_and(|output| output.status.success())
     })
 }
@@ -103,7 +105,14 @@ pub(crate) fn expand(path: &Path, options: &SetupOptions) -> Result<(String, Str
     let packages = packages(path, &options.packages);
     for tool in &TOOLS {
         let Ok(mut command) = command(tool) else { continue };
-        let Ok(output) = command.arg(path).args(&values).env(PACKAGES, &packages).output() else { continue };
+        command.arg(path).args(&values).env(PACKAGES, &packages);
+        let output = match output_of(&mut command, PATIENCE) {
+            Ok(output) => output,
+            Err(reason) if matches!(reason.kind(), io::ErrorKind::TimedOut | io::ErrorKind::FileTooLarge) => {
+                return Err(failed(reason.to_string()));
+            }
+            Err(_) => continue,
+        };
         let said = String::from_utf8_lossy(&output.stderr);
         if output.status.success() {
             let urdf = String::from_utf8(output.stdout)
@@ -115,6 +124,50 @@ pub(crate) fn expand(path: &Path, options: &SetupOptions) -> Result<(String, Str
         }
     }
     Err(failed("xacro is not installed (`pip install xacro`)".to_owned()))
+}
+
+/// Maximum time of xacro: large robots take a few seconds, and a pipe that a file includes is never read to its end.
+const PATIENCE: Duration = Duration::from_mins(1);
+
+/// Maximum size of a text that xacro writes, as of a URDF.
+const MOST_BYTES: u64 = 64 << 20;
+
+/// Runs a command to its end; ends it after `patience`.
+///
+/// # Errors
+/// [`io::ErrorKind::TimedOut`], [`io::ErrorKind::FileTooLarge`] for more than [`MOST_BYTES`] of output or of messages, and those
+/// of the operating system.
+fn output_of(command: &mut Command, patience: Duration) -> io::Result<Output> {
+    // A closed pipe ends a program that writes more.
+    fn reading(pipe: Option<impl Read + Send + 'static>) -> thread::JoinHandle<Vec<u8>> {
+        thread::spawn(move || {
+            let mut bytes = Vec::new();
+            let _ = pipe.map(|pipe| pipe.take(MOST_BYTES + 1).read_to_end(&mut bytes));
+            bytes
+        })
+    }
+    let begin = Instant::now();
+    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn()?;
+    let [stdout, stderr] = [reading(child.stdout.take()), reading(child.stderr.take())];
+    let status = loop {
+        match child.try_wait()? {
+            Some(status) if stdout.is_finished() && stderr.is_finished() => break status,
+            _ if begin.elapsed() > patience => {
+                child.kill()?;
+                child.wait()?;
+                let message =
+                    format!("it did not end within {} s (does it include a pipe?)", patience.as_secs());
+                return Err(io::Error::new(io::ErrorKind::TimedOut, message));
+            }
+            _ => thread::sleep(Duration::from_millis(5)),
+        }
+    };
+    let [stdout, stderr] = [stdout, stderr].map(|reading| reading.join().unwrap_or_default());
+    if stdout.len().max(stderr.len()) as u64 > MOST_BYTES {
+        let message = format!("it wrote more than {} MiB", MOST_BYTES >> 20);
+        return Err(io::Error::new(io::ErrorKind::FileTooLarge, message));
+    }
+    Ok(Output { status, stdout, stderr })
 }
 
 /// Returns the given folders, then those above the file, joined as a search path.
@@ -142,11 +195,9 @@ fn whole(said: &str) -> String {
 mod tests {
     use super::*;
 
-    /// `cranny doctor` used to run the `xacro.py` of the current folder.
-    #[cfg(unix)]
+    /// `cranny doctor` used to run the `xacro.py` of the current folder. Its programs are not found (`installed_command`).
     #[test]
-    fn nothing_of_the_current_folder_is_run() {
-        use std::os::unix::fs::PermissionsExt as _;
+    fn no_module_of_the_current_folder_is_run() {
         let folder = tempfile::tempdir().unwrap();
         let mark = folder.path().join("was_run");
         let python = format!("open({:?}, 'w').close()\nraise SystemExit(0)\n", mark.to_str().unwrap());
@@ -162,15 +213,57 @@ mod tests {
         ] {
             std::fs::write(folder.path().join(format!("{module}.py")), &python).unwrap();
         }
-        for program in ["python3", "xacro", "env"] {
-            let path = folder.path().join(program);
-            std::fs::write(&path, format!("#!/bin/sh\n: > {}\n", mark.display())).unwrap();
-            std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o755)).unwrap();
-        }
         for tool in &TOOLS {
             let Ok(mut command) = command(tool) else { continue };
             command.current_dir(folder.path()).arg("--help").output().unwrap();
             assert!(!mark.exists(), "{}", tool.0);
         }
+    }
+
+    /// A file that includes a pipe blocked the setup for ever.
+    #[cfg(unix)]
+    #[test]
+    fn a_program_that_does_not_end_is_ended() {
+        let run = |script: &str| {
+            let mut command = installed_command("sh").unwrap();
+            output_of(command.args(["-c", script]), Duration::from_millis(500))
+        };
+        let output = run("echo a; echo b >&2; exit 3").unwrap();
+        assert_eq!(
+            (output.status.code(), &output.stdout[..], &output.stderr[..]),
+            (Some(3), &b"a\n"[..], &b"b\n"[..])
+        );
+        // The last one leaves a program that holds its output open.
+        for script in ["exec sleep 100", "exec >&- 2>&-; exec sleep 100", "sleep 2 &"] {
+            let begin = Instant::now();
+            assert_eq!(run(script).unwrap_err().kind(), io::ErrorKind::TimedOut, "{script}");
+            assert!(begin.elapsed() < Duration::from_secs(2), "{script}");
+        }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_program_that_writes_without_end_is_ended() {
+        let mut command = installed_command("sh").unwrap();
+        let fault = output_of(command.args(["-c", "exec cat /dev/zero"]), PATIENCE).unwrap_err();
+        assert_eq!(fault.to_string(), "it wrote more than 64 MiB");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_file_that_includes_a_pipe_is_refused() {
+        if !has_xacro() {
+            return;
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("robot.xacro");
+        let text = "<robot name='a' xmlns:xacro='http://ros.org/wiki/xacro'><xacro:include filename='pipe'/></robot>";
+        std::fs::write(&path, text).unwrap();
+        let made = Command::new("mkfifo").arg(folder.path().join("pipe")).status().unwrap();
+        assert!(made.success());
+        let mut tool = TOOLS.iter().find_map(|tool| command(tool).ok()).unwrap();
+        let fault =
+            output_of(tool.arg(&path).env(PACKAGES, folder.path()), Duration::from_secs(3)).unwrap_err();
+        assert_eq!(fault.kind(), io::ErrorKind::TimedOut);
     }
 }

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use cranny_scenario::BUILTIN_ROBOTS;
 use cranny_setup::{RobotSetup, SetupOptions};
 
 /// An SRDF in the usual folder of a package blocked the setup for ever if it was a pipe.
@@ -9,27 +10,23 @@ use cranny_setup::{RobotSetup, SetupOptions};
 #[test]
 fn a_pipe_in_the_folder_of_srdf_files_is_not_read() {
     let package = tempfile::tempdir().unwrap();
+    let urdf = BUILTIN_ROBOTS[0].write(&package.path().join("urdf")).unwrap();
+    let beside = urdf.with_extension("srdf");
+    let found = package.path().join("srdf").join(beside.file_name().unwrap());
+    std::fs::create_dir(found.parent().unwrap()).unwrap();
+    std::fs::rename(&beside, &found).unwrap();
+    let chosen = || {
+        let setup = RobotSetup::of(&urdf, &SetupOptions::default()).unwrap();
+        setup.choices.into_iter().find(|choice| choice.what == "SRDF").expect("a choice")
+    };
+    assert!(chosen().chosen.starts_with("pairs and states of "), "{:?}", chosen());
     let pipe = |path: &Path| {
+        std::fs::remove_file(path).unwrap();
         assert!(std::process::Command::new("mkfifo").arg(path).status().unwrap().success());
     };
-    for folder in ["urdf", "srdf"] {
-        std::fs::create_dir(package.path().join(folder)).unwrap();
-    }
-    let urdf = package.path().join("urdf/arm.urdf");
-    let link = |name: &str| {
-        format!(
-            "<link name=\"{name}\"><collision><geometry><box size=\"0.1 0.1 0.1\"/></geometry></collision></link>"
-        )
-    };
-    let joint = "<joint name=\"j\" type=\"revolute\"><parent link=\"a\"/><child link=\"b\"/><origin xyz=\"0 0 0.5\"/>\
-        <axis xyz=\"0 0 1\"/><limit lower=\"-1\" upper=\"1\" velocity=\"1\" effort=\"1\"/></joint>";
-    std::fs::write(&urdf, format!("<robot name=\"arm\">{}{}{joint}</robot>", link("a"), link("b"))).unwrap();
-    pipe(&package.path().join("srdf/arm.srdf"));
-    let setup = RobotSetup::of(&urdf, &SetupOptions::default()).map(|_| ());
-    // An arm of one joint need not be a robot that can be set up; it must only be answered.
-    let said = setup.map_or_else(|fault| fault.to_string(), |()| String::new());
-    assert!(!said.contains("pipe"), "{said}");
-    std::fs::remove_file(&urdf).unwrap();
+    pipe(&found);
+    let choice = chosen();
+    assert!(choice.chosen == "none" && choice.why.contains("it is a pipe, not a regular file"), "{choice:?}");
     pipe(&urdf);
     let fault = RobotSetup::of(&urdf, &SetupOptions::default()).map(|_| ()).unwrap_err().to_string();
     assert!(fault.contains("it is a pipe, not a regular file"), "{fault}");

@@ -118,6 +118,18 @@ pub enum ShapeError {
         /// Maximum number.
         most: usize,
     },
+    /// The closed surfaces of a mesh are so many and so close that the search for those inside others would compare nearly all.
+    #[error(
+        "its {bodies} bodies are too many to find out which lie inside others: it takes more than {most} comparisons of \
+         their triangles (unite those that touch with Blender's boolean modifier or `trimesh.boolean.union` in Python, \
+         or leave out inner ones)"
+    )]
+    ManyBodies {
+        /// Number of closed surfaces.
+        bodies: usize,
+        /// Maximum number of comparisons.
+        most: usize,
+    },
     /// A mesh encloses no volume, or a negative one.
     #[error("the mesh encloses no volume ({volume_m3:.3e} m³; do its faces look inwards?)")]
     NoVolume {

@@ -7,6 +7,7 @@ pub(crate) mod mesh_size;
 pub(crate) mod msh;
 pub(crate) mod obj;
 pub(crate) mod painted_mesh;
+pub(crate) mod painted_obj;
 pub(crate) mod ply;
 pub(crate) mod polygon;
 pub(crate) mod side_sweep;

@@ -8,6 +8,7 @@ mod closest;
 mod collada_files;
 mod contact;
 mod large_hulls;
+mod large_meshes;
 mod mesh_files;
 mod objects;
 mod separation;

@@ -7,10 +7,10 @@ use cranny_spatial::{Pose, PoseDifference};
 
 fn fault(change: impl Fn(&mut cranny_grasp::Hand, &mut Physics, &mut ShakeTest)) -> SimError {
     let mut hand = BoxHand::default().hand().unwrap();
-    let (mut physics, mut course) = (Physics::default(), ShakeTest::default());
-    change(&mut hand, &mut physics, &mut course);
+    let (mut physics, mut shake_test) = (Physics::default(), ShakeTest::default());
+    change(&mut hand, &mut physics, &mut shake_test);
     let ball = builtin_object("tennis_ball").unwrap();
-    GraspTest::new(&hand, &ball, Pose::identity(), &[], physics, course).unwrap_err()
+    GraspTest::new(&hand, &ball, Pose::identity(), &[], physics, shake_test).unwrap_err()
 }
 
 #[test]
@@ -29,9 +29,9 @@ fn constants_out_of_their_range_are_refused() {
         (fault(|_, physics, _| physics.solver_iterations = 0), "iterations"),
         (fault(|_, physics, _| physics.gravity = f64::NAN), "gravity"),
         (fault(|_, physics, _| physics.drive_stiffness = 1e6), "stiffness"),
-        (fault(|_, _, course| course.lift_s = 0.0), "time of the lift"),
-        (fault(|_, _, course| course.shake_hz = f64::INFINITY), "frequency"),
-        (fault(|_, _, course| course.slip_m = -1.0), "limit of slip"),
+        (fault(|_, _, shake_test| shake_test.lift_s = 0.0), "time of the lift"),
+        (fault(|_, _, shake_test| shake_test.shake_hz = f64::INFINITY), "frequency"),
+        (fault(|_, _, shake_test| shake_test.slip_m = -1.0), "limit of slip"),
     ] {
         assert!(figure.to_string().contains(said), "{figure}");
     }
@@ -39,26 +39,29 @@ fn constants_out_of_their_range_are_refused() {
 
 #[test]
 fn the_hand_goes_up_and_to_and_fro_without_a_jump() {
-    let course = ShakeTest::default();
+    let shake_test = ShakeTest::default();
     let closed = Pose::translation(0.3, 0.0, 0.5);
-    let at = |time_s| course.world_from_hand(&closed, time_s);
+    let at = |time_s| shake_test.world_from_hand(&closed, time_s);
     assert!(PoseDifference::between(&closed, &at(0.0)).translation_m < 1e-12);
-    let end = PoseDifference::between(&Pose::translation(0.3, 0.0, 0.6), &at(course.duration_s()));
+    let end = PoseDifference::between(&Pose::translation(0.3, 0.0, 0.6), &at(shake_test.duration_s()));
     assert!(end.translation_m < 1e-12 && end.rotation_rad < 1e-9);
     let (mut farthest_m, mut farthest_rad, mut time_s) = (0.0_f64, 0.0_f64, 0.0);
-    while time_s < course.duration_s() {
+    while time_s < shake_test.duration_s() {
         let step = PoseDifference::between(&at(time_s), &at(time_s + 1e-4));
         // The limits are 0.5 m/s and 6 rad/s.
         assert!(step.translation_m < 5e-5 && step.rotation_rad < 6e-4, "at {time_s} s");
         let off = PoseDifference::between(&Pose::translation(0.3, 0.0, 0.6), &at(time_s));
-        if time_s > course.lift_s {
+        if time_s > shake_test.lift_s {
             farthest_m = farthest_m.max(off.translation_m);
             farthest_rad = farthest_rad.max(off.rotation_rad);
         }
         time_s += 1e-4;
     }
-    assert!(farthest_m > 0.85 * course.shake_m && farthest_m <= course.shake_m, "{farthest_m} m");
-    assert!(farthest_rad > 0.85 * course.shake_rad && farthest_rad <= course.shake_rad, "{farthest_rad} rad");
+    assert!(farthest_m > 0.85 * shake_test.shake_m && farthest_m <= shake_test.shake_m, "{farthest_m} m");
+    assert!(
+        farthest_rad > 0.85 * shake_test.shake_rad && farthest_rad <= shake_test.shake_rad,
+        "{farthest_rad} rad"
+    );
 }
 
 #[test]

@@ -45,15 +45,15 @@ impl FirmGrip {
     /// Creates the grip on the object of a carrier in the hand that closed at a configuration (m, rad; one per joint); `None`
     /// if it cannot be computed, or no pad bears load.
     pub fn new(problem: &Problem, carrier: &Carrier, closed_at: &[f64]) -> Option<Self> {
-        let firmness = carrier.firmness(problem)?;
-        Self::of(&firmness, problem.robot(), closed_at)
+        let load_model = carrier.load_model(problem)?;
+        Self::of(&load_model, problem.robot(), closed_at)
     }
 
-    /// Creates the grip from a known firmness, the hand closed at a configuration (m, rad; one per joint).
-    pub fn of(firmness: &LoadModel, robot: &Robot, closed_at: &[f64]) -> Option<Self> {
+    /// Creates the grip from a known load model, the hand closed at a configuration (m, rad; one per joint).
+    pub fn of(load_model: &LoadModel, robot: &Robot, closed_at: &[f64]) -> Option<Self> {
         let world_from_closed = *robot.frames_at(closed_at).link(robot.tip());
-        let forces = firmness.grip(&world_from_closed)?;
-        Some(Self { forces, is_mass_assumed: firmness.is_mass_assumed, world_from_closed })
+        let forces = load_model.grip(&world_from_closed)?;
+        Some(Self { forces, is_mass_assumed: load_model.is_mass_assumed, world_from_closed })
     }
 
     /// Returns the least factor for the weight alone along a path of way points (m, rad; one value per joint).
@@ -150,7 +150,7 @@ impl FirmGrip {
 }
 
 /// Sets for each segment with a held object the greatest speed at which the hold has the required factor, and measures the
-/// firmness; `None` without a held object, or if the firmness cannot be computed for each one.
+/// factors; `None` without a held object, or if they cannot be computed for each one.
 ///
 /// # Errors
 /// [`FailureReason::Slips`] in the inner result for a motion that reaches the factor at no speed.
@@ -195,7 +195,7 @@ pub(crate) fn hold_firmly(
 }
 
 impl HoldFactors {
-    /// Measures the firmness along timed segments; `None` without a held object, or if it cannot be computed for each one.
+    /// Measures the factors along timed segments; `None` without a held object, or if it cannot be computed for each one.
     ///
     /// # Errors
     /// [`PlanError`] for a path that cannot be timed.

@@ -177,12 +177,12 @@ impl Problem {
     /// Returns the grasps of the target with the load of each; `None` if there are none, or no load can be computed
     /// ([`LoadModel`]).
     pub fn loaded_grasps(&self) -> Option<GraspSet> {
-        let firmness = self.firmness(self.cell()?, self.target?)?;
-        Some(self.grasps()?.with_loads(firmness.measure()))
+        let load_model = self.load_model(self.cell()?, self.target?)?;
+        Some(self.grasps()?.with_loads(load_model.measure()))
     }
 
-    /// Returns the firmness of grasps of a body where it stands in a cell; `None` if it cannot be computed ([`LoadModel`]).
-    pub(crate) fn firmness(&self, cell: &Cell, body: usize) -> Option<LoadModel> {
+    /// Returns the load model of grasps of a body where it stands in a cell; `None` if it cannot be computed ([`LoadModel`]).
+    pub(crate) fn load_model(&self, cell: &Cell, body: usize) -> Option<LoadModel> {
         LoadModel::new(cell, body, self.frictions.get(body).copied().flatten(), &self.weights)
     }
 

@@ -14,6 +14,14 @@ pub enum ViewError {
         /// Paths that were tried.
         tried: Vec<PathBuf>,
     },
+    /// The visual meshes of a robot have more triangles than are drawn.
+    #[error(
+        "the visual meshes of the robot have more than {most} triangles; draw it with fewer or simpler ones"
+    )]
+    ManyTriangles {
+        /// Maximum number.
+        most: usize,
+    },
     /// A mesh cannot be read.
     #[error(transparent)]
     Shape(#[from] cranny_shape::ShapeError),

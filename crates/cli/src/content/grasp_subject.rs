@@ -208,7 +208,7 @@ impl Subject {
     }
 
     /// Returns the load measure, and true if the mass is assumed; an error if there is none and firm grasps are required.
-    pub fn firmness(&self, arguments: &SampleArguments) -> Result<Option<(LoadMeasure, bool)>, Failure> {
+    pub fn load_measure(&self, arguments: &SampleArguments) -> Result<Option<(LoadMeasure, bool)>, Failure> {
         let lacking = |problem: String| match arguments.hold {
             Some(_) => Err(Failure::Flag { flag: "hold", problem }),
             None => Ok(None),
@@ -223,9 +223,9 @@ impl Subject {
         let friction = arguments.friction.unwrap_or(self.friction);
         if let Place::Scene { world, target } = &self.place {
             let weight = Weight { mass_kg, moments: self.moments, rolling_m: None };
-            let firmness = LoadModel::by_hand(world, *target, &self.hand, (Some(friction), weight));
-            return match firmness {
-                Some(firmness) => Ok(Some((firmness.measure().clone(), firmness.is_mass_assumed))),
+            let load_model = LoadModel::by_hand(world, *target, &self.hand, (Some(friction), weight));
+            return match load_model {
+                Some(load_model) => Ok(Some((load_model.measure().clone(), load_model.is_mass_assumed))),
                 None => lacking("the object encloses no volume".to_owned()),
             };
         }

@@ -148,9 +148,9 @@ fn sample(arguments: &SampleArguments, output: Output) -> Result<Answer, Failure
     let settings = subject.settings(arguments);
     let filter =
         if arguments.bare { None } else { Some(subject.filter(&surface, arguments.approach / 1000.0)?) };
-    let firmness = subject.firmness(arguments)?;
+    let measured = subject.load_measure(arguments)?;
     let stop = stop_on_interrupt();
-    let demand = firmness.as_ref().and_then(|(measure, _)| Some((measure, arguments.hold?)));
+    let demand = measured.as_ref().and_then(|(measure, _)| Some((measure, arguments.hold?)));
     let filters = (arguments.approach, arguments.bare, arguments.hold, arguments.mass);
     let unfinished = Unfinished::beside(
         &arguments.output,
@@ -213,7 +213,7 @@ fn sample(arguments: &SampleArguments, output: Output) -> Result<Answer, Failure
         file: None,
     };
     let mut set = GraspSet::new(chosen).map_err(ScenarioError::from)?;
-    if let Some((measure, is_mass_assumed)) = &firmness {
+    if let Some((measure, is_mass_assumed)) = &measured {
         set = set.with_loads(measure);
         sampled.load = GraspLoads::of(&set, *is_mass_assumed);
     }
@@ -343,14 +343,14 @@ fn filter(arguments: &FilterArguments, output: Output) -> Result<Answer, Failure
         file: None,
     };
     let free = GraspSet::new(free).map_err(ScenarioError::from)?;
-    let firmness = scenario.firmness();
-    let loaded = firmness.as_ref().map_or_else(|| free.clone(), |known| free.with_loads(known.measure()));
+    let load_model = scenario.load_model();
+    let loaded = load_model.as_ref().map_or_else(|| free.clone(), |known| free.with_loads(known.measure()));
     let mut stays = match arguments.min_score {
         None => loaded,
         Some(least) => least.among(&loaded),
     };
     (filtered.free, filtered.below_min_score) = (stays.len(), free.len() - stays.len());
-    filtered.load = firmness.and_then(|known| GraspLoads::of(&stays, known.is_mass_assumed));
+    filtered.load = load_model.and_then(|known| GraspLoads::of(&stays, known.is_mass_assumed));
     if let Some(kind) = arguments.sort {
         stays = sorted(&stays, kind.into());
     }

@@ -410,8 +410,8 @@ pub fn page(answered: &Answered, grasps: &GraspSet) -> String {
     }
     if let (Some(timing), Some(seconds)) = (&plan.timing, answered.timing_time_s) {
         line("trajectory", timed(timing, seconds));
-    } else if let (true, Some(hindrance)) = (answered.valid, &answered.untimed) {
-        line("trajectory", format!("none: {hindrance}"));
+    } else if let (true, Some(reason)) = (answered.valid, &answered.untimed) {
+        line("trajectory", format!("none: {reason}"));
     }
     if let Some(file) = answered.trajectory_file {
         line("samples in", file.display().to_string());

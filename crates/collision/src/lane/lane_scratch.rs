@@ -28,12 +28,12 @@ pub(crate) struct LaneMotion {
     /// Velocity of each joint in each lane, in metres or radians per unit of the parameter.
     pub rates: Vec<LaneArray>,
     /// Bounds on the motion of each link.
-    pub paces: Vec<LanePace>,
+    pub link_speeds: Vec<LaneLinkSpeed>,
 }
 
 /// Bounds on the motion of a link that are valid in all intervals, in metres.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct LanePace {
+pub(crate) struct LaneLinkSpeed {
     /// Upper bound on the motion of any of its points.
     pub most_m: f32,
     /// Amount to add to the motion that follows from the velocity in the middle of an interval.
@@ -130,12 +130,12 @@ impl LaneScratch {
         clippy::cast_possible_truncation,
         reason = "lanes are `f32` by design; the slack of every comparison covers it"
     )]
-    pub fn set_lanes_along(&mut self, course: JointCurve<'_>, places: impl Iterator<Item = f64>) {
+    pub fn set_lanes_along(&mut self, curve: JointCurve<'_>, places: impl Iterator<Item = f64>) {
         let mut all = [0.0; LANES];
         all.iter_mut().zip(places).for_each(|(known, place)| *known = place);
         let rates = &mut self.travel.motion.rates;
         rates.resize(self.q.len(), [0.0; LANES]);
-        match course {
+        match curve {
             JointCurve::Line([a, b]) => {
                 for ((lanes, rates), (a, b)) in self.q.iter_mut().zip(rates).zip(a.iter().zip(b)) {
                     *lanes = all.map(|place| (a + (b - a) * place) as f32);
@@ -145,9 +145,9 @@ impl LaneScratch {
             JointCurve::Curve(_) => {
                 let mut values = vec![0.0; self.q.len()];
                 for (lane, place) in all.into_iter().enumerate() {
-                    course.place(place, &mut values);
+                    curve.place(place, &mut values);
                     self.q.iter_mut().zip(&values).for_each(|(lanes, value)| lanes[lane] = *value as f32);
-                    course.slope(place, &mut values);
+                    curve.slope(place, &mut values);
                     rates.iter_mut().zip(&values).for_each(|(lanes, value)| lanes[lane] = *value as f32);
                 }
             }

@@ -10,7 +10,7 @@ use crate::body::robot_body::RobotBody;
 use crate::lane::lane_bits::lanes_of;
 use crate::lane::lane_body::LaneBody;
 use crate::lane::lane_part::{LaneAround, LanePart};
-use crate::lane::lane_scratch::{LaneMotion, LanePace, LaneScratch, as_index};
+use crate::lane::lane_scratch::{LaneLinkSpeed, LaneMotion, LaneScratch, as_index};
 use crate::lane::lane_tree::LaneBranch;
 use crate::lane::lane_vector::RELATIVE_ROUNDING;
 use crate::pair::pairs::{Other, Pair, Pairs};
@@ -345,14 +345,14 @@ impl Lanes {
         scratch: &mut LaneScratch,
     ) -> f32x16<S> {
         let travels = &mut scratch.travel.bodies[body];
-        let LaneMotion { half_width, paces, .. } = &scratch.travel.motion;
+        let LaneMotion { half_width, link_speeds, .. } = &scratch.travel.motion;
         if *half_width > 0.0 {
             let LaneBody { frame: number, outer, .. } = &self.bodies[body];
             let ball = &outer[0].ball;
             let center = frame.point(simd, ball.center);
             let (turn, velocity) = scratch.twists[*number].at(simd, frame, center);
             let fastest = velocity.norm_squared().sqrt() + turn.norm_squared().sqrt() * ball.radius;
-            let LanePace { most_m, beside_m } = paces[body];
+            let LaneLinkSpeed { most_m, beside_m } = link_speeds[body];
             let travel = (fastest * *half_width + beside_m).min(f32x16::splat(simd, most_m));
             travel.store_slice(travels);
         }

@@ -116,8 +116,8 @@ impl Cell {
     /// If `target` has not one value per joint.
     pub fn free_share(&self, bubble: &Bubble, target: &[f64], scratch: &mut Scratch) -> f64 {
         assert_eq!(target.len(), self.robot().dof(), "one value per joint");
-        let course = JointCurve::Line([&bubble.q, target]);
-        scratch.rates.set(course);
+        let curve = JointCurve::Line([&bubble.q, target]);
+        scratch.rates.set(curve);
         if !scratch.rates.now.iter().all(|slope| slope.is_finite()) {
             return 0.0;
         }
@@ -125,7 +125,7 @@ impl Cell {
         let mut ahead = FIRST_TRY;
         for _ in 0..MOST_LOOKS {
             // 1.
-            course.place(free, &mut scratch.q);
+            curve.place(free, &mut scratch.q);
             self.robot().forward_kinematics(&scratch.q, &mut scratch.frames);
             // 2.
             let Scratch { travel, rates, frames, .. } = &mut *scratch;

@@ -114,12 +114,12 @@ impl Cell {
         const FINE_M: f64 = 5e-5;
         const EFFORT: u64 = 64;
         let demand = Demand { beyond_m, effort: EFFORT, ..Demand::default() };
-        let course = match control_points {
+        let curve = match control_points {
             [a, b] => JointCurve::Line([a, b]),
             points => JointCurve::Curve(points),
         };
         self.fault_of_joints(control_points, FINE_M, reach, scratch).is_none()
-            && self.first_failure(course, scratch, demand).is_none()
+            && self.first_failure(curve, scratch, demand).is_none()
     }
 
     /// Runs phase 1 of [`Self::curve_is_free`]. Segments within `finest_m` (m) of their chords are not bisected.

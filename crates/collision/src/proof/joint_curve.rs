@@ -62,14 +62,14 @@ impl Rates {
 
     /// Computes the rates in the middle of a motion, and bounds along all of it: a derivative of a curve lies in the convex
     /// hull of its control points, which are differences of the control points of the curve.
-    pub fn set(&mut self, course: JointCurve<'_>) {
-        if let JointCurve::Curve(points) = course {
+    pub fn set(&mut self, curve: JointCurve<'_>) {
+        if let JointCurve::Curve(points) = curve {
             assert!(points.iter().all(|point| point.len() == self.now.len()), "one value per joint");
         }
-        course.slope(0.5, &mut self.now);
+        curve.slope(0.5, &mut self.now);
         self.most.clear();
         self.bend.clear();
-        let JointCurve::Curve(points) = course else { return };
+        let JointCurve::Curve(points) = curve else { return };
         let degree = (points.len() - 1) as f64;
         for joint in 0..self.now.len() {
             let greatest = |values: &mut dyn Iterator<Item = f64>| values.map(f64::abs).fold(0.0, f64::max);

@@ -66,11 +66,11 @@ impl Cell {
             }
         }
         for edge in path.windows(2) {
-            let course = JointCurve::Line([&edge[0], &edge[1]]);
-            scratch.rates.set(course);
+            let curve = JointCurve::Line([&edge[0], &edge[1]]);
+            scratch.rates.set(curve);
             let half_width = 0.5 / f64::from(PIECES);
             for piece in 0..PIECES {
-                self.check_at(course, (2.0 * f64::from(piece) + 1.0) * half_width, half_width, scratch, 1.0);
+                self.check_at(curve, (2.0 * f64::from(piece) + 1.0) * half_width, half_width, scratch, 1.0);
                 for (index, body) in self.bodies.iter().enumerate() {
                     let center = scratch.frames.link(body.link) * body.bounds.ball.center;
                     let ball_m = body.bounds.ball.radius_m + farther_m(index);

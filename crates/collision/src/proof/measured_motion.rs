@@ -36,7 +36,8 @@ pub struct MeasuredMotion {
     pub seen_m: f64,
     /// Parameter on the motion, in [0, 1], at which a pair was measured closer than allowed, with that contact.
     pub contradiction: Option<(f64, Contact)>,
-    /// Pair at the distance `seen_m`; `None` if no pair was measured.
+    /// Pair at the distance `seen_m`; `None` if no pair was measured, or the effort was exhausted: the nearest may be one that
+    /// was not measured.
     pub nearest: Option<NearestPair>,
 }
 
@@ -97,20 +98,30 @@ impl Cell {
     /// Runs [`Self::measure_motion`] along any motion.
     pub(crate) fn measure(
         &self,
-        course: JointCurve<'_>,
+        curve: JointCurve<'_>,
         measuring: MeasureOptions,
         scratch: &mut Scratch,
     ) -> MeasuredMotion {
-        scratch.rates.set(course);
+        self.measure_within(MOST_INTERVALS, curve, measuring, scratch)
+    }
+
+    fn measure_within(
+        &self,
+        most_intervals: u64,
+        curve: JointCurve<'_>,
+        measuring: MeasureOptions,
+        scratch: &mut Scratch,
+    ) -> MeasuredMotion {
+        scratch.rates.set(curve);
         let is_asked = |pair: &Pair| {
             !pair.is_exempt() && measuring.group.is_none_or(|group| self.group_of(pair) == group)
         };
-        let [a, b] = course.ends();
+        let [a, b] = curve.ends();
         let at_a = self.nearest_where(a, measuring.below_m, &is_asked, scratch);
         let at_b = self.nearest_where(b, at_a.0, &is_asked, scratch);
         let (mut least, mut nearest) = if at_b.0 < at_a.0 { at_b } else { at_a };
         let mut contradiction = None;
-        self.check_at(course, 0.5, 0.5, scratch, 1.0);
+        self.check_at(curve, 0.5, 0.5, scratch, 1.0);
         // No point of a farther part comes as near during the motion.
         let reach_m = |body: usize| least + scratch.travel.of(body) + ROUNDING_M;
         let near = self.near_pairs(&scratch.frames, reach_m);
@@ -126,12 +137,10 @@ impl Cell {
         // tolerance.
         while let Some((middle, half_width, pairs)) = open.pop_front() {
             intervals += 1;
-            if intervals > MOST_INTERVALS {
-                // What was not measured may be closer than all that was.
-                let nearest = nearest.map(|pair| self.nearest_pair(&pair));
-                return MeasuredMotion { least_m: 0.0, seen_m: 0.0, contradiction, nearest };
+            if intervals > most_intervals {
+                return MeasuredMotion { least_m: 0.0, seen_m: 0.0, contradiction, nearest: None };
             }
-            self.check_at(course, middle, half_width, scratch, 1.0);
+            self.check_at(curve, middle, half_width, scratch, 1.0);
             let mut doubtful = Vec::new();
             for index in pairs {
                 let pair = &self.pairs.get(index);
@@ -179,5 +188,43 @@ impl Cell {
         let is_of_grasp = matches!(second, Collider::Body(body) if self.grasp_bodies.contains(&body));
         let has_grasp_margin = is_of_grasp && self.robot().hand_links().contains(&link);
         NearestPair { first: Collider::Link(link), second, required_m, has_grasp_margin }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use cranny_robot::{Robot, RobotOptions};
+    use cranny_shape::Solid;
+    use cranny_spatial::Pose;
+
+    use super::*;
+    use crate::{Body, Margins, World};
+
+    const SLIDE: &str = r#"<robot name="slide">
+      <link name="base"/>
+      <link name="cart"><collision><geometry><box size="0.1 0.1 0.1"/></geometry></collision></link>
+      <joint name="slide" type="prismatic"><parent link="base"/><child link="cart"/><axis xyz="1 0 0"/>
+        <limit lower="-1" upper="1" velocity="1" effort="1"/></joint>
+    </robot>"#;
+
+    /// The pair that is nearest where the motion ends was named as the nearest of all, with a distance of 0.
+    #[test]
+    fn no_pair_is_named_when_the_effort_is_exhausted() {
+        let robot = Robot::from_urdf_text(SLIDE, "slide.urdf", None, &RobotOptions::default()).unwrap();
+        let ball = |name: &str, x: f64, y: f64| {
+            Body::new(name, Pose::translation(x, y, 0.0), Solid::sphere(0.1).unwrap())
+        };
+        let world = World::new(vec![ball("at the end", 0.6, 0.3), ball("on the way", 0.0, 0.2)]).unwrap();
+        let cell = Cell::new(Arc::new(robot), world, Margins::default()).unwrap();
+        let mut scratch = cell.scratch();
+        let line = JointCurve::Line([&[-0.6], &[0.6]]);
+        let mut measured = |most| cell.measure_within(most, line, MeasureOptions::default(), &mut scratch);
+        let whole = measured(MOST_INTERVALS);
+        assert!((whole.seen_m - 0.05).abs() < 1e-4, "{whole:?}");
+        assert_eq!(whole.nearest.map(|pair| pair.second), Some(Collider::Body(1)));
+        let exhausted = measured(0);
+        assert_eq!((exhausted.least_m.to_bits(), exhausted.nearest), (0, None));
     }
 }

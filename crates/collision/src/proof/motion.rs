@@ -3,7 +3,7 @@ use fearless_simd::Level;
 
 use crate::cell::{Cell, Scratch};
 use crate::lane::lane_bits::{first_lanes, lanes_of};
-use crate::lane::lane_scratch::{LaneMotion, LanePace};
+use crate::lane::lane_scratch::{LaneLinkSpeed, LaneMotion};
 use crate::lane::lanes::Interest;
 use crate::pair::pairs::{Other, Pair};
 use crate::proof::joint_curve::JointCurve;
@@ -144,10 +144,10 @@ impl Cell {
     }
 
     /// Proves [`Self::motion_is_free`] along any motion, without joint limits and bounds on the tool.
-    pub(crate) fn prove(&self, course: JointCurve<'_>, scratch: &mut Scratch, demand: Demand) -> Motion {
-        let mut failure = self.first_failure(course, scratch, demand);
+    pub(crate) fn prove(&self, curve: JointCurve<'_>, scratch: &mut Scratch, demand: Demand) -> Motion {
+        let mut failure = self.first_failure(curve, scratch, demand);
         if let Some(Failure { at, pair: None, .. }) = failure {
-            self.check_at(course, at, 0.0, scratch, demand.factor);
+            self.check_at(curve, at, 0.0, scratch, demand.factor);
             if let Some(pair) = self.first_close_pair(&scratch.frames) {
                 failure = Some(Failure { at, pair: Some(pair), is_contact: true });
             } else {
@@ -156,7 +156,7 @@ impl Cell {
                 scratch.work.pairs.extend(self.all_pairs());
                 let pairs = (0, self.pairs.len());
                 scratch.work.intervals.push(Interval { middle: 0.5, half_width: 0.5, pairs });
-                failure = self.certify_exactly(course, scratch, demand);
+                failure = self.certify_exactly(curve, scratch, demand);
             }
         }
         let Some((Failure { at, is_contact, .. }, pair)) =
@@ -171,14 +171,14 @@ impl Cell {
     /// Returns the failure of the proof, if any; the frames of `scratch` are then at the configuration of a named pair.
     pub(crate) fn first_failure(
         &self,
-        course: JointCurve<'_>,
+        curve: JointCurve<'_>,
         scratch: &mut Scratch,
         demand: Demand,
     ) -> Option<Failure> {
-        scratch.rates.set(course);
-        match self.certify_in_lanes(simd_level(), course, scratch, demand) {
+        scratch.rates.set(curve);
+        match self.certify_in_lanes(simd_level(), curve, scratch, demand) {
             Some(at) => Some(Failure { at, pair: None, is_contact: true }),
-            None => self.certify_exactly(course, scratch, demand),
+            None => self.certify_exactly(curve, scratch, demand),
         }
     }
 
@@ -186,12 +186,12 @@ impl Cell {
     fn certify_in_lanes(
         &self,
         level: Level,
-        course: JointCurve<'_>,
+        curve: JointCurve<'_>,
         scratch: &mut Scratch,
         demand: Demand,
     ) -> Option<f64> {
         // Travel bounds of the whole motion bound those of each interval in proportion.
-        self.check_at(course, 0.5, 0.5, scratch, demand.factor);
+        self.check_at(curve, 0.5, 0.5, scratch, demand.factor);
         let mut work = std::mem::take(&mut scratch.work);
         let mut next = std::mem::take(&mut scratch.next_work);
         let mut rest = std::mem::take(&mut scratch.rest);
@@ -215,7 +215,7 @@ impl Cell {
             self.set_travel(share, demand, scratch);
             for intervals in work.intervals.chunks(LANES) {
                 scratch.lanes.wanted.clear();
-                scratch.lanes.set_lanes_along(course, intervals.iter().map(|interval| interval.middle));
+                scratch.lanes.set_lanes_along(curve, intervals.iter().map(|interval| interval.middle));
                 for (lane, Interval { pairs, .. }) in intervals.iter().enumerate() {
                     work.pairs[pairs.0..pairs.1].iter().for_each(|pair| scratch.lanes.want(*pair, lane));
                 }
@@ -278,7 +278,7 @@ impl Cell {
             (now + (now * now + 2.0 * FIRST_TRAVEL_M * acceleration).sqrt()) / (4.0 * FIRST_TRAVEL_M)
         };
         let most =
-            (0..self.bodies.len()).map(|body| intervals(scratch.travel.pace(body))).fold(0.0, f64::max);
+            (0..self.bodies.len()).map(|body| intervals(scratch.travel.link_speed(body))).fold(0.0, f64::max);
         (most / LANES as f64).ceil().clamp(1.0, MOST_FIRST_PASSES) as usize * LANES
     }
 
@@ -295,15 +295,15 @@ impl Cell {
         let Demand { factor, beyond_m, .. } = demand;
         let lane = |travel: f64| ((travel + beyond_m + ROUNDING_M) * (1.0 + 1e-6)) as f32;
         let half_width = 0.5 * share * factor;
-        let pace = |body: usize| {
-            let LinkSpeed { most, acceleration, .. } = scratch.travel.pace(body);
+        let link_speed = |body: usize| {
+            let LinkSpeed { most, acceleration, .. } = scratch.travel.link_speed(body);
             let beside = half_width * (0.5 * half_width * acceleration + ROUNDED * most);
-            LanePace { most_m: lane(half_width * most), beside_m: lane(beside) }
+            LaneLinkSpeed { most_m: lane(half_width * most), beside_m: lane(beside) }
         };
-        let LaneMotion { half_width: lanes_half_width, paces, .. } = &mut scratch.lanes.travel.motion;
+        let LaneMotion { half_width: lanes_half_width, link_speeds, .. } = &mut scratch.lanes.travel.motion;
         *lanes_half_width = half_width as f32;
-        paces.clear();
-        paces.extend((0..self.bodies.len()).map(pace));
+        link_speeds.clear();
+        link_speeds.extend((0..self.bodies.len()).map(link_speed));
         for (slot, pair) in self.lanes.link_pairs().enumerate() {
             scratch.lanes.travel.link_pairs[slot] = lane(travel_of(&self.pairs.get(pair), scratch) * share);
         }
@@ -317,7 +317,7 @@ impl Cell {
     /// Runs phases 2 to 4 for `scratch.work`, with exact distances.
     fn certify_exactly(
         &self,
-        course: JointCurve<'_>,
+        curve: JointCurve<'_>,
         scratch: &mut Scratch,
         demand: Demand,
     ) -> Option<Failure> {
@@ -328,7 +328,7 @@ impl Cell {
         'levels: while !work.intervals.is_empty() {
             next.clear();
             for interval in &work.intervals {
-                self.place_at(course, interval.middle, scratch);
+                self.place_at(curve, interval.middle, scratch);
                 scratch.travel.forget();
                 intervals += 1;
                 let begin = next.pairs.len();
@@ -367,22 +367,22 @@ impl Cell {
     /// Computes the frames at `middle`, and the travel bounds within `half_width` of it.
     pub(crate) fn check_at(
         &self,
-        course: JointCurve<'_>,
+        curve: JointCurve<'_>,
         middle: f64,
         half_width: f64,
         scratch: &mut Scratch,
         factor: f64,
     ) {
-        self.place_at(course, middle, scratch);
+        self.place_at(curve, middle, scratch);
         let Scratch { travel, frames, rates, .. } = scratch;
         travel.update(self.robot(), &self.bodies, frames, rates, half_width, factor);
     }
 
     /// Computes frames and rates at `middle` of a motion whose rates are already bounded ([`Rates::set`]).
-    fn place_at(&self, course: JointCurve<'_>, middle: f64, scratch: &mut Scratch) {
-        course.place(middle, &mut scratch.q);
-        if let JointCurve::Curve(_) = course {
-            course.slope(middle, &mut scratch.rates.now);
+    fn place_at(&self, curve: JointCurve<'_>, middle: f64, scratch: &mut Scratch) {
+        curve.place(middle, &mut scratch.q);
+        if let JointCurve::Curve(_) = curve {
+            curve.slope(middle, &mut scratch.rates.now);
         }
         self.robot().forward_kinematics(&scratch.q, &mut scratch.frames);
     }

@@ -157,7 +157,7 @@ fn random_points(robot: &Robot, seed: u64, random: &mut Stream) -> Vec<Vec<f64>>
     (0..2 + seed % 4).map(|_| robot.random_configuration(random)).collect()
 }
 
-fn course_of(points: &[Vec<f64>]) -> JointCurve<'_> {
+fn curve_of(points: &[Vec<f64>]) -> JointCurve<'_> {
     if let [a, b] = points { JointCurve::Line([a, b]) } else { JointCurve::Curve(points) }
 }
 
@@ -167,14 +167,14 @@ fn bound_is_broken(seed: u64, half_width: f64, factor: f64) -> bool {
     let (robot, mut random) = (arm(), Stream::new(seed, 2));
     let cell = cell(&robot, Vec::new(), 0.0);
     let points = random_points(&robot, seed, &mut random);
-    let course = course_of(&points);
+    let curve = curve_of(&points);
     let (mut rates, mut middle) = (Rates::still(robot.dof()), vec![0.0; robot.dof()]);
-    rates.set(course);
-    course.place(0.5, &mut middle);
+    rates.set(curve);
+    curve.place(0.5, &mut middle);
     let mut travel = Travel::new(&robot, &cell.bodies);
     travel.update(&robot, &cell.bodies, &robot.frames_at(&middle), &rates, half_width, factor);
     (0..cell.bodies.len())
-        .any(|body| most_moved_m(&cell, body, course, 0.5, half_width) > travel.of(body) + 1e-12)
+        .any(|body| most_moved_m(&cell, body, curve, 0.5, half_width) > travel.of(body) + 1e-12)
 }
 
 /// Returns true if a bound of [`bound_is_broken`] is exceeded in one of the intervals that the lanes check at once.
@@ -183,28 +183,28 @@ fn bound_of_lanes_is_broken(seed: u64, half_width: f64, factor: f64) -> bool {
     // The floor gives the lanes something to check.
     let cell = cell(&robot, vec![Body::floor(-9.0)], 0.0);
     let points = random_points(&robot, seed, &mut random);
-    let course = course_of(&points);
+    let curve = curve_of(&points);
     let middles = (0..LANES).map(|lane| (lane as f64 + 0.5) / LANES as f64);
     let mut scratch = cell.scratch();
-    scratch.rates.set(course);
-    cell.check_at(course, 0.5, 0.5, &mut scratch, factor);
+    scratch.rates.set(curve);
+    cell.check_at(curve, 0.5, 0.5, &mut scratch, factor);
     cell.set_travel(2.0 * half_width, Demand { factor, ..Demand::default() }, &mut scratch);
-    scratch.lanes.set_lanes_along(course, middles.clone());
+    scratch.lanes.set_lanes_along(curve, middles.clone());
     cell.lanes.check(Level::new(), &mut scratch.lanes, first_lanes(LANES), Interest::Each);
     (0..cell.bodies.len()).any(|body| {
         let travels_m = &scratch.lanes.travel.bodies[body];
         middles.clone().zip(travels_m).any(|(middle, travel_m)| {
-            most_moved_m(&cell, body, course, middle, half_width) > f64::from(*travel_m)
+            most_moved_m(&cell, body, curve, middle, half_width) > f64::from(*travel_m)
         })
     })
 }
 
 /// Returns the greatest distance of a point of a link from its position in the middle of an interval of a motion, at samples.
-fn most_moved_m(cell: &Cell, body: usize, course: JointCurve<'_>, middle: f64, half_width: f64) -> f64 {
+fn most_moved_m(cell: &Cell, body: usize, curve: JointCurve<'_>, middle: f64, half_width: f64) -> f64 {
     let (robot, link) = (cell.robot(), &cell.bodies[body]);
     let mut q = vec![0.0; robot.dof()];
     let mut at = |t: f64| {
-        course.place(t, &mut q);
+        curve.place(t, &mut q);
         *robot.frames_at(&q).link(link.link)
     };
     let here = at(middle);

@@ -153,18 +153,19 @@ impl Cell {
     }
 
     /// Returns the greatest excess over the bound of this index along the straight motion from `a` to `b` (m, rad; one per
-    /// joint), in radians or metres, as an upper bound to within a thousandth.
+    /// joint), in radians or metres, as an upper bound: to within a thousandth, or more for a motion of thousands of turns.
     ///
     /// # Panics
     /// If `a` or `b` has not one value per joint, or there is no such bound.
     pub fn greatest_excess(&self, bound: usize, a: &[f64], b: &[f64], scratch: &mut Scratch) -> f64 {
         let bound = &self.bounds[bound];
         let (mut seen, mut most) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
-        let mut work = vec![(0.5, 0.5)];
+        let (mut work, mut intervals) = (vec![(0.5, 0.5)], 0);
         while let Some((middle, half_width)) = work.pop() {
             let [by, greatest] = self.excess_within(bound, [a, b], (middle, half_width), scratch);
             seen = seen.max(by);
-            if greatest <= seen + TOLERANCE || greatest.is_nan() {
+            intervals += 1;
+            if greatest <= seen + TOLERANCE || greatest.is_nan() || intervals > MOST_INTERVALS {
                 most = most.max(greatest);
             } else {
                 let half = 0.5 * half_width;

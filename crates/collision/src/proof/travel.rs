@@ -28,7 +28,7 @@ pub(crate) struct Travel {
     /// link has joints.
     sums: Vec<Vec<f64>>,
     /// Bounds on the velocity of each link.
-    paces: Vec<LinkSpeed>,
+    link_speeds: Vec<LinkSpeed>,
     travels_m: Vec<f64>,
     /// True if the bounds of a link have been computed since [`Self::forget`].
     is_known: Vec<bool>,
@@ -65,7 +65,7 @@ impl Travel {
     pub fn new(robot: &Robot, bodies: &[LinkBody]) -> Self {
         Self {
             sums: bodies.iter().map(|b| vec![0.0; robot.ancestors(b.link).len() + 1]).collect(),
-            paces: vec![LinkSpeed::default(); bodies.len()],
+            link_speeds: vec![LinkSpeed::default(); bodies.len()],
             travels_m: vec![0.0; bodies.len()],
             is_known: vec![false; bodies.len()],
             axes: vec![None; robot.links().len()],
@@ -111,7 +111,8 @@ impl Travel {
         let (body, sums) = (&bodies[index], &mut self.sums[index]);
         let center = (frames.link(body.link) * body.bounds.ball.center).coords;
         let radius_m = body.bounds.ball.radius_m;
-        let (mut velocity, mut turn, mut pace) = (Vector::zeros(), Vector::zeros(), LinkSpeed::default());
+        let (mut velocity, mut turn, mut link_speed) =
+            (Vector::zeros(), Vector::zeros(), LinkSpeed::default());
         // Origin of the joint beyond, and maximum length from the current joint through these origins to a point of the link.
         let (mut beyond, mut way_m) = (center, radius_m);
         for (k, ancestor) in robot.ancestors(body.link).iter().enumerate().rev() {
@@ -127,34 +128,35 @@ impl Travel {
                 });
                 way_m += (beyond - origin).norm();
                 beyond = origin;
-                pace.most += speed
+                link_speed.most += speed
                     * match ancestor.kind {
                         JointKind::Prismatic => {
                             way_m += half_width * speed;
                             velocity += axis * rate;
-                            pace.acceleration += bend;
+                            link_speed.acceleration += bend;
                             1.0
                         }
                         JointKind::Revolute => {
                             let arm = axis.cross(&(center - origin));
-                            let reach = (arm.norm() + radius_m + half_width * pace.most).min(way_m);
+                            let reach = (arm.norm() + radius_m + half_width * link_speed.most).min(way_m);
                             velocity += arm * rate;
                             turn += axis * rate;
-                            pace.acceleration += speed * (speed * reach + 2.0 * pace.most) + bend * reach;
+                            link_speed.acceleration +=
+                                speed * (speed * reach + 2.0 * link_speed.most) + bend * reach;
                             reach
                         }
                     };
             }
-            sums[k] = half_width * pace.most;
+            sums[k] = half_width * link_speed.most;
         }
-        pace.now = velocity.norm() + turn.norm() * radius_m;
-        self.paces[index] = pace;
-        self.travels_m[index] = pace.travel_m(half_width);
+        link_speed.now = velocity.norm() + turn.norm() * radius_m;
+        self.link_speeds[index] = link_speed;
+        self.travels_m[index] = link_speed.travel_m(half_width);
     }
 
     /// Returns the bounds on the velocity of a link against the world.
-    pub fn pace(&self, body: usize) -> LinkSpeed {
-        self.paces[body]
+    pub fn link_speed(&self, body: usize) -> LinkSpeed {
+        self.link_speeds[body]
     }
 
     /// Returns the bound on the motion of any point of the link against the world, in metres.

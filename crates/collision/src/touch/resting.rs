@@ -133,7 +133,7 @@ impl Cell {
         let required_m = self.margins().of_held_m();
         let near_m = required_m.max(MOST_GAP_M);
         let up = self.world().up();
-        let standing = SupportedObject { extent, world_from_held, placed };
+        let supported = SupportedObject { extent, world_from_held, placed };
         let (mut candidates, mut beside) = (Vec::new(), Vec::new());
         for (index, (other, part)) in self.parts().iter().enumerate().filter(|(_, (other, _))| *other != body)
         {
@@ -148,7 +148,7 @@ impl Cell {
             let depth_m = if gap.upper_m > 0.0 { 0.0 } else { depths.fold(0.0, f64::max) };
             let neighbour = Neighbour { body: *other, gap_m: gap.lower_m, depth_m };
             let is_near = neighbour.gap_m < MOST_GAP_M && depth_m <= CONTACT_ALLOWANCE_M + RESOLUTION_M;
-            let face = || Face::below(standing, part, &up).filter(|face| face.gap_m <= MOST_GAP_M);
+            let face = || Face::below(supported, part, &up).filter(|face| face.gap_m <= MOST_GAP_M);
             match is_near.then(face).flatten() {
                 Some(face) => candidates.push(Candidate { part: index, face, neighbour }),
                 None => beside.push(neighbour),
@@ -171,7 +171,7 @@ impl Cell {
             let most_m = nearest_m + UNEVEN_M;
             let mut places = Vec::new();
             for (index, candidate) in candidates[..uneven].iter().enumerate() {
-                places.extend(candidate.face.places_on_hull(standing, &gravity, most_m));
+                places.extend(candidate.face.places_on_hull(supported, &gravity, most_m));
                 least_m = off_m(&places).min(least_m);
                 if least_m <= CONTACT_ALLOWANCE_M {
                     found = Some(index + 1);
@@ -229,13 +229,13 @@ impl Cell {
         assert!(a.len() == self.robot().dof() && b.len() == a.len(), "one value per joint");
         let held = self.bodies.iter().rposition(|body| Some(body.link) == self.robot().held_link());
         let held = held.expect("something is held");
-        let course = JointCurve::Line([a, b]);
-        scratch.rates.set(course);
+        let curve = JointCurve::Line([a, b]);
+        scratch.rates.set(curve);
         let deepest_m = -CONTACT_ALLOWANCE_M - 2.0 * RESOLUTION_M;
         let (mut open, mut intervals) = (vec![(0.5, 0.5)], 0);
         while let Some((middle, half_width)) = open.pop() {
             intervals += 1;
-            self.check_at(course, middle, half_width, scratch, 1.0);
+            self.check_at(curve, middle, half_width, scratch, 1.0);
             let travel_m = scratch.travel.of(held);
             let world_from_held = self.world_from_held(scratch);
             for contact in &resting.contacts {

@@ -56,14 +56,14 @@ const SAME_M: f64 = 2e-6;
 impl Face {
     /// Returns the face by which a part may support a body: of the possible faces, the one whose contact regions are nearest to
     /// the body's centre of mass, as seen along gravity.
-    pub fn below(standing: SupportedObject<'_>, part: &Part, up: &Vector) -> Option<Self> {
-        let surface = surface_near(part, standing.placed);
+    pub fn below(supported: SupportedObject<'_>, part: &Part, up: &Vector) -> Option<Self> {
+        let surface = surface_near(part, supported.placed);
         let ground = Ground { part, surface: &surface };
         let gravity = Across::new(up);
-        let center = gravity.seen(&(standing.world_from_held * standing.extent.center_of_mass()));
+        let center = gravity.seen(&(supported.world_from_held * supported.extent.center_of_mass()));
         let mut best: Option<(f64, Self)> = None;
-        for direction in directions(&ground, standing, up) {
-            let Some(face) = ground.face(standing, direction) else { continue };
+        for direction in directions(&ground, supported, up) {
+            let Some(face) = ground.face(supported, direction) else { continue };
             let off_m = distance_to_hull(&face.places(&gravity, face.gap_m + UNEVEN_M), center);
             if best.as_ref().is_none_or(|(least_m, _)| off_m < *least_m) {
                 best = Some((off_m, face));
@@ -85,11 +85,11 @@ impl Face {
     /// [`CONTACT_ALLOWANCE_M`]: elsewhere it touches no plane in any orientation.
     pub fn places_on_hull(
         &self,
-        standing: SupportedObject<'_>,
+        supported: SupportedObject<'_>,
         gravity: &Across,
         gap_m: f64,
     ) -> Vec<PlanePoint> {
-        let SupportedObject { extent, world_from_held, .. } = standing;
+        let SupportedObject { extent, world_from_held, .. } = supported;
         let within: Vec<_> = self.overlaps.iter().map(|overlap| overlap.within(gap_m)).collect();
         let planes = extent.lower_planes(world_from_held, &self.direction, self.top_m + gap_m);
         let on = |(normal, height_m): (Vector, f64)| {
@@ -132,8 +132,8 @@ impl Ground<'_> {
     /// 2. Take the plane through their highest points.
     /// 3. Check that the direction is a normal of the part there.
     /// 4. Check that the portion above the plane is apart from the body.
-    fn face(&self, standing: SupportedObject<'_>, direction: Vector) -> Option<Face> {
-        let low_m = standing.extent.lowest_along(standing.world_from_held, &direction);
+    fn face(&self, supported: SupportedObject<'_>, direction: Vector) -> Option<Face> {
+        let low_m = supported.extent.lowest_along(supported.world_from_held, &direction);
         let ceiling_m = low_m + CONTACT_ALLOWANCE_M + RESOLUTION_M;
         let gaps_m = [-CONTACT_ALLOWANCE_M - RESOLUTION_M, REACH_M];
         let reach_m = reach_along(self.part, &direction);
@@ -143,8 +143,8 @@ impl Ground<'_> {
         }
         // 1.
         let across = Across::new(&direction);
-        let feet = standing.extent.lower_triangles(
-            standing.world_from_held,
+        let feet = supported.extent.lower_triangles(
+            supported.world_from_held,
             (&across, &direction),
             ceiling_m + REACH_M,
         );
@@ -196,7 +196,7 @@ impl Ground<'_> {
             && let Some(lip) = lip(self.part, &direction, top_m)
         {
             let lip = std::iter::once((lip.world_from_solid, &lip.solid));
-            if group_separation(standing.placed.iter().copied(), &lip, CONTACT_M).lower_m < CONTACT_M {
+            if group_separation(supported.placed.iter().copied(), &lip, CONTACT_M).lower_m < CONTACT_M {
                 return None;
             }
         }
@@ -290,7 +290,7 @@ fn surface_near(part: &Part, placed: &[(Pose, &Solid)]) -> Vec<[Point; 3]> {
 /// also be a normal of an edge or a corner.
 fn directions<'a>(
     ground: &Ground<'a>,
-    standing: SupportedObject<'a>,
+    supported: SupportedObject<'a>,
     up: &'a Vector,
 ) -> impl Iterator<Item = Vector> + use<'a> {
     let part = ground.part;
@@ -299,9 +299,9 @@ fn directions<'a>(
         normal.dot(up) >= STEEPEST
             && is_flat(&part.solid, &(part.world_from_solid.rotation.inverse() * normal))
     });
-    let of_body = standing.extent.inward_normals(standing.world_from_held);
+    let of_body = supported.extent.inward_normals(supported.world_from_held);
     let of_body = of_body.filter(|normal| normal.dot(up) >= STEEPEST).take(MOST_DIRECTIONS);
-    let nearest = standing.placed.iter().filter_map(move |(pose, solid)| {
+    let nearest = supported.placed.iter().filter_map(move |(pose, solid)| {
         let between = |pose: &Pose| closest_points(&part.solid, &part.world_from_solid, solid, pose);
         let lifted = || Pose::from_parts((up * LIFTED_M).into(), Rotation::identity()) * pose;
         let [from, to] = between(pose).or_else(|| between(&lifted()))?;

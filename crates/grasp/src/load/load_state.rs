@@ -32,19 +32,19 @@ impl LoadState {
         )),
     };
 
-    /// Motions of the hand along a course: every 20 ms while it lifts, every 4 ms while it shakes.
-    pub fn along(course: &ShakeTest) -> Vec<Self> {
+    /// Motions of the hand along a shake test: every 20 ms while it lifts, every 4 ms while it shakes.
+    pub fn along(shake_test: &ShakeTest) -> Vec<Self> {
         let middles = |step_s: f64, duration_s: f64| {
             let times = (0u32..).map(move |step| (f64::from(step) + 0.5) * step_s);
             times.take_while(move |time_s| *time_s < duration_s)
         };
-        let lifting = middles(0.02, course.lift_s).map(|time_s| {
-            let share = time_s / course.lift_s;
+        let lifting = middles(0.02, shake_test.lift_s).map(|time_s| {
+            let share = time_s / shake_test.lift_s;
             let curve = share * (60.0 - share * (180.0 - 120.0 * share));
-            Self { lift: course.lift_m * curve / course.lift_s.powi(2), ..Self::GRAVITY }
+            Self { lift: shake_test.lift_m * curve / shake_test.lift_s.powi(2), ..Self::GRAVITY }
         });
-        let span_s = course.shake_periods / course.shake_hz;
-        let (a, b) = (PI / span_s, TAU * course.shake_hz);
+        let span_s = shake_test.shake_periods / shake_test.shake_hz;
+        let (a, b) = (PI / span_s, TAU * shake_test.shake_hz);
         let shaking = move |axis: usize| {
             middles(0.004, span_s).map(move |time_s| {
                 let (sine, cosine) = sin_cos(b * time_s);
@@ -58,10 +58,10 @@ impl LoadState {
                 let along = |size: f64| Vector::ith(axis, size);
                 Self {
                     lift: 0.0,
-                    acceleration: along(second * course.shake_m),
-                    rate: along(first * course.shake_rad),
-                    rate_acceleration: along(second * course.shake_rad),
-                    turn: Rotation3::from_scaled_axis(along(value * course.shake_rad)),
+                    acceleration: along(second * shake_test.shake_m),
+                    rate: along(first * shake_test.shake_rad),
+                    rate_acceleration: along(second * shake_test.shake_rad),
+                    turn: Rotation3::from_scaled_axis(along(value * shake_test.shake_rad)),
                 }
             })
         };

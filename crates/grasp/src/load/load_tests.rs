@@ -136,11 +136,11 @@ fn the_twin_of_a_grasp_holds_as_firmly() {
     assert!(first.in_motion < first.at_rest);
 }
 
-/// Motions of the hand are the derivatives of its pose on the course.
+/// Motions of the hand are the derivatives of its pose on the shake_test.
 #[test]
 fn the_states_of_a_course_are_its_derivatives() {
-    let course = ShakeTest::default();
-    let states = LoadState::along(&course);
+    let shake_test = ShakeTest::default();
+    let states = LoadState::along(&shake_test);
     // 0.5 s of lifting, and two periods of 0.2 s on each of three axes.
     assert_eq!(states.len(), 25 + 3 * 100);
     let closed = Pose::new(Vector::new(0.1, 0.2, 0.3), Vector::new(0.4, -0.3, 0.2));
@@ -149,9 +149,9 @@ fn the_states_of_a_course_are_its_derivatives() {
         let time_s = if index < 25 {
             (index as f64 + 0.5) * 0.02
         } else {
-            course.lift_s + ((index - 25) as f64 + 0.5) * 0.004
+            shake_test.lift_s + ((index - 25) as f64 + 0.5) * 0.004
         };
-        let at = |offset: f64| course.world_from_hand(&closed, time_s + offset).translation.vector;
+        let at = |offset: f64| shake_test.world_from_hand(&closed, time_s + offset).translation.vector;
         let found = (at(step_s) - 2.0 * at(0.0) + at(-step_s)) / (step_s * step_s);
         let expected = Vector::z() * state.lift + closed.rotation * state.acceleration;
         assert!((found - expected).norm() < 2e-2, "{index}: {found} {expected}");

@@ -233,15 +233,15 @@ impl<'a> Resolver<'a> {
         for name in names {
             let index = self.known_joint(name, || format!("{}: joint group", self.urdf.file))?;
             let joint = &self.urdf.joints[index];
-            let hindrance = match &joint.motion {
+            let constraint = match &joint.motion {
                 None => Some(JointConstraint::Fixed),
                 Some(UrdfMotion { mimic: Some(mimic), .. }) => {
                     Some(JointConstraint::Mimic { master: mimic.master.clone() })
                 }
                 Some(_) => None,
             };
-            if let Some(hindrance) = hindrance {
-                return Err(not_free(joint, "moved", hindrance));
+            if let Some(constraint) = constraint {
+                return Err(not_free(joint, "moved", constraint));
             }
             if group.contains(&index) {
                 return Err(RobotError::NamedTwice { joint: name.clone() });
@@ -380,11 +380,11 @@ impl<'a> Resolver<'a> {
                 // The tolerance covers the rounding of one product and one sum of metres or radians.
                 let agrees = followed.follows.is_none() && (followed.offset - value).abs() < 1e-12;
                 if !agrees {
-                    let hindrance = match followed.follows {
+                    let constraint = match followed.follows {
                         Some(_) => JointConstraint::Mimic { master },
                         None => JointConstraint::MimicValue { master, value: followed.offset },
                     };
-                    return Err(not_free(joint, "held at a value", hindrance));
+                    return Err(not_free(joint, "held at a value", constraint));
                 }
             }
             let (lower, upper) = range(motion);
@@ -417,8 +417,8 @@ pub(crate) fn mimic_within_limits(joint: &UrdfJoint, master: &str, value: f64) -
         return Ok(());
     }
     let beyond = (value - upper).max(lower - value);
-    let hindrance = JointConstraint::MimicOutsideLimits { master: master.to_owned(), beyond };
-    Err(not_free(joint, "held", hindrance))
+    let constraint = JointConstraint::MimicOutsideLimits { master: master.to_owned(), beyond };
+    Err(not_free(joint, "held", constraint))
 }
 
 /// Maximum absolute value at which an endless joint may be fixed, in radians: its links are then accurate to within 1e-12 rad.
@@ -441,6 +441,6 @@ pub(crate) fn admits(motion: &UrdfMotion, value: f64) -> bool {
     (lower..=upper).contains(&wrapped_if_endless(motion, value))
 }
 
-fn not_free(joint: &UrdfJoint, wanted: &'static str, hindrance: JointConstraint) -> RobotError {
-    RobotError::NotFree { at: joint.at.clone(), joint: joint.name.clone(), wanted, hindrance }
+fn not_free(joint: &UrdfJoint, wanted: &'static str, constraint: JointConstraint) -> RobotError {
+    RobotError::NotFree { at: joint.at.clone(), joint: joint.name.clone(), wanted, constraint }
 }

@@ -50,7 +50,7 @@ impl RateLimits {
                 at,
                 joint,
                 wanted: "limited",
-                hindrance: JointConstraint::Fixed,
+                constraint: JointConstraint::Fixed,
             });
         };
         let limits = &mut motion.limits;

@@ -141,9 +141,9 @@ impl RobotDescription {
             let mimic =
                 tree.joint(finger).and_then(|joint| urdf.joints[joint].motion.as_ref()?.mimic.as_ref());
             let Some(mimic) = mimic else { continue };
-            let not_free = |hindrance| {
+            let not_free = |constraint| {
                 let (at, joint) = (at("fingers", finger), finger.clone());
-                Err(RobotError::NotFree { at, joint, wanted: "moved as a finger", hindrance })
+                Err(RobotError::NotFree { at, joint, wanted: "moved as a finger", constraint })
             };
             let master = mimic.master.clone();
             let Some(of_master) = hand.and_then(|hand| hand.fingers.get(&master)) else {
@@ -164,12 +164,12 @@ impl RobotDescription {
             if let Some(open) =
                 finger.map(|range| range.open).filter(|&open| (open - value).abs() > MIMIC_SLACK)
             {
-                let ((at, joint), hindrance) = (located(), JointConstraint::Finger { open });
-                return Err(RobotError::NotFree { at, joint, wanted: "held at another value", hindrance });
+                let ((at, joint), constraint) = (located(), JointConstraint::Finger { open });
+                return Err(RobotError::NotFree { at, joint, wanted: "held at another value", constraint });
             }
             let Some(motion) = &urdf.joints[index].motion else {
-                let ((at, joint), hindrance) = (located(), JointConstraint::Fixed);
-                return Err(RobotError::NotFree { at, joint, wanted: "held at a value", hindrance });
+                let ((at, joint), constraint) = (located(), JointConstraint::Fixed);
+                return Err(RobotError::NotFree { at, joint, wanted: "held at a value", constraint });
             };
             let (lower, upper) = range(motion);
             if motion.mimic.is_none() && !admits(motion, value) {
@@ -194,8 +194,8 @@ impl RobotDescription {
         let other = self.start.keys().find(|name| !joints.contains(name)).filter(|_| is_own_group);
         if let Some((joint, at)) = other.zip(self.start_at.as_ref()) {
             let (at, joint) = (at.clone(), joint.clone());
-            let (wanted, hindrance) = ("in the start", JointConstraint::NotInGroup);
-            return Err(RobotError::NotFree { at, joint, wanted, hindrance });
+            let (wanted, constraint) = ("in the start", JointConstraint::NotInGroup);
+            return Err(RobotError::NotFree { at, joint, wanted, constraint });
         }
         let stated: Vec<_> = joints.iter().map(|joint| self.start.get(joint).copied()).collect();
         let at = |(stated, limits): (&Option<f64>, &JointLimits)| stated.unwrap_or_else(|| limits.clamp(0.0));

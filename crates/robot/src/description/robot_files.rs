@@ -1,6 +1,9 @@
 use std::collections::BTreeMap;
+use std::io;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+
+use cranny_file::FileFault;
 
 use crate::description::robot_description::{DESCRIPTION, LIMITS};
 use crate::description::urdf_text::replaced;
@@ -29,7 +32,7 @@ impl RobotFiles {
     /// refers to, such as textures, are not included.
     ///
     /// # Errors
-    /// [`RobotError::Unreadable`], [`RobotError::MeshNotFound`], and the errors of parsing the URDF.
+    /// [`RobotError::Unreadable`], also for more than a GiB of meshes, [`RobotError::MeshNotFound`], and the errors of parsing the URDF.
     pub fn gather(robot: &Path, srdf: Option<&Path>, packages: &[PathBuf]) -> Result<Self, RobotError> {
         let urdf = &RobotDescription::urdf_at(robot)?;
         let text = cranny_file::TEXT
@@ -65,8 +68,10 @@ impl RobotFiles {
     /// As [`Self::gather`].
     pub fn of_text(text: &str, urdf: &Path, packages: &[PathBuf]) -> Result<Self, RobotError> {
         let mut contents = BTreeMap::new();
+        // By canonical path: a mesh may have as many spellings as there are links.
         let mut names: BTreeMap<PathBuf, String> = BTreeMap::new();
         let mut places = Vec::new();
+        let mut total = 0;
         // Of several meshes with one file name, the last keeps its name.
         for mesh in mesh_names(text, urdf)?.into_iter().rev() {
             let tried = mesh_path::candidates(&mesh.file, urdf.parent(), packages);
@@ -76,12 +81,17 @@ impl RobotFiles {
                 }
                 return Err(mesh.not_found(tried));
             };
-            if !names.contains_key(path) {
+            let unreadable = |reason| RobotError::Unreadable { path: path.clone(), reason };
+            let file = std::fs::canonicalize(path).map_err(unreadable)?;
+            if !names.contains_key(&file) {
                 let name = free_name(path, &contents);
-                contents.insert(name.clone(), bytes_of(path)?);
-                names.insert(path.clone(), name);
+                let bytes = bytes_of(path)?;
+                total += bytes.len() as u64;
+                check_total(total).map_err(unreadable)?;
+                contents.insert(name.clone(), bytes);
+                names.insert(file.clone(), name);
             }
-            places.push((mesh.place, path.clone()));
+            places.push((mesh.place, file));
         }
         let new_names = places.iter().rev().map(|(place, path)| (place.clone(), &*names[path]));
         let text = replaced(text, new_names);
@@ -89,6 +99,15 @@ impl RobotFiles {
         contents.insert(name.clone(), text.into_bytes());
         Ok(Self { contents, urdf: name, srdf: None })
     }
+}
+
+/// Checks the size of all meshes of a robot, in bytes: they are kept together.
+fn check_total(size: u64) -> io::Result<()> {
+    const MOST: u64 = 1 << 30;
+    if size <= MOST || cranny_file::are_limits_lifted() {
+        return Ok(());
+    }
+    Err(FileFault::TooLarge { what: "a robot with its meshes", size: Some(size), most: MOST }.into())
 }
 
 fn bytes_of(path: &Path) -> Result<Vec<u8>, RobotError> {

@@ -280,11 +280,11 @@ fn with_loads(resting: &Resting, hand: &Hand, grasps: Vec<Grasp>) -> Result<Vec<
     let world = World::new(vec![resting.body(&placement, 0.0).body(&Pose::identity())?])?;
     let physics = resting.physics;
     let weight = Weight { mass_kg: physics.mass_kg, ..Weight::default() };
-    let Some(firmness) = LoadModel::by_hand(&world, 0, hand, (physics.friction, weight)) else {
+    let Some(load_model) = LoadModel::by_hand(&world, 0, hand, (physics.friction, weight)) else {
         return Ok(grasps);
     };
     let scene_from_object = resting.scene_from_object(&placement, 0.0);
-    let loads = GraspSet::new(grasps.clone())?.moved(&scene_from_object).with_loads(firmness.measure());
+    let loads = GraspSet::new(grasps.clone())?.moved(&scene_from_object).with_loads(load_model.measure());
     let loads = loads.grasps().iter().map(|grasp| grasp.load);
     Ok(grasps.into_iter().zip(loads).map(|(grasp, load)| Grasp { load, ..grasp }).collect())
 }

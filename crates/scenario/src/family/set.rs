@@ -158,6 +158,11 @@ impl SetMaker {
         self.files.as_ref().map_or(Ok(()), |files| write_robot(&folder.join(ROBOT), files))
     }
 
+    /// Returns the files of the robot, unless it is built in.
+    pub(crate) fn files(&self) -> Option<&RobotFiles> {
+        self.files.as_deref()
+    }
+
     pub(crate) fn settings(&self) -> &SetSettings {
         &self.settings
     }

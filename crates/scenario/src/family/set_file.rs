@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::*;
 use sha2::{Digest as _, Sha256};
 
-use crate::family::unfinished_set::{Finished, Line, UnfinishedSet};
+use crate::family::unfinished_set::{FORMAT, Finished, Line, UnfinishedSet};
 use crate::layout::archive::hexadecimal;
 use crate::{Rejections, ScenarioError, SetMaker, SetMember, check_free_folder};
 
@@ -97,8 +97,9 @@ fn write_all<T: Sync + std::fmt::Debug>(
     member: &MakeMember<T>,
     progress: &SetProgress,
 ) -> Result<SetReport, ScenarioError> {
-    check_free_folder(place)?;
-    let set = UnfinishedSet::open(place, &identity(maker, what))?;
+    let identity = identity(maker, what);
+    check_free_folder(place).inspect_err(|_| UnfinishedSet::remove_rest(place, &identity))?;
+    let set = UnfinishedSet::open(place, &identity)?;
     let one = |(number, what): (usize, &T)| -> Result<Option<Finished>, ScenarioError> {
         if let Some(finished) = set.finished(number) {
             (progress.done)();
@@ -115,7 +116,7 @@ fn write_all<T: Sync + std::fmt::Debug>(
         Ok(Some(finished))
     };
     let make = || -> Result<Vec<Option<Finished>>, ScenarioError> {
-        maker.write_robot(set.folder())?;
+        maker.write_robot(&set.content())?;
         what.par_iter().enumerate().map(one).collect()
     };
     let members = match make() {
@@ -156,7 +157,7 @@ fn written(set: &UnfinishedSet, id: String, member: SetMember) -> Result<Line, S
     Ok(Line { id, parameter_m, x_m, y_m, yaw_rad, clutter, grasps: recipe.grasps.len() })
 }
 
-/// Returns the SHA-256 of everything that a set depends on: version, family, settings, robot, and its members.
+/// Returns the SHA-256 of everything that a set depends on: version, family, settings, robot with its files, and its members.
 fn identity<T: std::fmt::Debug>(maker: &SetMaker, members: &[T]) -> String {
     let mut sum = Sha256::new();
     let mut add = |bytes: &[u8]| {
@@ -167,6 +168,7 @@ fn identity<T: std::fmt::Debug>(maker: &SetMaker, members: &[T]) -> String {
     let ends = [members.first(), members.last()];
     let settings = format!("{:?} {} {ends:?}", maker.settings(), members.len());
     let texts = [
+        FORMAT,
         env!("CARGO_PKG_VERSION"),
         maker.family().family.name(),
         &settings,
@@ -176,7 +178,7 @@ fn identity<T: std::fmt::Debug>(maker: &SetMaker, members: &[T]) -> String {
     for text in texts {
         add(text.as_bytes());
     }
-    for (name, content) in robot.files.iter().flat_map(|files| &files.contents) {
+    for (name, content) in maker.files().iter().flat_map(|files| &files.contents) {
         add(name.as_bytes());
         add(content);
     }

@@ -13,10 +13,13 @@ use crate::{Rejections, ScenarioError};
 /// program is killed, until the same set is made again.
 ///
 /// A list in the folder is mark, lock and progress in one: its first line names the set, and the others the finished members.
-/// Members that are not in the list are made again.
+/// Members that are not in the list are made again. The members are in a folder beside the list, which is renamed when they are
+/// complete, so that the list never comes to the destination.
 #[derive(Debug)]
 pub(crate) struct UnfinishedSet {
     folder: PathBuf,
+    /// The folder and those above it that did not exist before, the innermost first.
+    new: Vec<PathBuf>,
     known: BTreeMap<usize, Finished>,
     list: Mutex<List>,
 }
@@ -59,9 +62,13 @@ struct Head {
     identity: String,
 }
 
-const FORMAT: &str = "cranny-unfinished-set/1";
+/// Format of the folder.
+pub(crate) const FORMAT: &str = "cranny-unfinished-set/2";
 
 const LIST: &str = "unfinished.jsonl";
+
+/// Folder of the members, beside the list.
+const CONTENT: &str = "set";
 
 impl UnfinishedSet {
     /// Opens the unfinished set of that identity beside `place`, or begins it.
@@ -70,20 +77,42 @@ impl UnfinishedSet {
     /// [`ScenarioError::Exists`] if the folder belongs to another program, [`ScenarioError::Unwritable`] also while another
     /// program makes the same set.
     pub fn open(place: &Path, identity: &str) -> Result<Self, ScenarioError> {
-        // `a/b/` is treated as `a/b`.
-        let mut name = place.components().as_path().as_os_str().to_owned();
-        name.push(format!(".unfinished-{}", identity.get(..8).unwrap_or(identity)));
-        let folder = PathBuf::from(name);
-        let foreign = || ScenarioError::Exists { path: folder.clone() };
-        let unwritable = |reason| ScenarioError::Unwritable { path: folder.clone(), reason };
-        let list = folder.join(LIST);
-        fs::create_dir_all(&folder).map_err(unwritable)?;
-        match fs::symlink_metadata(&list) {
-            Ok(found) if !found.is_file() => return Err(foreign()),
-            _ => {}
+        let folder = folder_of(place, identity);
+        let is_new = |path: &&Path| !path.as_os_str().is_empty() && fs::symlink_metadata(path).is_err();
+        let new: Vec<PathBuf> = folder.ancestors().take_while(is_new).map(Path::to_owned).collect();
+        let (file, known) = Self::list_in(&folder, identity).inspect_err(|_| remove_empty(&new))?;
+        let list = List { file, is_empty: known.is_empty() };
+        let set = Self { folder, new, known, list: Mutex::new(list) };
+        match fs::create_dir_all(set.content()) {
+            Ok(()) => Ok(set),
+            Err(reason) => {
+                let path = set.content();
+                set.keep();
+                Err(ScenarioError::Unwritable { path, reason })
+            }
         }
-        let mut file =
-            File::options().read(true).append(true).create(true).open(&list).map_err(unwritable)?;
+    }
+
+    /// Opens the list in the folder, or creates both. Nothing is created in a folder with other content.
+    fn list_in(folder: &Path, identity: &str) -> Result<(File, BTreeMap<usize, Finished>), ScenarioError> {
+        let foreign = || ScenarioError::Exists { path: folder.to_owned() };
+        let unwritable = |reason| ScenarioError::Unwritable { path: folder.to_owned(), reason };
+        let list = folder.join(LIST);
+        fs::create_dir_all(folder).map_err(unwritable)?;
+        // The name can be guessed: a link there may lead anywhere.
+        if !fs::symlink_metadata(folder).map_err(unwritable)?.is_dir() {
+            return Err(foreign());
+        }
+        let mut options = File::options();
+        options.read(true).append(true);
+        let mut file = match fs::symlink_metadata(&list) {
+            Ok(found) if found.is_file() => options.open(&list),
+            Err(_) if fs::read_dir(folder).map_err(unwritable)?.next().is_none() => {
+                options.create_new(true).open(&list)
+            }
+            _ => return Err(foreign()),
+        }
+        .map_err(unwritable)?;
         if let Err(TryLockError::WouldBlock) = file.try_lock() {
             return Err(unwritable(io::Error::other("another program is making the same scenarios")));
         }
@@ -103,21 +132,32 @@ impl UnfinishedSet {
                 }
             }
             // The program ended before it wrote the first line, and thus before any member.
-            None if fs::read_dir(&folder).map_err(unwritable)?.count() == 1 => {
+            None if fs::read_dir(folder).map_err(unwritable)?.count() == 1 => {
                 file.set_len(0).map_err(unwritable)?;
                 append(&mut file, &head).map_err(|reason| {
-                    let _ = fs::remove_dir_all(&folder);
+                    let _ = fs::remove_dir_all(folder);
                     unwritable(reason)
                 })?;
             }
             _ => return Err(foreign()),
         }
-        let list = List { file, is_empty: known.is_empty() };
-        Ok(Self { folder, known, list: Mutex::new(list) })
+        Ok((file, known))
     }
 
-    pub fn folder(&self) -> &Path {
-        &self.folder
+    /// Removes the list of a set that is complete: the program that made it was killed before.
+    pub fn remove_rest(place: &Path, identity: &str) {
+        let folder = folder_of(place, identity);
+        if folder.join(LIST).exists()
+            && !folder.join(CONTENT).exists()
+            && let Ok(set) = Self::open(place, identity)
+        {
+            set.remove();
+        }
+    }
+
+    /// Folder of the members.
+    pub fn content(&self) -> PathBuf {
+        self.folder.join(CONTENT)
     }
 
     /// Returns the member of that number if an earlier run finished it.
@@ -127,7 +167,7 @@ impl UnfinishedSet {
 
     /// Returns the path of a member's folder, and removes what an earlier run left there unfinished.
     pub fn free_folder(&self, id: &str) -> Result<PathBuf, ScenarioError> {
-        let path = self.folder.join(id);
+        let path = self.content().join(id);
         match fs::remove_dir_all(&path) {
             Err(reason) if reason.kind() != io::ErrorKind::NotFound => {
                 Err(ScenarioError::Unwritable { path, reason })
@@ -154,23 +194,36 @@ impl UnfinishedSet {
         }
     }
 
-    /// Removes the folder.
+    /// Removes the folder, and those above it that were made for it.
     pub fn remove(self) {
         drop(self.list);
         // The same set, made again, uses the remainder.
         let _ = fs::remove_dir_all(&self.folder);
+        remove_empty(&self.new);
     }
 
     /// Writes the index and moves the set to its destination.
     pub fn complete(self, place: &Path, index: &str) -> Result<(), ScenarioError> {
-        write_into(&self.folder, "index.csv", index)?;
-        // On Windows, a folder with an open file cannot be renamed.
-        drop(self.list);
+        write_into(&self.content(), "index.csv", index)?;
         let unwritable = |reason| ScenarioError::Unwritable { path: place.to_owned(), reason };
-        put_in_place(&self.folder, place).map_err(unwritable)?;
-        // The set is complete even with the list.
-        let _ = fs::remove_file(place.join(LIST));
+        put_in_place(&self.content(), place).map_err(unwritable)?;
+        self.remove();
         Ok(())
+    }
+}
+
+fn folder_of(place: &Path, identity: &str) -> PathBuf {
+    // `a/b/` is treated as `a/b`.
+    let mut name = place.components().as_path().as_os_str().to_owned();
+    name.push(format!(".unfinished-{}", identity.get(..8).unwrap_or(identity)));
+    PathBuf::from(name)
+}
+
+/// Removes empty folders, the innermost first.
+fn remove_empty(folders: &[PathBuf]) {
+    for folder in folders {
+        // One that others use by now stays.
+        let _ = fs::remove_dir(folder);
     }
 }
 

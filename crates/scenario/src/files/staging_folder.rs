@@ -48,6 +48,14 @@ impl StagingFolder {
         made?.ok_or_else(|| io::Error::other("another program removes the temporary folders there"))
     }
 
+    /// Creates a folder for temporary files in that of the system, and removes those of programs that were killed.
+    ///
+    /// # Errors
+    /// Those of the operating system.
+    pub(crate) fn temporary() -> io::Result<Self> {
+        Self::beside(&std::env::temp_dir().join(MARK))
+    }
+
     /// Path of the folder. It contains its mark, and is otherwise empty at first.
     pub fn path(&self) -> &Path {
         self.folder.path()
@@ -187,13 +195,27 @@ mod tests {
         fs::create_dir(&precious).unwrap();
         fs::write(precious.join(MARK), mark_text()).unwrap();
         symlink(&precious, root.path().join(format!("{PREFIX}link{SUFFIX}"))).unwrap();
-        for (name, target) in [("a", precious.join(MARK)), ("b", PathBuf::from("/dev/tty"))] {
+        let mark = |name: &str| {
             let folder = root.path().join(format!("{PREFIX}{name}{SUFFIX}"));
             fs::create_dir(&folder).unwrap();
-            symlink(target, folder.join(MARK)).unwrap();
+            folder.join(MARK)
+        };
+        for (name, target) in [("a", precious.join(MARK)), ("b", PathBuf::from("/dev/tty"))] {
+            symlink(target, mark(name)).unwrap();
         }
+        let made = std::process::Command::new("mkfifo").arg(mark("pipe")).status().unwrap();
+        assert!(made.success());
         let before = names(root.path());
-        sweep(root.path());
+        let (done, swept) = std::sync::mpsc::channel();
+        std::thread::spawn({
+            let root = root.path().to_owned();
+            move || {
+                sweep(&root);
+                let _ = done.send(());
+            }
+        });
+        // Opening the pipe would wait for ever, or reading it fail.
+        swept.recv_timeout(std::time::Duration::from_secs(10)).unwrap();
         assert_eq!((names(root.path()), names(&precious)), (before, vec![MARK.to_owned()]));
     }
 }

@@ -20,7 +20,7 @@ use crate::layout::own;
 use crate::layout::own_file::{AboutEntry, ScenarioFile};
 use crate::robot::in_folder::{RobotInFolder, is_named_by_place};
 use crate::{
-    BuiltinRobot, OpenOptions, Scenario, ScenarioError, Temporary, scenario, write_whole_file,
+    BuiltinRobot, OpenOptions, Scenario, ScenarioError, StagingFolder, scenario, write_whole_file,
     write_whole_folder,
 };
 
@@ -113,11 +113,8 @@ pub fn unpack(archive: &Path, folder: &Path) -> Result<Vec<String>, ScenarioErro
 
 /// Checks that the files form a complete scenario in a folder of their own.
 fn open_alone(id: &str, contents: &BTreeMap<String, Vec<u8>>) -> Result<(), ScenarioError> {
-    let unwritable = |reason| ScenarioError::Unwritable { path: std::env::temp_dir(), reason };
-    let root = Temporary::folder().map_err(unwritable)?;
-    let folder = root.path().join(id);
-    write_all(&folder, contents)?;
-    Scenario::open(&folder.to_string_lossy(), &OpenOptions::default()).map(|_| ())
+    let unpacked = Unpacked::of(id, contents)?;
+    Scenario::open(&unpacked.folder().to_string_lossy(), &OpenOptions::default()).map(|_| ())
 }
 
 /// Adds the files of the robot to those of the scenario, and makes `scenario.yaml` refer to them.
@@ -138,29 +135,30 @@ fn bring_robot(
     Ok(())
 }
 
-/// Temporary folder with the content of an archive; it is removed on drop.
+/// Temporary folder with the content of an archive. It is removed on drop, or by a later program if this one is killed.
 pub(crate) struct Unpacked {
-    root: Temporary,
+    root: StagingFolder,
     id: String,
 }
 
 impl Unpacked {
     pub fn open(archive: &Path) -> Result<Self, ScenarioError> {
-        Self::of(archive, &bytes_of(archive)?)
+        // The stem of `...zip` is `..`, which names no folder of its own.
+        let stem = archive.file_stem().filter(|stem| Path::new(stem).file_name().is_some());
+        Self::of(&stem.unwrap_or_default().to_string_lossy(), &contents_of_archive(archive)?)
     }
 
-    fn of(archive: &Path, bytes: &[u8]) -> Result<Self, ScenarioError> {
-        let contents = read(archive, bytes)?;
+    fn of(id: &str, contents: &BTreeMap<String, Vec<u8>>) -> Result<Self, ScenarioError> {
         let unwritable = |reason| ScenarioError::Unwritable { path: std::env::temp_dir(), reason };
-        let root = Temporary::folder().map_err(unwritable)?;
-        let id = archive.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        let unpacked = Self { root, id };
-        write_all(&unpacked.folder(), &contents)?;
+        let root = StagingFolder::temporary().map_err(unwritable)?;
+        let unpacked = Self { root, id: id.to_owned() };
+        write_all(&unpacked.folder(), contents)?;
         Ok(unpacked)
     }
 
     pub fn folder(&self) -> PathBuf {
-        self.root.path().join(&self.id)
+        // Beside the mark of the staging folder, whose name an archive may have.
+        self.root.path().join("unpacked").join(&self.id)
     }
 }
 
@@ -276,4 +274,35 @@ fn write_all(folder: &Path, contents: &BTreeMap<String, Vec<u8>>) -> Result<(), 
         write().map_err(|reason| ScenarioError::Unwritable { path: path.clone(), reason })?;
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The folder of a killed program stayed, and an archive named `...zip` was unpacked beside its folder.
+    #[test]
+    fn an_archive_is_unpacked_into_a_folder_that_others_can_remove() {
+        let root = tempfile::tempdir().unwrap();
+        let files = BTreeMap::from([("a/b".to_owned(), b"x".to_vec())]);
+        let manifest = Manifest {
+            cranny_scenario: VERSION,
+            id: String::new(),
+            author: None,
+            licence: None,
+            citation: None,
+            files: files.iter().map(|(name, bytes)| (name.clone(), checksum(bytes))).collect(),
+        };
+        for name in ["mark.zip", "...zip"] {
+            let archive = root.path().join(name);
+            fs::write(&archive, zipped(&manifest, &files).unwrap()).unwrap();
+            let unpacked = Unpacked::open(&archive).unwrap();
+            let folder = fs::canonicalize(unpacked.folder()).unwrap();
+            let staging = fs::canonicalize(unpacked.root.path()).unwrap();
+            assert!(folder.starts_with(staging.join("unpacked")) && folder.join("a/b").is_file(), "{name}");
+            assert!(staging.join("mark").is_file());
+            drop(unpacked);
+            assert!(!staging.exists());
+        }
+    }
 }

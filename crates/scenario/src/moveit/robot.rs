@@ -55,7 +55,7 @@ impl Files<'_> {
             match urdf.robot(&wished) {
                 Err(RobotError::NotFree {
                     joint,
-                    hindrance:
+                    constraint:
                         JointConstraint::Fixed
                         | JointConstraint::Mimic { .. }
                         | JointConstraint::MimicValue { .. }

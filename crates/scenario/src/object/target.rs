@@ -37,9 +37,9 @@ impl Scenario {
         self.given_physics.or(of_object.unwrap_or_default())
     }
 
-    /// Returns the firmness of grasps of the target by the robot's hand, for the mass and friction of [`Self::target_physics`];
+    /// Returns the load model of grasps of the target by the robot's hand, for the mass and friction of [`Self::target_physics`];
     /// `None` if it cannot be computed ([`LoadModel`]).
-    pub fn firmness(&self) -> Option<LoadModel> {
+    pub fn load_model(&self) -> Option<LoadModel> {
         self.robot.hand()?;
         let (friction, weight) = (self.target_physics().friction, self.target_weight()?);
         LoadModel::by_hand(&self.world, self.target?, &robot_hand(&self.robot), (friction, weight))

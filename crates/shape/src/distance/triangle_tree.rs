@@ -14,7 +14,12 @@ pub(crate) struct TriangleTree {
 
 impl TriangleTree {
     pub fn new(corners: &[[Point; 3]]) -> Self {
-        let leaves: Vec<ParryAabb> = corners.iter().map(|t| parry_box(&Aabb::around(t, 0.0))).collect();
+        Self::of_boxes(corners.iter().map(|triangle| Aabb::around(triangle, 0.0)))
+    }
+
+    /// A hierarchy over boxes, for [`Self::near`].
+    pub fn of_boxes(boxes: impl Iterator<Item = Aabb>) -> Self {
+        let leaves: Vec<ParryAabb> = boxes.map(|aabb| parry_box(&aabb)).collect();
         Self { tree: Bvh::from_leaves(BvhBuildStrategy::Binned, &leaves) }
     }
 

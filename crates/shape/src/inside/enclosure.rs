@@ -1,11 +1,11 @@
-use std::cell::OnceCell;
+use std::cell::{Cell, OnceCell};
 use std::collections::HashSet;
 
 use cranny_spatial::Point;
 
 use crate::distance::triangle_tree::TriangleTree;
 use crate::inside::backwards::wound_backwards;
-use crate::inside::near_pairs::{most_pairs, narrow_triangles};
+use crate::inside::near_pairs::most_pairs;
 use crate::inside::same_place::merged;
 use crate::inside::shell::{DEGENERATE, Facet, Shell, shells};
 use crate::inside::shell_sides::ShellSides;
@@ -39,7 +39,8 @@ impl Enclosure {
     ///
     /// # Errors
     /// [`ShapeError::Empty`], [`ShapeError::VertexIndex`], [`ShapeError::Open`], [`ShapeError::OneSided`],
-    /// [`ShapeError::WoundBackwards`], [`ShapeError::NarrowTriangles`], [`ShapeError::NestedBodies`].
+    /// [`ShapeError::WoundBackwards`], [`ShapeError::NarrowTriangles`], [`ShapeError::NestedBodies`],
+    /// [`ShapeError::ManyBodies`].
     pub fn of(soup: &TriangleSoup) -> Result<Self, ShapeError> {
         crate::inside::closed_mesh::check_indices(soup)?;
         // 1.
@@ -178,7 +179,7 @@ fn shells_of_runs(soup: &TriangleSoup) -> Option<(Vec<Shell>, Vec<u32>)> {
 /// For each shell, the shell in which it is a cavity, if any.
 ///
 /// # Errors
-/// [`ShapeError::NestedBodies`], [`ShapeError::NarrowTriangles`].
+/// [`ShapeError::NestedBodies`], [`ShapeError::ManyBodies`].
 pub(crate) fn cavities(soup: &TriangleSoup, shells: &[Shell]) -> Result<Vec<Option<u32>>, ShapeError> {
     let all = |shell: &Shell, is_inward: bool| {
         shell.is_alone && shell.facets.iter().all(|facet| facet.is_inward == is_inward)
@@ -189,7 +190,7 @@ pub(crate) fn cavities(soup: &TriangleSoup, shells: &[Shell]) -> Result<Vec<Opti
         return Ok(cavity_of);
     }
     let boxes: Vec<Aabb> = shells.iter().map(|shell| box_around(soup, &shell.facets)).collect();
-    let nest = Nest::new(soup, shells);
+    let mut nest = Nest::new(soup, shells);
     let mut effort = most_pairs(soup.triangles.len());
     let built: Vec<OnceCell<(Vec<[Point; 3]>, TriangleTree)>> = vec![OnceCell::new(); shells.len()];
     let corners =
@@ -202,7 +203,7 @@ pub(crate) fn cavities(soup: &TriangleSoup, shells: &[Shell]) -> Result<Vec<Opti
         });
         for triangle in corners(inner) {
             for near in tree.near(&Aabb::around(&triangle, 0.0)) {
-                effort = effort.checked_sub(1).ok_or_else(|| narrow_triangles(soup.triangles.len()))?;
+                effort = effort.checked_sub(1).ok_or_else(|| many_bodies(soup, shells))?;
                 if triangles_meet(&triangle, &around[near as usize]) {
                     return Ok(true);
                 }
@@ -232,28 +233,52 @@ pub(crate) struct Nest<'a> {
     shells: &'a [Shell],
     tree: TriangleTree,
     walls: ShellSides,
+    /// Tree over the boxes of the shells.
+    boxes: TriangleTree,
+    /// Number of triangles with which segments may still be compared.
+    left: usize,
 }
 
 impl<'a> Nest<'a> {
     pub fn new(soup: &'a TriangleSoup, shells: &'a [Shell]) -> Self {
         let corners: Vec<[Point; 3]> = (0..soup.triangles.len()).map(|t| soup.corners(t)).collect();
         let walls = ShellSides::new(soup.triangles.len(), shells.iter().map(|shell| shell.facets.as_slice()));
-        Self { soup, shells, tree: TriangleTree::new(&corners), walls }
+        let boxes = TriangleTree::of_boxes(shells.iter().map(|shell| box_around(soup, &shell.facets)));
+        let left = most_pairs(soup.triangles.len());
+        Self { soup, shells, tree: TriangleTree::new(&corners), walls, boxes, left }
     }
 
     /// Shells around a shell, tested at one of its corners, in ascending order.
     ///
     /// # Errors
-    /// [`ShapeError::NestedBodies`].
-    pub fn around(&self, shell: usize) -> Result<Vec<u32>, ShapeError> {
+    /// [`ShapeError::NestedBodies`], [`ShapeError::ManyBodies`].
+    pub fn around(&mut self, shell: usize) -> Result<Vec<u32>, ShapeError> {
         /// Maximum number of shells around one: each is compared with each.
         const MOST: usize = 100;
+        /// Above the rounding of boxes, in metres.
+        const ROUNDING_M: f64 = 1e-9;
         let corners = |triangle: u32| self.soup.corners(triangle as usize);
         let witness = corners(self.shells[shell].facets[0].triangle)[0];
-        let around = self.walls.around(&self.tree, corners, &witness, u32::try_from(shell).ok());
+        // A shell winds around no point outside its box.
+        let witness_box = Aabb::around([&witness], ROUNDING_M);
+        if self.boxes.near(&witness_box).all(|other| other as usize == shell) {
+            return Ok(Vec::new());
+        }
+        let compared = Cell::new(0);
+        let counted = |triangle| {
+            compared.set(compared.get() + 1);
+            corners(triangle)
+        };
+        let around = self.walls.around(&self.tree, counted, &witness, u32::try_from(shell).ok());
+        self.left =
+            self.left.checked_sub(compared.get()).ok_or_else(|| many_bodies(self.soup, self.shells))?;
         let bodies = around.len();
         if bodies <= MOST { Ok(around) } else { Err(ShapeError::NestedBodies { bodies, most: MOST }) }
     }
+}
+
+fn many_bodies(soup: &TriangleSoup, shells: &[Shell]) -> ShapeError {
+    ShapeError::ManyBodies { bodies: shells.len(), most: most_pairs(soup.triangles.len()) }
 }
 
 /// Returns true if a shell encloses no more than a sheet does.

@@ -288,8 +288,8 @@ mod tests {
             for first in 0..corners.len() {
                 boxes.near(first, usize::MAX, &mut near).unwrap();
                 for second in 0..corners.len() {
-                    // A point of both, off the axes, is what counts.
                     let is_near = near.contains(&second);
+                    // Those that share a vertex may meet on an axis alone, where they have no direction from it.
                     let is_shared = triangles[first].iter().any(|vertex| triangles[second].contains(vertex));
                     if !is_shared && triangles_meet(&corners[first], &corners[second]) {
                         assert!(is_near, "{:?} {:?}", corners[first], corners[second]);

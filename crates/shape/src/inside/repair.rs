@@ -37,7 +37,8 @@ impl RepairedMesh {
     ///
     /// # Errors
     /// [`ShapeError::Empty`], [`ShapeError::VertexIndex`], [`ShapeError::Open`], [`ShapeError::OneSided`],
-    /// [`ShapeError::SelfCrossing`], [`ShapeError::NarrowTriangles`], [`ShapeError::NestedBodies`].
+    /// [`ShapeError::SelfCrossing`], [`ShapeError::NarrowTriangles`], [`ShapeError::NestedBodies`],
+    /// [`ShapeError::ManyBodies`].
     pub fn of(soup: &TriangleSoup) -> Result<Self, ShapeError> {
         check_indices(soup)?;
         let (vertices, place) = merged(&soup.vertices);
@@ -73,7 +74,7 @@ fn orient(soup: &mut TriangleSoup) -> Result<(usize, HashSet<u32>), ShapeError> 
     }
     let (mut turned, mut inner) = (Vec::new(), HashSet::new());
     let cavity_of = cavities(soup, &bodies)?;
-    let nest = Nest::new(soup, &bodies);
+    let mut nest = Nest::new(soup, &bodies);
     for (index, body) in bodies.iter().enumerate() {
         let around = nest.around(index)?;
         let is_hollow_here =

@@ -12,7 +12,7 @@ use crate::mesh_files::polygon::triangulate;
 /// A message with the line: an invalid number or index, a face of fewer than three corners or one that crosses itself,
 /// geometry other than faces, an unknown line.
 pub(crate) fn corners(bytes: &[u8]) -> Result<Vec<Point>, String> {
-    let text = String::from_utf8_lossy(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes));
+    let text = text_of(bytes);
     let mut vertices = Vec::new();
     let mut corners = Vec::new();
     for (line, content) in logical_lines(&text) {
@@ -21,7 +21,7 @@ pub(crate) fn corners(bytes: &[u8]) -> Result<Vec<Point>, String> {
         let fault = |message: String| format!("line {line}: {message}");
         match keyword {
             "v" => {
-                vertices.push(vertex(words).map_err(fault)?);
+                vertices.push(numbers(words).and_then(|values| point(&values)).map_err(fault)?);
                 check_vertices(vertices.len()).map_err(fault)?;
             }
             "f" | "fo" => {
@@ -67,8 +67,13 @@ const IGNORED: [&str; 21] = [
     "deg",
 ];
 
+/// Text of an OBJ file or a library of materials, without a byte order mark.
+pub(crate) fn text_of(bytes: &[u8]) -> Cow<'_, str> {
+    String::from_utf8_lossy(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes))
+}
+
 /// Lines with their numbers, from 1. A line that ends in a backslash includes the next.
-fn logical_lines(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
+pub(crate) fn logical_lines(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
     let (mut rest, mut number) = (text, 0);
     let mut physical_line = move || {
         if rest.is_empty() {
@@ -93,25 +98,36 @@ fn logical_lines(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
     })
 }
 
-/// Parses a vertex: three numbers, then an optional weight or colour, which is ignored.
-fn vertex<'a>(words: impl Iterator<Item = &'a str>) -> Result<Point, String> {
+/// Parses words as numbers in single precision.
+pub(crate) fn numbers<'a>(words: impl Iterator<Item = &'a str>) -> Result<Vec<f32>, String> {
     let number = |word: &str| {
         word.parse::<f32>().map_err(|_| format!("'{}' is no number", cranny_file::excerpt(word)))
     };
-    match words.map(number).collect::<Result<Vec<_>, _>>()?[..] {
+    words.map(number).collect()
+}
+
+/// Point of a vertex: three numbers, then an optional weight or colour.
+pub(crate) fn point(values: &[f32]) -> Result<Point, String> {
+    match *values {
         [x, y, z] | [x, y, z, _] | [x, y, z, _, _, _] | [x, y, z, _, _, _, _] => {
             Ok(Point::new(x.into(), y.into(), z.into()))
         }
-        ref other => Err(format!("a vertex of {} numbers", other.len())),
+        _ => Err(format!("a vertex of {} numbers", values.len())),
     }
 }
 
-/// Vertex of a corner of a face, counted from 1 or backwards from the last; texture and normal follow slashes.
+/// Vertex of a corner of a face; texture and normal follow slashes.
 fn place(word: &str, vertices: &[Point]) -> Result<Point, String> {
+    index(word, vertices.len(), "vertex").map(|vertex| vertices[vertex])
+}
+
+/// Index from 0, which is less than `count`, of one that counts from 1, or backwards from the last; text behind a slash is
+/// ignored.
+pub(crate) fn index(word: &str, count: usize, what: &str) -> Result<usize, String> {
     let index = word.split('/').next().unwrap_or_default();
-    let index: i64 = index.parse().map_err(|_| format!("'{}' is no vertex", cranny_file::excerpt(word)))?;
-    let count = i64::try_from(vertices.len()).unwrap_or(i64::MAX);
-    let from_zero = if index < 0 { count + index } else { index - 1 };
-    let found = usize::try_from(from_zero).ok().and_then(|index| vertices.get(index));
-    found.copied().ok_or_else(|| format!("vertex {index} is named, but there are {count} before it"))
+    let index: i64 = index.parse().map_err(|_| format!("'{}' is no {what}", cranny_file::excerpt(word)))?;
+    let total = i64::try_from(count).unwrap_or(i64::MAX);
+    let from_zero = if index < 0 { total.saturating_add(index) } else { index - 1 };
+    let found = usize::try_from(from_zero).ok().filter(|found| *found < count);
+    found.ok_or_else(|| format!("{what} {index} is named, but there are {count} before it"))
 }

@@ -1,11 +1,11 @@
-use std::collections::HashSet;
 use std::io::{Error, ErrorKind};
 use std::path::Path;
 
 use cranny_spatial::{Point, Vector};
 
 use crate::error::{check_scale, usable};
-use crate::{ShapeError, TriangleSoup, mesh_files::collada};
+use crate::mesh_files::{collada, painted_obj};
+use crate::{ShapeError, TriangleSoup};
 
 /// Mesh for display, with the colours and normals of its file. It is no solid and may be open.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -49,44 +49,20 @@ impl PaintedMesh {
         }
         let unreadable = |source| ShapeError::Read { path: path.to_owned(), source };
         let bytes = cranny_file::MESH.bytes(path).map_err(unreadable)?;
-        check_pieces(&bytes).map_err(|excess| unreadable(Error::new(ErrorKind::InvalidData, excess)))?;
-        let mut libraries = HashSet::new();
-        let read = mesh_loader::obj::from_slice(&bytes, Some(path), |library| {
-            // A second reading of a library of materials changes nothing.
-            let is_new = libraries.insert(library.to_owned());
-            if is_new { cranny_file::TEXT.bytes(library) } else { Ok(Vec::new()) }
-        })
-        .map_err(unreadable)?;
-        let materials = read.materials.iter().map(Some).chain(std::iter::repeat(None));
-        let pieces: Result<Vec<_>, _> =
-            read.meshes.iter().zip(materials).map(|(mesh, material)| piece(mesh, material, &scale)).collect();
-        let mut pieces = pieces.map_err(|fault| fault.in_file(path))?;
+        let read = painted_obj::pieces(&bytes, path);
+        let read = read.map_err(|message| unreadable(Error::new(ErrorKind::InvalidData, message)))?;
+        let pieces: Result<Vec<_>, _> = read.into_iter().map(|piece| piece.scaled(&scale)).collect();
+        Self::of_pieces(pieces.map_err(|fault| fault.in_file(path))?, path)
+    }
+
+    fn of_pieces(mut pieces: Vec<PaintedPiece>, path: &Path) -> Result<Self, ShapeError> {
         pieces.retain(|piece| !piece.triangles.is_empty());
         if pieces.is_empty() {
             return Err(ShapeError::Empty.in_file(path));
         }
         Ok(Self { pieces })
     }
-}
 
-/// Checks the number of lines of an OBJ file that begin a piece, or name a library of materials.
-///
-/// # Errors
-/// A sentence with the limit.
-fn check_pieces(bytes: &[u8]) -> Result<(), String> {
-    /// Each takes some 500 bytes, and is a drawing of its own.
-    const MOST: usize = 100_000;
-    let lines = bytes.split(|byte| [b'\n', b'\r'].contains(byte)).map(<[u8]>::trim_ascii_start);
-    let begins =
-        |line: &&[u8]| [&b"g "[..], b"g\t", b"usemtl", b"mtllib"].iter().any(|word| line.starts_with(word));
-    let actual = lines.filter(begins).count();
-    if actual <= MOST {
-        return Ok(());
-    }
-    Err(format!("{actual} groups and materials in one mesh, but at most {MOST} are read"))
-}
-
-impl PaintedMesh {
     fn of_collada(path: &Path, scale: Vector) -> Result<Self, ShapeError> {
         let unreadable = |source| ShapeError::Read { path: path.to_owned(), source };
         let broken = |message: String| unreadable(Error::new(ErrorKind::InvalidData, message));
@@ -100,11 +76,7 @@ impl PaintedMesh {
             }
             pieces.push(PaintedPiece { colour: piece.colour, ..PaintedPiece::of_soup(&soup) });
         }
-        pieces.retain(|piece| !piece.triangles.is_empty());
-        if pieces.is_empty() {
-            return Err(ShapeError::Empty.in_file(path));
-        }
-        Ok(Self { pieces })
+        Self::of_pieces(pieces, path)
     }
 }
 
@@ -115,47 +87,33 @@ impl PaintedPiece {
         let vertices = soup.vertices.iter().map(|v| [v.x as f32, v.y as f32, v.z as f32]).collect();
         Self { vertices, triangles: soup.triangles.clone(), ..Self::default() }
     }
-}
 
-fn piece(
-    mesh: &mesh_loader::Mesh,
-    material: Option<&mesh_loader::Material>,
-    scale: &Vector,
-) -> Result<PaintedPiece, ShapeError> {
-    #[allow(clippy::cast_possible_truncation, reason = "single precision is what is meant")]
-    let factors = [scale.x as f32, scale.y as f32, scale.z as f32];
-    let scaled = |v: &[f32; 3]| [v[0] * factors[0], v[1] * factors[1], v[2] * factors[2]];
-    let count = mesh.vertices.len();
-    let vertices: Vec<[f32; 3]> = mesh.vertices.iter().map(scaled).collect();
-    for (vertex, corner) in vertices.iter().enumerate() {
-        usable(vertex, &Point::from(corner.map(f64::from)))?;
-    }
-    let is_mirrored = factors.iter().product::<f32>() < 0.0;
-    let mut triangles = Vec::with_capacity(mesh.faces.len());
-    for (triangle, &[a, b, c]) in mesh.faces.iter().enumerate() {
-        if let Some(&vertex) = [a, b, c].iter().find(|&&vertex| vertex as usize >= count) {
-            return Err(ShapeError::VertexIndex { triangle, vertex, vertices: count });
+    /// Scales the piece, mirrors its triangles if the scale does, and drops normals and colours that not each vertex has.
+    fn scaled(mut self, scale: &Vector) -> Result<Self, ShapeError> {
+        #[allow(clippy::cast_possible_truncation, reason = "single precision is what is meant")]
+        let factors = [scale.x as f32, scale.y as f32, scale.z as f32];
+        for (index, vertex) in self.vertices.iter_mut().enumerate() {
+            *vertex = std::array::from_fn(|axis| vertex[axis] * factors[axis]);
+            usable(index, &Point::from(vertex.map(f64::from)))?;
         }
-        triangles.push(if is_mirrored { [a, c, b] } else { [a, b, c] });
+        if factors.iter().product::<f32>() < 0.0 {
+            self.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+        }
+        // Normals scale by the inverse of the factors of points.
+        for normal in &mut self.normals {
+            let n: [f32; 3] = std::array::from_fn(|axis| normal[axis] / factors[axis]);
+            let length = (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]).sqrt();
+            *normal = n.map(|x| x / length);
+        }
+        if self.normals.len() != self.vertices.len() || self.normals.iter().flatten().any(|x| !x.is_finite())
+        {
+            self.normals.clear();
+        }
+        if self.vertex_colours.len() != self.vertices.len() {
+            self.vertex_colours.clear();
+        }
+        Ok(self)
     }
-    // Normals scale by the inverse of the factors of points.
-    let normal = |n: &[f32; 3]| {
-        let n = [n[0] / factors[0], n[1] / factors[1], n[2] / factors[2]];
-        let length = (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]).sqrt();
-        n.map(|x| x / length)
-    };
-    let mut normals: Vec<[f32; 3]> = mesh.normals.iter().map(normal).collect();
-    if normals.len() != count || normals.iter().flatten().any(|x| !x.is_finite()) {
-        normals.clear();
-    }
-    let has_colours = mesh.colors[0].len() == count && !mesh.colors[0].is_empty();
-    Ok(PaintedPiece {
-        vertices,
-        normals,
-        vertex_colours: if has_colours { mesh.colors[0].clone() } else { Vec::new() },
-        triangles,
-        colour: material.and_then(|material| material.color.diffuse),
-    })
 }
 
 #[cfg(test)]

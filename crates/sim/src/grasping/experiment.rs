@@ -37,7 +37,8 @@ pub struct Experiment {
     /// Stroke of each finger, in metres.
     pub strokes_m: Vec<f64>,
     /// Motion of the hand, and limits of slip.
-    pub course: ShakeTest,
+    #[serde(rename = "course")]
+    pub shake_test: ShakeTest,
     /// Penetration depth above which an open hand, in the object or with a finger in the surroundings, does not begin a grasp,
     /// in metres.
     pub blocked_m: f64,
@@ -108,7 +109,7 @@ impl GraspTest {
             closing_force_n: self.hand.closing_force_n,
             drive_stiffness: self.physics.drive_stiffness,
             strokes_m: self.hand.fingers.iter().map(|finger| finger.stroke_m).collect(),
-            course: self.course,
+            shake_test: self.shake_test,
             blocked_m: BLOCKED_M,
             closing_grace_s: CLOSING_GRACE_S,
             closed_share: CLOSED_SHARE,

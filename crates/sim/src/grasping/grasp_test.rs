@@ -4,7 +4,7 @@ use cranny_scenario::ObjectType;
 use cranny_spatial::{Pose, Vector};
 use rapier3d_f64::prelude::{Collider, PhysicsWorld, RigidBodyHandle};
 
-use crate::grasping::course_check::check_course;
+use crate::grasping::shake_test_check::check_shake_test;
 use crate::gripper::HandModel;
 use crate::object_model::{ObjectModel, come_to_rest};
 use crate::{Disturbance, Physics, Piece, SimError, engine};
@@ -27,7 +27,7 @@ pub struct GraspTest {
     surroundings_colliders: Vec<Collider>,
     world_from_object: Pose,
     pub(crate) physics: Physics,
-    pub(crate) course: ShakeTest,
+    pub(crate) shake_test: ShakeTest,
     /// Load measure, in the frame of the object; `None` for a hand without two flat pads.
     pub(crate) load: Option<LoadMeasure>,
 }
@@ -44,10 +44,10 @@ impl GraspTest {
         world_from_object: Pose,
         surroundings: &[Body],
         physics: Physics,
-        course: ShakeTest,
+        shake_test: ShakeTest,
     ) -> Result<Self, SimError> {
         physics.check()?;
-        check_course(&course)?;
+        check_shake_test(&shake_test)?;
         let (held, pads) = (object.held(), Pads::of(hand));
         let object = ObjectModel::new(object)?;
         let (mut around, mut colliders) = (Vec::new(), Vec::new());
@@ -70,12 +70,12 @@ impl GraspTest {
             surroundings_colliders: colliders,
             world_from_object,
             physics,
-            course,
+            shake_test,
             load: None,
         };
         test.settle();
         let up = test.world_from_object.rotation.inverse() * Vector::z();
-        let states = LoadState::along(&test.course);
+        let states = LoadState::along(&test.shake_test);
         test.load =
             held.zip(pads).map(|(held, pads)| LoadMeasure::new(held, pads, closing_force_n, up, states));
         Ok(test)

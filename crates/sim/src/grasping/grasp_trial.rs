@@ -105,7 +105,7 @@ impl<'a> GraspTrial<'a> {
         trial
     }
 
-    /// Closes the hand and, if it holds the object, follows the course of the test.
+    /// Closes the hand and, if it holds the object, follows the motion of the shake test.
     pub fn run(self, world_from_hand: &Pose) -> GraspRun {
         if world_from_hand.translation.vector.amax() > FARTHEST_M {
             // Such a grasp is beyond any scene and beyond the number range of the engine.
@@ -114,12 +114,12 @@ impl<'a> GraspTrial<'a> {
         if let Some(outcome) = self.blocked() {
             return self.ended(outcome, (0.0, 0.0), 0.0, 0.0);
         }
-        let course = self.test.course;
+        let shake_test = self.test.shake_test;
         let mut advance = |trial: &mut Self, time_s: f64| {
-            let next = course.world_from_hand(world_from_hand, time_s);
+            let next = shake_test.world_from_hand(world_from_hand, time_s);
             trial.world.bodies[trial.gripper.palm].set_next_kinematic_position(engine::pose(&next));
         };
-        self.grasp(Move { duration_s: course.duration_s(), advance: &mut advance }, None)
+        self.grasp(Move { duration_s: shake_test.duration_s(), advance: &mut advance }, None)
     }
 
     /// Returns the outcome if the open hand penetrates anything: it has pushed the object away on approach or cannot close.
@@ -187,7 +187,7 @@ impl<'a> GraspTrial<'a> {
     }
 
     fn step(&mut self) {
-        let speed = self.test.course.closing_speed;
+        let speed = self.test.shake_test.closing_speed;
         let driven_m = match self.opens_from {
             None => speed * self.closing_s(),
             Some((step, closed_m)) => {
@@ -206,8 +206,9 @@ impl<'a> GraspTrial<'a> {
     fn close(&mut self) -> Option<f64> {
         let test = self.test;
         let stroke_m = test.hand.fingers.iter().map(|finger| finger.stroke_m).fold(0.0, f64::max);
-        let lead_s = self.gripper.closing_force_n / test.physics.drive_stiffness / test.course.closing_speed;
-        let limit_s = stroke_m / test.course.closing_speed + lead_s + CLOSING_GRACE_S;
+        let lead_s =
+            self.gripper.closing_force_n / test.physics.drive_stiffness / test.shake_test.closing_speed;
+        let limit_s = stroke_m / test.shake_test.closing_speed + lead_s + CLOSING_GRACE_S;
         let [lead_steps, full_steps] =
             [lead_s, STILL_S].map(|time_s| whole_steps(time_s, test.physics.step_s).max(1));
         let (mut still_share, mut still_steps, mut pressed_n) = (0.0, 0_u32, 0.0);
@@ -297,7 +298,7 @@ impl<'a> GraspTrial<'a> {
     }
 
     fn is_held(&self, (translation_m, rotation_rad): (f64, f64)) -> bool {
-        let ShakeTest { slip_m, slip_rad, .. } = self.test.course;
+        let ShakeTest { slip_m, slip_rad, .. } = self.test.shake_test;
         translation_m <= slip_m && rotation_rad <= slip_rad
     }
 

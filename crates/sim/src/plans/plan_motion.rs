@@ -52,7 +52,7 @@ impl<'a> PlanMotion<'a> {
             reach,
             onward,
             lift: Lift::new(robot, &end(reach), lift_m),
-            moving_s: onward.map_or(test.course.lift_s, Trajectory::duration_s),
+            moving_s: onward.map_or(test.shake_test.lift_s, Trajectory::duration_s),
             off,
             opening_s: path.hand_times_s().get(1).copied().unwrap_or(CLOSING_S),
             world_from_grasp: world_from_tip(&end(reach)),

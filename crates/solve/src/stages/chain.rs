@@ -57,7 +57,7 @@ struct Held<'a> {
     places: Option<Arc<PlaceSearch>>,
     /// The path that led to the grasp; empty if the arm has moved since.
     led: &'a [Vec<f64>],
-    /// Forces of the grip, if firmness is required and can be computed.
+    /// Forces of the grip, if a load factor is required and can be computed.
     grip: Option<&'a FirmGrip>,
 }
 
@@ -188,10 +188,10 @@ impl<'a> Chain<'a> {
         };
         let refusals = Arc::new(Refusals::default());
         let demanded = self.request.hold.filter(|hold| *hold > 0.0);
-        let firmness = carrier
+        let load_model = carrier
             .as_ref()
             .zip(demanded)
-            .and_then(|(carrier, _)| carrier.firmness(self.problem).map(Arc::new));
+            .and_then(|(carrier, _)| carrier.load_model(self.problem).map(Arc::new));
         let asked = {
             let on_the_way = picking.cell().filter(|_| pick.approach_m > 0.0);
             let on_the_way = on_the_way.map(|cell| blocked_approach(cell, pick.approach_m));
@@ -201,8 +201,8 @@ impl<'a> Chain<'a> {
                 before.or_else(|| after.as_ref().and_then(|blocked| blocked(world_from_tip)))
             };
             let (is_put_down, is_own) = (places.is_some(), picking.grasp_measure().is_some());
-            let firm = firmness.clone().zip(demanded);
-            let firm = firm.map(|(firmness, factor)| Demanded { firmness, factor, is_put_down, is_own });
+            let firm = load_model.clone().zip(demanded);
+            let firm = firm.map(|(load_model, factor)| Demanded { load_model, factor, is_put_down, is_own });
             let filter = refusals.filter(self.request.left_out_filter(index), firm, blocked);
             picking.clone().with_grasp_filter(filter)
         };
@@ -233,8 +233,9 @@ impl<'a> Chain<'a> {
             let through = match (approach, &carrier) {
                 (Ok(Approach { pieces, led }), Some(carrier)) => {
                     let robot = self.problem.robot();
-                    let grip =
-                        firmness.as_ref().and_then(|firmness| FirmGrip::of(firmness, robot, &reached.q));
+                    let grip = load_model
+                        .as_ref()
+                        .and_then(|load_model| FirmGrip::of(load_model, robot, &reached.q));
                     let held = Held { carrier, places: places.clone(), led: &led, grip: grip.as_ref() };
                     let onward = self.lift_off(index, &reached, &held, observer)?;
                     onward.map(|onward| [pieces, onward].concat())

@@ -20,10 +20,10 @@ pub(crate) struct Refusals {
     is_each_weak: OnceLock<bool>,
 }
 
-/// Required firmness of a grasp.
+/// Required load factor of a grasp.
 #[derive(Clone)]
 pub(crate) struct Demanded {
-    pub firmness: Arc<LoadModel>,
+    pub load_model: Arc<LoadModel>,
     /// Least factor by which gravity may grow.
     pub factor: f64,
     /// True if the object is put down again.
@@ -54,8 +54,8 @@ impl Refusals {
         GraspFilter::new(move |world_from_tip| {
             let is_left_out = left_out.as_ref().is_some_and(|is_left_out| is_left_out(world_from_tip));
             let weak = || {
-                let Demanded { firmness, factor, is_put_down, .. } = firm.as_ref()?;
-                firmness.fault_of(world_from_tip, *factor, *is_put_down)
+                let Demanded { load_model, factor, is_put_down, .. } = firm.as_ref()?;
+                load_model.fault_of(world_from_tip, *factor, *is_put_down)
             };
             let fault = is_left_out.then_some(FailureReason::LeftOut).or_else(weak);
             let fault = counts.counted(fault.or_else(|| blocked(world_from_tip)));
@@ -68,7 +68,7 @@ impl Refusals {
     fn unsteady(&self, own: &Demanded, world_from_tip: &Pose) -> Option<FailureReason> {
         let least = STEADY * LEFT_PER_REFUSAL.powi(self.unsteady.load(Ordering::Relaxed));
         let is_steady =
-            own.firmness.grip(world_from_tip).is_some_and(|grip| grip.factor_in_any_attitude() >= least);
+            own.load_model.grip(world_from_tip).is_some_and(|grip| grip.factor_in_any_attitude() >= least);
         (!is_steady).then(|| {
             self.unsteady.fetch_add(1, Ordering::Relaxed);
             FailureReason::Unsteady
@@ -79,11 +79,11 @@ impl Refusals {
     pub fn is_each_weak(&self, picking: &Problem) -> bool {
         *self.is_each_weak.get_or_init(|| {
             let set = picking.grasps().filter(|_| picking.grasp_measure().is_none());
-            let (Some(Demanded { firmness, factor, is_put_down, .. }), Some(set)) = (self.firm.get(), set)
+            let (Some(Demanded { load_model, factor, is_put_down, .. }), Some(set)) = (self.firm.get(), set)
             else {
                 return false;
             };
-            let is_weak = |pose: &Pose| firmness.fault_of(pose, *factor, *is_put_down).is_some();
+            let is_weak = |pose: &Pose| load_model.fault_of(pose, *factor, *is_put_down).is_some();
             set.grasps().iter().all(|grasp| gripper_poses(grasp).iter().all(is_weak))
         })
     }

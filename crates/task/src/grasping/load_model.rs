@@ -47,7 +47,7 @@ impl Weights {
     }
 }
 
-/// The firmness of grasps of a body by a robot's hand: the factor by which loads may grow until the body slips
+/// Loads of grasps of a body by a robot's hand: the factor by which loads may grow until the body slips
 /// ([`LoadMeasure`]). Poses are in the planning frame, with the body where it stands when the hand closes.
 #[derive(Clone)]
 pub struct LoadModel {

@@ -93,9 +93,9 @@ impl Carrier {
         })
     }
 
-    /// Returns the firmness of grasps of the object where it stands; `None` if it cannot be computed ([`LoadModel`]).
-    pub fn firmness(&self, problem: &Problem) -> Option<LoadModel> {
-        problem.firmness(&self.cell, self.hand.target())
+    /// Returns the load model of grasps of the object where it stands; `None` if it cannot be computed ([`LoadModel`]).
+    pub fn load_model(&self, problem: &Problem) -> Option<LoadModel> {
+        problem.load_model(&self.cell, self.hand.target())
     }
 
     /// Returns this carrier in the surroundings of another cell, where it grasps the same body. Much faster than [`Self::new`].

@@ -255,13 +255,23 @@ impl Stage {
 /// Maximum number of translucent things of equal translucency that are drawn one by one: each may cover the whole picture.
 const MOST_LAYERS: usize = 256;
 
-/// Joins consecutive layers of equal translucency if there are too many. Things of one layer do not show through each other.
+/// Joins consecutive layers if there are too many: those of equal translucency, and if more than twice [`MOST_LAYERS`] remain,
+/// any, with the translucency of the farthest. Things of one layer do not show through each other.
 fn joined(layers: Vec<(DrawList, Translucency)>) -> Vec<(DrawList, Translucency)> {
+    let layers = joined_if(layers, |one, other| one == other);
+    if layers.len() <= 2 * MOST_LAYERS { layers } else { joined_if(layers, |_, _| true) }
+}
+
+fn joined_if(
+    layers: Vec<(DrawList, Translucency)>,
+    fit: impl Fn(&Translucency, &Translucency) -> bool,
+) -> Vec<(DrawList, Translucency)> {
     let at_once = layers.len().div_ceil(MOST_LAYERS);
     let mut joined: Vec<(DrawList, Translucency)> = Vec::new();
     let mut count = 0;
     for (list, look) in layers {
-        if let Some((known, _)) = joined.last_mut().filter(|(_, known)| *known == look && count < at_once) {
+        if let Some((known, _)) = joined.last_mut().filter(|(_, known)| fit(known, &look) && count < at_once)
+        {
             known.append(&list);
             count += 1;
         } else {
@@ -296,5 +306,7 @@ mod tests {
         let few = joined(many);
         assert!(few.len() <= MOST_LAYERS + 2, "{}", few.len());
         assert_eq!(few.iter().filter(|(_, own)| *own == look(0.25)).count(), 1);
+        let mixed = (0..10_000).flat_map(|_| layers(1, 0.5).chain(layers(1, 0.25)));
+        assert_eq!(joined(mixed.collect()).len(), 254);
     }
 }

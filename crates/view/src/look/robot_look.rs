@@ -1,11 +1,11 @@
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use cranny_robot::{Link, LinkForm, LinkVisual, Robot};
 use cranny_shape::{PaintedMesh, Solid};
-use cranny_spatial::Pose;
 use cranny_spatial::nalgebra::Vector3;
+use cranny_spatial::{Pose, Vector};
 
 use crate::look::melted_body::{Primitive, melted};
 use crate::{Colour, Material, MeshPiece, Scene, ViewError, look::rounded};
@@ -13,20 +13,43 @@ use crate::{Colour, Material, MeshPiece, Scene, ViewError, look::rounded};
 /// Colour of a link without a colour of its own.
 const BARE: u32 = 0x00b8_bec6;
 
+/// Maximum number of triangles of all visual meshes of a robot, each of which is kept as often as a link shows it: as many as one
+/// mesh file may have.
+const MOST_TRIANGLES: usize = 8_000_000;
+
+/// Visual meshes that were read.
+struct MeshFiles {
+    /// By canonical path and scale: a file may have as many spellings as there are visuals.
+    known: HashMap<(PathBuf, [u64; 3]), PaintedMesh>,
+    /// Number of triangles that further visuals may have.
+    left: usize,
+}
+
+impl MeshFiles {
+    /// Returns a mesh for one more visual.
+    fn read(&mut self, path: &Path, scale: &Vector) -> Result<&PaintedMesh, ViewError> {
+        let file = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+        let mesh = match self.known.entry((file, scale.map(f64::to_bits).into())) {
+            Entry::Occupied(known) => known.into_mut(),
+            Entry::Vacant(new) => new.insert(PaintedMesh::load(path, *scale)?),
+        };
+        let triangles = mesh.pieces.iter().map(|piece| piece.triangles.len()).sum();
+        self.left =
+            self.left.checked_sub(triangles).ok_or(ViewError::ManyTriangles { most: MOST_TRIANGLES })?;
+        Ok(mesh)
+    }
+}
+
 /// Creates the meshes of the links of a robot, by link, of collision geometry if there are no visuals; `None` without any.
 ///
 /// # Errors
-/// [`ViewError::VisualNotFound`], [`ViewError::Shape`].
+/// [`ViewError::VisualNotFound`], [`ViewError::Shape`], [`ViewError::ManyTriangles`].
 pub(crate) fn link_meshes(robot: &Robot, scene: &mut Scene) -> Result<Vec<Option<usize>>, ViewError> {
-    let mut files = HashMap::new();
+    let mut files = MeshFiles { known: HashMap::new(), left: MOST_TRIANGLES };
     robot.links().iter().map(|link| link_mesh(link, scene, &mut files)).collect()
 }
 
-fn link_mesh(
-    link: &Link,
-    scene: &mut Scene,
-    files: &mut HashMap<PathBuf, PaintedMesh>,
-) -> Result<Option<usize>, ViewError> {
+fn link_mesh(link: &Link, scene: &mut Scene, files: &mut MeshFiles) -> Result<Option<usize>, ViewError> {
     let mut pieces = Vec::new();
     if link.visuals.is_empty() {
         let material = scene.material(plastic([0.0; 4], true));
@@ -63,7 +86,7 @@ fn visual_pieces(
     link: &Link,
     visual: &LinkVisual,
     scene: &mut Scene,
-    files: &mut HashMap<PathBuf, PaintedMesh>,
+    files: &mut MeshFiles,
 ) -> Result<Vec<MeshPiece>, ViewError> {
     let own = visual.colour;
     let material = scene.material(plastic(own.unwrap_or_default(), own.is_none()));
@@ -76,10 +99,7 @@ fn visual_pieces(
                     tried: candidates.clone(),
                 });
             };
-            let mesh = match files.entry(path.clone()) {
-                Entry::Occupied(known) => known.into_mut(),
-                Entry::Vacant(new) => new.insert(PaintedMesh::load(path, *scale)?),
-            };
+            let mesh = files.read(path, scale)?;
             let pieces = mesh.pieces.iter().map(|piece| {
                 let colour = piece.colour.map(|colour| colour.map(f64::from));
                 let material = match (colour, own) {
@@ -152,4 +172,25 @@ pub(crate) fn by_material(pieces: Vec<MeshPiece>) -> Vec<MeshPiece> {
         }
     }
     merged
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A mesh was read once for each spelling of its path, and had the scale of its first visual everywhere.
+    #[test]
+    fn a_mesh_is_read_once_for_each_scale_and_all_visuals_are_bounded() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.obj");
+        std::fs::write(&path, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+        let mut files = MeshFiles { known: HashMap::new(), left: 4 };
+        for (spelling, factor) in [("a.obj", 1.0), ("./a.obj", 1.0), ("././a.obj", 2.0), ("a.obj", 2.0)] {
+            let mesh = files.read(&folder.path().join(spelling), &Vector::repeat(factor)).unwrap();
+            assert!((f64::from(mesh.pieces[0].vertices[1][0]) - factor).abs() < 1e-6);
+        }
+        assert_eq!(files.known.len(), 2);
+        let fault = files.read(&path, &Vector::repeat(1.0)).unwrap_err();
+        assert!(matches!(fault, ViewError::ManyTriangles { .. }), "{fault}");
+    }
 }

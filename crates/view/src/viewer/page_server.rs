@@ -122,11 +122,15 @@ async fn accept(listener: tokio::net::TcpListener, served: Arc<Served>, under_wa
     protocol.timer(TokioTimer::new()).header_read_timeout(limits.request).keep_alive(false);
     protocol.max_buf_size(MOST_HEAD_BYTES);
     loop {
-        let Ok((stream, _)) = listener.accept().await else {
-            // The system may have no free descriptor.
-            open.close_one();
-            sleep(PAUSE).await;
-            continue;
+        let stream = match listener.accept().await {
+            Ok((stream, _)) => stream,
+            Err(fault) => {
+                if lacks_descriptors(&fault) {
+                    open.close_one();
+                }
+                sleep(PAUSE).await;
+                continue;
+            }
         };
         let number = open.number();
         let (served, requested, ended) = (served.clone(), open.clone(), open.clone());
@@ -146,10 +150,31 @@ async fn accept(listener: tokio::net::TcpListener, served: Arc<Served>, under_wa
     }
 }
 
+/// Returns true if the process or the system has no free descriptor: the codes ENFILE and EMFILE of Unix, WSAEMFILE of Windows.
+/// Other failures, such as a connection that its client has closed, concern no other connection.
+fn lacks_descriptors(fault: &std::io::Error) -> bool {
+    fault.raw_os_error().is_some_and(|code| [23, 24, 10_024].contains(&code))
+}
+
 /// Returns the host names of this server on a port.
 fn hosts(port: u16) -> Vec<String> {
     let names = ["127.0.0.1", "localhost"];
     // Browsers omit the default port.
     let bare = names.iter().filter(|_| port == 80).map(|name| (*name).to_owned());
     names.iter().map(|name| format!("{name}:{port}")).chain(bare).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::{Error, ErrorKind};
+
+    use super::*;
+
+    #[test]
+    fn only_a_lack_of_descriptors_costs_another_connection() {
+        assert!(!lacks_descriptors(&ErrorKind::ConnectionAborted.into()));
+        // ECONNABORTED of Linux.
+        assert!(!lacks_descriptors(&Error::from_raw_os_error(103)));
+        assert!(lacks_descriptors(&Error::from_raw_os_error(24)));
+    }
 }
