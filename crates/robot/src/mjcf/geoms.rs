@@ -159,7 +159,8 @@ impl<'d> BodyReader<'d, '_> {
     }
 }
 
-/// Returns pose and size of a geom between two points; z leads from the first to the second.
+/// Returns pose and size of a geom between two points; z leads from the second to the first, as in `MuJoCo` 3.17 (its reference
+/// states the opposite). Only a box shows the difference.
 fn from_to(
     element: Element<'_>,
     kind: &str,
@@ -167,7 +168,7 @@ fn from_to(
     [width, ..]: [f64; 3],
 ) -> Result<(Pose, [f64; 3]), RobotError> {
     let (from, to) = (Vector::new(a, b, c), Vector::new(d, e, f));
-    let rotation = rotation_from_z(to - from)
+    let rotation = rotation_from_z(from - to)
         .ok_or_else(|| not_supported(element, "a `fromto` of length 0", "give two points"))?;
     let half_length = 0.5 * (to - from).norm();
     let size = match kind {
