@@ -1,9 +1,10 @@
 //! C and C++ API: built, installed, and tested as a user of it would.
 
+pub mod header;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::debian;
 use crate::step::{self, Readiness, Surroundings};
 
 /// Crate of the C API.
@@ -29,7 +30,7 @@ pub fn readiness(here: &Surroundings) -> Readiness {
         tool.or_else(|| (!has_ompl().is_ok_and(|status| status.success())).then_some("OMPL"))
     };
     let Some(first) = missing(here) else { return Readiness::Ready };
-    let installed = debian::install(here, &PACKAGES);
+    let installed = here.install(&PACKAGES);
     match (missing(here), installed) {
         (None, _) => Readiness::Ready,
         (Some(missing), Ok(())) => {

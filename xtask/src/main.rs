@@ -6,7 +6,6 @@ mod c_api;
 mod checked_arithmetic;
 mod checkout;
 mod comment_words;
-mod debian;
 mod gltf;
 mod hardship;
 mod latex;

@@ -79,6 +79,23 @@ impl Surroundings {
         command
     }
 
+    /// Installs packages of Debian as root, for machines that only run tests; others install them themselves.
+    ///
+    /// # Errors
+    /// If the user is not root, or apt-get fails.
+    pub fn install(&self, packages: &[&str]) -> Result<(), String> {
+        let user = self.command("id", &["-u"]).output();
+        if !user.is_ok_and(|user| user.stdout.trim_ascii() == b"0") {
+            return Err("only root can install it here".to_owned());
+        }
+        println!("==> {} by apt-get", packages.join(", "));
+        succeed(self.command("apt-get", &["-qq", "update"]))?;
+        let words = [&["-qq", "install", "--yes", "--no-install-recommends"], packages].concat();
+        let mut command = self.command("apt-get", &words);
+        command.env("DEBIAN_FRONTEND", "noninteractive");
+        succeed(command)
+    }
+
     /// Returns true if `cargo <words>` succeeds; its output is discarded.
     pub fn cargo_answers(&self, words: &[&str]) -> bool {
         self.cargo(words).output().is_ok_and(|output| output.status.success())

@@ -2,7 +2,6 @@
 //!
 //! Each check is a pure function from crates and files to [`Problem`]s, in a module of its own, with tests on bad examples.
 
-mod c_header;
 mod citations;
 mod crate_table;
 mod file_length;
@@ -24,6 +23,7 @@ mod unknown_keys;
 mod unsafe_code;
 mod walks;
 
+use crate::c_api::header;
 use crate::checkout::{self, SourceFile};
 use crate::comment_words;
 use crate::member::{self, Member};
@@ -48,14 +48,14 @@ pub fn run(generated: Generated) -> Result<bool, String> {
     if generated == Generated::Write {
         crate_table::write(&root, &members)?;
         notices::write(&root)?;
-        c_header::write(&root)?;
+        header::write(&root)?;
     }
     let files = checkout::read_files(&root)?;
     let data = released_data::folder()?;
 
     let mut problems = problems_of(&members, &files);
     problems.extend(notices::check(&root, &files)?);
-    problems.extend(c_header::check(&root, &files)?);
+    problems.extend(header::check(&root, &files)?);
     match &data {
         Some(folder) => problems.extend(foreign_data::check(&files, folder)?),
         None => eprintln!("SKIPPED: tidy, comparison with the released data (set {})", released_data::DATA),

@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 
-use crate::debian;
 use crate::gltf;
 use crate::step::{self, Readiness, Surroundings};
 
@@ -19,7 +18,7 @@ pub fn readiness(here: &Surroundings) -> Readiness {
     if ready_or_not != Readiness::Ready || chromium().is_some() {
         return ready_or_not;
     }
-    match debian::install(here, &["chromium"]) {
+    match here.install(&["chromium"]) {
         Ok(()) if chromium().is_some() => Readiness::Ready,
         Ok(()) => Readiness::Missing("no Chromium, though apt-get says that it has installed one".to_owned()),
         Err(reason) => {

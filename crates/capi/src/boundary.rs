@@ -5,7 +5,7 @@
 //! promises the rules at the head of `cranny.h`: the pointer is NULL, or it points to as many values as the length that is
 //! passed with it, until the call returns.
 
-use std::ffi::{CStr, CString, c_char};
+use std::ffi::{CStr, c_char};
 use std::marker::PhantomData;
 use std::mem::MaybeUninit;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -58,13 +58,13 @@ impl<'a> Numbers<'a> {
         self.0.is_null()
     }
 
-    /// Returns `rows` rows of `columns` numbers, finite or not.
+    /// Returns `rows` × `columns` numbers (m, rad or others), finite or not.
     pub fn values(self, what: &'static str, rows: usize, columns: usize) -> Result<&'a [f64], Fault> {
         // SAFETY: C promises that many values, until the call returns.
         unsafe { array(self.0, what, rows, columns) }
     }
 
-    /// Returns `rows` rows of `columns` finite numbers.
+    /// Returns `rows` × `columns` finite numbers (m, rad or others).
     pub fn finite(self, what: &'static str, rows: usize, columns: usize) -> Result<&'a [f64], Fault> {
         let values = self.values(what, rows, columns)?;
         match values.iter().position(|value| !value.is_finite()) {
@@ -83,22 +83,22 @@ impl<'a> Indices<'a> {
 }
 
 impl NumberBuffer<'_> {
-    /// Writes `values`; C promises room for them.
+    /// Writes `values` (m, rad or others; any number), for which C promises memory.
     pub fn write(&mut self, what: &'static str, values: &[f64]) -> Result<(), Fault> {
-        // SAFETY: C promises room for that many values, which nothing else uses during the call.
+        // SAFETY: C promises memory for that many values, which nothing else uses during the call.
         unsafe { copy(values, self.0, what) }
     }
 
-    /// Writes `values` unless the buffer is NULL.
+    /// Writes `values` (m, rad or others; any number), unless the buffer is NULL.
     pub fn write_if_asked(&mut self, what: &'static str, values: &[f64]) -> Result<(), Fault> {
         if self.0.is_null() { Ok(()) } else { self.write(what, values) }
     }
 }
 
 impl FlagBuffer<'_> {
-    /// Writes `values`; C promises room for them.
+    /// Writes `values`, for which C promises memory.
     pub fn write(&mut self, what: &'static str, values: &[bool]) -> Result<(), Fault> {
-        // SAFETY: C promises room for that many values, which nothing else uses during the call.
+        // SAFETY: C promises memory for that many values, which nothing else uses during the call.
         unsafe { copy(values, self.0, what) }
     }
 }
@@ -126,13 +126,13 @@ unsafe fn array<'a, T>(
 /// Copies `values` to the array that begins at `first`.
 ///
 /// # Safety
-/// `first` is NULL or begins room for as many values, which nothing else uses during the call.
+/// `first` is NULL or begins memory for as many values, which nothing else uses during the call.
 unsafe fn copy<T: Copy>(values: &[T], first: *mut T, what: &'static str) -> Result<(), Fault> {
     if values.is_empty() {
         return Ok(());
     }
     check_address(first, what)?;
-    // SAFETY: not NULL and aligned; the caller promises the room, which therefore does not overlap `values`.
+    // SAFETY: not NULL and aligned; the caller promises the memory, which therefore does not overlap `values`.
     unsafe { std::ptr::copy_nonoverlapping(values.as_ptr(), first, values.len()) };
     Ok(())
 }
@@ -156,16 +156,6 @@ pub fn given<T>(argument: Option<T>, what: &'static str) -> Result<T, Fault> {
 pub fn put<T>(place: Option<&mut MaybeUninit<T>>, what: &'static str, value: T) -> Result<(), Fault> {
     given(place, what)?.write(value);
     Ok(())
-}
-
-/// Text for C: without zero bytes, which would end it.
-pub fn c_text(text: &str) -> CString {
-    CString::new(text.replace('\0', "")).unwrap_or_default()
-}
-
-/// Texts for C.
-pub fn c_texts<'a>(texts: impl IntoIterator<Item = &'a str>) -> Vec<CString> {
-    texts.into_iter().map(c_text).collect()
 }
 
 /// Runs the body of an exported function: a failure or a panic becomes a status and the text of `cranny_last_error`.

@@ -7,9 +7,10 @@ use std::sync::{Arc, Mutex, MutexGuard};
 
 use cranny::collision::{Cell, Collider, Contact, Margins, Scratch};
 
-use crate::boundary::{FlagBuffer, NumberBuffer, Numbers, c_text, c_texts, given, guarded, put};
+use crate::boundary::{FlagBuffer, NumberBuffer, Numbers, given, guarded, put};
 use crate::error::{CrannyStatus, Fault};
 use crate::robot::{CrannyRobot, check_dof};
+use crate::text::{c_text, c_texts};
 use crate::world::CrannyWorld;
 
 /// Robot in a world, for checks of configurations and whole motions, and for clearances.

@@ -14,7 +14,7 @@ use cranny::shape::ShapeError;
 use cranny::solve::SolveError;
 use cranny::task::TaskError;
 
-use crate::boundary::c_text;
+use crate::text::c_text;
 
 /// Result of a call. After any other than CRANNY_STATUS_OK, cranny_last_error gives the reason as text, and nothing that the
 /// call should write may be used. A negative result (not free, not found, not valid) is no failure.
@@ -71,7 +71,7 @@ pub enum Fault {
         expected: usize,
         /// Given length.
         actual: usize,
-        /// What the length follows from; may be empty.
+        /// Source of the expected length; may be empty.
         reason: &'static str,
     },
     /// A number is not finite.
@@ -91,7 +91,7 @@ pub enum Fault {
         what: &'static str,
         /// The number.
         value: f64,
-        /// What is allowed.
+        /// Allowed range.
         expected: &'static str,
     },
     /// There is nothing of that name.
@@ -128,7 +128,7 @@ pub enum Fault {
     Lacking {
         /// Name of the argument.
         what: &'static str,
-        /// What is missing, with a hint.
+        /// Missing part, with a hint.
         problem: &'static str,
     },
     /// Failure of the robot's files.

@@ -18,6 +18,7 @@ mod planning;
 mod robot;
 mod samples;
 mod scenario;
+mod text;
 mod verification;
 mod version;
 mod world;

@@ -25,7 +25,7 @@ pub fn word<T: std::str::FromStr>(what: &str, word: Option<&str>, known: &str) -
     word.map(parsed).transpose()
 }
 
-/// Reads a pose: 16 numbers of a homogeneous matrix, row by row, in metres.
+/// Reads a pose in the planning frame: 16 numbers of a homogeneous matrix, row by row, in metres.
 pub fn pose_of(rows: Numbers<'_>, what: &'static str) -> Result<Pose, Fault> {
     let values = rows.finite(what, 4, 4)?;
     let mut matrix = [0.0; 16];
@@ -33,7 +33,7 @@ pub fn pose_of(rows: Numbers<'_>, what: &'static str) -> Result<Pose, Fault> {
     Ok(pose_of_rows(&matrix)?)
 }
 
-/// Reads a pose, or the identity for NULL.
+/// Reads a pose in the planning frame, or the identity for NULL.
 pub fn pose_or_identity(rows: Numbers<'_>, what: &'static str) -> Result<Pose, Fault> {
     if rows.is_null() { Ok(Pose::identity()) } else { pose_of(rows, what) }
 }

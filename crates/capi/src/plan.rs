@@ -11,11 +11,12 @@ use cranny::record::{PlanFile, PlanSource};
 use cranny::solve::TaskTrajectory;
 use cranny::{Answer, Outcome, Problem};
 
-use crate::boundary::{NumberBuffer, Text, answered, c_text, given, guarded, put};
+use crate::boundary::{NumberBuffer, Text, answered, given, guarded, put};
 use crate::error::{CrannyStatus, Fault};
 use crate::robot::check_dof;
 use crate::samples::CrannySamples;
 use crate::scenario::{Asked, CrannyScenario};
+use crate::text::c_text;
 use crate::verification::CrannyVerification;
 
 /// Result of planning: a path, its timing, its proof and the statistics of the search. It never changes.

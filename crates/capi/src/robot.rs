@@ -12,9 +12,10 @@ use cranny::robot::{JointGroup, JointLimits, MeshUse, RobotOptions, TextSource};
 use cranny::scenario::{BUILTIN_ROBOTS, BuiltinRobot};
 use serde::Deserialize;
 
-use crate::boundary::{NumberBuffer, Text, answered, c_text, c_texts, given, guarded, put};
+use crate::boundary::{NumberBuffer, Text, answered, given, guarded, put};
 use crate::error::{CrannyStatus, Fault};
 use crate::options::{parsed, refused};
+use crate::text::{c_text, c_texts};
 
 /// Robot: links, and the group of joints that moves them. It never changes.
 ///

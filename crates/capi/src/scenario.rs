@@ -14,12 +14,13 @@ use cranny::task::Criterion;
 use cranny::{Goal, GraspSet, OpenOptions, Problem, Robot, Scenario};
 use serde::Deserialize;
 
-use crate::boundary::{NumberBuffer, Numbers, Text, answered, c_text, given, guarded, put};
+use crate::boundary::{NumberBuffer, Numbers, Text, answered, given, guarded, put};
 use crate::cell::CrannyCell;
 use crate::error::{CrannyStatus, Fault};
 use crate::grasps::CrannyGrasps;
 use crate::options::{parsed, word};
 use crate::robot::{CrannyRobot, check_dof};
+use crate::text::c_text;
 use crate::world::CrannyWorld;
 
 /// Task: a robot, its surroundings, the object to grasp and its grasps, or goal configurations. It never changes; functions

@@ -5,8 +5,9 @@ use std::ptr::null;
 
 use cranny::Audit;
 
-use crate::boundary::{answered, c_text, given};
+use crate::boundary::{answered, given};
 use crate::robot::named;
+use crate::text::c_text;
 
 /// Verdict on a path. It never changes.
 #[derive(Debug)]

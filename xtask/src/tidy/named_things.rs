@@ -10,13 +10,13 @@ use crate::problem::Problem;
 use crate::site::links;
 
 /// File extensions of the languages of the checkout.
-const LANGUAGES: [&str; 3] = ["rs", "ts", "py"];
+const LANGUAGES: [&str; 5] = ["rs", "ts", "py", "h", "hpp"];
 /// Folders whose programs have flags.
 const FLAGGED: [&str; 5] = ["crates/cli/", "xtask/", "python/", "examples/", "benchmarks/"];
 /// Pages that describe past states.
 const HISTORY: [&str; 3] = ["CHANGELOG.md", "docs/decisions/", "benchmarks/"];
 
-/// Reports names in code spans of Markdown pages that do not exist: a file `….rs`, `….ts` or `….py` (relative to the folder of
+/// Reports names in code spans of Markdown pages that do not exist: a file `….rs` or of another language (relative to the folder of
 /// the page if it begins with `src/`, else the end of any path), a flag `--name`, and a type name of two words or more.
 pub fn check(files: &[SourceFile]) -> Vec<Problem> {
     let known = Known::of(files);

@@ -13,7 +13,7 @@ use crate::problem::Problem;
 const PAGE: &str = "crates/view/NOTICES.txt";
 
 /// Distributed packages, without build tools.
-const PROGRAMS: [&str; 2] = ["cranny-cli", "cranny-python"];
+const PROGRAMS: [&str; 3] = ["cranny-capi", "cranny-cli", "cranny-python"];
 
 /// Lock file of npm, with the version of three.js in the viewer's page.
 const NPM_LOCK: &str = "web/package-lock.json";

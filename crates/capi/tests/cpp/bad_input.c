@@ -187,7 +187,7 @@ static void tasks(const CrannyRobot *robot, const CrannyWorld *world) {
   EXPECT(!cranny_verification_is_valid(verification));
   EXPECT(cranny_verification_violation(verification, 1000) == NULL);
 
-  /* A plan without a path has no trajectory, and says so. */
+  /* A plan without a path has no trajectory, and the reason is given. */
   DONE(cranny_plan(scenario, "{\"iterations\": 0}", NULL, NULL, &plan));
   EXPECT(!cranny_plan_is_solved(plan) && cranny_plan_waypoint_count(plan) == 0 && cranny_plan_grasp(plan) == -1);
   EXPECT(isnan(cranny_plan_duration_s(plan)));
