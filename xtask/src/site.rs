@@ -40,6 +40,7 @@ const SUMMARY: &str = "# Summary
 - [Putting things down](docs/placing.md)
 - [Motions for a robot](docs/motions.md)
 - [Physics](docs/physics.md)
+- [ROS and MoveIt](docs/ros.md)
 
 # Reference
 

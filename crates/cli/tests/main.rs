@@ -38,6 +38,7 @@ mod robots;
 #[cfg(target_os = "linux")]
 mod sabotaging_planners;
 mod scenarios;
+mod serve;
 mod simulation;
 #[cfg(unix)]
 mod stopped;
