@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex, PoisonError, mpsc};
 use std::thread::JoinHandle;
 
-use cranny_view::{PageFeed, ServerLimits, PageServer, TreeRecording, ViewError, WatchedSearch};
+use cranny_view::{PageFeed, PageServer, ServerLimits, TreeRecording, ViewError, WatchedSearch};
 use pyo3::prelude::*;
 use tokio::sync::oneshot;
 

@@ -75,7 +75,9 @@ impl PyMoveItPlanner {
         let text: String = py
             .import("json")?
             .call_method("dumps", (request,), Some(&keywords))
-            .map_err(|reason| bad_type(format!("request: a dictionary of plain values is expected ({reason})")))?
+            .map_err(|reason| {
+                bad_type(format!("request: a dictionary of plain values is expected ({reason})"))
+            })?
             .extract()?;
         let mut observer = InterruptObserver::new();
         let planned = py.detach(|| {

@@ -35,8 +35,11 @@ impl Server {
 
     fn send(&self, method: &str, path: &str, content: &str) -> TcpStream {
         let mut stream = TcpStream::connect(&self.host).expect("it listens");
-        let head =
-            format!("{method} {path} HTTP/1.1\r\nHost: {}\r\nContent-Length: {}\r\n\r\n", self.host, content.len());
+        let head = format!(
+            "{method} {path} HTTP/1.1\r\nHost: {}\r\nContent-Length: {}\r\n\r\n",
+            self.host,
+            content.len()
+        );
         // A refused request need not be read to its end.
         let _ = stream.write_all((head + content).as_bytes());
         stream
@@ -107,7 +110,11 @@ fn a_request_gets_a_timed_motion_and_its_proof() {
     let (status, answer) = server.plan(&document);
     assert_eq!(status, 200, "{answer}");
     let (response, proof) = (&answer["motion_plan_response"], &answer["cranny"]);
-    assert_eq!((&response["error_code"]["val"], &response["group_name"]), (&json!(1), &json!("arm")), "{answer}");
+    assert_eq!(
+        (&response["error_code"]["val"], &response["group_name"]),
+        (&json!(1), &json!("arm")),
+        "{answer}"
+    );
     assert_eq!(proof["valid"], true);
     assert!(proof["clearance_m"].as_f64().is_some_and(|clearance_m| clearance_m >= 0.002), "{proof}");
     assert!(proof["not_checked"].is_array() && proof["deviations"].is_array(), "{proof}");
@@ -120,7 +127,8 @@ fn a_request_gets_a_timed_motion_and_its_proof() {
     assert_eq!(first["accelerations"].as_array().map(Vec::len), Some(7));
     let nanoseconds = |point: &Value| {
         let time = &point["time_from_start"];
-        time["sec"].as_u64().expect("seconds") * 1_000_000_000 + time["nanosec"].as_u64().expect("nanoseconds")
+        time["sec"].as_u64().expect("seconds") * 1_000_000_000
+            + time["nanosec"].as_u64().expect("nanoseconds")
     };
     assert_eq!(nanoseconds(&points[1]), 20_000_000);
     assert!(points.windows(2).all(|pair| nanoseconds(&pair[0]) < nanoseconds(&pair[1])));
@@ -200,10 +208,15 @@ fn a_bad_request_is_told_the_entry_and_the_fault() {
         (text.replace("\"position\":0.8", "\"position\":NaN"), "joint_constraints[6].position: "),
         (text.replace("\"position\":0.8", "\"position\":1e999"), "joint_constraints[6].position: "),
         (
-            changed(&|document| document["planning_scene"]["world"]["collision_objects"][0]["planes"] = json!([{}])),
+            changed(&|document| {
+                document["planning_scene"]["world"]["collision_objects"][0]["planes"] = json!([{}])
+            }),
             "planning_scene.world.collision_objects[0].planes: a plane",
         ),
-        (changed(&|document| document["planning_scene"]["is_diff"] = json!(true)), "planning_scene.is_diff: "),
+        (
+            changed(&|document| document["planning_scene"]["is_diff"] = json!(true)),
+            "planning_scene.is_diff: ",
+        ),
         (changed(&|document| document["motion_plan_request"]["group_name"] = json!("leg")), "'leg'"),
         (
             changed(&|document| document["motion_plan_request"]["allowed_planning_time"] = json!(-1.0)),
@@ -242,7 +255,8 @@ fn endless() -> Value {
     let mut document = request(2.5, [0.0, 0.0, 1.5], [3.0, 3.0, 0.1]);
     let objects = &mut document["planning_scene"]["world"]["collision_objects"];
     let crate_of = |id: &str, position: [f64; 3], size: [f64; 3]| {
-        let mut wall = request(0.0, position, size)["planning_scene"]["world"]["collision_objects"][0].clone();
+        let mut wall =
+            request(0.0, position, size)["planning_scene"]["world"]["collision_objects"][0].clone();
         wall["id"] = id.into();
         wall
     };
@@ -291,8 +305,11 @@ fn a_search_ends_with_its_time_with_its_client_and_with_the_server() {
 #[test]
 fn a_robot_that_is_none_is_refused_at_the_start() {
     let refused = |arguments: &[&str]| -> String {
-        let output: Output =
-            Command::new(env!("CARGO_BIN_EXE_cranny")).arg("serve").args(arguments).output().expect("it runs");
+        let output: Output = Command::new(env!("CARGO_BIN_EXE_cranny"))
+            .arg("serve")
+            .args(arguments)
+            .output()
+            .expect("it runs");
         assert_eq!(output.status.code(), Some(2));
         String::from_utf8_lossy(&output.stderr).into_owned()
     };

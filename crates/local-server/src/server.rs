@@ -54,7 +54,7 @@ impl LocalServer {
     }
 
     /// Answers requests by `answer` until `stop` completes, and pending ones one more second. `ready` is called once requests
-    /// can arrive. An answer that nobody awaits any longer is dropped.
+    /// can arrive. The future of an answer is dropped if its client disconnects.
     ///
     /// # Errors
     /// [`ServerError::Start`] if the system cannot listen.
@@ -149,7 +149,8 @@ impl Door {
             return Err(Reply::text(StatusCode::FORBIDDEN, format!("this server is only {hosts}")));
         }
         let Some(path) = self.inside(request.uri().path()).map(str::to_owned) else {
-            let hint = "this server has an address that only its user knows: use the whole address that was printed";
+            let hint =
+                "this server has an address that only its user knows: use the whole address that was printed";
             return Err(Reply::text(StatusCode::FORBIDDEN, hint));
         };
         // Addresses in a page are relative to its folder.

@@ -12,8 +12,8 @@ use cranny_solve::{CLOSING_S, Request, TaskTrajectory, Timing, solve};
 use cranny_spatial::Pose;
 use cranny_task::{Mode, Problem, Stage, State};
 use cranny_view::{
-    CarriedObjectMotion, ClearanceProfile, PageCells, PageData, ServerLimits, PagePlan, PageServer,
-    PageSettings, Picture, PictureSettings, Role, SampledPath, Scene, SceneSettings, StandardView, ViewError,
+    CarriedObjectMotion, ClearanceProfile, PageCells, PageData, PagePlan, PageServer, PageSettings, Picture,
+    PictureSettings, Role, SampledPath, Scene, SceneSettings, ServerLimits, StandardView, ViewError,
 };
 use serde_json::Value;
 

@@ -10,7 +10,7 @@ use cranny_collision::{Cell, Margins};
 use cranny_plan::Observer as _;
 use cranny_scenario::{OpenOptions, Scenario};
 use cranny_spatial::Stream;
-use cranny_view::{PageCells, PageData, PageFeed, ServerLimits, PageServer, PageSettings, ViewError};
+use cranny_view::{PageCells, PageData, PageFeed, PageServer, PageSettings, ServerLimits, ViewError};
 use serde_json::{Value, json};
 use tokio::sync::oneshot;
 

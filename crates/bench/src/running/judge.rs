@@ -25,7 +25,8 @@ pub fn decide(
         }
     };
     if let Some(violation) = audit.violations.first() {
-        (record.outcome, record.detail) = (TrialOutcome::Rejected, Some(short_detail(&violation.to_string())));
+        (record.outcome, record.detail) =
+            (TrialOutcome::Rejected, Some(short_detail(&violation.to_string())));
         return;
     }
     record.outcome = TrialOutcome::Solved;

@@ -75,7 +75,12 @@ const WRITE_EVERY: Duration = Duration::from_secs(2);
 
 impl<'a> ProgressFile<'a> {
     /// Creates the observer of a campaign with this number of `workers` on `machine`, for a file beside the results.
-    pub fn new(path: &'a Path, workers: usize, machine: &str, observer: &'a mut dyn CampaignObserver) -> Self {
+    pub fn new(
+        path: &'a Path,
+        workers: usize,
+        machine: &str,
+        observer: &'a mut dyn CampaignObserver,
+    ) -> Self {
         let progress =
             CampaignProgress { workers, machine: machine.to_owned(), ..CampaignProgress::default() };
         Self { path, progress, begin: Instant::now(), written: None, observer }

@@ -6,7 +6,7 @@ use std::time::Duration;
 use clap::{Args, ValueEnum};
 use cranny_bench::{
     Campaign, CampaignObserver, CampaignPlanner, CampaignSettings, CarryTo, MOST_MEMORY_MB, MOST_TRIALS,
-    Manifest, PlannerCall, Results, RunInformation, RunSummary, Sandbox, Shard, ProgressFile, TrialOutcome,
+    Manifest, PlannerCall, ProgressFile, Results, RunInformation, RunSummary, Sandbox, Shard, TrialOutcome,
     TrialRecord, run_campaign,
 };
 use cranny_file::counted;

@@ -3,7 +3,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use cranny_plan::Registry;
-use cranny_view::{ServerLimits, PageServer};
+use cranny_view::{PageServer, ServerLimits};
 use serde::Serialize;
 use tempfile::NamedTempFile;
 

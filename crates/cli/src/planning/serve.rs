@@ -123,7 +123,7 @@ impl Served {
         }
     }
 
-    /// Plans a request in a thread of its own, which is stopped if nobody awaits the reply any longer.
+    /// Plans a request in a thread of its own, which is stopped if the client disconnects.
     async fn plan(&self, call: Call) -> Result<Reply, Reply> {
         let Ok(place) = self.places.clone().try_acquire_owned() else {
             let error = format!("{MOST_WAITING} requests are being planned or wait; try again later");
@@ -131,7 +131,8 @@ impl Served {
         };
         let content = call.content(MOST_BODY_BYTES).await?;
         let malformed = |error: String| Reply::refused(StatusCode::BAD_REQUEST, error);
-        let text = String::from_utf8(content.into()).map_err(|fault| malformed(format!("request: {fault}")))?;
+        let text =
+            String::from_utf8(content.into()).map_err(|fault| malformed(format!("request: {fault}")))?;
         let mut planner = self.planner.clone().lock_owned().await;
         let given_up = Arc::new(AtomicBool::new(false));
         let _guard = SetWhenDropped(given_up.clone());
@@ -141,7 +142,7 @@ impl Served {
             let document = moveit_document(&text).map_err(Failure::from);
             let planned = document.and_then(|document| Ok(planner.plan(document, &mut observer)?));
             let _ = sender.send(planned);
-            // The next request begins only now, even if nobody awaits this one.
+            // The next request begins only now, even if the client of this one has disconnected.
             drop((planner, place));
         });
         match receiver.await {

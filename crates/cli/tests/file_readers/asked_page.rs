@@ -8,7 +8,7 @@ use std::thread;
 
 use cranny_collision::Margins;
 use cranny_scenario::{OpenOptions, Scenario};
-use cranny_view::{PageCells, PageData, ServerLimits, PageServer, PageSettings};
+use cranny_view::{PageCells, PageData, PageServer, PageSettings, ServerLimits};
 
 /// Sends the content of the file to the page of a built-in scenario, over the connection of a browser. The server never ends.
 pub fn ask(folder: &Path) {

@@ -42,8 +42,11 @@ impl Identity {
             return Ok(Self::new(scenario::id_of(path), &archive::contents_of_folder(path)?));
         }
         // The error is the one that opening it would give.
-        crate::Scenario::open(what, &crate::OpenOptions::default())
-            .map(|scenario| Self { id: scenario.id, sha256: String::new(), bytes: 0 })
+        crate::Scenario::open(what, &crate::OpenOptions::default()).map(|scenario| Self {
+            id: scenario.id,
+            sha256: String::new(),
+            bytes: 0,
+        })
     }
 
     fn new(id: String, contents: &BTreeMap<String, Vec<u8>>) -> Self {

@@ -105,10 +105,11 @@ impl MoveItProblem {
             planning_scene: Value,
             motion_plan_request: Value,
         }
-        let Document { planning_scene, motion_plan_request } = serde_json::from_value(document).map_err(|fault| {
-            let at = Location { file: DOCUMENT.to_owned(), line: 0 };
-            ScenarioError::Yaml { at, reason: TextFault { line: 1, problem: fault.to_string() } }
-        })?;
+        let Document { planning_scene, motion_plan_request } =
+            serde_json::from_value(document).map_err(|fault| {
+                let at = Location { file: DOCUMENT.to_owned(), line: 0 };
+                ScenarioError::Yaml { at, reason: TextFault { line: 1, problem: fault.to_string() } }
+            })?;
         let scene = MessageFile::of_value("planning_scene", planning_scene);
         let request = MessageFile::of_value("motion_plan_request", motion_plan_request);
         let files = Files::new(scene, request)?;

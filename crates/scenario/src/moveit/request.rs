@@ -8,8 +8,8 @@ use serde_saphyr::Spanned;
 use crate::MoveItDeviation;
 use crate::MoveItError;
 use crate::ScenarioError;
-use crate::moveit::form::{read_request, read_scene};
 use crate::moveit::file::{ConstraintsEntry, JointStateEntry, RequestFile, SceneFile, StateEntry};
+use crate::moveit::form::{read_request, read_scene};
 use crate::moveit::message_file::MessageFile;
 
 /// Scene and request, with their files for error messages.

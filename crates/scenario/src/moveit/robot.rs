@@ -21,7 +21,8 @@ impl Files {
     ) -> Result<Arc<Robot>, ScenarioError> {
         let srdf = model.srdf().clone();
         let group = &self.request.group_name;
-        deviations.extend(model.joint_limits().map(|path| MoveItDeviation::JointLimits { path: path.to_owned() }));
+        deviations
+            .extend(model.joint_limits().map(|path| MoveItDeviation::JointLimits { path: path.to_owned() }));
         let goals = self.goal_values()?;
         // A passive joint that no goal moves keeps its value.
         let is_moved = |joint: &str, value: f64| {

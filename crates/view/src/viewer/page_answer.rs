@@ -27,11 +27,10 @@ impl Served {
     }
 
     async fn routed(&self, call: Call) -> Reply {
-        let told = Reply::text;
         match (call.method(), call.path()) {
             (&Method::POST, "/verdict") => match &self.cells {
                 Some(cells) => judge(cells, call).await,
-                None => told(StatusCode::NOT_FOUND, "this page has no robot to judge"),
+                None => Reply::text(StatusCode::NOT_FOUND, "this page has no robot to judge"),
             },
             (&Method::GET | &Method::HEAD, "/page.json") => {
                 Reply::new(StatusCode::OK, "application/json", self.feed.page())
@@ -40,22 +39,22 @@ impl Served {
                 let query = call.query().unwrap_or_default();
                 match query.strip_prefix("after=").and_then(|after| after.parse().ok()) {
                     Some(after) => Reply::json(StatusCode::OK, &self.feed.news(after).await),
-                    None => told(StatusCode::BAD_REQUEST, "after how many changes? news?after=0"),
+                    None => Reply::text(StatusCode::BAD_REQUEST, "after how many changes? news?after=0"),
                 }
             }
             (&Method::GET, "/tree") => {
                 let question = call.query().and_then(search_and_nodes);
                 match question.map(|(search, after)| self.feed.nodes(search, after)) {
                     Some(Some(nodes)) => Reply::json(StatusCode::OK, &nodes),
-                    Some(None) => told(StatusCode::NOT_FOUND, "this search is not watched any more"),
-                    None => told(StatusCode::BAD_REQUEST, "of which search? tree?search=1&after=0"),
+                    Some(None) => Reply::text(StatusCode::NOT_FOUND, "this search is not watched any more"),
+                    None => Reply::text(StatusCode::BAD_REQUEST, "of which search? tree?search=1&after=0"),
                 }
             }
             (&Method::GET | &Method::HEAD, path) if path != "/verdict" => match page_bundle::asset(path) {
                 Some(asset) => Reply::new(StatusCode::OK, asset.kind, asset.bytes.into_owned()),
-                None => told(StatusCode::NOT_FOUND, "there is no such file"),
+                None => Reply::text(StatusCode::NOT_FOUND, "there is no such file"),
             },
-            _ => told(StatusCode::METHOD_NOT_ALLOWED, "this cannot be done here"),
+            _ => Reply::text(StatusCode::METHOD_NOT_ALLOWED, "this cannot be done here"),
         }
     }
 }
