@@ -11,10 +11,10 @@ frame, which is the robot's root frame; a configuration `q` is (dof,), a batch o
 raise `TypeError` or `ValueError`; an invalid file or scene raises `CrannyError`, a `ValueError` that states the fault.
 
 `cranny.bench` runs campaigns and reads their results, `cranny.planner` adds your own planner to them, `cranny.ros`
-writes trajectories as ROS 2 messages, `cranny.mujoco_grasps` repeats simulated grasps in MuJoCo.
+writes trajectories as ROS 2 messages, `cranny.moveit` answers MoveIt's requests, `cranny.mujoco_grasps` repeats simulated grasps in MuJoCo.
 """
 
-from cranny import bench, ros
+from cranny import bench, moveit, ros
 from cranny._cranny import (
     Body,
     Cell,
@@ -67,6 +67,7 @@ __all__ = [
     "grasp_experiment",
     "licences",
     "lift_file_limits",
+    "moveit",
     "plan",
     "plan_experiment",
     "planner",

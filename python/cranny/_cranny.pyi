@@ -20,6 +20,7 @@ __all__ = [
     "Motion",
     "MoveItProblem",
     "Plan",
+    "Planner",
     "ResultsFile",
     "Robot",
     "Samples",
@@ -355,6 +356,23 @@ class MoveItProblem:
     @property
     def deviations(self) -> list[str]: ...
     def cell(self, *, margin_m: float = 0.0) -> Cell: ...
+
+@final
+class Planner:
+    def __new__(
+        cls,
+        robot: _Path,
+        *,
+        srdf: _Path | None = None,
+        margin_m: float = 0.0,
+        rate: float = 100.0,
+        time_limit_s: float = 30.0,
+    ) -> Planner: ...
+    @property
+    def robot_name(self) -> str: ...
+    @property
+    def groups(self) -> list[str]: ...
+    def plan(self, request: Mapping[str, Any]) -> dict[str, Any]: ...
 
 @final
 class LivePage:

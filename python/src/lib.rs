@@ -25,6 +25,7 @@ mod fingerprint;
 mod grasping;
 mod handover;
 mod live_page;
+mod moveit_planner;
 mod moveit_problem;
 mod picture;
 mod plan;
@@ -67,6 +68,8 @@ mod _cranny {
     use crate::handover::file_limits::lift_file_limits;
     #[pymodule_export]
     use crate::live_page::PyLivePage;
+    #[pymodule_export]
+    use crate::moveit_planner::PyMoveItPlanner;
     #[pymodule_export]
     use crate::picture::{moving_picture, page, picture};
     #[pymodule_export]

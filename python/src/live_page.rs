@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex, PoisonError, mpsc};
 use std::thread::JoinHandle;
 
-use cranny_view::{PageFeed, PageLimits, PageServer, TreeRecording, ViewError, WatchedSearch};
+use cranny_view::{PageFeed, PageServer, ServerLimits, TreeRecording, ViewError, WatchedSearch};
 use pyo3::prelude::*;
 use tokio::sync::oneshot;
 
@@ -41,7 +41,7 @@ impl PyLivePage {
         let (page, cells) = py.detach(|| page_of(shown, plan, None))?;
         PageServer::check_page().map_err(fault)?;
         let feed = PageFeed::new(&page, true).map_err(fault)?;
-        let server = PageServer::bind(port, PageLimits::default()).map_err(fault)?;
+        let server = PageServer::bind(port, ServerLimits::default()).map_err(fault)?;
         let url = server.url();
         let (stop, told) = oneshot::channel();
         let (tell_ready, ready) = mpsc::channel();

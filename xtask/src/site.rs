@@ -41,6 +41,7 @@ const SUMMARY: &str = "# Summary
 - [Motions for a robot](docs/motions.md)
 - [C and C++](docs/cpp.md)
 - [Physics](docs/physics.md)
+- [ROS and MoveIt](docs/ros.md)
 
 # Reference
 

@@ -337,7 +337,7 @@ fn setting(text: &str) -> Result<(String, serde_json::Value), String> {
     Ok((name.to_owned(), value))
 }
 
-fn sample_rate(text: &str) -> Result<f64, String> {
+pub fn sample_rate(text: &str) -> Result<f64, String> {
     let rate_hz: f64 = text.parse().map_err(|_| {
         format!("'{text}' is not a valid sample rate: expected a number of samples per second")
     })?;

@@ -10,6 +10,7 @@ use crate::physics::simulate::SimulateArguments;
 use crate::pictures::render::RenderArguments;
 use crate::pictures::view::ViewArguments;
 use crate::planning::roadmap::RoadmapArguments;
+use crate::planning::serve::ServeArguments;
 use crate::program::completions::CompletionsArguments;
 use crate::program::manual::ManualArguments;
 use crate::program::version;
@@ -56,6 +57,8 @@ pub enum Command {
     Ik(IkArguments),
     /// Build a roadmap for the planner prm, to answer many queries with
     Roadmap(RoadmapArguments),
+    /// Answer requests of MoveIt over HTTP on this machine, for one robot
+    Serve(ServeArguments),
     /// Create, check, share and convert scenarios
     Scenario(Box<ScenarioArguments>),
     /// Sample, filter and compare grasps

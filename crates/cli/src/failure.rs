@@ -30,6 +30,9 @@ pub enum Failure {
     /// Error in rendering, or in the file of a picture.
     #[error(transparent)]
     View(#[from] cranny_view::ViewError),
+    /// Server that cannot start.
+    #[error(transparent)]
+    Server(#[from] cranny_local_server::ServerError),
     /// Invalid value or use of a flag.
     #[error("--{flag}: {problem}")]
     Flag {

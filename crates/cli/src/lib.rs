@@ -64,6 +64,7 @@ pub fn main(registry: &Registry) -> ExitCode {
         Chosen::Bench(arguments) => campaigns::bench::run(arguments, registry, cli.output),
         Chosen::Robot(arguments) => content::robot::run(arguments, cli.output),
         Chosen::Roadmap(arguments) => planning::roadmap::run(arguments, cli.output),
+        Chosen::Serve(arguments) => planning::serve::run(arguments, cli.output),
         Chosen::Render(arguments) if arguments.all => pictures::render_sheet::run(arguments, cli.output),
         Chosen::Render(arguments) => pictures::render::run(arguments, registry, cli.output),
         Chosen::View(arguments) => pictures::view::run(arguments, registry, cli.output),

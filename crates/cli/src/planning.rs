@@ -1,9 +1,10 @@
-//! `cranny plan`, `verify`, `ik` and `roadmap`.
+//! `cranny plan`, `verify`, `ik`, `roadmap` and `serve`.
 
 pub(crate) mod ik;
 pub(crate) mod plan;
 pub(crate) mod plan_page;
 pub(crate) mod plan_task;
 pub(crate) mod roadmap;
+pub(crate) mod serve;
 pub(crate) mod task;
 pub(crate) mod verify;

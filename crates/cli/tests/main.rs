@@ -40,6 +40,7 @@ mod robots;
 #[cfg(target_os = "linux")]
 mod sabotaging_planners;
 mod scenarios;
+mod serve;
 mod simulation;
 #[cfg(unix)]
 mod stopped;

@@ -101,7 +101,7 @@ fn run(page: &str) {
             folder = example(other);
         }
         for typed in &block.commands {
-            if typed.command.starts_with("cranny view ") {
+            if ["cranny view ", "cranny serve "].iter().any(|server| typed.command.starts_with(server)) {
                 look(folder.path(), page, typed);
             } else {
                 printed += &type_in(folder.path(), page, typed);
@@ -143,11 +143,12 @@ fn type_in(folder: &Path, page: &str, typed: &Typed) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned()
 }
 
-/// Starts the viewer, without a browser, until it prints its address.
+/// Starts a server, the viewer without a browser, until it prints its address.
 fn look(folder: &Path, page: &str, typed: &Typed) {
     let Typed { line, command, .. } = typed;
-    let mut server =
-        shell(folder, &format!("exec {command} --no-open")).stdout(Stdio::piped()).spawn().expect("a shell");
+    let no_browser = if command.starts_with("cranny view ") { " --no-open" } else { "" };
+    let command_line = format!("exec {command}{no_browser}");
+    let mut server = shell(folder, &command_line).stdout(Stdio::piped()).spawn().expect("a shell");
     let mut address = String::new();
     let said = BufReader::new(server.stdout.take().expect("its output")).read_line(&mut address);
     server.kill().expect("it ends");
@@ -176,6 +177,7 @@ pages! {
     physics: "docs/physics.md",
     placing: "docs/placing.md",
     robots: "docs/robots.md",
+    ros: "docs/ros.md",
     your_campaign: "docs/your_campaign.md",
     your_object: "docs/your_object.md",
     your_planner: "docs/your_planner.md",

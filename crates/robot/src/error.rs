@@ -5,18 +5,21 @@ use cranny_shape::ShapeError;
 
 use crate::joint_constraint::JointConstraint;
 
-/// Location in a text file. Displayed as `file:line`.
+/// Location in a text file, displayed as `file:line`, or an entry of a message in memory, displayed as its name.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Location {
-    /// Path of the file, or the name that the caller gave to a text.
+    /// Path of the file, the name that the caller gave to a text, or the name of an entry.
     pub file: String,
-    /// Line number, counted from 1.
+    /// Line number, counted from 1; 0 for an entry of a message in memory.
     pub line: u32,
 }
 
 impl fmt::Display for Location {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(formatter, "{}:{}", self.file, self.line)
+        match self.line {
+            0 => formatter.write_str(&self.file),
+            line => write!(formatter, "{}:{line}", self.file),
+        }
     }
 }
 

@@ -13,5 +13,6 @@ pub(crate) mod path_constraints;
 pub(crate) mod problem;
 pub(crate) mod request;
 pub(crate) mod robot;
+pub(crate) mod robot_model;
 pub(crate) mod scene_text;
 pub(crate) mod world;

@@ -1,12 +1,53 @@
 //! Forms of `MoveIt` scenes and requests: each is read correctly or refused by name; nothing is ignored.
 
 use std::fs;
+use std::time::Duration;
 
 use cranny_collision::ToolRegion;
-use cranny_scenario::{MoveItDeviation, MoveItProblem, read_moveit_scene};
+use cranny_scenario::{MoveItDeviation, MoveItProblem, MoveItRobot, moveit_document, read_moveit_scene};
 use cranny_spatial::Vector;
 
 use crate::moveit_folder::{Folder, REQUEST, SCENE, SRDF};
+
+/// Returns scene and request of a folder as one document.
+fn document(folder: &Folder) -> serde_json::Value {
+    let read = |file: &str| {
+        let text = fs::read_to_string(folder.path(file)).unwrap();
+        moveit_document(&text).unwrap_or_else(|fault| panic!("{text}\n{fault}"))
+    };
+    serde_json::json!({"planning_scene": read("scene.yaml"), "motion_plan_request": read("request.yaml")})
+}
+
+#[test]
+fn messages_in_memory_are_read_like_files() {
+    let folder = Folder::new();
+    let mut robot = MoveItRobot::open(&folder.path("bot.urdf"), None).unwrap();
+    assert_eq!((robot.name(), robot.srdf().groups[0].name.as_str()), ("bot", "arm"));
+    let of_files = folder.open().unwrap();
+    for _ in 0..2 {
+        let of_memory = MoveItProblem::of_document(document(&folder), &mut robot).unwrap();
+        assert_eq!((of_memory.group.as_str(), of_memory.allowed_time), ("arm", Some(Duration::from_secs(5))));
+        assert_eq!((&of_memory.start, &of_memory.goals), (&of_files.start, &of_files.goals));
+        assert_eq!(of_memory.deviations, of_files.deviations);
+        assert_eq!(of_memory.robot.limits(), of_files.robot.limits());
+        assert_eq!(format!("{:?}", of_memory.world.bodies()), format!("{:?}", of_files.world.bodies()));
+    }
+    // Every fault in a file has a location in memory: the entry.
+    let mut wrong = document(&folder);
+    wrong["motion_plan_request"]["goal_constraints"][0]["joint_constraints"][1]["joint_name"] = "j9".into();
+    let fault = MoveItProblem::of_document(wrong, &mut robot).unwrap_err().to_string();
+    let entry = "motion_plan_request.goal_constraints[0].joint_constraints[1].joint_name: ";
+    assert!(fault.starts_with(entry) && fault.contains("j9"), "{fault}");
+    // A relative name of a mesh would depend on the folder of the process.
+    let mut wrong = document(&folder);
+    wrong["planning_scene"]["world"] = serde_json::json!({"collision_objects": [
+        {"id": "cup", "pose": {}, "meshes": [{"resource": "cup.stl"}]},
+    ]});
+    let fault = MoveItProblem::of_document(wrong, &mut robot).unwrap_err().to_string();
+    assert!(fault.starts_with("planning_scene.world.collision_objects[0].meshes[0]: "), "{fault}");
+    let fault = folder.changed("request.yaml", "planning_time: 5", "planning_time: -1").fault();
+    assert!(fault.contains("an invalid planning time"), "{fault}");
+}
 
 /// Returns the position of the first body, in the root frame.
 fn place(problem: &MoveItProblem) -> Vector {

@@ -79,20 +79,9 @@ pub enum ViewError {
          again (`touch crates/view/build.rs`, `cargo build --release`)"
     )]
     NoPage,
-    /// A port is unavailable.
-    #[error("port {port} of 127.0.0.1 cannot be used: {reason}; leave out --port for a free one")]
-    Port {
-        /// Requested port.
-        port: u16,
-        /// Error of the operating system.
-        reason: std::io::Error,
-    },
-    /// The page server cannot start.
-    #[error("the page cannot be served: {reason}")]
-    Server {
-        /// Error of the operating system.
-        reason: std::io::Error,
-    },
+    /// The page cannot be served.
+    #[error(transparent)]
+    Server(#[from] cranny_local_server::ServerError),
     /// A file or folder cannot be written.
     #[error("{}: cannot be written: {reason}", path.display())]
     Unwritable {

@@ -12,8 +12,8 @@ use cranny_solve::{CLOSING_S, Request, TaskTrajectory, Timing, solve};
 use cranny_spatial::Pose;
 use cranny_task::{Mode, Problem, Stage, State};
 use cranny_view::{
-    CarriedObjectMotion, ClearanceProfile, PageCells, PageData, PageLimits, PagePlan, PageServer,
-    PageSettings, Picture, PictureSettings, Role, SampledPath, Scene, SceneSettings, StandardView, ViewError,
+    CarriedObjectMotion, ClearanceProfile, PageCells, PageData, PagePlan, PageServer, PageSettings, Picture,
+    PictureSettings, Role, SampledPath, Scene, SceneSettings, ServerLimits, StandardView, ViewError,
 };
 use serde_json::Value;
 
@@ -214,7 +214,7 @@ fn postures_with_the_object_in_the_hand_are_judged_with_it() {
     let grasp = carried.plan.segments[1].waypoints[0].clone();
     let cell = carried.problem.cell().unwrap().clone();
     let page = PageData::of(&carried.scenario, &[], &cell, &[], PageSettings::default()).unwrap();
-    let server = PageServer::bind(0, PageLimits::default()).unwrap();
+    let server = PageServer::bind(0, ServerLimits::default()).unwrap();
     let url = server.url();
     let cells = PageCells::of(cell, std::slice::from_ref(&plan));
     let (stop, told) = tokio::sync::oneshot::channel::<()>();

@@ -10,7 +10,7 @@ use cranny_collision::{Cell, Margins};
 use cranny_plan::Observer as _;
 use cranny_scenario::{OpenOptions, Scenario};
 use cranny_spatial::Stream;
-use cranny_view::{PageCells, PageData, PageFeed, PageLimits, PageServer, PageSettings, ViewError};
+use cranny_view::{PageCells, PageData, PageFeed, PageServer, PageSettings, ServerLimits, ViewError};
 use serde_json::{Value, json};
 use tokio::sync::oneshot;
 
@@ -27,10 +27,10 @@ struct Running {
 
 impl Running {
     fn start() -> Self {
-        Self::with(PageLimits::default())
+        Self::with(ServerLimits::default())
     }
 
-    fn with(limits: PageLimits) -> Self {
+    fn with(limits: ServerLimits) -> Self {
         let scenario = Scenario::open("021", &OpenOptions::default()).expect("a built-in scenario");
         let problem = scenario.problem(Margins::default()).expect("a problem");
         let cell = problem.cell().expect("an exact problem").clone();
@@ -269,11 +269,11 @@ fn who_does_not_know_the_token_gets_nothing() {
     let (status, head, _) = server.get("", &host);
     assert_eq!(status, 308);
     assert!(head.contains(&format!("location: {}/", server.inside)), "{head}");
-    let other = PageServer::bind(0, PageLimits::default()).expect("a free port").url();
+    let other = PageServer::bind(0, ServerLimits::default()).expect("a free port").url();
     assert!(!other.contains(&token), "two servers have the same token");
 }
 
-const QUICK: PageLimits = PageLimits {
+const QUICK: ServerLimits = ServerLimits {
     connections: 2,
     request: Duration::from_millis(100),
     connection: Duration::from_millis(400),
@@ -299,8 +299,8 @@ fn who_sends_slowly_is_cut() {
 }
 
 /// Few connections, none of which ends by a timeout within the test.
-const PATIENT: PageLimits =
-    PageLimits { connections: 8, request: Duration::from_hours(1), connection: Duration::from_hours(1) };
+const PATIENT: ServerLimits =
+    ServerLimits { connections: 8, request: Duration::from_hours(1), connection: Duration::from_hours(1) };
 
 /// Returns the number of connections that the server has not closed.
 fn open(connections: &mut [TcpStream]) -> usize {
@@ -481,9 +481,9 @@ fn it_stops_when_told_even_with_a_client_that_says_nothing() {
 
 #[test]
 fn a_port_that_is_taken_is_an_error_with_a_hint() {
-    let server = PageServer::bind(0, PageLimits::default()).expect("a free port");
+    let server = PageServer::bind(0, ServerLimits::default()).expect("a free port");
     let url = server.url();
     let port = url.rsplit(':').next().and_then(|rest| rest.split('/').next()?.parse().ok()).expect("a port");
-    let message = PageServer::bind(port, PageLimits::default()).expect_err("it is taken").to_string();
+    let message = PageServer::bind(port, ServerLimits::default()).expect_err("it is taken").to_string();
     assert!(message.contains(&port.to_string()) && message.contains("--port"), "{message}");
 }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use clap::Args;
 use cranny_file::system::open_in_browser;
 use cranny_plan::Registry;
-use cranny_view::{PageLimits, PageServer};
+use cranny_view::{PageServer, ServerLimits};
 use serde::Serialize;
 use tempfile::NamedTempFile;
 
@@ -63,7 +63,7 @@ struct Viewed<'a> {
 pub fn run(arguments: &ViewArguments, registry: &Registry, output: Output) -> Result<Answer, Failure> {
     // Checked before any search.
     PageServer::check_page()?;
-    let server = PageServer::bind(arguments.port, PageLimits::default())?;
+    let server = PageServer::bind(arguments.port, ServerLimits::default())?;
     let request = PageRequest {
         id: &arguments.id,
         plans: &arguments.plans,

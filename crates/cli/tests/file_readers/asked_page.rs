@@ -8,7 +8,7 @@ use std::thread;
 
 use cranny_collision::Margins;
 use cranny_scenario::{OpenOptions, Scenario};
-use cranny_view::{PageCells, PageData, PageLimits, PageServer, PageSettings};
+use cranny_view::{PageCells, PageData, PageServer, PageSettings, ServerLimits};
 
 /// Sends the content of the file to the page of a built-in scenario, over the connection of a browser. The server never ends.
 pub fn ask(folder: &Path) {
@@ -36,7 +36,7 @@ fn serve() -> String {
     let cell = problem.cell().expect("an exact problem").clone();
     let page = PageData::of(&scenario, &[], &cell, &[], PageSettings::default()).expect("a page");
     let cells = Some(PageCells::of(cell, &[]));
-    let server = PageServer::bind(0, PageLimits::default()).expect("a free port");
+    let server = PageServer::bind(0, ServerLimits::default()).expect("a free port");
     let url = server.url();
     let (tell, ready) = mpsc::channel();
     thread::spawn(move || server.serve(&page, cells, pending(), || tell.send(()).expect("somebody waits")));

@@ -14,8 +14,8 @@ use cranny_plan::Registry;
 use cranny_record::read_waypoints;
 use cranny_robot::{ModelText, ModelUse, Robot, RobotOptions, TextSource};
 use cranny_scenario::{
-    Credits, MoveItOptions, MoveItProblem, ObjectType, OpenOptions, Scenario, check_folder, pack,
-    read_gripper, unpack,
+    Credits, MoveItOptions, MoveItProblem, MoveItRobot, ObjectType, OpenOptions, Scenario, check_folder,
+    moveit_document, pack, read_gripper, unpack,
 };
 use cranny_shape::{RepairedMesh, Solid, TriangleSoup};
 use cranny_spatial::Vector;
@@ -37,7 +37,7 @@ const fn reader(name: &'static str, file: &'static str, read: fn(&Path)) -> File
 }
 
 /// All readers.
-pub const FILE_READERS: [FileReader; 33] = [
+pub const FILE_READERS: [FileReader; 34] = [
     reader("urdf", "robot/arm.urdf", read_robot),
     reader("mjcf", "model/arm.xml", |folder| read_model(&folder.join("model/arm.xml"))),
     reader("sdf", "model/arm.sdf", |folder| read_model(&folder.join("model/arm.sdf"))),
@@ -64,6 +64,7 @@ pub const FILE_READERS: [FileReader; 33] = [
     reader("object_library", "released/library/object_library.yaml", read_released),
     reader("moveit_scene", "moveit/scene.yaml", read_moveit),
     reader("moveit_request", "moveit/request.yaml", read_moveit),
+    reader("moveit_document", "moveit/document.json", read_moveit_document),
     reader("plan", "plan.json", |folder| {
         let _ = read_waypoints(&folder.join("plan.json"), 9);
     }),
@@ -179,6 +180,15 @@ fn read_moveit(folder: &Path) {
     };
     let _ =
         MoveItProblem::open(&folder.join("moveit/scene.yaml"), &folder.join("moveit/request.yaml"), &options);
+}
+
+fn read_moveit_document(folder: &Path) {
+    let text = fs::read(folder.join("moveit/document.json")).unwrap_or_default();
+    let document = moveit_document(&String::from_utf8_lossy(&text));
+    let robot = MoveItRobot::open(&folder.join("robot/arm.urdf"), Some(&folder.join("robot/arm.srdf")));
+    if let (Ok(document), Ok(mut robot)) = (document, robot) {
+        let _ = MoveItProblem::of_document(document, &mut robot);
+    }
 }
 
 /// Reader with a folder of its own for the sound files.

@@ -147,6 +147,19 @@ impl UrdfFile {
         Ok(Self { text: read(cranny_file::TEXT, &path)?, path })
     }
 
+    /// Path of the URDF.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Returns the name of the robot.
+    ///
+    /// # Errors
+    /// [`RobotError`] for a malformed URDF.
+    pub fn robot_name(&self) -> Result<String, RobotError> {
+        Ok(Urdf::parse(&self.text, &self.path.display().to_string())?.name)
+    }
+
     /// Builds a robot from it, as [`Robot::load`] does.
     ///
     /// # Errors

@@ -21,15 +21,29 @@ pub(crate) fn text(kind: Readable, path: &Path) -> Result<String, ScenarioError>
 
 /// Parses a YAML text; errors name `path`.
 pub(crate) fn parse<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T, ScenarioError> {
+    parse_located(path, text, |number| line(path, number))
+}
+
+/// Parses a YAML text; errors name `path`, or the location that `at` gives for their line.
+pub(crate) fn parse_located<T: DeserializeOwned>(
+    path: &Path,
+    text: &str,
+    at: impl FnOnce(usize) -> Location,
+) -> Result<T, ScenarioError> {
     if text.trim().is_empty() {
         return Err(ScenarioError::Empty { path: path.to_owned() });
     }
-    cranny_file::yaml(text).map_err(|reason| ScenarioError::Yaml { at: line(path, reason.line), reason })
+    cranny_file::yaml(text).map_err(|reason| ScenarioError::Yaml { at: at(reason.line), reason })
 }
 
 /// Returns a location in a YAML file, as errors report it.
 pub(crate) fn at(path: &Path, location: serde_saphyr::Location) -> Location {
-    line(path, usize::try_from(location.line()).unwrap_or(0).max(1))
+    line(path, line_of(location))
+}
+
+/// Returns the line of a location, counted from 1.
+pub(crate) fn line_of(location: serde_saphyr::Location) -> usize {
+    usize::try_from(location.line()).unwrap_or(0).max(1)
 }
 
 /// Returns a number of a file if it is finite.
@@ -38,7 +52,12 @@ pub(crate) fn finite(
     number: f64,
     location: serde_saphyr::Location,
 ) -> Result<f64, ScenarioError> {
-    let fault = || ScenarioError::NotANumber { at: at(path, location), text: number.to_string() };
+    finite_at(number, || at(path, location))
+}
+
+/// Returns a number at a location if it is finite.
+pub(crate) fn finite_at(number: f64, at: impl FnOnce() -> Location) -> Result<f64, ScenarioError> {
+    let fault = || ScenarioError::NotANumber { at: at(), text: number.to_string() };
     number.is_finite().then_some(number).ok_or_else(fault)
 }
 

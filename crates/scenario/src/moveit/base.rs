@@ -12,7 +12,7 @@ use crate::{MoveItDeviation, MoveItError, ScenarioError};
 /// More than one joint, a joint of the URDF, one that is not a virtual joint of the SRDF, a pose in another frame, or a pose
 /// outside the range of a planar joint.
 pub(crate) fn world_from_root(
-    states: &[(&MessageFile<'_>, &StateEntry)],
+    states: &[(&MessageFile, &StateEntry)],
     robot: &Robot,
     deviations: &mut Vec<MoveItDeviation>,
 ) -> Result<Pose, ScenarioError> {

@@ -27,10 +27,11 @@ const FLOOR_DEPTH_M: f64 = 1.0;
 /// # Errors
 /// As [`MoveItProblem::open`](crate::MoveItProblem::open) for the scene.
 pub fn read_moveit_scene(path: &Path, robot: &Robot) -> Result<World, ScenarioError> {
-    let scene = read_scene(path)?;
-    let state = (&MessageFile { path }, &scene.robot_state);
+    let file = MessageFile::read(path)?;
+    let scene = read_scene(&file)?;
+    let state = (&file, &scene.robot_state);
     let world_from_root = world_from_root(&[state], robot, &mut Vec::new())?;
-    Ok(World::new(bodies(path, &scene, robot, &world_from_root)?)?)
+    Ok(World::new(bodies(&file, &scene, robot, &world_from_root)?)?)
 }
 
 /// Returns the text of a `PlanningScene`: `world` as collision objects in the frame of the robot's root, `start` (m, rad; one

@@ -23,7 +23,7 @@ pub(crate) type Refused = Option<Spanned<Vec<IgnoredAny>>>;
 #[derive(Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub(crate) struct SceneFile {
-    name: Passed,
+    pub name: Option<String>,
     pub robot_model_name: String,
     pub robot_state: StateEntry,
     pub fixed_frame_transforms: Vec<TransformEntry>,
@@ -270,7 +270,9 @@ pub(crate) struct RequestFile {
     #[serde(default)]
     pub max_acceleration_scaling_factor: Option<Spanned<f64>>,
     pub max_cartesian_speed: Option<Spanned<f64>>,
-    // Workspace, planner and budget of a search by `MoveIt`.
+    /// Time for planning, in seconds; 0 if it is not given.
+    pub allowed_planning_time: Option<Spanned<f64>>,
+    // Workspace, planner and attempts of a search by `MoveIt`.
     #[serde(default)]
     workspace_parameters: Passed,
     #[serde(default)]
@@ -279,8 +281,6 @@ pub(crate) struct RequestFile {
     pipeline_id: Passed,
     #[serde(default)]
     num_planning_attempts: Passed,
-    #[serde(default)]
-    allowed_planning_time: Passed,
     // Hint for planners that start from a trajectory.
     #[serde(default)]
     reference_trajectories: Passed,

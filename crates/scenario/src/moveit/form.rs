@@ -1,12 +1,10 @@
 use std::fmt;
-use std::path::Path;
 
-use cranny_file::TEXT;
 use serde::de::{DeserializeOwned, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
-use crate::files::yaml;
 use crate::moveit::file::{RequestFile, SceneFile, WorldEntry};
+use crate::moveit::message_file::MessageFile;
 use crate::moveit::scene_text;
 use crate::{MoveItError, ScenarioError};
 
@@ -18,7 +16,7 @@ use crate::{MoveItError, ScenarioError};
 ///
 /// # Errors
 /// [`MoveItError::NoWorld`] for a scene without a world; [`ScenarioError::Yaml`] for a key that the message does not have.
-pub(crate) fn read_scene(path: &Path) -> Result<SceneFile, ScenarioError> {
+pub(crate) fn read_scene(file: &MessageFile) -> Result<SceneFile, ScenarioError> {
     /// `GetPlanningScene`, `ApplyPlanningScene`.
     #[derive(Deserialize)]
     #[serde(deny_unknown_fields)]
@@ -26,24 +24,23 @@ pub(crate) fn read_scene(path: &Path) -> Result<SceneFile, ScenarioError> {
         #[serde(alias = "planning_scene")]
         scene: SceneFile,
     }
-    let text = yaml::text(TEXT, path)?;
-    if scene_text::is_scene_text(&text) {
-        let text_bodies = scene_text::parse(path, &text)?;
+    if scene_text::is_scene_text(&file.text) {
+        let text_bodies = scene_text::parse(&file.path, &file.text)?;
         return Ok(SceneFile::of(WorldEntry { text_bodies, ..WorldEntry::default() }));
     }
-    let form: Form = yaml::parse(path, &text)?;
+    let form: Form = file.parse()?;
     let scene = if form.has("scene") || form.has("planning_scene") {
-        yaml::parse::<Service>(path, &text)?.scene
+        file.parse::<Service>()?.scene
     } else if form.has("collision_objects") || form.has("octomap") {
-        SceneFile::of(yaml::parse(path, &text)?)
+        SceneFile::of(file.parse()?)
     } else if form.has("id") {
-        let collision_objects = form.list(path, &text)?;
+        let collision_objects = form.list(file)?;
         SceneFile::of(WorldEntry { collision_objects, ..WorldEntry::default() })
     } else {
-        form.only::<SceneFile>(path, &text)?
+        form.only::<SceneFile>(file)?
     };
     if scene.world.is_none() {
-        return Err(MoveItError::NoWorld { path: path.to_owned() }.into());
+        return Err(MoveItError::NoWorld { path: file.path.clone() }.into());
     }
     Ok(scene)
 }
@@ -53,7 +50,7 @@ pub(crate) fn read_scene(path: &Path) -> Result<SceneFile, ScenarioError> {
 ///
 /// # Errors
 /// [`ScenarioError::Yaml`] for a key that the message does not have.
-pub(crate) fn read_request(path: &Path) -> Result<RequestFile, ScenarioError> {
+pub(crate) fn read_request(file: &MessageFile) -> Result<RequestFile, ScenarioError> {
     /// `GetMotionPlan`, `MoveGroup`.
     #[derive(Deserialize)]
     #[serde(deny_unknown_fields)]
@@ -61,12 +58,11 @@ pub(crate) fn read_request(path: &Path) -> Result<RequestFile, ScenarioError> {
         #[serde(alias = "request")]
         motion_plan_request: RequestFile,
     }
-    let text = yaml::text(TEXT, path)?;
-    let form: Form = yaml::parse(path, &text)?;
+    let form: Form = file.parse()?;
     if form.has("motion_plan_request") || form.has("request") {
-        return Ok(yaml::parse::<Service>(path, &text)?.motion_plan_request);
+        return Ok(file.parse::<Service>()?.motion_plan_request);
     }
-    form.only(path, &text)
+    form.only(file)
 }
 
 /// Top-level keys of a message file.
@@ -83,21 +79,21 @@ impl Form {
     }
 
     /// Returns the only message of the file.
-    fn only<T: DeserializeOwned>(&self, path: &Path, text: &str) -> Result<T, ScenarioError> {
-        let messages = self.list(path, text)?;
+    fn only<T: DeserializeOwned>(&self, file: &MessageFile) -> Result<T, ScenarioError> {
+        let messages = self.list(file)?;
         let actual = messages.len();
         let mut messages = messages.into_iter();
         match (messages.next(), actual) {
             (Some(message), 1) => Ok(message),
-            _ => Err(MoveItError::NotOneMessage { path: path.to_owned(), actual }.into()),
+            _ => Err(MoveItError::NotOneMessage { path: file.path.clone(), actual }.into()),
         }
     }
 
     /// Returns all messages of the file.
-    fn list<T: DeserializeOwned>(&self, path: &Path, text: &str) -> Result<Vec<T>, ScenarioError> {
+    fn list<T: DeserializeOwned>(&self, file: &MessageFile) -> Result<Vec<T>, ScenarioError> {
         match self.messages {
-            None => Ok(vec![yaml::parse(path, text)?]),
-            Some(_) => yaml::parse(path, text),
+            None => Ok(vec![file.parse()?]),
+            Some(_) => file.parse(),
         }
     }
 }

@@ -34,7 +34,7 @@ impl Frames {
     /// # Errors
     /// [`MoveItError::FrameTwice`] for a fixed transform that contradicts a known frame, [`MoveItError::UnknownFrame`].
     pub fn new(
-        file: &MessageFile<'_>,
+        file: &MessageFile,
         scene: &SceneFile,
         robot: &Robot,
         world_from_root: &Pose,
@@ -76,7 +76,7 @@ impl Frames {
     }
 
     /// Returns `root_from_frame`.
-    pub fn find(&self, file: &MessageFile<'_>, header: &HeaderEntry) -> Result<Pose, ScenarioError> {
+    pub fn find(&self, file: &MessageFile, header: &HeaderEntry) -> Result<Pose, ScenarioError> {
         let Some(frame) = header.frame_id.as_ref().filter(|frame| !bare(&frame.value).is_empty()) else {
             return Ok(self.root_from_planning);
         };

@@ -18,7 +18,7 @@ pub(crate) struct Matrix<'a> {
 impl<'a> Matrix<'a> {
     /// # Errors
     /// [`MoveItError::Matrix`] for a matrix that is not square and symmetric, or without one default for each name.
-    pub fn new(file: &MessageFile<'_>, entry: &'a MatrixEntry) -> Result<Self, ScenarioError> {
+    pub fn new(file: &MessageFile, entry: &'a MatrixEntry) -> Result<Self, ScenarioError> {
         let names = entry.entry_names.as_ref();
         let at = names.map_or_else(|| file.line(1), |names| file.at(names.referenced));
         let names = names.map_or(&[][..], |names| &names.value[..]);

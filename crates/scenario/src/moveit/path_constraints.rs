@@ -20,7 +20,7 @@ const PRIMITIVES: [&str; 2] = ["box", "sphere"];
 /// Names of the parameterizations of an `OrientationConstraint`, the first of which has the number 0.
 const PARAMETERIZATIONS: [&str; 2] = ["xyz_euler_angles", "rotation_vector"];
 
-impl Files<'_> {
+impl Files {
     /// Returns the tool bounds, in the root frame, for the path constraints of the request: satisfying the bounds satisfies the
     /// constraints.
     ///

@@ -1,25 +1,43 @@
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::Duration;
 
 use cranny_collision::{Margins, World};
-use cranny_robot::Robot;
+use cranny_file::TextFault;
+use cranny_robot::{Location, Robot};
 use cranny_task::{Goal, Problem};
+use serde::Deserialize;
+use serde_json::Value;
 
+use crate::files::yaml;
 use crate::moveit::base::world_from_root;
-use crate::moveit::form::{read_request, read_scene};
 use crate::moveit::matrix::Matrix;
 use crate::moveit::message_file::MessageFile;
 use crate::moveit::request::Files;
+use crate::moveit::robot_model::MoveItRobot;
 use crate::moveit::world::bodies;
 use crate::{MoveItDeviation, ScenarioError};
+
+/// Name of a document in errors.
+const DOCUMENT: &str = "request";
+
+/// Reads a document of messages of `MoveIt` from a text in JSON or YAML, for [`MoveItProblem::of_document`].
+///
+/// # Errors
+/// [`ScenarioError::Yaml`] with the line.
+pub fn moveit_document(text: &str) -> Result<Value, ScenarioError> {
+    yaml::parse(Path::new(DOCUMENT), text)
+}
 
 /// Planning problem in the YAML format of `MoveIt`, as published by `MotionBenchMaker`: a `PlanningScene`, and a
 /// `MotionPlanRequest` with goals in joint space.
 #[derive(Clone, Debug)]
 pub struct MoveItProblem {
-    /// Stem of the scene file's name.
+    /// Stem of the scene file's name; name of a scene in memory.
     pub id: String,
+    /// Group of joints that the request names.
+    pub group: String,
     /// Robot; its root frame is the planning frame.
     pub robot: Arc<Robot>,
     /// Collision objects, in the planning frame.
@@ -32,12 +50,14 @@ pub struct MoveItProblem {
     pub deviations: Vec<MoveItDeviation>,
     /// Maximum speed of the gripper frame, in m/s, that the request specifies.
     pub tool_speed_m_s: Option<f64>,
+    /// Time that the request allows for planning.
+    pub allowed_time: Option<Duration>,
 }
 
 /// Options that complete `MoveIt` files.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct MoveItOptions {
-    /// URDF of the robot. Default: `<model>_spherized.urdf`, otherwise `<model>.urdf`, in the scene's folder or its parent,
+    /// Built-in robot, folder of a robot, or URDF. Default: `<model>_spherized.urdf`, otherwise `<model>.urdf`, in the scene's folder or its parent,
     /// where `<model>` is the scene's `robot_model_name`.
     pub robot: Option<PathBuf>,
     /// SRDF of the robot. Default: beside the URDF, with its stem or as `<model>.srdf`; else near the scene, as the URDF.
@@ -68,20 +88,43 @@ impl MoveItProblem {
     /// change the problem but is not supported (cones, planes, octomaps, attached objects, padding, constraints other than
     /// joint goals).
     pub fn open(scene: &Path, request: &Path, options: &MoveItOptions) -> Result<Self, ScenarioError> {
-        let files = Files {
-            scene_file: MessageFile { path: scene },
-            request_file: MessageFile { path: request },
-            scene: read_scene(scene)?,
-            request: read_request(request)?,
-        };
+        let files = Files::new(MessageFile::read(scene)?, MessageFile::read(request)?)?;
+        let id = scene.file_stem().unwrap_or(scene.as_os_str()).to_string_lossy().into_owned();
+        Self::of_files(&files, &mut files.robot_files(options)?, id)
+    }
+
+    /// Reads a scene and a request in memory, `{"planning_scene": …, "motion_plan_request": …}`, for a robot whose files are
+    /// known, like [`Self::open`]. Errors name the entry instead of file and line. Names of mesh files must be absolute.
+    ///
+    /// # Errors
+    /// As [`Self::open`].
+    pub fn of_document(document: Value, robot: &mut MoveItRobot) -> Result<Self, ScenarioError> {
+        #[derive(Deserialize)]
+        #[serde(deny_unknown_fields, expecting = "a mapping with planning_scene and motion_plan_request")]
+        struct Document {
+            planning_scene: Value,
+            motion_plan_request: Value,
+        }
+        let Document { planning_scene, motion_plan_request } =
+            serde_json::from_value(document).map_err(|fault| {
+                let at = Location { file: DOCUMENT.to_owned(), line: 0 };
+                ScenarioError::Yaml { at, reason: TextFault { line: 1, problem: fault.to_string() } }
+            })?;
+        let scene = MessageFile::of_value("planning_scene", planning_scene);
+        let request = MessageFile::of_value("motion_plan_request", motion_plan_request);
+        let files = Files::new(scene, request)?;
+        Self::of_files(&files, robot, files.scene.name.clone().unwrap_or_default())
+    }
+
+    fn of_files(files: &Files, model: &mut MoveItRobot, id: String) -> Result<Self, ScenarioError> {
         files.refuse_what_is_not_asked()?;
         // 1.
         let mut deviations = Vec::new();
         let state = files.state(&mut deviations)?;
-        let robot = files.with_held_joints(files.robot(options, &state, &mut deviations)?)?;
+        let robot = files.with_held_joints(files.robot(model, &state, &mut deviations)?)?;
         // 2.
         let world_from_root = world_from_root(&files.states(), &robot, &mut deviations)?;
-        let bodies = bodies(scene, &files.scene, &robot, &world_from_root)?;
+        let bodies = bodies(&files.scene_file, &files.scene, &robot, &world_from_root)?;
         if bodies.is_empty() {
             deviations.push(MoveItDeviation::EmptyWorld);
         }
@@ -90,8 +133,10 @@ impl MoveItProblem {
         deviations.extend(matrix.checked(&robot, &body_names));
         let tool_bounds = files.tool_bounds(&robot, &world_from_root, &mut deviations)?;
         Ok(Self {
+            group: files.request.group_name.value.clone(),
             tool_speed_m_s: files.tool_speed_m_s(&robot)?,
-            id: scene.file_stem().unwrap_or(scene.as_os_str()).to_string_lossy().into_owned(),
+            allowed_time: files.allowed_time()?,
+            id,
             world: World::new(bodies)?.with_tool_bounds(tool_bounds)?,
             // 3.
             start: files.start(&robot, &state, &mut deviations)?,

@@ -1,5 +1,6 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
+use std::time::Duration;
 
 use cranny_robot::{Location, RateScales, Robot};
 use serde_saphyr::Spanned;
@@ -8,13 +9,14 @@ use crate::MoveItDeviation;
 use crate::MoveItError;
 use crate::ScenarioError;
 use crate::moveit::file::{ConstraintsEntry, JointStateEntry, RequestFile, SceneFile, StateEntry};
+use crate::moveit::form::{read_request, read_scene};
 use crate::moveit::message_file::MessageFile;
 
 /// Scene and request, with their files for error messages.
-pub(crate) struct Files<'a> {
-    pub scene_file: MessageFile<'a>,
+pub(crate) struct Files {
+    pub scene_file: MessageFile,
     pub scene: SceneFile,
-    pub request_file: MessageFile<'a>,
+    pub request_file: MessageFile,
     pub request: RequestFile,
 }
 
@@ -27,9 +29,15 @@ pub(crate) const ROUNDING: f64 = 1e-4;
 /// Speed below which a joint counts as at rest, in m/s or rad/s: noise of an encoder.
 const AT_REST: f64 = 1e-3;
 
-impl Files<'_> {
+impl Files {
+    /// Reads a scene and a request.
+    pub fn new(scene_file: MessageFile, request_file: MessageFile) -> Result<Self, ScenarioError> {
+        let (scene, request) = (read_scene(&scene_file)?, read_request(&request_file)?);
+        Ok(Self { scene_file, scene, request_file, request })
+    }
+
     /// Returns the states of both files, that of the request first.
-    pub fn states(&self) -> [(&MessageFile<'_>, &StateEntry); 2] {
+    pub fn states(&self) -> [(&MessageFile, &StateEntry); 2] {
         [(&self.request_file, &self.request.start_state), (&self.scene_file, &self.scene.robot_state)]
     }
 
@@ -102,6 +110,17 @@ impl Files<'_> {
             )),
             None => Ok(Some(speed.value)),
         }
+    }
+
+    /// Returns the time that the request allows for planning; 0 counts as not given.
+    pub fn allowed_time(&self) -> Result<Option<Duration>, ScenarioError> {
+        let Some(time) = self.request.allowed_planning_time.as_ref().filter(|time| time.value != 0.0) else {
+            return Ok(None);
+        };
+        Duration::try_from_secs_f64(time.value).map(Some).map_err(|_| {
+            let hint = "give a positive number of seconds";
+            self.request_file.unsupported(time.referenced, "an invalid planning time", hint)
+        })
     }
 
     /// Returns the robot with the joint bounds of the path constraints, whose tolerances joints of the group keep at all times.
@@ -185,7 +204,7 @@ impl Files<'_> {
     pub fn goal_constraints(&self) -> Result<&[Spanned<ConstraintsEntry>], ScenarioError> {
         match &self.request.goal_constraints {
             Some(goals) if !goals.value.is_empty() => Ok(&goals.value),
-            _ => Err(MoveItError::NoGoal { path: self.request_file.path.to_owned() }.into()),
+            _ => Err(MoveItError::NoGoal { path: self.request_file.path.clone() }.into()),
         }
     }
 

@@ -2,33 +2,27 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use cranny_robot::{
-    JointConstraint, JointGroup, Robot, RobotError, RobotOptions, Srdf, TextSource, UrdfFile,
-    VirtualJointKind,
-};
+use cranny_robot::{JointConstraint, JointGroup, Robot, RobotError, RobotOptions, Srdf, VirtualJointKind};
 
-use crate::files::yaml;
 use crate::moveit::matrix::Matrix;
 use crate::moveit::request::{Files, ROUNDING, State};
+use crate::moveit::robot_model::MoveItRobot;
 use crate::{MoveItDeviation, MoveItError, MoveItOptions, ScenarioError};
 
-impl Files<'_> {
+impl Files {
     /// Builds the robot of the request's group, in the given state. State values of joints of the group, of fixed and of
     /// following joints are dropped, and values beyond a limit are corrected, one at a time: each costs little, because it is
     /// detected before any mesh is read.
     pub fn robot(
         &self,
-        options: &MoveItOptions,
+        model: &mut MoveItRobot,
         state: &State,
         deviations: &mut Vec<MoveItDeviation>,
     ) -> Result<Arc<Robot>, ScenarioError> {
-        let urdf_path = self.urdf(options)?;
-        let srdf_path = self.srdf(options, &urdf_path);
-        let (srdf, srdf_text) = srdf_path.as_deref().map(read_srdf).transpose()?.unzip();
-        let srdf = srdf.unwrap_or_default();
+        let srdf = model.srdf().clone();
         let group = &self.request.group_name;
-        let limits = self.joint_limits([Some(urdf_path.as_path()), srdf_path.as_deref()]);
-        deviations.extend(limits.iter().map(|path| MoveItDeviation::JointLimits { path: path.clone() }));
+        deviations
+            .extend(model.joint_limits().map(|path| MoveItDeviation::JointLimits { path: path.to_owned() }));
         let goals = self.goal_values()?;
         // A passive joint that no goal moves keeps its value.
         let is_moved = |joint: &str, value: f64| {
@@ -39,20 +33,17 @@ impl Files<'_> {
         };
         let outside = state.iter().filter(|(joint, (value, _))| !is_moved(joint, *value));
         let mut wished = RobotOptions {
-            srdf: srdf_text,
             group: JointGroup::Srdf(group.value.clone()),
             fixed: outside.map(|(joint, (value, _))| (joint.clone(), *value)).collect(),
-            joint_limits: limits.map(TextSource::Path),
             rate_scales: self.rate_scales()?,
             ..RobotOptions::default()
         };
-        let urdf = UrdfFile::read(&urdf_path)?;
         let matrix = Matrix::new(&self.scene_file, &self.scene.allowed_collision_matrix)?;
         // Joints of the group, and those that do not move freely.
         let mut left_out: HashSet<String> = HashSet::new();
         let mut clamped: HashSet<String> = HashSet::new();
         loop {
-            match urdf.robot(&wished) {
+            match model.build(&wished) {
                 Err(RobotError::NotFree {
                     joint,
                     constraint:
@@ -96,7 +87,7 @@ impl Files<'_> {
                     let forbidden = matrix.forbidden(&robot);
                     if missing.is_empty() && forbidden.is_empty() {
                         self.note_robot(&robot, &srdf, state, &clamped, deviations);
-                        return Ok(Arc::new(robot));
+                        return Ok(robot);
                     }
                     wished.fixed.extend(missing.into_iter().map(|joint| (joint.clone(), state[&joint].0)));
                     wished.checked_pairs.extend(forbidden);
@@ -149,37 +140,30 @@ impl Files<'_> {
         }
     }
 
+    /// Reads the files of the robot: those of the options, or else those near the scene.
+    pub fn robot_files(&self, options: &MoveItOptions) -> Result<MoveItRobot, ScenarioError> {
+        let urdf = self.urdf(options)?;
+        let name = format!("{}.srdf", self.scene.robot_model_name);
+        let beside = urdf.with_file_name(&name);
+        let other = std::iter::once(beside).chain(self.near_scene(&name)).find(|file| file.is_file());
+        let scene = Some(self.scene_file.path.as_path());
+        MoveItRobot::of_files(&urdf, options.srdf.as_deref(), [other.as_deref(), scene])
+    }
+
     fn urdf(&self, options: &MoveItOptions) -> Result<PathBuf, ScenarioError> {
         if let Some(urdf) = &options.robot {
             return Ok(urdf.clone());
         }
         let model = &self.scene.robot_model_name;
         if model.is_empty() {
-            return Err(MoveItError::NoRobotName { path: self.scene_file.path.to_owned() }.into());
+            return Err(MoveItError::NoRobotName { path: self.scene_file.path.clone() }.into());
         }
         let tried: Vec<PathBuf> = [format!("{model}_spherized.urdf"), format!("{model}.urdf")]
             .iter()
             .flat_map(|name| self.near_scene(name))
             .collect();
         let found = tried.iter().find(|file| file.is_file()).cloned();
-        found.ok_or_else(|| MoveItError::NoRobot { path: self.scene_file.path.to_owned(), tried }.into())
-    }
-
-    fn srdf(&self, options: &MoveItOptions, urdf: &Path) -> Option<PathBuf> {
-        let name = format!("{}.srdf", self.scene.robot_model_name);
-        let beside = [urdf.with_extension("srdf"), urdf.with_file_name(&name)];
-        let default = || beside.into_iter().chain(self.near_scene(&name)).find(|file| file.is_file());
-        options.srdf.clone().or_else(default)
-    }
-
-    /// Returns the path of `MoveIt`'s joint limits: beside a file of robot or scene, or in `config` beside it or its folder.
-    fn joint_limits(&self, of_robot: [Option<&Path>; 2]) -> Option<PathBuf> {
-        let files = of_robot.into_iter().flatten().chain([self.scene_file.path]);
-        let folders = files.map(|file| file.parent().unwrap_or(Path::new("")));
-        let mut tried = folders.flat_map(|folder| {
-            ["", "config", "../config"].map(|between| folder.join(between).join("joint_limits.yaml"))
-        });
-        tried.find(|file| file.is_file())
+        found.ok_or_else(|| MoveItError::NoRobot { path: self.scene_file.path.clone(), tried }.into())
     }
 
     /// Returns the possible paths of a file of that name: in the folder of the scene, and in the one above it.
@@ -187,10 +171,4 @@ impl Files<'_> {
         let folder = self.scene_file.path.parent().unwrap_or(Path::new(""));
         [folder.join(name), folder.join("..").join(name)]
     }
-}
-
-/// Reads an SRDF; returns it parsed, and as the text from which the robot is built.
-fn read_srdf(path: &Path) -> Result<(Srdf, TextSource), ScenarioError> {
-    let (name, text) = (path.display().to_string(), yaml::text(cranny_file::TEXT, path)?);
-    Ok((Srdf::parse(&text, &name)?, TextSource::Text { name, text }))
 }

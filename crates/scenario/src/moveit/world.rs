@@ -1,5 +1,4 @@
 use std::collections::HashSet;
-use std::path::Path;
 
 use cranny_collision::{Body, Part};
 use cranny_robot::Robot;
@@ -10,21 +9,19 @@ use serde_saphyr::Spanned;
 use crate::MoveItError;
 use crate::ScenarioError;
 use crate::files::sizes;
-use crate::files::yaml;
 use crate::moveit::file::{MeshEntry, ObjectEntry, OctreeData, PrimitiveEntry, SceneFile, TriangleEntry};
 use crate::moveit::frames::Frames;
 use crate::moveit::message_file::MessageFile;
 
 /// Returns the bodies of a scene, in the root frame of the robot; `world_from_root` is the pose of the robot.
 pub(crate) fn bodies(
-    path: &Path,
+    file: &MessageFile,
     scene: &SceneFile,
     robot: &Robot,
     world_from_root: &Pose,
 ) -> Result<Vec<Body>, ScenarioError> {
-    let file = MessageFile { path };
     file.refuse_what_is_not_read(scene)?;
-    let frames = Frames::new(&file, scene, robot, world_from_root)?;
+    let frames = Frames::new(file, scene, robot, world_from_root)?;
     let mut bodies: Vec<Body> = Vec::new();
     let mut names = HashSet::new();
     let Some(world) = &scene.world else { return Ok(bodies) };
@@ -34,7 +31,7 @@ pub(crate) fn bodies(
             return Err(ScenarioError::NameTaken { at: file.at(object.id.referenced), name: name.clone() });
         }
         let root_from_object =
-            frames.find(&file, &object.header)? * file.optional_pose(object.pose.as_ref())?;
+            frames.find(file, &object.header)? * file.optional_pose(object.pose.as_ref())?;
         bodies.push(file.body(object, &root_from_object)?);
     }
     for Body { name, parts, tilt_rad } in &world.text_bodies {
@@ -51,7 +48,7 @@ pub(crate) fn bodies(
     Ok(bodies)
 }
 
-impl MessageFile<'_> {
+impl MessageFile {
     /// Refuses content that would change the world but is not supported.
     fn refuse_what_is_not_read(&self, scene: &SceneFile) -> Result<(), ScenarioError> {
         if let Some(is_diff) = scene.is_diff.as_ref().filter(|is_diff| is_diff.value) {
@@ -163,7 +160,7 @@ impl MessageFile<'_> {
             ScenarioError::Shape { at, body: object.to_owned(), reason }
         };
         if let Some(resource) = resource {
-            let tried = cranny_robot::mesh_candidates(resource, self.path.parent(), &[]);
+            let tried = cranny_robot::mesh_candidates(resource, self.folder(), &[]);
             let Some(path) = tried.iter().find(|path| path.is_file()).or(tried.first()) else {
                 let hint = "give the path of the mesh file, relative to the scene or in full";
                 return Err(self.unsupported(entry.referenced, "a mesh URL of this kind", hint));
@@ -183,7 +180,7 @@ impl MessageFile<'_> {
         let mut soup = TriangleSoup { vertices: Vec::new(), triangles: Vec::new() };
         for vertex in vertices {
             for number in vertex.value.0 {
-                yaml::finite(self.path, number, vertex.referenced)?;
+                self.finite_at(number, vertex.referenced)?;
             }
             soup.vertices.push(Point::from(vertex.value.0));
         }

@@ -152,7 +152,10 @@ impl BuiltinRobot {
     pub fn robot(&self, options: &RobotOptions) -> Result<Arc<Robot>, RobotError> {
         let text = |name: String, text: &str| Some(TextSource::Text { name, text: text.to_owned() });
         let mut options = options.clone();
-        options.srdf = options.srdf.or_else(|| text(format!("{}.srdf", self.name), self.srdf));
+        options.srdf = options.srdf.or_else(|| {
+            let (name, text) = self.srdf();
+            Some(TextSource::Text { name, text })
+        });
         options.limits = options.limits.or_else(|| text("limits.yaml".to_owned(), &self.limits()));
         options.description =
             options.description.or_else(|| text("robot.yaml".to_owned(), &self.description()));
@@ -165,7 +168,7 @@ impl BuiltinRobot {
     /// [`ScenarioError::Unwritable`].
     pub fn write(&self, folder: &Path) -> Result<PathBuf, ScenarioError> {
         for (name, text) in [
-            (format!("{}.srdf", self.name), self.srdf.to_owned()),
+            self.srdf(),
             ("limits.yaml".to_owned(), self.limits()),
             ("robot.yaml".to_owned(), self.description()),
             (self.urdf_name(), self.urdf()?),
@@ -173,6 +176,11 @@ impl BuiltinRobot {
             write_into(folder, &name, text)?;
         }
         Ok(folder.join(self.urdf_name()))
+    }
+
+    /// Returns the name and the text of its SRDF.
+    pub(crate) fn srdf(&self) -> (String, String) {
+        (format!("{}.srdf", self.name), self.srdf.to_owned())
     }
 
     fn urdf_name(&self) -> String {

@@ -1,6 +1,6 @@
 use std::time::Duration;
 
-use hyper::body::Bytes;
+use cranny_local_server::Bytes;
 use serde::Serialize;
 use tokio::sync::watch;
 use tokio::time::timeout;

@@ -1,8 +1,8 @@
 use std::time::Duration;
 
-/// Limits of the connections to a page server. Each connection carries one request.
+/// Limits of the connections to a server. Each connection carries one request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct PageLimits {
+pub struct ServerLimits {
     /// Maximum number of simultaneous connections, at least 1. For each further one the oldest without a whole request is
     /// closed, or else the oldest. Default 256: fifty times what a browser opens, and a quarter of the files that a process may
     /// usually open.
@@ -14,7 +14,7 @@ pub struct PageLimits {
     pub connection: Duration,
 }
 
-impl Default for PageLimits {
+impl Default for ServerLimits {
     fn default() -> Self {
         Self { connections: 256, request: Duration::from_secs(2), connection: Duration::from_mins(2) }
     }

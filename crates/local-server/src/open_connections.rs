@@ -6,7 +6,7 @@ use tokio::task::AbortHandle;
 /// Open connections of a server, up to a maximum. Beyond it the least valuable one is closed: the oldest without a whole request,
 /// or else the oldest.
 ///
-/// Clients without the token of a page get a short answer at once, so that they cannot occupy a connection by a request.
+/// Clients without the token get a short answer at once, so that they cannot occupy a connection by a request.
 #[derive(Debug)]
 pub(crate) struct OpenConnections {
     most: usize,

@@ -1,15 +1,15 @@
 use std::fmt;
 use std::hint::black_box;
 
-/// Secret of the user of a page: 128 random bits of the operating system, as hexadecimal digits. It is included in the address
-/// of the page, because every user of a machine can open its ports.
+/// Secret of the user of a server: 128 random bits of the operating system, as hexadecimal digits. It is included in the address
+/// of the server, because every user of a machine can open its ports.
 #[derive(Clone)]
-pub(crate) struct PageToken(String);
+pub(crate) struct Token(String);
 
 /// Size in bytes: enough that the token cannot be guessed.
 const BYTES: usize = 16;
 
-impl PageToken {
+impl Token {
     /// # Errors
     /// Returns an error if the system has no random numbers.
     pub fn random() -> Result<Self, getrandom::Error> {
@@ -37,9 +37,9 @@ impl PageToken {
 }
 
 /// Omits the token itself, which would otherwise appear in logs.
-impl fmt::Debug for PageToken {
+impl fmt::Debug for Token {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str("PageToken")
+        formatter.write_str("Token")
     }
 }
 
@@ -49,7 +49,7 @@ mod tests {
 
     #[test]
     fn only_the_token_itself_is_it() {
-        let token = PageToken::random().expect("random numbers");
+        let token = Token::random().expect("random numbers");
         let text = token.text().to_owned();
         assert_eq!(text.len(), 2 * BYTES);
         assert!(token.is(&text));
@@ -59,7 +59,7 @@ mod tests {
         for wrong in ["", "0", &text[1..], &text[..text.len() - 1], &longer, &other, &text.to_uppercase()] {
             assert!(wrong == text || !token.is(wrong), "{wrong}");
         }
-        assert_ne!(PageToken::random().expect("random numbers").text(), text);
+        assert_ne!(Token::random().expect("random numbers").text(), text);
         assert!(!format!("{token:?}").contains(&text));
     }
 }

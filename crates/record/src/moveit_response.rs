@@ -1,0 +1,147 @@
+use cranny_plan::Outcome;
+use cranny_scenario::MoveItProblem;
+use cranny_solve::{Answer, TaskTrajectory};
+use cranny_task::{ConfigurationFault, Problem};
+use serde_json::{Value, json};
+
+use crate::{PlanFile, RecordError};
+
+/// Error codes of `moveit_msgs/MoveItErrorCodes`.
+mod code {
+    pub const SUCCESS: i32 = 1;
+    pub const PLANNING_FAILED: i32 = -1;
+    pub const INVALID_MOTION_PLAN: i32 = -2;
+    pub const TIMED_OUT: i32 = -6;
+    pub const PREEMPTED: i32 = -7;
+    pub const START_STATE_IN_COLLISION: i32 = -10;
+    pub const START_STATE_VIOLATES_PATH_CONSTRAINTS: i32 = -11;
+    pub const GOAL_IN_COLLISION: i32 = -12;
+    pub const GOAL_VIOLATES_PATH_CONSTRAINTS: i32 = -13;
+    pub const START_STATE_INVALID: i32 = -26;
+    pub const GOAL_STATE_INVALID: i32 = -27;
+}
+
+/// Maximum number of faults in a message.
+const MOST_FAULTS: usize = 8;
+
+/// Returns the response to a request as `moveit_msgs/MotionPlanResponse`, and under `cranny` what was proven.
+///
+/// # Errors
+/// [`RecordError`] for an invalid sample rate.
+pub(crate) fn response(
+    asked: &MoveItProblem,
+    problem: &Problem,
+    answer: &Answer,
+    rate_hz: f64,
+) -> Result<Value, RecordError> {
+    let faults = match answer.outcome {
+        Outcome::StartInvalid => problem.configuration_faults(problem.start()),
+        Outcome::GoalsInvalid => answer.goal_faults.concat(),
+        _ => Vec::new(),
+    };
+    let points = match &answer.timed {
+        Some(timed) => timed_points(&timed.trajectory, rate_hz)?,
+        None => answer.waypoints().iter().map(|waypoint| point(waypoint, &[], &[], 0.0)).collect(),
+    };
+    let header = || json!({"stamp": duration(0.0), "frame_id": ""});
+    let audit = answer.audit.as_ref();
+    let is_solved = answer.is_solved();
+    Ok(json!({
+        "motion_plan_response": {
+            "trajectory_start": {"joint_state": {
+                "header": header(), "name": answer.joint_names, "position": asked.start,
+            }},
+            "group_name": asked.group,
+            "trajectory": {"joint_trajectory": {
+                "header": header(),
+                "joint_names": answer.joint_names,
+                "points": if is_solved { points } else { Vec::new() },
+            }},
+            "planning_time": planning_time_s(answer),
+            "error_code": {"val": code_of(answer, &faults), "message": message(answer, &faults), "source": "cranny"},
+        },
+        "cranny": {
+            "version": PlanFile::VERSION,
+            "outcome": answer.outcome,
+            "planner": answer.planner,
+            "valid": answer.is_valid(),
+            "clearance_m": audit.and_then(|audit| audit.clearance_m),
+            "clearance_limit": audit.and_then(|audit| audit.clearance_limit.as_ref()),
+            "not_checked": answer.not_checked,
+            "deviations": asked.deviations.iter().map(ToString::to_string).collect::<Vec<_>>(),
+            "timing": answer.timed.as_ref().map(|timed| timed.trajectory.method().name()),
+            "untimed": answer.untimed,
+            "waypoints": answer.waypoints(),
+        },
+    }))
+}
+
+/// Returns the time of search, shortening and timing, in seconds, without that of reading and of the proof.
+fn planning_time_s(answer: &Answer) -> f64 {
+    let others_s = [
+        answer.shortening.map(|shortening| shortening.time_s),
+        answer.optimisation.as_ref().map(|optimisation| optimisation.time_s),
+        answer.timed.as_ref().map(|timed| timed.time_s),
+    ];
+    answer.statistics.planning_time_s + others_s.into_iter().flatten().sum::<f64>()
+}
+
+/// Returns the error code of an outcome; of an invalid start or goal by the kind of its first fault.
+fn code_of(answer: &Answer, faults: &[ConfigurationFault]) -> i32 {
+    let of_fault = |[contact, bound, limit]: [i32; 3]| match faults.first() {
+        Some(ConfigurationFault::JointLimit { .. }) => limit,
+        Some(ConfigurationFault::OutOfBounds { .. }) => bound,
+        _ => contact,
+    };
+    match answer.outcome {
+        Outcome::Solved if answer.is_valid() => code::SUCCESS,
+        Outcome::Solved => code::INVALID_MOTION_PLAN,
+        Outcome::BudgetExhausted => code::TIMED_OUT,
+        Outcome::Cancelled => code::PREEMPTED,
+        Outcome::GaveUp | Outcome::NoReachableGrasp => code::PLANNING_FAILED,
+        Outcome::StartInvalid => of_fault([
+            code::START_STATE_IN_COLLISION,
+            code::START_STATE_VIOLATES_PATH_CONSTRAINTS,
+            code::START_STATE_INVALID,
+        ]),
+        Outcome::GoalsInvalid => of_fault([
+            code::GOAL_IN_COLLISION,
+            code::GOAL_VIOLATES_PATH_CONSTRAINTS,
+            code::GOAL_STATE_INVALID,
+        ]),
+    }
+}
+
+fn message(answer: &Answer, faults: &[ConfigurationFault]) -> String {
+    if answer.outcome == Outcome::Solved && !answer.is_valid() {
+        return "the path of the planner could not be proven".to_owned();
+    }
+    let mut message = answer.outcome.sentence().to_owned();
+    for (index, fault) in faults.iter().take(MOST_FAULTS).enumerate() {
+        message += if index == 0 { ": " } else { "; " };
+        message += &fault.to_string();
+    }
+    message
+}
+
+fn timed_points(trajectory: &TaskTrajectory, rate_hz: f64) -> Result<Vec<Value>, RecordError> {
+    let samples = trajectory.samples(rate_hz)?;
+    Ok(samples.map(|at| point(&at.position, &at.velocity, &at.acceleration, at.time_s)).collect())
+}
+
+/// Returns a `trajectory_msgs/JointTrajectoryPoint`.
+fn point(positions: &[f64], velocities: &[f64], accelerations: &[f64], time_s: f64) -> Value {
+    json!({
+        "positions": positions,
+        "velocities": velocities,
+        "accelerations": accelerations,
+        "effort": [],
+        "time_from_start": duration(time_s),
+    })
+}
+
+/// Returns a `builtin_interfaces/Duration`, rounded to nanoseconds.
+fn duration(time_s: f64) -> Value {
+    let time = std::time::Duration::try_from_secs_f64(time_s).unwrap_or_default();
+    json!({"sec": time.as_secs(), "nanosec": time.subsec_nanos()})
+}
