@@ -12,7 +12,7 @@ use crate::member;
 use crate::step::{self, Readiness, Surroundings};
 
 /// Folder of its crate, relative to the root.
-const PACKAGE: &str = "python";
+const PACKAGE: &str = "./python";
 
 /// Folder of its wheel, relative to the root.
 const WHEELS: &str = "target/wheels";
