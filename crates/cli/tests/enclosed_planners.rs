@@ -165,7 +165,11 @@ time.sleep(20)
 ";
     for trial in enclosed(deleted, &limit).unwrap_or_default() {
         assert_eq!(trial.record.outcome, TrialOutcome::OutOfMemory, "{}", detail(&trial));
-        assert!(detail(&trial).contains("of these 180 MiB in files of its scratch folder"), "{}", detail(&trial));
+        assert!(
+            detail(&trial).contains("of these 180 MiB in files of its scratch folder"),
+            "{}",
+            detail(&trial)
+        );
     }
     let page_tables = "
 libc.mmap.restype = ctypes.c_void_p
