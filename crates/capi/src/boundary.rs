@@ -58,13 +58,13 @@ impl<'a> Numbers<'a> {
         self.0.is_null()
     }
 
-    /// Returns `rows` × `columns` numbers (m, rad or others), finite or not.
+    /// Returns `rows` × `columns` numbers (m, rad or others; one for each column of each row), finite or not.
     pub fn values(self, what: &'static str, rows: usize, columns: usize) -> Result<&'a [f64], Fault> {
         // SAFETY: C promises that many values, until the call returns.
         unsafe { array(self.0, what, rows, columns) }
     }
 
-    /// Returns `rows` × `columns` finite numbers (m, rad or others).
+    /// Returns `rows` × `columns` finite numbers (m, rad or others; one for each column of each row).
     pub fn finite(self, what: &'static str, rows: usize, columns: usize) -> Result<&'a [f64], Fault> {
         let values = self.values(what, rows, columns)?;
         match values.iter().position(|value| !value.is_finite()) {
@@ -83,13 +83,13 @@ impl<'a> Indices<'a> {
 }
 
 impl NumberBuffer<'_> {
-    /// Writes `values` (m, rad or others; any number), for which C promises memory.
+    /// Writes `values` (m, rad or others; one for each number for which C promises memory).
     pub fn write(&mut self, what: &'static str, values: &[f64]) -> Result<(), Fault> {
         // SAFETY: C promises memory for that many values, which nothing else uses during the call.
         unsafe { copy(values, self.0, what) }
     }
 
-    /// Writes `values` (m, rad or others; any number), unless the buffer is NULL.
+    /// Writes `values` (m, rad or others; one for each number for which C promises memory), unless the buffer is NULL.
     pub fn write_if_asked(&mut self, what: &'static str, values: &[f64]) -> Result<(), Fault> {
         if self.0.is_null() { Ok(()) } else { self.write(what, values) }
     }
@@ -203,7 +203,7 @@ mod tests {
     fn impossible_lengths_and_addresses_are_errors() {
         let values = [0.0; 4];
         assert!(matches!(numbers(&values).values("q", usize::MAX, 2), Err(Fault::TooLong { .. })));
-        assert!(matches!(numbers(&values).values("q", usize::MAX / 16, 1), Err(Fault::TooLong { .. })));
+        assert!(matches!(numbers(&values).values("q", usize::MAX / 8, 1), Err(Fault::TooLong { .. })));
         let odd = Numbers(values.as_ptr().wrapping_byte_add(1), PhantomData);
         assert!(matches!(odd.values("q", 1, 2), Err(Fault::Misaligned { what: "q" })));
     }

@@ -14,7 +14,8 @@ fn limit(command: &mut Command, line: &str) {
     let program = command.get_program().to_owned();
     let words: Vec<_> = command.get_args().map(ToOwned::to_owned).collect();
     let folder = command.get_current_dir().expect("a folder").to_owned();
-    *command = Command::new("sh");
+    // The limits of plain shells lack the number of processes.
+    *command = Command::new("bash");
     command.current_dir(folder).args(["-c", &format!("{line}; exec \"$0\" \"$@\"")]).arg(program).args(words);
 }
 
@@ -227,7 +228,9 @@ os._exit(0)
     let in_memory = memory.is_dir().then(|| tempfile::tempdir_in(memory).expect("a folder in memory"));
     let in_memory = in_memory.iter().map(|folder| folder.path().to_owned());
     for temporary in in_memory.chain([link]) {
-        let change = |command: &mut Command| drop(command.env("TMPDIR", &temporary));
+        let change = |command: &mut Command| {
+            let _ = command.env("TMPDIR", &temporary);
+        };
         all_gave_up(enclosed_with(text, &["--runs", "1"], change));
     }
 }
@@ -267,7 +270,9 @@ fn a_weaker_sandbox_is_noted_and_its_rows_are_named_by_the_report() {
     let python = String::from_utf8_lossy(&python.expect("python3").stdout).trim().to_owned();
     std::os::unix::fs::symlink(python, programs.join("python3")).expect("a link");
     let run = |more: &[&str]| {
-        let change = |command: &mut Command| drop(command.env("PATH", &programs));
+        let change = |command: &mut Command| {
+            let _ = command.env("PATH", &programs);
+        };
         let (output, trials) = campaign_with(folder.path(), &[("weak", "os._exit(0)")], more, change);
         assert_eq!(trials.len(), 1);
         String::from_utf8_lossy(&output.stderr).into_owned()
@@ -301,7 +306,9 @@ fn a_slow_preparation_of_the_enclosure_makes_no_planner_hung() {
     let mode = std::os::unix::fs::PermissionsExt::from_mode(0o755);
     std::fs::set_permissions(&slow, mode).expect("a mode");
     let path = format!("{}:{path}", programs.path().display());
-    let change = |command: &mut Command| drop(command.env("PATH", &path));
+    let change = |command: &mut Command| {
+        let _ = command.env("PATH", &path);
+    };
     let trials = enclosed_with("os._exit(0)", &["--runs", "1", "--time-limit", "0.5"], change);
     for trial in trials.iter().flatten() {
         assert!(trial.record.statistics.planning_time_s < 0.5);

@@ -206,7 +206,7 @@ fn a_bad_request_is_told_the_entry_and_the_fault() {
             "motion_plan_request.goal_constraints[0].joint_constraints[2].position: ",
         ),
         (text.replace("\"position\":0.8", "\"position\":NaN"), "joint_constraints[6].position: "),
-        (text.replace("\"position\":0.8", "\"position\":1e999"), "joint_constraints[6].position: "),
+        (text.replace("\"position\":0.8", "\"position\":1e999"), "is not a finite number"),
         (
             changed(&|document| {
                 document["planning_scene"]["world"]["collision_objects"][0]["planes"] = json!([{}])

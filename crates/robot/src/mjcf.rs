@@ -2,6 +2,7 @@
 
 pub(crate) mod assets;
 pub(crate) mod bodies;
+pub(crate) mod body_reader;
 pub(crate) mod compiler;
 pub(crate) mod constraints;
 pub(crate) mod defaults;

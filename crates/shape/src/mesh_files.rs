@@ -8,6 +8,7 @@ pub(crate) mod msh;
 pub(crate) mod obj;
 pub(crate) mod painted_mesh;
 pub(crate) mod painted_obj;
+pub(crate) mod painted_piece;
 pub(crate) mod ply;
 pub(crate) mod polygon;
 pub(crate) mod side_sweep;

@@ -15,8 +15,8 @@ use crate::{Answer, text};
 #[derive(Clone, Debug, Args)]
 #[command(after_help = "Examples:
   cranny scenario from kitchen.xml --robot ur5e --target mug -o kitchen
-  cranny scenario from cabinet.sdf --robot my_arm --target can --world-joint drawer=0.3
-  cranny scenario from scene.xml --robot fr3 --at 0.5,0,0.9,180 --target cube --leave-out robot0_base
+  cranny scenario from lab.sdf --robot arm --target can --world-joint drawer=0.3
+  cranny scenario from lab.xml --robot fr3 --at 0.5,0,0.9,180 --target cube
 
 The world is an MJCF, SDF or URDF file. Each link becomes an obstacle, and each body that moves freely one body; shapes
 that collide with nothing in the model are left out, and meshes become their convex hulls, as in MuJoCo. The grasps are

@@ -1,17 +1,14 @@
-use std::collections::{HashMap, HashSet};
-
 use cranny_spatial::nalgebra::Matrix3;
 use cranny_spatial::{Pose, Vector};
 
 use crate::description::xml::Element;
-use crate::mjcf::assets::Assets;
+use crate::mjcf::body_reader::BodyReader;
 use crate::mjcf::compiler::Compiler;
-use crate::mjcf::defaults::{Attributes, Classes};
-use crate::mjcf::documents::Documents;
+use crate::mjcf::defaults::Attributes;
 use crate::mjcf::geoms::Geom;
 use crate::model_file::body_tree::{JointRule, Plane, TreeBody, TreeJoint};
 use crate::model_file::hull_points::check_points;
-use crate::model_file::unread_list::{UnreadList, check_name, not_supported};
+use crate::model_file::unread_list::{check_name, not_supported};
 use crate::tree::MAX_LINKS;
 use crate::{Inertial, JointKind, RobotError};
 
@@ -46,25 +43,6 @@ const JOINT_IGNORED: [&str; 18] = [
     "align",
     "limit",
 ];
-
-/// Reader of the bodies of a model.
-pub(crate) struct BodyReader<'d, 'r> {
-    pub(crate) documents: &'d Documents<'d>,
-    pub(crate) classes: &'r Classes<'d>,
-    pub(crate) compiler: &'r Compiler,
-    pub(crate) assets: &'r Assets,
-    /// Contact group of each geom that a `<pair>` names.
-    pub(crate) pair_groups: HashMap<String, usize>,
-    pub(crate) unread: &'r mut UnreadList,
-    pub(crate) bodies: Vec<TreeBody>,
-    pub(crate) planes: Vec<Plane>,
-    /// Number of points of all hulls so far.
-    pub(crate) points: usize,
-    /// Joints in the order of `qpos`, each with its number of values there; `None` for that of a free body.
-    pub(crate) order: Vec<(Option<String>, usize)>,
-    /// Names that the file gives to bodies and joints.
-    pub(crate) names: HashSet<String>,
-}
 
 /// Context of the elements inside a body or frame.
 #[derive(Clone, Copy)]

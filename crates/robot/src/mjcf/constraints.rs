@@ -3,7 +3,7 @@ use std::collections::{HashMap, HashSet};
 use cranny_file::counted;
 
 use crate::description::xml::Element;
-use crate::mjcf::bodies::BodyReader;
+use crate::mjcf::body_reader::BodyReader;
 use crate::mjcf::compiler::flag;
 use crate::mjcf::documents::Documents;
 use crate::model_file::body_tree::{BodyTree, JointRule, KeyState, TreeJoint};

@@ -23,7 +23,8 @@ pub(crate) struct Classes<'d> {
 }
 
 struct Class<'d> {
-    parent: Option<String>,
+    /// Class around it, with the number of its settings at that time: later ones, of another section, do not apply.
+    parent: Option<(String, usize)>,
     /// Settings in the order of the files; later ones override earlier ones.
     settings: Vec<Element<'d>>,
 }
@@ -56,16 +57,19 @@ impl<'d> Classes<'d> {
             Some(_) => class.text("class")?,
         };
         if let Some(own_name) = class.optional_text("class").filter(|_| parent.is_none()) {
-            let alias = Class { parent: Some(MAIN.to_owned()), settings: Vec::new() };
+            let alias = Class { parent: Some((MAIN.to_owned(), usize::MAX)), settings: Vec::new() };
             if own_name != MAIN {
                 self.classes.entry(own_name.to_owned()).or_insert(alias);
             }
         }
-        let parent = parent.map(str::to_owned);
+        let settings_of = |parent: &str| self.classes.get(parent).map_or(0, |parent| parent.settings.len());
+        let parent = parent.map(|parent| (parent.to_owned(), settings_of(parent)));
         self.classes.entry(name.to_owned()).or_insert(Class { parent, settings: Vec::new() });
-        for child in documents.children(class) {
+        // The settings of a section apply to the classes inside it, wherever they stand.
+        let (inner, settings): (Vec<_>, Vec<_>) =
+            documents.children(class).into_iter().partition(|child| child.tag() == "default");
+        for child in settings {
             match &*child.tag() {
-                "default" => self.add(documents, child, (Some(name), depth + 1), unread)?,
                 tag if READ.contains(&tag) => {
                     if let Some(class) = self.classes.get_mut(name) {
                         class.settings.push(child);
@@ -74,7 +78,7 @@ impl<'d> Classes<'d> {
                 _ => unread.add(class, child),
             }
         }
-        Ok(())
+        inner.into_iter().try_for_each(|child| self.add(documents, child, (Some(name), depth + 1), unread))
     }
 
     /// Returns the attributes of an element with the defaults of its own class, or else of the nearest `childclass` around it.
@@ -85,18 +89,19 @@ impl<'d> Classes<'d> {
     ) -> Result<Attributes<'d>, RobotError> {
         let mut levels = vec![element];
         let own = element.optional_text("class");
-        let mut name = Some(own.or(childclass).unwrap_or(MAIN));
+        let mut inherited = Some((own.or(childclass).unwrap_or(MAIN), usize::MAX));
         // A class is defined once, so the chain of its parents ends.
         for _ in 0..=self.classes.len() {
-            let Some(class_name) = name else { break };
+            let Some((class_name, count)) = inherited else { break };
             let class = self.classes.get(class_name).ok_or_else(|| RobotError::UnknownName {
                 place: element.at().to_string(),
                 kind: "default class",
                 name: class_name.to_owned(),
                 nearest: nearest_names(class_name, self.classes.keys().map(String::as_str)),
             })?;
-            levels.extend(class.settings.iter().rev().filter(|setting| setting.tag() == element.tag()));
-            name = class.parent.as_deref();
+            let settings = &class.settings[..count.min(class.settings.len())];
+            levels.extend(settings.iter().rev().filter(|setting| setting.tag() == element.tag()));
+            inherited = class.parent.as_ref().map(|(parent, count)| (parent.as_str(), *count));
         }
         Ok(Attributes { levels })
     }

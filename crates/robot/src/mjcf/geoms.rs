@@ -5,7 +5,7 @@ use cranny_shape::TriangleSoup;
 use cranny_spatial::{Point, Pose, Vector};
 
 use crate::description::xml::Element;
-use crate::mjcf::bodies::BodyReader;
+use crate::mjcf::body_reader::BodyReader;
 use crate::mjcf::defaults::Attributes;
 use crate::model_file::body_tree::{ContactMask, Look, TreeShape};
 use crate::model_file::orientation::rotation_from_z;

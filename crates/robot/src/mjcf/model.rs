@@ -5,7 +5,7 @@ use cranny_spatial::Pose;
 
 use crate::RobotError;
 use crate::mjcf::assets::Assets;
-use crate::mjcf::bodies::BodyReader;
+use crate::mjcf::body_reader::BodyReader;
 use crate::mjcf::compiler::Compiler;
 use crate::mjcf::constraints::{filters_parents, read_pairs};
 use crate::mjcf::defaults::Classes;

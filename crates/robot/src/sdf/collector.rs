@@ -92,7 +92,7 @@ impl Collector {
             return Err(RobotError::MissingElement {
                 at: root.at(),
                 owner: "<sdf>".to_owned(),
-                element: "world` or `model",
+                element: "world> or <model",
             });
         };
         for second in root.all("model").skip(1) {

@@ -3,9 +3,9 @@ use std::path::{Path, PathBuf};
 
 use cranny_spatial::Point;
 
-use crate::PaintedPiece;
 use crate::mesh_files::mesh_size::{check_corners, check_vertices};
 use crate::mesh_files::obj::{index, logical_lines, numbers, point, text_of};
+use crate::mesh_files::painted_piece::PaintedPiece;
 use crate::mesh_files::polygon::triangulate;
 
 /// Maximum number of materials in one mesh: each is a drawing of its own.
