@@ -37,20 +37,9 @@ impl SourceFile {
 /// # Errors
 /// If git is missing, `root` is no checkout, or a file cannot be read.
 pub fn read_files(root: &Path) -> Result<Vec<SourceFile>, String> {
-    let listing = git_in(root)
-        .args(["ls-files", "-z", "--cached", "--others", "--exclude-standard"])
-        .output()
-        .map_err(|error| format!("git does not run ({error}); tidy asks it which files belong here"))?;
-    if !listing.status.success() {
-        let reason = String::from_utf8_lossy(&listing.stderr);
-        return Err(format!("`git ls-files` failed in {}: {}", root.display(), reason.trim()));
-    }
-    let mut paths: Vec<String> = listing
-        .stdout
-        .split(|byte| *byte == 0)
-        .filter(|path| !path.is_empty())
-        .map(|path| String::from_utf8_lossy(path).into_owned())
-        .collect();
+    let listing = answer(root, &["ls-files", "-z", "--cached", "--others", "--exclude-standard"])?;
+    let mut paths: Vec<String> =
+        listing.split('\0').filter(|path| !path.is_empty()).map(str::to_owned).collect();
     paths.sort();
     paths.dedup();
     paths
@@ -62,6 +51,33 @@ pub fn read_files(root: &Path) -> Result<Vec<SourceFile>, String> {
             Err(error) => Err(format!("{path}: {error}")),
         })
         .collect()
+}
+
+/// Returns the files with changes that are not committed, and new files that are not ignored.
+///
+/// # Errors
+/// If git is missing or `root` is no checkout.
+pub fn changed_files(root: &Path) -> Result<Vec<String>, String> {
+    let listing = answer(root, &["status", "--porcelain"])?;
+    Ok(listing.lines().filter_map(|line| line.get(3..)).map(str::to_owned).collect())
+}
+
+/// Returns the time of the last commit, in seconds since 1970.
+///
+/// # Errors
+/// As [`changed_files`].
+pub fn commit_time(root: &Path) -> Result<String, String> {
+    answer(root, &["log", "-1", "--format=%ct"]).map(|time| time.trim().to_owned())
+}
+
+/// Returns the output of git.
+fn answer(root: &Path, words: &[&str]) -> Result<String, String> {
+    let fault = |reason: &str| format!("`git {}` failed in {}: {reason}", words.join(" "), root.display());
+    let output = git_in(root).args(words).output().map_err(|error| fault(&error.to_string()))?;
+    if !output.status.success() {
+        return Err(fault(String::from_utf8_lossy(&output.stderr).trim()));
+    }
+    Ok(String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
 /// Returns git at `root`, independent of a repository that a surrounding hook may have set.
@@ -97,6 +113,8 @@ mod tests {
         std::fs::write(folder.path().join("built/product"), "x").expect("write");
         git(&["add", "gone.rs"]);
         std::fs::remove_file(folder.path().join("gone.rs")).expect("remove");
+        let changed = changed_files(folder.path()).expect("files");
+        assert_eq!(changed, ["gone.rs", ".gitignore", "new.rs"]);
 
         let files = read_files(folder.path()).expect("files");
         let paths: Vec<&str> = files.iter().map(|file| file.path.as_str()).collect();

@@ -1,4 +1,4 @@
-//! Commands for contributors: `cargo xtask tidy` and `cargo xtask test`.
+//! Commands for contributors: `cargo xtask test`, `tidy`, `site`, `wheel` and `release`.
 //!
 //! Exit codes: 0 success, 1 a check failed, 2 not runnable (unknown word, no git, wrong `CRANNY_DATA`).
 
@@ -6,7 +6,7 @@ mod c_api;
 mod checked_arithmetic;
 mod checkout;
 mod comment_words;
-mod gltf;
+mod contents;
 mod hardship;
 mod latex;
 mod member;
@@ -14,7 +14,7 @@ mod own_planner;
 mod problem;
 mod public_functions;
 mod python_package;
-mod python_tools;
+mod release;
 mod released_data;
 mod site;
 mod step;
@@ -43,6 +43,13 @@ Tasks:
                  find_package(cranny) and pkg-config; the folder may be moved
   site           the pages of docs/ and benchmarks/, commands, gallery and API as one folder,
                  target/site/book; builds mdBook where it is not installed
+  wheel          the wheel of the Python package, with the program in it, in target/wheels; tried in
+                 a bare virtual environment, with the seconds of each step
+  release        what a release consists of, in target/release-files: the wheel, an archive with
+                 program, manual pages and completions, licences, bill of materials, changes, and
+                 checksums (docs/releasing.md)
+  release --allow-dirty
+                 the same in a checkout with changes that are not committed
   tidy           the shape of the house: floors, crate table, module names, file length, unsafe,
                  machine paths, files of others, structs that drop unknown keys
   tidy --write   the same, after writing what is generated (the crate table of ARCHITECTURE.md, the
@@ -77,6 +84,8 @@ enum Task {
     Test { is_long: bool },
     Steps { names: Vec<String> },
     Capi { prefix: PathBuf },
+    Wheel,
+    Release { uncommitted: release::Uncommitted },
 }
 
 /// Parses the words of the command line; the error describes invalid ones.
@@ -95,7 +104,10 @@ fn task_of(words: &[&str]) -> Result<Task, String> {
         ["site"] => Ok(Task::Steps { names: vec!["site".to_owned()] }),
         ["capi", "--prefix", prefix] => Ok(Task::Capi { prefix: PathBuf::from(prefix) }),
         ["capi", ..] => Err("`capi` takes `--prefix DIR`, where it is installed".to_owned()),
-        ["tidy" | "test" | "site", rest @ ..] => {
+        ["wheel"] => Ok(Task::Wheel),
+        ["release"] => Ok(Task::Release { uncommitted: release::Uncommitted::Refuse }),
+        ["release", "--allow-dirty"] => Ok(Task::Release { uncommitted: release::Uncommitted::Allow }),
+        ["tidy" | "test" | "site" | "wheel" | "release", rest @ ..] => {
             Err(format!("`{}` does not take `{}`", words[0], rest.join(" ")))
         }
         [unknown, ..] => Err(format!("there is no task `{unknown}`")),
@@ -116,6 +128,8 @@ fn main() -> ExitCode {
             test::here(false).and_then(|here| c_api::install(&here, &prefix)).map(|()| true)
         }
         Ok(Task::Steps { names }) => test::run_steps(&names.iter().map(String::as_str).collect::<Vec<_>>()),
+        Ok(Task::Wheel) => python_package::run(),
+        Ok(Task::Release { uncommitted }) => release::run(uncommitted),
         Err(message) => Err(format!("{message}; `cargo xtask help` lists the tasks")),
     };
     match outcome {
@@ -142,13 +156,18 @@ mod tests {
         assert_eq!((task_of(&["site"]), task_of(&["test", "--step", "site"])), (site.clone(), site));
         let prefix = PathBuf::from("/opt/cranny");
         assert_eq!(task_of(&["capi", "--prefix", "/opt/cranny"]), Ok(Task::Capi { prefix }));
+        assert_eq!(task_of(&["wheel"]), Ok(Task::Wheel));
+        let release = |uncommitted| Ok(Task::Release { uncommitted });
+        assert_eq!(task_of(&["release"]), release(release::Uncommitted::Refuse));
+        assert_eq!(task_of(&["release", "--allow-dirty"]), release(release::Uncommitted::Allow));
         assert_eq!(task_of(&["help"]), Ok(Task::Help));
         assert_eq!(task_of(&["tidy", "--help"]), Ok(Task::Help));
     }
 
     #[test]
     fn an_unknown_word_is_named_and_not_run() {
-        for words in [&["tset"][..], &["test", "--fast"], &["tidy", "--wirte"], &[]] {
+        for words in [&["tset"][..], &["test", "--fast"], &["tidy", "--wirte"], &["release", "--dirty"], &[]]
+        {
             let message = task_of(words).expect_err("not a task");
             if let Some(word) = words.last() {
                 assert!(message.contains(word), "{message}");

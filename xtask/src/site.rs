@@ -12,8 +12,8 @@ mod stage;
 
 use std::path::Path;
 
-use crate::gltf;
 use crate::step::{self, Readiness, Surroundings};
+use crate::web::gltf;
 
 use self::stage::Stage;
 
@@ -57,6 +57,7 @@ const SUMMARY: &str = "# Summary
 - [How proofs work](docs/proofs.md)
 - [What Cranny does not claim](docs/limits.md)
 - [What is claimed, and where it is shown](docs/claims.md)
+- [Releasing](docs/releasing.md)
 ";
 
 const BOOK: &str = r#"[book]

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Instant;
 
-use crate::python_tools::PYTHON;
+use crate::python_package::python_tools::PYTHON;
 use crate::released_data::{DATA, REQUIRE_ALL};
 
 /// Environment of a run.

@@ -4,18 +4,16 @@ use std::time::Instant;
 
 use crate::c_api;
 use crate::checked_arithmetic;
-use crate::gltf;
 use crate::hardship;
 use crate::latex;
 use crate::member;
 use crate::own_planner;
-use crate::python_package;
-use crate::python_tools;
+use crate::python_package::{self, python_tools};
 use crate::released_data;
 use crate::site;
 use crate::step::{self, Readiness, Record, Step, Surroundings};
 use crate::tidy;
-use crate::web;
+use crate::web::{self, gltf};
 
 /// Checks of every run. A check that needs a tool of its own declares it in `needs`.
 const STEPS: [Step; 10] = [

@@ -14,7 +14,7 @@ mod machine_paths;
 mod module_circles;
 mod module_names;
 mod named_things;
-mod notices;
+pub mod notices;
 mod page_links;
 mod slice_docs;
 mod system_calls;

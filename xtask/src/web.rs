@@ -1,8 +1,9 @@
 //! Tests of the viewer's page: its types, its unit tests, its build, and the page with the program in a real browser.
 
+pub mod gltf;
+
 use std::path::PathBuf;
 
-use crate::gltf;
 use crate::step::{self, Readiness, Surroundings};
 
 /// Environment variable that names the browser of the tests.

@@ -165,7 +165,11 @@ time.sleep(20)
 ";
     for trial in enclosed(deleted, &limit).unwrap_or_default() {
         assert_eq!(trial.record.outcome, TrialOutcome::OutOfMemory, "{}", detail(&trial));
-        assert!(detail(&trial).contains("of these 180 MiB in files of its scratch folder"), "{}", detail(&trial));
+        assert!(
+            detail(&trial).contains("of these 180 MiB in files of its scratch folder"),
+            "{}",
+            detail(&trial)
+        );
     }
     let page_tables = "
 libc.mmap.restype = ctypes.c_void_p
@@ -279,4 +283,28 @@ fn a_weaker_sandbox_is_noted_and_its_rows_are_named_by_the_report() {
         .expect("it runs");
     let report = String::from_utf8_lossy(&report.stdout).into_owned();
     assert!(report.contains("1 of 1 rows are of external programs that ran without namespaces"), "{report}");
+}
+
+/// The campaign waits for ten seconds past the time limit of a trial, which must not begin before the program does.
+#[test]
+fn a_slow_preparation_of_the_enclosure_makes_no_planner_hung() {
+    if std::env::var_os("CRANNY_LONG").is_none() {
+        return;
+    }
+    let programs = tempfile::tempdir().expect("a temporary folder");
+    let slow = programs.path().join("setpriv");
+    let path = std::env::var("PATH").expect("a search path");
+    let found = std::env::split_paths(&path).map(|folder| folder.join("setpriv")).find(|path| path.is_file());
+    let Some(found) = found else { return };
+    let script = format!("#!/bin/sh\nsleep 11\nexec {} \"$@\"\n", found.display());
+    std::fs::write(&slow, script).expect("written");
+    let mode = std::os::unix::fs::PermissionsExt::from_mode(0o755);
+    std::fs::set_permissions(&slow, mode).expect("a mode");
+    let path = format!("{}:{path}", programs.path().display());
+    let change = |command: &mut Command| drop(command.env("PATH", &path));
+    let trials = enclosed_with("os._exit(0)", &["--runs", "1", "--time-limit", "0.5"], change);
+    for trial in trials.iter().flatten() {
+        assert!(trial.record.statistics.planning_time_s < 0.5);
+    }
+    all_gave_up(trials);
 }

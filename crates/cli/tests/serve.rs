@@ -123,7 +123,7 @@ fn a_request_gets_a_timed_motion_and_its_proof() {
     let points = trajectory["points"].as_array().expect("points");
     let (first, last) = (&points[0], &points[points.len() - 1]);
     assert_eq!((&first["positions"], &last["positions"][0]), (&json!(START), &json!(1.2)));
-    assert_eq!(first["velocities"], json!([0.0; 7]));
+    assert_eq!(first["velocities"], json!(vec![0.0; 7]));
     assert_eq!(first["accelerations"].as_array().map(Vec::len), Some(7));
     let nanoseconds = |point: &Value| {
         let time = &point["time_from_start"];

@@ -4,19 +4,15 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
 
+use cargo_metadata::Package;
 use cargo_metadata::camino::Utf8Path;
-use cargo_metadata::{DependencyKind, Metadata, MetadataCommand, Package, PackageId};
 
 use crate::checkout::SourceFile;
+use crate::contents::Contents;
 use crate::problem::Problem;
 
-const PAGE: &str = "crates/view/NOTICES.txt";
-
-/// Distributed packages, without build tools.
-const PROGRAMS: [&str; 3] = ["cranny-capi", "cranny-cli", "cranny-python"];
-
-/// Lock file of npm, with the version of three.js in the viewer's page.
-const NPM_LOCK: &str = "web/package-lock.json";
+/// Page of the licences, which `cranny licences` prints, relative to the root.
+pub const PAGE: &str = "crates/view/NOTICES.txt";
 
 const THREE_JS: &str = "Copyright © 2010-2026 three.js authors";
 
@@ -57,10 +53,9 @@ pub fn write(root: &Path) -> Result<(), String> {
 /// # Errors
 /// If cargo does not know the packages, or a file of theirs cannot be read.
 fn text(root: &Path) -> Result<String, String> {
-    let metadata = MetadataCommand::new().manifest_path(root.join("Cargo.toml")).exec();
-    let metadata = metadata.map_err(|error| error.to_string())?;
+    let contents = Contents::of(root)?;
     let mut of_text: BTreeMap<String, Vec<String>> = BTreeMap::new();
-    for package in given_away(&metadata) {
+    for package in contents.packages() {
         let expression = package.license.as_deref().unwrap_or("a licence of its own");
         let name = format!("{} {} ({expression})", package.name, package.version);
         for licence in licences(package)? {
@@ -82,41 +77,14 @@ fn text(root: &Path) -> Result<String, String> {
     };
     add("Cranny (MIT)", &own("LICENSE-MIT")?);
     add("Cranny (Apache-2.0)", &own("LICENSE-APACHE")?);
-    add(&format!("three.js {} (MIT)", three_js_version(&own(NPM_LOCK)?)?), &mit(THREE_JS));
+    add(&format!("three.js {} (MIT)", contents.three_js), &mit(THREE_JS));
     for (names, licence) in grouped {
         add(&names.join("\n"), &licence);
     }
     Ok(page)
 }
 
-/// Returns the external packages of the programs, on any platform, by name and version.
-fn given_away(metadata: &Metadata) -> Vec<&Package> {
-    let nodes: BTreeMap<&PackageId, _> =
-        metadata.resolve.iter().flat_map(|resolve| &resolve.nodes).map(|node| (&node.id, node)).collect();
-    let is_program = |package: &&Package| PROGRAMS.contains(&package.name.as_str());
-    let mut queue: Vec<&PackageId> =
-        metadata.packages.iter().filter(is_program).map(|package| &package.id).collect();
-    let mut seen = queue.clone();
-    while let Some(node) = queue.pop().and_then(|id| nodes.get(id)) {
-        for dependency in &node.deps {
-            let is_linked = dependency.dep_kinds.iter().any(|kind| kind.kind == DependencyKind::Normal);
-            if is_linked && !seen.contains(&&dependency.pkg) {
-                seen.push(&dependency.pkg);
-                queue.push(&dependency.pkg);
-            }
-        }
-    }
-    let mut packages: Vec<&Package> = metadata
-        .packages
-        .iter()
-        .filter(|package| package.source.is_some() && seen.contains(&&package.id))
-        .collect();
-    packages.sort_by(|a, b| (&a.name, &a.version).cmp(&(&b.name, &b.version)));
-    packages
-}
-
-/// Returns the licences under which a package is used: MIT if the package offers it, else all of its licences; and those of
-/// the fonts that it holds.
+/// Returns the licences under which a package is used: MIT if the package offers it, else all of its licences.
 fn licences(package: &Package) -> Result<Vec<String>, String> {
     let Some(folder) = package.manifest_path.parent() else { return Ok(Vec::new()) };
     let mut licences = own_licences(package, folder)?;
@@ -174,16 +142,6 @@ fn trimmed(bytes: &[u8]) -> String {
     lines.join("\n").trim_matches('\n').to_owned()
 }
 
-/// Returns the version of three.js in npm's lock file.
-fn three_js_version(lock: &str) -> Result<&str, String> {
-    let version = || {
-        let (_, rest) = lock.split_once("\"node_modules/three\"")?;
-        let (_, rest) = rest.split_once("\"version\": \"")?;
-        rest.split_once('"').map(|(version, _)| version)
-    };
-    version().ok_or_else(|| format!("{NPM_LOCK}: no version of three"))
-}
-
 fn mit(copyright: &str) -> String {
     format!(
         "The MIT License
@@ -208,13 +166,6 @@ OTHERWISE, ARISING FROM, OUT OF OR IN CONNECTION WITH THE SOFTWARE OR THE USE OR
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_version_of_three_js_is_found() {
-        let lock = r#"{"node_modules/three": {"version": "0.187.0", "dev": true}, "x": {"version": "1"}}"#;
-        assert_eq!(three_js_version(lock), Ok("0.187.0"));
-        assert!(three_js_version("{}").is_err());
-    }
 
     #[test]
     fn a_page_that_is_old_or_missing_is_a_problem() {

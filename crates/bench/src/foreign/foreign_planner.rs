@@ -102,8 +102,8 @@ impl ForeignPlanner {
         let time = Duration::try_from_secs_f64(trial.time_limit_s).unwrap_or(Duration::MAX);
         // Each trial gets a new folder, so that files of earlier trials are not visible.
         let folder = ExportFolder::new_in(&self.files.scratch, "trial-");
-        let folder =
-            folder.map_err(|reason| ScenarioError::Unwritable { path: self.files.scratch.clone(), reason })?;
+        let folder = folder
+            .map_err(|reason| ScenarioError::Unwritable { path: self.files.scratch.clone(), reason })?;
         let scratch = folder.path();
         let hidden = hidden_from(task.request);
         let limits = Limits {
@@ -136,7 +136,11 @@ impl ForeignPlanner {
             Ending::OutOfMemory { bytes, scratch_bytes } => {
                 let mut detail = format!("held {} MiB", bytes >> 20);
                 if scratch_bytes >> 20 > 0 {
-                    let _ = write!(detail, ", of these {} MiB in files of its scratch folder", scratch_bytes >> 20);
+                    let _ = write!(
+                        detail,
+                        ", of these {} MiB in files of its scratch folder",
+                        scratch_bytes >> 20
+                    );
                 }
                 without(TrialOutcome::OutOfMemory, Some(detail))
             }
@@ -227,7 +231,8 @@ const PREFIX: &str = "trial";
 /// Returns the files and folders that a program does not see: those of other trials and campaigns, results, and sockets, behind
 /// which services run outside of the enclosure.
 fn hidden_from(request: &Request) -> Vec<PathBuf> {
-    [folders_of_campaigns(&request.exports), results_beside(&request.results), system::socket_paths()].concat()
+    [folders_of_campaigns(&request.exports), results_beside(&request.results), system::socket_paths()]
+        .concat()
 }
 
 /// Returns the mark of a complete folder; it is written last.

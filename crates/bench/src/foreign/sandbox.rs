@@ -112,7 +112,10 @@ impl Isolation {
     /// Describes the missing mechanisms, and what a program can do without them; `None` if there are all.
     pub(crate) fn weakness(self) -> Option<String> {
         let sentences = self.missing().map(|mechanism| {
-            format!("this machine has no {}: an external program can {}", mechanism.requirement, mechanism.danger)
+            format!(
+                "this machine has no {}: an external program can {}",
+                mechanism.requirement, mechanism.danger
+            )
         });
         let sentences: Vec<String> = sentences.collect();
         (!sentences.is_empty()).then(|| format!("{} (--sandbox require refuses this)", sentences.join("; ")))

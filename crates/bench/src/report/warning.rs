@@ -94,12 +94,12 @@ fn pooled(
 
 /// Returns a warning about rows of external programs that ran without namespaces.
 fn without_namespaces(groups: &[Group], runs: &BTreeMap<u64, &RunInformation>) -> Option<String> {
-    let has_none = |trial: &&StoredTrial| {
+    let has_none = |trial: &StoredTrial| {
         runs.get(&trial.run).is_some_and(|run| !Isolation::text_has_namespaces(run.sandbox.as_deref()))
     };
     // All trials of a row have the same planner.
     let is_open = |group: &&Group| {
-        group.runs.iter().find(has_none).is_some_and(|trial| !trial.record.trial.is_built_in())
+        group.runs.iter().find(|trial| has_none(trial)).is_some_and(|trial| !trial.record.trial.is_built_in())
     };
     let rows = groups.iter().filter(is_open).count();
     (rows > 0).then(|| {

@@ -280,7 +280,8 @@ fn store_trial(
     loop {
         // A stored trial is in the schedule only if it must run again.
         match results.replace(run, record, path) {
-            Err(fault) if fault.is_locked() && begin.elapsed() < PATIENCE && !stop.load(Ordering::Relaxed) => {}
+            Err(fault)
+                if fault.is_locked() && begin.elapsed() < PATIENCE && !stop.load(Ordering::Relaxed) => {}
             stored => return stored,
         }
     }

@@ -65,7 +65,9 @@ pub fn replay(
         trial.clone()
     };
     let question = Question { trial: asked, source, call, judge_both: false, measure_clearance: false };
-    let Some((mut record, path)) = ask_once(&question, settings, results.path(), stop)? else { return Ok(None) };
+    let Some((mut record, path)) = ask_once(&question, settings, results.path(), stop)? else {
+        return Ok(None);
+    };
     record.trial = trial.clone();
     let bits = |path: &[Vec<f64>]| -> Vec<Vec<u64>> {
         path.iter().map(|q| q.iter().map(|value| value.to_bits()).collect()).collect()

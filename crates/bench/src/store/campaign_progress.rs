@@ -117,7 +117,7 @@ impl CampaignObserver for ProgressFile<'_> {
     }
 
     fn notes(&mut self, note: &str) {
-        self.heard.notes(note);
+        self.observer.notes(note);
     }
 
     fn trial_ended(&mut self, record: &TrialRecord) {

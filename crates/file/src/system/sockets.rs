@@ -6,8 +6,7 @@ pub fn socket_paths() -> Vec<PathBuf> {
     #[cfg(target_os = "linux")]
     {
         let table = std::fs::read("/proc/net/unix").unwrap_or_default();
-        let mut paths: Vec<PathBuf> =
-            table.split(|byte| *byte == b'\n').filter_map(socket_path).collect();
+        let mut paths: Vec<PathBuf> = table.split(|byte| *byte == b'\n').filter_map(socket_path).collect();
         // A listener has a row for each connection, too.
         paths.sort();
         paths.dedup();

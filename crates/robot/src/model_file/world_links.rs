@@ -42,9 +42,9 @@ impl ModelText {
         for (name, &value) in values {
             let joint = tree.joint(name).ok_or_else(|| unknown_joint(&urdf, file.clone(), name))?;
             let joint = &urdf.joints[joint];
-            let not_free = |hindrance| {
+            let not_free = |constraint| {
                 let (at, joint) = (joint.at.clone(), joint.name.clone());
-                RobotError::NotFree { at, joint, wanted: "held at a value", hindrance }
+                RobotError::NotFree { at, joint, wanted: "held at a value", constraint }
             };
             let motion = joint.motion.as_ref().ok_or_else(|| not_free(JointConstraint::Fixed))?;
             if let Some(mimic) = &motion.mimic {

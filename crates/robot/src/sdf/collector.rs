@@ -281,7 +281,8 @@ impl Collector {
             if is_visual { ContactMask { own: 0, others: 0, pair: None } } else { ContactMask::ALL };
         let contact = element.first("surface").and_then(|surface| surface.first("contact"));
         if contact.is_some_and(|contact| contact.first("collide_bitmask").is_some()) {
-            self.unread.note(format!("{}: <collide_bitmask> is not read: all pairs are checked", element.at()));
+            self.unread
+                .note(format!("{}: <collide_bitmask> is not read: all pairs are checked", element.at()));
         }
         let is_missing =
             matches!(&form, LinkForm::Mesh { name, .. } if is_visual && !Path::new(name).is_file());
