@@ -242,7 +242,7 @@ mod tests {
         fs::create_dir_all(&hidden).unwrap();
         fs::write(hidden.join("c"), vec![1; 1 << 20]).unwrap();
         for closed in [&hidden, &folder.join("a"), &folder] {
-            fs::set_permissions(closed, fs::Permissions::from_mode(0)).unwrap();
+            fs::set_permissions(closed, fs::Permissions::from_mode(0o000)).unwrap();
         }
         let bytes = folder_bytes(&folder, u64::MAX);
         assert!((1 << 20..2 << 20).contains(&bytes), "{bytes}");

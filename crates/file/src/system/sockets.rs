@@ -16,7 +16,7 @@ pub fn socket_paths() -> Vec<PathBuf> {
     Vec::new()
 }
 
-/// Returns the path in a row of `/proc/net/unix`: the eighth column (proc_net(5)), which may contain blanks.
+/// Returns the path in a row of `/proc/net/unix`: the eighth column (`proc_net`(5)), which may contain blanks.
 #[cfg(target_os = "linux")]
 fn socket_path(row: &[u8]) -> Option<PathBuf> {
     let mut rest = row;
