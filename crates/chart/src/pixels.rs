@@ -1,3 +1,5 @@
+use std::ops::Range;
+
 use crate::letters::Step;
 use crate::strokes::{disc, outlines, strokes};
 use crate::{ChartError, Drawing, Ink, Mark, Point};
@@ -86,11 +88,6 @@ impl Sheet {
 
     /// Fills the union of polygons, given in pixels of the drawing. Each row of samples finds where it is inside, by the
     /// winding number at its crossings with the edges.
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "rows and columns within the picture"
-    )]
     fn fill(&mut self, polygons: &[Vec<Point>], ink: Ink, opacity: f64) {
         let scaled = |&(x, y): &Point| (x * SCALE, y * SCALE);
         let edges: Vec<(Point, Point)> = polygons
@@ -98,16 +95,14 @@ impl Sheet {
             .flat_map(|polygon| polygon.iter().zip(polygon.iter().cycle().skip(1)))
             .map(|(from, to)| (scaled(from), scaled(to)))
             .collect();
-        let tops = edges.iter().map(|edge| edge.0.1);
-        let (low, high) = tops.fold((f64::INFINITY, 0.0_f64), |(low, high), y| (low.min(y), high.max(y)));
-        let rows =
-            low.clamp(0.0, f64::from(self.height)) as u32..high.ceil().min(f64::from(self.height)) as u32;
+        let rows = pixels(edges.iter().map(|edge| edge.0.1), self.height);
+        let columns = pixels(edges.iter().map(|edge| edge.0.0), self.width);
         let mut coverage = vec![0.0; self.width as usize];
         let mut crossings: Vec<(f64, i32)> = Vec::new();
         for row in rows {
-            coverage.fill(0.0);
+            coverage[columns.clone()].fill(0.0);
             for sample in 0..SAMPLES {
-                let y = f64::from(row) + (f64::from(sample) + 0.5) / f64::from(SAMPLES);
+                let y = row as f64 + (f64::from(sample) + 0.5) / f64::from(SAMPLES);
                 crossings.clear();
                 crossings.extend(edges.iter().filter_map(|&(from, to)| crossing(from, to, y)));
                 crossings.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -119,17 +114,19 @@ impl Sheet {
                     }
                 }
             }
-            self.blend(row, &coverage, ink, opacity / f64::from(SAMPLES));
+            let weight = opacity / f64::from(SAMPLES);
+            self.blend(row, columns.clone(), &coverage, ink, weight);
         }
     }
 
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a level from 0 to 255")]
-    fn blend(&mut self, row: u32, coverage: &[f64], ink: Ink, weight: f64) {
-        let begin = 3 * row as usize * self.width as usize;
-        for (pixel, covered) in self.bytes[begin..].chunks_exact_mut(3).zip(coverage) {
-            for (level, wanted) in pixel.iter_mut().zip(ink.rgb()) {
-                let share = (covered * weight).min(1.0);
-                *level = (f64::from(*level) * (1.0 - share) + f64::from(wanted) * share).round() as u8;
+    fn blend(&mut self, row: usize, columns: Range<usize>, coverage: &[f64], ink: Ink, weight: f64) {
+        let (rgb, begin) = (ink.rgb().map(f64::from), 3 * row * self.width as usize);
+        let pixels = &mut self.bytes[begin + 3 * columns.start..begin + 3 * columns.end];
+        for (pixel, covered) in pixels.chunks_exact_mut(3).zip(&coverage[columns]) {
+            let share = (covered * weight).min(1.0);
+            for (level, wanted) in pixel.iter_mut().zip(rgb) {
+                *level = (f64::from(*level) * (1.0 - share) + wanted * share).round() as u8;
             }
         }
     }
@@ -143,6 +140,19 @@ impl Sheet {
         writer.finish()?;
         Ok(file)
     }
+}
+
+/// Returns the rows or columns of pixels that cover these positions, within a picture of `size` pixels.
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "rows and columns within the picture"
+)]
+fn pixels(positions: impl Iterator<Item = f64>, size: u32) -> Range<usize> {
+    let outside = (f64::INFINITY, f64::NEG_INFINITY);
+    let (low, high) = positions.fold(outside, |(low, high), at| (low.min(at), high.max(at)));
+    let within = |position: f64| position.clamp(0.0, f64::from(size));
+    within(low.floor()) as usize..within(high.ceil()) as usize
 }
 
 /// Returns where an edge crosses a horizontal line, with its direction, down or up; `None` if it does not.

@@ -18,8 +18,8 @@ impl GltfBuffer {
     ) -> Index {
         let bytes = rows.iter().flatten().flat_map(|number| number.to_le_bytes());
         let buffer_view = self.view(root, bytes, target);
-        let fold = |pick: fn(f32, f32) -> f32| -> Vec<f32> {
-            (0..N).map(|i| rows.iter().map(|row| row[i]).reduce(pick).unwrap_or_default()).collect()
+        let fold = |pick: fn(f32, f32) -> f32| -> Vec<f64> {
+            (0..N).map(|i| rows.iter().map(|row| row[i]).reduce(pick).unwrap_or_default().into()).collect()
         };
         let (min, max) = (Some(fold(f32::min)), Some(fold(f32::max)));
         let shape = match N {

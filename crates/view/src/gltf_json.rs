@@ -67,10 +67,11 @@ pub(crate) struct Accessor {
     pub count: usize,
     #[serde(rename = "type")]
     pub shape: &'static str,
+    /// Exact values of the single-precision data.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub min: Option<Vec<f32>>,
+    pub min: Option<Vec<f64>>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub max: Option<Vec<f32>>,
+    pub max: Option<Vec<f64>>,
 }
 
 #[derive(Serialize)]
