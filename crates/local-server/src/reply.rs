@@ -9,7 +9,7 @@ use serde::Serialize;
 
 /// Answer to a request.
 #[derive(Debug)]
-pub struct Reply(Response<Full<Bytes>>);
+pub struct Reply(Box<Response<Full<Bytes>>>);
 
 /// Headers of every reply that does not set them itself. In a browser, a reply loads nothing and is in no frame.
 const HEADERS: [(HeaderName, &str); 4] = [
@@ -33,7 +33,7 @@ impl Reply {
     pub fn new(status: StatusCode, media_type: &'static str, content: impl Into<Bytes>) -> Self {
         let mut reply = Response::new(Full::new(content.into()));
         *reply.status_mut() = status;
-        Self(reply).with_header(CONTENT_TYPE, HeaderValue::from_static(media_type))
+        Self(Box::new(reply)).with_header(CONTENT_TYPE, HeaderValue::from_static(media_type))
     }
 
     /// Returns a reply in plain text.
@@ -62,7 +62,7 @@ impl Reply {
     }
 
     pub(crate) fn whole(self) -> Response<Full<Bytes>> {
-        let mut reply = self.0;
+        let mut reply = *self.0;
         for (name, value) in HEADERS {
             reply.headers_mut().entry(name).or_insert(HeaderValue::from_static(value));
         }
