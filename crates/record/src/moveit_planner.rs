@@ -42,7 +42,7 @@ impl MoveItPlanner {
     /// # Errors
     /// Those of [`MoveItRobot::open`], and [`RecordError::Path`] for an invalid sample rate.
     pub fn open(robot: &Path, srdf: Option<&Path>, settings: MoveItSettings) -> Result<Self, RecordError> {
-        drop(sample_times(0.0, settings.rate_hz)?);
+        sample_times(0.0, settings.rate_hz).map(drop)?;
         Ok(Self { robot: MoveItRobot::open(robot, srdf)?, settings })
     }
 

@@ -6,7 +6,7 @@ use std::time::Duration;
 use clap::Args;
 use cranny_local_server::{Call, LocalServer, Method, Reply, ServerLimits, StatusCode};
 use cranny_plan::Observer;
-use cranny_record::{MoveItPlanner, MoveItSettings};
+use cranny_record::{MoveItPlanner, MoveItSettings, RecordError};
 use cranny_scenario::moveit_document;
 use serde_json::{Value, json};
 use tokio::sync::{Mutex, Semaphore, oneshot};
@@ -139,15 +139,17 @@ impl Served {
         let mut observer = Stoppable([self.stop.clone(), given_up]);
         let (sender, receiver) = oneshot::channel();
         std::thread::spawn(move || {
-            let document = moveit_document(&text).map_err(Failure::from);
-            let planned = document.and_then(|document| Ok(planner.plan(document, &mut observer)?));
+            let planned = moveit_document(&text)
+                .map_err(RecordError::from)
+                .and_then(|document| planner.plan(document, &mut observer))
+                .map_err(|fault| cranny_file::visible_line(&fault.to_string()));
             let _ = sender.send(planned);
             // The next request begins only now, even if the client of this one has disconnected.
             drop((planner, place));
         });
         match receiver.await {
             Ok(Ok(response)) => Ok(Reply::json(StatusCode::OK, &response)),
-            Ok(Err(fault)) => Err(malformed(cranny_file::visible_line(&fault.to_string()))),
+            Ok(Err(fault)) => Err(malformed(fault)),
             Err(_) => {
                 let error = "the planner has crashed; its message is on standard error of the server";
                 Err(Reply::refused(StatusCode::INTERNAL_SERVER_ERROR, error))

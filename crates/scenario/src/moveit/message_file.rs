@@ -46,7 +46,8 @@ impl MessageFile {
     pub fn line(&self, line: usize) -> Location {
         match &self.value {
             Some(value) => {
-                let entry = entry_at(value, &mut line.clone()).unwrap_or_default();
+                let mut left = line;
+                let entry = entry_at(value, &mut left).unwrap_or_default();
                 Location { file: format!("{}{entry}", self.path.display()), line: 0 }
             }
             None => yaml::line(&self.path, line),

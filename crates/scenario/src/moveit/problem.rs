@@ -57,8 +57,8 @@ pub struct MoveItProblem {
 /// Options that complete `MoveIt` files.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct MoveItOptions {
-    /// Built-in robot, folder of a robot, or URDF. Default: `<model>_spherized.urdf`, otherwise `<model>.urdf`, in the scene's folder or its parent,
-    /// where `<model>` is the scene's `robot_model_name`.
+    /// Built-in robot, folder of a robot, or URDF. Default: `<model>_spherized.urdf`, otherwise `<model>.urdf`, in the scene's
+    /// folder or its parent, where `<model>` is the scene's `robot_model_name`.
     pub robot: Option<PathBuf>,
     /// SRDF of the robot. Default: beside the URDF, with its stem or as `<model>.srdf`; else near the scene, as the URDF.
     pub srdf: Option<PathBuf>,
