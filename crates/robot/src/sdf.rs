@@ -6,6 +6,7 @@ pub(crate) mod geometry;
 pub(crate) mod includes;
 pub(crate) mod joints;
 pub(crate) mod model;
+pub(crate) mod scope;
 pub(crate) mod values;
 
 pub(crate) use model::read;

@@ -3,7 +3,6 @@ use cranny_spatial::{Pose, Vector};
 
 use crate::description::xml::Element;
 use crate::mjcf::body_reader::BodyReader;
-use crate::mjcf::compiler::Compiler;
 use crate::mjcf::defaults::Attributes;
 use crate::mjcf::geoms::Geom;
 use crate::model_file::body_tree::{JointRule, Plane, TreeBody, TreeJoint};

@@ -11,39 +11,9 @@ use crate::sdf::frames::{Frame, Frames, WORLD};
 use crate::sdf::geometry::{SdfShape, shape};
 use crate::sdf::includes::{MOST_DEPTH, ModelFolders};
 use crate::sdf::joints::SdfJoint;
+use crate::sdf::scope::Scope;
 use crate::tree::MAX_LINKS;
 use crate::{Inertial, LinkForm, Location, RobotError};
-
-/// Scope of names: a model, or the world.
-#[derive(Clone)]
-pub(crate) struct Scope {
-    /// Scopes of its names, each followed by `::`; empty for the world and for the model of a model file.
-    prefix: String,
-    /// Frame of its model, which poses are relative to by default.
-    pub(crate) model_frame: String,
-    pub(crate) is_static: bool,
-    /// True in a model of a world, whose links move freely unless joints hold them.
-    is_in_world: bool,
-    /// Version of the SDF: major and minor.
-    pub(crate) version: [u32; 2],
-    depth: usize,
-}
-
-impl Scope {
-    /// Returns the name of an element of this scope with those of the scopes around it.
-    pub(crate) fn name(&self, name: &str) -> String {
-        format!("{}{name}", self.prefix)
-    }
-
-    /// Returns the frame that a name in this scope denotes.
-    pub(crate) fn frame(&self, name: &str) -> String {
-        match name {
-            "__model__" => self.model_frame.clone(),
-            "world" if self.model_frame == WORLD => WORLD.to_owned(),
-            _ => self.name(name.strip_suffix("::__model__").unwrap_or(name)),
-        }
-    }
-}
 
 /// A link, with its shapes relative to frames.
 pub(crate) struct SdfLink {

@@ -3,7 +3,7 @@ use cranny_spatial::Vector;
 use crate::chain::limits::{CONTINUOUS_LIMIT_RAD, FREE_JOINT_LIMIT_M};
 use crate::description::xml::Element;
 use crate::model_file::body_tree::JointRule;
-use crate::sdf::collector::Scope;
+use crate::sdf::scope::Scope;
 use crate::{JointKind, Location, RobotError};
 
 /// Value from which a limit is none (specification, limit: 1e16).

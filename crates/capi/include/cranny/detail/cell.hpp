@@ -214,7 +214,7 @@ class Cell {
   std::vector<bool> are_free(RowsView q) const {
     const std::unique_ptr<bool[]> verdicts(new bool[q.rows()]);
     are_free(q, verdicts.get());
-    return {verdicts.get(), verdicts.get() + q.rows()};
+    return std::vector<bool>(verdicts.get(), verdicts.get() + q.rows());
   }
   /// Least distance over all pairs, in metres.
   double clearance_m(span<const double> q) const { return clearances_m({q.data(), 1, q.size()}).front(); }
