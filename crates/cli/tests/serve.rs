@@ -217,7 +217,7 @@ fn a_bad_request_is_told_the_entry_and_the_fault() {
             changed(&|document| document["planning_scene"]["is_diff"] = json!(true)),
             "planning_scene.is_diff: ",
         ),
-        (changed(&|document| document["motion_plan_request"]["group_name"] = json!("leg")), "'leg'"),
+        (changed(&|document| document["motion_plan_request"]["group_name"] = json!("leg")), "`leg`"),
         (
             changed(&|document| document["motion_plan_request"]["allowed_planning_time"] = json!(-1.0)),
             "motion_plan_request.allowed_planning_time: ",
