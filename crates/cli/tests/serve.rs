@@ -223,7 +223,7 @@ fn a_bad_request_is_told_the_entry_and_the_fault() {
             "motion_plan_request.allowed_planning_time: ",
         ),
         (text.replacen("\"id\":", "\"id\":\"a\",\"id\":", 1), "is given twice"),
-        ("[".repeat(100_000), "nested"),
+        ("[".repeat(100_000), "recursion limit"),
     ];
     for (content, expected) in cases {
         let (status, answer) = server.reply("POST", "/plan", &content);
