@@ -136,7 +136,7 @@ fn unknown_body(path: &Path, name: &str, known: &[String]) -> ScenarioError {
     ScenarioError::UnknownBody {
         path: path.to_owned(),
         name: name.to_owned(),
-        known: cranny_file::excerpt(&known.join(", ")),
+        known: if known.is_empty() { "none".to_owned() } else { cranny_file::excerpt(&known.join(", ")) },
         meant: did_you_mean(name, known.iter().map(String::as_str)),
     }
 }
