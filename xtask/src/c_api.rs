@@ -48,7 +48,8 @@ pub fn readiness(here: &Surroundings) -> Readiness {
 /// If it cannot be built, or a file cannot be written.
 pub fn install(here: &Surroundings, prefix: &Path) -> Result<(), String> {
     let prefix = &std::path::absolute(prefix).map_err(|fault| format!("{}: {fault}", prefix.display()))?;
-    step::succeed(here.cargo(&["build", "--release", "--quiet", "-p", "cranny-capi"]))?;
+    // With the command, whose crates have the same features as in the other steps: nothing is built twice.
+    step::succeed(here.cargo(&["build", "--release", "--quiet", "-p", "cranny-capi", "-p", "cranny-cli"]))?;
     let shared = here.program().with_file_name("libcranny_capi.so");
     if !shared.is_file() {
         return Err(format!("{}: there is none; the C API is installed on Linux alone", shared.display()));
