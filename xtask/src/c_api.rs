@@ -13,8 +13,18 @@ const CRATE: &str = "crates/capi";
 /// Programs that the tests need.
 const TOOLS: [&str; 5] = ["cc", "c++", "cmake", "pkg-config", "valgrind"];
 
-/// Debian's packages of the tools, and of OMPL, which brings Eigen.
-const PACKAGES: [&str; 6] = ["cmake", "g++", "libompl-dev", "make", "pkg-config", "valgrind"];
+/// Debian's packages of the tools, and of OMPL, which brings Eigen, but not all parts of Boost that it is linked with.
+const PACKAGES: [&str; 9] = [
+    "cmake",
+    "g++",
+    "libboost-filesystem-dev",
+    "libboost-serialization-dev",
+    "libboost-system-dev",
+    "libompl-dev",
+    "make",
+    "pkg-config",
+    "valgrind",
+];
 
 /// Libraries of the system that the static library needs, as `rustc --print native-static-libs` names them on Linux.
 const NATIVE_LIBRARIES: [&str; 6] = ["gcc_s", "util", "rt", "pthread", "m", "dl"];
@@ -22,12 +32,16 @@ const NATIVE_LIBRARIES: [&str; 6] = ["gcc_s", "util", "rt", "pthread", "m", "dl"
 /// Checks for compilers, CMake, pkg-config, Valgrind and OMPL; installs what is missing if this needs no confirmation.
 pub fn readiness(here: &Surroundings) -> Readiness {
     let missing = |here: &Surroundings| {
-        let answers = |program: &str, word: &str| {
-            here.command(program, &[word]).output().is_ok_and(|output| output.status.success())
+        let runs = |program: &str, words: &[&str]| {
+            here.command(program, words).output().is_ok_and(|output| output.status.success())
         };
-        let tool = TOOLS.into_iter().find(|tool| !answers(tool, "--version"));
-        let has_ompl = || here.command("pkg-config", &["--exists", "ompl"]).status();
-        tool.or_else(|| (!has_ompl().is_ok_and(|status| status.success())).then_some("OMPL"))
+        let tool = TOOLS.into_iter().find(|tool| !runs(tool, &["--version"]));
+        let has_ompl = || {
+            let header =
+                ["-include", "boost/archive/text_oarchive.hpp", "-fsyntax-only", "-x", "c++", "/dev/null"];
+            runs("pkg-config", &["--exists", "ompl"]) && runs("c++", &header)
+        };
+        tool.or_else(|| (!has_ompl()).then_some("OMPL with Boost"))
     };
     let Some(first) = missing(here) else { return Readiness::Ready };
     let installed = here.install(&PACKAGES);
