@@ -4,6 +4,11 @@
     clippy::doc_markdown,
     reason = "doc comments become those of a C header, which shows marks as they are"
 )]
+#![allow(
+    clippy::unnecessary_box_returns,
+    clippy::unnecessary_wraps,
+    reason = "handles are boxes, and all constructors have one form"
+)]
 #![allow(clippy::missing_errors_doc, reason = "the head of the header states how every function fails")]
 
 mod boundary;

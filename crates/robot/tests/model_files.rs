@@ -96,7 +96,7 @@ fn shapes_have_the_sizes_and_places_of_the_file() {
         (shape.link_from_shape * point).coords.dot(&direction)
     };
     let near = |found: f64, expected: f64, within: f64| {
-        assert!((found - expected).abs() <= within, "{found} {expected}")
+        assert!((found - expected).abs() <= within, "{found} {expected}");
     };
     near(reach(0, Vector::z()), 2.1, 1e-12);
     near(reach(0, -Vector::z()), 0.1, 1e-12);

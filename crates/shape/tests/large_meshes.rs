@@ -107,7 +107,9 @@ fn very_many_bodies_inside_each_other_are_refused() {
     assert_eq!(Solid::mesh(&soup).unwrap().mesh_repairs(), None);
     for (layer, triangles) in soup.triangles.chunks_mut(12).enumerate() {
         if layer % 2 == 0 {
-            triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+            for triangle in triangles {
+                triangle.swap(1, 2);
+            }
         }
     }
     let fault = Solid::mesh(&soup).unwrap_err();

@@ -43,7 +43,7 @@ pub struct FromArguments {
     /// Body of the world to leave out with all that is below it, such as its robot; repeatable
     #[arg(long, value_name = "BODY")]
     pub leave_out: Vec<String>,
-    /// Folder to search for model:// and package:// names, before GZ_SIM_RESOURCE_PATH, GAZEBO_MODEL_PATH and the folders above
+    /// Folder to search for model:// and package:// names, before `GZ_SIM_RESOURCE_PATH`, `GAZEBO_MODEL_PATH` and the folders above
     /// the file; repeatable
     #[arg(long = "model-path", value_name = "FOLDER")]
     pub model_path: Vec<PathBuf>,

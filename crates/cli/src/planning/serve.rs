@@ -30,7 +30,7 @@ answers with name, version, robot and groups. Requests are planned one after the
 on this machine alone (127.0.0.1), and there only to who knows its address, which holds a random token;
 Ctrl-C ends it.")]
 pub struct ServeArguments {
-    /// Robot that plans: a built-in one (see `cranny robot list`), the folder of one, or a URDF with SRDF, joint_limits.yaml,
+    /// Robot that plans: a built-in one (see `cranny robot list`), the folder of one, or a URDF with SRDF, `joint_limits.yaml`,
     /// limits.yaml and robot.yaml beside it
     #[arg(long, value_name = "FILE")]
     pub robot: PathBuf,
@@ -40,7 +40,7 @@ pub struct ServeArguments {
     /// Port of the server [default: a free one]
     #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
     pub port: u16,
-    /// Maximum time of a search, in seconds; a request may allow less (allowed_planning_time)
+    /// Maximum time of a search, in seconds; a request may allow less (`allowed_planning_time`)
     #[arg(long, value_name = "S", default_value = "30", value_parser = seconds)]
     pub time_limit: Duration,
     /// Clearance that every check and proof requires between any two bodies, in millimetres

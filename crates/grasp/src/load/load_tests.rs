@@ -136,7 +136,7 @@ fn the_twin_of_a_grasp_holds_as_firmly() {
     assert!(first.in_motion < first.at_rest);
 }
 
-/// Motions of the hand are the derivatives of its pose on the shake_test.
+/// Motions of the hand are the derivatives of its pose during the shake test.
 #[test]
 fn the_states_of_a_course_are_its_derivatives() {
     let shake_test = ShakeTest::default();

@@ -48,7 +48,7 @@ impl Recipe {
         let model = ModelText::read(path, ModelUse::World, &conversion.folders)?;
         let mut notes = model.notes.clone();
         let links = model.world_links(path, &conversion.folders, &conversion.joints)?;
-        let mut bodies = bodies(path, &model, links, &conversion.left_out)?;
+        let mut bodies = bodies(path, &model, &links, &conversion.left_out)?;
         let floor_m = floor_m(&model);
         let is_floor = |plane: &&cranny_robot::Plane| {
             height_of(&plane.world_from_plane).zip(floor_m).is_some_and(|(height, floor)| height >= floor)
@@ -99,7 +99,7 @@ impl Recipe {
 fn bodies(
     path: &Path,
     model: &ModelText,
-    links: Vec<WorldLink>,
+    links: &[WorldLink],
     left_out: &[String],
 ) -> Result<Vec<Body>, ScenarioError> {
     let known: BTreeSet<&String> =
@@ -114,7 +114,7 @@ fn bodies(
         name_of.extend(group.iter().map(|link| (link.as_str(), group[0].as_str())));
     }
     let mut bodies: Vec<Body> = Vec::new();
-    for WorldLink { name, ancestors, solids } in &links {
+    for WorldLink { name, ancestors, solids } in links {
         if ancestors.iter().chain([name]).any(|name| left_out.contains(name)) {
             continue;
         }

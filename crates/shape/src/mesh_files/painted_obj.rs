@@ -157,6 +157,8 @@ impl Reader {
 
 #[cfg(test)]
 mod tests {
+    use std::fmt::Write as _;
+
     use super::*;
 
     const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\n";
@@ -190,10 +192,8 @@ mod tests {
     fn long_names_and_many_changes_take_no_memory() {
         let name = "n".repeat(1_000_000);
         let changes = format!("usemtl {name}\nf 1 2 3\nusemtl b\nf 1 2 3\n");
-        let text = format!(
-            "{TRIANGLE}g {name}\n{}",
-            format!("usemtl b\nf 1 2 3\nusemtl a\nf 1 2 3\n").repeat(200_000)
-        );
+        let text =
+            format!("{TRIANGLE}g {name}\n{}", "usemtl b\nf 1 2 3\nusemtl a\nf 1 2 3\n".repeat(200_000));
         assert_eq!(triangles(&format!("{text}{changes}")), [0, 200_001, 200_000, 1]);
     }
 
@@ -242,7 +242,7 @@ mod tests {
         let mut text = String::new();
         for number in 0..=MOST_LIBRARIES {
             write(&format!("{number}.mtl"), "");
-            text += &format!("mtllib {number}.mtl\n");
+            let _ = writeln!(text, "mtllib {number}.mtl");
         }
         let fault = pieces(text.as_bytes(), &path).unwrap_err();
         assert_eq!(fault, "line 101: more than 100 libraries of materials");
