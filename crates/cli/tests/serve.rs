@@ -209,7 +209,7 @@ fn a_bad_request_is_told_the_entry_and_the_fault() {
         (text.replace("\"position\":0.8", "\"position\":1e999"), "is not a finite number"),
         (
             changed(&|document| {
-                document["planning_scene"]["world"]["collision_objects"][0]["planes"] = json!([{}])
+                document["planning_scene"]["world"]["collision_objects"][0]["planes"] = json!([{}]);
             }),
             "planning_scene.world.collision_objects[0].planes: a plane",
         ),
