@@ -136,7 +136,9 @@ pub fn check(here: &Surroundings) -> Result<(), String> {
     for program in ["bad_input", "wrapper_17"] {
         let program = plain.join(program).display().to_string();
         let leaks = ["--leak-check=full", "--errors-for-leak-kinds=definite,indirect", "--error-exitcode=9"];
-        step::succeed(here.command("valgrind", &[&["--quiet"][..], &leaks, &[&program]].concat()))?;
+        // Random numbers that the kernel writes without a system call count as uninitialised in Valgrind.
+        let quiet = ["--quiet", "--undef-value-errors=no"];
+        step::succeed(here.command("valgrind", &[&quiet[..], &leaks, &[&program]].concat()))?;
     }
     // 6.
     if here.is_long { campaign(here, &folder, &examples) } else { Ok(()) }
