@@ -90,10 +90,8 @@ pub fn run(
     leash.attach(Vec::new());
     let status = system::status_of_shell(child.wait()?);
     process_group::end_descendants();
-    let join = |handle: Option<thread::JoinHandle<Vec<u8>>>| {
-        handle.and_then(|handle| handle.join().ok()).unwrap_or_default()
-    };
-    let (output, complaint) = (join(output?), join(complaint?));
+    let (output, complaint) =
+        (output?.map(read_by).unwrap_or_default(), complaint?.map(read_by).unwrap_or_default());
     let complaint = String::from_utf8_lossy(&complaint);
     let last = complaint.lines().map(str::trim).rfind(|line| !line.is_empty()).unwrap_or_default();
     let Course { ended, elapsed_s, most_bytes, files } = course.map_err(|reason| {
@@ -251,6 +249,18 @@ fn complaint_reader(mut stderr: ChildStderr) -> io::Result<thread::JoinHandle<Ve
         }
     })
 }
+
+/// Returns the bytes that a thread has read; none if a process that could not be ended holds its pipe open.
+fn read_by(reader: thread::JoinHandle<Vec<u8>>) -> Vec<u8> {
+    let begin = Instant::now();
+    while !reader.is_finished() && begin.elapsed() < CLOSING {
+        thread::sleep(Duration::from_micros(200));
+    }
+    if reader.is_finished() { reader.join().unwrap_or_default() } else { Vec::new() }
+}
+
+/// Time limit for reading the rest of the output of a program that has ended.
+const CLOSING: Duration = Duration::from_secs(5);
 
 /// Waits for the end of a program and of its output. Returns the ending if it was forced, otherwise `None`; updates the peak
 /// memory.

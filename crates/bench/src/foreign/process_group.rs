@@ -44,10 +44,11 @@ pub fn adopt() {
     IS_ADOPTING.store(system::adopt_orphans(), Ordering::Relaxed);
 }
 
+/// Time limit against processes that fork faster than they are ended.
+const PATIENCE: Duration = Duration::from_secs(10);
+
 /// Ends all descendants of a worker until none is left.
 pub fn end_descendants() {
-    /// Time limit against processes that fork faster than they are ended.
-    const PATIENCE: Duration = Duration::from_secs(2);
     if !IS_ADOPTING.load(Ordering::Relaxed) {
         return;
     }
@@ -125,19 +126,23 @@ impl Family {
         census
     }
 
-    /// Ends all members and returns true if there were any. They are stopped first, so that none starts another one meanwhile.
+    /// Ends all members and returns true if there were any. Each is stopped and ended as soon as it is found: a process that
+    /// replaces itself by its child lives for a millisecond.
     pub fn end(&mut self) -> bool {
-        self.count();
-        for process in self.seen.keys() {
-            system::stop_process(*process);
-        }
-        self.count();
-        for process in self.seen.keys() {
-            system::kill_process(*process);
+        self.seen.retain(|process, began| system::beginning(*process) == Some(*began));
+        let mut left: Vec<u32> = system::children(self.root);
+        left.extend(self.seen.keys());
+        let mut ended = BTreeSet::new();
+        while let Some(process) = left.pop() {
+            if ended.insert(process) {
+                system::stop_process(process);
+                left.extend(system::children(process));
+                system::kill_process(process);
+            }
         }
         if IS_ADOPTING.load(Ordering::Relaxed) {
             system::reap();
         }
-        !self.seen.is_empty()
+        !ended.is_empty()
     }
 }

@@ -214,6 +214,8 @@ impl WorkerProcess {
             }
             thread::sleep(LOOK_OUT_EVERY);
         }
+        // The worker adopts orphans as long as it runs.
+        self.family.end();
         system::kill_group(self.child.id());
         // Without process groups only the worker is killed. An error means that it has already ended.
         let _ = self.child.kill();

@@ -47,7 +47,7 @@ pub(crate) fn visit_near_pairs(
         return Err(narrow());
     }
     let boxes = FanBoxes::new(triangles, corners);
-    let mut left = MOST_COMPARISONS * most;
+    let mut left = MOST_COMPARISONS + MOST_COMPARISONS_EACH * most;
     for first in begin..corners.len() {
         left = boxes.near(first, left, &mut near).ok_or_else(narrow)?;
         if near.iter().filter(|other| **other > first).any(|&other| visit(first, other).is_break()) {
@@ -73,9 +73,13 @@ const MOST_PAIRS: usize = 1_000_000;
 /// Further pairs for each triangle: the scans of objects have some 20.
 const MOST_PAIRS_EACH: usize = 64;
 
+/// Comparisons of fan boxes, apart from those below: all pairs of the slivers of 20 plates with rims of 1500 corners in all
+/// directions, in a few seconds.
+const MOST_COMPARISONS: usize = 40_000_000;
+
 /// Comparisons of fan boxes in place of each of these pairs, each of which takes about as long as a pair. Cones and prisms need
 /// a tenth of them.
-const MOST_COMPARISONS: usize = 3;
+const MOST_COMPARISONS_EACH: usize = 3;
 
 /// Maximum number of triangles in [`FanBoxes`], each of which takes 600 bytes.
-const MOST_IN_FANS: usize = 500_000;
+const MOST_IN_FANS: usize = 1_000_000;
