@@ -234,8 +234,10 @@ def prepared(row: Row, folder: Path, size: int) -> list[str]:
 
 def measure(command: list[str]) -> tuple[str, float, float]:
     """Runs a command and returns its end, time in seconds and peak memory of its processes in MiB."""
+    # A pipe that nobody reads would hold a command with many notes.
+    notes = tempfile.TemporaryFile()
     begin = time.monotonic()
-    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=notes)
     while True:
         done, status, usage = os.wait4(process.pid, os.WNOHANG)
         elapsed = time.monotonic() - begin
@@ -246,7 +248,8 @@ def measure(command: list[str]) -> tuple[str, float, float]:
             os.wait4(process.pid, 0)
             return ("ended", elapsed, math.nan)
         time.sleep(0.005)
-    message = process.stderr.read().decode().strip().splitlines() if process.stderr else []
+    notes.seek(0)
+    message = notes.read().decode().strip().splitlines()
     code = os.waitstatus_to_exitcode(status)
     end = "" if code == 0 else f"exit code {code}: {message[-1][:90] if message else ''}"
     return (end, elapsed, usage.ru_maxrss / 1024)

@@ -27,8 +27,11 @@ namespace og = ompl::geometric;
 
 namespace {
 
-// Goal configurations: one for each of the best grasps that have one.
-constexpr std::size_t kGoals = 10;
+// Share of the time limit for the search for goals. Where most grasps lie beyond a wall, the best ones alone are not enough.
+constexpr double kGoalShare = 0.2;
+
+// Maximum length of a motion of the trees, in radians and metres: proofs of longer ones fail among obstacles.
+constexpr double kRange = 0.3;
 
 // Seconds of the time limit that are left to the end of the process.
 constexpr double kReserve_s = 0.1;
@@ -66,12 +69,18 @@ class Proof : public ob::MotionValidator {
   std::size_t dof_;
 };
 
-cranny::Rows goals(const cranny::Scenario& scenario, const cranny::Cell& cell, unsigned seed) {
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
+
+// One configuration for each grasp that has one, the best grasps first, within a time limit.
+cranny::Rows goals(const cranny::Scenario& scenario, const cranny::Cell& cell, unsigned seed, double limit_s) {
+  const Clock::time_point begin = Clock::now();
   const cranny::Robot robot = scenario.robot();
   const cranny::Grasps grasps = scenario.grasps();
   cranny::Rows found;
   for (const std::size_t grasp : grasps.by_score()) {
-    if (found.rows() == kGoals) break;
+    if (found.rows() > 0 && seconds_since(begin) > limit_s) break;
     const cranny::Rows q = robot.ik(grasps.pose(grasp), 1, &cell, seed, 100);
     if (q.rows() == 1) found.push_back(q[0]);
   }
@@ -91,7 +100,7 @@ ob::StateSpacePtr space_of(const cranny::Robot& robot) {
 }  // namespace
 
 int main(int count, char** words) try {
-  const auto begin = std::chrono::steady_clock::now();
+  const Clock::time_point begin = Clock::now();
   const std::string what = count > 1 ? words[1] : "021";
   const auto seed = static_cast<unsigned>(count > 2 ? std::strtoul(words[2], nullptr, 10) : 0);
   const double limit_s = count > 3 ? std::strtod(words[3], nullptr) : 10;
@@ -102,7 +111,7 @@ int main(int count, char** words) try {
   const cranny::Robot robot = scenario.robot();
   const cranny::Cell cell = scenario.cell();
   const std::size_t dof = robot.dof();
-  const cranny::Rows ends = goals(scenario, cell, seed);
+  const cranny::Rows ends = goals(scenario, cell, seed, kGoalShare * limit_s);
   if (ends.rows() == 0) return 0;
 
   og::SimpleSetup setup(space_of(robot));
@@ -119,10 +128,11 @@ int main(int count, char** words) try {
   const auto goal = std::make_shared<ob::GoalStates>(space);
   for (std::size_t end = 0; end < ends.rows(); ++end) goal->addState(state(ends[end]));
   setup.setGoal(goal);
-  setup.setPlanner(std::make_shared<og::RRTConnect>(space));
+  const auto planner = std::make_shared<og::RRTConnect>(space);
+  planner->setRange(kRange);
+  setup.setPlanner(planner);
 
-  const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begin;
-  setup.solve(std::max(0.01, limit_s - kReserve_s - spent.count()));
+  setup.solve(std::max(0.01, limit_s - kReserve_s - seconds_since(begin)));
   if (!setup.haveExactSolutionPath()) return 0;
   for (const ob::State* reached : setup.getSolutionPath().getStates()) {
     const auto q = row(reached, dof);

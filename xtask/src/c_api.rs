@@ -173,7 +173,7 @@ fn with_pkg_config(here: &Surroundings, folder: &Path, prefix: &Path) -> Result<
     step::succeed(command)
 }
 
-/// Runs the example with OMPL as a planner of a campaign, all of whose trials must be solved.
+/// Runs the example with OMPL as a planner of a campaign on the twenty scenarios, all of whose trials must be solved.
 fn campaign(here: &Surroundings, folder: &Path, examples: &Path) -> Result<(), String> {
     let results = folder.join("ompl.db");
     // Left by an earlier run; it may not exist.
@@ -181,9 +181,19 @@ fn campaign(here: &Surroundings, folder: &Path, examples: &Path) -> Result<(), S
     let planner = examples.join("ompl_planner");
     let planner = format!("ompl=exec:{} {{cranny}} {{seed}} {{time_limit_s}}", planner.display());
     let results = results.display().to_string();
-    let asked =
-        ["--scenarios", "011,021,031,041", "--time-limit", "30", "--planner", &planner, "-o", &results];
-    step::succeed(here.command(here.built_program()?, &[&["bench", "run"][..], &asked].concat()))
+    let request = ["--scenarios", "all", "--time-limit", "60", "--planner", &planner, "-o", &results];
+    let program = here.built_program()?;
+    step::succeed(here.command(&program, &[&["bench", "run"][..], &request].concat()))?;
+    let status = here.command(&program, &["bench", "status", &results, "--json"]).output();
+    let status = status.map_err(|fault| format!("cranny bench status: {fault}"))?;
+    let status: serde_json::Value =
+        serde_json::from_slice(&status.stdout).map_err(|fault| fault.to_string())?;
+    let (ended, solved) = (&status["ended"], &status["solved"]);
+    if ended == 20 && solved == 20 {
+        Ok(())
+    } else {
+        Err(format!("OMPL solved {solved} of {ended} of 20 trials"))
+    }
 }
 
 fn files_below(folder: &Path) -> Result<Vec<PathBuf>, String> {

@@ -1,6 +1,5 @@
 use serde::de::DeserializeOwned;
-use serde_saphyr::budget::BudgetBreach;
-use serde_saphyr::{Budget, Error, Options};
+use serde_saphyr::{Budget, Options};
 
 use crate::excerpt;
 
@@ -25,10 +24,26 @@ pub fn yaml<T: DeserializeOwned>(text: &str) -> Result<T, TextFault> {
         let Some(before) = before.strip_suffix('\n') else { break };
         text = before.trim_end();
     }
-    serde_saphyr::from_str_with_options(text, options(text.len())).map_err(|error| {
-        let line = error.location().map_or(1, |location| usize::try_from(location.line()).unwrap_or(1));
-        TextFault { line: line.max(1), problem: yaml_words(&error) }
+    let mut parsed = None;
+    yaml_with(text, &mut |deserializer| {
+        parsed = Some(erased_serde::deserialize(deserializer)?);
+        Ok(())
+    })?;
+    parsed.ok_or_else(|| TextFault {
+        line: 1,
+        problem: "the file ends too early (was it cut short?)".to_owned(),
     })
+}
+
+/// Visitor of the deserializer of a text, which stores what it reads itself.
+type Visit<'a> = dyn FnMut(&mut dyn erased_serde::Deserializer<'_>) -> Result<(), erased_serde::Error> + 'a;
+
+/// Parses a YAML text by one copy of the parser for all types: a copy for each took a fifth of the first build.
+fn yaml_with(text: &str, visit: &mut Visit) -> Result<(), TextFault> {
+    let parsed = serde_saphyr::with_deserializer_from_str_with_options(text, options(text.len()), |parser| {
+        visit(&mut <dyn erased_serde::Deserializer>::erase(parser)).map_err(serde::de::Error::custom)
+    });
+    parsed.map_err(|error| yaml_fault(&error.to_string()))
 }
 
 /// Parses a JSON text.
@@ -52,6 +67,7 @@ pub fn json<T: DeserializeOwned>(text: &[u8]) -> Result<T, TextFault> {
 fn options(bytes: usize) -> Options {
     let default = Budget::default();
     serde_saphyr::options! {
+        with_snippet: false,
         budget: serde_saphyr::budget! {
             max_reader_input_bytes: None,
             max_nodes: default.max_nodes.max(bytes),
@@ -63,49 +79,65 @@ fn options(bytes: usize) -> Options {
     }
 }
 
-fn yaml_words(error: &Error) -> String {
-    match error {
-        Error::AliasError { error, .. } | Error::WithSnippet { error, .. } => yaml_words(error),
-        Error::DuplicateMappingKey { key, .. } => {
-            let key = key.as_ref().map(|key| format!(" '{}'", excerpt(key))).unwrap_or_default();
-            format!("the key{key} is given twice (keep one of the two)")
-        }
-        Error::Budget { breach: BudgetBreach::Depth { .. }, .. } => {
-            format!("lists and mappings are nested more than {} deep", Budget::default().max_depth)
-        }
-        Error::Budget {
-            breach:
-                BudgetBreach::InputBytes { .. }
-                | BudgetBreach::ScalarBytes { .. }
-                | BudgetBreach::CommentBytes { .. }
-                | BudgetBreach::Documents { .. }
-                | BudgetBreach::MergeKeys { .. },
-            ..
-        } => "the text is too large or too complex to be read".to_owned(),
-        Error::Budget { .. }
-        | Error::AliasReplayLimitExceeded { .. }
-        | Error::AliasExpansionLimitExceeded { .. }
-        | Error::AliasReplayStackDepthExceeded { .. } => {
-            "aliases (*name) expand to too much content (write the content out instead)".to_owned()
-        }
-        Error::MultipleDocuments { .. } => {
-            "a second document begins here ('---'), but a file holds one".to_owned()
-        }
-        Error::Eof { .. } => "the file ends too early (was it cut short?)".to_owned(),
-        Error::NullIntoString { .. } => "expected a text, found nothing".to_owned(),
-        Error::NonFiniteFloat { value, .. } => format!("'{}' is not a finite number", excerpt(value)),
-        Error::BinaryNotUtf8 { .. } => "expected a text, found bytes".to_owned(),
-        Error::UnknownAnchor { .. } => {
-            "unknown alias (*name): its anchor (&name) must come before it".to_owned()
-        }
-        other => plain(&other.to_string()),
-    }
+/// Returns the error for a message of the parser. Each level of nesting appends its own location to the message of an inner one.
+fn yaml_fault(message: &str) -> TextFault {
+    // The first location after a mark, if the text there is one.
+    let find = |mark: &str| {
+        let (before, after) = message.split_once(mark)?;
+        let (line, _) = after.split_once(", column ")?;
+        Some((before.trim_end_matches(" (defined").trim_end_matches(" (used"), line.parse::<usize>().ok()?))
+    };
+    // An alias has two locations: where its content is, and where it is used.
+    let (problem, line) = match (find(" (defined at line "), find(" (used at line "), find(" at line ")) {
+        (Some((problem, _)), Some((_, line)), _) | (_, _, Some((problem, line))) => (problem, line),
+        _ => (message, 1),
+    };
+    TextFault { line: line.max(1), problem: yaml_words(problem) }
 }
+
+/// Returns a message of the parser in the user's terms.
+fn yaml_words(message: &str) -> String {
+    if let Some(key) = message.strip_prefix("duplicate mapping key") {
+        let key = key.strip_prefix(": ").and_then(|key| key.strip_suffix(DUPLICATE));
+        let key = key.map(|key| format!(" '{}'", excerpt(key))).unwrap_or_default();
+        return format!("the key{key} is given twice (keep one of the two)");
+    }
+    if let Some(value) = message.strip_prefix("non-finite float `").and_then(|rest| rest.split('`').next()) {
+        return format!("'{}' is not a finite number", excerpt(value));
+    }
+    if let Some(breach) = message.strip_prefix("budget breached: ") {
+        return match breach.split(|letter: char| !letter.is_alphanumeric()).next() {
+            Some("Depth") => {
+                format!("lists and mappings are nested more than {} deep", Budget::default().max_depth)
+            }
+            Some("InputBytes" | "ScalarBytes" | "CommentBytes" | "Documents" | "MergeKeys") => {
+                "the text is too large or too complex to be read".to_owned()
+            }
+            _ => ALIASES.to_owned(),
+        };
+    }
+    let found = KINDS.iter().find(|(start, _)| message.starts_with(start));
+    found.map_or_else(|| plain(message), |(_, words)| (*words).to_owned())
+}
+
+const DUPLICATE: &str = ", set DuplicateKeyPolicy in Options if acceptable";
+
+const ALIASES: &str = "aliases (*name) expand to too much content (write the content out instead)";
+
+/// Starts of messages of the parser, and the messages in their place.
+const KINDS: [(&str, &str); 8] = [
+    ("alias replay", ALIASES),
+    ("alias expansion", ALIASES),
+    ("alias references unknown", "unknown alias (*name): its anchor (&name) must come before it"),
+    ("multiple YAML documents", "a second document begins here ('---'), but a file holds one"),
+    ("unexpected end of input", "the file ends too early (was it cut short?)"),
+    ("unexpected end of file", "the file ends too early (was it cut short?)"),
+    ("cannot deserialize null into string", "expected a text, found nothing"),
+    ("!!binary", "expected a text, found bytes"),
+];
 
 /// Replaces the programming-language terms in serde's messages by the user's terms.
 fn plain(said: &str) -> String {
-    // The caller adds the location, so that of the message is cut off.
-    let said = said.split(" at line ").next().unwrap_or(said);
     let mut words: String = said.to_owned();
     for (theirs, ours) in WORDS {
         words = words.replace(theirs, ours);

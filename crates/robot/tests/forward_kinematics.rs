@@ -1,66 +1,8 @@
-//! Forward kinematics against the `k` crate, which shares no code with this one.
+//! Forward kinematics of mimic joints against a tree written out by hand, and of paths between links against whole robots. The
+//! tests of the Python package compare every link of the built-in and other robots with Pinocchio.
 
-use std::path::Path;
-
-use cranny_robot::{Robot, RobotOptions};
 use cranny_spatial::Stream;
 use cranny_spatial::nalgebra::{Isometry3, Translation3, Unit, UnitQuaternion, Vector3};
-
-/// Compares all links at random configurations. `k` moves every joint that does not mimic, so the joints outside the
-/// group are set to `others`.
-fn assert_agrees_with_k(robot: &Robot, urdf: &Path, others: &[(&str, f64)]) {
-    let chain: k::Chain<f64> = k::Chain::from_urdf_file(urdf).expect("k reads the file");
-    let mut random = Stream::new(1, 0);
-    let mut frames = robot.frames();
-    for _ in 0..200 {
-        let q: Vec<f64> = robot.random_configuration(&mut random);
-        robot.forward_kinematics(&q, &mut frames);
-        let values: Vec<f64> = chain
-            .iter_joints()
-            .map(|joint| {
-                let of_group = robot.joint_names().iter().position(|name| *name == joint.name);
-                let of_others = others.iter().find(|(name, _)| *name == joint.name);
-                of_group.map(|index| q[index]).or(of_others.map(|(_, value)| *value)).expect("a known joint")
-            })
-            .collect();
-        chain.set_joint_positions_unchecked(&values);
-        chain.update_transforms();
-        for (index, link) in robot.links().iter().enumerate() {
-            let expected = chain.find_link(&link.name).and_then(k::Node::world_transform);
-            let expected = expected.expect("k knows the link").to_homogeneous();
-            let actual = frames.link(index).to_homogeneous();
-            for (row, column) in (0..4).flat_map(|row| (0..4).map(move |column| (row, column))) {
-                let difference = (actual[(row, column)] - expected[(row, column)]).abs();
-                assert!(difference < 1e-9, "{}: {actual} {expected}", link.name);
-            }
-        }
-    }
-}
-
-#[test]
-fn all_links_of_the_arm_are_where_k_puts_them() {
-    let fingers = [("left_finger_joint", 0.04), ("right_finger_joint", 0.04)];
-    assert_agrees_with_k(
-        &crate::fixture::mobile_arm(),
-        &crate::fixture::path("mobile_arm/mobile_arm.urdf"),
-        &fingers,
-    );
-}
-
-#[test]
-fn all_links_of_the_released_panda_are_where_k_puts_them() {
-    let Some(data) = crate::fixture::data_folder("forward kinematics of the released Panda") else { return };
-    let path = data.join("jogramop/robots/franka_panda/mobile_panda.urdf");
-    let options = RobotOptions {
-        tip: Some("panda_grasptarget".to_owned()),
-        fixed: [("panda_finger_joint1".to_owned(), 0.04)].into(),
-        ..RobotOptions::default()
-    };
-    let robot = Robot::load(&path, &options).expect("the released robot loads");
-    let fingers = [("panda_finger_joint1", 0.04), ("panda_finger_joint2", 0.04)];
-    assert_agrees_with_k(&robot, &path, &fingers);
-    assert_eq!((robot.dof(), robot.links().len()), (9, 16));
-}
 
 #[test]
 fn mimic_joints_follow_with_factor_and_offset() {
