@@ -57,10 +57,11 @@ export class StagePanel {
       body.replaceChildren(...(shown && task ? this.parts(shown, task) : [soft("This plan has no list of stages.")]));
     };
     view.on(["plan"], show);
-    view.on(["plan", "time_s", "q"], (state) => this.mark(state));
-    view.on(["plan", "grasp"], (state) => this.mark(state));
+    view.on(["plan", "time_s", "q"], (state) => this.markStage(state));
+    view.on(["plan", "grasp"], (state) => this.markGrasp(state));
     show(view.state);
-    this.mark(view.state);
+    this.markStage(view.state);
+    this.markGrasp(view.state);
   }
 
   private parts(shown: ShownPlan, task: Task): HTMLElement[] {
@@ -129,11 +130,14 @@ export class StagePanel {
     return chip;
   }
 
-  /** Marks the stage that is under way, and the selected grasp. */
-  private mark({ time_s, q, grasp }: ViewState): void {
+  /** Marks the stage that is under way. */
+  private markStage({ time_s, q }: ViewState): void {
     const begun = this.heads.filter(({ stage }) => stage.from_s !== null && stage.from_s <= time_s);
     const now = q === null ? begun.at(-1)?.head : undefined;
     for (const { head } of this.heads) head.ariaCurrent = head === now ? "step" : null;
+  }
+
+  private markGrasp({ grasp }: ViewState): void {
     for (const { index, chip } of this.grasps) chip.ariaPressed = String(index === grasp);
   }
 }
