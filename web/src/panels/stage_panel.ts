@@ -8,7 +8,7 @@ import type { View, ViewState } from "../data/view_state.ts";
 /** Words for the outcome of a stage, and the colour of the mark. */
 const OUTCOMES: Record<TaskStage["outcome"], { text: string; kind: string }> = {
   done: { text: "done", kind: "free" },
-  passed: { text: "some grasps passed", kind: "none" },
+  passed: { text: "some passed", kind: "none" },
   failed: { text: "failed here", kind: "contact" },
   "not-reached": { text: "not reached", kind: "none" },
   unknown: { text: "not known", kind: "none" },
@@ -86,7 +86,10 @@ export class StagePanel {
     if (from_s !== null) head.addEventListener("click", () => this.acts.seek(from_s + (from_s > 0 ? AFTER_S : 0)));
     this.heads.push({ stage, head });
     const facts = motionFacts(shown, stage);
-    const parts = [head, ...(facts === "" ? [] : [soft(facts)])];
+    const parts = [head];
+    if (facts.length > 0) {
+      parts.push(element("p", { class: "facts soft" }, ...facts.map((fact) => element("span", {}, fact))));
+    }
     if (stage.grasp !== null) {
       const taken = element("div", { class: "chips" }, element("span", { class: "soft" }, "Grasp taken:"));
       taken.append(this.grasp(stage.grasp));
@@ -172,11 +175,11 @@ function counts(failed: number, left: number | null): HTMLElement[] {
 }
 
 /** Time and clearance of a stage that has a path. */
-function motionFacts({ plan }: ShownPlan, { from_s, until_s, clearance_m }: TaskStage): string {
-  if (from_s === null || until_s === null) return "";
+function motionFacts({ plan }: ShownPlan, { from_s, until_s, clearance_m }: TaskStage): string[] {
+  if (from_s === null || until_s === null) return [];
   const span = plan.is_timed ? `${from_s.toFixed(2)} to ${seconds(until_s)}` : progress(until_s - from_s, false);
   const clear = plan.is_valid && clearance_m !== null ? [`clearance at least ${millimetres(clearance_m)}`] : [];
-  return [span, ...clear].join(", ");
+  return [span, ...clear];
 }
 
 function searchEffort({ goals_tried, ik_attempts, planning_time_s }: NonNullable<ShownPlan["plan"]["search"]>): string {

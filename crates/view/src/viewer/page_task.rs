@@ -3,7 +3,7 @@ use std::collections::BTreeMap;
 
 use cranny_plan::Outcome;
 use cranny_record::PlanFile;
-use cranny_task::{FailureReason, GraspFailure, Stage};
+use cranny_task::{FailureReason, GraspFailure, Pick, Stage};
 use serde::Serialize;
 
 use crate::SampledPath;
@@ -95,7 +95,7 @@ impl PageTask {
             let [from_s, until_s] = times(plan, path, index);
             PageStage {
                 kind: kind(stage),
-                name: stage.to_string(),
+                name: name(stage),
                 outcome: outcome(index, is_solved, failed_at),
                 from_s,
                 until_s,
@@ -120,6 +120,15 @@ fn kind(stage: &Stage) -> &'static str {
     }
 }
 
+/// Name of a stage in words, without the distances of its options.
+fn name(stage: &Stage) -> String {
+    match stage {
+        Stage::Pick(Pick { object, .. }) => format!("pick '{}'", object.as_deref().unwrap_or("target")),
+        Stage::Place(place) => format!("put down in '{}'", place.place),
+        Stage::Move(_) => stage.to_string(),
+    }
+}
+
 fn outcome(index: usize, is_solved: bool, failed_at: Option<usize>) -> StageOutcome {
     match failed_at {
         _ if is_solved => StageOutcome::Done,
@@ -133,10 +142,8 @@ fn outcome(index: usize, is_solved: bool, failed_at: Option<usize>) -> StageOutc
 /// Returns the farthest stage at which an alternative failed. Without such a record only an invalid start or goal, and a target
 /// without a reachable grasp, are known to end the search at its first stage.
 fn farthest(plan: &PlanFile, failed: &BTreeMap<usize, Vec<FailedAlternatives>>) -> Option<usize> {
-    let is_at_start = matches!(
-        plan.outcome,
-        Outcome::StartInvalid | Outcome::GoalsInvalid | Outcome::NoReachableGrasp
-    );
+    let is_at_start =
+        matches!(plan.outcome, Outcome::StartInvalid | Outcome::GoalsInvalid | Outcome::NoReachableGrasp);
     failed.keys().next_back().copied().or_else(|| is_at_start.then_some(0))
 }
 
@@ -145,9 +152,11 @@ fn farthest(plan: &PlanFile, failed: &BTreeMap<usize, Vec<FailedAlternatives>>) 
 fn by_stage(plan: &PlanFile, first_pick: usize) -> BTreeMap<usize, Vec<FailedAlternatives>> {
     let mut known: BTreeMap<usize, BTreeMap<String, FailedAlternatives>> = BTreeMap::new();
     let mut add = |stage: usize, reason: String, because: String, grasp: Option<usize>| {
-        let alternatives = known.entry(stage).or_default().entry(reason.clone()).or_insert_with(|| {
-            FailedAlternatives { reason, because, count: 0, grasps: Vec::new() }
-        });
+        let alternatives = known
+            .entry(stage)
+            .or_default()
+            .entry(reason.clone())
+            .or_insert_with(|| FailedAlternatives { reason, because, count: 0, grasps: Vec::new() });
         alternatives.count += 1;
         alternatives.grasps.extend(grasp);
     };
