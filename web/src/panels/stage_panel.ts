@@ -86,7 +86,7 @@ export class StagePanel {
     if (from_s !== null) head.addEventListener("click", () => this.acts.seek(from_s + (from_s > 0 ? AFTER_S : 0)));
     this.heads.push({ stage, head });
     const facts = motionFacts(shown, stage);
-    const parts = [head];
+    const parts: HTMLElement[] = [head];
     if (facts.length > 0) {
       parts.push(element("p", { class: "facts soft" }, ...facts.map((fact) => element("span", {}, fact))));
     }
