@@ -66,7 +66,9 @@ export class StagePanel {
 
   private parts(shown: ShownPlan, task: Task): HTMLElement[] {
     const stages = task.stages.map((stage, index) => this.stage(shown, stage, index));
-    const effort = shown.plan.search ? [soft(searchEffort(shown.plan.search))] : [];
+    const { search } = shown.plan;
+    // Without any attempt, all grasps were excluded beforehand.
+    const effort = search && search.goals_tried + search.ik_attempts > 0 ? [soft(searchEffort(search))] : [];
     return [summary(task), element("ol", {}, ...stages), ...effort];
   }
 
@@ -158,8 +160,8 @@ function summary({ stages, failed_at, tried, not_tried }: Task): HTMLElement {
     failed_at === null
       ? "No path was found. The plan file does not state the stage at which the search failed."
       : `No path was found. The search failed at stage ${failed_at + 1} of ${all}: ${stages[failed_at].name}.`;
-  const grasps = tried === null ? "" : ` ${graspCount(tried)} tried, and none led through all stages.`;
-  const untried = not_tried ? ` ${graspCount(not_tried)} not tried.` : "";
+  const grasps = tried === null ? "" : ` ${graspCount(tried)} checked, and none led through all stages.`;
+  const untried = not_tried ? ` ${graspCount(not_tried)} not checked.` : "";
   return element("p", { class: "summary", "data-kind": "contact" }, where + grasps + untried);
 }
 

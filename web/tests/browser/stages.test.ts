@@ -65,7 +65,7 @@ test("a task without a path says where it failed, and why each grasp failed", ()
     const stages = stagesOf(page);
     const text = await stages.innerText();
     assert.match(text, /The search failed at stage 2 of 3: put down in 'shelf'/);
-    assert.match(text, /24 grasps were tried, and none led through all stages/);
+    assert.match(text, /24 grasps were checked, and none led through all stages/);
     const items = stages.getByRole("listitem");
     const told = await items.allInnerTexts();
     assert.match(told[0], /some passed[^]*✕ 16 failed[^]*✓ 8 left[^]*The hand alone collides: hand against table[^]*8/);
