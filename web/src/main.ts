@@ -1,4 +1,10 @@
-import "./style.css";
+import "./style/base.css";
+import "./style/frame.css";
+import "./style/panel.css";
+import "./style/stages.css";
+import "./style/time_line.css";
+import "./style/over_scene.css";
+import "./style/small_screens.css";
 import { element } from "./panels/element.ts";
 import { openPage } from "./data/page.ts";
 import { loadPageData } from "./data/page_source.ts";

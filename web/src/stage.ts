@@ -119,6 +119,12 @@ export class Stage {
     };
   }
 
+  /** Edges of the area free of panels, in points from the upper left corner of the canvas. */
+  get freeEdges(): { left: number; top: number; right: number; bottom: number } {
+    const { left, right, top, bottom } = this.insets;
+    return { left, top, right: this.canvas.clientWidth - right, bottom: this.canvas.clientHeight - bottom };
+  }
+
   /** Current projection, in points from the upper left corner of the canvas; depth is below 1 for visible points. */
   get lens(): Lens {
     const { clientWidth: width, clientHeight: height } = this.canvas;

@@ -3,6 +3,8 @@ export type ThemeName = "light" | "dark";
 /** Colours of the scene; those of panels are in the style sheet. */
 export interface Palette {
   page: string;
+  /** Colour of the grasp under the pointer, or selected in a list. */
+  pointed: string;
   gridLine: number;
   ground: number;
   groundOpacity: number;
@@ -13,6 +15,7 @@ export interface Palette {
 const PALETTES: Record<ThemeName, Palette> = {
   light: {
     page: "#eef1f4",
+    pointed: "#0d1117",
     gridLine: 0x9aa7b5,
     ground: 0xffffff,
     groundOpacity: 0.55,
@@ -21,6 +24,7 @@ const PALETTES: Record<ThemeName, Palette> = {
   },
   dark: {
     page: "#15181d",
+    pointed: "#ffffff",
     gridLine: 0x5d6b7c,
     ground: 0x22272e,
     groundOpacity: 0.6,

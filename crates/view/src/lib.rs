@@ -33,4 +33,5 @@ pub use viewer::page_cells::PageCells;
 pub use viewer::page_feed::PageFeed;
 pub use viewer::page_plan::PagePlan;
 pub use viewer::page_server::PageServer;
+pub use viewer::page_task::{FailedAlternatives, PageStage, PageTask, StageOutcome};
 pub use viewer::watched_search::WatchedSearch;

@@ -13,6 +13,7 @@ pub(crate) mod page_recording;
 pub(crate) mod page_robot;
 pub(crate) mod page_scene;
 pub(crate) mod page_server;
+pub(crate) mod page_task;
 pub(crate) mod verdict;
 pub(crate) mod watched_search;
 pub(crate) mod watched_tree;

@@ -10,3 +10,4 @@ mod pictures;
 mod placing;
 mod recordings;
 mod scenes;
+mod stages;

@@ -22,6 +22,7 @@ import { Recording } from "./recording.ts";
 import { SceneView } from "../views/scene_view.ts";
 import { Shell } from "../panels/shell.ts";
 import { Stage } from "../stage.ts";
+import { StagePanel } from "../panels/stage_panel.ts";
 import { Theme } from "../theme.ts";
 import { TimeLine } from "../panels/time_line.ts";
 import { ClearanceCurve, type ShownPlan, Trajectory } from "../motion/trajectory.ts";
@@ -66,6 +67,11 @@ export function openPage(host: HTMLElement, data: PageData): void {
   shell.dock.append(timeLine.element);
   const parts: HTMLElement[] = [];
   if (plans.length > 0) parts.push(new PlanPanel(view, plans).element);
+  if (plans.some(({ plan }) => plan.task)) {
+    const indices = new Set(data.grasps.map(({ index }) => index));
+    const acts = { seek: (time_s: number) => player.seek(time_s), showGrasp: (index: number) => tip.select(index) };
+    parts.push(new StagePanel(view, plans, { indices, reasons }, acts).element);
+  }
   parts.push(new LayerPanel(view, available).element);
   if (data.grasps.length > 0) parts.push(new GraspPanel(view, data.grasps, plans, reasons).element);
   if (scene.trees.size > 0) parts.push(new TreePanel(view, scene, stage).element);

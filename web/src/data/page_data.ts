@@ -150,7 +150,52 @@ export interface Plan {
   blocked: { grasp: number; reason: string }[];
   /** Number of grasps by reason, as in the plan file. */
   blocked_counts: { reason: string; count: number }[];
+  /** Stages of the task; null for a plan without a list of stages. */
+  task: Task | null;
+  /** Effort of the search over all stages; null for bare way points. */
+  search: { goals_tried: number; ik_attempts: number; planning_time_s: number } | null;
   search_tree: SearchTree | null;
+}
+
+/** A list of stages, each of which begins where the one before ends. The alternatives of a task without a path are the grasps
+ * of its first pick. */
+export interface Task {
+  stages: TaskStage[];
+  /** Index of the farthest stage at which an alternative failed; null if the task was solved, or if the plan file does not
+   * state it. */
+  failed_at: number | null;
+  /** Number of grasps that were tried and that were not; null unless the plan file states the outcome of each grasp. */
+  tried: number | null;
+  not_tried: number | null;
+}
+
+export interface TaskStage {
+  kind: "pick" | "move" | "place";
+  /** Description in words. */
+  name: string;
+  /** "passed": an alternative led through it, but none through the whole task. */
+  outcome: "done" | "passed" | "failed" | "not-reached" | "unknown";
+  /** Start and end on the path; null without a path. */
+  from_s: number | null;
+  until_s: number | null;
+  /** Index of the scenario's grasp that a pick takes, if it is one of them. */
+  grasp: number | null;
+  /** Proven lower bound along the stage. */
+  clearance_m: number | null;
+  /** Alternatives that failed at this stage, by reason, the most frequent first. */
+  failed: FailedAlternatives[];
+  /** Number of alternatives that had not failed after this stage; null unless the plan file states each outcome. */
+  left: number | null;
+}
+
+export interface FailedAlternatives {
+  /** Reason as in `blocked`. */
+  reason: string;
+  /** The same without the number of the stage. */
+  because: string;
+  count: number;
+  /** Indices of the scenario's grasps among them, ascending. */
+  grasps: number[];
 }
 
 /** One object that is carried: it stands, the hand closes on it, and from then on it moves with the hand. */

@@ -78,19 +78,33 @@ export class GraspTip {
     const order = this.grasps.map((_, place) => place).sort((a, b) => rank(this.grasps[b]) - rank(this.grasps[a]));
     const now = order.findIndex((place) => this.grasps[place].index === this.view.state.grasp);
     const first = by > 0 ? -1 : 0;
-    const next = order[((now < 0 ? first : now) + by + order.length) % order.length];
-    const { x, y } = this.stage.lens(this.scene.grasps.middle(next));
-    this.tell(next, x, y);
+    this.point(order[((now < 0 ? first : now) + by + order.length) % order.length]);
+  }
+
+  /** Selects the grasp with this index in the scenario, and stops the motion, so that the grasp stays visible. */
+  select(index: number): void {
+    const place = this.grasps.findIndex((grasp) => grasp.index === index);
+    if (place < 0) return;
+    this.view.set({ isPlaying: false });
+    this.view.setLayer("grasps", true);
+    this.point(place);
+  }
+
+  private point(place: number): void {
+    const { x, y } = this.stage.lens(this.scene.grasps.middle(place));
+    this.tell(place, x, y);
   }
 
   private tell(place: number, x: number, y: number): void {
-    const { clientWidth: width, clientHeight: height } = this.stage.canvas;
     this.view.set({ grasp: this.grasps[place].index });
     this.element.replaceChildren(...this.words(this.grasps[place]));
     this.element.hidden = false;
+    const free = this.stage.freeEdges;
     const [ownWidth, ownHeight] = [this.element.offsetWidth, this.element.offsetHeight];
-    this.element.style.left = `${x + AWAY + ownWidth > width ? Math.max(x - AWAY - ownWidth, 4) : x + AWAY}px`;
-    this.element.style.top = `${y + AWAY + ownHeight > height ? y - AWAY - ownHeight : y + AWAY}px`;
+    const isRight = x + AWAY + ownWidth <= free.right;
+    const isBelow = y + AWAY + ownHeight <= free.bottom;
+    this.element.style.left = `${within(isRight ? x + AWAY : x - AWAY - ownWidth, free.left, free.right - ownWidth)}px`;
+    this.element.style.top = `${within(isBelow ? y + AWAY : y - AWAY - ownHeight, free.top, free.bottom - ownHeight)}px`;
   }
 
   private hide(): void {
@@ -112,3 +126,11 @@ export class GraspTip {
     return lines;
   }
 }
+
+/** The value, moved into the interval less a margin at each end; its lower end if it is empty. */
+function within(value: number, low: number, high: number): number {
+  return Math.max(Math.min(value, high - EDGE), low + EDGE);
+}
+
+/** Least distance of the tooltip from panels and from the edge of the canvas, in points. */
+const EDGE = 4;

@@ -14,9 +14,6 @@ const THIN_M = 0.0014;
 const FEW = 40;
 const STRONG_THICKNESS_M = 0.005;
 
-/** Colour of the grasp under the pointer. */
-const POINTED = "#ffffff";
-
 /** Share of its colour that a grasp keeps when another reason is highlighted. */
 const DIMMED = 0.22;
 
@@ -96,10 +93,10 @@ export class GraspView {
     if (this.plain.instanceColor) this.plain.instanceColor.needsUpdate = true;
   }
 
-  /** Highlights the grasps at which plans end, and the one under the pointer. */
-  emphasise(plans: ShownPlan[], pointed: number | null): void {
+  /** Highlights the grasps at which plans end, and the one under the pointer in a colour of its own. */
+  emphasise(plans: ShownPlan[], pointed: number | null, pointedColour: string): void {
     const strong = plans.flatMap(({ plan, colour }) => (plan.grasp === null ? [] : [{ grasp: plan.grasp, colour }]));
-    if (pointed !== null) strong.push({ grasp: pointed, colour: POINTED });
+    if (pointed !== null) strong.push({ grasp: pointed, colour: pointedColour });
     this.strong.count = 0;
     for (const { grasp, colour } of strong) {
       const found = this.byIndex.get(grasp);

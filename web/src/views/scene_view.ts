@@ -197,6 +197,7 @@ export class SceneView {
     this.grasps.emphasise(
       ends.sort((a, b) => Number(a.index === plan) - Number(b.index === plan)),
       grasp,
+      this.palette?.pointed ?? "#000000",
     );
     this.stage.invalidate();
   }

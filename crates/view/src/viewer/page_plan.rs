@@ -1,7 +1,7 @@
 use cranny_collision::Cell;
 use cranny_file::at_least;
 use cranny_path::{Audit, Trajectory, path_length};
-use cranny_plan::Outcome;
+use cranny_plan::{Outcome, Statistics};
 use cranny_record::PlanFile;
 use cranny_robot::Robot;
 use cranny_solve::TaskTrajectory;
@@ -11,7 +11,7 @@ use serde::Serialize;
 use crate::course::clearance_profile::ClearanceRows;
 use crate::course::tree_recording::SearchTreeRows;
 use crate::{
-    CarriedObjectMotion, ClearanceProfile, SampledPath, ShownMode, TreeRecording, ViewError,
+    CarriedObjectMotion, ClearanceProfile, PageTask, SampledPath, ShownMode, TreeRecording, ViewError,
     viewer::number_row,
 };
 
@@ -34,6 +34,10 @@ pub struct PagePlan {
     pub states: Vec<State>,
     /// Failure of each grasp without a path.
     pub failures: Vec<GraspFailure>,
+    /// Stages of the task; `None` for a plan without a list of stages.
+    pub task: Option<PageTask>,
+    /// Statistics of the search; `None` for bare way points.
+    pub statistics: Option<Statistics>,
     /// Trees of the search, if they were recorded.
     pub search_tree: Option<TreeRecording>,
 }
@@ -63,15 +67,18 @@ impl PagePlan {
     ) -> Result<Self, ViewError> {
         let path_length = path_length(&plan.waypoints);
         let duration_s = timed.map_or(path_length, TaskTrajectory::duration_s);
+        let path = SampledPath::of_plan(robot, plan, timed, rate_hz(duration_s))?;
         Ok(Self {
             name: name.into(),
             planner: plan.planner.clone(),
             outcome: Some(plan.outcome),
             path_length,
-            path: SampledPath::of_plan(robot, plan, timed, rate_hz(duration_s))?,
+            task: PageTask::of(plan, path.as_ref()),
+            path,
             verification,
             states,
             failures: plan.failures.clone(),
+            statistics: Some(plan.statistics),
             search_tree: None,
         })
     }
@@ -98,6 +105,8 @@ impl PagePlan {
             verification,
             states: Vec::new(),
             failures: Vec::new(),
+            task: None,
+            statistics: None,
             search_tree: None,
         })
     }
@@ -160,6 +169,8 @@ impl PagePlan {
                 .into_iter()
                 .map(|(reason, count)| BlockedCount { reason, count })
                 .collect(),
+            task: self.task.clone(),
+            search: self.statistics.as_ref().map(SearchEntry::of),
             search_tree: self.search_tree.as_ref().map(TreeRecording::rows),
         }
     }
@@ -183,7 +194,24 @@ pub(crate) struct PlanEntry {
     clearance: Option<ClearanceRows>,
     blocked: Vec<BlockedGrasp>,
     blocked_counts: Vec<BlockedCount>,
+    task: Option<PageTask>,
+    search: Option<SearchEntry>,
     search_tree: Option<SearchTreeRows>,
+}
+
+/// Effort of the search over all stages.
+#[derive(Clone, Copy, Debug, Serialize)]
+struct SearchEntry {
+    goals_tried: u64,
+    ik_attempts: u64,
+    planning_time_s: f64,
+}
+
+impl SearchEntry {
+    fn of(statistics: &Statistics) -> Self {
+        let &Statistics { goals_tried, ik_attempts, planning_time_s, .. } = statistics;
+        Self { goals_tried, ik_attempts, planning_time_s }
+    }
 }
 
 /// Carried object in the encoding of the page.
