@@ -13,7 +13,6 @@
 #include <string>
 #include <utility>
 
-#include <ompl/base/goals/GoalStates.h>
 #include <ompl/base/spaces/RealVectorStateSpace.h>
 #include <ompl/geometric/SimpleSetup.h>
 #include <ompl/geometric/planners/rrt/RRTConnect.h>
@@ -81,7 +80,8 @@ cranny::Rows goals(const cranny::Scenario& scenario, const cranny::Cell& cell, u
   cranny::Rows found;
   for (const std::size_t grasp : grasps.by_score()) {
     if (found.rows() > 0 && seconds_since(begin) > limit_s) break;
-    const cranny::Rows q = robot.ik(grasps.pose(grasp), 1, &cell, seed, 100);
+    // A seed for each, or all would be solved from the same side.
+    const cranny::Rows q = robot.ik(grasps.pose(grasp), 1, &cell, seed * grasps.size() + grasp, 100);
     if (q.rows() == 1) found.push_back(q[0]);
   }
   return found;
@@ -124,16 +124,17 @@ int main(int count, char** words) try {
     for (std::size_t joint = 0; joint < dof; ++joint) state[joint] = q[joint];
     return state;
   };
-  setup.setStartState(state(scenario.start()));
-  const auto goal = std::make_shared<ob::GoalStates>(space);
-  for (std::size_t end = 0; end < ends.rows(); ++end) goal->addState(state(ends[end]));
-  setup.setGoal(goal);
+  // OMPL grows trees from all its starts at once, but adds a goal only after the tree of the others has grown, which it never
+  // does where the first one is enclosed. So the search is backwards: its starts are the grasps, its goal is the start.
+  for (std::size_t end = 0; end < ends.rows(); ++end) setup.addStartState(state(ends[end]));
+  setup.setGoalState(state(scenario.start()));
   const auto planner = std::make_shared<og::RRTConnect>(space);
   planner->setRange(kRange);
   setup.setPlanner(planner);
 
   setup.solve(std::max(0.01, limit_s - kReserve_s - seconds_since(begin)));
   if (!setup.haveExactSolutionPath()) return 0;
+  setup.getSolutionPath().reverse();
   for (const ob::State* reached : setup.getSolutionPath().getStates()) {
     const auto q = row(reached, dof);
     for (std::size_t joint = 0; joint < dof; ++joint) std::printf("%s%.17g", joint ? "," : "", q[joint]);
