@@ -31,6 +31,19 @@ fn shown(scenario: &Scenario, waypoints: &[Vec<f64>], rate_hz: f64) -> SampledPa
 }
 
 #[test]
+fn a_faster_scene_has_the_same_motion_in_less_time() {
+    let scenario = scenario("021");
+    let path = shown(&scenario, &moved(&scenario), 10.0);
+    let scene = Scene::of_task(&scenario, Some(&path), &SceneSettings::default()).unwrap();
+    let faster = scene.clone().at_speed(4.0).motion.unwrap();
+    let motion = scene.motion.unwrap();
+    assert_eq!(faster.tracks, motion.tracks);
+    assert!(
+        faster.times_s.iter().zip(&motion.times_s).all(|(fast, time_s)| (4.0 * fast - time_s).abs() < 1e-12)
+    );
+}
+
+#[test]
 fn links_are_where_forward_kinematics_puts_them_at_every_instant() {
     let scenario = scenario("021");
     let path = shown(&scenario, &moved(&scenario), 10.0);
