@@ -44,6 +44,7 @@ mod serve;
 mod simulation;
 #[cfg(unix)]
 mod stopped;
+mod tools;
 mod trajectory;
 mod view;
 mod workshop;

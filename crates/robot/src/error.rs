@@ -441,6 +441,23 @@ pub enum RobotError {
         /// Name of the robot.
         robot: String,
     },
+    /// The grasps of a tool cannot be sampled.
+    #[error(
+        "tool '{tool}': it has no pads that close along an axis, so grasps cannot be sampled for it; give grasps from a file \
+         (grasps.csv beside the scenario.yaml; `cranny grasps import` converts others)"
+    )]
+    ToolGrasps {
+        /// Name of the tool.
+        tool: String,
+    },
+    /// A `robot.yaml` describes a hand and a tool.
+    #[error(
+        "{at}: a robot has either a `hand`, whose pads close, or a `tool`, whose grasps come from files, not both"
+    )]
+    HandAndTool {
+        /// Location in the file.
+        at: Location,
+    },
     /// A folder does not describe a robot.
     #[error(
         "{}: the folder has no robot.yaml that names the URDF (`urdf: NAME.urdf`); `cranny robot add URDF` \

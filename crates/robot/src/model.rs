@@ -9,7 +9,7 @@ use crate::chain::joint_group::JointValue;
 use crate::chain::joint_step::Step;
 use crate::gripper::loose_links::LooseLinks;
 use crate::link::{GroupJoint, Link, Mover};
-use crate::{JointLimits, LimitViolation, RobotHand, VirtualJoint};
+use crate::{JointLimits, LimitViolation, RobotHand, ToolDescription, VirtualJoint};
 
 /// A robot: a tree of links, and a group of joints that moves them. Immutable; share it by reference or in an `Arc`.
 ///
@@ -31,6 +31,7 @@ pub struct Robot {
     pub(crate) tip: usize,
     pub(crate) hand_links: Vec<usize>,
     pub(crate) hand: Option<RobotHand>,
+    pub(crate) tool: Option<ToolDescription>,
     pub(crate) start: Option<Vec<f64>>,
     pub(crate) floor_m: Option<f64>,
     pub(crate) notes: Vec<String>,

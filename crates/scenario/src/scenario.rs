@@ -230,10 +230,18 @@ impl Scenario {
         Ok(Self { world, grasps: self.grasps.moved(&lower), places, ..self })
     }
 
+    /// Returns the scenario with grasps that suit its robot: half a turn of a tool is another grasp.
+    pub(crate) fn with_own_twins(self) -> Self {
+        if self.robot.tool().is_none() {
+            return self;
+        }
+        Self { grasps: self.grasps.without_twins(), ..self }
+    }
+
     /// Checks that the start, given in `file`, has one value per joint.
     pub(crate) fn with_checked_start(self, file: &str) -> Result<Self, ScenarioError> {
         if self.start.len() == self.robot.dof() {
-            return Ok(self);
+            return Ok(self.with_own_twins());
         }
         Err(ScenarioError::StartCount {
             file: file.to_owned(),

@@ -36,7 +36,7 @@ pub(crate) struct Place {
 }
 
 /// Distance of the gripper frame behind the tips of fingers of that length, in metres.
-fn inset_m(finger_m: f64) -> f64 {
+pub(crate) fn inset_m(finger_m: f64) -> f64 {
     (0.15 * finger_m).clamp(0.003, 0.012)
 }
 

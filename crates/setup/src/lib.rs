@@ -18,6 +18,7 @@ mod self_contacts;
 mod setup;
 mod setup_options;
 mod start_choice;
+mod tool_guess;
 mod xacro;
 
 pub use choice::Choice;

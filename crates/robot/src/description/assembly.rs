@@ -114,6 +114,7 @@ impl Robot {
             limits,
             hand_links: hand_links(&links, &movers, resolved.tip),
             hand: RobotHand::of(&urdf, &tree, options, (&links, &rest, resolved.tip)),
+            tool: description.as_ref().and_then(|description| description.tool.clone()),
             start: start.flatten(),
             floor_m: description.as_ref().and_then(|description| description.floor_m),
             tip: resolved.tip,
