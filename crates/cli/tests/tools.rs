@@ -1,5 +1,6 @@
 //! Tools without pads: a suction cup and a hand with three fingers, whose grasps come from files.
 
+use std::fmt::Write as _;
 use std::path::Path;
 use std::process::Output;
 
@@ -67,7 +68,8 @@ fn three_fingers() -> String {
         ["0.045 0 0.035", "-0.0225 0.03897 0.035", "-0.0225 -0.03897 0.035"].iter().enumerate()
     {
         let turn = 2.0943951 * finger as f64;
-        text += &format!(
+        let _ = write!(
+            text,
             r#"<link name="finger{finger}"><collision><origin xyz="0 0 0.03"/><geometry><box size="0.01 0.02 0.06"/></geometry>
             </collision></link>
             <joint name="knuckle{finger}" type="revolute"><origin xyz="{place}" rpy="0 0 {turn}"/><parent link="palm"/>
