@@ -63,6 +63,6 @@ pub use robot::gripper_file::read_gripper;
 pub use robot::hand::BlockedGripperFrame;
 pub use robot::opening::measured_opening_m;
 pub use robot::source::{RecipeRobot, RobotSource};
-pub use scenario::{Geometry, OpenOptions, Scenario};
+pub use scenario::{BodyColours, Geometry, OpenOptions, Scenario};
 pub use schema::SchemaFile;
 pub use stated_speed::StatedSpeed;

@@ -16,6 +16,10 @@ use crate::{
     TargetPhysics,
 };
 
+/// Colours of bodies by name, one for each part: red, green and blue, 0 to 1, sRGB; `None` for a part without one. Bodies without
+/// any colour are left out.
+pub type BodyColours = BTreeMap<String, Vec<Option<[f64; 3]>>>;
+
 /// Scenario: robot, environment, target and grasps.
 #[derive(Clone, Debug)]
 pub struct Scenario {
@@ -49,6 +53,8 @@ pub struct Scenario {
     pub tasks: Vec<NamedTask>,
     /// Stated mass and friction of bodies other than the target, by name.
     pub physics: BTreeMap<String, TargetPhysics>,
+    /// Colours of bodies, for display.
+    pub colours: BodyColours,
     /// Stated bounds (m, rad) of joints of `robot` in addition to their limits, by name.
     pub joint_bounds: BTreeMap<String, [f64; 2]>,
     /// Default speeds of motions, used unless a plan specifies others; the entry for all motions comes first.

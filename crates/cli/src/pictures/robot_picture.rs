@@ -51,6 +51,7 @@ fn scene(recipe: &RecipeRobot) -> Result<(Scene, Scenario), Failure> {
         places: Vec::new(),
         tasks: Vec::new(),
         physics: std::collections::BTreeMap::new(),
+        colours: std::collections::BTreeMap::new(),
         tool_bounds: Vec::new(),
         joint_bounds: std::collections::BTreeMap::new(),
         speeds: Vec::new(),

@@ -263,6 +263,7 @@ impl FamilyMaker {
             places: vec![self.scale.place(family.outside())],
             tasks: Vec::new(),
             physics: BTreeMap::new(),
+            colours: BTreeMap::new(),
             tool_bounds: Vec::new(),
             joint_bounds: BTreeMap::new(),
             speeds: Vec::new(),
