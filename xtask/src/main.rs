@@ -7,7 +7,6 @@ mod checked_arithmetic;
 mod checkout;
 mod comment_words;
 mod contents;
-mod films;
 mod hardship;
 mod latex;
 mod member;

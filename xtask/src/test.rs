@@ -4,7 +4,6 @@ use std::time::Instant;
 
 use crate::c_api;
 use crate::checked_arithmetic;
-use crate::films;
 use crate::hardship;
 use crate::latex;
 use crate::member;
@@ -14,7 +13,7 @@ use crate::released_data;
 use crate::site;
 use crate::step::{self, Readiness, Record, Step, Surroundings};
 use crate::tidy;
-use crate::web::{self, gltf};
+use crate::web::{self, films, gltf};
 
 /// Checks of every run. A check that needs a tool of its own declares it in `needs`.
 const STEPS: [Step; 11] = [

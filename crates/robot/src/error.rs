@@ -442,18 +442,13 @@ pub enum RobotError {
         robot: String,
     },
     /// The grasps of a tool cannot be sampled.
-    #[error(
-        "tool '{tool}': it has no pads that close along an axis, so grasps cannot be sampled for it; give grasps from a file \
-         (grasps.csv beside the scenario.yaml; `cranny grasps import` converts others)"
-    )]
+    #[error("tool '{tool}' has no pads that close: grasps come from a file (grasps.csv), none are sampled")]
     ToolGrasps {
         /// Name of the tool.
         tool: String,
     },
     /// A `robot.yaml` describes a hand and a tool.
-    #[error(
-        "{at}: a robot has either a `hand`, whose pads close, or a `tool`, whose grasps come from files, not both"
-    )]
+    #[error("{at}: a robot has a `hand`, whose pads close, or a `tool`, whose grasps are in files, not both")]
     HandAndTool {
         /// Location in the file.
         at: Location,

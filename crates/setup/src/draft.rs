@@ -12,12 +12,12 @@ use cranny_spatial::Pose;
 
 use crate::anatomy::Anatomy;
 use crate::choice::Choice;
-use crate::hand_guess::{DEFAULT_FORCE_N, HandGuess, HandKind};
-use crate::marks::marks;
-use crate::palm::jaw_links;
+use crate::hand::hand_guess::{DEFAULT_FORCE_N, HandGuess, HandKind};
+use crate::hand::marks::marks;
+use crate::hand::palm::jaw_links;
+use crate::hand::tool_guess::ToolGuess;
 use crate::robot_folder::Written;
 use crate::setup_options::BASE_JOINT;
-use crate::tool_guess::ToolGuess;
 use crate::{Base, SetupError, SetupOptions, xacro};
 
 const BASE_LINK: &str = "ground";
@@ -375,7 +375,7 @@ fn describe(
             name
         }
         (None, None) => {
-            let name = free_name(anatomy, "grasp_frame");
+            let name = anatomy.free_name("grasp_frame");
             *text = text.with_frame(&name, &palm, &guess.palm_from_frame)?;
             let [x, y, z] = guess.palm_from_frame.translation.vector.map(|length| length * 1000.0).into();
             choices.push(Choice::new(
@@ -410,13 +410,6 @@ fn describe(
         closing_force_n: force_n,
         pads: None,
     })
-}
-
-/// Returns an unused link name.
-pub(crate) fn free_name(anatomy: &Anatomy, name: &str) -> String {
-    let numbered = (2..).map(|number: u32| format!("{name}_{number}"));
-    let mut names = std::iter::once(name.to_owned()).chain(numbered);
-    names.find(|name| anatomy.robot.link_index(name).is_none()).unwrap_or_default()
 }
 
 /// Returns the robot on a mobile base.

@@ -18,7 +18,7 @@ use crate::failure::Failure;
 use crate::output_file;
 use crate::physics::recording;
 use crate::pictures::page_task::{PageRequest, PageTask};
-use crate::pictures::render_film;
+use crate::pictures::render_film::{self, MovingPicture};
 use crate::pictures::render_format::Format;
 use crate::planning::plan_task::{check_plan, read_plan};
 use crate::planning::task::open_scenario;
@@ -229,7 +229,14 @@ fn one(
             rendered.files.push(file.clone());
         }
         Format::Gif | Format::Apng | Format::Mp4 | Format::Folder => {
-            let count = render_film::write(&scene, arguments, format, &settings, output)?;
+            let moving = MovingPicture {
+                scene: &scene,
+                settings: &settings,
+                views: arguments.view.views(),
+                rate_hz: arguments.rate,
+                format,
+            };
+            let count = render_film::write(&moving, file, output)?;
             rendered = Rendered { pictures: count, width, height, ..rendered };
             rendered.files.push(file.clone());
         }

@@ -1,12 +1,13 @@
 //! Moving pictures: files of several frames, and folders of them.
 
-use cranny_view::{Animation, Film, PictureSettings, Scene};
+use std::path::Path;
+
+use cranny_view::{Animation, Film, Picture, PictureSettings, Scene, StandardView};
 
 use crate::arguments::Output;
 use crate::failure::Failure;
 use crate::file_kind::FileKind;
 use crate::output_file::{self, NamedFile};
-use crate::pictures::render::{RenderArguments, flag};
 use crate::pictures::render_format::Format;
 use crate::progress;
 
@@ -25,39 +26,45 @@ pub fn check(format: Format, (width, height): (usize, usize)) -> Result<(), Fail
         let even = [width, height].map(|side| side.next_multiple_of(2));
         let problem = format!(
             "the sides of an .mp4 must be even numbers of pixels, such as {}x{}",
-            even[0].min(*cranny_view::Picture::SIDES.end()),
-            even[1].min(*cranny_view::Picture::SIDES.end())
+            even[0].min(*Picture::SIDES.end()),
+            even[1].min(*Picture::SIDES.end())
         );
         return Err(Failure::Flag { flag: "size", problem });
     }
     Ok(Film::check_encoder()?)
 }
 
-/// Renders the motion and returns the number of frames.
-pub fn write(
-    scene: &Scene,
-    arguments: &RenderArguments,
-    format: Format,
-    settings: &PictureSettings,
-    output: Output,
-) -> Result<usize, Failure> {
-    let [view] = arguments.view.views()[..] else {
-        return Err(flag("view", "a moving picture has one view; 'all' is for .png"));
+/// Moving picture of a scene.
+pub struct MovingPicture<'a> {
+    pub scene: &'a Scene,
+    pub settings: &'a PictureSettings,
+    /// Requested views: one.
+    pub views: Vec<StandardView>,
+    pub rate_hz: u16,
+    pub format: Format,
+}
+
+/// Renders the motion to a file or folder and returns the number of frames.
+pub fn write(moving: &MovingPicture, file: &Path, output: Output) -> Result<usize, Failure> {
+    let MovingPicture { scene, settings, rate_hz, format, .. } = *moving;
+    let refused = |flag, problem: &str| Failure::Flag { flag, problem: problem.to_owned() };
+    let [view] = moving.views[..] else {
+        return Err(refused("view", "a moving picture has one view; 'all' is for .png"));
     };
     let Some(last) = scene.last_frame() else {
-        return Err(flag("output", "nothing moves without a plan: name a plan file, or write .png or .glb"));
+        let problem = "nothing moves without a plan: name a plan file, or write .png or .glb";
+        return Err(refused("output", problem));
     };
     let frames: Vec<usize> = (0..=last).collect();
     check_length(frames.len(), format, settings)?;
     let bar = progress::bar(frames.len() as u64, output.quiet);
     bar.set_message("pictures");
-    let file = &arguments.output;
     let counted = |picture| {
         bar.inc(1);
         Ok(picture)
     };
     if format == Format::Mp4 {
-        let film = Film { scene, view, settings, rate_hz: arguments.rate };
+        let film = Film { scene, view, settings, rate_hz };
         // A signal that ends this program ends the encoder too, whose failure is then not reported.
         film.write(&frames, file, || bar.inc(1)).inspect_err(|_| progress::await_end())?;
     } else if format == Format::Folder {
@@ -70,7 +77,7 @@ pub fn write(
         output_file::write_all(file, &pictures, output)?;
     } else {
         let pictures = Animation::draw(scene, view, settings, &frames, |_, picture| counted(picture))?;
-        let animation = Animation { pictures, rate_hz: arguments.rate };
+        let animation = Animation { pictures, rate_hz };
         if format == Format::Gif { animation.write_gif(file) } else { animation.write_apng(file) }?;
     }
     bar.finish_and_clear();

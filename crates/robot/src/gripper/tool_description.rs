@@ -1,8 +1,6 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{Robot, RobotError, RobotHand};
-
 /// Tool without pads that close along an axis, such as a suction cup or a hand with more than two fingers: `tool` in the
 /// `robot.yaml` of a robot. It is a body with a gripper frame. Its grasps come from files, and it carries nothing.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -16,29 +14,9 @@ pub struct ToolDescription {
     pub tip: Option<String>,
 }
 
-impl Robot {
-    /// Tool of the robot, if it has one instead of a hand ([`RobotDescription::tool`](crate::RobotDescription::tool)).
-    pub fn tool(&self) -> Option<&ToolDescription> {
-        self.tool.as_ref()
-    }
-
-    /// Returns the hand, for which grasps can be sampled.
-    ///
-    /// # Errors
-    /// [`RobotError::ToolGrasps`] for a robot with a tool, [`RobotError::NoHand`] for another one without a hand.
-    pub fn hand_with_pads(&self) -> Result<&RobotHand, RobotError> {
-        match (&self.hand, &self.tool) {
-            (_, Some(tool)) => Err(RobotError::ToolGrasps { tool: tool.name.clone() }),
-            (Some(hand), None) => Ok(hand),
-            (None, None) => Err(RobotError::NoHand { robot: self.name.clone() }),
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use super::*;
-    use crate::{FingerRange, HandDescription, RobotOptions, TextSource};
+    use crate::{FingerRange, HandDescription, Robot, RobotError, RobotOptions, TextSource};
 
     const URDF: &str = r#"<robot name="arm"><link name="base"/><link name="cup"/><link name="frame"/><link name="side"/>
         <joint name="slide" type="prismatic"><parent link="base"/><child link="cup"/><axis xyz="1 0 0"/>

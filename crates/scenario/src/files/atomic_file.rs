@@ -20,7 +20,10 @@ const CONTENT: &str = "content";
 /// [`ScenarioError::Unwritable`], also for a folder, a device, and a read-only file.
 pub fn write_whole_file(path: &Path, content: &[u8]) -> Result<(), ScenarioError> {
     write_whole_file_by(path, |partial| {
-        let written = File::create_new(partial).and_then(|mut file| file.write_all(content));
+        let written = File::create_new(partial).and_then(|mut file| {
+            file.write_all(content)?;
+            file.sync_all()
+        });
         written.map_err(|reason| ScenarioError::Unwritable { path: path.to_owned(), reason })
     })
 }
@@ -39,9 +42,7 @@ pub fn write_whole_file_by<E: From<ScenarioError>>(
     let staging = StagingFolder::beside(&place).map_err(unwritable)?;
     let partial = staging.path().join(CONTENT);
     fill(&partial)?;
-    let kept = File::options().write(true).open(&partial).and_then(|file| file.sync_all());
-    kept.and_then(|()| uninterrupted(|| fs::rename(&partial, &place))).map_err(unwritable)?;
-    Ok(())
+    Ok(uninterrupted(|| fs::rename(&partial, &place)).map_err(unwritable)?)
 }
 
 /// Checks that a file can be written at `path`, without touching an existing file.

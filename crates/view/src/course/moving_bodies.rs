@@ -74,11 +74,13 @@ impl BodyRecording {
     pub fn sampled(&self, rate_hz: f64) -> Self {
         /// Tolerance for rounding, as a share of the interval between two recorded instants.
         const ROUNDED: f64 = 1e-6;
+        /// More instants than [`within`] leaves.
+        const MOST_SAMPLES: u32 = 200_000;
         let (Some(first), Some(last)) = (self.times_s.first(), self.times_s.last()) else {
             return self.clone();
         };
         let rate_hz = within(rate_hz.min(MAX_SAMPLE_RATE_HZ), last - first);
-        let times_s: Vec<f64> = (0_u32..)
+        let times_s: Vec<f64> = (0..=MOST_SAMPLES)
             .map(|index| first + f64::from(index) / rate_hz)
             .take_while(|time_s| *time_s <= last + ROUNDED / rate_hz)
             .collect();

@@ -2,7 +2,7 @@ use cranny_shape::Solid;
 use cranny_spatial::{Point, Pose, Rotation, Vector};
 
 use crate::anatomy::{distance_m, extent_m};
-use crate::palm::LONGEST_FINGER_M;
+use crate::hand::palm::LONGEST_FINGER_M;
 
 /// Minimum distance between two sides that can hold an object, in metres.
 const LEAST_OPENING_M: f64 = 1e-3;

@@ -14,9 +14,9 @@ use cranny_shape::Solid;
 use cranny_spatial::{Point, Pose, Rotation, Vector};
 
 use crate::anatomy::{Anatomy, by_name, distance_m, middle, touch};
-use crate::grip_place::{Place, free_way_m, place, upright};
-use crate::palm::{LONGEST_FINGER_M, Palm, palm_link, palms};
-use crate::posture::Posture;
+use crate::hand::grip_place::{Place, free_way_m, place, upright};
+use crate::hand::palm::{LONGEST_FINGER_M, Palm, palm_link, palms};
+use crate::hand::posture::Posture;
 
 /// Detected hand.
 #[derive(Clone, Debug)]

@@ -16,11 +16,10 @@ use cranny_spatial::{Point, Pose, Rotation, Vector};
 use crate::SetupError;
 use crate::anatomy::{Anatomy, extent_m, middle};
 use crate::choice::Choice;
-use crate::draft::free_name;
-use crate::grip_place::{inset_m, upright};
-use crate::hand_guess::{finger_ends, palm_origin};
-use crate::palm::palms;
-use crate::posture::Posture;
+use crate::hand::grip_place::{inset_m, upright};
+use crate::hand::hand_guess::{finger_ends, palm_origin};
+use crate::hand::palm::palms;
+use crate::hand::posture::Posture;
 
 /// Distance of the gripper frame of a tool without fingers ahead of it, in metres: more than the gripper may be off a grasp.
 const AHEAD_M: f64 = 2e-3;
@@ -73,15 +72,13 @@ impl ToolGuess {
         let tip_z = |&finger: &usize| extent_m(&posture.solids(finger), &z);
         let hinge_z = |&finger: &usize| posture.origin(anatomy.bodies[finger].top).coords.dot(&z);
         let nearest = fingers.iter().map(|finger| (tip_z(finger), hinge_z(finger)));
-        let origin = match nearest.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(tip_z, _)| tip_z.is_finite()) {
-            Some((tip_z, hinge_z)) => {
-                let along = tip_z - inset_m(tip_z - hinge_z);
-                centre.coords + z * (along - centre.coords.dot(&z))
-            }
-            None => {
-                let middle_along = |axis: &Vector| 0.5 * (extent_m(&own, axis) - extent_m(&own, &-axis));
-                x * middle_along(&x) + y * middle_along(&y) + z * (extent_m(&own, &z) + AHEAD_M)
-            }
+        let nearest = nearest.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(tip_z, _)| tip_z.is_finite());
+        let origin = if let Some((tip_z, hinge_z)) = nearest {
+            let along = tip_z - inset_m(tip_z - hinge_z);
+            centre.coords + z * (along - centre.coords.dot(&z))
+        } else {
+            let middle_along = |axis: &Vector| 0.5 * (extent_m(&own, axis) - extent_m(&own, &-axis));
+            x * middle_along(&x) + y * middle_along(&y) + z * (extent_m(&own, &z) + AHEAD_M)
         };
         // Adding zero turns −0 into 0.
         let origin = origin.map(|length| (length * 1e5).round() / 1e5 + 0.0);
@@ -118,7 +115,7 @@ impl ToolGuess {
             choices.push(Choice::new("gripper frame", name.clone(), &why, otherwise));
             return Ok(name);
         }
-        let name = free_name(anatomy, "grasp_frame");
+        let name = anatomy.free_name("grasp_frame");
         *text = text.with_frame(&name, tool, &self.link_from_frame)?;
         let [x, y, z] = self.link_from_frame.translation.vector.map(|length| length * 1000.0).into();
         let place = if self.fingers == 0 { "just ahead of the tool" } else { "between the open fingers" };
