@@ -119,6 +119,7 @@ impl PyScenario {
             places: Vec::new(),
             tasks: Vec::new(),
             physics: BTreeMap::new(),
+            colours: BTreeMap::new(),
             joint_bounds: BTreeMap::new(),
             speeds: Vec::new(),
             export: None,

@@ -31,7 +31,7 @@ Tasks of a Cranny contributor
 Usage: cargo xtask <TASK>
 
 Tasks:
-  test           everything a change must pass: format, lints, tidy, tests, doc tests, glTF,
+  test           everything a change must pass: format, lints, tidy, tests, doc tests, glTF, films,
                  web (the viewer's page in a browser), C and C++, Python, pages
   test --long    the same, with the tests that have a longer form in it, the site, a report's LaTeX
                  compiled by pdflatex, a planner from a crate outside, checked arithmetic,

@@ -13,10 +13,10 @@ use crate::released_data;
 use crate::site;
 use crate::step::{self, Readiness, Record, Step, Surroundings};
 use crate::tidy;
-use crate::web::{self, gltf};
+use crate::web::{self, films, gltf};
 
 /// Checks of every run. A check that needs a tool of its own declares it in `needs`.
-const STEPS: [Step; 10] = [
+const STEPS: [Step; 11] = [
     Step {
         name: "format",
         needs: |here| component(here, "fmt", "rustfmt"),
@@ -39,6 +39,7 @@ const STEPS: [Step; 10] = [
         action: |here| step::succeed(here.cargo(&["test", "--release", "--doc", "--workspace"])),
     },
     Step { name: "glTF", needs: gltf::readiness, action: gltf::check },
+    Step { name: "films", needs: films::readiness, action: films::check },
     Step { name: "web", needs: web::readiness, action: web::check },
     Step { name: "C and C++", needs: c_api::readiness, action: c_api::check },
     Step { name: "Python", needs: python_package::readiness, action: python_package::check },

@@ -1,5 +1,6 @@
 //! Tests of the viewer's page: its types, its unit tests, its build, and the page with the program in a real browser.
 
+pub mod films;
 pub mod gltf;
 
 use std::path::PathBuf;

@@ -17,6 +17,8 @@ pub enum FileKind {
     Png,
     /// Animated GIF.
     Gif,
+    /// Film in the MP4 format.
+    Mp4,
     /// SVG drawing.
     Svg,
     /// PDF drawing for print.
@@ -65,6 +67,7 @@ impl FileKind {
             Self::Grasps => "file of grasps",
             Self::Png => "PNG picture",
             Self::Gif => "GIF picture",
+            Self::Mp4 => "MP4 film",
             Self::Svg => "SVG drawing",
             Self::Pdf => "PDF drawing",
             Self::Glb => "binary glTF",
@@ -84,7 +87,7 @@ impl FileKind {
         }
     }
 
-    /// Returns true if a file that begins with `head` is of this kind. PNG, GIF, SVG, PDF and glTF match files of any program,
+    /// Returns true if a file that begins with `head` is of this kind. PNG, GIF, MP4, SVG, PDF and glTF match files of any program,
     /// the other kinds only files of Cranny.
     pub fn is_that_of(self, head: &[u8]) -> bool {
         let text = String::from_utf8_lossy(head);
@@ -104,6 +107,8 @@ impl FileKind {
             Self::Grasps => text.starts_with("t00,t01,") || (16..=20).contains(&numbers(text)),
             Self::Png => head.starts_with(b"\x89PNG\r\n\x1a\n"),
             Self::Gif => head.starts_with(b"GIF8"),
+            // The length of the first box, then its kind (ISO/IEC 14496-12, §4.3).
+            Self::Mp4 => head.get(4..8) == Some(b"ftyp"),
             Self::Svg => (text.starts_with("<svg") || text.starts_with("<?xml")) && text.contains("<svg"),
             Self::Pdf => head.starts_with(b"%PDF-"),
             Self::Glb => head.starts_with(b"glTF"),

@@ -2,6 +2,7 @@
 
 pub(crate) mod page_task;
 pub(crate) mod render;
+pub(crate) mod render_film;
 pub(crate) mod render_format;
 pub(crate) mod render_sheet;
 pub(crate) mod robot_picture;

@@ -38,6 +38,13 @@ pub fn end_on_interrupt() {
     });
 }
 
+/// Returns when no signal has come; after one, waits until it ends the program.
+pub fn await_end() {
+    while STOP.load(Ordering::Relaxed) && !IS_HANDLED.load(Ordering::Relaxed) {
+        std::thread::sleep(CHECK_EVERY);
+    }
+}
+
 /// Returns the flag that Ctrl-C, SIGTERM and SIGHUP set, for a command that ends by itself and keeps what it has finished.
 pub fn stop_on_interrupt() -> Arc<AtomicBool> {
     IS_HANDLED.store(true, Ordering::Relaxed);

@@ -18,6 +18,7 @@ mod campaigns;
 mod cheating_planners;
 #[cfg(target_os = "linux")]
 mod cluster;
+mod colours;
 mod commands;
 #[cfg(target_os = "linux")]
 mod enclosed_planners;
@@ -44,6 +45,7 @@ mod serve;
 mod simulation;
 #[cfg(unix)]
 mod stopped;
+mod tools;
 mod trajectory;
 mod view;
 mod workshop;

@@ -66,6 +66,122 @@ fn a_plan_becomes_what_the_ending_of_the_file_says() {
 }
 
 #[test]
+fn a_film_has_the_pictures_of_its_rate_and_speed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    done(folder, &["plan", "021", "-o", "p.plan.json"]);
+    let count = |file: &str, more: &[&str]| {
+        let words =
+            ["render", "021", "p.plan.json", "--size", "32x24", "--samples", "1", "--rate", "5", "-o", file];
+        done(folder, &[&words[..], more].concat())["pictures"].as_u64().expect("a number")
+    };
+    let whole = count("a.gif", &[]);
+    assert_eq!(count("b.apng", &["--speed", "1"]), whole);
+    for (speed, file) in [("2", "c.gif"), ("0.5", "frames/"), ("4", "d.apng")] {
+        let factor: f64 = speed.parse().expect("a number");
+        let (expected, found) = ((whole - 1) as f64 / factor + 1.0, count(file, &["--speed", speed]) as f64);
+        assert!((found - expected).abs() <= 2.0, "{found} pictures instead of {expected} at speed {speed}");
+    }
+    done(folder, &["render", "021", "p.plan.json", "-o", "a.glb"]);
+    done(folder, &["render", "021", "p.plan.json", "-o", "b.glb", "--speed", "0.25"]);
+    let size = |file: &str| std::fs::metadata(folder.join(file)).expect("a file").len();
+    assert!(size("b.glb") > size("a.glb"), "a slower animation has more samples");
+    for speed in ["0", "-1", "0.009", "101", "nan", "inf", "fast"] {
+        refused(
+            folder,
+            &["render", "021", "p.plan.json", "-o", "x.gif", "--speed", speed],
+            &["--speed", speed, "0.01 to 100"],
+        );
+    }
+    for file in ["x.png", "x.html"] {
+        refused(folder, &["render", "021", "p.plan.json", "-o", file, "--speed", "2"], &["--speed", ".mp4"]);
+    }
+    refused(folder, &["render", "--all", "-o", "x.png", "--speed", "2"], &["--speed"]);
+}
+
+/// Writes a program `ffmpeg` to a folder of its own, and returns a `PATH` with it.
+#[cfg(unix)]
+fn path_with_ffmpeg(folder: &Path, script: &str) -> String {
+    use std::os::unix::fs::PermissionsExt;
+
+    let (bin, program) = (folder.join("bin"), folder.join("bin/ffmpeg"));
+    std::fs::create_dir_all(&bin).expect("a folder");
+    std::fs::write(&program, format!("#!/bin/sh\n{script}")).expect("written");
+    std::fs::set_permissions(&program, std::fs::Permissions::from_mode(0o755)).expect("a program");
+    format!("{}:/usr/bin:/bin", bin.display())
+}
+
+#[cfg(unix)]
+#[test]
+fn a_film_goes_through_ffmpeg_picture_by_picture() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let tools = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    done(folder, &["plan", "021", "-o", "p.plan.json"]);
+    let render = |path: &str, words: &[&str]| {
+        let mut command = Command::cargo_bin("cranny").expect("the program");
+        command.current_dir(folder).env("PATH", path).args([
+            "render",
+            "021",
+            "p.plan.json",
+            "--samples",
+            "1",
+        ]);
+        command.args(words).output().expect("it runs")
+    };
+    // It writes its input as it comes.
+    let copies = "echo \"$*\" > \"$0.words\"; for last; do :; done; cat > \"${last#file:}\"\n";
+    let path = path_with_ffmpeg(tools.path(), copies);
+    let output = render(&path, &["-o", "a.mp4", "--size", "80x60", "--rate", "3", "--json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let shown: serde_json::Value = serde_json::from_slice(&output.stdout).expect("one JSON document");
+    let count = shown["pictures"].as_u64().expect("a number");
+    assert!(count > 4 && shown["files"][0] == "a.mp4", "{shown}");
+    let whole = std::fs::read(folder.join("a.mp4")).expect("a film");
+    assert_eq!(whole.len() as u64, count * 80 * 60 * 3);
+    let words = std::fs::read_to_string(tools.path().join("bin/ffmpeg.words")).expect("its arguments");
+    for word in
+        ["-framerate 3 ", "-video_size 80x60", "rgb24", "yuv420p", "libx264", "-threads 1", "+bitexact"]
+    {
+        assert!(words.contains(word), "no '{word}' in: {words}");
+    }
+    // It fails at once, or in the middle, or is missing.
+    let fails = |script: &str, said: &str| {
+        let output = render(&path_with_ffmpeg(tools.path(), script), &["-o", "b.mp4", "--size", "160x120"]);
+        let error = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{error}");
+        assert!(
+            error.contains(&format!("b.mp4: ffmpeg failed: {said}\n")) && error.lines().count() == 1,
+            "{error}"
+        );
+    };
+    fails("echo \"[vost#0:0 @ 0x5] Unknown encoder 'libx264'\" >&2; exit 8\n", "Unknown encoder 'libx264'");
+    fails("head -c 100000 > /dev/null; exit 7\n", "ended with exit code 7");
+    fails("kill -9 $$\n", "ended by signal 9");
+    let output = render(&tools.path().display().to_string(), &["-o", "b.mp4"]);
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{error}");
+    assert!(error.contains("ffmpeg") && error.contains("PATH") && error.contains(".gif"), "{error}");
+    let output = render(&path, &["-o", "b.mp4", "--size", "81x60"]);
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        output.status.code() == Some(2) && error.contains("--size") && error.contains("82x60"),
+        "{error}"
+    );
+    // Nothing of the failures remains, and only a film is overwritten.
+    let names = || {
+        let entries = std::fs::read_dir(folder).expect("a folder");
+        let mut names: Vec<_> = entries.map(|entry| entry.expect("an entry").file_name()).collect();
+        names.sort();
+        names
+    };
+    assert_eq!(names(), ["a.mp4", "p.plan.json"]);
+    let output = render(&path, &["-o", "a.mp4", "--size", "80x60"]);
+    assert_eq!(output.status.code(), Some(2), "pictures without a header are no film");
+    assert!(std::fs::read(folder.join("a.mp4")).expect("a film") == whole);
+}
+
+#[test]
 fn a_scenario_without_a_plan_and_bare_way_points_are_drawn_too() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
@@ -133,7 +249,7 @@ fn what_cannot_be_drawn_is_refused_and_nothing_is_written() {
     let render =
         |arguments: &[&str], words: &[&str]| refused(folder, &[&["render"], arguments].concat(), words);
     render(&["099", "-o", "a.png"], &["099", "021"]);
-    render(&["021", "-o", "a.bmp"], &["--output", "a.bmp", ".png", ".glb"]);
+    render(&["021", "-o", "a.bmp"], &["--output", "a.bmp", ".png", ".mp4", ".glb"]);
     render(&["021", "-o", "a"], &["--output", "'a'"]);
     render(&["021", "-o", "no/such/a.png"], &["no/such"]);
     render(&["021", "-o", "."], &["plan"]);

@@ -22,7 +22,11 @@ fn stopped_after(seconds: f64, folder: &Path, arguments: &str) -> Output {
 }
 
 fn stopped_once(seconds: f64, folder: &Path, arguments: &str) -> Output {
-    let mut child = command(folder, arguments).spawn().expect("it starts");
+    stop_after(seconds, &mut command(folder, arguments))
+}
+
+fn stop_after(seconds: f64, command: &mut Command) -> Output {
+    let mut child = command.spawn().expect("it starts");
     // Its standard input must not end before it does: a command that reads from there would find an empty file.
     let _input = child.stdin.take();
     std::thread::sleep(Duration::from_secs_f64(seconds));
@@ -185,6 +189,12 @@ fn a_command_without_results_to_keep_ends_with_1_and_leaves_nothing() {
     let folder = folder.path();
     std::fs::write(folder.join("run.json"), long_recording()).expect("written");
     std::os::unix::fs::symlink("/dev/stdin", folder.join("wait.plan.json")).expect("a link");
+    let tools = tempfile::tempdir().expect("a folder");
+    let ffmpeg = tools.path().join("ffmpeg");
+    std::fs::write(&ffmpeg, "#!/bin/sh\nfor last; do :; done; cat > \"${last#file:}\"\n").expect("written");
+    let runs = std::os::unix::fs::PermissionsExt::from_mode(0o755);
+    std::fs::set_permissions(&ffmpeg, runs).expect("a program");
+    let path = format!("{}:/usr/bin:/bin", tools.path().display());
     let names = || {
         let entries = std::fs::read_dir(folder).expect("a folder");
         let mut names: Vec<_> = entries.map(|entry| entry.expect("an entry").file_name()).collect();
@@ -194,13 +204,14 @@ fn a_command_without_results_to_keep_ends_with_1_and_leaves_nothing() {
     let before = names();
     for arguments in [
         "render run.json -o run.gif --size 160x120",
+        "render run.json -o run.mp4 --size 160x120",
         "render run.json -o frames/",
         // These read a pipe that does not end.
         "verify 021 wait.plan.json",
         "simulate plan 021 wait.plan.json",
         "render 021 wait.plan.json -o 021.png",
     ] {
-        let output = stopped_once(1.0, folder, arguments);
+        let output = stop_after(1.0, command(folder, arguments).env("PATH", &path));
         let said = String::from_utf8_lossy(&output.stderr);
         assert_eq!((output.status.code(), &output.stdout[..]), (Some(1), &b""[..]), "{arguments}: {said}");
         assert!(said.contains("stopped"), "{arguments}: {said}");

@@ -133,7 +133,7 @@ fn parse(header: &CsvHeader, line: &str, place: usize) -> Result<Grasp, GraspErr
         }
         _ => return Err(GraspError::HalfRobust),
     };
-    Ok(Grasp { world_from_gripper, score, width_m, robust, load })
+    Ok(Grasp { world_from_gripper, score, width_m, robust, load, has_no_twin: false })
 }
 
 #[cfg(test)]
@@ -169,6 +169,7 @@ mod tests {
                 width_m: (index % 2 > 0).then_some(0.0647),
                 robust: (index % 5 > 0).then_some(RobustScore { trials: 32, held: index % 33 }),
                 load: (index % 7 > 0).then(|| 9.0 * random.uniform()),
+                has_no_twin: false,
             })
             .collect();
         let written = GraspSet::new(grasps).unwrap();

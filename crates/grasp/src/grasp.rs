@@ -19,17 +19,25 @@ pub struct Grasp {
     /// Factor by which gravity may grow before a pad slips, if computed: [`Load::at_rest`](crate::Load::at_rest).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub load: Option<f64>,
+    /// True if the grasp turned by 180° about the approach direction is another grasp, as for a tool without two equal pads: the
+    /// grasp is then its own twin.
+    #[serde(skip)]
+    pub has_no_twin: bool,
 }
 
 impl Grasp {
     /// Grasp of which only the pose of the gripper frame is known.
     pub fn at(world_from_gripper: Pose) -> Self {
-        Self { world_from_gripper, score: None, width_m: None, robust: None, load: None }
+        Self { world_from_gripper, score: None, width_m: None, robust: None, load: None, has_no_twin: false }
     }
 
-    /// Returns the grasp with the fingers exchanged: rotated by 180° about the approach direction.
+    /// Returns the grasp with the fingers exchanged: rotated by 180° about the approach direction. A grasp that
+    /// [has no twin](Self::has_no_twin) is returned unchanged.
     #[must_use]
     pub fn twin(&self) -> Self {
+        if self.has_no_twin {
+            return *self;
+        }
         let half_turn =
             Rotation::from_quaternion(cranny_spatial::nalgebra::Quaternion::new(0.0, 0.0, 0.0, 1.0));
         let mut twin = *self;
@@ -127,6 +135,13 @@ impl GraspSet {
         Self { grasps: self.grasps.iter().map(moved).collect() }
     }
 
+    /// Returns the grasps without twins, for a tool that is not symmetric under half a turn: `difference(g, g.twin()) = 0` holds
+    /// because `g.twin() = g`.
+    #[must_use]
+    pub fn without_twins(&self) -> Self {
+        Self { grasps: self.grasps.iter().map(|grasp| Grasp { has_no_twin: true, ..*grasp }).collect() }
+    }
+
     /// Returns the grasps with their score of this kind, if any, as their [`score`](Grasp::score). A load λ becomes the
     /// score λ / (1 + λ).
     #[must_use]
@@ -190,6 +205,17 @@ mod tests {
     fn grasp(score: Option<f64>) -> Grasp {
         let pose = Pose::new(Vector::new(0.1, 0.2, 0.3), Vector::new(0.4, -0.1, 0.9));
         Grasp { score, ..Grasp::at(pose) }
+    }
+
+    #[test]
+    fn a_grasp_without_a_twin_differs_from_its_half_turn() {
+        let with_twin = grasp(None);
+        let half_turn = with_twin.twin().world_from_gripper;
+        let set = GraspSet::new(vec![with_twin]).unwrap().without_twins();
+        let alone = set.grasps()[0];
+        assert_eq!(alone.twin(), alone);
+        assert!(with_twin.difference(&half_turn).rotation_rad < 1e-9);
+        assert!(alone.difference(&half_turn).rotation_rad > 3.1);
     }
 
     #[test]

@@ -449,6 +449,7 @@ fn scored(object_from_gripper: Pose, contacts: [Contact; 2], friction: f64) -> S
         width_m: Some((b.point_in_object - a.point_in_object).norm()),
         robust: None,
         load: None,
+        has_no_twin: false,
     };
     SampledGrasp { grasp, contacts }
 }

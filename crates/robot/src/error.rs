@@ -441,6 +441,18 @@ pub enum RobotError {
         /// Name of the robot.
         robot: String,
     },
+    /// The grasps of a tool cannot be sampled.
+    #[error("tool '{tool}' has no pads that close: grasps come from a file (grasps.csv), none are sampled")]
+    ToolGrasps {
+        /// Name of the tool.
+        tool: String,
+    },
+    /// A `robot.yaml` describes a hand and a tool.
+    #[error("{at}: a robot has a `hand`, whose pads close, or a `tool`, whose grasps are in files, not both")]
+    HandAndTool {
+        /// Location in the file.
+        at: Location,
+    },
     /// A folder does not describe a robot.
     #[error(
         "{}: the folder has no robot.yaml that names the URDF (`urdf: NAME.urdf`); `cranny robot add URDF` \

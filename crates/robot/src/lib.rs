@@ -44,6 +44,7 @@ pub use gripper::hand_joint::HandJoint;
 pub use gripper::holding::FARTHEST_HELD_M;
 pub use gripper::loose_links::Hold;
 pub use gripper::pad_distance::PadDistance;
+pub use gripper::tool_description::ToolDescription;
 pub use ik::ik_batch::{IK_BATCH, IkBatch};
 pub use ik::ik_search::{IkSearch, IkSearchSettings, solve_restarts};
 pub use ik::inverse_kinematics::{IkSettings, IkSolution, IkSolver};

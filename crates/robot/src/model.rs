@@ -9,7 +9,7 @@ use crate::chain::joint_group::JointValue;
 use crate::chain::joint_step::Step;
 use crate::gripper::loose_links::LooseLinks;
 use crate::link::{GroupJoint, Link, Mover};
-use crate::{JointLimits, LimitViolation, RobotHand, VirtualJoint};
+use crate::{JointLimits, LimitViolation, RobotError, RobotHand, ToolDescription, VirtualJoint};
 
 /// A robot: a tree of links, and a group of joints that moves them. Immutable; share it by reference or in an `Arc`.
 ///
@@ -31,6 +31,7 @@ pub struct Robot {
     pub(crate) tip: usize,
     pub(crate) hand_links: Vec<usize>,
     pub(crate) hand: Option<RobotHand>,
+    pub(crate) tool: Option<ToolDescription>,
     pub(crate) start: Option<Vec<f64>>,
     pub(crate) floor_m: Option<f64>,
     pub(crate) notes: Vec<String>,
@@ -137,6 +138,23 @@ impl Robot {
     /// Hand of the robot, if it is described ([`RobotDescription::hand`](crate::RobotDescription::hand)).
     pub fn hand(&self) -> Option<&RobotHand> {
         self.hand.as_ref()
+    }
+
+    /// Tool of the robot, if it has one instead of a hand ([`RobotDescription::tool`](crate::RobotDescription::tool)).
+    pub fn tool(&self) -> Option<&ToolDescription> {
+        self.tool.as_ref()
+    }
+
+    /// Returns the hand, for which grasps can be sampled.
+    ///
+    /// # Errors
+    /// [`RobotError::ToolGrasps`] for a robot with a tool, [`RobotError::NoHand`] for another one without a hand.
+    pub fn hand_with_pads(&self) -> Result<&RobotHand, RobotError> {
+        match (&self.hand, &self.tool) {
+            (_, Some(tool)) => Err(RobotError::ToolGrasps { tool: tool.name.clone() }),
+            (Some(hand), None) => Ok(hand),
+            (None, None) => Err(RobotError::NoHand { robot: self.name.clone() }),
+        }
     }
 
     /// Index of the root link: always 0. Its frame is the planning frame.

@@ -76,7 +76,7 @@ impl Scenario {
     /// Returns the scenario with other grasps; known IK solutions are dropped.
     #[must_use]
     pub fn with_grasps(&self, grasps: GraspSet) -> Self {
-        Self { grasps, has_grasp_set: true, ik: Vec::new(), ..self.clone() }
+        Self { grasps, has_grasp_set: true, ik: Vec::new(), ..self.clone() }.with_own_twins()
     }
 
     /// Returns the scenario without a set of grasps: planners compute their own. Known IK solutions are dropped.

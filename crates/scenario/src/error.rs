@@ -141,6 +141,14 @@ pub enum ScenarioError {
         /// Description of the fault, with a hint.
         problem: String,
     },
+    /// A colour in a file is invalid.
+    #[error("{at}: a colour is red, green and blue, each from 0 to 1, not {colour:?}")]
+    Colour {
+        /// Location in the file.
+        at: Location,
+        /// Stated colour.
+        colour: [f64; 3],
+    },
     /// A bound in a file is invalid.
     #[error("{at}: {problem}")]
     Bound {

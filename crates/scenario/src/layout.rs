@@ -8,6 +8,7 @@ pub(crate) mod model_world;
 pub(crate) mod open;
 pub(crate) mod own;
 pub(crate) mod own_bounds;
+pub(crate) mod own_colours;
 pub(crate) mod own_export;
 pub(crate) mod own_file;
 pub(crate) mod own_tasks;

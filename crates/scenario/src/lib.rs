@@ -27,7 +27,8 @@ pub use family::scene_scale::SceneScale;
 pub use family::set::{ArmDemand, ReachTest, Rejections, SetMaker, SetMember, SetSettings};
 pub use family::set_file::{SetProgress, SetReport, write_set, write_sweep};
 pub use files::atomic_file::{
-    check_free_folder, check_writable, put_in_place, write_whole_file, write_whole_folder,
+    check_free_folder, check_writable, put_in_place, write_whole_file, write_whole_file_by,
+    write_whole_folder,
 };
 pub use files::number_table::read_configurations;
 pub use files::staging_folder::StagingFolder;
@@ -62,6 +63,6 @@ pub use robot::gripper_file::read_gripper;
 pub use robot::hand::BlockedGripperFrame;
 pub use robot::opening::measured_opening_m;
 pub use robot::source::{RecipeRobot, RobotSource};
-pub use scenario::{Geometry, OpenOptions, Scenario};
+pub use scenario::{BodyColours, Geometry, OpenOptions, Scenario};
 pub use schema::SchemaFile;
 pub use stated_speed::StatedSpeed;

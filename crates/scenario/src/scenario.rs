@@ -16,6 +16,10 @@ use crate::{
     TargetPhysics,
 };
 
+/// Colours of bodies by name, one for each part: red, green and blue, 0 to 1, sRGB; `None` for a part without one. Bodies without
+/// any colour are left out.
+pub type BodyColours = BTreeMap<String, Vec<Option<[f64; 3]>>>;
+
 /// Scenario: robot, environment, target and grasps.
 #[derive(Clone, Debug)]
 pub struct Scenario {
@@ -49,6 +53,8 @@ pub struct Scenario {
     pub tasks: Vec<NamedTask>,
     /// Stated mass and friction of bodies other than the target, by name.
     pub physics: BTreeMap<String, TargetPhysics>,
+    /// Colours of bodies, for display.
+    pub colours: BodyColours,
     /// Stated bounds (m, rad) of joints of `robot` in addition to their limits, by name.
     pub joint_bounds: BTreeMap<String, [f64; 2]>,
     /// Default speeds of motions, used unless a plan specifies others; the entry for all motions comes first.
@@ -230,10 +236,18 @@ impl Scenario {
         Ok(Self { world, grasps: self.grasps.moved(&lower), places, ..self })
     }
 
+    /// Returns the scenario with grasps that suit its robot: half a turn of a tool is another grasp.
+    pub(crate) fn with_own_twins(self) -> Self {
+        if self.robot.tool().is_none() {
+            return self;
+        }
+        Self { grasps: self.grasps.without_twins(), ..self }
+    }
+
     /// Checks that the start, given in `file`, has one value per joint.
     pub(crate) fn with_checked_start(self, file: &str) -> Result<Self, ScenarioError> {
         if self.start.len() == self.robot.dof() {
-            return Ok(self);
+            return Ok(self.with_own_twins());
         }
         Err(ScenarioError::StartCount {
             file: file.to_owned(),

@@ -120,6 +120,13 @@ impl Anatomy {
         self.robot.ancestors(self.bodies[body].top).iter()
     }
 
+    /// Returns an unused link name.
+    pub fn free_name(&self, name: &str) -> String {
+        let numbered = (2..).map(|number: u32| format!("{name}_{number}"));
+        let mut names = std::iter::once(name.to_owned()).chain(numbered);
+        names.find(|name| self.robot.link_index(name).is_none()).unwrap_or_default()
+    }
+
     pub fn link_name(&self, link: usize) -> &str {
         &self.robot.links()[link].name
     }

@@ -1,19 +1,21 @@
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use cranny_robot::{
     HandDescription, JointKind, ModelText, ModelUse, MountingJoint, Robot, RobotError, RobotOptions,
-    TextSource, UrdfText,
+    TextSource, ToolDescription, UrdfText,
 };
 use cranny_scenario::MountedGripper;
 use cranny_spatial::Pose;
 
 use crate::anatomy::Anatomy;
 use crate::choice::Choice;
-use crate::hand_guess::{DEFAULT_FORCE_N, HandGuess, HandKind};
-use crate::marks::marks;
-use crate::palm::jaw_links;
+use crate::hand::hand_guess::{DEFAULT_FORCE_N, HandGuess, HandKind};
+use crate::hand::marks::marks;
+use crate::hand::palm::jaw_links;
+use crate::hand::tool_guess::ToolGuess;
 use crate::robot_folder::Written;
 use crate::setup_options::BASE_JOINT;
 use crate::{Base, SetupError, SetupOptions, xacro};
@@ -33,6 +35,9 @@ pub(crate) struct Draft<'a> {
     anatomy: Anatomy,
     pub choices: Vec<Choice>,
     pub hand: Option<HandDescription>,
+    pub tool: Option<ToolDescription>,
+    /// Values of joints that stand still: those of the fingers of a tool.
+    pub fixed: BTreeMap<String, f64>,
     /// Links whose meshes represent the solid they enclose.
     pub solid_meshes: Vec<String>,
     /// True if it is a hand without an arm.
@@ -63,6 +68,8 @@ impl<'a> Draft<'a> {
             anatomy,
             choices,
             hand: None,
+            tool: None,
+            fixed: BTreeMap::new(),
             solid_meshes: Vec::new(),
             is_alone: false,
         })
@@ -80,6 +87,10 @@ impl<'a> Draft<'a> {
             name.as_ref().map(|name| named_link(&self.anatomy, &self.file, name)).transpose()
         };
         let (palm, tip) = (link(&self.options.palm)?, link(&self.options.tip)?);
+        if let Some(tool) = link(&self.options.tool)? {
+            self.take_tool(tool, tip)?;
+            return Ok(None);
+        }
         let mut guess = HandGuess::of(&self.anatomy, palm);
         if self.leave_out_marks(guess.as_ref())? {
             guess = HandGuess::of(&self.anatomy, palm);
@@ -101,6 +112,20 @@ impl<'a> Draft<'a> {
             None if self.options.is_bare => Ok(None),
             None => self.mount_gripper(tip).map(Some),
         }
+    }
+
+    /// Takes a link as a tool, and adds its gripper frame as a link of the URDF.
+    fn take_tool(&mut self, link: usize, tip: Option<usize>) -> Result<(), SetupError> {
+        let name = self.anatomy.link_name(link).to_owned();
+        let guess = ToolGuess::of(&self.anatomy, link).ok_or_else(|| SetupError::NotThere {
+            file: self.file.clone(),
+            what: format!("link {name} has no geometry that shows where a tool points"),
+        })?;
+        self.is_alone = self.anatomy.joints_of(self.anatomy.body_of[link]).next().is_none();
+        let tip = guess.gripper_frame((&self.anatomy, link), tip, &mut self.text, &mut self.choices)?;
+        self.tool = Some(ToolDescription { name, tip: Some(tip) });
+        self.fixed = guess.open;
+        Ok(())
     }
 
     /// Returns true if a jaw is found once the meshes of the jaw, and of the palm that is rigid with the other jaw, represent
@@ -155,7 +180,8 @@ impl<'a> Draft<'a> {
             "hand",
             format!("none found: the built-in gripper ({}) is mounted on {name}", gripper.hand.name),
             "no link carries fingers that close towards each other",
-            "--bare leaves the arm as it is; --palm LINK names the link that carries the fingers; --tip LINK the flange",
+            "--bare leaves the arm as it is; --tool LINK names a suction cup or the like; --palm LINK the link that carries \
+             the fingers; --tip LINK the flange",
         ));
         Ok(gripper)
     }
@@ -349,7 +375,7 @@ fn describe(
             name
         }
         (None, None) => {
-            let name = free_name(anatomy, "grasp_frame");
+            let name = anatomy.free_name("grasp_frame");
             *text = text.with_frame(&name, &palm, &guess.palm_from_frame)?;
             let [x, y, z] = guess.palm_from_frame.translation.vector.map(|length| length * 1000.0).into();
             choices.push(Choice::new(
@@ -384,13 +410,6 @@ fn describe(
         closing_force_n: force_n,
         pads: None,
     })
-}
-
-/// Returns an unused link name.
-fn free_name(anatomy: &Anatomy, name: &str) -> String {
-    let numbered = (2..).map(|number: u32| format!("{name}_{number}"));
-    let mut names = std::iter::once(name.to_owned()).chain(numbered);
-    names.find(|name| anatomy.robot.link_index(name).is_none()).unwrap_or_default()
 }
 
 /// Returns the robot on a mobile base.

@@ -96,6 +96,10 @@ fn geometry(robot: &Robot) -> Option<Finding> {
 
 fn tip(robot: &Robot) -> Finding {
     let found = name(robot, robot.tip()).to_owned();
+    if robot.tool().is_some() {
+        let consequence = "the frame that is moved to grasps: z must be the approach direction";
+        return finding("gripper frame", found, consequence, false);
+    }
     let consequence = "the frame that is moved to grasps: y must be the axis on which the pads close, z the \
                        approach direction";
     finding("gripper frame", found, consequence, false)
@@ -104,6 +108,11 @@ fn tip(robot: &Robot) -> Finding {
 fn hand(robot: &Robot) -> Finding {
     let links: Vec<&str> = robot.hand_links().iter().map(|&link| name(robot, link)).collect();
     let links = links.join(", ");
+    if let Some(tool) = robot.tool() {
+        let consequence = "grasps from files are reached; none are sampled, as it has no pads that close, and nothing is \
+                           carried";
+        return finding("tool", format!("{}: {links}", tool.name), consequence, false);
+    }
     let Some(hand) = robot.hand() else {
         let consequence = "no joint is known to close it: grasps from files can be reached, but none sampled \
                            and nothing carried (`hand` in robot.yaml)";

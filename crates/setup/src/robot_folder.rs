@@ -6,7 +6,7 @@ use std::path::Path;
 
 use cranny_collision::UncheckedReason;
 use cranny_file::counted;
-use cranny_robot::{HandDescription, Robot};
+use cranny_robot::{HandDescription, Robot, ToolDescription};
 use cranny_scenario::ScenarioError;
 
 use crate::choice::Choice;
@@ -21,7 +21,10 @@ pub(crate) struct Written {
     pub srdf: Option<String>,
     pub tip: Option<String>,
     pub solid_meshes: Vec<String>,
+    /// Values of joints that stand still.
+    pub fixed: BTreeMap<String, f64>,
     pub hand: Option<HandDescription>,
+    pub tool: Option<ToolDescription>,
     pub floor_m: f64,
     pub start: BTreeMap<String, f64>,
     pub notes: Vec<String>,
@@ -62,12 +65,32 @@ impl Written {
                 let _ = writeln!(text, "  - {}", yaml_key(link));
             }
         }
+        if !self.fixed.is_empty() {
+            text.push_str("# The fingers stand open, in metres or radians.\nfixed:\n");
+            for (joint, value) in &self.fixed {
+                let _ = writeln!(text, "  {}: {value}", yaml_key(joint));
+            }
+        }
         if !self.start.is_empty() {
             text.push_str(
                 "# Where it starts unless a scenario says otherwise, in metres or radians.\nstart:\n",
             );
             for (joint, value) in &self.start {
                 let _ = writeln!(text, "  {}: {value}", yaml_key(joint));
+            }
+        }
+        if let Some(tool) = &self.tool {
+            let _ = writeln!(
+                text,
+                "# It has no pads that close along an axis: its grasps come from files.\ntool:\n  name: {}",
+                yaml_key(&tool.name)
+            );
+            if let Some(tip) = &tool.tip {
+                let _ = writeln!(
+                    text,
+                    "  # The gripper frame, to which grasps refer: z the approach direction.\n  tip: {}",
+                    yaml_key(tip)
+                );
             }
         }
         if let Some(hand) = &self.hand {

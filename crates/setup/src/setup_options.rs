@@ -18,6 +18,9 @@ pub struct SetupOptions {
     pub tip: Option<String>,
     /// Link that carries the fingers. Default: found by structure.
     pub palm: Option<String>,
+    /// Link that is a tool, such as a suction cup or the palm of a hand with more than two fingers: a body with a gripper frame,
+    /// whose grasps come from files. Default: a hand whose pads close along an axis is searched for.
+    pub tool: Option<String>,
     /// Motion of its root. Default: that of the URDF; a hand without an arm floats.
     pub base: Option<Base>,
     /// True if an arm without a hand gets no gripper. Default: it gets the built-in one.

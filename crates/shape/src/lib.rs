@@ -32,6 +32,7 @@ pub use inside::mesh_repairs::MeshRepairs;
 pub use inside::repair::RepairedMesh;
 pub use inside::same_place::VERTEX_MERGE_M;
 pub use loft::Loft;
+pub use mesh_files::mesh_colour::mesh_colour;
 pub use mesh_files::mesh_file::TriangleSoup;
 pub use mesh_files::painted_mesh::PaintedMesh;
 pub use mesh_files::painted_piece::PaintedPiece;

@@ -2,6 +2,7 @@
 
 pub(crate) mod collada;
 pub(crate) mod corner_tree;
+pub(crate) mod mesh_colour;
 pub(crate) mod mesh_file;
 pub(crate) mod mesh_size;
 pub(crate) mod msh;

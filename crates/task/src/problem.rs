@@ -452,6 +452,10 @@ impl Problem {
         }
         let (robot, start) = (self.robot.clone(), &mut self.start);
         robot.turn_into_limits(start);
+        // Half a turn of a tool is another grasp.
+        if let (Goal::Grasps(grasps), Some(_)) = (&mut self.goal, self.robot.tool()) {
+            *grasps = grasps.without_twins();
+        }
         if let Goal::Configurations(goals) = &mut self.goal {
             for goal in goals {
                 robot.wrap_towards(start, goal);

@@ -3,6 +3,7 @@
 pub(crate) mod camera;
 pub(crate) mod contact_sheet;
 pub(crate) mod draw_list;
+pub(crate) mod film_file;
 pub(crate) mod framing;
 pub(crate) mod ground;
 pub(crate) mod light;

@@ -59,6 +59,12 @@ pub enum ViewError {
         /// Message of the encoder.
         reason: String,
     },
+    /// The encoder of films is not installed.
+    #[error(
+        "a film in .mp4 is encoded by ffmpeg, which is not on the PATH: install it (Debian: apt install ffmpeg), or write a \
+         .gif or .apng"
+    )]
+    NoFilmEncoder,
     /// A recording has an invalid value.
     #[error("{}: {problem}", path.display())]
     Recording {

@@ -21,6 +21,7 @@ pub use course::shown_path::SampledPath;
 pub use course::tree_recording::TreeRecording;
 pub use cranny_local_server::ServerLimits;
 pub use drawing::camera::{Camera, StandardView};
+pub use drawing::film_file::Film;
 pub use drawing::picture::{Picture, PictureSettings, SeeThrough};
 pub use drawing::picture_file::Animation;
 pub use error::ViewError;

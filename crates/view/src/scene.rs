@@ -108,6 +108,20 @@ pub struct Track {
 }
 
 impl Scene {
+    /// Returns the scene with a motion that is faster by a factor greater than 0: each of its times is divided by it.
+    #[must_use]
+    pub fn at_speed(mut self, factor: f64) -> Self {
+        if let Some(motion) = &mut self.motion {
+            let times_s = motion.times_s.iter_mut().chain(&mut motion.waypoint_times_s);
+            times_s.for_each(|time_s| *time_s /= factor);
+            for shown in &mut motion.modes {
+                shown.from_s /= factor;
+                shown.until_s /= factor;
+            }
+        }
+        self
+    }
+
     /// Returns the pose of every node in the planning frame, at the instant `frame` of the motion or at the start.
     ///
     /// # Panics

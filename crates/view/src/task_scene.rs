@@ -1,7 +1,7 @@
 use std::collections::HashMap;
 
 use cranny_collision::Body;
-use cranny_scenario::{ObjectType, Scenario};
+use cranny_scenario::{BodyColours, ObjectType, Scenario};
 use cranny_shape::TriangleSoup;
 use cranny_spatial::{Point, Pose, Vector};
 use cranny_task::Mode;
@@ -62,7 +62,7 @@ impl Scene {
         let carried = scene.add_robot(scenario, path)?;
         let objects: Vec<&str> =
             path.iter().flat_map(|path| &path.carries).map(|carry| carry.object.as_str()).collect();
-        scene.add_bodies(scenario.world.bodies(), scenario.target);
+        scene.add_bodies(scenario.world.bodies(), scenario.target, &scenario.colours);
         scene.carry(scenario, &objects, &carried);
         scene.add_grasps(scenario, path.and_then(|path| path.grasp), settings.grasps);
         scene.add_gripper_path();
@@ -98,7 +98,10 @@ impl Scene {
     /// Creates the scene of an object on the ground, in its most probable stable pose.
     pub fn of_object(object: &ObjectType) -> Self {
         let mut scene = Self { name: object.name.clone(), ..Self::default() };
-        let pieces = painted(&object.name, &object.mesh, &mut scene);
+        let pieces = match object.colour {
+            Some(colour) => vec![scene.coloured(&object.name, &object.mesh, colour)],
+            None => painted(&object.name, &object.mesh, &mut scene),
+        };
         let mesh = scene.mesh(object.name.clone(), pieces);
         let stable = object.stable_poses.first().map_or_else(Pose::identity, |pose| pose.ground_from_body);
         scene.nodes.push(Node {
@@ -183,26 +186,35 @@ impl Scene {
         }
     }
 
-    /// Adds the bodies of a world, `target` among them.
-    pub(crate) fn add_bodies(&mut self, bodies: &[Body], target: Option<usize>) {
+    /// Adds the bodies of a world, `target` among them, in their own colours, or else in those of their kinds.
+    pub(crate) fn add_bodies(&mut self, bodies: &[Body], target: Option<usize>, colours: &BodyColours) {
         let mut kinds = HashMap::new();
         for (index, body) in bodies.iter().enumerate() {
             let is_target = target == Some(index);
-            for part in &body.parts {
+            let own = colours.get(&body.name).map_or(&[][..], Vec::as_slice);
+            for (place, part) in body.parts.iter().enumerate() {
                 let Some(soup) = part.solid.tessellation() else {
                     self.world_from_floor = Some(part.world_from_solid);
                     continue;
                 };
-                let (pieces, role) = if is_target {
-                    (painted(&body.name, &soup, self), Role::Target)
-                } else {
-                    (self.obstacle(&body.name, &soup, &mut kinds), Role::Obstacle(index))
+                let role = if is_target { Role::Target } else { Role::Obstacle(index) };
+                let pieces = match own.get(place) {
+                    Some(Some(colour)) => vec![self.coloured(&body.name, &soup, *colour)],
+                    _ if is_target => painted(&body.name, &soup, self),
+                    _ => self.obstacle(&body.name, &soup, &mut kinds),
                 };
                 let mesh = Some(self.mesh(body.name.clone(), pieces));
                 let parent_from_node = part.world_from_solid;
                 self.nodes.push(Node { name: body.name.clone(), parent: None, parent_from_node, mesh, role });
             }
         }
+    }
+
+    /// Creates a piece in a colour of a file: red, green and blue, 0 to 1, sRGB.
+    pub(crate) fn coloured(&mut self, name: &str, soup: &TriangleSoup, colour: [f64; 3]) -> MeshPiece {
+        let matt = Material::matt(name, Colour::srgb(colour));
+        let material = self.material(Material { roughness: 0.6, ..matt });
+        MeshPiece::of_soup(soup, material)
     }
 
     /// Creates the pieces of an obstacle. Obstacles of one kind share a colour; `kinds` numbers the kinds seen before.

@@ -7,7 +7,7 @@ use cranny_robot::{Robot, RobotOptions};
 use cranny_scenario::{OpenOptions, Scenario};
 use cranny_solve::Timing;
 use cranny_test_robots::SLIDE;
-use cranny_view::{Role, SampledPath, Scene, SceneSettings, ViewError};
+use cranny_view::{Colour, Role, SampledPath, Scene, SceneSettings, ViewError};
 
 fn scenario(id: &str) -> Scenario {
     Scenario::open(id, &OpenOptions::default()).expect("a built-in scenario")
@@ -28,6 +28,37 @@ fn trajectory(scenario: &Scenario, waypoints: &[Vec<f64>]) -> Option<Trajectory>
 fn shown(scenario: &Scenario, waypoints: &[Vec<f64>], rate_hz: f64) -> SampledPath {
     let trajectory = trajectory(scenario, waypoints);
     SampledPath::of(&scenario.robot, waypoints, trajectory.as_ref(), rate_hz).unwrap().unwrap()
+}
+
+#[test]
+fn parts_have_their_own_colours_or_those_of_their_kind() {
+    let mut scenario = scenario("021");
+    let material_of = |scene: &Scene, name: &str, nth: usize| {
+        let node = scene.nodes.iter().filter(|node| node.name == name).nth(nth).unwrap();
+        scene.materials[scene.meshes[node.mesh.unwrap()].pieces[0].material].clone()
+    };
+    let before = Scene::of_task(&scenario, None, &SceneSettings::default()).unwrap();
+    scenario.colours.insert("table".to_owned(), vec![None, Some([1.0, 0.0, 0.0])]);
+    scenario.colours.insert("ball".to_owned(), vec![Some([0.0, 0.0, 1.0])]);
+    let scene = Scene::of_task(&scenario, None, &SceneSettings::default()).unwrap();
+    assert_eq!(material_of(&scene, "table", 1).colour, Colour([1.0, 0.0, 0.0]));
+    for part in [0, 2] {
+        assert_eq!(material_of(&scene, "table", part), material_of(&before, "table", part));
+    }
+    assert_eq!(material_of(&scene, "ball", 0).colour, Colour([0.0, 0.0, 1.0]));
+}
+
+#[test]
+fn a_faster_scene_has_the_same_motion_in_less_time() {
+    let scenario = scenario("021");
+    let path = shown(&scenario, &moved(&scenario), 10.0);
+    let scene = Scene::of_task(&scenario, Some(&path), &SceneSettings::default()).unwrap();
+    let faster = scene.clone().at_speed(4.0).motion.unwrap();
+    let motion = scene.motion.unwrap();
+    assert_eq!(faster.tracks, motion.tracks);
+    assert!(
+        faster.times_s.iter().zip(&motion.times_s).all(|(fast, time_s)| (4.0 * fast - time_s).abs() < 1e-12)
+    );
 }
 
 #[test]

@@ -51,7 +51,7 @@ impl PyGrasps {
         for (index, world_from_gripper) in poses.into_iter().enumerate() {
             let robust = robust(index, robust_scores[index], robust_trials[index])?;
             let (score, width_m, load) = (scores[index], widths[index], loads[index]);
-            grasps.push(Grasp { world_from_gripper, score, width_m, robust, load });
+            grasps.push(Grasp { world_from_gripper, score, width_m, robust, load, has_no_twin: false });
         }
         Ok(Self { set: GraspSet::new(grasps).map_err(fault)? })
     }
@@ -169,6 +169,7 @@ pub fn restored_grasps(rows: &Bound<'_, PyAny>) -> PyResult<PyGrasps> {
             width_m,
             robust: robust(index, robust_score, robust_trials)?,
             load,
+            has_no_twin: false,
         });
     }
     Ok(PyGrasps { set: GraspSet::new(grasps).map_err(fault)? })

@@ -175,6 +175,9 @@ impl Subject {
             Some(given) => given,
             None if scenario.robot.hand().is_some() => robot_hand(&scenario.robot),
             None => {
+                if scenario.robot.tool().is_some() {
+                    scenario.robot.hand_with_pads().map_err(ScenarioError::from)?;
+                }
                 let problem = format!(
                     "no file of the scenario states the opening of the gripper of {}: give the gripper as \
                      YAML, or write a robot.yaml beside the URDF",

@@ -305,10 +305,11 @@ fn filter(arguments: &FilterArguments, output: Output) -> Result<Answer, Failure
         output_file::check(path, FileKind::Grasps, output)?;
     }
     let scenario = Scenario::open(&arguments.id, &OpenOptions::default())?;
-    let set = match &arguments.grasps {
-        Some(path) => read_csv(path).map_err(ScenarioError::from)?,
-        None => scenario.grasps.clone(),
+    let scenario = match &arguments.grasps {
+        Some(path) => scenario.with_grasps(read_csv(path).map_err(ScenarioError::from)?),
+        None => scenario,
     };
+    let set = &scenario.grasps;
     let hand = robot_hand(&scenario.robot);
     let filter = HandFilter::new(&hand, scenario.world.clone(), arguments.approach / 1000.0)
         .map_err(ScenarioError::from)?;

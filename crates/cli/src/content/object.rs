@@ -6,7 +6,7 @@ use cranny_scenario::{
     DEFAULT_FRICTION, OBJECT_FILE, ObjectSettings, ObjectType, RestingPose, ScenarioError, builtin_object,
     builtin_object_names, check_free_folder, write_whole_file, write_whole_folder,
 };
-use cranny_shape::{DecompositionSettings, RepairedMesh, TriangleSoup, VolumeError};
+use cranny_shape::{DecompositionSettings, RepairedMesh, TriangleSoup, VolumeError, mesh_colour};
 use cranny_spatial::Vector;
 use cranny_view::{Picture, PictureSettings, Scene, StandardView};
 use serde::Serialize;
@@ -222,7 +222,8 @@ fn add(arguments: &AddArguments, output: Output) -> Result<Answer, Failure> {
     let soup = TriangleSoup::load(&arguments.mesh, Vector::repeat(arguments.scale));
     let made = soup.map_err(ScenarioError::from).and_then(|soup| ObjectType::from_mesh(&soup, &settings));
     spinner.finish_and_clear();
-    let (object, repaired) = made.map_err(|fault| fault.in_mesh(&arguments.mesh))?;
+    let (mut object, repaired) = made.map_err(|fault| fault.in_mesh(&arguments.mesh))?;
+    object.colour = mesh_colour(&arguments.mesh);
     written(Shown { repaired: Some(repaired), ..Shown::of(&object) }, &object, folder, output)
 }
 

@@ -45,9 +45,10 @@ pub enum RobotCommand {
   cranny robot add arm.urdf.xacro --xacro side=left --xacro reach=0.4
   cranny robot add rover.urdf --base planar                           let it drive
   cranny robot add arm.urdf --palm tool0 --tip gripper_frame
+  cranny robot add arm.urdf --tool suction_cup                        for grasps from files
 
 It never asks: it chooses, and says what, why, and how to choose otherwise. The folder holds the URDF with its meshes,
-robot.yaml (hand, start), limits.yaml and an SRDF; each can be changed. Then:
+robot.yaml (hand or tool, start), limits.yaml and an SRDF; each can be changed. Then:
   cranny robot check my_arm --picture my_arm.png
   cranny scenario generate --family table --count 1 --robot my_arm -o cell
   cranny plan cell/table-00000")]
@@ -68,13 +69,17 @@ pub struct AddArguments {
     /// Argument of a xacro file; repeatable
     #[arg(long, value_name = "NAME=VALUE")]
     pub xacro: Vec<String>,
-    /// Gripper frame: between the pads, y the axis on which they close, z the approach direction [default: determined
+    /// Gripper frame: between the pads, y the axis on which they close, z the approach direction; of a tool, z alone [default: determined
     /// automatically]
     #[arg(long, value_name = "LINK")]
     pub tip: Option<String>,
     /// Link that carries the fingers [default: determined automatically]
     #[arg(long, value_name = "LINK")]
     pub palm: Option<String>,
+    /// Link that grasps without pads that close along an axis: a suction cup, or the palm of a hand with more than two fingers.
+    /// Grasps for it come from files
+    #[arg(long, value_name = "LINK", conflicts_with_all = ["palm", "bare"])]
+    pub tool: Option<String>,
     /// Motion of the root link [default: as in the URDF; a hand without an arm flies]
     #[arg(long, value_name = "HOW")]
     pub base: Option<BaseName>,
@@ -202,6 +207,7 @@ fn add(arguments: &AddArguments, output: Output) -> Result<Answer, Failure> {
         xacro: arguments.xacro.clone(),
         tip: arguments.tip.clone(),
         palm: arguments.palm.clone(),
+        tool: arguments.tool.clone(),
         base: arguments.base.map(|base| match base {
             BaseName::Own => Base::Own,
             BaseName::Planar => Base::Planar,

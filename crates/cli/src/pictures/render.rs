@@ -7,8 +7,7 @@ use cranny_record::{PlanFile, read_waypoints};
 use cranny_scenario::{GivenGrasps, OpenOptions};
 use cranny_solve::Timing;
 use cranny_view::{
-    Animation, Camera, PageServer, Picture, PictureSettings, SampledPath, Scene, SceneSettings, SeeThrough,
-    StandardView,
+    Camera, PageServer, Picture, PictureSettings, SampledPath, Scene, SceneSettings, SeeThrough, StandardView,
 };
 use serde::Serialize;
 use strum::VariantArray as _;
@@ -16,14 +15,14 @@ use strum::VariantArray as _;
 use crate::arguments::Output;
 use crate::choices::GeometryArgument;
 use crate::failure::Failure;
-use crate::file_kind::FileKind;
-use crate::output_file::{self, NamedFile};
+use crate::output_file;
 use crate::physics::recording;
 use crate::pictures::page_task::{PageRequest, PageTask};
+use crate::pictures::render_film::{self, MovingPicture};
 use crate::pictures::render_format::Format;
 use crate::planning::plan_task::{check_plan, read_plan};
 use crate::planning::task::open_scenario;
-use crate::{Answer, progress, text};
+use crate::{Answer, text};
 
 #[derive(Clone, Debug, Args)]
 #[command(after_help = "Examples:
@@ -31,6 +30,7 @@ use crate::{Answer, progress, text};
   cranny render 021 021.plan.json -o 021.png                 the end of a plan, with the way to it
   cranny render 021 021.plan.json --view all -o views.png    from four sides
   cranny render 021 021.plan.json -o 021.gif                 a moving picture, also .apng
+  cranny render 021 021.plan.json -o 021.mp4 --speed 0.5     a film at half the speed, encoded by ffmpeg
   cranny render 021 021.plan.json -o frames/                 its pictures one by one
   cranny render 021 021.plan.json -o 021.glb                 animated glTF, for three.js or Blender
   cranny render 021 021.plan.json -o 021.html                what `cranny view` shows, in one file to send
@@ -38,7 +38,7 @@ use crate::{Answer, progress, text};
   cranny render run.json -o run.gif                          a recording of `cranny simulate … --record`
 
 What is written is said by the ending of FILE. No graphics card is needed, and the same command writes
-the same bytes on any machine.")]
+the same bytes on any machine; an .mp4 also depends on the version of ffmpeg.")]
 pub struct RenderArguments {
     /// Built-in scenario, or the folder of one; or a recording (.json)
     #[arg(value_name = "ID|RECORDING", required_unless_present = "all")]
@@ -46,7 +46,7 @@ pub struct RenderArguments {
     /// Plan file (.plan.json) or way points (.csv, .try), several for .html; with --all a folder of plan files ID.plan.json
     #[arg(value_name = "PLAN")]
     pub plans: Vec<PathBuf>,
-    /// File to write, with its format: .png, .gif, .apng, .glb, .html, or a folder (with a / at its end) for single pictures
+    /// File to write, with its format: .png, .gif, .apng, .mp4, .glb, .html, or a folder (with a / at its end) for single pictures
     #[arg(long, short, value_name = "FILE")]
     pub output: PathBuf,
     /// Render a contact sheet of all built-in scenarios
@@ -76,6 +76,9 @@ pub struct RenderArguments {
     /// Frame rate of an animation in Hz, 1 to 50
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u16).range(1..=50))]
     pub rate: u16,
+    /// Playback speed of an animation, 0.01 to 100: 1 is real time, 2 twice as fast [default: 1]
+    #[arg(long, value_name = "FACTOR", value_parser = speed, allow_negative_numbers = true)]
+    pub speed: Option<f64>,
     /// Antialiasing samples per pixel
     #[arg(long, value_name = "N", default_value = "4", value_parser = ["1", "4", "8"])]
     pub samples: String,
@@ -137,12 +140,6 @@ pub const GLTF_RATE_HZ: f64 = 30.0;
 /// Maximum number of ghost poses; more would hide the path.
 const MOST_GHOSTS: i64 = 100;
 
-/// Maximum number of frames of a motion: some minutes at the highest rate.
-const MOST_PICTURES: usize = 10_000;
-
-/// Maximum total number of pixels of an animation in one file, all in memory: 1.5 GB.
-const MOST_MOVING_POINTS: usize = 500_000_000;
-
 pub fn run(arguments: &RenderArguments, registry: &Registry, output: Output) -> Result<Answer, Failure> {
     let format = Format::of(&arguments.output)?;
     // Checked before rendering; files in a folder are checked when their names are known.
@@ -160,6 +157,12 @@ pub fn run(arguments: &RenderArguments, registry: &Registry, output: Output) -> 
             return Err(flag(
                 "time",
                 "one moment is shown in a still picture: give -o a name that ends in .png",
+            ));
+        }
+        (Some(_), Format::Png | Format::Html) if arguments.speed.is_some() => {
+            return Err(flag(
+                "speed",
+                "a film has a speed: give -o a name that ends in .gif, .apng, .mp4, .glb or /",
             ));
         }
         (Some(id), _) => one(id, arguments, format, registry, output)?,
@@ -200,20 +203,22 @@ fn one(
     output: Output,
 ) -> Result<Rendered, Failure> {
     let is_moving = format.is_moving();
-    let rate_hz = if is_moving { f64::from(arguments.rate) } else { GLTF_RATE_HZ };
+    let speed = arguments.speed.unwrap_or(1.0);
+    let rate_hz = if is_moving { f64::from(arguments.rate) } else { GLTF_RATE_HZ } / speed;
+    let (width, height) = arguments.size.unwrap_or(if is_moving { (640, 480) } else { (1280, 960) });
+    render_film::check(format, (width, height))?;
     let plan = arguments.plans.first().map(PathBuf::as_path);
     let scene = match recording::file_of(id) {
         Some(file) => recorded(file, arguments, is_moving.then_some(rate_hz))?,
         None => scene(id, plan, arguments, rate_hz, output)?,
     };
-    let (width, height) = arguments.size.unwrap_or(if is_moving { (640, 480) } else { (1280, 960) });
     let settings = settings(&scene, arguments, (width, height), if is_moving { 0 } else { 3 })?;
     let seen_through = scene.seen_through(&arguments.view.views(), &settings);
     let mut rendered = Rendered { triangles: scene.triangle_count(), seen_through, ..Rendered::default() };
     let file = &arguments.output;
     match format {
         Format::Glb => {
-            scene.write_glb(file)?;
+            scene.at_speed(speed).write_glb(file)?;
             rendered.seen_through.clear();
             rendered.files.push(file.clone());
         }
@@ -223,8 +228,15 @@ fn one(
             rendered = Rendered { pictures: 1, width: picture.width(), height: picture.height(), ..rendered };
             rendered.files.push(file.clone());
         }
-        Format::Gif | Format::Apng | Format::Folder => {
-            let count = moving(&scene, arguments, format, &settings, output)?;
+        Format::Gif | Format::Apng | Format::Mp4 | Format::Folder => {
+            let moving = MovingPicture {
+                scene: &scene,
+                settings: &settings,
+                views: arguments.view.views(),
+                rate_hz: arguments.rate,
+                format,
+            };
+            let count = render_film::write(&moving, file, output)?;
             rendered = Rendered { pictures: count, width, height, ..rendered };
             rendered.files.push(file.clone());
         }
@@ -268,45 +280,6 @@ fn views(scene: &Scene, arguments: &RenderArguments, settings: &PictureSettings)
     Ok(Picture::sheet(&pictures, 2))
 }
 
-/// Renders the motion and returns the number of frames.
-fn moving(
-    scene: &Scene,
-    arguments: &RenderArguments,
-    format: Format,
-    settings: &PictureSettings,
-    output: Output,
-) -> Result<usize, Failure> {
-    let [view] = arguments.view.views()[..] else {
-        return Err(flag("view", "a moving picture has one view; 'all' is for .png"));
-    };
-    let Some(last) = scene.last_frame() else {
-        return Err(flag("output", "nothing moves without a plan: name a plan file, or write .png or .glb"));
-    };
-    let frames: Vec<usize> = (0..=last).collect();
-    check_length(frames.len(), format, settings)?;
-    let bar = progress::bar(frames.len() as u64, output.quiet);
-    bar.set_message("pictures");
-    let file = &arguments.output;
-    if format == Format::Folder {
-        let pictures = Animation::draw(scene, view, settings, &frames, |place, picture| {
-            bar.inc(1);
-            let name = format!("{place:04}.png");
-            let content = picture.png(&file.join(&name))?;
-            Ok(NamedFile { name, kind: FileKind::Png, content })
-        })?;
-        output_file::write_all(file, &pictures, output)?;
-    } else {
-        let pictures = Animation::draw(scene, view, settings, &frames, |_, picture| {
-            bar.inc(1);
-            Ok(picture)
-        })?;
-        let animation = Animation { pictures, rate_hz: arguments.rate };
-        if format == Format::Gif { animation.write_gif(file) } else { animation.write_apng(file) }?;
-    }
-    bar.finish_and_clear();
-    Ok(frames.len())
-}
-
 /// Returns the scene of a recording, sampled at the frame rate.
 fn recorded(file: &Path, arguments: &RenderArguments, rate_hz: Option<f64>) -> Result<Scene, Failure> {
     let recording = recording::read(
@@ -317,7 +290,7 @@ fn recorded(file: &Path, arguments: &RenderArguments, rate_hz: Option<f64>) -> R
             ("the plan", !arguments.plans.is_empty()),
         ],
     )?;
-    let recording = rate_hz.map_or_else(|| recording.clone(), |rate_hz| recording.thinned(rate_hz));
+    let recording = rate_hz.map_or_else(|| recording.clone(), |rate_hz| recording.sampled(rate_hz));
     Ok(Scene::of_moving_bodies(&recording))
 }
 
@@ -393,25 +366,6 @@ fn frame_at(scene: &Scene, time_s: f64) -> Result<usize, Failure> {
     Ok(times_s.partition_point(|&instant| instant < time_s).min(times_s.len() - 1))
 }
 
-/// Refuses a motion with more frames than can be drawn, or kept in memory until they are written.
-fn check_length(count: usize, format: Format, settings: &PictureSettings) -> Result<(), Failure> {
-    let points = count.saturating_mul(settings.width * settings.height);
-    if count > MOST_PICTURES {
-        let problem =
-            format!("the motion has {count} pictures, but at most {MOST_PICTURES} are drawn: lower it");
-        return Err(Failure::Flag { flag: "rate", problem });
-    }
-    if format != Format::Folder && points > MOST_MOVING_POINTS {
-        let problem = format!(
-            "{count} pictures of {} × {} pixels are too large for one file, which holds {MOST_MOVING_POINTS} \
-             pixels at most: lower it or --rate, or write a folder",
-            settings.width, settings.height
-        );
-        return Err(Failure::Flag { flag: "size", problem });
-    }
-    Ok(())
-}
-
 pub fn flag(flag: &'static str, problem: &str) -> Failure {
     Failure::Flag { flag, problem: problem.to_owned() }
 }
@@ -436,6 +390,13 @@ fn direction(text: &str) -> Result<(f64, f64), String> {
     numbers.filter(is_direction).ok_or_else(|| {
         format!("'{text}' is not a valid direction: expected two angles in degrees, such as -75,22")
     })
+}
+
+fn speed(text: &str) -> Result<f64, String> {
+    let speed: Option<f64> = text.parse().ok();
+    speed
+        .filter(|speed| (0.01..=100.0).contains(speed))
+        .ok_or_else(|| format!("'{text}' is not a valid speed: expected a factor from 0.01 to 100"))
 }
 
 fn seconds(text: &str) -> Result<f64, String> {

@@ -10,6 +10,7 @@ pub enum Format {
     Png,
     Gif,
     Apng,
+    Mp4,
     Glb,
     Html,
     Folder,
@@ -26,12 +27,13 @@ impl Format {
             "png" => Ok(Self::Png),
             "gif" => Ok(Self::Gif),
             "apng" => Ok(Self::Apng),
+            "mp4" => Ok(Self::Mp4),
             "glb" => Ok(Self::Glb),
             "html" => Ok(Self::Html),
             _ => {
                 let text = file.display();
                 let problem = format!(
-                    "unknown ending of '{text}' (known: .png, .gif, .apng, .glb, .html and / for a folder)"
+                    "unknown ending of '{text}' (known: .png, .gif, .apng, .mp4, .glb, .html and / for a folder)"
                 );
                 Err(Failure::Flag { flag: "output", problem })
             }
@@ -43,6 +45,7 @@ impl Format {
         match self {
             Self::Png | Self::Apng => Some(FileKind::Png),
             Self::Gif => Some(FileKind::Gif),
+            Self::Mp4 => Some(FileKind::Mp4),
             Self::Glb => Some(FileKind::Glb),
             Self::Html => Some(FileKind::ViewerPage),
             Self::Folder => None,
@@ -51,6 +54,6 @@ impl Format {
 
     /// Returns true if the output has several frames.
     pub fn is_moving(self) -> bool {
-        matches!(self, Self::Gif | Self::Apng | Self::Folder)
+        matches!(self, Self::Gif | Self::Apng | Self::Mp4 | Self::Folder)
     }
 }

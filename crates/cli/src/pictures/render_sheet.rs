@@ -23,6 +23,9 @@ pub fn run(arguments: &RenderArguments, output: Output) -> Result<Answer, Failur
     if format != Format::Png {
         return Err(flag("all", "a sheet is a picture: give -o a name that ends in .png"));
     }
+    if arguments.speed.is_some() {
+        return Err(flag("speed", "a film has a speed, but --all draws still pictures"));
+    }
     let entries: Vec<_> = cranny_scenario::built_in().collect();
     let bar = progress::bar(entries.len() as u64, output.quiet);
     bar.set_message("scenarios");

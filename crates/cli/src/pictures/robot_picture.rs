@@ -14,13 +14,18 @@ const SIDE: usize = 560;
 /// Drawn length of the axes of the gripper frame, in metres.
 const AXES_M: f64 = 0.06;
 
-/// Writes a sheet of four pictures: the robot at its start from two sides, its hand open and closed with the gripper frame.
+/// Writes a sheet of four pictures: the robot at its start from two sides, its hand open and closed with the gripper frame, or
+/// its tool with it.
 pub fn write(what: &Path, recipe: &RecipeRobot, file: &Path) -> Result<(), Failure> {
     let mut pictures = Vec::new();
     let (open_scene, open) = scene(recipe)?;
     for (title, view) in [("at its start", StandardView::ThreeQuarter), ("from the side", StandardView::Side)]
     {
         pictures.push((title.to_owned(), Picture::of(&open_scene, view, &settings())?));
+    }
+    if recipe.robot.tool().is_some() {
+        pictures.push(("tool".to_owned(), hand(&open_scene, &open)?));
+        return Ok(Picture::sheet(&pictures, 2).write_png(file)?);
     }
     pictures.push(("hand, open".to_owned(), hand(&open_scene, &open)?));
     let fingers = recipe.robot.hand().map(|hand| &hand.description.fingers);
@@ -46,6 +51,7 @@ fn scene(recipe: &RecipeRobot) -> Result<(Scene, Scenario), Failure> {
         places: Vec::new(),
         tasks: Vec::new(),
         physics: std::collections::BTreeMap::new(),
+        colours: std::collections::BTreeMap::new(),
         tool_bounds: Vec::new(),
         joint_bounds: std::collections::BTreeMap::new(),
         speeds: Vec::new(),

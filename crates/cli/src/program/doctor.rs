@@ -120,6 +120,11 @@ fn parts() -> Result<Vec<Part>, Failure> {
             cranny_setup::has_xacro(),
             ["`robot add` of .xacro files", "for `robot add` of .xacro files: pip install xacro"],
         ),
+        part(
+            "ffmpeg",
+            cranny_view::Film::check_encoder().is_ok(),
+            ["`render -o film.mp4`", "for `render -o film.mp4`: install ffmpeg with libx264"],
+        ),
         part("Slurm", slurm::is_there(), ["`bench slurm`", "for `bench slurm` without --write-only"]),
     ])
 }

@@ -1,7 +1,7 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use cranny_shape::{Solid, TriangleSoup};
+use cranny_shape::{Solid, TriangleSoup, mesh_colour};
 use cranny_spatial::Pose;
 
 use crate::chain::coupled_limits::coupled_limits;
@@ -114,6 +114,7 @@ impl Robot {
             limits,
             hand_links: hand_links(&links, &movers, resolved.tip),
             hand: RobotHand::of(&urdf, &tree, options, (&links, &rest, resolved.tip)),
+            tool: description.as_ref().and_then(|description| description.tool.clone()),
             start: start.flatten(),
             floor_m: description.as_ref().and_then(|description| description.floor_m),
             tip: resolved.tip,
@@ -298,6 +299,21 @@ impl SolidSource<'_> {
             reason: Box::new(reason),
         })?;
         Ok(LinkShape { link_from_shape: collision.link_from_shape, solid, soup })
+    }
+
+    /// Returns the colour of a solid: that of the visual of the same shape and pose, else of the first visual with a colour, else of
+    /// its mesh file.
+    pub(crate) fn colour(&self, link: &UrdfLink, collision: &UrdfCollision) -> Option<[f64; 3]> {
+        let is_same = |visual: &&LinkVisual| {
+            visual.link_from_visual == collision.link_from_shape && visual.form == collision.form
+        };
+        let same = link.visuals.iter().find(is_same).and_then(|visual| visual.colour);
+        let given = same.or_else(|| link.visuals.iter().find_map(|visual| visual.colour));
+        if let Some([red, green, blue, _]) = given {
+            return Some([red, green, blue].map(|channel| channel.clamp(0.0, 1.0)));
+        }
+        let LinkForm::Mesh { name, .. } = &collision.form else { return None };
+        mesh_colour(&self.find(link, collision, name).ok()?)
     }
 
     fn visual(&self, visual: &LinkVisual) -> LinkVisual {

@@ -9,7 +9,10 @@ use crate::description::rate_limits::parse_yaml;
 use crate::description::urdf_model::Urdf;
 use crate::gripper::hand_description::line_of;
 use crate::tree::Tree;
-use crate::{HandDescription, JointConstraint, JointGroup, JointLimits, Location, RobotError, RobotOptions};
+use crate::{
+    HandDescription, JointConstraint, JointGroup, JointLimits, Location, RobotError, RobotOptions,
+    ToolDescription,
+};
 
 /// Names of the files beside a URDF that [`Robot::load`](crate::Robot::load) reads.
 pub(crate) const LIMITS: &str = "limits.yaml";
@@ -25,7 +28,7 @@ pub struct RobotDescription {
     /// Group of the SRDF whose joints move. Default: as of [`RobotOptions::group`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub group: Option<String>,
-    /// Link for which grasp poses are planned. Default: that of the hand, else as of [`RobotOptions::tip`].
+    /// Link for which grasp poses are planned. Default: that of the hand or tool, else as of [`RobotOptions::tip`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tip: Option<String>,
     /// Joints outside the group, and the values at which they are fixed (m, rad).
@@ -44,6 +47,9 @@ pub struct RobotDescription {
     /// Hand of the robot, if it has one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hand: Option<HandDescription>,
+    /// Tool of the robot, if it has one instead of a hand.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tool: Option<ToolDescription>,
     /// Location of `start`.
     #[serde(skip)]
     #[schemars(skip)]
@@ -55,7 +61,7 @@ impl RobotDescription {
     ///
     /// # Errors
     /// [`RobotError::Yaml`] or [`RobotError::Empty`] for a malformed or empty text, [`RobotError::HandFigure`] for an
-    /// invalid value.
+    /// invalid value, [`RobotError::HandAndTool`] for both.
     pub fn parse(text: &str, file: &str) -> Result<Self, RobotError> {
         let mut description: Self = parse_yaml(text, file)?;
         if !description.start.is_empty() {
@@ -63,6 +69,9 @@ impl RobotDescription {
         }
         if let Some(hand) = &description.hand {
             hand.check(text, file)?;
+        }
+        if description.hand.is_some() && description.tool.is_some() {
+            return Err(RobotError::HandAndTool { at: line_of(text, file, "tool") });
         }
         let numbers = description.start.iter().chain(&description.fixed);
         let mut numbers = numbers.map(|(joint, value)| (joint.as_str(), *value)).collect::<Vec<_>>();
@@ -130,7 +139,8 @@ impl RobotDescription {
             }
         }
         let of_hand = hand.and_then(|hand| hand.tip.as_ref());
-        let tips = self.tip.iter().chain(of_hand).map(|name| ("tip", name));
+        let of_tool = self.tool.as_ref().and_then(|tool| tool.tip.as_ref());
+        let tips = self.tip.iter().chain(of_hand).chain(of_tool).map(|name| ("tip", name));
         for (section, name) in tips.chain(self.solid_meshes.iter().map(|name| ("solid_meshes", name))) {
             if tree.node(name).is_none() {
                 let place = format!("{}: {section}", at(section, name));

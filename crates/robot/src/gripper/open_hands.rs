@@ -9,8 +9,8 @@ use crate::gripper::hand_description::HandDescription;
 use crate::tree::Tree;
 
 impl RobotOptions {
-    /// Returns these options with the robot's own hand as the first known hand, fingers open, and the gripper frame as the
-    /// tip, as far as the robot has those joints and links and the options do not set them.
+    /// Returns these options with the robot's own hand as the first known hand, or without known hands for a robot with a tool;
+    /// fingers are open, and the gripper frame is the tip, as far as the robot has those joints and links and the options do not set them.
     pub(crate) fn with_open_hands(
         &self,
         urdf: &Urdf,
@@ -31,6 +31,10 @@ impl RobotOptions {
         }
         if let Some(own) = own.as_ref().and_then(|own| own.hand.clone()) {
             options.known_hands.insert(0, own);
+        }
+        if let Some(tool) = own.as_ref().and_then(|own| own.tool.as_ref()) {
+            options.tip = options.tip.or_else(|| tool.tip.clone());
+            options.known_hands.clear();
         }
         // A finger's joint in the group is not fixed; one that mimics another follows it.
         let group = named_group(urdf, tree, srdf, &options)?;

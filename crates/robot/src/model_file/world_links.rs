@@ -19,6 +19,8 @@ pub struct WorldLink {
     pub ancestors: Vec<String>,
     /// Its solids, each with its pose in the world.
     pub solids: Vec<(Pose, Solid)>,
+    /// Colour of each solid, if the file has one: red, green and blue, 0 to 1, sRGB.
+    pub colours: Vec<Option<[f64; 3]>>,
 }
 
 impl ModelText {
@@ -65,16 +67,17 @@ impl ModelText {
         let mut links = Vec::new();
         for (node, root_from_link) in tree.nodes.iter().zip(&root_from_link) {
             let link = &urdf.links[node.link];
-            let mut solids = Vec::new();
+            let (mut solids, mut colours) = (Vec::new(), Vec::new());
             for collision in &link.collisions {
                 let shape = source.shape(link, collision)?;
                 solids.push((root_from_link * shape.link_from_shape, shape.solid));
+                colours.push(source.colour(link, collision));
             }
             if !solids.is_empty() {
                 let name = link.name.clone();
                 let above = std::iter::successors(node.above, |(above, _)| tree.nodes[*above].above);
                 let above = above.map(|(above, _)| urdf.links[tree.nodes[above].link].name.clone());
-                links.push(WorldLink { name, ancestors: above.collect(), solids });
+                links.push(WorldLink { name, ancestors: above.collect(), solids, colours });
             }
         }
         Ok(links)

@@ -4,7 +4,6 @@ use cranny_collision::{Body, World};
 use cranny_grasp::{
     COVERAGE_THRESHOLD, Grasp, GraspSet, Hand, SampledGrasp, SamplerSettings, covering_subset, sample_grasps,
 };
-use cranny_robot::RobotError;
 use cranny_shape::{Solid, Surface};
 use cranny_spatial::{Pose, Stream, Vector};
 use cranny_task::{
@@ -62,7 +61,8 @@ impl FamilyMaker {
     /// and along the approach.
     ///
     /// # Errors
-    /// [`RobotError::NoHand`] for a robot without a known hand.
+    /// [`RobotError::NoHand`](cranny_robot::RobotError::NoHand) for a robot without a known hand,
+    /// [`RobotError::ToolGrasps`](cranny_robot::RobotError::ToolGrasps) for one with a tool.
     pub fn new(
         family: Family,
         robot: RecipeRobot,
@@ -70,9 +70,7 @@ impl FamilyMaker {
         seed: u64,
     ) -> Result<Self, ScenarioError> {
         let resting = family.resting(scale.object)?;
-        if robot.robot.hand().is_none() {
-            return Err(RobotError::NoHand { robot: robot.robot.name().to_owned() }.into());
-        }
+        robot.robot.hand_with_pads()?;
         let hand = robot_hand(&robot.robot);
         let mesh = &resting.mesh;
         let object_from_ground =
@@ -265,6 +263,7 @@ impl FamilyMaker {
             places: vec![self.scale.place(family.outside())],
             tasks: Vec::new(),
             physics: BTreeMap::new(),
+            colours: BTreeMap::new(),
             tool_bounds: Vec::new(),
             joint_bounds: BTreeMap::new(),
             speeds: Vec::new(),

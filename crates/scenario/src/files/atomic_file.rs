@@ -19,16 +19,30 @@ const CONTENT: &str = "content";
 /// # Errors
 /// [`ScenarioError::Unwritable`], also for a folder, a device, and a read-only file.
 pub fn write_whole_file(path: &Path, content: &[u8]) -> Result<(), ScenarioError> {
-    let write = || {
-        let place = place_of(path)?;
-        let staging = StagingFolder::beside(&place)?;
-        let partial = staging.path().join(CONTENT);
-        let mut file = File::create_new(&partial)?;
-        file.write_all(content)?;
-        file.sync_all()?;
-        uninterrupted(|| fs::rename(&partial, &place))
-    };
-    write().map_err(|reason| ScenarioError::Unwritable { path: path.to_owned(), reason })
+    write_whole_file_by(path, |partial| {
+        let written = File::create_new(partial).and_then(|mut file| {
+            file.write_all(content)?;
+            file.sync_all()
+        });
+        written.map_err(|reason| ScenarioError::Unwritable { path: path.to_owned(), reason })
+    })
+}
+
+/// Writes a file atomically, as [`write_whole_file`] does, with `fill`, which creates the file at the path passed to it. That path
+/// has no extension.
+///
+/// # Errors
+/// As [`write_whole_file`], and those of `fill`.
+pub fn write_whole_file_by<E: From<ScenarioError>>(
+    path: &Path,
+    fill: impl FnOnce(&Path) -> Result<(), E>,
+) -> Result<(), E> {
+    let unwritable = |reason| ScenarioError::Unwritable { path: path.to_owned(), reason };
+    let place = place_of(path).map_err(unwritable)?;
+    let staging = StagingFolder::beside(&place).map_err(unwritable)?;
+    let partial = staging.path().join(CONTENT);
+    fill(&partial)?;
+    Ok(uninterrupted(|| fs::rename(&partial, &place)).map_err(unwritable)?)
 }
 
 /// Checks that a file can be written at `path`, without touching an existing file.

@@ -10,7 +10,7 @@ use cranny_spatial::{Pose, Rotation, Vector};
 
 use crate::layout::own::FLOOR;
 use crate::layout::recipe::{Recipe, RecipeBody};
-use crate::{RecipeRobot, ScenarioError, TargetPhysics};
+use crate::{BodyColours, RecipeRobot, ScenarioError, TargetPhysics};
 
 /// Half the side of the box that represents a plane other than the floor, in metres, beyond the reach of any arm.
 const PLANE_HALF_SIDE_M: f64 = 10.0;
@@ -48,7 +48,7 @@ impl Recipe {
         let model = ModelText::read(path, ModelUse::World, &conversion.folders)?;
         let mut notes = model.notes.clone();
         let links = model.world_links(path, &conversion.folders, &conversion.joints)?;
-        let mut bodies = bodies(path, &model, &links, &conversion.left_out)?;
+        let (mut bodies, colours) = bodies(path, &model, &links, &conversion.left_out)?;
         let floor_m = floor_m(&model);
         let is_floor = |plane: &&cranny_robot::Plane| {
             height_of(&plane.world_from_plane).zip(floor_m).is_some_and(|(height, floor)| height >= floor)
@@ -87,6 +87,7 @@ impl Recipe {
             places: Vec::new(),
             tasks: Vec::new(),
             physics: BTreeMap::new(),
+            colours,
             tool_bounds: Vec::new(),
             joint_bounds: BTreeMap::new(),
             speeds: Vec::new(),
@@ -95,13 +96,13 @@ impl Recipe {
     }
 }
 
-/// Returns the bodies of a world, in its frame.
+/// Returns the bodies of a world, in its frame, and their colours.
 fn bodies(
     path: &Path,
     model: &ModelText,
     links: &[WorldLink],
     left_out: &[String],
-) -> Result<Vec<Body>, ScenarioError> {
+) -> Result<(Vec<Body>, BodyColours), ScenarioError> {
     let known: BTreeSet<&String> =
         links.iter().flat_map(|link| link.ancestors.iter().chain([&link.name])).collect();
     if let Some(unknown) = left_out.iter().find(|name| !known.contains(name)) {
@@ -113,8 +114,8 @@ fn bodies(
     for group in &model.movable {
         name_of.extend(group.iter().map(|link| (link.as_str(), group[0].as_str())));
     }
-    let mut bodies: Vec<Body> = Vec::new();
-    for WorldLink { name, ancestors, solids } in links {
+    let (mut bodies, mut colours) = (Vec::<Body>::new(), BodyColours::new());
+    for WorldLink { name, ancestors, solids, colours: of_solids } in links {
         if ancestors.iter().chain([name]).any(|name| left_out.contains(name)) {
             continue;
         }
@@ -124,12 +125,14 @@ fn bodies(
             world_from_solid: *world_from_solid,
             solid: solid.clone(),
         });
+        colours.entry(name.clone()).or_default().extend(of_solids);
         match bodies.iter_mut().find(|body| body.name == name) {
             Some(body) => body.parts.extend(parts),
             None => bodies.push(Body { name, parts: parts.collect(), tilt_rad: None }),
         }
     }
-    Ok(bodies)
+    colours.retain(|_, colours| colours.iter().any(Option::is_some));
+    Ok((bodies, colours))
 }
 
 fn unknown_body(path: &Path, name: &str, known: &[String]) -> ScenarioError {

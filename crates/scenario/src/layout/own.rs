@@ -17,8 +17,8 @@ use crate::layout::own_file::{
 };
 use crate::robot::file;
 use crate::{
-    BuiltinRobot, OBJECT_FILE, ObjectSource, ObjectType, OpenOptions, RobotSource, Scenario, ScenarioError,
-    TargetPhysics, scenario,
+    BodyColours, BuiltinRobot, OBJECT_FILE, ObjectSource, ObjectType, OpenOptions, RobotSource, Scenario,
+    ScenarioError, TargetPhysics, scenario,
 };
 
 /// File that identifies a folder as a scenario in Cranny's layout.
@@ -78,11 +78,13 @@ pub(crate) fn open_texts(
     let robot = layout.with_bounded_joints(robot, &file)?;
     let planning_from_scene = layout.pose(file.frame.as_ref())?.inverse();
 
+    let mut colours = BodyColours::new();
     let mut bodies: Vec<Body> = Vec::new();
     let mut names = HashSet::new();
     for entry in &file.obstacles {
         layout.check_name(entry, &mut names)?;
         bodies.push(layout.body(entry, &planning_from_scene, Solid::mesh_with_small_holes)?.0);
+        layout.add_colours(entry, &mut colours)?;
     }
     let (mut target_source, mut given_physics) = (None, TargetPhysics::default());
     if let Some(entry) = &file.target {
@@ -90,6 +92,7 @@ pub(crate) fn open_texts(
         given_physics = layout.physics_of(entry)?;
         let (body, source) = layout.body(entry, &planning_from_scene, Solid::mesh)?;
         target_source = source;
+        layout.add_colours(entry, &mut colours)?;
         bodies.push(body);
     }
     let target = file.target.as_ref().map(|_| bodies.len() - 1);
@@ -132,6 +135,7 @@ pub(crate) fn open_texts(
         places,
         tasks: layout.tasks(&file, &planning_from_scene)?,
         physics: layout.physics_of_obstacles(&file)?,
+        colours,
         speeds: layout.speeds(&file)?,
         joint_bounds: file
             .joint_bounds
@@ -371,6 +375,7 @@ impl Layout<'_> {
         for shape in &entry.shapes {
             faults.extend(self.pose(shape.value.pose.as_ref()).err());
             faults.extend(self.solid(shape, &entry.name.value, mesh).err());
+            faults.extend(self.stated_colour(shape).err());
         }
         if entry.shapes.is_empty() {
             faults.push(ScenarioError::ShapeCount { at: self.at(entry.name.referenced), actual: 0 });

@@ -259,6 +259,8 @@ pub(crate) struct ShapeEntry {
     pub hull: Option<MeshEntry>,
     /// Built-in object (see `cranny object list`), or folder of an object.
     pub object: Option<String>,
+    /// Colour in pictures: red, green and blue, 0 to 1 (sRGB). Default: that of the mesh file or the object, if it has one.
+    pub colour: Option<[f64; 3]>,
 }
 
 /// Full lengths along x, y, z.

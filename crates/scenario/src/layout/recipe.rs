@@ -9,8 +9,8 @@ use cranny_task::PlaceGoal;
 
 use crate::layout::own_bounds::bounded;
 use crate::{
-    NamedTask, ObjectSource, OpenOptions, RecipeRobot, RobotSource, Scenario, ScenarioError, StatedSpeed,
-    TargetPhysics,
+    BodyColours, NamedTask, ObjectSource, OpenOptions, RecipeRobot, RobotSource, Scenario, ScenarioError,
+    StatedSpeed, TargetPhysics,
 };
 
 /// Scenario before it is written to files. Poses are in the scene, whose floor is z = 0; grasps are in the planning frame.
@@ -40,6 +40,8 @@ pub struct Recipe {
     pub physics: BTreeMap<String, TargetPhysics>,
     /// Bounds of the tool, in the scene.
     pub tool_bounds: Vec<ToolBound>,
+    /// As [`Scenario::colours`].
+    pub colours: BodyColours,
     /// As [`Scenario::joint_bounds`].
     pub joint_bounds: BTreeMap<String, [f64; 2]>,
     /// As [`Scenario::speeds`].
@@ -113,6 +115,7 @@ impl Recipe {
             ik: scenario.ik.clone(),
             tasks: scenario.tasks.iter().map(|task| task.in_frame(&scene_from_planning)).collect(),
             physics: scenario.physics.clone(),
+            colours: scenario.colours.clone(),
             tool_bounds: scenario
                 .world
                 .tool_bounds()
@@ -152,6 +155,7 @@ impl Recipe {
             has_grasp_set: true,
             tasks: self.tasks.iter().map(|task| task.in_frame(&planning_from_scene)).collect(),
             physics: self.physics.clone(),
+            colours: self.colours.clone(),
             joint_bounds: self.joint_bounds.clone(),
             speeds: self.speeds.clone(),
             places: self.places.iter().map(|place| place.in_frame(&planning_from_scene)).collect(),

@@ -71,14 +71,14 @@ impl Recipe {
             text.push_str("obstacles:\n");
         }
         for body in &self.obstacles {
-            body.write(&mut text, "  - ", "    ");
+            body.write(&mut text, ["  - ", "    "], self.colours_of(body));
             let physics = self.physics.get(&body.name).copied().unwrap_or_default();
             write_physics(&mut text, "    ", physics);
             write_tilt(&mut text, "    ", body.tilt_rad);
         }
         if let Some(target) = &self.target {
             text.push_str("target:\n");
-            target.write(&mut text, "  ", "  ");
+            target.write(&mut text, ["  ", "  "], self.colours_of(target));
             write_physics(&mut text, "  ", self.given_physics);
             write_tilt(&mut text, "  ", target.tilt_rad);
         }
@@ -129,6 +129,11 @@ impl Recipe {
         text
     }
 
+    /// Returns the colours of the shapes of a body; empty if it has none.
+    fn colours_of(&self, body: &RecipeBody) -> &[Option<[f64; 3]>] {
+        self.colours.get(&body.name).map_or(&[], Vec::as_slice)
+    }
+
     fn write_place(&self, place: &PlaceGoal, text: &mut String) {
         let quoted = |name: &str| serde_json::Value::from(name);
         let _ = writeln!(text, "  - name: {}", quoted(&place.name));
@@ -166,7 +171,7 @@ fn mesh_file(body: &RecipeBody, shape: usize) -> String {
 }
 
 impl RecipeBody {
-    fn write(&self, text: &mut String, first: &str, rest: &str) {
+    fn write(&self, text: &mut String, [first, rest]: [&str; 2], colours: &[Option<[f64; 3]>]) {
         // A JSON string is a YAML string.
         let name = serde_json::Value::from(self.name.as_str());
         let _ = writeln!(text, "{first}name: {name}");
@@ -178,6 +183,9 @@ impl RecipeBody {
             let _ = writeln!(text, "{rest}  - {}", self.shape_text(index, shape));
             if let Some(pose) = pose_text(body_from_shape) {
                 let _ = writeln!(text, "{rest}    pose: {pose}");
+            }
+            if let Some(Some(colour)) = colours.get(index) {
+                let _ = writeln!(text, "{rest}    colour: {}", list(colour));
             }
         }
     }

@@ -93,6 +93,7 @@ pub(crate) fn open_with(
         places: Vec::new(),
         tasks: Vec::new(),
         physics: BTreeMap::new(),
+        colours: BTreeMap::new(),
         joint_bounds: BTreeMap::new(),
         speeds: Vec::new(),
         ik,

@@ -76,7 +76,7 @@ impl TemplateRobot {
         let mut text = String::new();
         let mut is_start = false;
         // Values of the robot's own files are not repeated.
-        let says_tip = self.tip.is_none() && model.hand().is_some();
+        let says_tip = self.tip.is_none() && (model.hand().is_some() || model.tool().is_some());
         for line in template.lines() {
             is_start &= line.starts_with(' ');
             if is_start {

@@ -34,6 +34,18 @@ struct ObjectFile {
     /// Inertia about the centre of mass: xx, yy, zz, xy, xz, yz.
     inertia_kg_m2: [f64; 6],
     stable_poses: Vec<RestingPose>,
+    /// Red, green and blue, 0 to 1, sRGB.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    colour: Option<[f64; 3]>,
+}
+
+/// Returns the colour that an `object.yaml` states; `None` if it states none, or is invalid.
+pub(crate) fn object_colour(path: &Path) -> Option<[f64; 3]> {
+    yaml::read::<ObjectFile>(path).ok()?.colour.filter(is_colour)
+}
+
+fn is_colour(colour: &[f64; 3]) -> bool {
+    colour.iter().all(|channel| (0.0..=1.0).contains(channel))
 }
 
 /// Pose of the object above the ground z = 0.
@@ -72,6 +84,7 @@ impl ObjectType {
             center_of_mass: self.center_of_mass.into(),
             inertia_kg_m2: upper_triangle(&self.inertia_kg_m2),
             stable_poses: self.stable_poses.iter().map(RestingPose::of).collect(),
+            colour: self.colour,
         };
         let path = folder.join(OBJECT_FILE);
         let text = serde_saphyr::to_string(&file).map_err(|reason| ScenarioError::Unwritable {
@@ -104,8 +117,13 @@ impl ObjectType {
             let figures = format!("{key} is {stated}; meshes and mass demand {expected}");
             ObjectError::Stated { path: path.clone(), figures }
         })?;
+        if let Some(colour) = file.colour.filter(|colour| !is_colour(colour)) {
+            let figures = format!("colour is {colour:?}; it must be three numbers from 0 to 1");
+            return Err(ObjectError::Stated { path, figures }.into());
+        }
         let [xx, yy, zz, xy, xz, yz] = file.inertia_kg_m2;
         Ok(Self {
+            colour: file.colour,
             center_of_mass: Point::from(file.center_of_mass),
             inertia_kg_m2: Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz),
             stable_poses: file.stable_poses.iter().map(RestingPose::pose).collect(),

@@ -38,6 +38,8 @@ pub struct ObjectType {
     /// Stable poses, in order of decreasing probability; poses that differ by a rotation about the vertical and by the object's
     /// symmetry count as one (see [`distinct_poses`]). Poses that are too unlikely are not listed.
     pub stable_poses: Vec<StablePose>,
+    /// Colour in pictures, if it has one: red, green and blue, 0 to 1, sRGB.
+    pub colour: Option<[f64; 3]>,
 }
 
 /// Properties that a mesh does not define, and processing options.
@@ -124,6 +126,7 @@ impl ObjectType {
             center_of_mass: moments.center,
             inertia_kg_m2: moments.inertia_per_mass_m2 * settings.mass_kg,
             stable_poses: poses,
+            colour: None,
         })
     }
 

@@ -38,6 +38,11 @@ impl ClosingHand {
     ) -> Result<(Self, &Cell), TaskError> {
         let cell = cell.ok_or_else(|| lacking("the exact criterion"))?;
         let target = target.ok_or_else(|| lacking("a target"))?;
+        if cell.robot().tool().is_some() {
+            return Err(lacking(
+                "a hand with pads that close, but its robot has a tool, which only reaches grasps",
+            ));
+        }
         if cell.robot().hand().is_none_or(|hand| hand.fingers == 0) {
             return Err(lacking("a hand that can close (a robot.yaml beside the URDF names its fingers)"));
         }

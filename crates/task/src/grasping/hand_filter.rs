@@ -51,6 +51,9 @@ pub fn robot_hand(robot: &Robot) -> Hand {
             half_m: pads.size_m.map(|size_m| 0.5 * size_m),
         });
     }
+    if let Some(tool) = robot.tool() {
+        hand.name.clone_from(&tool.name);
+    }
     hand
 }
 

@@ -1,9 +1,12 @@
 use std::collections::HashMap;
 
 use cranny_collision::Body;
+use cranny_path::MAX_SAMPLE_RATE_HZ;
 use cranny_shape::TriangleSoup;
-use cranny_spatial::Pose;
+use cranny_spatial::nalgebra::Quaternion;
+use cranny_spatial::{Pose, Rotation};
 
+use crate::course::shown_path::within;
 use crate::look::paint::painted;
 use crate::scene::{Node, Role, SceneMotion, Track};
 use crate::{Colour, Material, MeshPiece, Scene};
@@ -61,20 +64,71 @@ impl BodyRecording {
                 kept.push(instant);
             }
         }
+        let times_s = kept.iter().map(|&instant| self.times_s[instant]).collect();
+        self.with_instants(times_s, |poses| kept.iter().map(|&instant| poses[instant]).collect())
+    }
+
+    /// Returns the recording with `rate_hz` instants per second, a number greater than 0, from the first to the last, or fewer if
+    /// they were too many. Poses between two recorded instants are interpolated, so that a film of them moves evenly.
+    #[must_use]
+    pub fn sampled(&self, rate_hz: f64) -> Self {
+        /// Tolerance for rounding, as a share of the interval between two recorded instants.
+        const ROUNDED: f64 = 1e-6;
+        /// More instants than [`within`] leaves.
+        const MOST_SAMPLES: u32 = 200_000;
+        let (Some(first), Some(last)) = (self.times_s.first(), self.times_s.last()) else {
+            return self.clone();
+        };
+        let rate_hz = within(rate_hz.min(MAX_SAMPLE_RATE_HZ), last - first);
+        let times_s: Vec<f64> = (0..=MOST_SAMPLES)
+            .map(|index| first + f64::from(index) / rate_hz)
+            .take_while(|time_s| *time_s <= last + ROUNDED / rate_hz)
+            .collect();
+        let instants: Vec<(usize, f64)> = times_s
+            .iter()
+            .map(|time_s| {
+                let later = self.times_s.partition_point(|recorded| recorded <= time_s);
+                let Some(&next_s) = self.times_s.get(later) else { return (later - 1, 0.0) };
+                let before_s = self.times_s[later - 1];
+                let share = (time_s - before_s) / (next_s - before_s);
+                if share > 1.0 - ROUNDED { (later, 0.0) } else { (later - 1, share) }
+            })
+            .collect();
+        self.with_instants(times_s, |poses| {
+            let pose = |&(instant, share): &(usize, f64)| {
+                if share <= ROUNDED {
+                    poses[instant]
+                } else {
+                    between(&poses[instant], &poses[instant + 1], share)
+                }
+            };
+            instants.iter().map(pose).collect()
+        })
+    }
+
+    /// Returns the recording with other instants; `choose` makes the poses of each moving body of those that it has.
+    fn with_instants(&self, times_s: Vec<f64>, choose: impl Fn(&[Pose]) -> Vec<Pose>) -> Self {
         let bodies = self.bodies.iter().map(|body| {
             let poses = &body.world_from_body;
-            let is_still = poses.len() == 1;
-            let world_from_body =
-                if is_still { poses.clone() } else { kept.iter().map(|&instant| poses[instant]).collect() };
+            let world_from_body = if poses.len() == 1 { poses.clone() } else { choose(poses) };
             MovingBody { world_from_body, ..body.clone() }
         });
         Self {
             name: self.name.clone(),
-            times_s: kept.iter().map(|&instant| self.times_s[instant]).collect(),
+            times_s,
             world_from_floor: self.world_from_floor,
             bodies: bodies.collect(),
         }
     }
+}
+
+/// Returns the pose at a share of the motion between two others, by the shorter turn.
+fn between(from: &Pose, to: &Pose, share: f64) -> Pose {
+    let translation = from.translation.vector.lerp(&to.translation.vector, share);
+    let is_near = from.rotation.coords.dot(&to.rotation.coords) >= 0.0;
+    let end = if is_near { to.rotation.coords } else { -to.rotation.coords };
+    let turned = Quaternion::from(from.rotation.coords.lerp(&end, share));
+    Pose::from_parts(translation.into(), Rotation::new_normalize(turned))
 }
 
 impl Scene {

@@ -228,6 +228,24 @@ mod tests {
     }
 
     #[test]
+    fn at_a_higher_rate_poses_are_interpolated() {
+        let whole = recording();
+        assert_eq!(whole.sampled(50.0), whole);
+        let slow = whole.sampled(200.0);
+        assert_eq!(slow.times_s.len(), 9);
+        let pose = |body: usize, instant: usize| slow.bodies[body].world_from_body[instant];
+        for (instant, recorded) in [(0, 0), (4, 1), (8, 2)] {
+            assert_eq!(pose(0, instant), whole.bodies[0].world_from_body[recorded]);
+        }
+        let turned = whole.bodies[0].world_from_body[1];
+        let half = pose(0, 2);
+        assert!((half.translation.vector - 0.5 * turned.translation.vector).norm() < 1e-12);
+        assert!((half.rotation.angle() - 0.5 * turned.rotation.angle()).abs() < 1e-12);
+        assert_eq!(slow.bodies[2].world_from_body.len(), 1);
+        assert_eq!(whole.sampled(10.0).times_s, [0.0]);
+    }
+
+    #[test]
     fn what_cannot_be_is_refused_with_its_place() {
         let text = recording().json().unwrap();
         let change = |from: &str, to: &str| {

@@ -153,7 +153,7 @@ impl SampledPath {
 }
 
 /// Returns the rate, lowered if it would exceed the maximum number of instants. An invalid rate stays unchanged.
-fn within(rate_hz: f64, duration_s: f64) -> f64 {
+pub(crate) fn within(rate_hz: f64, duration_s: f64) -> f64 {
     let is_too_many = rate_hz <= MAX_SAMPLE_RATE_HZ && rate_hz * duration_s > MOST_INSTANTS;
     if is_too_many { MOST_INSTANTS / duration_s } else { rate_hz }
 }

@@ -2,7 +2,7 @@ use cranny_shape::Solid;
 use cranny_spatial::{Point, Pose, Rotation, Vector};
 
 use crate::anatomy::{distance_m, extent_m};
-use crate::palm::LONGEST_FINGER_M;
+use crate::hand::palm::LONGEST_FINGER_M;
 
 /// Minimum distance between two sides that can hold an object, in metres.
 const LEAST_OPENING_M: f64 = 1e-3;
@@ -36,7 +36,7 @@ pub(crate) struct Place {
 }
 
 /// Distance of the gripper frame behind the tips of fingers of that length, in metres.
-fn inset_m(finger_m: f64) -> f64 {
+pub(crate) fn inset_m(finger_m: f64) -> f64 {
     (0.15 * finger_m).clamp(0.003, 0.012)
 }
 

@@ -14,9 +14,9 @@ use cranny_shape::Solid;
 use cranny_spatial::{Point, Pose, Rotation, Vector};
 
 use crate::anatomy::{Anatomy, by_name, distance_m, middle, touch};
-use crate::grip_place::{Place, free_way_m, place, upright};
-use crate::palm::{LONGEST_FINGER_M, Palm, palm_link, palms};
-use crate::posture::Posture;
+use crate::hand::grip_place::{Place, free_way_m, place, upright};
+use crate::hand::palm::{LONGEST_FINGER_M, Palm, palm_link, palms};
+use crate::hand::posture::Posture;
 
 /// Detected hand.
 #[derive(Clone, Debug)]
@@ -92,11 +92,23 @@ fn drivers(anatomy: &Anatomy, palm: &Palm) -> Vec<usize> {
     joints.into_iter().collect()
 }
 
-fn of_fingers(anatomy: &Anatomy, palm: &Palm) -> Option<HandGuess> {
+/// Open and closed ends of the joints of fingers.
+pub(crate) struct FingerEnds {
+    /// Configuration (m, rad; one value per joint) with the fingers as far apart as they can be.
+    pub open: Vec<f64>,
+    /// Configuration with the joints of the fingers at their other ends.
+    closed: Vec<f64>,
+    /// Joints that close the fingers.
+    pub closing: Vec<usize>,
+    /// Joints that move the fingers, also sideways.
+    pub drivers: Vec<usize>,
+}
+
+/// Finds the ends of the joints of fingers: open is the one at which their tips are farthest apart.
+pub(crate) fn finger_ends(anatomy: &Anatomy, palm: &Palm) -> FingerEnds {
     let link = palm_link(anatomy, palm.fingers[0]);
     let limits = anatomy.robot.limits();
     let drivers = drivers(anatomy, palm);
-    // 2.
     let middle_of = |joint: usize| 0.5 * (limits[joint].lower + limits[joint].upper);
     let mut open = anatomy.rest();
     for &joint in &drivers {
@@ -125,6 +137,13 @@ fn of_fingers(anatomy: &Anatomy, palm: &Palm) -> Option<HandGuess> {
         (open[joint], ends[joint]) = if at_low_m > at_high_m { (low, high) } else { (high, low) };
         closing.push(joint);
     }
+    FingerEnds { open, closed: ends, closing, drivers }
+}
+
+fn of_fingers(anatomy: &Anatomy, palm: &Palm) -> Option<HandGuess> {
+    let link = palm_link(anatomy, palm.fingers[0]);
+    // 2.
+    let FingerEnds { open, closed: ends, closing, .. } = finger_ends(anatomy, palm);
     // 3.
     let posture = Posture::at(anatomy, link, &open);
     let tips: Vec<Point> = palm.fingers.iter().map(|&finger| posture.tip(finger)).collect();
@@ -297,7 +316,7 @@ fn rigid(anatomy: &Anatomy, palm: Option<usize>) -> Option<HandGuess> {
 }
 
 /// Origin from which the fingers of a rigid body point away: that of its topmost link, which the last joint of the arm moves.
-fn palm_origin(posture: &Posture, body: usize) -> Point {
+pub(crate) fn palm_origin(posture: &Posture, body: usize) -> Point {
     posture.origin(posture.anatomy.bodies[body].top)
 }
 

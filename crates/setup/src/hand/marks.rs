@@ -2,8 +2,8 @@ use cranny_shape::{Solid, separation};
 use cranny_spatial::Pose;
 
 use crate::anatomy::Anatomy;
-use crate::hand_guess::HandGuess;
-use crate::posture::Posture;
+use crate::hand::hand_guess::HandGuess;
+use crate::hand::posture::Posture;
 
 /// Returns the links that are marks of the grasp point: small solids that float between the pads, where all grasps would
 /// collide with them.
