@@ -21,7 +21,7 @@ use crate::world::soup;
 /// Set of grasps of an object. It never changes.
 ///
 /// A grasp is a pose of the gripper frame: its origin lies between the finger pads, y is the axis on which the fingers close, z
-/// points out of the palm; a gripper turned by 180° about z is the same grasp. Poses are in the planning frame, those of
+/// points out of the palm; two equal pads turned by 180° about z are the same grasp. Poses are in the planning frame, those of
 /// cranny_grasps_sample in the frame of the mesh.
 #[derive(Debug)]
 pub struct CrannyGrasps {

@@ -107,6 +107,7 @@ fn scenario_of(id: String, robot: Arc<Robot>, world: World, start: Vec<f64>) -> 
         places: Vec::new(),
         tasks: Vec::new(),
         physics: BTreeMap::new(),
+        colours: BTreeMap::new(),
         joint_bounds: BTreeMap::new(),
         speeds: Vec::new(),
         export: None,

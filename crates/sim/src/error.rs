@@ -9,8 +9,8 @@ pub enum SimError {
     NoTimes,
     /// A hand has no moving fingers.
     #[error(
-        "hand '{hand}' has no fingers that slide, so it cannot close (is there a robot.yaml beside the URDF that names \
-         their joints?)"
+        "hand '{hand}' has no fingers that slide, so it cannot close: a suction cup or another tool is not simulated; for \
+         fingers, a robot.yaml beside the URDF names their joints"
     )]
     NoFingers {
         /// Name of the hand.

@@ -17,8 +17,8 @@ use crate::handover::pickled::{Reduced, restored_by};
 
 /// Set of N grasps of an object: poses of the gripper frame, scores and widths. Immutable.
 ///
-/// The gripper frame has its origin between the finger pads, y along the axis on which the fingers close, z out of the palm; a
-/// gripper turned by 180° about z is the same grasp. Poses are in the planning frame, those of `sample_grasps` in the frame of
+/// The gripper frame has its origin between the finger pads, y along the axis on which the fingers close, z out of the palm; two
+/// equal pads turned by 180° about z are the same grasp. Poses are in the planning frame, those of `sample_grasps` in the frame of
 /// the mesh.
 #[pyclass(name = "Grasps", module = "cranny", frozen)]
 pub struct PyGrasps {
