@@ -2,7 +2,7 @@
 
 They get Cranny's IK goals and Cranny's checks: a configuration is valid if the cell is free there, a motion if it is
 proven free. Only the search and its language differ: OMPL calls the checks through Python, one motion at a time, and its
-process starts anew for each trial; starting and ending it counts as time.
+process is started again for each trial; starting and ending it counts as time.
 
     $ pip install ./python ompl==2.0.1
     $ python examples/ompl_planners.py --runs 20 --page ompl.html

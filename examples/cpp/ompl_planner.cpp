@@ -32,10 +32,10 @@ constexpr double kGoalShare = 0.2;
 // Maximum length of a motion of the trees, in radians and metres: proofs of longer ones fail among obstacles.
 constexpr double kRange = 0.3;
 
-// Seconds of the time limit that are left to the end of the process.
+// Seconds of the time limit that are reserved for the end of the process.
 constexpr double kReserve_s = 0.1;
 
-// The values of a state lie in a row, as Cranny reads them.
+// The values of a state are contiguous in memory, as Cranny reads them.
 cranny::span<const double> row(const ob::State* state, std::size_t dof) {
   return {state->as<ob::RealVectorStateSpace::StateType>()->values, dof};
 }
@@ -50,11 +50,11 @@ class Proof : public ob::MotionValidator {
     return cell_.motion_is_free(row(a, dof_), row(b, dof_));
   }
 
-  // Planners that stop at an obstacle learn how far they come.
+  // For planners that stop at an obstacle: the last state before it.
   bool checkMotion(const ob::State* a, const ob::State* b, std::pair<ob::State*, double>& last_valid) const override {
     const cranny::Motion motion = cell_.motion(row(a, dof_), row(b, dof_));
     if (motion) return true;
-    // The way there was not proven alone: half of it is tried, then the beginning remains.
+    // The motion up to that state was not proven by itself: try half of it, otherwise keep only the start.
     last_valid.second = std::isnan(motion.at) ? 0 : 0.5 * motion.at;
     ob::ScopedState<> half(si_->getStateSpace());
     si_->getStateSpace()->interpolate(a, b, last_valid.second, half.get());

@@ -9,7 +9,7 @@
 
 #include <cranny/cranny.hpp>
 
-// What drives the joints of your robot. This one only remembers where they are.
+// Stands in for the interface to the drives of your robot: it only stores the commanded position.
 class Driver {
  public:
   explicit Driver(cranny::Configuration start) : position_(std::move(start)) {}
@@ -40,7 +40,7 @@ int main(int count, char** words) try {
     if (!cell.is_free(driver.position())) throw std::runtime_error("a state of the trajectory is not free");
   }
 
-  // Where it ends, the hand is at the grasp.
+  // At the end of the trajectory, the hand is at the grasp.
   const cranny::Pose hand = scenario.robot().fk(driver.position());
   const cranny::Pose grasp = scenario.grasps().pose(static_cast<std::size_t>(plan.grasp()));
   std::printf("%zu cycles; the hand is %.2f mm from the grasp\n", cycles,

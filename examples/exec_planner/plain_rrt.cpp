@@ -4,9 +4,9 @@
 //   cranny bench run --scenarios can --planner "exec:./plain_rrt {start} {ik} {obstacles} {seed} {time_limit_s}"
 //
 // It shows the short form of the protocol (docs/exec_protocol.md): files and numbers come as arguments, way points
-// go out as comma-separated lines, and no line says that there is no path. RRT-Connect (Kuffner and LaValle 2000)
-// between the start and each known goal, from which the hand is backed out first; balls against triangles. What
-// these balls miss, and the last stretch to the object, is left to the judge.
+// go out as comma-separated lines, and no output means no path. RRT-Connect (Kuffner and LaValle 2000)
+// between the start and each known goal, from which the hand is first moved back; collision checks of balls against
+// triangles. Only the judge checks what these balls miss, and the last stretch to the object.
 
 #include <algorithm>
 #include <array>
@@ -55,7 +55,7 @@ struct Frame {
 const Configuration kLower{-1, -1, -2.9671, -1.8326, -2.9671, -3.1416, -2.9671, -0.0873, -2.9671};
 const Configuration kUpper{1, 1, 2.9671, 1.8326, 2.9671, 0, 2.9671, 3.8223, 2.9671};
 
-// Frames of platform, links 1 to 7 and the gripper, from the maker's published dimensions.
+// Frames of platform, links 1 to 7 and the gripper, from the manufacturer's published dimensions.
 std::array<Frame, 9> frames(const Configuration& q) {
   std::array<Frame, 9> f;
   f[0] = Frame{}.moved({q[1], q[0], 0});
@@ -160,7 +160,7 @@ struct Checker {
   std::vector<Triangle> triangles;
   std::vector<Ball> balls = robot_balls();
 
-  // Without the gripper where `gripper_too` is not set: on the last stretch it comes close on purpose.
+  // Without the gripper if `gripper_too` is not set: on the last stretch it comes close to the object intentionally.
   bool is_free(const Configuration& q, bool gripper_too = true) const {
     for (int j = 0; j < kJoints; ++j) if (q[j] < kLower[j] || q[j] > kUpper[j]) return false;
     const auto f = frames(q);

@@ -1,4 +1,4 @@
-//! The command `cranny` with a planner more: two trees that grow towards each other by proven edges.
+//! The command `cranny` with one more planner: two trees that grow towards each other by proven edges.
 //!
 //! `cargo run --release -- bench run --scenarios 021 --planners two-trees,reach --runs 5 -o results.sqlite`
 
