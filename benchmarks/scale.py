@@ -234,7 +234,7 @@ def prepared(row: Row, folder: Path, size: int) -> list[str]:
 
 def measure(command: list[str]) -> tuple[str, float, float]:
     """Runs a command and returns its end, time in seconds and peak memory of its processes in MiB."""
-    # A pipe that nobody reads would hold a command with many notes.
+    # A pipe blocks a command once it is full of unread notes.
     notes = tempfile.TemporaryFile()
     begin = time.monotonic()
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=notes)
