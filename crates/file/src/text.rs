@@ -81,11 +81,13 @@ fn options(bytes: usize) -> Options {
 
 /// Returns the error for a message of the parser. Each level of nesting appends its own location to the message of an inner one.
 fn yaml_fault(message: &str) -> TextFault {
-    // The first location after a mark, if the text there is one.
+    // The first mark before a location: keys of the text may contain the mark too.
     let find = |mark: &str| {
-        let (before, after) = message.split_once(mark)?;
-        let (line, _) = after.split_once(", column ")?;
-        Some((before.trim_end_matches(" (defined").trim_end_matches(" (used"), line.parse::<usize>().ok()?))
+        message.match_indices(mark).find_map(|(at, _)| {
+            let (line, _) = message[at + mark.len()..].split_once(", column ")?;
+            let before = message[..at].trim_end_matches(" (defined").trim_end_matches(" (used");
+            Some((before, line.parse::<usize>().ok()?))
+        })
     };
     // An alias has two locations: where its content is, and where it is used.
     let (problem, line) = match (find(" (defined at line "), find(" (used at line "), find(" at line ")) {

@@ -72,6 +72,15 @@ fn no_fault_speaks_the_language_of_the_library() {
     }
 }
 
+#[test]
+fn a_key_that_looks_like_a_location_moves_none() {
+    let (line, problem) = yaml("size: [1, 1, 1]\n\"b at line y\": 3\n");
+    assert_eq!(
+        (line, problem.as_str()),
+        (2, "unknown field `b at line y`, expected one of size, name, count, open")
+    );
+}
+
 /// The default node budget of the library would refuse scenes of more than 12 450 obstacles.
 #[test]
 fn a_long_list_is_read_and_one_that_multiplies_itself_is_not() {
