@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod curves;
 mod error;
 mod neighbours;
 mod optimise;
@@ -7,6 +8,7 @@ mod planners;
 mod search;
 mod wall_clock;
 
+pub use curves::refused_claim::RefusedClaim;
 pub use error::PlanError;
 pub use neighbours::nearest::{EXACT_BELOW, FARTHER_BY, NearestNeighbours};
 pub use optimise::{Improvement, OptimiseSettings, Optimised, better, optimise};
