@@ -9,6 +9,7 @@ pub(crate) mod j_plus_rbt;
 pub(crate) mod j_plus_rrt;
 pub(crate) mod lane_search;
 pub(crate) mod laps;
+pub(crate) mod optimisers;
 pub(crate) mod prm;
 pub(crate) mod rbt_connect;
 pub(crate) mod reach;

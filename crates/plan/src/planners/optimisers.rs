@@ -1,0 +1,7 @@
+//! Planners that improve a curve of way points: one per file, with their components.
+
+pub(crate) mod chomp;
+pub(crate) mod covariant_descent;
+pub(crate) mod goal_learner;
+pub(crate) mod omg;
+pub(crate) mod stomp;
