@@ -23,6 +23,7 @@ pub use planners::j_plus_rrt::JPlusRrt;
 pub use planners::optimisers::chomp::Chomp;
 pub use planners::optimisers::covariant_descent::Descent;
 pub use planners::optimisers::goal_learner::GoalChoice;
+pub use planners::optimisers::gomp::{Gomp, LimitUse};
 pub use planners::optimisers::omg::Omg;
 pub use planners::optimisers::stomp::Stomp;
 pub use planners::prm::Prm;

@@ -2,8 +2,8 @@
 
 use cranny_path::audit;
 use cranny_plan::{
-    Budget, Chomp, CostRange, CurveSettings, Descent, FirstCurve, Omg, Outcome, PlanError, Planner, Registry,
-    Stomp, Unobserved,
+    Budget, Chomp, CostRange, CurveSettings, Descent, FirstCurve, Gomp, Omg, Outcome, PlanError, Planner,
+    Registry, Stomp, Unobserved,
 };
 use cranny_task::{Goal, Problem};
 use proptest::prelude::*;
@@ -11,7 +11,7 @@ use proptest::prelude::*;
 use crate::fixture::{ball, block, easy, exact};
 
 /// Names of the planners that improve a curve.
-const OPTIMISERS: [&str; 3] = ["chomp", "stomp", "omg"];
+const OPTIMISERS: [&str; 4] = ["chomp", "stomp", "omg", "gomp"];
 
 /// Number of way points of a curve whose edges reach through a thin wall.
 const FEW: usize = 6;
@@ -32,10 +32,11 @@ fn behind_glass() -> Problem {
 fn a_curve_through_a_thin_wall_is_claimed_and_not_proven() {
     let curve = CurveSettings { way_points: FEW, ..CurveSettings::default() };
     let range = CostRange { epsilon_m: 1e-3, ..CostRange::default() };
-    let planners: [Box<dyn Planner>; 3] = [
+    let planners: [Box<dyn Planner>; 4] = [
         Box::new(Chomp { curve, range, ..Chomp::default() }),
         Box::new(Stomp { curve, range, noise: 1e-3, ..Stomp::default() }),
         Box::new(Omg { curve, range, tail: 1, ..Omg::default() }),
+        Box::new(Gomp { curve, ..Gomp::default() }),
     ];
     for planner in planners {
         let name = planner.name();
@@ -86,6 +87,8 @@ fn settings_that_are_no_numbers_are_refused() {
         Box::new(Stomp { rollouts: 0, ..Stomp::default() }),
         Box::new(Omg { standoff_m: nan, ..Omg::default() }),
         Box::new(Omg { tail: 29, ..Omg::default() }),
+        Box::new(Gomp { price: f64::INFINITY, ..Gomp::default() }),
+        Box::new(Gomp { trust: nan, ..Gomp::default() }),
     ];
     for planner in planners {
         let refused = planner.plan(&easy(), &Budget::default(), 0, &mut Unobserved);
@@ -96,6 +99,7 @@ fn settings_that_are_no_numbers_are_refused() {
 #[test]
 fn first_curves_have_names() {
     assert_eq!(serde_json::json!(FirstCurve::Reach), "reach");
+    assert_eq!(serde_json::json!(Gomp::default())["limit_use"], "acceleration");
 }
 
 proptest! {
