@@ -2,8 +2,8 @@
 
 use cranny_path::audit;
 use cranny_plan::{
-    Budget, Chomp, CostRange, CurveSettings, Descent, FirstCurve, Gomp, Omg, Outcome, PlanError, Planner,
-    Registry, Stomp, Unobserved,
+    ApproachRrt, Budget, Chomp, CostRange, CurveSettings, Descent, FirstCurve, Gomp, Omg, Outcome, PlanError,
+    Planner, Registry, Stomp, Unobserved,
 };
 use cranny_task::{Goal, Problem};
 use proptest::prelude::*;
@@ -89,6 +89,8 @@ fn settings_that_are_no_numbers_are_refused() {
         Box::new(Omg { tail: 29, ..Omg::default() }),
         Box::new(Gomp { price: f64::INFINITY, ..Gomp::default() }),
         Box::new(Gomp { trust: nan, ..Gomp::default() }),
+        Box::new(ApproachRrt { room_m: nan, ..ApproachRrt::default() }),
+        Box::new(ApproachRrt { back_m: 1e-9, ..ApproachRrt::default() }),
     ];
     for planner in planners {
         let refused = planner.plan(&easy(), &Budget::default(), 0, &mut Unobserved);
@@ -113,7 +115,7 @@ proptest! {
         let bodies = blocks.iter().enumerate().map(|(index, at)| block(&format!("block {index}"), *at, [0.12; 3]));
         let goal = Goal::Configurations(vec![vec![0.8, 0.7, 0.6]]);
         let problem = exact(&ball(), bodies.collect(), &[-0.8, -0.7, -0.6], goal);
-        for name in OPTIMISERS {
+        for name in OPTIMISERS.into_iter().chain(["approach-rrt"]) {
             let planner = Registry::default().planner(name).expect("a planner of the registry");
             let budget = Budget { iterations: 60, ..Budget::default() };
             let report = planner.plan(&problem, &budget, seed, &mut Unobserved).expect("a good problem");
