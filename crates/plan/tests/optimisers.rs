@@ -89,7 +89,7 @@ fn settings_that_are_no_numbers_are_refused() {
         Box::new(Omg { tail: 29, ..Omg::default() }),
         Box::new(Gomp { price: f64::INFINITY, ..Gomp::default() }),
         Box::new(Gomp { trust: nan, ..Gomp::default() }),
-        Box::new(ApproachRrt { room_m: nan, ..ApproachRrt::default() }),
+        Box::new(ApproachRrt { retreat_m: nan, ..ApproachRrt::default() }),
         Box::new(ApproachRrt { back_m: 1e-9, ..ApproachRrt::default() }),
     ];
     for planner in planners {

@@ -168,11 +168,9 @@ pub struct PlanBudget {
 
 impl PlanBudget {
     fn of(budget: &Budget) -> Self {
-        let is_limit = |iterations: &u64| *iterations < u64::MAX;
-        let limited = |time: &Duration| *time < Duration::MAX;
         Self {
-            iterations: Some(budget.iterations).filter(is_limit),
-            time_limit_s: Some(budget.time).filter(limited).map(|time| time.as_secs_f64()),
+            iterations: (budget.iterations < u64::MAX).then_some(budget.iterations),
+            time_limit_s: (budget.time < Duration::MAX).then(|| budget.time.as_secs_f64()),
         }
     }
 }
@@ -382,12 +380,7 @@ mod tests {
             }],
             goal_faults: Vec::new(),
             no_grasp: None,
-            refused: Some(RefusedClaim {
-                edge: 2,
-                at: 0.1 + 0.2,
-                pair: Some(["hand".to_owned(), "table".to_owned()]),
-                depth_m: 0.1 / 3.0,
-            }),
+            refused: None,
             robustness: None,
             tool: vec![ToolSlack { name: "box".into(), slack_m: Some(0.1 / 7.0), slack_rad: None }],
             tilt: Some(Tilt { greatest_rad: 0.1 / 3.0, most_rad: 0.1 + 0.2 }),

@@ -28,7 +28,7 @@ pub struct PairDistance {
 }
 
 impl PairDistance {
-    /// Adds `weight · ∂distance/∂q` to `gradient` (one value per joint), for the configuration at which `frames` were computed.
+    /// Adds `weight · ∂distance/∂q` to `gradient` (metres per m or rad; one per joint), for the configuration at which `frames` were computed.
     ///
     /// Law: the gradient is the limit of finite differences of `distance_m` (test `gradients_are_those_of_finite_differences`).
     ///
@@ -39,7 +39,7 @@ impl PairDistance {
     }
 
     /// Adds the product of `direction`, in the planning frame, with the motion of the closest point of the link relative to that
-    /// of the other, per unit of each joint, to `row` (one value per joint).
+    /// of the other, per unit of each joint, to `row` (metres per m or rad; one per joint).
     ///
     /// # Panics
     /// If `row` has not one value per joint.

@@ -78,7 +78,7 @@ impl<'a> ObstacleCost<'a> {
         Self { cell, range, step_s, scratch: cell.scratch(), frames: Vec::new(), pairs: Vec::new() }
     }
 
-    /// Writes the cost of each way point to `costs`, and adds `weight` times the functional gradient to the rows of `gradient`, the
+    /// Writes the cost of each way point (m, rad; one value per joint) to `costs`, and adds `weight` times the functional gradient to the rows of `gradient`, the
     /// first of which is that of way point 1. The first and the last way point cost nothing.
     pub fn measure(
         &mut self,

@@ -53,14 +53,14 @@ impl Smoothness {
         Some(Self { differences, inverse, free })
     }
 
-    /// Returns `F` of a curve of way points (one value per joint each), from the fixed start on.
+    /// Returns `F` of a curve of way points (m, rad; one value per joint), from the fixed start on.
     #[cfg(test)]
     pub fn cost(&self, path: &[Vec<f64>]) -> f64 {
         let joints = path.first().map_or(0, Vec::len);
         (0..joints).fold(0.0, |sum, joint| sum + 0.5 * self.along(path, joint).norm_squared())
     }
 
-    /// Adds `weight · ∂F/∂ξ` to the rows of the free way points.
+    /// Adds `weight · ∂F/∂ξ` at a curve of way points (m, rad; one value per joint) to the rows of the free ones.
     pub fn add_gradient(&self, path: &[Vec<f64>], weight: f64, rows: &mut [Vec<f64>]) {
         let joints = path.first().map_or(0, Vec::len);
         for joint in 0..joints {
@@ -71,7 +71,7 @@ impl Smoothness {
         }
     }
 
-    /// Replaces the rows of the free way points by `A⁻¹` times them.
+    /// Replaces the rows of the free way points (m, rad; one value per joint) by `A⁻¹` times them.
     pub fn spread(&self, rows: &mut [Vec<f64>]) {
         let joints = rows.first().map_or(0, Vec::len);
         for joint in 0..joints {

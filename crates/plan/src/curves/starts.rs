@@ -85,7 +85,7 @@ struct Starts<'a> {
     goals: Vec<Vec<f64>>,
     /// Goals without a turn yet, the nearest last.
     order: Vec<usize>,
-    /// Number of starts so far.
+    /// Number of starts that were begun.
     round: u64,
     verdicts: Vec<bool>,
     /// The refused claim of least depth.

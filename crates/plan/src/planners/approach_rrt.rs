@@ -13,26 +13,26 @@ use crate::search::search_state::Search;
 use crate::wall_clock::now;
 use crate::{Budget, Observer, Outcome, PlanError, PlanReport, Planner, Ranges};
 
-/// RRT-Connect whose goals and samples come from the sides at which there is room for the hand: after Huh, Lee & Lee 2018,
+/// RRT-Connect whose goals and samples come from the sides at which the hand can retreat: after Huh, Lee & Lee 2018,
 /// "Constrained sampling-based planning for grasping and manipulation" (ICRA), whole, whose text was not available. Only the idea
 /// that free space at the object determines the side of approach is theirs.
 ///
-/// 1. The room of a grasp is the distance by which the hand alone can move back along its approach, up to `room_m`. A grasp at which
+/// 1. The free retreat of a grasp is the distance by which the hand alone can move back along its approach, up to `retreat_m`. A grasp at which
 ///    the hand collides is discarded; if none is left, no grasp can be reached.
-/// 2. Inverse kinematics finds goals, for grasps drawn with probability in proportion to their room. A goal brings its way in: the
+/// 2. Inverse kinematics finds goals, for grasps drawn with probability in proportion to their free retreat. A goal brings its approach: the
 ///    configurations of the hand moving back, by inverse kinematics, as far as each motion is proven.
-/// 3. The trees grow as in `rrt-connect`, with probability `p_approach` towards the beginning of a way in, else towards a uniform
+/// 3. The trees grow as in `rrt-connect`, with probability `p_approach` towards the beginning of an approach, else towards a uniform
 ///    random configuration.
 ///
 /// One iteration is one growth, or one batch of inverse kinematics before there is a goal.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ApproachRrt {
-    /// Probability of a growth towards the beginning of a way in, in [0, 1]. Default 0.2.
+    /// Probability of a growth towards the beginning of an approach, in [0, 1]. Default 0.2.
     pub p_approach: f64,
-    /// Greatest room that counts, in metres. Default 0.2: the depth of most shelves.
-    pub room_m: f64,
-    /// Length of a step of the way in, in metres. Default 0.02.
+    /// Greatest free retreat that counts, in metres. Default 0.2: the depth of most shelves.
+    pub retreat_m: f64,
+    /// Length of a step of an approach, in metres. Default 0.02.
     pub back_m: f64,
     /// Maximum motion of the origin of any link frame in a step, in metres. Default 0.1, that of the released planners.
     pub step_m: f64,
@@ -42,7 +42,7 @@ pub struct ApproachRrt {
 
 impl Default for ApproachRrt {
     fn default() -> Self {
-        Self { p_approach: 0.2, room_m: 0.2, back_m: 0.02, step_m: RELEASED_STEP_M, goals: 100 }
+        Self { p_approach: 0.2, retreat_m: 0.2, back_m: 0.02, step_m: RELEASED_STEP_M, goals: 100 }
     }
 }
 
@@ -58,12 +58,12 @@ impl Planner for ApproachRrt {
     fn check(&self) -> Result<(), PlanError> {
         const STEPS: [usize; 2] = [1, 1000];
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a cast of NaN is 0")]
-        let steps = (self.room_m / self.back_m) as usize;
+        let steps = (self.retreat_m / self.back_m) as usize;
         Ranges::of(self.name())
             .share("p_approach", self.p_approach)?
-            .positive("room_m", self.room_m)?
+            .positive("retreat_m", self.retreat_m)?
             .positive("back_m", self.back_m)?
-            .count_between("room_m / back_m", steps, STEPS)?
+            .count_between("retreat_m / back_m", steps, STEPS)?
             .positive("step_m", self.step_m)?
             .count("goals", self.goals, usize::MAX)?;
         Ok(())
@@ -94,10 +94,10 @@ impl Planner for ApproachRrt {
     }
 }
 
-/// Grasp pose with its room.
+/// Grasp pose with its free retreat.
 struct Side {
     world_from_gripper: Pose,
-    /// Room and that of all poses before it, in metres.
+    /// Free retreat and that of all poses before it, in metres.
     sum_m: f64,
 }
 
@@ -107,7 +107,7 @@ struct Sides<'a> {
     cell: &'a Cell,
     trees: Bidirectional<'a>,
     scratch: Scratch,
-    /// Beginnings of the ways in.
+    /// Beginnings of the approaches.
     beginnings: Vec<Vec<f64>>,
     goals: usize,
 }
@@ -167,9 +167,9 @@ impl Sides<'_> {
         }
     }
 
-    /// Returns the grasp poses at which the hand alone is free, with their room.
+    /// Returns the grasp poses at which the hand alone is free, with their free retreat.
     fn sides(&mut self, grasps: &GraspSet) -> Vec<Side> {
-        /// Room that every grasp has, in metres, so that none has probability 0.
+        /// Free retreat that every grasp has, in metres, so that none has probability 0.
         const LEAST_M: f64 = 0.01;
         let filter = self.problem.grasp_filter();
         let mut sum_m = 0.0;
@@ -179,8 +179,8 @@ impl Sides<'_> {
                 continue;
             }
             let back = backward(&world_from_gripper, self.settings);
-            let room = back.take_while(|pose| self.cell.hand_is_free(pose, &mut self.scratch)).count();
-            sum_m += LEAST_M + self.settings.back_m * room as f64;
+            let steps = back.take_while(|pose| self.cell.hand_is_free(pose, &mut self.scratch)).count();
+            sum_m += LEAST_M + self.settings.back_m * steps as f64;
             sides.push(Side { world_from_gripper, sum_m });
         }
         sides
@@ -246,13 +246,13 @@ impl Sides<'_> {
     }
 }
 
-/// Returns the poses of the gripper moving back from a grasp along its approach, by steps up to the greatest room.
+/// Returns the poses of the gripper moving back from a grasp along its approach, by steps up to the greatest retreat.
 fn backward<'a>(
     world_from_gripper: &'a Pose,
     settings: &ApproachRrt,
 ) -> impl Iterator<Item = Pose> + use<'a> {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "settings bound the number")]
-    let count = (settings.room_m / settings.back_m) as u32;
+    let count = (settings.retreat_m / settings.back_m) as u32;
     let back_m = settings.back_m;
     (1..=count).map(move |step| world_from_gripper * Pose::translation(0.0, 0.0, -f64::from(step) * back_m))
 }

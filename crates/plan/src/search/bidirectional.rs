@@ -30,7 +30,7 @@ impl<'a> Bidirectional<'a> {
         }
     }
 
-    /// Adds nodes below the root of a goal, each below the one before; the motions between them are proven.
+    /// Adds nodes (m, rad; one value per joint) below the root of a goal, each below the one before; the motions between them are proven.
     pub fn add_branch(&mut self, goal: usize, nodes: &[Vec<f64>], search: &mut Search) {
         let mut parent = self.goals[goal];
         for q in nodes {

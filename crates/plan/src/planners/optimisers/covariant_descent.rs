@@ -79,7 +79,7 @@ impl<'a> CovariantDescent<'a> {
         }
     }
 
-    /// Returns the gradient of the whole cost by the way points from 1 on, as many as the metric has.
+    /// Returns the gradient of the whole cost by the way points (m, rad; one value per joint) from 1 on, as many as the metric has.
     pub fn gradient(&mut self, smoothness: &Smoothness, search: &mut Search) -> Vec<Vec<f64>> {
         let begin = now();
         let Descent { obstacle_weight, most_slope, .. } = self.settings;
@@ -94,7 +94,7 @@ impl<'a> CovariantDescent<'a> {
         rows
     }
 
-    /// Moves the way points from 1 on by `scale` times the rows.
+    /// Moves the way points from 1 on by `scale` times the rows (m, rad; one value per joint).
     pub fn move_by(&mut self, rows: &[Vec<f64>], scale: f64) {
         for (q, row) in self.path.iter_mut().skip(1).zip(rows) {
             for (value, row) in q.iter_mut().zip(row) {

@@ -11,7 +11,7 @@ pub enum GoalChoice {
     Mirror,
     /// Goal of the least cost in this step.
     LeastCost,
-    /// Goal of the least cost summed over the steps so far.
+    /// Goal of the least cost summed over all steps until this one.
     LeastSum,
     /// First goal of the start, without a change.
     Fixed,
@@ -50,7 +50,7 @@ impl GoalLearner {
         }
     }
 
-    /// Learns from the costs of all goals, at least 0, and returns the goal to continue with; `now` is the present one.
+    /// Learns from the costs (no unit, at least 0; one of each goal), and returns the goal to continue with; `now` is the present one.
     pub fn next(&mut self, costs: &[f64], now: usize) -> usize {
         let total = costs.iter().fold(0.0, |sum, cost| sum + cost);
         let scale = if total > 0.0 { 1.0 / total } else { 0.0 };

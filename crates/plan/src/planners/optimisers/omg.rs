@@ -122,7 +122,7 @@ struct GoalSetDescent<'a> {
     problem: &'a Problem,
     solver: IkSolver<'a>,
     descent: CovariantDescent<'a>,
-    /// Tail of each goal known so far, the goal last; `None` for a dropped one.
+    /// Tail of each known goal, the goal last; `None` for a dropped one.
     known: Vec<Option<Path>>,
     /// Tails of the goals of this start.
     tails: Vec<Path>,
