@@ -19,6 +19,7 @@ pub use error::CollisionError;
 pub use margins::Margins;
 pub use pair::closest::Closest;
 pub use pair::exempt_pair::{ExemptPair, UncheckedReason};
+pub use pair::pair_distance::PairDistance;
 pub use pair::pair_group::PairGroup;
 pub use proof::bubble::Bubble;
 pub use proof::curve::Chords;

@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod curves;
 mod error;
 mod neighbours;
 mod optimise;
@@ -7,15 +8,25 @@ mod planners;
 mod search;
 mod wall_clock;
 
+pub use curves::curve_settings::{CurveSettings, FirstCurve};
+pub use curves::obstacle_cost::CostRange;
+pub use curves::refused_claim::RefusedClaim;
 pub use error::PlanError;
 pub use neighbours::nearest::{EXACT_BELOW, FARTHER_BY, NearestNeighbours};
 pub use optimise::{Improvement, OptimiseSettings, Optimised, better, optimise};
+pub use planners::approach_rrt::ApproachRrt;
 pub use planners::grasp_reach::GraspReach;
 pub use planners::grasp_rrt::GraspRrt;
 pub use planners::ik_rbt::IkRbt;
 pub use planners::ik_rrt::IkRrt;
 pub use planners::j_plus_rbt::JPlusRbt;
 pub use planners::j_plus_rrt::JPlusRrt;
+pub use planners::optimisers::chomp::Chomp;
+pub use planners::optimisers::covariant_descent::Descent;
+pub use planners::optimisers::goal_learner::GoalChoice;
+pub use planners::optimisers::gomp::{Gomp, LimitUse};
+pub use planners::optimisers::omg::Omg;
+pub use planners::optimisers::stomp::Stomp;
 pub use planners::prm::Prm;
 pub use planners::rbt_connect::RbtConnect;
 pub use planners::reach_settings::Reach;

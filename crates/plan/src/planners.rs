@@ -1,5 +1,6 @@
 //! Planners, one per file, and the registry that lists them by name.
 
+pub(crate) mod approach_rrt;
 pub(crate) mod even_sequence;
 pub(crate) mod grasp_reach;
 pub(crate) mod grasp_rrt;
@@ -9,6 +10,7 @@ pub(crate) mod j_plus_rbt;
 pub(crate) mod j_plus_rrt;
 pub(crate) mod lane_search;
 pub(crate) mod laps;
+pub(crate) mod optimisers;
 pub(crate) mod prm;
 pub(crate) mod rbt_connect;
 pub(crate) mod reach;

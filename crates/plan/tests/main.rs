@@ -13,6 +13,7 @@ mod grasp_choice;
 mod hand_filter;
 mod ik_annotation;
 mod optimise;
+mod optimisers;
 mod own_grasps;
 mod planners;
 mod roadmap;

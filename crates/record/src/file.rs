@@ -4,7 +4,7 @@ use std::time::Duration;
 use cranny_collision::Margins;
 use cranny_grasp::ScoreKind;
 use cranny_path::{AuditSettings, Clearances, path_length};
-use cranny_plan::{Budget, NoGrasp, Outcome, Statistics};
+use cranny_plan::{Budget, NoGrasp, Outcome, RefusedClaim, Statistics};
 use cranny_scenario::{Geometry, GivenGrasps, NamedTask, ScenarioError, write_whole_file};
 use cranny_solve::{Answer, HoldFactors, Paces, Request, Robustness, Tilt, Timing, ToolSlack};
 use cranny_task::{Criterion, FoundGrasp, GraspFailure, NotChecked, Segment, Stage};
@@ -116,6 +116,9 @@ pub struct PlanFile {
     /// Reason why no grasp was reached, after a search in which the arm reached none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub no_grasp: Option<NoGrasp>,
+    /// Path that the planner claimed and the proof refused, if that is the outcome.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub refused: Option<RefusedClaim>,
     /// Tolerated deviations from the path, for each kind of error by itself; `None` if not requested, or without a proof.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub robustness: Option<Robustness>,
@@ -165,11 +168,9 @@ pub struct PlanBudget {
 
 impl PlanBudget {
     fn of(budget: &Budget) -> Self {
-        let is_limit = |iterations: &u64| *iterations < u64::MAX;
-        let limited = |time: &Duration| *time < Duration::MAX;
         Self {
-            iterations: Some(budget.iterations).filter(is_limit),
-            time_limit_s: Some(budget.time).filter(limited).map(|time| time.as_secs_f64()),
+            iterations: (budget.iterations < u64::MAX).then_some(budget.iterations),
+            time_limit_s: (budget.time < Duration::MAX).then(|| budget.time.as_secs_f64()),
         }
     }
 }
@@ -231,6 +232,7 @@ impl PlanFile {
                 .map(|faults| faults.iter().map(ToString::to_string).collect())
                 .collect(),
             no_grasp: answer.no_grasp.clone(),
+            refused: answer.refused.clone(),
             robustness: answer.robustness,
             tilt: answer.tilt,
             tool: answer.tool.clone(),
@@ -378,6 +380,7 @@ mod tests {
             }],
             goal_faults: Vec::new(),
             no_grasp: None,
+            refused: None,
             robustness: None,
             tool: vec![ToolSlack { name: "box".into(), slack_m: Some(0.1 / 7.0), slack_rad: None }],
             tilt: Some(Tilt { greatest_rad: 0.1 / 3.0, most_rad: 0.1 + 0.2 }),

@@ -77,7 +77,7 @@ const MEASURED: [&str; 22] = [
 ];
 
 /// Keys that are never measured: they record how the path was found.
-const RECORD: [&str; 15] = [
+const RECORD: [&str; 16] = [
     "planner",
     "settings",
     "score",
@@ -90,6 +90,7 @@ const RECORD: [&str; 15] = [
     "failures",
     "goal_faults",
     "no_grasp",
+    "refused",
     "min_score",
     "below_min_score",
     "tries",
@@ -336,6 +337,7 @@ impl PlanFile {
             failures: self.failures.clone(),
             goal_faults: self.goal_faults.clone(),
             no_grasp: self.no_grasp.clone(),
+            refused: self.refused.clone(),
             min_score: self.min_score,
             below_min_score: self.below_min_score,
             robustness: None,

@@ -177,7 +177,7 @@ fn joined(
         let robustness = least_of(whole.get("robustness"), next.get("robustness"));
         whole.insert("robustness".into(), robustness);
     }
-    for key in ["outcome", "failures", "no_grasp", "goal_faults"] {
+    for key in ["outcome", "failures", "no_grasp", "refused", "goal_faults"] {
         match next.remove(key) {
             Some(value) => whole.insert(key.into(), value),
             None => whole.remove(key),

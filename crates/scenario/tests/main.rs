@@ -12,6 +12,7 @@ mod built_in_robot;
 mod burs;
 mod checking;
 mod families;
+mod gradients;
 mod grasp_sampling;
 mod identity;
 mod moveit_forms;

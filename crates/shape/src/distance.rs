@@ -8,4 +8,5 @@ pub(crate) mod parry;
 pub(crate) mod range;
 pub(crate) mod ray;
 pub(crate) mod separation;
+pub(crate) mod signed;
 pub(crate) mod triangle_tree;

@@ -23,6 +23,7 @@ pub use distance::ray::RayHit;
 pub use distance::separation::{
     Overlap, Separation, overlap, quick_lower_bound, reaches, separation, separation_in,
 };
+pub use distance::signed::{SignedDistance, signed_distance};
 pub use error::ShapeError;
 pub use hulls::coarse_hull::CoarseHull;
 pub use hulls::convex_parts::{ConvexParts, DecompositionSettings, VolumeError};

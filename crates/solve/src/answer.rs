@@ -1,6 +1,6 @@
 use cranny_grasp::ScoreKind;
 use cranny_path::Audit;
-use cranny_plan::{Budget, Improvement, NoGrasp, OptimiseSettings, Outcome, Statistics};
+use cranny_plan::{Budget, Improvement, NoGrasp, OptimiseSettings, Outcome, RefusedClaim, Statistics};
 use cranny_task::{ConfigurationFault, Criterion, GraspFailure, NotChecked, Segment, Stage, joined};
 
 use crate::{HoldFactors, Robustness, TaskTrajectory, Tilt, ToolSlack};
@@ -65,6 +65,8 @@ pub struct Answer {
     pub goal_faults: Vec<Vec<ConfigurationFault>>,
     /// Reason why no grasp was reached, if the search ended without reaching any.
     pub no_grasp: Option<NoGrasp>,
+    /// Path that the planner claimed and the proof refused, if that is the outcome.
+    pub refused: Option<RefusedClaim>,
     /// Pairs that were not compared, as exceptions to the answer ([`NotChecked::is_exception`]).
     pub not_checked: Vec<NotChecked>,
 }

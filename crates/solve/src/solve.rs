@@ -115,7 +115,7 @@ fn solve_asked(
         (stages, _) => found_in_stages(problem, planner.as_ref(), (stages, request), observer)?,
     };
     let Found {
-        report: PlanReport { outcome, statistics, failures, .. },
+        report: PlanReport { outcome, statistics, failures, refused, .. },
         segments,
         unshortened,
         shortening,
@@ -145,7 +145,11 @@ fn solve_asked(
     let not_checked = audit.as_ref().map_or_else(|| problem.not_checked(), |audit| audit.not_checked.clone());
     let is_grasp_missed = matches!(
         outcome,
-        Outcome::BudgetExhausted | Outcome::Cancelled | Outcome::GaveUp | Outcome::NoReachableGrasp
+        Outcome::BudgetExhausted
+            | Outcome::ClaimedNotProven
+            | Outcome::Cancelled
+            | Outcome::GaveUp
+            | Outcome::NoReachableGrasp
     );
     let no_grasp = if is_grasp_missed { NoGrasp::of(&first, &failures) } else { None };
     let goal_faults = if outcome == Outcome::GoalsInvalid { first.goal_faults() } else { Vec::new() };
@@ -192,6 +196,7 @@ fn solve_asked(
         failures,
         goal_faults,
         no_grasp,
+        refused,
         not_checked,
     })
 }

@@ -3,8 +3,8 @@ use std::time::Instant;
 
 use cranny_path::{PathCost, PathError, ShortcutSettings, shortcut};
 use cranny_plan::{
-    Budget, Improvement, Observer, OptimiseSettings, Outcome, PlanError, PlanReport, Planner, Reach,
-    Statistics, Unobserved, better, optimise, search,
+    Budget, Improvement, Observer, OptimiseSettings, PlanError, PlanReport, Planner, Reach, Statistics,
+    Unobserved, better, optimise, search,
 };
 use cranny_spatial::other_seed;
 use cranny_task::{Carrier, Criterion, Problem, Segment, Stage};
@@ -147,7 +147,7 @@ fn optimised(
         let statistics =
             Statistics { planning_time_s: begin.elapsed().as_secs_f64(), ..Statistics::default() };
         let path = segment.waypoints.clone();
-        let first = PlanReport { outcome: Outcome::Solved, path, statistics, failures: Vec::new() };
+        let first = PlanReport::of(Ok(path), statistics);
         let found = better(problem, first, of_piece, request.seed, observer)?;
         let of_segment = PathCost::new(problem, settings.cost, 0.0)?;
         let before = of_segment.measure(&segment.waypoints)?;

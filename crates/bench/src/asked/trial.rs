@@ -70,6 +70,8 @@ pub enum TrialOutcome {
     NoReachableGrasp,
     /// The planner returned a path, and the judge finds that it does not meet the criterion.
     Rejected,
+    /// An optimiser of this package found a path that meets its own measure, and the proof refused it.
+    ClaimedNotProven,
     /// The output of the planner is no path.
     Garbled,
     /// The planner's process ended by itself.
@@ -94,6 +96,7 @@ impl TrialOutcome {
             Outcome::GaveUp => Self::GaveUp,
             Outcome::StartInvalid => Self::StartInvalid,
             Outcome::GoalsInvalid => Self::GoalsInvalid,
+            Outcome::ClaimedNotProven => Self::ClaimedNotProven,
             Outcome::NoReachableGrasp => Self::NoReachableGrasp,
         }
     }

@@ -116,6 +116,8 @@ pub fn read_output(output: &[u8], joints: usize, stages: &[Stage]) -> Result<For
         Outcome::Cancelled => {
             return Err("the outcome is 'cancelled', but the program was not stopped".to_owned());
         }
+        // Nobody has seen the path that a program claims.
+        Outcome::ClaimedNotProven => TrialOutcome::GaveUp,
         outcome => TrialOutcome::without_path(outcome),
     };
     Ok(ForeignAnswer {

@@ -22,7 +22,7 @@ pub fn over_time(record: &TrialRecord) -> Followed {
 
 /// Returns the follow-up in iterations; `most` is the maximum over the trials of the same planner.
 pub fn over_iterations(record: &TrialRecord, most: u64) -> Followed {
-    let is_stopped = record.outcome == TrialOutcome::BudgetExhausted && record.trial.is_built_in();
+    let is_stopped = is_spent(record) && record.trial.is_built_in();
     let until = if record.is_solved() || is_stopped { record.statistics.iterations } else { most };
     Followed { until: until as f64, solved: record.is_solved() }
 }
@@ -42,12 +42,15 @@ pub fn paper_time_s(record: &TrialRecord) -> f64 {
     if record.is_solved() { record.statistics.planning_time_s } else { record.trial.time_limit_s }
 }
 
+/// Returns true if the budget ended the search, with or without a path that the proof refused.
+fn is_spent(record: &TrialRecord) -> bool {
+    matches!(record.outcome, TrialOutcome::BudgetExhausted | TrialOutcome::ClaimedNotProven)
+}
+
 /// Returns true if the iteration limit ended the search of a built-in planner, whose iterations are counted.
 fn is_ended_by_iterations(record: &TrialRecord) -> bool {
     let is_done = |limit| record.statistics.iterations >= limit;
-    record.outcome == TrialOutcome::BudgetExhausted
-        && record.trial.iteration_limit.is_some_and(is_done)
-        && record.trial.is_built_in()
+    is_spent(record) && record.trial.iteration_limit.is_some_and(is_done) && record.trial.is_built_in()
 }
 
 #[cfg(test)]

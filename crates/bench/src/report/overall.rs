@@ -23,6 +23,8 @@ pub struct Overall {
     pub runs: usize,
     /// Number of solved runs.
     pub solved: usize,
+    /// Number of runs whose planner claimed a path that the proof refused.
+    pub claimed: usize,
     /// Mean of the success rates of the scenarios ([`mean_rate`]).
     pub success_rate: f64,
     /// Lower end of its interval.
@@ -120,6 +122,7 @@ pub fn overall(pools: &[Pool]) -> Vec<Overall> {
                 scenarios_in_all: pool.scenarios_in_all,
                 runs,
                 solved: counts.iter().map(|(solved, _)| solved).sum(),
+                claimed: pool.groups.iter().map(|group| group.row.claimed).sum(),
                 success_rate,
                 success_low: interval.low,
                 success_high: interval.high,

@@ -8,7 +8,7 @@ use crate::report::configuration::{Configuration, Names};
 use crate::report::follow_up;
 use crate::report::scenario_class::ScenarioClass;
 use crate::statistics::{FiveNumbers, Followed, KaplanMeier, SampleMoments, median_interval, wilson};
-use crate::{StoredTrial, TrialRecord};
+use crate::{StoredTrial, TrialOutcome, TrialRecord};
 
 /// All runs of one planner, with one set of settings and limits, on one scenario under one criterion. If each run aims at
 /// one goal, the figures are those of the best goal, as in the paper's table.
@@ -48,6 +48,8 @@ pub struct Row {
     pub runs: usize,
     /// Number of runs that the judge found solved.
     pub solved: usize,
+    /// Number of runs whose planner claimed a path that the proof refused.
+    pub claimed: usize,
     /// Number of paths also judged under the other criterion.
     pub also_judged: usize,
     /// Number of paths that also meet the other criterion.
@@ -272,6 +274,7 @@ fn row(configuration: &Configuration, names: &Names, goals: &[GoalRow], runs: &[
         goals_solved: goal_count(goals.iter().filter(|row| row.solved > 0).count()),
         runs: runs.len(),
         solved: figures.solved,
+        claimed: runs.iter().filter(|run| run.record.outcome == TrialOutcome::ClaimedNotProven).count(),
         also_judged: runs.iter().filter(|run| run.record.also_solved.is_some()).count(),
         also_solved: runs.iter().filter(|run| run.record.also_solved == Some(true)).count(),
         success_rate: figures.solved as f64 / runs.len() as f64,

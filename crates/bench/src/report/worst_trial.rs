@@ -72,6 +72,7 @@ fn badness(run: &StoredTrial) -> f64 {
         TrialOutcome::Undecided => 8.5,
         TrialOutcome::Garbled => 8.0,
         TrialOutcome::Rejected => 7.0,
+        TrialOutcome::ClaimedNotProven => 6.5,
         TrialOutcome::StartInvalid => 6.0,
         TrialOutcome::GoalsInvalid => 5.0,
         TrialOutcome::NoReachableGrasp => 4.0,

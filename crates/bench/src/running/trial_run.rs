@@ -98,7 +98,12 @@ pub fn run(
             let outcome = TrialOutcome::without_path(answer.outcome);
             let record = TrialRecord {
                 memory_bytes: end.memory_bytes,
-                ..TrialRecord::without_path(trial, outcome, None, answer.statistics)
+                ..TrialRecord::without_path(
+                    trial,
+                    outcome,
+                    answer.refused.as_ref().map(ToString::to_string),
+                    answer.statistics,
+                )
             };
             (record, answer.segments, answer.audit.filter(|_| aimed.is_none()))
         }

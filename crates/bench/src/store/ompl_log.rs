@@ -211,7 +211,7 @@ fn values(run: &StoredTrial) -> [String; 14] {
     let flag = |value: bool| u8::from(value).to_string();
     let correct = match record.outcome {
         TrialOutcome::Solved => "1",
-        TrialOutcome::Rejected => "0",
+        TrialOutcome::Rejected | TrialOutcome::ClaimedNotProven => "0",
         _ => "",
     };
     [
@@ -235,7 +235,11 @@ fn values(run: &StoredTrial) -> [String; 14] {
 /// Returns the corresponding value of OMPL's `PlannerStatus`.
 fn status(outcome: TrialOutcome) -> u8 {
     match outcome {
-        TrialOutcome::Rejected | TrialOutcome::Garbled | TrialOutcome::Undecided | TrialOutcome::GaveUp => 0,
+        TrialOutcome::Rejected
+        | TrialOutcome::ClaimedNotProven
+        | TrialOutcome::Garbled
+        | TrialOutcome::Undecided
+        | TrialOutcome::GaveUp => 0,
         TrialOutcome::StartInvalid => 1,
         TrialOutcome::GoalsInvalid => 2,
         TrialOutcome::BudgetExhausted => 4,

@@ -309,6 +309,9 @@ pub fn blocked(plan: &PlanFile, is_own: bool, line: &mut dyn FnMut(&str, String)
     if let Some(reason) = &plan.no_grasp {
         no_grasp(reason, line);
     }
+    if let Some(refused) = &plan.refused {
+        line("refused", refused.to_string());
+    }
 }
 
 /// Adds the reason why no grasp was chosen at all, and a remedy.
@@ -399,7 +402,8 @@ pub fn page(answered: &Answered, grasps: &GraspSet) -> String {
     if plan.outcome == Outcome::Solved && !answered.valid {
         line("judged", "NOT valid; please report this".to_owned());
     }
-    if plan.outcome == Outcome::BudgetExhausted && plan.no_grasp.is_none() {
+    let is_spent = matches!(plan.outcome, Outcome::BudgetExhausted | Outcome::ClaimedNotProven);
+    if is_spent && plan.no_grasp.is_none() {
         line("hint", "a longer --time-limit, another --seed or another --planner may find a path".to_owned());
     }
     if plan.outcome != Outcome::Solved && answered.plan_file.is_none() {

@@ -7,8 +7,8 @@ use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
 use crate::{
-    Budget, GraspReach, GraspRrt, IkRbt, IkRrt, JPlusRbt, JPlusRrt, Outcome, PlanError, Planner, Prm,
-    RbtConnect, Reach, Rrt, RrtConnect, RrtStar, Unobserved,
+    ApproachRrt, Budget, Chomp, Gomp, GraspReach, GraspRrt, IkRbt, IkRrt, JPlusRbt, JPlusRrt, Omg, Outcome,
+    PlanError, Planner, Prm, RbtConnect, Reach, Rrt, RrtConnect, RrtStar, Stomp, Unobserved,
 };
 
 /// Planners by name. [`Registry::default`] has the built-in ones, and [`Registry::with`] adds others.
@@ -57,6 +57,11 @@ impl Default for Registry {
             Entry::of::<JPlusRrt>(),
             Entry::of::<JPlusRbt>(),
             Entry::of::<GraspRrt>(),
+            Entry::of::<ApproachRrt>(),
+            Entry::of::<Chomp>(),
+            Entry::of::<Stomp>(),
+            Entry::of::<Omg>(),
+            Entry::of::<Gomp>(),
         ];
         Self { entries }
     }

@@ -30,6 +30,29 @@ impl<'a> Bidirectional<'a> {
         }
     }
 
+    /// Adds nodes (m, rad; one value per joint) below the root of a goal, each below the one before; the motions between them are proven.
+    pub fn add_branch(&mut self, goal: usize, nodes: &[Vec<f64>], search: &mut Search) {
+        let mut parent = self.goals[goal];
+        for q in nodes {
+            parent = self.add(1, q, Some(parent), search);
+        }
+    }
+
+    /// Grows one side towards `sample` (m, rad; one per joint), and the other as far as possible towards the end of the first.
+    pub fn grow_towards(&mut self, sample: &[f64], search: &mut Search) -> Option<(Path, usize)> {
+        let side = self.side;
+        self.side = 1 - side;
+        let from = self.nearest(side, sample, search);
+        let (node, _) = self.extend(side, from, sample, true, search)?;
+        let meeting = self.sides[side].q(node).to_vec();
+        let mut at = self.nearest(1 - side, &meeting, search);
+        let mut is_met = self.sides[1 - side].q(at) == meeting;
+        while !is_met {
+            (at, is_met) = self.extend(1 - side, at, &meeting, false, search)?;
+        }
+        Some(self.path_through(if side == 0 { [node, at] } else { [at, node] }))
+    }
+
     /// Extends a side from a node towards `target`, and returns the new node, and true if it is the target.
     fn extend(
         &mut self,
@@ -84,17 +107,7 @@ impl Connector for Bidirectional<'_> {
     /// Grows one side towards a random configuration, and the other as far as possible towards the end of the first.
     fn grow(&mut self, search: &mut Search) -> Option<(Path, usize)> {
         let sample = search.sample();
-        let side = self.side;
-        self.side = 1 - side;
-        let from = self.nearest(side, &sample, search);
-        let (node, _) = self.extend(side, from, &sample, true, search)?;
-        let meeting = self.sides[side].q(node).to_vec();
-        let mut at = self.nearest(1 - side, &meeting, search);
-        let mut is_met = self.sides[1 - side].q(at) == meeting;
-        while !is_met {
-            (at, is_met) = self.extend(1 - side, at, &meeting, false, search)?;
-        }
-        Some(self.path_through(if side == 0 { [node, at] } else { [at, node] }))
+        self.grow_towards(&sample, search)
     }
 
     fn remove_goal(&mut self, goal: usize, search: &mut Search) {

@@ -4,7 +4,7 @@ use cranny_task::{GraspFailure, Problem};
 use serde::{Deserialize, Serialize};
 use strum::IntoStaticStr;
 
-use crate::PlanError;
+use crate::{PlanError, RefusedClaim};
 
 /// Limits of a search.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,6 +38,8 @@ pub enum Outcome {
     StartInvalid,
     /// Every goal configuration is in collision or outside the joint limits.
     GoalsInvalid,
+    /// The planner found a path that meets its own measure, and the proof refused it; the budget was spent before another.
+    ClaimedNotProven,
     /// No grasp can be reached: each is provably excluded, or the target is wider than the hand opens at every sample.
     NoReachableGrasp,
 }
@@ -57,6 +59,7 @@ impl Outcome {
             Self::GaveUp => "every goal was tried up to the planner's limit",
             Self::StartInvalid => "the start is in collision or beyond a joint limit",
             Self::GoalsInvalid => "every goal is in collision or beyond a joint limit",
+            Self::ClaimedNotProven => "claimed, not proven",
             Self::NoReachableGrasp => "no grasp can be reached",
         }
     }
@@ -120,6 +123,8 @@ pub struct PlanReport {
     pub statistics: Statistics,
     /// Obstacle to each grasp, from planners that record it; empty if solved.
     pub failures: Vec<GraspFailure>,
+    /// Path that was claimed and refused, for [`Outcome::ClaimedNotProven`].
+    pub refused: Option<RefusedClaim>,
 }
 
 impl PlanReport {
@@ -129,7 +134,7 @@ impl PlanReport {
             Ok(path) => (Outcome::Solved, path),
             Err(outcome) => (outcome, Vec::new()),
         };
-        Self { outcome, path, statistics, failures: Vec::new() }
+        Self { outcome, path, statistics, failures: Vec::new(), refused: None }
     }
 }
 

@@ -49,6 +49,21 @@ impl Ranges {
         })
     }
 
+    /// Checks for a count from `least` to `most`.
+    ///
+    /// # Errors
+    /// [`PlanError::Setting`] for any other value.
+    pub fn count_between(
+        self,
+        setting: &str,
+        value: usize,
+        [least, most]: [usize; 2],
+    ) -> Result<Self, PlanError> {
+        self.when((least..=most).contains(&value), || {
+            format!("'{setting}' is {value}, but must be from {least} to {most}")
+        })
+    }
+
     fn when(self, is_good: bool, problem: impl FnOnce() -> String) -> Result<Self, PlanError> {
         if is_good {
             return Ok(self);

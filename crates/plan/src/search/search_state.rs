@@ -40,6 +40,23 @@ impl<'a> Search<'a> {
         Ok(())
     }
 
+    /// Counts another iteration that takes milliseconds ([`Clock::verdict_now`]).
+    ///
+    /// # Errors
+    /// The reason to end the search instead.
+    pub(crate) fn begin_long_iteration(&mut self) -> Result<(), Outcome> {
+        if let Some(outcome) = self.clock.verdict_now(self.statistics.iterations, self.observer) {
+            return Err(outcome);
+        }
+        self.statistics.iterations += 1;
+        Ok(())
+    }
+
+    /// Returns the rest of the budget.
+    pub(crate) fn left(&self) -> Budget {
+        self.clock.left(self.statistics.iterations)
+    }
+
     /// Returns a configuration (m, rad; one per joint) drawn uniformly within the joint limits.
     pub fn sample(&mut self) -> Vec<f64> {
         self.problem.robot().random_configuration(&mut self.random)

@@ -42,7 +42,7 @@ pub fn closest_points(
 }
 
 /// Convex pieces of a solid that meet a box in its frame.
-fn pieces_near<'a>(solid: &'a Solid, region: &Aabb) -> Vec<&'a Convex> {
+pub(crate) fn pieces_near<'a>(solid: &'a Solid, region: &Aabb) -> Vec<&'a Convex> {
     match solid.kind() {
         Kind::Convex(convex) => vec![convex],
         Kind::Mesh(mesh) => {

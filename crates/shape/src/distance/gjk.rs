@@ -34,19 +34,26 @@ const ENOUGH_M: f64 = 1e-10;
 /// Bounds of the distance of `a` and `b`, as exact as `range` requires.
 pub(crate) fn core_distance(a: &Core, b: &Core, a_from_b: &ParryPose, range: Range) -> CoreDistance {
     let Range { beyond_m, exact_below_m } = range;
-    search(a, b, a_from_b, |lower_m, upper_m| {
+    search(a, b, a_from_b, ENOUGH_M, |lower_m, upper_m| {
         lower_m >= beyond_m || (upper_m < beyond_m && lower_m >= exact_below_m)
     })
+}
+
+/// Bounds of the distance of `a` and `b`, as exact as rounding permits, unless they show that it exceeds `beyond_m`. On curved
+/// faces the direction between the two points errs by the root of the difference of the bounds.
+pub(crate) fn core_points(a: &Core, b: &Core, a_from_b: &ParryPose, beyond_m: f64) -> CoreDistance {
+    search(a, b, a_from_b, 0.0, |lower_m, _| lower_m >= beyond_m)
 }
 
 /// Returns true if the distance of `a` and `b` is certified to reach `distance_m` (m). Agrees with [`core_distance`], but
 /// the search ends as soon as the answer is known.
 pub(crate) fn core_reaches(a: &Core, b: &Core, a_from_b: &ParryPose, distance_m: f64) -> bool {
     let is_decided = |lower_m: f64, upper_m: f64| lower_m >= distance_m || upper_m < distance_m;
-    search(a, b, a_from_b, is_decided).lower_m >= distance_m
+    search(a, b, a_from_b, ENOUGH_M, is_decided).lower_m >= distance_m
 }
 
-/// Bounds of the distance of `a` and `b`. The search ends when `is_decided` accepts them.
+/// Bounds of the distance of `a` and `b`. The search ends when they differ by no more than `enough_m`, or `is_decided` accepts
+/// them.
 ///
 /// Searches the set of differences `b − a` for the point closest to the origin. The set contains the origin exactly if
 /// the two cores meet.
@@ -55,7 +62,13 @@ pub(crate) fn core_reaches(a: &Core, b: &Core, a_from_b: &ParryPose, distance_m:
 ///    plane through it is positive, the plane separates the two: a lower bound.
 /// 2. That difference and those that span the closest point are the corners of a simplex. Its point closest to the origin
 ///    is the next closest point, whose distance is an upper bound.
-fn search(a: &Core, b: &Core, a_from_b: &ParryPose, is_decided: impl Fn(f64, f64) -> bool) -> CoreDistance {
+fn search(
+    a: &Core,
+    b: &Core,
+    a_from_b: &ParryPose,
+    enough_m: f64,
+    is_decided: impl Fn(f64, f64) -> bool,
+) -> CoreDistance {
     let b_from_a = a_from_b.rotation.inverse();
     let lowest_difference = |direction: ParryVector| {
         let on_a = a.local_support_point(direction);
@@ -71,7 +84,7 @@ fn search(a: &Core, b: &Core, a_from_b: &ParryPose, is_decided: impl Fn(f64, f64
         let Some(direction) = closest.try_normalize() else { return CoreDistance::CONTACT };
         let corner = lowest_difference(direction);
         found.lower_m = found.lower_m.max(direction.dot(corner.difference));
-        let is_settled = found.upper_m - found.lower_m <= ENOUGH_M;
+        let is_settled = found.upper_m - found.lower_m <= enough_m;
         if is_settled || is_decided(found.lower_m, found.upper_m) || simplex.has(corner) {
             break;
         }

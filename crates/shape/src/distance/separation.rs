@@ -40,6 +40,15 @@ pub struct Overlap {
     pub depth_m: f64,
     /// A point in the overlap, in the common frame.
     pub point: Point,
+    /// Unit vector in the common frame along which the second solid moves by the depth to separate the two; `None` if unknown.
+    pub way_out: Option<Vector>,
+}
+
+impl Overlap {
+    /// Returns this overlap with the two solids exchanged.
+    fn exchanged(self) -> Self {
+        Self { way_out: self.way_out.map(|way_out| -way_out), ..self }
+    }
 }
 
 /// Distance of two solids with poses in a common frame: [`separation_in`] all distances up to `beyond_m`, in metres.
@@ -119,19 +128,19 @@ pub fn overlap(a: &Solid, common_from_a: &Pose, b: &Solid, common_from_b: &Pose)
     match (a.kind(), b.kind()) {
         (Kind::HalfSpace, Kind::HalfSpace) => None,
         (Kind::HalfSpace, _) => below_plane(b, common_from_a, common_from_b),
-        (_, Kind::HalfSpace) => below_plane(a, common_from_b, common_from_a),
+        (_, Kind::HalfSpace) => below_plane(a, common_from_b, common_from_a).map(Overlap::exchanged),
         (Kind::Convex(one), Kind::Convex(other)) => convex_overlap(one, common_from_a, other, common_from_b),
         (Kind::Mesh(mesh), Kind::Convex(convex)) => {
             mesh_overlap(mesh, common_from_a, &[convex.as_ref()], common_from_b)
         }
         (Kind::Convex(convex), Kind::Mesh(mesh)) => {
-            mesh_overlap(mesh, common_from_b, &[convex.as_ref()], common_from_a)
+            mesh_overlap(mesh, common_from_b, &[convex.as_ref()], common_from_a).map(Overlap::exchanged)
         }
         (Kind::Mesh(one), Kind::Mesh(other)) => {
             let triangles: Vec<&Convex> = other.triangles().iter().collect();
             mesh_overlap(one, common_from_a, &triangles, common_from_b).or_else(|| {
                 let triangles: Vec<&Convex> = one.triangles().iter().collect();
-                mesh_overlap(other, common_from_b, &triangles, common_from_a)
+                mesh_overlap(other, common_from_b, &triangles, common_from_a).map(Overlap::exchanged)
             })
         }
     }
@@ -147,7 +156,8 @@ fn below_plane(solid: &Solid, common_from_plane: &Pose, common_from_solid: &Pose
     let depth_m = -solid.lowest_z(&plane_from_solid);
     let mut foot = plane_from_solid * solid.ball().center;
     foot.z = 0.0;
-    (depth_m >= 0.0).then(|| Overlap { depth_m, point: common_from_plane * foot })
+    let way_out = Some(common_from_plane.rotation * Vector::z());
+    (depth_m >= 0.0).then(|| Overlap { depth_m, point: common_from_plane * foot, way_out })
 }
 
 fn convex_separation(a: &Convex, b: &Convex, a_from_b: &ParryPose, range: Range) -> Separation {
@@ -241,7 +251,8 @@ fn convex_overlap(a: &Convex, common_from_a: &Pose, b: &Convex, common_from_b: &
     let normal = parry::to_vector(direction);
     let on_a = parry::to_vector(contact.point1) + normal * a.radius_m;
     let middle: Vector = on_a - normal * (0.5 * depth_m);
-    (depth_m >= 0.0).then(|| Overlap { depth_m, point: common_from_a * Point::from(middle) })
+    let way_out = Some(common_from_a.rotation * normal);
+    (depth_m >= 0.0).then(|| Overlap { depth_m, point: common_from_a * Point::from(middle), way_out })
 }
 
 fn mesh_overlap(
@@ -273,7 +284,7 @@ fn mesh_overlap(
                     convex_separation(triangle, &probe, &at, Range::to(f64::MAX)).upper_m
                 })
                 .fold(f64::INFINITY, f64::min);
-            deepest = Some(Overlap { depth_m, point: common_from_mesh * point });
+            deepest = Some(Overlap { depth_m, point: common_from_mesh * point, way_out: None });
         }
     }
     deepest

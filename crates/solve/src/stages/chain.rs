@@ -1,7 +1,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use cranny_plan::{Budget, Observer, Outcome, PlanError, PlanReport, Planner, begin_search};
+use cranny_plan::{Budget, Observer, Outcome, PlanError, PlanReport, Planner, RefusedClaim, begin_search};
 use cranny_spatial::Pose;
 use cranny_task::{
     Carrier, FailureReason, GraspFailure, LiftOffSettings, Mode, Move, Pick, PlaceAt, Problem, Segment,
@@ -46,6 +46,8 @@ pub(crate) struct Chain<'a> {
     /// Number of searches started for picks, by stage.
     begun: Vec<u64>,
     outcome: Outcome,
+    /// Path of the first stage that was claimed and refused.
+    refused: Option<RefusedClaim>,
     /// The carrier of the first object, if the first of several stages is a pick.
     pub first_carrier: Option<Arc<Carrier>>,
 }
@@ -90,6 +92,7 @@ impl<'a> Chain<'a> {
             spoiled,
             begun,
             outcome,
+            refused: None,
             first_carrier,
         })
     }
@@ -110,7 +113,8 @@ impl<'a> Chain<'a> {
                 || self.effort.left().is_zero()
                 || spent >= self.request.budget.iterations;
             let is_later = |failure: &GraspFailure| matches!(failure.reason, FailureReason::Later { .. });
-            let may_find = self.outcome == Outcome::BudgetExhausted || self.failures.iter().any(is_later);
+            let may_find = matches!(self.outcome, Outcome::BudgetExhausted | Outcome::ClaimedNotProven)
+                || self.failures.iter().any(is_later);
             if found.is_some() || picks < 2 || is_over || !may_find {
                 break found;
             }
@@ -121,7 +125,8 @@ impl<'a> Chain<'a> {
         statistics.planning_time_s = begin.elapsed().as_secs_f64();
         let path = pieces.first().map(|(segment, _)| segment.waypoints.clone()).unwrap_or_default();
         let failures = if outcome == Outcome::Solved { Vec::new() } else { self.failures };
-        Ok((PlanReport { outcome, path, statistics, failures }, pieces))
+        let refused = self.refused.filter(|_| outcome == Outcome::ClaimedNotProven);
+        Ok((PlanReport { outcome, path, statistics, failures, refused }, pieces))
     }
 
     /// Searches the first stage, and from there all others.
@@ -269,13 +274,13 @@ impl<'a> Chain<'a> {
         report: PlanReport,
         failed: Vec<(Pose, FailureReason)>,
     ) -> FailureReason {
-        let PlanReport { outcome, mut failures, .. } = report;
+        let PlanReport { outcome, mut failures, refused, .. } = report;
         if let Some(grasps) = picking.grasps() {
             add_failed(&mut failures, grasps, &failed);
         }
         let commonest = GraspFailure::commonest(&failures).cloned();
         if index == 0 {
-            (self.outcome, self.failures) = (outcome, failures);
+            (self.outcome, self.failures, self.refused) = (outcome, failures, refused);
         }
         let last = failed.into_iter().next_back().map(|(_, reason)| reason);
         last.or(commonest).unwrap_or(FailureReason::NotTried)
@@ -324,7 +329,7 @@ impl<'a> Chain<'a> {
             let report = search.next(observer)?;
             if report.outcome != Outcome::Solved {
                 self.effort.count(&report.statistics, Outcome::Solved);
-                self.outcome = report.outcome;
+                (self.outcome, self.refused) = (report.outcome, report.refused);
                 return Ok(Err(FailureReason::NotMoved));
             }
             let there = state.at(report.path.last().map_or(&[], |q| &q[..]));

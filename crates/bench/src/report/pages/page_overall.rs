@@ -6,6 +6,9 @@ use crate::report::drawn::plot::Plot;
 use crate::report::pages::page_figures::{Markup, Shown};
 use crate::report::pages::page_tables::estimate;
 
+/// Place of the column of claims among the cells, if there is one: after the solved runs.
+const OF_CLAIMS: usize = 2;
+
 /// Adds a table with one line for each planner, the mean curves and the performance profile.
 pub fn overall(page: &mut Markup, criterion: &str, plots: &[&Plot]) {
     let summary = page.summary;
@@ -30,12 +33,24 @@ pub fn overall(page: &mut Markup, criterion: &str, plots: &[&Plot]) {
         page.figure(&at("scenarios_in_all")),
         page.figure(&at("followed_to_s")),
     );
-    let heads =
-        ["<planner", "success, %", "solved", "runs", "median time, s", "fastest, %", "≤ 2×, %", "≤ 10×, %"];
+    let has_claims = of_criterion().any(|(_, own)| own.claimed > 0);
+    let mut heads = vec![
+        "<planner",
+        "success, %",
+        "solved",
+        "runs",
+        "median time, s",
+        "fastest, %",
+        "≤ 2×, %",
+        "≤ 10×, %",
+    ];
+    if has_claims {
+        heads.insert(OF_CLAIMS + 1, "claimed, not proven");
+    }
     page.open_table(&caption, &heads);
     for (index, own) in of_criterion() {
         let at = |key: &str| format!("overall.{index}.{key}");
-        let cells = [
+        let mut cells = vec![
             estimate(page, &at("success_rate"), &at("success_low"), &at("success_high"), Shown::Percent),
             page.figure(&at("solved")),
             page.figure(&at("runs")),
@@ -44,6 +59,9 @@ pub fn overall(page: &mut Markup, criterion: &str, plots: &[&Plot]) {
             page.figure_as(&at("within_2"), Shown::Percent),
             page.figure_as(&at("within_10"), Shown::Percent),
         ];
+        if has_claims {
+            cells.insert(OF_CLAIMS, page.figure(&at("claimed")));
+        }
         page.table_line(&own.planner_name, &cells);
     }
     page.close_table();

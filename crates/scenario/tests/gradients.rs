@@ -1,0 +1,113 @@
+//! Gradients of signed distances on the built-in scenarios.
+
+use cranny_collision::{Cell, Margins, PairDistance, Scratch};
+use cranny_scenario::{OpenOptions, Scenario, catalogue};
+use cranny_spatial::Stream;
+
+/// Distance up to which pairs are compared, in metres.
+const WITHIN_M: f64 = 0.3;
+
+/// Returns the distance at `q` of the pair that was `pair` nearby.
+fn distance_m(cell: &Cell, q: &[f64], pair: &PairDistance, scratch: &mut Scratch) -> Option<f64> {
+    let mut found = Vec::new();
+    cell.pair_distances(q, WITHIN_M + 0.05, scratch, &mut found);
+    let same = found.iter().filter(|other| (other.link, other.second) == (pair.link, pair.second));
+    let off = |distance_m: &f64| (distance_m - pair.distance_m).abs();
+    same.map(|other| other.distance_m).min_by(|a, b| off(a).total_cmp(&off(b)))
+}
+
+/// Returns the derivative of the distance by a joint, by differences of fourth order.
+fn slope(
+    cell: &Cell,
+    q: &[f64],
+    joint: usize,
+    pair: &PairDistance,
+    step: f64,
+    scratch: &mut Scratch,
+) -> Option<f64> {
+    let mut at = |steps: f64| {
+        let mut q = q.to_vec();
+        q[joint] += steps * step;
+        distance_m(cell, &q, pair, scratch)
+    };
+    let near = at(1.0)? - at(-1.0)?;
+    let far = at(2.0)? - at(-2.0)?;
+    Some((8.0 * near - far) / (12.0 * step))
+}
+
+#[test]
+fn gradients_are_those_of_finite_differences() {
+    // Distances err by 10⁻¹⁵ m or so, hence differences by 10⁻¹¹; where the nearest features change, differences of two steps
+    // disagree, and decide nothing.
+    const STEP: f64 = 1e-4;
+    const AGREEMENT: f64 = 1e-6;
+    const TOLERANCE: f64 = 1e-5;
+    let (mut compared, mut undecided) = (0, 0);
+    for entry in catalogue() {
+        let scenario = Scenario::open(entry.id, &OpenOptions::default()).unwrap();
+        let problem = scenario.problem(Margins::default()).unwrap();
+        let cell = problem.cell().unwrap();
+        let (robot, mut scratch, mut pairs) = (cell.robot().clone(), cell.scratch(), Vec::new());
+        let mut random = Stream::new(1, 0);
+        let configurations = (0..8).map(|index| match index {
+            0 => problem.start().to_vec(),
+            _ => robot.random_configuration(&mut random),
+        });
+        for q in configurations.collect::<Vec<_>>() {
+            cell.pair_distances(&q, WITHIN_M, &mut scratch, &mut pairs);
+            let frames = scratch.frames().clone();
+            for pair in pairs.iter().filter(|pair| pair.distance_m > 1e-3).step_by(3) {
+                let mut gradient = vec![0.0; q.len()];
+                pair.add_gradient(&robot, &frames, 1.0, &mut gradient);
+                let norm = gradient.iter().map(|x| x * x).sum::<f64>().sqrt().max(1e-2);
+                for joint in 0..q.len() {
+                    let slopes =
+                        [STEP, 0.5 * STEP].map(|step| slope(cell, &q, joint, pair, step, &mut scratch));
+                    let [Some(slope), Some(finer)] = slopes else { continue };
+                    if (slope - finer).abs() > AGREEMENT * norm {
+                        undecided += 1;
+                        continue;
+                    }
+                    compared += 1;
+                    assert!(
+                        (gradient[joint] - slope).abs() <= TOLERANCE * norm,
+                        "{}: {pair:?}, joint {joint}: {} instead of {slope}",
+                        entry.id,
+                        gradient[joint]
+                    );
+                }
+            }
+        }
+    }
+    assert!(compared > 10_000 && undecided * 20 < compared, "{compared} compared, {undecided} undecided");
+}
+
+#[test]
+fn a_step_along_the_gradient_leads_out_of_an_overlap() {
+    let (mut deeper, mut compared) = (0, 0);
+    for entry in catalogue() {
+        let scenario = Scenario::open(entry.id, &OpenOptions::default()).unwrap();
+        let problem = scenario.problem(Margins::default()).unwrap();
+        let cell = problem.cell().unwrap();
+        let (robot, mut scratch, mut pairs) = (cell.robot().clone(), cell.scratch(), Vec::new());
+        let mut random = Stream::new(2, 0);
+        for _ in 0..20 {
+            let q = robot.random_configuration(&mut random);
+            cell.pair_distances(&q, 0.0, &mut scratch, &mut pairs);
+            let frames = scratch.frames().clone();
+            for pair in pairs.clone().iter().filter(|pair| pair.distance_m < -1e-3) {
+                let mut gradient = vec![0.0; q.len()];
+                pair.add_gradient(&robot, &frames, 1.0, &mut gradient);
+                let square: f64 = gradient.iter().map(|x| x * x).sum();
+                // A tenth of a millimetre.
+                let scale = 1e-4 / square.max(1e-4);
+                let moved: Vec<f64> = q.iter().zip(&gradient).map(|(q, slope)| q + scale * slope).collect();
+                if let Some(distance_m) = distance_m(cell, &moved, pair, &mut scratch) {
+                    compared += 1;
+                    deeper += usize::from(distance_m < pair.distance_m);
+                }
+            }
+        }
+    }
+    assert!(compared > 1000 && deeper * 50 < compared, "{deeper} of {compared} are deeper");
+}
