@@ -29,7 +29,7 @@ use crate::program::version;
     max_term_width = 100,
     after_help = "Examples:
   cranny plan 021                      plan a grasp in a built-in scenario
-  cranny verify 021 021.plan.json      judge the path, or anybody's way points
+  cranny verify 021 021.plan.json      judge the path, or way points from any source
   cranny help plan                     all options of one command"
 )]
 pub struct Cli {

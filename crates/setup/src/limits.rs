@@ -25,10 +25,10 @@ pub(crate) fn needed_text(joints: &[JointFacts]) -> String {
 /// Returns a complete `limits.yaml`, which marks its defaults as such.
 pub(crate) fn text(joints: &[JointFacts], ranges: &Ranges) -> String {
     let header = format!(
-        "# Greatest velocities, accelerations and jerks of the joints (m, rad, s), where the URDF does not say them.\n\
+        "# Greatest velocities, accelerations and jerks of the joints (m, rad, s), where the URDF has none.\n\
          # EVERY FIGURE IN THIS FILE IS A DEFAULT, not the maker's: accelerations {ACCELERATION} rad/s^2 and m/s^2, as\n\
-         # MoveIt assumes where it is told nothing, jerks {JERK} rad/s^3 and m/s^3. Put the maker's figures in their place:\n\
-         # a trajectory is as quick as they allow. `lower` and `upper` narrow a joint's range, `velocity` its speed.\n"
+         # MoveIt assumes without others, jerks {JERK} rad/s^3 and m/s^3. Replace them by the maker's figures:\n\
+         # they limit the speed of every trajectory. `lower` and `upper` narrow a joint's range, `velocity` its speed.\n"
     );
     let body = text_of(joints, |text, name, speed, motion| {
         let range = ranges.iter().find(|(joint, _)| yaml_key(joint) == name);

@@ -182,7 +182,7 @@ pub(crate) fn pairs_choice(robot: &Robot, contacts: &[SelfContact], is_own: bool
     let count = |is: &dyn Fn(&SelfContact) -> bool| contacts.iter().filter(|contact| is(contact)).count();
     let pair = |c: &SelfContact| {
         format!(
-            "{} and {}, {:.1} mm deep at the least",
+            "{} and {}, at least {:.1} mm deep",
             name(c.links.0),
             name(c.links.1),
             c.least_depth_m * 1000.0

@@ -70,7 +70,7 @@ impl StartChoice {
                 .collect()
         };
         let why =
-            format!("the best of {DRAWS} drawn: free of itself, the hand before its base, the arm folded");
+            format!("the best of {DRAWS} random configurations: no link touches another, the hand is in front of the base, and the arm is folded");
         Ok(best.map(|(_, q)| rounded(q)).map(|q| Self { q, why }))
     }
 }

@@ -38,14 +38,13 @@ use crate::{Answer, output_file, text};
   cranny bench run --scenarios all --planners reach --carry home
   cranny bench run --scenarios all --planners grasp-reach,grasp-rrt \\
       --grasps none
-  cranny bench run campaign.yaml -o results.db --again killed,crashed     once more what was lost
+  cranny bench run campaign.yaml -o results.db --again killed,crashed     run lost trials again
   cranny bench run --scenarios 021 --criterion paper \\
       --planner \"released:./burs_of_free_space -planner 0\"
 
-The same command again goes on where it was stopped, whatever stopped it; no trial is counted twice.
-Exit 0: every trial is in the results, however it ended; exit 1: stopped before.
-Flags go before what the campaign file or the preset says. How a planner of your own is called:
-docs/exec_protocol.md.")]
+The same command again continues an interrupted campaign; no trial is counted twice.
+Exit 0: the results contain every trial, failures included; exit 1: interrupted.
+Flags override the campaign file and the preset. A planner of your own is called as docs/exec_protocol.md defines.")]
 pub struct RunArguments {
     /// Campaign file (YAML)
     #[arg(value_name = "CAMPAIGN", conflicts_with = "preset")]

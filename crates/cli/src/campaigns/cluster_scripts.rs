@@ -73,7 +73,7 @@ impl<'a> ClusterScripts<'a> {
         };
         Ok(format!(
             "#!/bin/sh
-# Task $SLURM_ARRAY_TASK_ID of a campaign of cranny; it goes on where it was stopped.
+# Task $SLURM_ARRAY_TASK_ID of a campaign of cranny; it continues an interrupted run.
 #SBATCH --job-name={name}
 #SBATCH --ntasks=1
 #SBATCH --cpus-per-task=1

@@ -47,7 +47,7 @@ pub enum RobotCommand {
   cranny robot add arm.urdf --palm tool0 --tip gripper_frame
   cranny robot add arm.urdf --tool suction_cup                        for grasps from files
 
-It never asks: it chooses, and says what, why, and how to choose otherwise. The folder holds the URDF with its meshes,
+It asks nothing: it prints each choice with its reason and the flag that changes it. The folder contains the URDF with its meshes,
 robot.yaml (hand or tool, start), limits.yaml and an SRDF; each can be changed. Then:
   cranny robot check my_arm --picture my_arm.png
   cranny scenario generate --family table --count 1 --robot my_arm -o cell
