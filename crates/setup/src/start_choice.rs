@@ -69,8 +69,9 @@ impl StartChoice {
                 .map(|(value, limits)| limits.clamp((value * 1e3).round() / 1e3))
                 .collect()
         };
-        let why =
-            format!("the best of {DRAWS} random configurations: no link touches another, the hand is in front of the base, and the arm is folded");
+        let why = format!(
+            "the best of {DRAWS} random configurations: no link touches another, the hand is in front of the base, and the arm is folded"
+        );
         Ok(best.map(|(_, q)| rounded(q)).map(|q| Self { q, why }))
     }
 }

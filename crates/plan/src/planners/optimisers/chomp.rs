@@ -18,7 +18,7 @@ use crate::{Budget, Observer, PlanError, PlanReport, Planner, Ranges, Reach};
 ///
 /// One iteration is one step, or one batch of inverse kinematics. The defaults are those of the code of OMG-Planner (`liruiw/OMG-Planner`
 /// 53e899c, `omg/config.py`), which descends in the same way, except for the nearness of hand and links.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 // Unknown keys are refused when a planner is created.
 pub struct Chomp {
     /// Way points, steps and starts.
@@ -30,12 +30,6 @@ pub struct Chomp {
     /// Covariant descent.
     #[serde(flatten)]
     pub descent: Descent,
-}
-
-impl Default for Chomp {
-    fn default() -> Self {
-        Self { curve: CurveSettings::default(), range: CostRange::default(), descent: Descent::default() }
-    }
 }
 
 impl Planner for Chomp {

@@ -175,14 +175,14 @@ mod tests {
                 equal.iter().chain(chosen.iter().map(|row| &most[*row])).collect();
             let size = n + rows.len();
             let (mut matrix, mut right) = (DMatrix::zeros(size, size), DVector::zeros(size));
-            for i in 0..n {
-                matrix[(i, i)] = squares[i];
-                right[i] = -linear[i];
+            for (i, (square, slope)) in squares.iter().zip(linear).enumerate() {
+                matrix[(i, i)] = *square;
+                right[i] = -slope;
             }
             for (k, (row, bound)) in rows.iter().enumerate() {
-                for i in 0..n {
-                    matrix[(n + k, i)] = row[i];
-                    matrix[(i, n + k)] = row[i];
+                for (i, factor) in row.iter().enumerate() {
+                    matrix[(n + k, i)] = *factor;
+                    matrix[(i, n + k)] = *factor;
                 }
                 right[n + k] = *bound;
             }
@@ -210,10 +210,10 @@ mod tests {
             let equal = vec![row()];
             let most: Vec<_> = (0..6).map(|_| row()).collect();
             let mut program = QuadraticProgram::new(n);
-            for i in 0..n {
-                program.add_square(i, squares[i]);
-                program.linear[i] = linear[i];
+            for (i, square) in squares.iter().enumerate() {
+                program.add_square(i, *square);
             }
+            program.linear.clone_from(&linear);
             let sparse = |row: &[f64]| row.iter().copied().enumerate().collect::<Vec<_>>();
             for (row, bound) in &equal {
                 program.equal(&sparse(row), *bound);
