@@ -170,7 +170,7 @@ impl PlanBudget {
     fn of(budget: &Budget) -> Self {
         Self {
             iterations: (budget.iterations < u64::MAX).then_some(budget.iterations),
-            time_limit_s: (budget.time < Duration::MAX).then(|| budget.time.as_secs_f64()),
+            time_limit_s: (budget.time < Duration::MAX).then_some(budget.time.as_secs_f64()),
         }
     }
 }
