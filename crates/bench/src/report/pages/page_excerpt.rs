@@ -1,6 +1,6 @@
 //! Excerpt of a summary that a browser opens at once, however many planners, scenarios and runs there are.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use cranny_file::counted;
 
@@ -8,8 +8,11 @@ use crate::report::drawn::plot::Plot;
 use crate::report::planner_rank::ranked_planners;
 use crate::report::{Row, Summary};
 
-/// Maximum number of rows, and of entries of any other list; a row takes about 7 kB, so that a page stays below 5 MB.
-const MOST_ROWS: usize = 240;
+/// Maximum number of rows; a row takes about 4 kB, so that a page stays below 3 MB.
+const MOST_ROWS: usize = 400;
+
+/// Maximum number of entries of any other list, each of about 1 kB.
+const MOST_ENTRIES: usize = 240;
 
 /// Number of planners that have rows, if there are as many, before scenarios are left out.
 const LEAST_PLANNERS: usize = 8;
@@ -21,16 +24,16 @@ const MOST_MACHINES: usize = 100;
 const MOST_WARNINGS: usize = 50;
 
 /// Maximum number of jumps of all curves in the document of a page; the figures of its tables do not need them.
-const MOST_JUMPS: usize = 10_000;
+const MOST_JUMPS: usize = 3_000;
 
 /// Maximum size of all plots of a page, in bytes.
-const MOST_PLOT_BYTES: usize = 2_400_000;
+const MOST_PLOT_BYTES: usize = 900_000;
 
 /// Content of a page.
 pub struct Excerpt<'a> {
     /// The summary with the rows that fit: those of the best planners, on evenly chosen scenarios.
     pub summary: Summary,
-    /// The first plots, which fit.
+    /// Plots that fit: as many of each environment.
     pub plots: Vec<&'a Plot>,
     /// Sentences about what is left out.
     pub notes: Vec<String>,
@@ -63,22 +66,16 @@ impl<'a> Excerpt<'a> {
         let goals = summary.goals.iter();
         let goals = goals
             .filter(|goal| cells.contains(&(&*goal.criterion, &*goal.scenario_name, &*goal.planner_name)));
-        let goals: Vec<_> = goals.take(MOST_ROWS).cloned().collect();
+        let goals: Vec<_> = goals.take(MOST_ENTRIES).cloned().collect();
         note(&mut notes, goals.len(), summary.goals.len(), "goals");
-        let most = if whole { usize::MAX } else { MOST_ROWS };
-        let comparisons = first(&summary.comparisons, most, &mut notes, "comparisons");
+        let comparisons = first(&summary.comparisons, MOST_ENTRIES, &mut notes, "comparisons");
         let machines = first(&summary.machines, MOST_MACHINES, &mut notes, "machines");
         let split_rows = first(&summary.split_rows, MOST_MACHINES, &mut notes, "rows split by machine");
         let warnings = first(&summary.warnings, MOST_WARNINGS, &mut notes, "warnings");
         let known_goals = summary.known_goals.iter().filter(|(name, _)| scenarios.contains(&***name));
         let known_goals = known_goals.map(|(name, goals)| (name.clone(), *goals)).collect();
 
-        let mut bytes = 0;
-        let fitting = plots.iter().take_while(|plot| {
-            bytes += plot.page_svg().len();
-            bytes <= MOST_PLOT_BYTES
-        });
-        let fitting: Vec<&Plot> = fitting.collect();
+        let fitting = fitting_plots(plots);
         if fitting.len() < plots.len() {
             notes.push(format!("{} of {} plots; `--plots FOLDER` writes all", fitting.len(), plots.len()));
         }
@@ -99,6 +96,26 @@ impl<'a> Excerpt<'a> {
         };
         Self { summary, plots: fitting, notes }
     }
+}
+
+/// Returns plots of at most [`MOST_PLOT_BYTES`], in their order: the first ones of each environment.
+fn fitting_plots(plots: &[Plot]) -> Vec<&Plot> {
+    let mut counts: BTreeMap<(&str, Option<&str>), usize> = BTreeMap::new();
+    let mut ranked: Vec<(usize, usize)> = Vec::new();
+    for (index, plot) in plots.iter().enumerate() {
+        let rank = counts.entry((&plot.criterion, plot.environment.as_deref())).or_default();
+        ranked.push((*rank, index));
+        *rank += 1;
+    }
+    ranked.sort_unstable();
+    let mut bytes = 0;
+    let fits = |(_, index): &(usize, usize)| {
+        bytes += plots[*index].page_svg().len();
+        bytes <= MOST_PLOT_BYTES
+    };
+    let mut fitting: Vec<usize> = ranked.into_iter().take_while(fits).map(|(_, index)| index).collect();
+    fitting.sort_unstable();
+    fitting.into_iter().map(|index| &plots[index]).collect()
 }
 
 fn cell(row: &Row) -> (&str, &str, &str) {
