@@ -2,17 +2,15 @@
 
 mod audit;
 mod audit_limits;
+mod bounds;
 mod clearance_limit;
 mod corner_audit;
 mod early_audit;
 mod error;
 mod grasp_judge;
 mod joint_metric;
-mod lower_bound;
 mod path_cost;
 mod pick_audit;
-mod pose_clusters;
-mod pose_functional;
 mod shortcut;
 mod step;
 mod task_audit;
@@ -22,12 +20,13 @@ mod wall_clock;
 
 pub use audit::{Audit, AuditSettings, Clearances, arrival_at, audit, audit_with, path_length};
 pub use audit_limits::AuditLimits;
+pub use bounds::base_enclosure::{BaseEnclosure, base_enclosure};
+pub use bounds::lower_bound::least_length;
 pub use clearance_limit::{AppliedMargin, ClearanceLimit};
 pub use early_audit::audit_without_proof;
 pub use error::PathError;
 pub use grasp_judge::GraspJudge;
 pub use joint_metric::JointMetric;
-pub use lower_bound::least_length;
 pub use path_cost::{CostKind, PathCost};
 pub use pick_audit::PickAudit;
 pub use shortcut::{STOP, ShortcutSettings, Shortened, Shortener, shortcut};

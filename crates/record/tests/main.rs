@@ -2,6 +2,7 @@
 
 #![allow(clippy::disallowed_methods, reason = "what is compared to may come from the system")]
 
+mod base_enclosure;
 mod blends;
 mod cancelled_windings;
 mod carrying;

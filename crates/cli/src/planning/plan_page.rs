@@ -3,6 +3,7 @@ use std::path::Path;
 
 use cranny_file::counted;
 use cranny_grasp::{GraspSet, ScoreKind};
+use cranny_path::BaseEnclosure;
 use cranny_path::ClearanceLimit;
 use cranny_plan::{Improvement, NoGrasp, Outcome, Statistics};
 use cranny_record::{PlanAttempt, PlanFile, PlanShortening, PlanTiming};
@@ -338,6 +339,22 @@ fn no_grasp(reason: &NoGrasp, line: &mut dyn FnMut(&str, String)) {
                 let shift = format!("{x:+.2} m along x and {y:+.2} m along y");
                 line("hint", format!("with the base moved by {shift}, a grasp has a free configuration"));
             }
+        }
+        NoGrasp::BaseEnclosed(BaseEnclosure { joints, region_m, blocked_by, beyond_m, squares }) => {
+            let within = joints.iter().zip(region_m);
+            let within =
+                within.map(|(joint, [lower, upper])| format!("{joint} in [{lower:.3}, {upper:.3}] m"));
+            line(
+                "proven",
+                format!(
+                    "no path exists: the base stays within {}, and from there every goal is {} or more beyond reach",
+                    within.collect::<Vec<_>>().join(", "),
+                    at_least_mm(*beyond_m)
+                ),
+            );
+            let walls = blocked_by.iter().map(|[link, body]| format!("{link}–{body}"));
+            let walls = walls.collect::<Vec<_>>().join(", ");
+            line("", format!("blocked by {walls}; {squares} squares compared"));
         }
         _ => {}
     }

@@ -1,4 +1,5 @@
 use cranny_grasp::{Grasp, GraspSet, SamplerSettings, TooWide};
+use cranny_path::{BaseEnclosure, base_enclosure};
 use cranny_robot::{IkSettings, IkSolution, IkSolver, Robot};
 use cranny_spatial::{EXACT_TRANSLATION_M, Point, Pose, Stream, Vector};
 use cranny_task::{FailureReason, GraspFailure, GraspMeasure, Problem};
@@ -16,6 +17,8 @@ pub enum NoGrasp {
     TooWide(TooWide),
     /// The arm reaches none of the grasps.
     OutOfReach(ReachMiss),
+    /// The base cannot leave a region from which no goal is in reach, which is proven.
+    BaseEnclosed(BaseEnclosure),
 }
 
 /// Nearest approach of an arm to the grasps that it does not reach.
@@ -69,8 +72,11 @@ fn own_beyond_m(robot: &Robot, measure: &GraspMeasure) -> f64 {
 
 impl NoGrasp {
     /// Determines the reason after a search without a path, given the failures of its grasps, in some milliseconds. `None` if
-    /// the arm reached a grasp, or may have.
+    /// the arm reached a grasp, or may have, unless the base is enclosed.
     pub fn of(problem: &Problem, failures: &[GraspFailure]) -> Option<Self> {
+        if let Some(enclosure) = base_enclosure(problem) {
+            return Some(Self::BaseEnclosed(enclosure));
+        }
         let cell = problem.cell()?;
         let robot = cell.robot();
         let candidates: Vec<(Option<usize>, Grasp)> = if let Some(measure) = problem.grasp_measure() {

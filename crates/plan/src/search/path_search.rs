@@ -1,5 +1,6 @@
 use std::time::Duration;
 
+use cranny_path::base_enclosure;
 use cranny_spatial::other_seed;
 use cranny_task::Problem;
 
@@ -7,7 +8,8 @@ use crate::search::no_grasp::all_excluded;
 use crate::{Budget, Observer, Outcome, PathSearch, PlanError, PlanReport, Planner, Statistics};
 
 /// Runs a planner with valid settings ([`Planner::check`]). If every grasp is excluded beforehand, by its width or because it
-/// is beyond reach, no search begins.
+/// is beyond reach, no search begins. After a search without a path, a proof that the base cannot come near enough to any goal
+/// ([`base_enclosure`]) makes its outcome [`Outcome::NoReachableGrasp`].
 ///
 /// # Errors
 /// Those of the planner.
@@ -21,8 +23,18 @@ pub fn search(
     planner.check()?;
     match excluded(problem) {
         Some(report) => Ok(report),
-        None => planner.plan(problem, budget, seed, observer),
+        None => Ok(settled(planner.plan(problem, budget, seed, observer)?, problem)),
     }
+}
+
+/// Returns the report with the outcome that a proof gives, if the planner found no path.
+fn settled(report: PlanReport, problem: &Problem) -> PlanReport {
+    let is_open =
+        matches!(report.outcome, Outcome::BudgetExhausted | Outcome::ClaimedNotProven | Outcome::GaveUp);
+    if is_open && base_enclosure(problem).is_some() {
+        return PlanReport { outcome: Outcome::NoReachableGrasp, refused: None, ..report };
+    }
+    report
 }
 
 /// Begins the search of a planner for one path after another, as [`search`] does for one.

@@ -131,6 +131,11 @@ impl ReachBound {
         self.radius_m
     }
 
+    /// Centre of the ball with every slide of the base in the middle of its range, in the root frame.
+    pub fn middle(&self) -> &Point {
+        &self.middle
+    }
+
     /// Lower bound on the distance of the tip from `point_in_root`, in metres; 0 if the point is inside the bound.
     pub fn beyond_m(&self, point_in_root: &Point) -> f64 {
         let mut offset = point_in_root - self.middle;

@@ -6,8 +6,8 @@ use cranny_spatial::{Point, Pose, Vector};
 use cranny_task::{Goal, Problem, gripper_poses};
 
 use crate::audit_limits::START_TOLERANCE;
-use crate::pose_clusters::{Cluster, PoseClusters};
-use crate::pose_functional::Functional;
+use crate::bounds::pose_clusters::{Cluster, PoseClusters};
+use crate::bounds::pose_functional::Functional;
 
 /// Maximum number of boxes, each with a cluster of grasps.
 const MOST_BOXES: usize = 5_000;

@@ -1,7 +1,7 @@
 use cranny_spatial::nalgebra::Matrix3;
 use cranny_spatial::{EXACT_ROTATION_RAD, EXACT_TRANSLATION_M, Pose, Vector};
 
-use crate::pose_clusters::Cluster;
+use crate::bounds::pose_clusters::Cluster;
 
 /// A linear functional of a pose, `force · p + ⟨V, R⟩`.
 pub(crate) struct Functional {

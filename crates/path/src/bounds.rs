@@ -1,0 +1,6 @@
+//! What no path can achieve: lower bounds of the length, and regions that the base cannot leave.
+
+pub(crate) mod base_enclosure;
+pub(crate) mod lower_bound;
+mod pose_clusters;
+mod pose_functional;
