@@ -308,9 +308,8 @@ impl<'a> Squares<'a> {
 
     fn split(&mut self, (level, column, row): Place) {
         self.states.insert((level, column, row), State::Split);
-        let halves = |slide: usize, index: u32| match self.is_flat(slide) {
-            true => vec![index],
-            false => vec![2 * index, 2 * index + 1],
+        let halves = |slide: usize, index: u32| {
+            if self.is_flat(slide) { vec![index] } else { vec![2 * index, 2 * index + 1] }
         };
         let (columns, rows) = (halves(0, column), halves(1, row));
         for column in columns {
@@ -359,7 +358,7 @@ impl<'a> Squares<'a> {
         while let Some(place) = open.pop() {
             match self.states.get(&place) {
                 Some(State::Split) => {
-                    open.extend(self.children(place).into_iter().filter(|child| contains(child)))
+                    open.extend(self.children(place).into_iter().filter(|child| contains(child)));
                 }
                 Some(_) => found.push(place),
                 None => {}
