@@ -15,6 +15,9 @@ pub use error::PlanError;
 pub use neighbours::nearest::{EXACT_BELOW, FARTHER_BY, NearestNeighbours};
 pub use optimise::{Improvement, OptimiseSettings, Optimised, better, optimise};
 pub use planners::approach_rrt::ApproachRrt;
+pub use planners::baselines::est::Est;
+pub use planners::baselines::kpiece::Kpiece;
+pub use planners::baselines::lazy_prm::LazyPrm;
 pub use planners::grasp_reach::GraspReach;
 pub use planners::grasp_rrt::GraspRrt;
 pub use planners::ik_rbt::IkRbt;
@@ -38,6 +41,7 @@ pub use search::clock::Clock;
 pub use search::connector::{Connector, Path, connect};
 pub use search::forest::Forest;
 pub use search::goal_pool::GoalPool;
+pub use search::graph::roadmap::{Roadmap, RoadmapFile};
 pub use search::jacobian_search::GraspChoice;
 pub use search::no_grasp::{NoGrasp, ReachMiss};
 pub use search::path_search::{begin_search, search};
@@ -45,5 +49,4 @@ pub use search::planner::{
     Budget, Observer, Outcome, PathSearch, PlanReport, Planner, Statistics, Unobserved,
 };
 pub use search::ranges::Ranges;
-pub use search::roadmap::{Roadmap, RoadmapFile};
 pub use search::search_state::Search;

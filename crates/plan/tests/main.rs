@@ -8,6 +8,7 @@ mod fixture;
 mod audit;
 mod audit_limits;
 mod bad_input;
+mod baselines;
 mod full_turns;
 mod grasp_choice;
 mod hand_filter;

@@ -3,8 +3,8 @@ use cranny_task::Problem;
 use serde::{Deserialize, Serialize};
 
 use crate::search::connector::{Connector, Path, connect};
+use crate::search::graph::roadmap::{Roadmap, RoadmapFile};
 use crate::search::growth::{Grower, Growth};
-use crate::search::roadmap::{Roadmap, RoadmapFile};
 use crate::search::search_state::Search;
 use crate::wall_clock::now;
 use crate::{Budget, Observer, PlanError, PlanReport, Planner, Ranges, Unobserved};
@@ -148,16 +148,8 @@ impl<'a> Graph<'a> {
         let reached: Vec<usize> =
             goals.into_iter().filter(|goal| self.roadmap.are_connected(start, *goal)).collect();
         let way = (!reached.is_empty()).then(|| self.roadmap.shortest_way(start, &reached)).flatten()?;
-        for edge in way.windows(2) {
-            let (a, b) = (edge[0], edge[1]);
-            if self.roadmap.is_proven(a, b) {
-                continue;
-            }
-            if !self.grower.edge(self.roadmap.q(a), self.roadmap.q(b), search) {
-                self.roadmap.cut(a, b);
-                return Some(Connected::Refuted);
-            }
-            self.roadmap.set_proven(a, b);
+        if self.roadmap.refuted_edge(&way, &mut self.grower, search).is_some() {
+            return Some(Connected::Refuted);
         }
         let goal = self.goals.iter().position(|goal| *goal == way.last().copied())?;
         Some(Connected::Path(way.iter().map(|node| self.roadmap.q(*node).to_vec()).collect(), goal))

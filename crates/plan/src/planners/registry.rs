@@ -7,8 +7,9 @@ use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
 use crate::{
-    ApproachRrt, Budget, Chomp, Gomp, GraspReach, GraspRrt, IkRbt, IkRrt, JPlusRbt, JPlusRrt, Omg, Outcome,
-    PlanError, Planner, Prm, RbtConnect, Reach, Rrt, RrtConnect, RrtStar, Stomp, Unobserved,
+    ApproachRrt, Budget, Chomp, Est, Gomp, GraspReach, GraspRrt, IkRbt, IkRrt, JPlusRbt, JPlusRrt, Kpiece,
+    LazyPrm, Omg, Outcome, PlanError, Planner, Prm, RbtConnect, Reach, Rrt, RrtConnect, RrtStar, Stomp,
+    Unobserved,
 };
 
 /// Planners by name. [`Registry::default`] has the built-in ones, and [`Registry::with`] adds others.
@@ -52,6 +53,9 @@ impl Default for Registry {
             Entry::of::<Rrt>(),
             Entry::of::<RrtStar>(),
             Entry::of::<Prm>(),
+            Entry::of::<LazyPrm>(),
+            Entry::of::<Est>(),
+            Entry::of::<Kpiece>(),
             Entry::of::<IkRrt>(),
             Entry::of::<IkRbt>(),
             Entry::of::<JPlusRrt>(),

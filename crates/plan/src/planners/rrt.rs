@@ -135,11 +135,18 @@ impl KnownGoals {
     /// Returns the configuration (m, rad; one per joint) to grow towards next: with probability `p_goal` a random goal, with
     /// its index, otherwise a random configuration.
     pub fn target(&self, p_goal: f64, search: &mut Search) -> (Vec<f64>, Option<usize>) {
-        if search.random.uniform() < p_goal {
-            let goal = self.living[search.random.index(self.living.len())];
-            (self.configurations[goal].clone(), Some(goal))
-        } else {
-            (search.sample(), None)
+        match self.draw(p_goal, search) {
+            Some((q, goal)) => (q, Some(goal)),
+            None => (search.sample(), None),
         }
+    }
+
+    /// Returns with probability `p_goal` a random goal (m, rad; one per joint), with its index.
+    pub fn draw(&self, p_goal: f64, search: &mut Search) -> Option<(Vec<f64>, usize)> {
+        let is_drawn = search.random.uniform() < p_goal;
+        is_drawn.then(|| {
+            let goal = self.living[search.random.index(self.living.len())];
+            (self.configurations[goal].clone(), goal)
+        })
     }
 }

@@ -62,6 +62,16 @@ impl<'a> Search<'a> {
         self.problem.robot().random_configuration(&mut self.random)
     }
 
+    /// Returns a configuration (m, rad; one per joint) drawn uniformly within the joint limits from the box about `q` of which
+    /// no joint is farther than `half_width`.
+    pub(crate) fn sample_near(&mut self, q: &[f64], half_width: f64) -> Vec<f64> {
+        let limits = self.problem.robot().limits().iter().zip(q);
+        let ranges = limits.map(|(limits, value)| {
+            [limits.lower.max(value - half_width), limits.upper.min(value + half_width)]
+        });
+        ranges.map(|[low, high]| self.random.uniform_between(low, high)).collect()
+    }
+
     pub(crate) fn report(self, ended: Result<Vec<Vec<f64>>, Outcome>) -> PlanReport {
         let planning_time_s = self.clock.elapsed_s();
         PlanReport::of(ended, Statistics { planning_time_s, ..self.statistics })

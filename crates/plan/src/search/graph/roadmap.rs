@@ -1,15 +1,16 @@
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use cranny_file::TextFault;
-use cranny_robot::{Robot, distance};
+use cranny_robot::Robot;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::PlanError;
 use crate::neighbours::near_set::NearSet;
+use crate::search::graph::shortest_path::shortest_path;
+use crate::search::growth::Grower;
+use crate::search::search_state::Search;
 
 /// Graph of configurations, kept in a file for any number of queries (multi-query).
 ///
@@ -24,6 +25,8 @@ pub struct Roadmap {
     neighbours: Vec<Vec<Neighbour>>,
     /// Representative of each node in the union-find forest of connected components.
     components: Vec<usize>,
+    /// True if edges were removed since the components were determined.
+    is_cut: bool,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -92,6 +95,7 @@ impl Roadmap {
             near: NearSet::new(robot.dof()),
             neighbours: Vec::new(),
             components: Vec::new(),
+            is_cut: false,
         }
     }
 
@@ -168,6 +172,9 @@ impl Roadmap {
 
     /// Returns true if a path connects two nodes.
     pub(crate) fn are_connected(&mut self, a: usize, b: usize) -> bool {
+        if std::mem::take(&mut self.is_cut) {
+            self.find_components();
+        }
         self.component(a) == self.component(b)
     }
 
@@ -182,30 +189,12 @@ impl Roadmap {
 
     /// Returns the nodes of the shortest path (L2) from a node to any of `goals`.
     pub(crate) fn shortest_way(&self, from: usize, goals: &[usize]) -> Option<Vec<usize>> {
-        let mut costs = vec![f64::INFINITY; self.len()];
-        let mut before = vec![None; self.len()];
-        // Costs are not negative, so their bit patterns sort in the same order.
-        let mut open = BinaryHeap::from([(Reverse(0.0_f64.to_bits()), from)]);
-        costs[from] = 0.0;
-        while let Some((Reverse(cost), node)) = open.pop() {
-            if cost > costs[node].to_bits() {
-                continue;
-            }
-            if goals.contains(&node) {
-                let mut way: Vec<usize> = std::iter::successors(Some(node), |node| before[*node]).collect();
-                way.reverse();
-                return Some(way);
-            }
-            for next in &self.neighbours[node] {
-                let cost = costs[node] + distance(&self.nodes[node], &self.nodes[next.node]);
-                if cost < costs[next.node] {
-                    costs[next.node] = cost;
-                    before[next.node] = Some(node);
-                    open.push((Reverse(cost.to_bits()), next.node));
-                }
-            }
-        }
-        None
+        let beside = |node: usize| self.neighbours[node].iter().map(|next| next.node);
+        shortest_path(&self.nodes, beside, from, goals)
+    }
+
+    pub(crate) fn are_joined(&self, a: usize, b: usize) -> bool {
+        self.neighbours[a].iter().any(|next| next.node == b)
     }
 
     pub(crate) fn is_proven(&self, a: usize, b: usize) -> bool {
@@ -223,6 +212,40 @@ impl Roadmap {
         for (a, b) in [(a, b), (b, a)] {
             self.neighbours[a].retain(|next| next.node != b);
         }
+        self.is_cut = true;
+    }
+
+    /// Removes all edges of a node, and keeps it from being the nearest to any other.
+    pub(crate) fn isolate(&mut self, node: usize) {
+        for next in std::mem::take(&mut self.neighbours[node]) {
+            self.neighbours[next.node].retain(|back| back.node != node);
+        }
+        self.near.remove(node);
+        self.is_cut = true;
+    }
+
+    /// Proves the edges of a path; returns the first one without a proof, after it was removed.
+    pub(crate) fn refuted_edge(
+        &mut self,
+        way: &[usize],
+        grower: &mut Grower,
+        search: &mut Search,
+    ) -> Option<[usize; 2]> {
+        for edge in way.windows(2) {
+            let (a, b) = (edge[0], edge[1]);
+            if self.is_proven(a, b) {
+                continue;
+            }
+            if !grower.edge(self.q(a), self.q(b), search) {
+                self.cut(a, b);
+                return Some([a, b]);
+            }
+            self.set_proven(a, b);
+        }
+        None
+    }
+
+    fn find_components(&mut self) {
         self.components = (0..self.len()).collect();
         for node in 0..self.len() {
             for index in 0..self.neighbours[node].len() {
