@@ -51,7 +51,7 @@ fn each_false_claim_is_refused() {
         ("p 1 3 0,1,0\np 1 4 =\n", "p 1 4 =\np 1 3 0,1,0\n", "missing"),
         ("skip 1 2 adjacent-touching\n", "", "missing"),
         // Other scenes.
-        ("box 0 0.9 0 1 0 0 0 2 0.1 1", "box 0 0.5 0 1 0 0 0 2 0.1 1", "apart"),
+        ("box 0 0.9 0 1 0 0 0 2 0.1 1", "box 0 0.35 0 1 0 0 0 2 0.1 1", "apart"),
         ("half 0 0 -0.15 1 0 0 0", "half 0 0 -0.11 1 0 0 0", "apart"),
         ("keep 1 4 0.02", "keep 1 4 0.06", "apart"),
         ("margin 0.00001", "margin 0.5", "apart"),
